@@ -1,0 +1,27 @@
+FROM python:3.11-slim AS build
+RUN python -m venv /opt/abi
+ENV PATH=/opt/abi/bin:$PATH PIP_NO_CACHE_DIR=1 PIP_DISABLE_PIP_VERSION_CHECK=1
+WORKDIR /src
+COPY requirements.lock .
+RUN pip install --require-hashes -r requirements.lock
+COPY . .
+# A layer keeps whole seconds only; numba drops its cache when a source's time has changed.
+RUN pip install --no-deps --no-build-isolation . \
+    && find /opt/abi/lib -path '*/abi/kernels/*.py' -exec touch --date=2026-01-01T00:00:00Z {} +
+
+FROM python:3.11-slim
+COPY --from=build /opt/abi /opt/abi
+# Kernels are compiled for any processor of this architecture, so that they fit where the image runs.
+ENV PATH=/opt/abi/bin:$PATH \
+    PYTHONUNBUFFERED=1 \
+    NUMBA_CACHE_DIR=/home/abi/kernels \
+    NUMBA_CPU_NAME=generic
+RUN useradd --create-home --uid 10001 abi
+USER abi
+WORKDIR /home/abi
+RUN python -c "import abi.kernels.search as k; k.warm()"
+EXPOSE 8080
+# The server answers GET only.
+HEALTHCHECK --interval=30s --timeout=5s --start-period=30s \
+    CMD ["python", "-c", "import urllib.request as r; r.urlopen('http://127.0.0.1:8080/', timeout=4)"]
+CMD ["abi", "serve", "--host", "0.0.0.0", "--port", "8080", "--no-open"]
