@@ -1,0 +1,165 @@
+"""Everything that can go wrong on purpose.
+
+AbiError
+├── SceneError        the input is not a scene: names the field, the value and what would work
+└── StageError        the scene is valid but a stage has no result; ends the chain of stages
+    ├── PointBlocked      start or goal lies inside an obstacle or its clearance
+    ├── NoPath            no path joins start and goal on this mesh
+    ├── ClearanceNotHeld  a curve could not be kept clear of the obstacles
+    └── OutOfReach        the arm cannot follow the curve all the way
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from abi.arrays import FloatArray, IntArray
+
+
+class AbiError(Exception):
+    """Base of every error of this package; ``str(error)`` is one sentence for a person."""
+
+    def __init__(self, message: str, hint: str = "") -> None:
+        super().__init__(message)
+        self.message = message
+        self.hint = hint
+
+
+class SceneError(AbiError):
+    """A scene field that is wrong.
+
+    Args:
+        field: where it stands, e.g. ``obstacles[0].size``.
+        value: what was given.
+        expected: what would work, as the end of the sentence "expected …".
+    """
+
+    def __init__(self, field: str, value: object, expected: str) -> None:
+        shown = repr(value)
+        shown = shown if len(shown) <= 90 else f"{shown[:40]} … {shown[-40:]}"
+        super().__init__(f"{field} is {shown}; expected {expected}.")
+        self.field = field
+        self.value = value
+        self.expected = expected
+
+
+class StageError(AbiError):
+    """A valid scene for which a stage has no result.
+
+    Args:
+        stage: the stage's name in the plan: mesh, graph, search, bspline, quadratic, timing, arm.
+        kind: a short identifier a script can compare.
+        message: one sentence that says what is wrong.
+        hint: one sentence that says what to try.
+    """
+
+    def __init__(self, stage: str, kind: str, message: str, hint: str) -> None:
+        super().__init__(message, hint)
+        self.stage = stage
+        self.kind = kind
+
+
+class PointBlocked(StageError):
+    """Start or goal lies inside an obstacle or nearer to it than the clearance.
+
+    Args:
+        which: ``start`` or ``goal``.
+        obstacle: index in the scene's list, from 0.
+        distance: signed distance of the point to that obstacle, [unit]; negative inside.
+        clearance: the clearance asked for, [unit].
+        nearest: the nearest free point found, shape (3,), [unit], world; None when there is none.
+    """
+
+    def __init__(
+        self,
+        which: str,
+        obstacle: int,
+        distance: float,
+        clearance: float,
+        nearest: FloatArray | None,
+    ) -> None:
+        name = f"obstacle {obstacle + 1}"
+        place = (
+            f"{-distance:.3g} inside {name}"
+            if distance < 0
+            else f"only {distance:.3g} from {name}, the clearance is {clearance:.3g}"
+        )
+        hint = "Move it out of the obstacle" + (", or lower the clearance" if clearance else "")
+        if nearest is not None:
+            hint += "; the nearest free point is ({:.2f}, {:.2f}, {:.2f})".format(*nearest)
+        super().__init__("graph", f"{which}_blocked", f"The {which} is {place}.", f"{hint}.")
+        self.which = which
+        self.obstacle = obstacle
+        self.distance = distance
+        self.nearest = nearest
+
+
+class NoPath(StageError):
+    """Start and goal are not joined by free edges.
+
+    Args:
+        reached: ids of the nodes that the start can reach, shape (k,).
+        total: number of free nodes.
+        pitch: pitch of the mesh, [unit].
+    """
+
+    def __init__(self, reached: IntArray, total: int, pitch: float) -> None:
+        super().__init__(
+            "search",
+            "no_path",
+            f"No path: the start reaches {len(reached)} of {total} free nodes, and the goal is not "
+            "among them.",
+            "Move an obstacle out of the way, lower the clearance, or try a finer pitch than "
+            f"{pitch:.3g} if there is a gap.",
+        )
+        self.reached = np.asarray(reached)
+        self.total = total
+
+
+class ClearanceNotHeld(StageError):
+    """A curve that could not be kept clear.
+
+    Args:
+        clearance: the distance asked for, [unit].
+        found: the best distance reached, [unit]; negative when the curve enters an obstacle.
+    """
+
+    def __init__(self, clearance: float, found: float) -> None:
+        place = f"enters an obstacle by {-found:.3g}" if found < 0 else f"keeps only {found:.3g}"
+        super().__init__(
+            "bspline",
+            "clearance_not_held",
+            f"The B-spline {place} where a clearance of {clearance:.3g} was asked for.",
+            "Lower the clearance or the degree, or try a finer pitch.",
+        )
+        self.clearance = clearance
+        self.found = found
+
+
+class OutOfReach(StageError):
+    """A stretch of the curve that the arm cannot reach.
+
+    Args:
+        first: time of the first point out of reach, [s].
+        last: time of the last point out of reach, [s].
+        shortfall: the largest distance missing, [unit].
+        too_near: True when the worst point is too near to the shoulder rather than too far.
+    """
+
+    def __init__(self, first: float, last: float, shortfall: float, too_near: bool) -> None:
+        where = "too near to the shoulder" if too_near else "too far away"
+        what = (
+            "Move the base away from the curve or make a3 and a4 + a5 more alike."
+            if too_near
+            else "Move the base nearer or lengthen a3, a4 or a5."
+        )
+        super().__init__(
+            "arm",
+            "out_of_reach",
+            f"From t = {first:.2f} s to {last:.2f} s the curve is {where} for the arm, "
+            f"by up to {shortfall:.3g}.",
+            what,
+        )
+        self.first = first
+        self.last = last
+        self.shortfall = shortfall

@@ -1,0 +1,295 @@
+"""The scene: workspace, obstacles, start, goal and the settings of every stage.
+
+A scene is frozen, hashable and compares by value. It is what a scene file holds, what the panels
+of the visualiser read, and the only input of a plan.
+"""
+
+import difflib
+import json
+import math
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import BaseModel, ConfigDict, Field, Strict, ValidationError, model_validator
+from pydantic_core import ErrorDetails
+
+from abi import assets
+from abi.errors import SceneError
+from abi.scene_file import parse, write
+from abi.shapes import Box, Capsule, Cylinder, Length, Obstacles, Sphere, Vec3
+
+Name = Literal["bcc", "kuhn", "delaunay"]
+Algorithm = Literal["a_star", "dijkstra", "bellman_ford"]
+Count = Annotated[int, Strict()]
+Number = Annotated[float, Strict(), Field(allow_inf_nan=False, ge=-1e6, le=1e6)]
+Rate = Annotated[float, Strict(), Field(allow_inf_nan=False, ge=1e-6, le=1e6)]
+Rates = tuple[Rate, Rate, Rate]
+
+_WORDS = {
+    "a valid number": "a number",
+    "a valid integer": "a whole number",
+    "a valid tuple": "a list",
+    "a valid dictionary": "a mapping",
+    "Keys should be strings": "names of fields as text",
+}
+_SHAPES: dict[str, type[BaseModel]] = {
+    "box": Box,
+    "sphere": Sphere,
+    "cylinder": Cylinder,
+    "capsule": Capsule,
+}
+
+
+class _Settings(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid", validate_default=True)
+
+
+class Workspace(_Settings):
+    """The box that is meshed, axis-aligned; corners ``min`` and ``max`` in [unit], world."""
+
+    min: Vec3 = (0.0, 0.0, 0.0)
+    max: Vec3 = (6.0, 6.0, 6.0)
+
+    @model_validator(mode="after")
+    def _has_volume(self) -> Self:
+        if any(high - low < 1e-6 for low, high in zip(self.min, self.max, strict=True)):
+            raise SceneError("workspace.max", self.max, f"every number above min {self.min}")
+        return self
+
+    @property
+    def size(self) -> Vec3:
+        """Edge lengths, [unit]."""
+        x, y, z = (high - low for low, high in zip(self.min, self.max, strict=True))
+        return (x, y, z)
+
+    def contains(self, point: Vec3) -> bool:
+        """Whether ``point`` lies in the closed box."""
+        return all(a <= p <= b for a, p, b in zip(self.min, point, self.max, strict=True))
+
+
+class MeshSettings(_Settings):
+    """Stage 1. ``pitch`` is the distance between neighbouring nodes, [unit]."""
+
+    lattice: Name = "bcc"
+    pitch: Length = 1.2
+    seed: Annotated[Count, Field(ge=0, le=2**32 - 1)] = 0
+    max_nodes: Annotated[Count, Field(ge=8, le=20_000_000)] = 1_000_000
+
+    def cells(self, workspace: Workspace) -> tuple[int, int, int]:
+        """Cubes along each axis: as nearly cubes of the asked size as the box allows.
+
+        In the body-centred lattice the nearest neighbours are half a cube's diagonal apart, so
+        its cubes are 2/√3 times the pitch.
+        """
+        cube = self.pitch * (2 / math.sqrt(3) if self.lattice == "bcc" else 1.0)
+        x, y, z = (max(1, round(size / cube)) for size in workspace.size)
+        return (x, y, z)
+
+    def node_count(self, workspace: Workspace) -> int:
+        """Number of mesh nodes this pitch gives, before any memory is taken."""
+        x, y, z = self.cells(workspace)
+        return (x + 1) * (y + 1) * (z + 1) + (x * y * z if self.lattice == "bcc" else 0)
+
+    def finest_pitch(self, workspace: Workspace) -> float:
+        """Smallest pitch, to three digits, whose mesh keeps within ``max_nodes``."""
+        low, high = 1e-6, max(workspace.size) * 2
+        for _ in range(80):
+            middle = math.sqrt(low * high)
+            fits = self.model_copy(update={"pitch": middle}).node_count(workspace) <= self.max_nodes
+            low, high = (low, middle) if fits else (middle, high)
+        digits = 2 - math.floor(math.log10(high))
+        return float(math.ceil(high * 10**digits) / 10**digits)
+
+
+class SearchSettings(_Settings):
+    """Stage 3. All three algorithms run; ``algorithm`` chooses whose path goes on."""
+
+    algorithm: Algorithm = "a_star"
+    weight: Literal["length", "hops"] = "length"
+
+
+class SplineSettings(_Settings):
+    """Stage 4. ``clearance`` is the distance to keep from every obstacle, [unit]."""
+
+    degree: Annotated[Count, Field(ge=2, le=5)] = 4
+    clearance: Annotated[Number, Field(ge=0)] = 0.2
+
+
+class QuadraticSettings(_Settings):
+    """Stage 5, the curve."""
+
+    mode: Literal["least_squares"] = "least_squares"
+
+
+class MotionSettings(_Settings):
+    """Stage 5, the motion: cruise speed [unit/s], acceleration and deceleration [unit/s²].
+
+    ``curve`` is the one the tool follows; ``auto`` is the quadratic when it keeps the clearance,
+    the B-spline otherwise.
+    """
+
+    speed: Rate = 4.0
+    acceleration: Rate = 6.0
+    deceleration: Rate = 6.0
+    curve: Literal["auto", "quadratic", "bspline"] = "auto"
+
+
+class ArmSettings(_Settings):
+    """Stage 6. Link lengths and base position in [unit]; ``q5`` is the initial extension, [unit].
+
+    ``forces``, ``masses`` and ``radii`` are the paper's Q4..Q6, m4..m6 and i4..i6: the generalised
+    forces [kg·unit²/s² for q4 and q6, kg·unit/s² for q5], masses [kg] and radii of inertia [unit].
+    """
+
+    model: Literal["abi"] = "abi"
+    base: Vec3 = (3.0, -3.0, 0.0)
+    a1: Length = 1.0
+    a2: Length = 2.0
+    a3: Length = 6.0
+    a4: Length = 3.0
+    a5: Length = 2.5
+    elbow: Literal["up", "down"] = "up"
+    q5: Annotated[Number, Field(ge=0)] = 0.0
+    forces: Vec3 = (0.0, 0.0, 0.0)
+    masses: Rates = (1.0, 1.0, 1.0)
+    radii: Rates = (1.0, 1.0, 1.0)
+    dynamics: Literal["corrected", "as_printed"] = "corrected"
+
+
+class Scene(_Settings):
+    """Everything a plan depends on."""
+
+    version: Annotated[Count, Field(ge=1, le=1)]
+    unit: Literal["m", "cm", "mm"] = "cm"
+    workspace: Workspace = Workspace()
+    start: Vec3 = (0.0, 0.0, 0.0)
+    goal: Vec3 = (6.0, 6.0, 6.0)
+    obstacles: Obstacles = ()
+    mesh: MeshSettings = MeshSettings()
+    search: SearchSettings = SearchSettings()
+    spline: SplineSettings = SplineSettings()
+    quadratic: QuadraticSettings = QuadraticSettings()
+    motion: MotionSettings = MotionSettings()
+    arm: ArmSettings = ArmSettings()
+
+    @model_validator(mode="after")
+    def _fits_together(self) -> Self:
+        for name in ("start", "goal"):
+            if not self.workspace.contains(getattr(self, name)):
+                expected = f"a point between {self.workspace.min} and {self.workspace.max}"
+                raise SceneError(name, getattr(self, name), expected)
+        nodes = self.mesh.node_count(self.workspace)
+        if nodes > self.mesh.max_nodes:
+            raise SceneError(
+                "mesh.pitch",
+                self.mesh.pitch,
+                f"at least {self.mesh.finest_pitch(self.workspace):g}: this pitch takes {nodes:,} "
+                f"nodes and mesh.max_nodes is {self.mesh.max_nodes:,}",
+            )
+        return self
+
+    @classmethod
+    def from_dict(cls, data: object) -> Self:
+        """Check ``data`` (as a scene file holds it) and build the scene.
+
+        Raises:
+            SceneError: names the first field that is wrong.
+        """
+        if not isinstance(data, dict):
+            raise SceneError("scene", data, "a mapping with version: 1")
+        try:
+            return cls.model_validate(data)
+        except ValidationError as error:
+            raise _first_error(error) from None
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain data, defaults filled in: what :meth:`from_dict` reads."""
+        plain: dict[str, Any] = json.loads(self.model_dump_json())
+        return plain
+
+    def replace(self, **changes: Any) -> Self:
+        """A copy with changed fields, checked again; a dict changes fields of a section.
+
+        Raises:
+            SceneError: names the field that is wrong.
+        """
+        data = self.to_dict()
+        for name, change in changes.items():
+            data[name] = {**data[name], **change} if isinstance(change, dict) else change
+        return self.from_dict(data)
+
+    def save(self, path: Path) -> None:
+        """Write a scene file, YAML or JSON by its ending; the old file stays whole on failure."""
+        write(self.to_dict(), path)
+
+
+def load_scene(name_or_path: str | Path) -> Scene:
+    """Load a shipped scene by its name, or a scene file (``.yaml``, ``.yml`` or ``.json``).
+
+    Raises:
+        SceneError: no such scene, not readable, or a field is wrong.
+    """
+    shipped = scene_names()
+    if str(name_or_path) in shipped:
+        return Scene.from_dict(parse(assets.path("scenes", f"{name_or_path}.yaml")))
+    path = Path(name_or_path)
+    if not path.suffix and not path.exists():
+        raise SceneError("scene", str(name_or_path), f"a file or one of {', '.join(shipped)}")
+    return Scene.from_dict(parse(path))
+
+
+def scene_names() -> tuple[str, ...]:
+    """Names of the shipped scenes, ``paper`` first."""
+    names = sorted(path.stem for path in assets.path("scenes").glob("*.yaml"))
+    return tuple(sorted(names, key=lambda name: name != "paper"))
+
+
+def _first_error(error: ValidationError) -> SceneError:
+    """The first complaint of the checker, in this package's words."""
+    detail = error.errors(include_url=False)[0]
+    place = [part for part in detail["loc"] if part not in _SHAPES]
+    field = "".join(f"[{p}]" if isinstance(p, int) else f".{p}" for p in place).lstrip(".")
+    missing = detail["type"] == "missing"
+    return SceneError(
+        field or "scene", _Missing() if missing else detail["input"], _expected(detail, place)
+    )
+
+
+class _Missing:
+    """Stands in an error for a value that was not given."""
+
+    def __repr__(self) -> str:
+        return "missing"
+
+
+def _expected(detail: ErrorDetails, place: list[int | str]) -> str:
+    """What would have worked, as the end of "expected …"."""
+    kind = detail["type"]
+    if kind == "missing":
+        return "a value, it has no default"
+    if kind == "extra_forbidden":
+        names = _fields_at(detail["loc"][:-1])
+        close = difflib.get_close_matches(str(place[-1]), names, 1)
+        return f"one of the fields {', '.join(names)}" + (
+            f"; did you mean {close[0]}?" if close else ""
+        )
+    if kind == "union_tag_not_found":
+        return "shape: box, sphere, cylinder or capsule"
+    if kind == "union_tag_invalid":
+        return "box, sphere, cylinder or capsule (triangle meshes are not supported yet)"
+    message = detail["msg"]
+    for prefix in ("Input should be ", "Value error, "):
+        message = message.removeprefix(prefix)
+    for theirs, ours in _WORDS.items():
+        message = message.replace(theirs, ours)
+    return message.partition(" or instance of ")[0]
+
+
+def _fields_at(place: tuple[int | str, ...]) -> list[str]:
+    """Names of the fields of the section at ``place``."""
+    if "obstacles" in place:
+        return list(_SHAPES[str(place[-1])].model_fields)
+    model: Any = Scene
+    for part in place:
+        model = model.model_fields[part].annotation
+    return list(model.model_fields)

@@ -1,0 +1,125 @@
+"""Scene files: YAML 1.2 or JSON into plain data, and back, with strict limits.
+
+Duplicate keys, anchors, tags and NaN are refused: each of them has another meaning in some
+reader, or grows without limit.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import tempfile
+from pathlib import Path
+from typing import Any, NoReturn
+
+from ruamel.yaml import YAML
+from ruamel.yaml.error import YAMLError
+from ruamel.yaml.events import AliasEvent, CollectionStartEvent, ScalarEvent
+
+from abi.errors import SceneError
+
+MAX_BYTES = 100_000
+MAX_DEPTH = 16
+
+
+def parse(path: Path) -> object:
+    """Plain data of the scene file at ``path``, at most 100 kB.
+
+    Raises:
+        SceneError: missing, unreadable, too large, or not YAML or JSON; names the file and line.
+    """
+    if path.suffix.lower() not in (".yaml", ".yml", ".json"):
+        raise SceneError("scene", str(path), "a file that ends in .yaml, .yml or .json")
+    try:
+        with path.open("rb") as file:
+            raw = file.read(MAX_BYTES + 1)
+    except OSError as error:
+        reason = (error.strerror or "unreadable").lower()
+        raise SceneError("scene", str(path), f"a file that can be read ({reason})") from None
+    return parse_bytes(raw, path.name)
+
+
+def parse_bytes(raw: bytes, name: str) -> object:
+    """Plain data of a scene file's content; ``name`` tells the format and is shown in errors."""
+    if len(raw) > MAX_BYTES:
+        raise SceneError("scene", name, f"a file of at most {MAX_BYTES // 1000} kB")
+    try:
+        text = raw.decode("utf-8-sig")
+        if name.lower().endswith(".json"):
+            return json.loads(text, object_pairs_hook=_unique, parse_constant=_refuse_constant)
+        _refuse_traps(text)
+        return YAML(typ="safe", pure=True).load(text)
+    except SceneError as error:
+        raise SceneError("scene", name, error.expected) from None
+    except UnicodeDecodeError:
+        raise SceneError("scene", name, "text in UTF-8") from None
+    except YAMLError as error:
+        mark = getattr(error, "problem_mark", None)
+        line = f" (line {mark.line + 1})" if mark is not None else ""
+        problem = (getattr(error, "problem", None) or "not YAML").splitlines()[0]
+        raise SceneError("scene", name, f"valid YAML: {problem}{line}") from None
+    except json.JSONDecodeError as error:
+        raise SceneError("scene", name, f"valid JSON: {error.msg} (line {error.lineno})") from None
+    except (ValueError, RecursionError):
+        raise SceneError("scene", name, "plain numbers, lists and mappings") from None
+
+
+def write(data: dict[str, Any], path: Path) -> None:
+    """Write ``data`` as YAML or JSON, by the ending of ``path``, in one step.
+
+    Raises:
+        SceneError: the file cannot be written.
+    """
+    try:
+        with tempfile.NamedTemporaryFile(
+            "w", dir=path.parent, suffix=path.suffix, delete=False, encoding="utf-8"
+        ) as file:
+            file.write(dump(data, path.name))
+            file.flush()
+            os.fsync(file.fileno())
+        os.replace(file.name, path)
+    except OSError as error:
+        reason = (error.strerror or "not writable").lower()
+        raise SceneError("scene", str(path), f"a place that can be written ({reason})") from None
+
+
+def dump(data: dict[str, Any], name: str) -> str:
+    """``data`` as text, YAML or JSON by the ending of ``name``."""
+    if name.lower().endswith(".json"):
+        return json.dumps(data, indent=2) + "\n"
+    from io import StringIO
+
+    stream = StringIO()
+    yaml = YAML(typ="safe", pure=True)
+    yaml.default_flow_style = None
+    yaml.sort_base_mapping_type_on_output = False  # type: ignore[assignment]
+    yaml.dump(data, stream)
+    return stream.getvalue()
+
+
+def _refuse_traps(text: str) -> None:
+    """Refuse what makes a small YAML text large or ambiguous, before it is built."""
+    depth = 0
+    for event in YAML(typ="safe", pure=True).parse(text):
+        if isinstance(event, AliasEvent) or getattr(event, "anchor", None):
+            raise SceneError("scene", "", "no YAML anchors or aliases")
+        if isinstance(event, CollectionStartEvent | ScalarEvent) and event.ctag:
+            raise SceneError("scene", "", "no YAML tags")
+        if isinstance(event, CollectionStartEvent):
+            depth += 1
+        elif type(event).__name__ in ("SequenceEndEvent", "MappingEndEvent"):
+            depth -= 1
+        if depth > MAX_DEPTH:
+            raise SceneError("scene", "", f"at most {MAX_DEPTH} levels")
+
+
+def _unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    keys = [key for key, _ in pairs]
+    if len(set(keys)) < len(keys):
+        twice = next(key for key in keys if keys.count(key) > 1)
+        raise SceneError("scene", "", f"each field once, {twice} stands there twice")
+    return dict(pairs)
+
+
+def _refuse_constant(name: str) -> NoReturn:
+    raise SceneError("scene", "", f"finite numbers, not {name}")
