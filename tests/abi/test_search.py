@@ -1,0 +1,276 @@
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterator
+from typing import Any, Literal
+
+import networkx
+import numpy as np
+import pytest
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import connected_components
+from scipy.sparse.csgraph import dijkstra as scipy_dijkstra
+
+from abi import search
+from abi.arrays import FloatArray, read_only
+from abi.errors import NoPath
+from abi.graph import Graph, build
+from abi.kernels import search as kernels
+from abi.mesh import exclude, tetrahedralise
+from abi.scene import MeshSettings, Workspace
+from abi.search import SEARCHES, Weight
+from abi.shapes import Box, Capsule, Obstacle, Obstacles, Sphere, nearest
+
+Lattice = Literal["bcc", "kuhn", "delaunay"]
+LATTICES: tuple[Lattice, ...] = ("bcc", "kuhn", "delaunay")
+WEIGHTS: tuple[Weight, ...] = ("length", "hops")
+
+
+def random_graph(seed: int) -> Graph:
+    """A mesh of up to 300 nodes with obstacles, start and goal anywhere or in the corners."""
+    rng = np.random.default_rng(seed)
+    obstacles: list[Obstacle] = []
+    for _ in range(rng.integers(0, 6)):
+        pose: Any = {"position": tuple(rng.uniform(0, 4, 3)), "wxyz": tuple(rng.normal(size=4))}
+        radius, height = rng.uniform(0.1, 0.7, 2)
+        shapes = (
+            Box(size=tuple(rng.uniform(0.05, 2.5, 3)), **pose),
+            Sphere(radius=radius, **pose),
+            Capsule(radius=radius, height=height, **pose),
+        )
+        obstacles.append(shapes[rng.integers(3)])
+    workspace = Workspace(max=(4, 3.3, 4.7))
+    settings = MeshSettings(lattice=LATTICES[seed % 3], pitch=rng.uniform(0.7, 1.5), seed=seed)
+    points = rng.uniform(0, 1, (200, 3)) * workspace.size
+    points = points[nearest(tuple(obstacles), points)[0] > 0.05]
+    corners = ((0, 0, 0), workspace.max)
+    free_corners = nearest(tuple(obstacles), np.array(corners, dtype=float))[0].min() > 0.05
+    start, goal = corners if free_corners and seed % 2 else map(tuple, points[:2].tolist())
+    return graph_of(workspace, settings, tuple(obstacles), start, goal)
+
+
+def graph_of(
+    workspace: Workspace, settings: MeshSettings, obstacles: Obstacles, start: Any, goal: Any
+) -> Graph:
+    free = exclude(tetrahedralise(workspace, settings), obstacles, 0.05)
+    return build(free, obstacles, 0.05, start, goal, 0.02)
+
+
+def walled() -> Graph:
+    """Start and goal on the two sides of a plate without a hole; some nodes excluded."""
+    obstacles = (
+        Box(position=(2, 2, 2.1), size=(9, 9, 0.01)),
+        Sphere(position=(1.0, 1.0, 1.0), radius=0.8),
+    )
+    workspace, settings = Workspace(max=(4, 4, 4)), MeshSettings(pitch=0.7)
+    return graph_of(workspace, settings, obstacles, (3, 3, 0.2), (1, 1, 3.8))
+
+
+def matrix(graph: Graph, weight: Weight) -> csr_array:
+    data = graph.lengths if weight == "length" else np.ones(len(graph.lengths))
+    n = len(graph.points)
+    return csr_array((data, graph.indices, graph.indptr), shape=(n, n))
+
+
+def costs_from(graph: Graph, weight: Weight, node: int) -> FloatArray:
+    return np.asarray(scipy_dijkstra(matrix(graph, weight), indices=node))
+
+
+def degrees(graph: Graph) -> Any:
+    return np.diff(graph.indptr)
+
+
+@pytest.fixture(params=["plain", "compiled"])
+def way(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> Iterator[str]:
+    """Run the test's searches as plain Python and compiled."""
+    if request.param == "plain":
+        monkeypatch.setattr(kernels, "ready", threading.Event())
+    else:
+        kernels.warm()
+    yield request.param
+    assert kernels.ready.is_set() == (request.param == "compiled")
+
+
+@pytest.mark.parametrize("block", range(10))
+def test_the_three_tie_and_equal_networkx_and_scipy(block: int) -> None:
+    solved = 0
+    for seed in range(30 * block, 30 * (block + 1)):
+        graph = random_graph(seed)
+        length = costs_from(graph, "length", graph.start)[graph.goal]
+        if not np.isfinite(length):
+            for find in SEARCHES.values():
+                with pytest.raises(NoPath):
+                    find(graph, "length")
+            continue
+        solved += 1
+        oracle = graph.to_networkx()
+        ends = (graph.start, graph.goal)
+        hops = networkx.shortest_path_length(oracle, *ends)
+        assert abs(networkx.dijkstra_path_length(oracle, *ends, weight="length") - length) < 1e-9
+        for find in SEARCHES.values():
+            assert abs(find(graph, "length").length - length) < 1e-9
+            by_hops = find(graph, "hops")
+            assert by_hops.hops == by_hops.cost == hops
+            assert by_hops.length >= length - 1e-9
+    assert solved > 20
+
+
+@pytest.mark.parametrize("weight", WEIGHTS)
+@pytest.mark.parametrize("algorithm", SEARCHES)
+@pytest.mark.parametrize("seed", [0, 1, 2])
+def test_a_result_is_a_walk_from_start_to_goal(
+    seed: int, algorithm: str, weight: Weight, way: str
+) -> None:
+    graph = random_graph(seed)
+    result = SEARCHES[algorithm](graph, weight)
+    edges = set(map(tuple, graph.edges.tolist()))
+    steps = list(zip(result.vertices[:-1].tolist(), result.vertices[1:].tolist(), strict=True))
+    assert (result.algorithm, result.weight) == (algorithm, weight)
+    assert (result.vertices[0], result.vertices[-1]) == (graph.start, graph.goal)
+    assert len(set(result.vertices.tolist())) == len(result.vertices) == result.hops + 1
+    assert {(min(step), max(step)) for step in steps} <= edges
+    assert np.array_equal(result.points, graph.points[result.vertices])
+    lengths = matrix(graph, "length").toarray()
+    assert abs(result.length - sum(lengths[step] for step in steps)) < 1e-12
+    assert result.cost == pytest.approx(result.length if weight == "length" else result.hops)
+    assert not any(a.flags.writeable for a in (result.vertices, result.points, result.order))
+
+
+@pytest.mark.parametrize("weight", WEIGHTS)
+@pytest.mark.parametrize("seed", range(20))
+def test_work_is_counted(seed: int, weight: Weight) -> None:
+    graph = random_graph(seed)
+    if not np.isfinite(costs_from(graph, weight, graph.start)[graph.goal]):
+        pytest.fail("choose seeds that have a path")
+    found = {name: find(graph, weight) for name, find in SEARCHES.items()}
+    for name, result in found.items():
+        assert result.expanded == len(result.order)
+        assert result.order[0] == graph.start
+        examined = result.order if name == "bellman_ford" else result.order[:-1]
+        assert result.relaxed == degrees(graph)[examined].sum()
+    for name in ("a_star", "dijkstra"):
+        order = found[name].order
+        assert order[-1] == graph.goal
+        assert len(np.unique(order)) == len(order)
+    reached = np.flatnonzero(np.isfinite(costs_from(graph, weight, graph.start)))
+    assert np.array_equal(np.unique(found["bellman_ford"].order), reached)
+
+
+@pytest.mark.parametrize("weight", WEIGHTS)
+@pytest.mark.parametrize("seed", range(20))
+def test_best_first_expands_in_the_order_of_estimates(seed: int, weight: Weight) -> None:
+    graph = random_graph(seed)
+    cost = costs_from(graph, weight, graph.start)
+    away = np.linalg.norm(graph.points - graph.points[graph.goal], axis=1)
+    to_go = away if weight == "length" else away / graph.longest_edge
+    a_star, dijkstra = search.a_star(graph, weight), search.dijkstra(graph, weight)
+    assert np.diff(cost[dijkstra.order]).min() >= -1e-9
+    assert np.diff((cost + to_go)[a_star.order]).min() >= -1e-9
+    assert a_star.expanded <= dijkstra.expanded
+    assert set(a_star.order.tolist()) <= set(dijkstra.order.tolist())
+    # what must be expanded is: nothing that promises less than the path's cost is left out
+    promising = np.flatnonzero((cost + to_go) < a_star.cost - 1e-9)
+    assert set(promising.tolist()) <= set(a_star.order.tolist())
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_the_straight_line_never_exceeds_the_way_that_is_left(seed: int) -> None:
+    graph = random_graph(seed)
+    away = np.linalg.norm(graph.points - graph.points[graph.goal], axis=1)
+    assert (away <= costs_from(graph, "length", graph.goal) + 1e-9).all()
+    assert (away / graph.longest_edge <= costs_from(graph, "hops", graph.goal) + 1e-9).all()
+    tail = np.repeat(np.arange(len(graph.points)), degrees(graph))
+    assert (away[tail] <= graph.lengths + away[graph.indices] + 1e-9).all()
+
+
+@pytest.mark.parametrize("weight", WEIGHTS)
+@pytest.mark.parametrize("algorithm", SEARCHES)
+def test_compiled_and_plain_give_the_same(
+    algorithm: str, weight: Weight, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    kernels.warm()
+    graphs = [random_graph(seed) for seed in range(10)]
+    compiled = [SEARCHES[algorithm](graph, weight) for graph in graphs]
+    monkeypatch.setattr(kernels, "ready", threading.Event())
+    for graph, one in zip(graphs, compiled, strict=True):
+        other = SEARCHES[algorithm](graph, weight)
+        assert np.array_equal(one.order, other.order)
+        assert np.array_equal(one.vertices, other.vertices)
+        assert (one.cost, one.relaxed) == (other.cost, other.relaxed)
+
+
+def test_one_compilation_serves_all_graphs() -> None:
+    kernels.warm()
+    for seed in range(3):
+        for find in SEARCHES.values():
+            find(random_graph(seed), "length")
+            find(random_graph(seed), "hops")
+    assert len(kernels.best_first.signatures) == len(kernels.bellman_ford.signatures) == 1
+
+
+def test_a_large_graph_waits_for_the_compiler(monkeypatch: pytest.MonkeyPatch) -> None:
+    graph = random_graph(1)
+    monkeypatch.setattr(kernels, "ready", threading.Event())
+    search.a_star(graph, "length")
+    assert not kernels.ready.is_set()
+    monkeypatch.setattr(search, "_COMPILE_FROM", len(graph.points) - 1)
+    search.a_star(graph, "length")
+    assert kernels.ready.is_set()
+
+
+@pytest.mark.parametrize("algorithm", SEARCHES)
+@pytest.mark.parametrize("weight", WEIGHTS)
+def test_no_path_names_all_that_the_start_reaches(algorithm: str, weight: Weight, way: str) -> None:
+    graph = walled()
+    with pytest.raises(NoPath) as caught:
+        SEARCHES[algorithm](graph, weight)
+    _, label = connected_components(matrix(graph, "length"), directed=False)
+    component = np.flatnonzero(label == label[graph.start])
+    assert np.array_equal(caught.value.reached, component)
+    assert caught.value.total == graph.free_nodes < len(graph.points)
+    assert f"{len(component)} of {graph.free_nodes}" in caught.value.message
+
+
+@pytest.mark.parametrize("algorithm", SEARCHES)
+def test_a_start_without_edges_reaches_itself(algorithm: str) -> None:
+    cage = (
+        Box(position=(2, 2, 2.1), size=(9, 9, 0.01)),
+        Box(position=(2, 2, 1.9), size=(9, 9, 0.01)),
+    )
+    graph = graph_of(
+        Workspace(max=(4, 4, 4)),
+        MeshSettings(lattice="kuhn", pitch=1.5),
+        cage,
+        (2, 2, 2),
+        (0, 0, 0),
+    )
+    with pytest.raises(NoPath) as caught:
+        SEARCHES[algorithm](graph, "length")
+    assert caught.value.reached.tolist() == [graph.start]
+
+
+@pytest.mark.parametrize("seed", range(10))
+@pytest.mark.parametrize("plain", [True, False])
+def test_bellman_ford_finds_all_costs_however_often_nodes_return(seed: int, plain: bool) -> None:
+    # unlike lengths, squares make many short steps cheaper than one long one: nodes return often
+    rng = np.random.default_rng(seed)
+    n = 40
+    place = rng.permutation(n)
+    weights = np.subtract.outer(place, place) ** 2.0
+    weights *= rng.uniform(0.5, 1.5, (n, n))
+    rows = csr_array(np.minimum(weights, weights.T))
+    indptr, indices = (read_only(a.astype(np.int32)) for a in (rows.indptr, rows.indices))
+    arguments: tuple[Any, ...] = (indptr, indices, read_only(rows.data), np.int32(0))
+    kernel = kernels.bellman_ford.py_func if plain else kernels.bellman_ford
+    cost, parent, order, relaxed = kernel(*arguments)
+    assert np.allclose(cost, scipy_dijkstra(rows, indices=0), rtol=1e-12)
+    assert len(order) > 4 * n
+    assert relaxed == np.diff(indptr)[order].sum()
+    child = np.flatnonzero(parent >= 0)
+    assert np.array_equal(child, np.arange(1, n))
+    assert np.allclose(cost[child], cost[parent[child]] + rows.toarray()[parent[child], child])
+
+
+def test_searches_are_named_in_order() -> None:
+    assert list(SEARCHES) == ["a_star", "dijkstra", "bellman_ford"]
+    assert [find.__name__ for find in SEARCHES.values()] == list(SEARCHES)
