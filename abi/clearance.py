@@ -1,0 +1,215 @@
+"""How clear of the obstacles a curve is, measured by adaptive sampling."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from abi.arrays import BoolArray, FloatArray, read_only
+from abi.curve import Curve
+from abi.shapes import Obstacles
+
+# Distances that differ by less are the same, [unit]: rounding, not a violation.
+ROUNDING = 1e-9
+
+_FIRST_PIECES = 64
+_FINEST_STRETCH = 512
+_MOST_PIECES = 200_000
+_MOST_HALVINGS = 40
+
+
+@dataclass(frozen=True, eq=False)
+class Clearance:
+    """Distance of a curve to the obstacles.
+
+    Attributes:
+        distance: what the curve's distance to the obstacles does not go below, [unit]; inf without
+            obstacles. Measured in floating point; its rounding is not accounted for.
+        at: parameter of the nearest sample.
+        nearest: signed distance of the nearest sample, [unit]; negative inside an obstacle.
+        obstacle: index of the obstacle it is nearest to, -1 without obstacles.
+        violations: parameter intervals (from, to), in order and apart, that hold every place found
+            nearer than asked by over 1e-9; empty exactly when there is none.
+    """
+
+    distance: float
+    at: float
+    nearest: float
+    obstacle: int
+    violations: tuple[tuple[float, float], ...]
+
+    @property
+    def holds(self) -> bool:
+        """Whether no sample is nearer than asked."""
+        return not self.violations
+
+
+@dataclass(frozen=True, eq=False)
+class _Pieces:
+    """Bézier pieces of the curve, in no order, and the distances at their ends.
+
+    Attributes:
+        control: control points (n, degree + 1, 3), [unit].
+        start: first parameter (n,).
+        end: last parameter (n,).
+        at_start: signed distance at the first point (n,), [unit].
+        at_end: signed distance at the last point (n,), [unit].
+    """
+
+    control: FloatArray
+    start: FloatArray
+    end: FloatArray
+    at_start: FloatArray
+    at_end: FloatArray
+
+    def halved(self, rows: BoolArray, middle: FloatArray, at_middle: FloatArray) -> _Pieces:
+        """Both halves of the pieces ``rows``, whose mid parameters and distances are given."""
+        first, second = _halving(self.control.shape[1] - 1)
+        control = self.control[rows]
+        middle, at_middle = middle[rows], at_middle[rows]
+        return _Pieces(
+            np.concatenate([first @ control, second @ control]),
+            np.concatenate([self.start[rows], middle]),
+            np.concatenate([middle, self.end[rows]]),
+            np.concatenate([self.at_start[rows], at_middle]),
+            np.concatenate([at_middle, self.at_end[rows]]),
+        )
+
+
+def measure(
+    curve: Curve, obstacles: Obstacles, asked: float = 0.0, tolerance: float = 1e-3
+) -> Clearance:
+    """Measure how near a curve comes to the obstacles, and where nearer than ``asked``.
+
+    The curve is halved into Bézier pieces. Each is sampled in its middle m, where an obstacle's
+    distance d has the subgradient g. As the obstacles are convex, so is d, and a piece stays in
+    the convex hull of its control points P_i (Farin, Curves and Surfaces for CAGD, section 4.3):
+
+        d >= d(m) + min_i g . (P_i - m)    along the whole piece.
+
+    That is never below the bound from d being 1-Lipschitz, d(m) - max_i |P_i - m|, and its error
+    falls with the square of the piece's length instead of with the length.
+
+    Args:
+        curve: polynomial between its breaks, continuous.
+        obstacles: the solids, convex.
+        asked: distance the curve should keep, [unit].
+        tolerance: largest ``nearest - distance``, [unit]; 1e-9 where less is given. No place
+            nearer than ``asked - tolerance`` is left out of ``violations``.
+
+    Past 200,000 pieces or 40 halvings, for a tolerance far below the curve's size, halving stops:
+    ``distance`` still bounds, if less tightly, and ``violations`` rest on the samples taken.
+    """
+    if not obstacles:
+        return Clearance(math.inf, float(curve.interval[0]), math.inf, -1, ())
+    tolerance = max(tolerance, ROUNDING)
+    pieces, at, nearest, obstacle = _first_pieces(curve, obstacles)
+    distance = nearest
+    stretches: list[FloatArray] = []
+    finest = (curve.interval[1] - curve.interval[0]) / _FINEST_STRETCH
+    for halvings in range(_MOST_HALVINGS + 1):
+        at_middle, whose, bound = _sample(pieces.control, obstacles)
+        middle = (pieces.start + pieces.end) / 2
+        k = int(at_middle.argmin())
+        if at_middle[k] < nearest:
+            at, nearest, obstacle = float(middle[k]), float(at_middle[k]), int(whose[k])
+
+        samples = np.stack([pieces.at_start, at_middle, pieces.at_end])
+        violating = samples.min(axis=0) < asked - ROUNDING
+        partly = violating & (samples.max(axis=0) >= asked - ROUNDING)
+        wide = pieces.end - pieces.start > finest
+        unsure = (bound < nearest - tolerance) | (~violating & (bound < asked - tolerance))
+        unsure |= partly & wide
+        if halvings == _MOST_HALVINGS or 2 * unsure.sum() > _MOST_PIECES:
+            unsure[:] = False
+
+        done = ~unsure
+        distance = min(distance, nearest, float(bound[done].min(initial=math.inf)))
+        kept = done & violating
+        stretches.append(np.stack([pieces.start[kept], pieces.end[kept]], axis=1))
+        if done.all():
+            break
+        pieces = pieces.halved(unsure, middle, at_middle)
+    return Clearance(distance, at, nearest, obstacle, _joined(np.concatenate(stretches)))
+
+
+def measure_polyline(points: FloatArray, obstacles: Obstacles) -> float:
+    """Exact least signed distance from a polyline to the obstacles, [unit].
+
+    Args:
+        points: vertices (k, 3), k >= 1, [unit], world.
+        obstacles: the solids; without any the distance is inf.
+    """
+    ends = points[1:] if len(points) > 1 else points
+    starts = points[: len(ends)]
+    return min(
+        (float(obstacle.segment_distance(starts, ends).min()) for obstacle in obstacles),
+        default=math.inf,
+    )
+
+
+@lru_cache(maxsize=16)
+def _from_samples(degree: int) -> FloatArray:
+    """Matrix that turns degree + 1 evenly spaced points of a piece into its control points."""
+    v = np.linspace(0, 1, degree + 1)[:, None]
+    i = np.arange(degree + 1)
+    choose = np.array([math.comb(degree, k) for k in i])
+    bernstein = choose * v**i * (1 - v) ** (degree - i)
+    return read_only(np.asarray(np.linalg.inv(bernstein), dtype=np.float64))
+
+
+@lru_cache(maxsize=16)
+def _halving(degree: int) -> tuple[FloatArray, FloatArray]:
+    """De Casteljau's matrices (degree + 1, degree + 1) for the first and the second half."""
+    first = np.array(
+        [[math.comb(i, j) / 2**i for j in range(degree + 1)] for i in range(degree + 1)]
+    )
+    return read_only(first), read_only(first[::-1, ::-1].copy())
+
+
+def _first_pieces(curve: Curve, obstacles: Obstacles) -> tuple[_Pieces, float, float, int]:
+    """Cut the curve evenly between its breaks; also the nearest end of a piece and whose it is."""
+    degree = max(curve.degree, 1)
+    breaks = np.unique(curve.breaks)
+    parts = -(-_FIRST_PIECES // max(len(breaks) - 1, 1))
+    cuts = np.linspace(breaks[:-1], breaks[1:], parts, endpoint=False, axis=1).ravel()
+    cuts = np.append(cuts, breaks[-1])
+    start, end = cuts[:-1], cuts[1:]
+    parameters = np.linspace(start, end, degree + 1, axis=1)
+    points = curve(parameters.ravel()).reshape(len(start), degree + 1, 3)
+    control = _from_samples(degree) @ points
+
+    ends = np.concatenate([points[:, 0], points[-1:, -1]])
+    distances = np.stack([obstacle.signed_distance(ends) for obstacle in obstacles])
+    least = distances.min(axis=0)
+    k = int(least.argmin())
+    pieces = _Pieces(control, start, end, least[:-1], least[1:])
+    return pieces, float(cuts[k]), float(least[k]), int(distances[:, k].argmin())
+
+
+def _sample(control: FloatArray, obstacles: Obstacles) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Distance at each piece's middle, whose it is, and a lower bound along the piece, (n,)."""
+    first, _ = _halving(control.shape[1] - 1)
+    middle = first[-1] @ control
+    offsets = control - middle[:, None]
+    distances = np.empty((len(obstacles), len(middle)))
+    bounds = np.empty_like(distances)
+    for k, obstacle in enumerate(obstacles):
+        distances[k] = obstacle.signed_distance(middle)
+        rise = np.einsum("nij,nj->ni", offsets, obstacle.gradient(middle))
+        bounds[k] = distances[k] + rise.min(axis=1)
+    return distances.min(axis=0), distances.argmin(axis=0), bounds.min(axis=0)
+
+
+def _joined(stretches: FloatArray) -> tuple[tuple[float, float], ...]:
+    """Sort intervals (n, 2) that do not overlap, and join those that touch."""
+    if not len(stretches):
+        return ()
+    start, end = stretches[stretches[:, 0].argsort()].T
+    apart = np.flatnonzero(start[1:] > end[:-1])
+    starts = start[np.concatenate([[0], apart + 1])]
+    ends = end[np.append(apart, len(end) - 1)]
+    return tuple(zip(starts.tolist(), ends.tolist(), strict=True))
