@@ -1,0 +1,209 @@
+"""Stage 6, inverse kinematics: q1, q2 and q3 that put the tool on given points.
+
+The arm is a planar two-link arm (a3, a6) in a vertical plane that q1 turns about the base axis.
+In that plane the tool is at (r, z) from the shoulder, D² = r² + z², and
+
+    q1 = atan2(x, −y)
+    tan²(q3/2) = ((a3 + a6)² − D²) / (D² − (a3 − a6)²)
+    q2 = atan2(r, z) − atan2(a6·sin q3, a3 + a6·cos q3)
+
+which is the cosine rule cos q3 = (D² − a3² − a6²) / (2·a3·a6) in the form that stays exact at
+full stretch and full fold. The paper's own q1, q2 and q3 (stage 6) have misprints: its q1 is right
+in one quadrant only.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from abi.arm import Arm
+from abi.arrays import BoolArray, FloatArray, read_only
+
+THROUGH = 1e-6
+"""A path that passes the base axis nearer than this part of the arm's reach passes through it."""
+
+
+@dataclass(frozen=True, eq=False)
+class Solution:
+    """Joint positions along a path.
+
+    Attributes:
+        q1: about the base axis, unwrapped along the path, shape (n,), [rad].
+        q2: shoulder, unwrapped along the path, shape (n,), [rad].
+        q3: elbow, of one sign along the path, shape (n,), [rad].
+        shortfall: how far the point is out of reach, shape (n,), [unit]: > 0 too far from the
+            shoulder by that much, < 0 too near, 0 within reach. Out of reach the joints are those
+            of the stretched or folded arm that points at the point.
+    """
+
+    q1: FloatArray
+    q2: FloatArray
+    q3: FloatArray
+    shortfall: FloatArray
+
+    @property
+    def reachable(self) -> BoolArray:
+        """Where the tool is on the point, shape (n,)."""
+        return np.asarray(self.shortfall == 0)
+
+
+def solve(
+    arm: Arm,
+    points: FloatArray,
+    q5: FloatArray,
+    elbow: Literal["up", "down"],
+    tangents: FloatArray,
+) -> Solution:
+    """Joint positions that lead the tool along a path, on one elbow branch.
+
+    q1 is continuous: where the path goes through the base axis, r changes its sign and q1 does not
+    jump by π; on the axis q1 is its limit along the path, 0 when the whole path is on the axis.
+    Passing the axis at a small distance d turns q1 by nearly π at the speed v/d, as it must.
+    A path through the shoulder itself (possible only when a3 = a6) has no continuous q2.
+
+    Args:
+        arm: the arm.
+        points: the path in the order it is followed, shape (n, 3), [unit], world; n >= 1.
+        q5: extension at each point, shape (n,), [unit].
+        elbow: ``up`` for q3 >= 0, the upper arm more upright; ``down`` for q3 <= 0.
+        tangents: direction of the path at each point, shape (n, 3), unit vectors or zero.
+
+    Returns:
+        The joint positions; nothing is raised for points out of reach.
+    """
+    offset = np.asarray(points, dtype=float) - arm.shoulder
+    forearm = arm.forearm(q5)
+    rounding = 1e-13 * (
+        float(np.abs(offset).max())
+        + float(np.abs(arm.base).max())
+        + arm.a3
+        + float(np.abs(forearm).max())
+    )
+    q1, across = _about_axis(offset, np.asarray(tangents, dtype=float), rounding, _reach(arm))
+    q3, shortfall = _elbow(arm, np.hypot(across, offset[:, 2]), forearm, rounding)
+    q3 = q3 if elbow == "up" else -q3
+    q2 = np.unwrap(np.arctan2(across, offset[:, 2])) - _lead(arm, forearm, q3)
+    return Solution(
+        q1=read_only(_centred(q1)),
+        q2=read_only(_centred(q2)),
+        q3=read_only(q3),
+        shortfall=read_only(shortfall),
+    )
+
+
+def branches(arm: Arm, point: ArrayLike, q5: float = 0.0) -> FloatArray:
+    """All q1, q2, q3 that reach one point: facing it or turned away, elbow up or down.
+
+    Args:
+        arm: the arm.
+        point: shape (3,), [unit], world.
+        q5: extension, [unit].
+
+    Returns:
+        Shape (k, 3), [rad], each within (−π, π]: four in general, two at full stretch or fold,
+        none out of reach. On the base axis, where any q1 will do, those with q1 = 0 and π.
+    """
+    x, y, z = np.asarray(point, dtype=float) - arm.shoulder
+    forearm = arm.forearm(q5)
+    across = math.hypot(x, y)
+    rounding = 1e-13 * (math.hypot(across, z) + float(np.abs(arm.base).max()) + arm.a3)
+    q3, shortfall = _elbow(arm, np.array([math.hypot(across, z)]), forearm, rounding)
+    if shortfall[0]:
+        return np.empty((0, 3))
+    straight = math.sin(q3[0]) == 0 or q3[0] == math.pi
+    found = [
+        (
+            math.atan2(x, -y) + turn,
+            math.atan2(facing * across, z) - float(_lead(arm, forearm, bend)[0]),
+            float(bend[0]),
+        )
+        for facing, turn in ((1, 0.0), (-1, math.pi))
+        for bend in ((q3,) if straight else (q3, -q3))
+    ]
+    angles = np.array(found)
+    return np.asarray(angles - 2 * np.pi * np.ceil((angles - np.pi) / (2 * np.pi)))
+
+
+def _reach(arm: Arm) -> float:
+    return arm.a3 + arm.a4 + arm.a5
+
+
+def _elbow(
+    arm: Arm, distance: FloatArray, forearm: FloatArray, rounding: float
+) -> tuple[FloatArray, FloatArray]:
+    """q3 in [0, π] and the shortfall for a distance from the shoulder, shapes (n,)."""
+    longest, shortest = arm.a3 + np.abs(forearm), np.abs(arm.a3 - np.abs(forearm))
+    shortfall = np.maximum(distance - longest, 0.0) - np.maximum(shortest - distance, 0.0)
+    shortfall = np.where(np.abs(shortfall) <= rounding, 0.0, shortfall)
+    # A force that pulls can make a6 negative: the tool is then behind the elbow.
+    sign = np.sign(forearm)
+    stretch, fold = arm.a3 + forearm, arm.a3 - forearm
+    folded = sign * (stretch - distance) * (stretch + distance)
+    stretched = sign * (distance - fold) * (distance + fold)
+    half = np.arctan2(np.sqrt(np.maximum(folded, 0)), np.sqrt(np.maximum(stretched, 0)))
+    return 2 * half, shortfall
+
+
+def _lead(arm: Arm, forearm: FloatArray, q3: FloatArray) -> FloatArray:
+    """Angle at the shoulder from the upper arm to the tool, [rad]."""
+    return np.asarray(np.arctan2(forearm * np.sin(q3), arm.a3 + forearm * np.cos(q3)))
+
+
+def _about_axis(
+    offset: FloatArray, tangents: FloatArray, rounding: float, reach: float
+) -> tuple[FloatArray, FloatArray]:
+    """q1 and the signed distance r from the base axis along a path, shapes (n,)."""
+    x, y = offset[:, 0], offset[:, 1]
+    distance = np.hypot(x, y)
+    off = np.flatnonzero(distance > rounding)
+    leaving = np.hypot(tangents[:, 0], tangents[:, 1]) > 1e-9
+    heading = np.arctan2(tangents[:, 0], -tangents[:, 1])
+    index = np.arange(len(offset))
+    on = distance <= rounding
+    if not len(off):
+        # All on the axis; a single sample may still know where it is going.
+        return np.where(leaving, heading, 0.0) if len(offset) == 1 else 0.0 * x, distance
+    angle = np.arctan2(x[off], -y[off])
+    turn = np.diff(angle)
+    turn -= 2 * np.pi * np.round(turn / (2 * np.pi))
+    flips = np.abs(turn) > np.pi / 2
+    for k in np.flatnonzero(flips & (np.diff(off) == 1)):
+        pair = slice(off[k], off[k] + 2)
+        flips[k] = _nearest_to_axis(offset[pair], tangents[pair]) <= THROUGH * reach
+    behind = np.concatenate([[0], np.cumsum(flips)])
+    q1 = np.interp(index, off, np.unwrap(angle + np.pi * behind))
+    # On the axis the path's direction gives q1 up to half turns; its neighbours give those.
+    limit = heading + np.pi * np.round((q1 - heading) / np.pi)
+    q1 = np.where(on & leaving, limit, q1)
+    across = np.zeros(len(offset))
+    across[off] = distance[off] * (1 - 2 * (behind % 2))
+    return q1, across
+
+
+def _nearest_to_axis(ends: FloatArray, tangents: FloatArray) -> float:
+    """Smallest distance from the z axis of the cubic that joins two points along two tangents."""
+    chord = ends[1] - ends[0]
+    half = math.acos(min(1.0, max(-1.0, float(tangents[0] @ tangents[1])))) / 2
+    # The length of the circular arc with these end tangents: the cubic is then exact to 4th order.
+    length = float(np.linalg.norm(chord)) * (half / math.sin(half) if half > 1e-6 else 1.0)
+    start, end = length * tangents
+    cubic = np.array([ends[0], start, 3 * chord - 2 * start - end, start + end - 2 * chord])
+    low, high = 0.0, 1.0
+    for _ in range(14):
+        # Zoom in on the best of 17 places; each round is 8 times closer.
+        places = np.linspace(low, high, 17)
+        distances = np.hypot(*np.polynomial.polynomial.polyval(places, cubic[:, :2]))
+        best = int(distances.argmin())
+        low, high = places[max(best - 1, 0)], places[min(best + 1, 16)]
+    return float(distances[best])
+
+
+def _centred(angle: FloatArray) -> FloatArray:
+    """The same angles, shifted by whole turns so that their range is as near to 0 as can be."""
+    middle = (angle.max() + angle.min()) / 2
+    return np.asarray(angle - 2 * np.pi * np.ceil((middle - np.pi) / (2 * np.pi)))
