@@ -1,0 +1,107 @@
+"""The ``abi`` command: serve the visualiser, or plan without a browser."""
+
+from __future__ import annotations
+
+import json
+import sys
+import threading
+import webbrowser
+from pathlib import Path
+
+import click
+
+from abi.errors import AbiError
+from abi.plan import plan as plan_scene
+from abi.scene import load_scene, scene_names
+
+INCOMPLETE, BAD_INPUT = 3, 2
+
+
+class _Group(click.Group):
+    """``abi`` alone, and ``abi --port 8123``, mean ``abi serve``."""
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        own = {"--help", "--version"}
+        if not args or (args[0] not in self.commands and args[0] not in own):
+            args = ["serve", *args]
+        return super().parse_args(ctx, args)
+
+
+@click.group(cls=_Group)
+@click.version_option(package_name="abi-visualiser", prog_name="abi")
+def cli() -> None:
+    """Plan a smooth, clear path for a robot's tool, and see every stage of it."""
+
+
+@cli.command()
+@click.argument("scene", default="paper")
+@click.option("--host", default="127.0.0.1", show_default=True, help="Address to listen on.")
+@click.option(
+    "--port", default=8080, show_default=True, type=click.IntRange(0, 65535), help="0: any free."
+)
+@click.option("--open/--no-open", "open_tab", default=True, help="Open a browser tab.")
+@click.option("--dark/--light", default=False, help="How a new tab looks.")
+def serve(scene: str, host: str, port: int, open_tab: bool, dark: bool) -> None:
+    """Start the visualiser on SCENE (a shipped scene's name or a file) and print its URL."""
+    from app.server import start
+
+    server = start(host=host, port=port, scene=scene, dark=dark)
+    click.echo(f"The ABI visualiser is at {server.url} (Ctrl+C ends it)")
+    if open_tab:
+        webbrowser.open(server.url)
+    try:
+        threading.Event().wait()
+    except KeyboardInterrupt:
+        click.echo()
+    finally:
+        server.stop()
+
+
+@cli.command()
+@click.argument("scene", default="paper")
+@click.option("--out", type=click.Path(dir_okay=False, path_type=Path), help="Write to a file.")
+@click.option("--full", is_flag=True, help="Also the mesh's nodes and edges, and every sample.")
+@click.option("--list", "list_scenes", is_flag=True, help="Name the shipped scenes and stop.")
+def plan(scene: str, out: Path | None, full: bool, list_scenes: bool) -> None:
+    """Plan SCENE and print the plan as JSON.
+
+    Exit code 0: a complete plan; 3: the scene has none, and the JSON says why; 2: bad input.
+    """
+    if list_scenes:
+        click.echo("\n".join(scene_names()))
+        return
+    result = plan_scene(load_scene(scene))
+    text = json.dumps(result.to_dict(full), indent=1, allow_nan=False)
+    if out is None:
+        click.echo(text)
+    else:
+        _write(out, text)
+    if result.error is not None:
+        click.echo(f"{result.error.message} {result.error.hint}", err=True)
+        raise SystemExit(INCOMPLETE)
+
+
+def _write(path: Path, text: str) -> None:
+    try:
+        path.write_text(text + "\n", encoding="utf-8")
+    except OSError as error:
+        reason = (error.strerror or "not writable").lower()
+        raise AbiError(f"--out: {str(path)!r} cannot be written ({reason}).") from None
+
+
+def main() -> None:
+    """Run the command; every foreseen fault is one line on stderr and exit code 2."""
+    try:
+        cli(standalone_mode=False)
+    except AbiError as error:
+        click.echo(f"abi: {error.message} {error.hint}".rstrip(), err=True)
+        sys.exit(BAD_INPUT)
+    except click.ClickException as error:
+        click.echo(f"abi: {error.format_message()}", err=True)
+        sys.exit(BAD_INPUT)
+    except click.Abort:
+        sys.exit(130)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,89 @@
+"""B-spline with its control points, and the quadratic; red where a curve enters an obstacle."""
+
+from __future__ import annotations
+
+import numpy as np
+import viser
+
+from abi.arrays import FloatArray
+from abi.bspline import BSpline
+from abi.plan import Plan
+from abi.quadratic import Quadratic
+from app import style
+from app.layers.lines import segments
+
+SAMPLES = 160
+
+
+class CurvesLayer:
+    """Draws the curves of stages 4 and 5; the one the arm executes is the wider."""
+
+    def __init__(self, client: viser.ClientHandle) -> None:
+        self._scene = client.scene
+        self._lines = {
+            name: client.scene.add_line_segments(
+                f"/curve/{name}",
+                np.zeros((1, 2, 3)),
+                colour,
+                thickness=5.0,
+                thickness_units="screen",
+            )
+            for name, (_, colour) in style.CURVES.items()
+        }
+        self._polygon = client.scene.add_line_segments(
+            "/curve/control_polygon",
+            np.zeros((1, 2, 3)),
+            style.BSPLINE,
+            thickness=1.0,
+            thickness_units="screen",
+        )
+        self._control: viser.PointCloudHandle | None = None
+        self._show_control = True
+        self._drawn: dict[str, object] = {}
+
+    def draw(self, plan: Plan) -> None:
+        """Draw the plan's curves; none where there are none."""
+        curves: dict[str, BSpline | Quadratic | None] = {
+            "bspline": plan.bspline,
+            "quadratic": plan.quadratic,
+        }
+        for name, curve in curves.items():
+            line = self._lines[name]
+            line.thickness = 7.0 if name == plan.followed else 4.0
+            if self._drawn.get(name, self) is curve:
+                continue
+            self._drawn[name] = curve
+            line.points = segments(np.zeros((0, 3)) if curve is None else _sample(curve))
+            if name == "bspline":
+                self._draw_control(plan)
+
+    def fade(self, faded: bool) -> None:
+        """Grey while a newer plan is on its way."""
+        for name, line in self._lines.items():
+            line.colors = np.array(style.FADED if faded else style.CURVES[name][1], np.uint8)
+
+    def show(self, bspline: bool, quadratic: bool, control: bool) -> None:
+        """Switch the curves and the control points."""
+        self._lines["bspline"].visible = bspline
+        self._lines["quadratic"].visible = quadratic
+        self._show_control = control
+        self._polygon.visible = control
+        if self._control is not None:
+            self._control.visible = control
+
+    def _draw_control(self, plan: Plan) -> None:
+        points = np.zeros((0, 3)) if plan.bspline is None else plan.bspline.control_points
+        self._polygon.points = segments(points)
+        self._control = self._scene.add_point_cloud(
+            "/curve/control_points",
+            points.astype(np.float32),
+            style.BSPLINE,
+            point_size=0.012 * max(plan.scene.workspace.size),
+            point_shape="circle",
+            precision="float32",
+            visible=self._show_control and len(points) > 0,
+        )
+
+
+def _sample(curve: BSpline | Quadratic) -> FloatArray:
+    return curve(np.linspace(*curve.interval, SAMPLES))

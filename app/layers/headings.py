@@ -1,0 +1,113 @@
+"""The stages' headings with their live results, and one sentence when there is none."""
+
+from __future__ import annotations
+
+import html
+import math
+
+import viser
+
+from abi.errors import AbiError, SceneError, StageError
+from abi.plan import Plan
+from app import style
+
+STAGES = ("mesh", "graph", "search", "bspline", "quadratic", "arm")
+_TITLES = {
+    "mesh": "1 · Mesh",
+    "graph": "2 · Graph",
+    "search": "3 · Search",
+    "bspline": "4 · B-spline",
+    "quadratic": "5 · Quadratic",
+    "arm": "6 · Arm",
+}
+_STAGE_OF_FIELD = {
+    "mesh": "mesh",
+    "search": "search",
+    "spline": "bspline",
+    "quadratic": "quadratic",
+    "motion": "quadratic",
+    "timing": "quadratic",
+    "arm": "arm",
+    "start": "graph",
+    "goal": "graph",
+    "obstacles": "mesh",
+}
+
+
+class HeadingsLayer:
+    """Owns the six folders; the panels put their inputs inside."""
+
+    def __init__(self, gui: viser.GuiApi) -> None:
+        self._notes: dict[str, viser.GuiHtmlHandle] = {}
+        self.folders: dict[str, viser.GuiFolderHandle] = {}
+        for stage in STAGES:
+            self._notes[stage] = gui.add_html("", visible=False)
+            self.folders[stage] = gui.add_folder(
+                _TITLES[stage], expand_by_default=stage not in ("graph", "arm")
+            )
+
+    def draw(self, plan: Plan) -> None:
+        """Put the plan's results into the headings."""
+        for stage, result in _results(plan).items():
+            label = f"{_TITLES[stage]} — {result}" if result else _TITLES[stage]
+            if self.folders[stage].label != label:
+                self.folders[stage].label = label
+
+    def complain(self, error: AbiError | None) -> None:
+        """Show one sentence above the stage it belongs to; none clears it."""
+        where = _stage(error)
+        for stage, note in self._notes.items():
+            if stage != where:
+                note.visible = False
+                continue
+            assert error is not None
+            note.content = _sentence(error)
+            note.visible = True
+
+
+def _stage(error: AbiError | None) -> str | None:
+    if error is None:
+        return None
+    if isinstance(error, StageError):
+        return _STAGE_OF_FIELD.get(error.stage, error.stage)
+    field = error.field if isinstance(error, SceneError) else ""
+    return _STAGE_OF_FIELD.get(field.split(".")[0].split("[")[0], "mesh")
+
+
+def _sentence(error: AbiError) -> str:
+    """The message and the way out; escaped, since both can quote what a user typed."""
+    return (
+        '<div style="margin:6px 10px 0;padding:6px 9px;border-left:4px solid #e03131;'
+        'background:rgba(224,49,49,.12);border-radius:3px;font-size:12.5px;line-height:1.35">'
+        f"<b>✗ {html.escape(error.message)}</b> {html.escape(error.hint)}</div>"
+    )
+
+
+def _results(plan: Plan) -> dict[str, str]:
+    unit = plan.scene.unit
+    results = dict.fromkeys(STAGES, "")
+    if plan.mesh is not None and plan.free is not None:
+        results["mesh"] = f"{plan.free.nodes:,} of {len(plan.mesh.points):,} nodes"
+    if plan.graph is not None:
+        results["graph"] = f"{plan.graph.edge_count:,} edges"
+    if plan.path is not None:
+        name = style.ALGORITHMS[plan.path.algorithm][0]
+        results["search"] = f"{name} {plan.path.length:.3f} {unit}"
+    elif plan.error is not None and plan.error.stage == "search":
+        results["search"] = "no path"
+    if plan.bspline is not None and plan.bspline_arc is not None:
+        distance = plan.bspline.clearance.distance
+        results["bspline"] = f"{plan.bspline_arc.length:.3f} {unit}, {_kept(distance)}"
+    if plan.quadratic is not None and plan.quadratic_arc is not None:
+        distance = plan.quadratic.clearance.distance
+        results["quadratic"] = f"{plan.quadratic_arc.length:.3f} {unit}, {_kept(distance)}"
+    if plan.motion is not None:
+        reached = "reaches all of it" if plan.motion.reachable else "out of reach"
+        results["arm"] = reached if plan.motion.within_limits else f"{reached}, joint limit passed"
+    return results
+
+
+def _kept(distance: float) -> str:
+    if math.isinf(distance):
+        return "nothing in the way"
+    return f"enters by {-distance:.2f}" if distance < 0 else f"clear by {distance:.2f}"

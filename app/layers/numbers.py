@@ -1,0 +1,207 @@
+"""The tables: searches as in the paper's Table I, lengths stage by stage, motion, formulas."""
+
+from __future__ import annotations
+
+import html
+import math
+from collections.abc import Iterable
+
+import viser
+
+from abi.plan import Plan
+from app import style
+
+_TABLE = (
+    '<table style="width:100%;border-collapse:collapse;font-size:12.5px;'
+    'font-variant-numeric:tabular-nums">'
+)
+_HEAD = "padding:3px 4px;font-weight:600;border-bottom:1px solid rgba(128,128,128,.5);"
+_CELL = "padding:3px 4px;border-bottom:1px solid rgba(128,128,128,.22);"
+_BOX = '<div style="margin:0 10px 10px;line-height:1.4;font-size:12.5px">'
+GOOD, BAD = "#12a67c", "#e03131"
+
+
+class NumbersLayer:
+    """Two tables in the result tab, and the graph's and the curve's numbers in their folders."""
+
+    def __init__(
+        self,
+        gui: viser.GuiApi,
+        result: viser.GuiTabHandle,
+        graph: viser.GuiFolderHandle,
+        quadratic: viser.GuiFolderHandle,
+        arm: viser.GuiFolderHandle,
+    ) -> None:
+        with result:
+            self._tables = gui.add_html("")
+        with graph:
+            self._graph = gui.add_html("")
+        with quadratic:
+            self._quadratic = gui.add_html("")
+        with arm:
+            self._arm = gui.add_html("")
+
+    def draw(self, plan: Plan, mesh_note: str) -> None:
+        """Write the plan's numbers."""
+        self._tables.content = _searches(plan) + _stages(plan)
+        self._graph.content = _graph(plan, mesh_note)
+        self._quadratic.content = _coefficients(plan) + _motion(plan)
+        self._arm.content = _arm(plan)
+
+
+def _searches(plan: Plan) -> str:
+    """Table I: the same columns, and what it cost."""
+    found = {result.algorithm: result for result in plan.searches}
+    rows = []
+    for name, (label, colour) in style.ALGORITHMS.items():
+        mark = style.swatch(colour, dashed=name == "dijkstra")
+        chosen = name == plan.scene.search.algorithm
+        title = f"{mark}<b>{label}</b>" if chosen else mark + label
+        if name not in found:
+            rows.append((title, "–", "–", "–", "–"))
+            continue
+        result = found[name]
+        rows.append(
+            (
+                title,
+                f"{len(result.vertices)}",
+                f"{result.length:.3f}",
+                f"{result.expanded:,}",
+                f"{plan.ms[name]:.2g}",
+            )
+        )
+    return _table(("search", "vertices", "length", "expanded", "ms"), rows)
+
+
+def _stages(plan: Plan) -> str:
+    """What each stage does to the length, and how near it comes to the obstacles."""
+    shortest = plan.lower_bound
+    rows = []
+    if plan.path is not None:
+        label, colour = style.ALGORITHMS[plan.path.algorithm]
+        rows.append(
+            (
+                f"{style.swatch(colour)}{label} path",
+                f"{plan.path.length:.3f}",
+                _over(plan.path.length, shortest),
+                _distance(plan.path_clearance, plan.scene.spline.clearance),
+            )
+        )
+    for name, curve, arc in (
+        ("bspline", plan.bspline, plan.bspline_arc),
+        ("quadratic", plan.quadratic, plan.quadratic_arc),
+    ):
+        if curve is None or arc is None:
+            continue
+        label, colour = style.CURVES[name]
+        executed = " ▸ arm" if name == plan.followed else ""
+        rows.append(
+            (
+                f"{style.swatch(colour)}{label}<b>{executed}</b>",
+                f"{arc.length:.3f}",
+                _over(arc.length, shortest),
+                _distance(curve.clearance.distance, plan.scene.spline.clearance),
+            )
+        )
+    rows.append(("straight line", f"{shortest:.3f}", "", ""))
+    return _table(("stage", f"length [{plan.scene.unit}]", "over line", "clearance"), rows)
+
+
+def _graph(plan: Plan, mesh_note: str) -> str:
+    if plan.graph is None or plan.mesh is None or plan.free is None:
+        return ""
+    graph = plan.graph
+    lines = [
+        f"Pitch {plan.mesh.pitch:.4g} {plan.scene.unit} (asked for {plan.scene.mesh.pitch:.4g}), "
+        f"{plan.free.tetrahedra_kept:,} tetrahedra, {int(plan.free.excluded.sum()):,} nodes "
+        "excluded.",
+        f"{graph.removed_edges:,} edges removed, {len(graph.crossing):,} of them between two free "
+        "nodes: they cross an obstacle.",
+    ]
+    if mesh_note:
+        lines.append(html.escape(mesh_note) + ".")
+    return _BOX + "<br>".join(lines) + "</div>"
+
+
+def _coefficients(plan: Plan) -> str:
+    """The curve as the paper prints it."""
+    if plan.quadratic is None:
+        return ""
+    c0, c1, c2 = plan.quadratic.coefficients
+    lines = [f"P{axis}(t) = {_polynomial(c0[i], c1[i], c2[i])}" for i, axis in enumerate("xyz")]
+    return (
+        '<div style="margin:2px 12px 6px;font:12px/1.45 ui-monospace,monospace">'
+        + "<br>".join(lines)
+        + "</div>"
+    )
+
+
+def _motion(plan: Plan) -> str:
+    if plan.profile is None:
+        return ""
+    profile = plan.profile
+    shape = "V is never reached" if profile.triangular else f"top speed {profile.peak_speed:.3g}"
+    return (
+        f"{_BOX}t1 {profile.t1:.3f} s, t2 {profile.t2:.3f} s, t3 {profile.t3:.3f} s: "
+        f"{profile.duration:.2f} s in all, {shape}.<br>"
+        f"Theorem 1: t1 = t3·|a3/a1| {'✓' if abs(profile.theorem_residual) < 1e-9 else '✗'} "
+        f"({profile.t1:.3f} = {profile.t1 - profile.theorem_residual:.3f})</div>"
+    )
+
+
+def _arm(plan: Plan) -> str:
+    if plan.motion is None:
+        return ""
+    motion = plan.motion
+    lines = []
+    if motion.clearance < math.inf:
+        lines.append(
+            f"The centre lines of the links keep {motion.clearance:.3f} {plan.scene.unit}."
+            if motion.clearance > 0
+            else "<b>✗ A link passes through an obstacle</b>: only the tool is kept clear."
+        )
+    for violation in motion.limit_violations[:2]:
+        lines.append(
+            f"✗ {violation.joint} passes its limit at {violation.time:.2f} s "
+            f"({violation.value:.2f})."
+        )
+    return _BOX + "<br>".join(lines) + "</div>" if lines else ""
+
+
+def _table(head: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> str:
+    lines = [_row("th", _HEAD, head)] + [_row("td", _CELL, row) for row in rows]
+    return f'<div style="margin:4px 8px 12px">{_TABLE}{"".join(lines)}</table></div>'
+
+
+def _row(tag: str, css: str, cells: tuple[str, ...]) -> str:
+    aligned = ("left", *("right" for _ in cells[1:]))
+    return (
+        "<tr>"
+        + "".join(
+            f'<{tag} style="{css}text-align:{side};white-space:nowrap">{cell}</{tag}>'
+            for side, cell in zip(aligned, cells, strict=True)
+        )
+        + "</tr>"
+    )
+
+
+def _over(length: float, shortest: float) -> str:
+    return f"+{100 * (length / shortest - 1):.1f} %"
+
+
+def _distance(distance: float, asked: float) -> str:
+    if math.isinf(distance):
+        return "–"
+    good = distance >= asked - 1e-9
+    colour, sign = (GOOD, "✓") if good else (BAD, "✗")
+    return f'<span style="color:{colour}">{distance:.3f} {sign}</span>'
+
+
+def _polynomial(*coefficients: float) -> str:
+    """c0 + c1 t + c2 t² as the paper prints it: three decimals, terms that vanish left out."""
+    text = ""
+    for number, power in zip(coefficients, ("", "t", "t²"), strict=True):
+        if abs(number) >= 5e-4:
+            sign = ("−" if number < 0 else "") if not text else (" − " if number < 0 else " + ")
+            text += f"{sign}{abs(number):.3f}{power}"
+    return text or "0"

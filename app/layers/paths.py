@@ -1,0 +1,55 @@
+"""The three searched paths, side by side where they coincide."""
+
+from __future__ import annotations
+
+import numpy as np
+import viser
+
+from abi.plan import Plan
+from app import style
+from app.layers.lines import dashes, segments
+
+# Not along any edge of the lattices, so that coinciding paths lie beside each other everywhere.
+_ASIDE = np.array([0.53, -0.80, 0.27])
+_SHIFT = {"a_star": 0.0, "dijkstra": 1.0, "bellman_ford": -1.0}
+
+
+class PathsLayer:
+    """One fat line an algorithm; Dijkstra's is dashed, as in the paper's Fig. 3."""
+
+    def __init__(self, client: viser.ClientHandle) -> None:
+        self._lines = {
+            name: client.scene.add_line_segments(
+                f"/path/{name}",
+                np.zeros((1, 2, 3)),
+                colour,
+                thickness=3.5,
+                thickness_units="screen",
+            )
+            for name, (_, colour) in style.ALGORITHMS.items()
+        }
+        self._drawn: object = None
+
+    def draw(self, plan: Plan) -> None:
+        """Draw the plan's paths; none where there are none."""
+        if plan.searches is self._drawn:
+            return
+        self._drawn = plan.searches
+        longest = max(plan.scene.workspace.size)
+        found = {result.algorithm: result for result in plan.searches}
+        for name, line in self._lines.items():
+            if name not in found:
+                line.points = segments(np.zeros((0, 3)))
+                continue
+            points = found[name].points + _SHIFT[name] * 0.006 * longest * _ASIDE
+            line.points = dashes(points, 0.03 * longest) if name == "dijkstra" else segments(points)
+
+    def fade(self, faded: bool) -> None:
+        """Grey while a newer plan is on its way."""
+        for name, line in self._lines.items():
+            line.colors = np.array(style.FADED if faded else style.ALGORITHMS[name][1], np.uint8)
+
+    def show(self, visible: dict[str, bool]) -> None:
+        """Switch the paths by algorithm."""
+        for name, line in self._lines.items():
+            line.visible = visible[name]

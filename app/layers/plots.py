@@ -1,0 +1,87 @@
+"""Speed over time with its parts (the paper's Fig. 8) and the joints, with a line at "now"."""
+
+from __future__ import annotations
+
+import numpy as np
+import viser
+from viser import uplot
+
+from abi.arrays import FloatArray
+from abi.plan import Plan
+from app import style
+
+_GREY = "rgba(128,128,128,0.25)"
+_INK = "#868e96"
+
+
+class PlotsLayer:
+    """The speed plot in two tabs, the joints in the second."""
+
+    def __init__(
+        self, gui: viser.GuiApi, result: viser.GuiTabHandle, plots: viser.GuiTabHandle
+    ) -> None:
+        speed = (("|v|", style.TRACE), *zip(("vx", "vy", "vz"), style.AXES, strict=True))
+        angles = tuple((f"q{i}", style.JOINTS[i - 1]) for i in (1, 2, 3, 4, 6))
+        with result:
+            self._speed = _plot(gui, "tool speed", speed, 168)
+        with plots:
+            self._angles = _plot(gui, "joint angles q1 q2 q3 q4 q6 [rad]", angles, 250)
+            self._slide = _plot(gui, "slide q5", (("q5", style.JOINTS[4]),), 170)
+        self._motion: object = None
+        self._data: tuple[tuple[viser.GuiUplotHandle, tuple[FloatArray, ...]], ...] = ()
+
+    def draw(self, plan: Plan) -> None:
+        """Plot the plan's motion; nothing where there is none."""
+        if plan.motion is self._motion:
+            return
+        self._motion = plan.motion
+        if plan.motion is None:
+            self._data = ()
+            empty = np.array([0.0, 1.0])
+            for handle, count in ((self._speed, 4), (self._angles, 5), (self._slide, 1)):
+                handle.data = (empty, *(np.zeros(2) for _ in range(count + 1)))
+            return
+        motion = plan.motion
+        keep = slice(None, None, max(1, len(motion.time) // 100))
+        time, positions = motion.time[keep], motion.positions[keep]
+        velocity = motion.velocity[keep]
+        speed = np.linalg.norm(velocity, axis=1)
+        self._speed.title = f"tool speed [{plan.scene.unit}/s]"
+        self._slide.title = f"slide q5 [{plan.scene.unit}]"
+        self._data = (
+            (self._speed, (time, speed, *velocity.T)),
+            (self._angles, (time, *positions[:, [0, 1, 2, 3, 5]].T)),
+            (self._slide, (time, positions[:, 4])),
+        )
+
+    def cursor(self, time: float) -> None:
+        """Draw the line at ``time`` [s]."""
+        for handle, (times, *series) in self._data:
+            low = min(float(np.min(line)) for line in series)
+            high = max(float(np.max(line)) for line in series)
+            # Three samples at the same time make the upright line; uplot has no marker of its own.
+            place = int(np.searchsorted(times, time))
+            marked = np.insert(times, place, (time, time, time))
+            upright = np.full(len(marked), low)
+            upright[place + 1] = high
+            handle.data = (marked, *(np.interp(marked, times, line) for line in series), upright)
+
+
+def _plot(
+    gui: viser.GuiApi, title: str, lines: tuple[tuple[str, style.Colour], ...], height: int
+) -> viser.GuiUplotHandle:
+    series = [uplot.Series(label="t")]
+    series += [uplot.Series(label=name, stroke=style.css(c), width=2) for name, c in lines]
+    series += [uplot.Series(label="now", stroke=_INK, width=1)]
+    axis = uplot.Axis(
+        stroke=_INK, grid=uplot.Axis_Grid(stroke=_GREY, width=1), size=34, font="11px sans-serif"
+    )
+    empty = np.array([0.0, 1.0])
+    return gui.add_uplot(
+        (empty, *(np.zeros(2) for _ in series[1:])),
+        tuple(series),
+        title=title,
+        scales={"x": uplot.Scale(time=False)},
+        axes=(axis, axis),
+        height=height,
+    )

@@ -1,0 +1,56 @@
+"""What a search has reached so far, node by node."""
+
+from __future__ import annotations
+
+import numpy as np
+import viser
+
+from abi.plan import Plan
+from app import style
+
+NODE_BUDGET = 20_000
+
+
+class SearchOrderLayer:
+    """Colours the nodes in the order in which the chosen algorithm expanded them."""
+
+    def __init__(self, client: viser.ClientHandle) -> None:
+        self._scene = client.scene
+        self._cloud: viser.PointCloudHandle | None = None
+        self._drawn: object = None
+
+    def draw(self, plan: Plan, share: float) -> int:
+        """Draw the first ``share`` (0 to 1) of the expansions; returns how many that is.
+
+        Without a path and with nothing asked for, what the start can reach is shown instead.
+        """
+        result = plan.path
+        reached = getattr(plan.error, "reached", None)
+        if result is not None and plan.graph is not None:
+            count = round(share * result.expanded)
+            state: object = (result, count)
+            order = result.order[:count]
+            colour = style.ALGORITHMS[result.algorithm][1]
+        else:
+            count = 0 if reached is None else len(reached)
+            state = reached
+            order = np.zeros(0, np.int32) if reached is None else reached
+            colour = style.A_STAR
+        if state == self._drawn if isinstance(state, tuple) else state is self._drawn:
+            return count
+        self._drawn = state
+        if plan.graph is None or len(order) == 0:
+            if self._cloud is not None:
+                self._cloud.visible = False
+            return count
+        nodes = np.unique(order)
+        stride = -(-len(nodes) // NODE_BUDGET)
+        self._cloud = self._scene.add_point_cloud(
+            "/search/reached",
+            plan.graph.points[nodes[::stride]].astype(np.float32),
+            colour,
+            point_size=0.09 * plan.graph.pitch,
+            point_shape="circle",
+            precision="float32",
+        )
+        return count

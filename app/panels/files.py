@@ -1,0 +1,67 @@
+"""Which scene: the shipped ones, a file from the user's disk, and back to disk."""
+
+from __future__ import annotations
+
+import viser
+
+from abi.errors import SceneError
+from abi.scene import Scene, load_scene, scene_names
+from abi.scene_file import MAX_BYTES, dump, parse_bytes
+from app.panels.stages import Wake
+
+
+class FilesPanel:
+    """Choose, open, save, reset. Everything is noticed by the worker; nothing runs here."""
+
+    def __init__(self, client: viser.ClientHandle, name: str, scene: Scene, wake: Wake) -> None:
+        self._client = client
+        gui = client.gui
+        shipped = scene_names()
+        options = shipped if name in shipped else (*shipped, name)
+        self.choice = gui.add_dropdown(
+            "scene", options, initial_value=name, hint="The scenes that come with the visualiser."
+        )
+        self.upload = gui.add_upload_button(
+            "Open a scene file…", mime_type=".yaml,.yml,.json", hint="YAML or JSON, up to 100 kB."
+        )
+        self.save = gui.add_button("Save this scene", hint="Downloads scene.yaml.")
+        self.reset = gui.add_button("Back to the scene as loaded")
+        self._loaded, self._chosen = scene, name
+        self._uploaded: object = self.upload.value
+        self.choice.on_update(wake)
+        self.upload.on_upload(wake)
+        self.save.on_click(wake)
+        self.reset.on_click(wake)
+
+    def requested(self) -> Scene | None:
+        """The scene that the user asked for since the last call; None when for none.
+
+        Raises:
+            SceneError: the file is not a scene; the present scene stays.
+        """
+        if self.reset.value:
+            self.reset.value = False
+            return self._loaded
+        if self.upload.value is not self._uploaded:
+            self._uploaded = self.upload.value
+            self._loaded = _checked(self.upload.value)
+            return self._loaded
+        if self.choice.value != self._chosen and self.choice.value in scene_names():
+            self._chosen = self.choice.value
+            self._loaded = load_scene(self._chosen)
+            return self._loaded
+        return None
+
+    def save_when_asked(self, scene: Scene) -> None:
+        """Send the scene as a file when the button was pressed."""
+        if self.save.value:
+            self.save.value = False
+            text = dump(scene.to_dict(), "scene.yaml")
+            self._client.send_file_download("scene.yaml", text.encode())
+
+
+def _checked(file: viser.UploadedFile) -> Scene:
+    if len(file.content) > MAX_BYTES:
+        raise SceneError("scene", "the file", f"at most {MAX_BYTES // 1000} kB")
+    name = "scene.json" if file.name.lower().endswith(".json") else "scene.yaml"
+    return Scene.from_dict(parse_bytes(file.content, name))

@@ -1,0 +1,62 @@
+"""Play, pause, scrub and speed: where on the time axis the arm is."""
+
+from __future__ import annotations
+
+import time
+
+import viser
+
+from app.panels.stages import Wake
+
+SPEEDS = {"¼ ×": 0.25, "½ ×": 0.5, "real time": 1.0, "2 ×": 2.0}
+FRAME = 1 / 30
+_REST = 0.8
+
+
+class PlaybackPanel:
+    """Holds the clock; the time slider and the button are its hands."""
+
+    def __init__(self, gui: viser.GuiApi, wake: Wake) -> None:
+        self.slider = gui.add_slider("time [s]", 0.0, 1.0, 0.01, 0.0, hint="Drag to scrub.")
+        self.button = gui.add_button("Pause", hint="Or press Space.")
+        self.speed = gui.add_dropdown("playback", tuple(SPEEDS), initial_value="real time")
+        self.command = gui.add_command("Play or pause the arm", hotkey="space")
+        self.playing = True
+        self._wake = wake
+        self._written = 0.0
+        self._time = 0.0
+        self._last = time.monotonic()
+        self.slider.on_update(wake)
+        self.speed.on_update(wake)
+        self.button.on_click(self._toggle)
+        self.command.on_trigger(self._toggle)
+
+    def timeout(self) -> float | None:
+        """How long the worker may sleep: a frame while playing, for ever otherwise."""
+        return FRAME if self.playing else None
+
+    def advance(self, duration: float) -> float:
+        """The time to show now, [s]; after the end it rests a moment and begins again."""
+        now = time.monotonic()
+        passed, self._last = now - self._last, now
+        last = max(round(duration, 2), 0.01)
+        if self.slider.max != last:
+            self.slider.max = last
+        scrubbed = self.slider.value
+        if scrubbed != self._written:
+            self._time, self._written, self.playing = scrubbed, scrubbed, False
+        elif self.playing:
+            self._time += passed * SPEEDS[self.speed.value]
+            if self._time > duration + _REST * SPEEDS[self.speed.value]:
+                self._time = 0.0
+        shown = min(max(self._time, 0.0), duration)
+        if (self.playing and abs(shown - self._written) >= 0.05) or shown < self._written:
+            self._written = round(shown, 2)
+            self.slider.value = self._written
+        self.button.label = "Pause" if self.playing else "Play"
+        return shown
+
+    async def _toggle(self, event: object) -> None:
+        self.playing = not self.playing
+        self._last = time.monotonic()
+        await self._wake(event)

@@ -1,0 +1,294 @@
+"""The inputs of stages 1 to 6, one panel each, docked left in the order of the method.
+
+Every panel has ``read() -> dict`` (its part of a scene file, as typed: checked by the scene, not
+here) and ``write(scene)`` (show another scene). ``wake`` is the only callback there is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Coroutine
+from typing import Any
+
+import viser
+
+from abi.scene import Scene
+from app import style
+
+Wake = Callable[[Any], Coroutine[Any, Any, None]]
+
+LATTICES = {
+    "BCC: congruent tetrahedra": "bcc",
+    "Kuhn: six per cube": "kuhn",
+    "Delaunay: jittered": "delaunay",
+}
+WEIGHTS = {"length": "length", "number of edges": "hops"}
+ALGORITHMS = {label: name for name, (label, _) in style.ALGORITHMS.items()}
+FOLLOWED = {
+    "quadratic if clear, else B-spline": "auto",
+    "quadratic": "quadratic",
+    "B-spline": "bspline",
+}
+DYNAMICS = {"corrected: ½ and mass": "corrected", "as printed": "as_printed"}
+
+
+class MeshPanel:
+    """Stage 1: lattice, pitch, seed."""
+
+    def __init__(self, gui: viser.GuiApi, scene: Scene, wake: Wake) -> None:
+        low, high, step = _pitch_range(scene)
+        self.lattice = gui.add_dropdown(
+            "lattice", tuple(LATTICES), hint="How the workspace is cut into tetrahedra."
+        )
+        self.pitch = gui.add_slider(
+            f"pitch [{scene.unit}]",
+            low,
+            high,
+            step,
+            _within(scene.mesh.pitch, low, high),
+            hint="Distance between neighbouring nodes. Half the pitch: eight times the nodes.",
+        )
+        self.seed = gui.add_number(
+            "seed", scene.mesh.seed, min=0, step=1, hint="Another seed jitters the nodes anew."
+        )
+        self._max_nodes = scene.mesh.max_nodes
+        for handle in (self.lattice, self.pitch, self.seed):
+            handle.on_update(wake)
+        self.write(scene)
+
+    def read(self) -> dict[str, Any]:
+        """The ``mesh`` section."""
+        return {
+            "mesh": {
+                "lattice": LATTICES[self.lattice.value],
+                "pitch": self.pitch.value,
+                "seed": self.seed.value,
+                "max_nodes": self._max_nodes,
+            }
+        }
+
+    def write(self, scene: Scene) -> None:
+        """Show ``scene``."""
+        low, high, step = _pitch_range(scene)
+        self.pitch.label = f"pitch [{scene.unit}]"
+        self.pitch.min, self.pitch.max, self.pitch.step = low, high, step
+        self.lattice.value = _label(LATTICES, scene.mesh.lattice)
+        self.pitch.value = scene.mesh.pitch
+        self.seed.value = scene.mesh.seed
+        self.seed.visible = scene.mesh.lattice == "delaunay"
+        self._max_nodes = scene.mesh.max_nodes
+
+
+class SearchPanel:
+    """Stage 3: which algorithm's path goes on, what an edge costs, how much of the search shows."""
+
+    def __init__(self, gui: viser.GuiApi, scene: Scene, wake: Wake) -> None:
+        self.algorithm = gui.add_dropdown(
+            "goes on with",
+            tuple(ALGORITHMS),
+            hint="All three run on every plan; this one's path becomes the curve.",
+        )
+        self.weight = gui.add_dropdown(
+            "edge costs",
+            tuple(WEIGHTS),
+            hint="By length the three lengths tie. By hops they tie in edges and differ in length: "
+            "that is how the paper's Table I comes about.",
+        )
+        self.shown = gui.add_slider(
+            "search [%]",
+            0,
+            100,
+            1,
+            0,
+            hint="Colours the nodes in the order in which the algorithm expanded them.",
+        )
+        for handle in (self.algorithm, self.weight, self.shown):
+            handle.on_update(wake)
+        self.write(scene)
+
+    def read(self) -> dict[str, Any]:
+        """The ``search`` section."""
+        return {
+            "search": {
+                "algorithm": ALGORITHMS[self.algorithm.value],
+                "weight": WEIGHTS[self.weight.value],
+            }
+        }
+
+    def share(self) -> float:
+        """Part of the expansions to show, 0 to 1."""
+        return min(max(self.shown.value, 0), 100) / 100
+
+    def write(self, scene: Scene) -> None:
+        """Show ``scene``."""
+        self.algorithm.value = _label(ALGORITHMS, scene.search.algorithm)
+        self.weight.value = _label(WEIGHTS, scene.search.weight)
+
+
+class SplinePanel:
+    """Stage 4: degree and clearance."""
+
+    def __init__(self, gui: viser.GuiApi, scene: Scene, wake: Wake) -> None:
+        self.degree = gui.add_slider(
+            "degree", 2, 5, 1, scene.spline.degree, hint="The paper uses 3 and 4."
+        )
+        high = _clearance_range(scene)
+        self.clearance = gui.add_slider(
+            f"clearance [{scene.unit}]",
+            0.0,
+            high,
+            high / 100,
+            _within(scene.spline.clearance, 0.0, high),
+            hint="The distance that mesh, path and curve keep from every obstacle.",
+        )
+        for handle in (self.degree, self.clearance):
+            handle.on_update(wake)
+        self.write(scene)
+
+    def read(self) -> dict[str, Any]:
+        """The ``spline`` section."""
+        return {"spline": {"degree": self.degree.value, "clearance": self.clearance.value}}
+
+    def write(self, scene: Scene) -> None:
+        """Show ``scene``."""
+        high = _clearance_range(scene)
+        self.clearance.label = f"clearance [{scene.unit}]"
+        self.clearance.max, self.clearance.step = high, high / 100
+        self.degree.value = scene.spline.degree
+        self.clearance.value = scene.spline.clearance
+
+
+class MotionPanel:
+    """Stage 5: which curve the arm executes, and how fast."""
+
+    def __init__(self, gui: viser.GuiApi, scene: Scene, wake: Wake) -> None:
+        self.curve = gui.add_dropdown(
+            "arm follows", tuple(FOLLOWED), hint="The curve that the arm executes."
+        )
+        self.speed = gui.add_number("speed V", 1.0, min=1e-6, step=0.1, hint="Cruise speed.")
+        self.acceleration = gui.add_number(
+            "acceleration a1", 1.0, min=1e-6, step=0.1, hint="Speeding up, from rest."
+        )
+        self.deceleration = gui.add_number(
+            "deceleration a3", 1.0, min=1e-6, step=0.1, hint="Braking, to rest."
+        )
+        for handle in (self.curve, self.speed, self.acceleration, self.deceleration):
+            handle.on_update(wake)
+        self.write(scene)
+
+    def read(self) -> dict[str, Any]:
+        """The ``motion`` section."""
+        return {
+            "motion": {
+                "curve": FOLLOWED[self.curve.value],
+                "speed": self.speed.value,
+                "acceleration": self.acceleration.value,
+                "deceleration": self.deceleration.value,
+            }
+        }
+
+    def write(self, scene: Scene) -> None:
+        """Show ``scene``."""
+        self.speed.label = f"V [{scene.unit}/s]"
+        self.acceleration.label = f"a1 [{scene.unit}/s²]"
+        self.deceleration.label = f"a3 [{scene.unit}/s²]"
+        self.curve.value = _label(FOLLOWED, scene.motion.curve)
+        self.speed.value = scene.motion.speed
+        self.acceleration.value = scene.motion.acceleration
+        self.deceleration.value = scene.motion.deceleration
+
+
+class ArmPanel:
+    """Stage 6: links, base, elbow branch, and the forces behind q4, q5, q6."""
+
+    def __init__(self, gui: viser.GuiApi, scene: Scene, wake: Wake) -> None:
+        arm = scene.arm
+        self.elbow = gui.add_dropdown(
+            "elbow", ("up", "down"), hint="Which of the two solutions; kept along the whole path."
+        )
+        self.base = gui.add_vector3("base [unit]", arm.base, step=0.1, hint="Where the arm stands.")
+        self.columns = gui.add_vector2(
+            "a1, a2", (arm.a1, arm.a2), step=0.1, hint="Pedestal and column: the shoulder's height."
+        )
+        self.links = gui.add_vector3(
+            "a3, a4, a5", (arm.a3, arm.a4, arm.a5), step=0.1, hint="Upper arm, forearm, slide."
+        )
+        self.extension = gui.add_number(
+            "q5 at start", arm.q5, min=0.0, step=0.1, hint="How far the slide is out at t = 0."
+        )
+        self.dynamics = gui.add_dropdown(
+            "q4, q5, q6",
+            tuple(DYNAMICS),
+            hint="From constant forces: the paper prints t²Q/I; from rest it is t²Q/(2I), and a "
+            "slide has mass, not moment of inertia.",
+        )
+        self.forces = gui.add_vector3(
+            "Q4, Q5, Q6", arm.forces, step=0.1, hint="Generalised forces of wrist, slide, gripper."
+        )
+        self.masses = gui.add_vector3("m4, m5, m6", arm.masses, step=0.1, hint="Masses [kg].")
+        self.radii = gui.add_vector3("i4, i5, i6", arm.radii, step=0.1, hint="Radii of inertia.")
+        for handle in (
+            self.elbow,
+            self.base,
+            self.columns,
+            self.links,
+            self.extension,
+            self.dynamics,
+            self.forces,
+            self.masses,
+            self.radii,
+        ):
+            handle.on_update(wake)
+        self.write(scene)
+
+    def read(self) -> dict[str, Any]:
+        """The ``arm`` section."""
+        a1, a2 = self.columns.value
+        a3, a4, a5 = self.links.value
+        return {
+            "arm": {
+                "elbow": self.elbow.value,
+                "base": self.base.value,
+                "a1": a1,
+                "a2": a2,
+                "a3": a3,
+                "a4": a4,
+                "a5": a5,
+                "q5": self.extension.value,
+                "dynamics": DYNAMICS[self.dynamics.value],
+                "forces": self.forces.value,
+                "masses": self.masses.value,
+                "radii": self.radii.value,
+            }
+        }
+
+    def write(self, scene: Scene) -> None:
+        """Show ``scene``."""
+        arm = scene.arm
+        self.base.label = f"base [{scene.unit}]"
+        self.elbow.value = arm.elbow
+        self.base.value = arm.base
+        self.columns.value = (arm.a1, arm.a2)
+        self.links.value = (arm.a3, arm.a4, arm.a5)
+        self.extension.value = arm.q5
+        self.dynamics.value = _label(DYNAMICS, arm.dynamics)
+        self.forces.value = arm.forces
+        self.masses.value = arm.masses
+        self.radii.value = arm.radii
+
+
+def _label(options: dict[str, str], value: str) -> str:
+    return next(label for label, option in options.items() if option == value)
+
+
+def _within(value: float, low: float, high: float) -> float:
+    return min(max(value, low), high)
+
+
+def _pitch_range(scene: Scene) -> tuple[float, float, float]:
+    """Slider range: from about 40,000 nodes in a cube up to a handful; typing reaches further."""
+    longest = max(scene.workspace.size)
+    return round(longest / 30, 6), round(longest / 2, 6), round(longest / 600, 6)
+
+
+def _clearance_range(scene: Scene) -> float:
+    return round(max(scene.workspace.size) / 6, 6)

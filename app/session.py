@@ -1,0 +1,249 @@
+"""One browser tab: its panels, its planner, its layers, one worker thread and the playback clock.
+
+Callbacks only wake the worker. It reads the panels, plans what changed, and draws inside one
+``atomic`` block; the newest settings win, and what was overtaken is never computed.
+"""
+
+from __future__ import annotations
+
+import logging
+import threading
+from typing import Any
+
+import numpy as np
+import viser
+
+from abi.errors import AbiError
+from abi.plan import Plan, Planner
+from abi.scene import Scene
+from app import page, style
+from app.layers.arm import ArmLayer
+from app.layers.curves import CurvesLayer
+from app.layers.headings import HeadingsLayer
+from app.layers.mesh import MeshLayer
+from app.layers.numbers import NumbersLayer
+from app.layers.paths import PathsLayer
+from app.layers.plots import PlotsLayer
+from app.layers.search_order import SearchOrderLayer
+from app.layers.workspace import WorkspaceLayer
+from app.panels.files import FilesPanel
+from app.panels.placed import ObstaclesPanel, PointsPanel
+from app.panels.playback import PlaybackPanel
+from app.panels.stages import ArmPanel, MeshPanel, MotionPanel, SearchPanel, SplinePanel
+from app.panels.view import ViewPanel
+
+_log = logging.getLogger(__name__)
+
+SLOW_MS = 120.0
+"""A plan that takes longer than this is awaited with the old one in grey."""
+
+
+class Session:
+    """Everything that belongs to one tab; nothing is shared with another."""
+
+    def __init__(self, client: viser.ClientHandle, name: str, scene: Scene, dark: bool) -> None:
+        self.client = client
+        self.plan: Plan | None = None
+        self.plans = 0
+        self._scene = scene
+        self._planner = Planner()
+        self._changed = threading.Event()
+        self._closing = False
+        self._faded = False
+        with client.atomic():
+            self._build(name, scene, dark)
+        self._changed.set()
+        self._worker = threading.Thread(
+            target=self._work, name=f"tab-{client.client_id}", daemon=True
+        )
+        self._worker.start()
+
+    def close(self) -> None:
+        """End the worker; the tab has gone."""
+        self._closing = True
+        self._changed.set()
+        if threading.current_thread() is not self._worker:
+            self._worker.join(timeout=5)
+
+    async def wake(self, event: object) -> None:
+        """The callback of every widget: something changed, see what."""
+        del event
+        self._changed.set()
+
+    def _build(self, name: str, scene: Scene, dark: bool) -> None:
+        client, gui = self.client, self.client.gui
+        page.set_title(client, "ABI visualiser")
+        gui.set_panel_label("ABI path planner")
+        gui.main_panel.dock_left()
+        gui.main_panel.set_width(style.LEFT_WIDTH)
+        right = gui.add_panel()
+        result, plots = right.add_tab("Result"), right.add_tab("Joints")
+        scenes, view = right.add_tab("Scene"), right.add_tab("Layers")
+        right.dock_right()
+        right.set_width(style.RIGHT_WIDTH)
+
+        self.headings = HeadingsLayer(gui)
+        folders = self.headings.folders
+        with folders["mesh"]:
+            self.mesh_panel = MeshPanel(gui, scene, self.wake)
+        with folders["search"]:
+            self.search_panel = SearchPanel(gui, scene, self.wake)
+        with folders["bspline"]:
+            self.spline_panel = SplinePanel(gui, scene, self.wake)
+        with folders["quadratic"]:
+            self.motion_panel = MotionPanel(gui, scene, self.wake)
+        with folders["arm"]:
+            self.arm_panel = ArmPanel(gui, scene, self.wake)
+        self.numbers = NumbersLayer(
+            gui, result, folders["graph"], folders["quadratic"], folders["arm"]
+        )
+        self.plots = PlotsLayer(gui, result, plots)
+        with result:
+            self.playback = PlaybackPanel(gui, self.wake)
+        with scenes:
+            self.files = FilesPanel(client, name, scene, self.wake)
+        with view:
+            self.view = ViewPanel(client, self.wake, dark)
+        self._dark = dark
+        self._theme()
+
+        self.workspace = WorkspaceLayer(client)
+        self.mesh = MeshLayer(client)
+        self.paths = PathsLayer(client)
+        self.reached = SearchOrderLayer(client)
+        self.curves = CurvesLayer(client)
+        self.arm = ArmLayer(client)
+        self.obstacles = ObstaclesPanel(client, scene, self.wake)
+        self.points = PointsPanel(client, scene, self.wake)
+        self._inputs = (
+            self.mesh_panel,
+            self.search_panel,
+            self.spline_panel,
+            self.motion_panel,
+            self.arm_panel,
+            self.obstacles,
+            self.points,
+        )
+
+    def _work(self) -> None:
+        """The tab's only thread that computes and draws."""
+        while True:
+            woken = self._changed.wait(self.playback.timeout())
+            if self._closing:
+                return
+            self._changed.clear()
+            try:
+                if woken:
+                    self._follow()
+                self._play()
+            except Exception:
+                _log.exception("tab %s", self.client.client_id)
+                self.client.add_notification(
+                    "This did not work",
+                    "The visualiser met a fault of its own; the last picture stays. "
+                    "Details are in the server's log.",
+                    color="red",
+                    auto_close_seconds=8,
+                )
+
+    def _follow(self) -> None:
+        """Bring plan and picture up to the panels."""
+        try:
+            scene = self._read()
+        except AbiError as error:
+            self.headings.complain(error)
+            return
+        if self.plan is None or scene != self._scene:
+            self._scene = scene
+            self._fade(self.plan is not None and self.plan.total_ms > SLOW_MS)
+            self.plan = self._planner(scene)
+        self._draw(self.plan)
+        self._fade(False)
+        self.files.save_when_asked(scene)
+
+    def _read(self) -> Scene:
+        """The scene that the panels show, checked.
+
+        Raises:
+            SceneError: names the field; the last good scene stays.
+        """
+        requested = self.files.requested()
+        if requested is not None:
+            self._show(requested)
+            return requested
+        data: dict[str, Any] = self._scene.to_dict()
+        for panel in self._inputs:
+            data |= panel.read()
+        return Scene.from_dict(data)
+
+    def _show(self, scene: Scene) -> None:
+        """Put another scene into the panels, and the camera in front of it."""
+        with self.client.atomic():
+            for panel in self._inputs:
+                panel.write(scene)
+            if scene.workspace != self._scene.workspace:
+                look_at(self.client.camera, scene)
+
+    def _draw(self, plan: Plan) -> None:
+        with self.client.atomic():
+            self.headings.draw(plan)
+            self.headings.complain(plan.error)
+            self.points.label(plan.scene)
+            self.workspace.draw(plan.scene.workspace, plan.scene.arm.base)
+            self.mesh.draw(plan)
+            self.paths.draw(plan)
+            self.reached.draw(plan, self.search_panel.share())
+            self.curves.draw(plan)
+            self.arm.draw(plan)
+            self.numbers.draw(plan, self.mesh.note)
+            self.plots.draw(plan)
+            self._switch()
+        self.plans += 1
+
+    def _switch(self) -> None:
+        """Layers on and off, dark and light."""
+        shown = self.view.read()
+        self.workspace.show(shown["workspace"])
+        self.mesh.show(shown["edges"], shown["nodes"], shown["excluded"])
+        self.paths.show(shown)
+        self.curves.show(shown["bspline"], shown["quadratic"], shown["control"])
+        self.obstacles.show(shown["obstacles"])
+        self.arm.show(shown["arm"], shown["trace"])
+        if bool(self.view.dark.value) != self._dark:
+            self._dark = bool(self.view.dark.value)
+            self._theme()
+
+    def _theme(self) -> None:
+        self.client.gui.configure_theme(
+            dark_mode=self._dark, show_logo=False, show_share_button=False
+        )
+
+    def _fade(self, faded: bool) -> None:
+        """Grey the curves while they are older than the hand."""
+        if faded != self._faded:
+            self._faded = faded
+            with self.client.atomic():
+                self.paths.fade(faded)
+                self.curves.fade(faded)
+
+    def _play(self) -> None:
+        """One frame of the motion."""
+        if self.plan is None:
+            return
+        duration = self.plan.profile.duration if self.plan.motion and self.plan.profile else 0.0
+        with self.client.atomic():
+            now = self.playback.advance(duration)
+            self.arm.pose(self.plan, now)
+            self.plots.cursor(now)
+
+
+def look_at(camera: viser.CameraHandle | viser.InitialCameraConfig, scene: Scene) -> None:
+    """Place ``camera`` so that workspace and arm are in the picture."""
+    low, high = np.array(scene.workspace.min), np.array(scene.workspace.max)
+    corners = np.array([low, high, scene.arm.base])
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    centre = (low + high) / 2
+    size = float(np.linalg.norm(high - low))
+    camera.position = centre + size * np.array([0.82, -0.42, 0.38])
+    camera.look_at = centre
+    camera.near, camera.far = size / 500, size * 50

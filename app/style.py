@@ -1,0 +1,53 @@
+"""Colours, widths and names: one place, one colour for one thing, in scene, table and plots.
+
+The colours keep apart for the common kinds of colour blindness and show on white and on near
+black; none of them carries a meaning alone (dashes, widths, signs and words go with them).
+"""
+
+from __future__ import annotations
+
+Colour = tuple[int, int, int]
+
+A_STAR: Colour = (31, 132, 214)
+DIJKSTRA: Colour = (230, 159, 0)
+BELLMAN_FORD: Colour = (18, 166, 124)
+BSPLINE: Colour = (224, 64, 154)
+QUADRATIC: Colour = (124, 77, 255)
+TRACE: Colour = (255, 90, 54)
+OBSTACLE: Colour = (205, 117, 79)
+MESH: Colour = (120, 144, 172)
+EXCLUDED: Colour = (150, 96, 72)
+CROSSING: Colour = (190, 60, 60)
+WORKSPACE: Colour = (128, 138, 150)
+POINT: Colour = (92, 107, 122)
+JOINTS: tuple[Colour, ...] = (A_STAR, DIJKSTRA, BELLMAN_FORD, BSPLINE, QUADRATIC, TRACE)
+AXES: tuple[Colour, ...] = ((214, 69, 65), (63, 163, 77), (58, 124, 222))
+FADED: Colour = (150, 156, 163)
+
+ALGORITHMS: dict[str, tuple[str, Colour]] = {
+    "a_star": ("A*", A_STAR),
+    "dijkstra": ("Dijkstra", DIJKSTRA),
+    "bellman_ford": ("Bellman-Ford", BELLMAN_FORD),
+}
+CURVES: dict[str, tuple[str, Colour]] = {
+    "bspline": ("B-spline", BSPLINE),
+    "quadratic": ("quadratic", QUADRATIC),
+}
+
+LEFT_WIDTH = 334
+RIGHT_WIDTH = 344
+
+
+def css(colour: Colour) -> str:
+    """The colour as ``#rrggbb``."""
+    return "#{:02x}{:02x}{:02x}".format(*colour)
+
+
+def swatch(colour: Colour, dashed: bool = False) -> str:
+    """A short line of that colour, as HTML for tables."""
+    ink = css(colour)
+    fill = f"repeating-linear-gradient(90deg,{ink} 0 5px,transparent 5px 8px)" if dashed else ink
+    return (
+        '<span style="display:inline-block;width:18px;height:4px;margin-right:6px;'
+        f'vertical-align:middle;background:{fill}"></span>'
+    )

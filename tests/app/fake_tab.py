@@ -1,0 +1,69 @@
+"""A browser tab without a browser: just enough of viser's protocol for a session to begin."""
+
+from __future__ import annotations
+
+import threading
+from typing import Any
+
+import msgspec
+import viser
+from websockets.sync.client import ClientConnection, connect
+
+_CAMERA = {
+    "type": "ViewerCameraMessage",
+    "wxyz": [1.0, 0.0, 0.0, 0.0],
+    "position": [3.0, 3.0, 3.0],
+    "fov": 1.3,
+    "near": 0.01,
+    "far": 1000.0,
+    "image_height": 600,
+    "image_width": 800,
+    "look_at": [0.0, 0.0, 0.0],
+    "up_direction": [0.0, 0.0, 1.0],
+}
+
+
+class FakeTab:
+    """Connects, reads and forgets everything, and sends what a page would send."""
+
+    def __init__(self, url: str) -> None:
+        self._socket: ClientConnection = connect(
+            url.replace("http", "ws", 1),
+            subprotocols=[f"viser-v{viser.__version__}"],  # type: ignore[list-item]
+            max_size=None,
+            compression=None,
+        )
+        self.send(_CAMERA)
+        self.received = 0
+        self._reader = threading.Thread(target=self._read, daemon=True)
+        self._reader.start()
+
+    def send(self, message: dict[str, Any]) -> None:
+        """Send one message, as the page's msgpack."""
+        self._socket.send(msgspec.msgpack.encode(message))
+
+    def set(self, handle: Any, value: Any) -> None:
+        """Type or drag ``value`` into a widget."""
+        uuid = handle._impl.uuid
+        self.send({"type": "GuiUpdateMessage", "uuid": uuid, "updates": {"value": value}})
+
+    def drag(self, gizmo: Any, position: list[float]) -> None:
+        """Move a gizmo there, as one step of a drag."""
+        self.send(
+            {
+                "type": "TransformControlsUpdateMessage",
+                "name": gizmo._impl.name,
+                "wxyz": [float(number) for number in gizmo.wxyz],
+                "position": position,
+                "owner": gizmo._impl.api._owner_id,
+            }
+        )
+
+    def close(self) -> None:
+        """Leave."""
+        self._socket.close()
+        self._reader.join(timeout=5)
+
+    def _read(self) -> None:
+        for raw in self._socket:
+            self.received += len(raw)

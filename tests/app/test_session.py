@@ -1,0 +1,184 @@
+"""A tab's session driven through the wire, without a browser."""
+
+from __future__ import annotations
+
+import math
+import threading
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+
+from abi.scene import load_scene
+from app.server import Server, start
+from app.session import Session
+from tests.app.fake_tab import FakeTab
+
+WAIT = 20.0
+
+
+def until(condition: Callable[[], bool]) -> None:
+    """Wait for another thread; fails when it takes too long."""
+    pause = threading.Event()
+    for _ in range(int(WAIT / 0.01)):
+        if condition():
+            return
+        pause.wait(0.01)
+    raise AssertionError("did not happen in time")
+
+
+@pytest.fixture(scope="module")
+def server() -> Iterator[Server]:
+    running = start(port=0, plain=True)
+    yield running
+    running.stop()
+
+
+@pytest.fixture
+def tab(server: Server) -> Iterator[tuple[FakeTab, Session]]:
+    known = set(server.sessions)
+    fake = FakeTab(server.url)
+    until(lambda: bool(set(server.sessions) - known))
+    session = server.sessions[next(iter(set(server.sessions) - known))]
+    until(lambda: session.plan is not None)
+    yield fake, session
+    number = session.client.client_id
+    fake.close()
+    until(lambda: number not in server.sessions)
+
+
+def test_a_tab_begins_with_the_complete_plan_of_the_paper(
+    tab: tuple[FakeTab, Session],
+) -> None:
+    _, session = tab
+    assert session.plan is not None
+    assert session.plan.scene == load_scene("paper")
+    assert session.plan.error is None
+    assert session.plan.motion is not None
+
+
+def test_dragging_the_obstacle_ends_on_its_last_position(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    gizmo = session.obstacles._gizmos[0]
+    first = session.plan
+    for step in range(60):
+        fake.drag(gizmo, [3.0, 3.0, 3.0 - step * 0.05])
+    last = pytest.approx((3.0, 3.0, 3.0 - 59 * 0.05))
+    until(lambda: session.plan.scene.obstacles[0].position == last)  # type: ignore[union-attr]
+
+    assert session.plan is not first
+    assert session.plan is not None
+    assert session.plan.free is not None
+    low, high = session.plan.scene.obstacles[0].bounds()
+    points = session.plan.free.mesh.points
+    inside = ((points >= low) & (points <= high)).all(axis=1)
+    assert session.plan.free.excluded[inside].all()
+
+
+def test_what_was_overtaken_is_not_planned(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    fake.set(session.mesh_panel.pitch, 0.35)
+    until(lambda: session.plan.scene.mesh.pitch == 0.35)  # type: ignore[union-attr]
+    before = session.plans
+    for step in range(200):
+        fake.drag(session.obstacles._gizmos[0], [3.0, 3.0, 3.0 - step * 0.01])
+    until(
+        lambda: math.isclose(session.plan.scene.obstacles[0].position[2], 1.01)  # type: ignore[union-attr]
+    )
+
+    assert session.plans - before < 200
+
+
+@pytest.mark.parametrize("value", [math.nan, math.inf, -1.0, 0.0, 1e-9, 1e300])
+def test_a_bad_number_keeps_the_last_plan_and_says_why(
+    tab: tuple[FakeTab, Session], value: float
+) -> None:
+    fake, session = tab
+    good = session.plan
+    note = session.headings._notes["mesh"]
+    fake.set(session.mesh_panel.pitch, value)
+    until(lambda: note.visible)
+
+    assert session.plan is good
+    assert "mesh.pitch" in note.content
+
+    fake.set(session.mesh_panel.pitch, 1.0)
+    until(lambda: session.plan.scene.mesh.pitch == 1.0)  # type: ignore[union-attr]
+    assert not note.visible
+
+
+@pytest.mark.parametrize("value", ["junk", None, [1, 2], {"a": 1}, "B-spline"])
+def test_a_value_of_another_kind_never_ends_the_session(
+    tab: tuple[FakeTab, Session], value: Any
+) -> None:
+    fake, session = tab
+    fake.set(session.motion_panel.curve, value)
+    fake.set(session.arm_panel.elbow, value)
+    fake.set(session.spline_panel.degree, 3)
+    fake.set(session.motion_panel.curve, "quadratic")
+    fake.set(session.arm_panel.elbow, "down")
+    until(lambda: session.plan.scene.arm.elbow == "down")  # type: ignore[union-attr]
+
+    assert session.plan is not None
+    assert session.plan.scene.spline.degree == 3
+
+
+def test_a_speed_runs_the_motion_only(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    before = session.plan
+    fake.set(session.motion_panel.speed, 2.0)
+    until(lambda: session.plan is not before)
+
+    assert before is not None
+    assert session.plan is not None
+    assert session.plan.quadratic is before.quadratic
+    assert session.plan.profile is not before.profile
+
+
+def test_another_scene_fills_the_panels(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    fake.set(session.files.choice, "no-way")
+    until(lambda: session.plan.scene == load_scene("no-way"))  # type: ignore[union-attr]
+
+    assert session.plan is not None
+    assert session.plan.error is not None
+    assert session.headings._notes["search"].visible
+    assert session.mesh_panel.pitch.value == load_scene("no-way").mesh.pitch
+
+    fake.set(session.files.choice, "paper")
+    until(lambda: session.plan.scene == load_scene("paper"))  # type: ignore[union-attr]
+    assert not session.headings._notes["search"].visible
+
+
+def test_play_moves_the_arm_and_pause_holds_it(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    slider = session.playback.slider
+    shown = slider.value
+    until(lambda: slider.value != shown)
+    fake.set(slider, 1.25)
+    until(lambda: not session.playback.playing)
+
+    assert session.plan is not None
+    assert session.plan.motion is not None
+    assert slider.value == 1.25
+    motion = session.plan.motion
+    index = int(np.searchsorted(motion.time, 1.25))
+    drawn = session.arm._trace.points.reshape(-1, 3)[-1]
+    assert np.linalg.norm(drawn - motion.tool[index]) < 0.2
+
+
+def test_two_tabs_share_nothing(server: Server, tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    other = FakeTab(server.url)
+    until(lambda: len(server.sessions) == 2)
+    second = next(s for s in server.sessions.values() if s is not session)
+    until(lambda: second.plan is not None)
+    before = second.plan
+    fake.set(session.spline_panel.degree, 5)
+    until(lambda: session.plan.scene.spline.degree == 5)  # type: ignore[union-attr]
+
+    assert second.plan is before
+    assert second.spline_panel.degree.value == 4
+    other.close()
+    until(lambda: len(server.sessions) == 1)
