@@ -26,6 +26,7 @@ from app.layers.paths import PathsLayer
 from app.layers.plots import PlotsLayer
 from app.layers.search_order import SearchOrderLayer
 from app.layers.workspace import WorkspaceLayer
+from app.panels.editor import EditorPanel
 from app.panels.files import FilesPanel
 from app.panels.placed import ObstaclesPanel, PointsPanel
 from app.panels.playback import PlaybackPanel
@@ -100,8 +101,6 @@ class Session:
         self.plots = PlotsLayer(gui, result, plots)
         with result:
             self.playback = PlaybackPanel(gui, self.wake)
-        with scenes:
-            self.files = FilesPanel(client, name, scene, self.wake)
         with view:
             self.view = ViewPanel(client, self.wake, dark)
         self._dark = dark
@@ -115,6 +114,9 @@ class Session:
         self.arm = ArmLayer(client)
         self.obstacles = ObstaclesPanel(client, scene, self.wake)
         self.points = PointsPanel(client, scene, self.wake)
+        with scenes:
+            self.files = FilesPanel(client, name, scene, self.wake)
+            self.editor = EditorPanel(gui, self.obstacles, self.points, self.wake)
         self._inputs = (
             self.mesh_panel,
             self.search_panel,
@@ -171,6 +173,7 @@ class Session:
         if requested is not None:
             self._show(requested)
             return requested
+        self.editor.apply(self._scene)
         data: dict[str, Any] = self._scene.to_dict()
         for panel in self._inputs:
             data |= panel.read()
@@ -189,6 +192,7 @@ class Session:
             self.headings.draw(plan)
             self.headings.complain(plan.error)
             self.points.label(plan.scene)
+            self.obstacles.draw(plan.scene.obstacles)
             self.workspace.draw(plan.scene.workspace, plan.scene.arm.base)
             self.mesh.draw(plan)
             self.paths.draw(plan)

@@ -20,7 +20,14 @@ EXCLUDED: Colour = (150, 96, 72)
 CROSSING: Colour = (190, 60, 60)
 WORKSPACE: Colour = (128, 138, 150)
 POINT: Colour = (92, 107, 122)
-JOINTS: tuple[Colour, ...] = (A_STAR, DIJKSTRA, BELLMAN_FORD, BSPLINE, QUADRATIC, TRACE)
+JOINTS: tuple[Colour, ...] = (
+    (23, 162, 184),
+    (160, 116, 47),
+    (111, 127, 199),
+    (138, 161, 58),
+    (196, 109, 138),
+    (125, 125, 125),
+)
 AXES: tuple[Colour, ...] = ((214, 69, 65), (63, 163, 77), (58, 124, 222))
 FADED: Colour = (150, 156, 163)
 

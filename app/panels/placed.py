@@ -5,6 +5,7 @@ The body is a child of its gizmo, so it moves in the browser at once; the server
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -17,17 +18,27 @@ from app import style
 from app.panels.stages import Wake
 
 _OPACITY = 0.62
+_POSE = {"position", "wxyz"}
 
 
 class ObstaclesPanel:
-    """One gizmo an obstacle; only the chosen one shows its handles."""
+    """One gizmo an obstacle; only the chosen one shows its handles.
+
+    Attributes:
+        data: each obstacle as a scene file has it, without its pose; the editor changes it.
+        chosen: which one has the handles, counted from 0.
+    """
 
     def __init__(self, client: viser.ClientHandle, scene: Scene, wake: Wake) -> None:
         self._scene = client.scene
         self._wake = wake
-        self._shapes: tuple[Obstacle, ...] = ()
-        self._gizmos: list[viser.TransformControlsHandle] = []
+        self._size = 1.0
+        self.data: list[dict[str, Any]] = []
+        self.gizmos: list[viser.TransformControlsHandle] = []
         self._bodies: list[viser.MeshHandle] = []
+        self._drawn: list[dict[str, Any]] = []
+        self._added = 0
+        self._visible = True
         self.chosen = 0
         self.write(scene)
 
@@ -36,36 +47,35 @@ class ObstaclesPanel:
         return {
             "obstacles": [
                 {
-                    **shape.model_dump(mode="json"),
+                    **data,
                     "position": [float(number) for number in gizmo.position],
                     "wxyz": [float(number) for number in gizmo.wxyz],
                 }
-                for shape, gizmo in zip(self._shapes, self._gizmos, strict=True)
+                for data, gizmo in zip(self.data, self.gizmos, strict=True)
             ]
         }
 
     def write(self, scene: Scene) -> None:
-        """Show ``scene``; gizmos are kept where the shapes are the same."""
-        for gizmo in self._gizmos:
-            gizmo.remove()
-        self._shapes = scene.obstacles
-        size = max(scene.workspace.size)
-        self._gizmos, self._bodies = [], []
-        for number, shape in enumerate(scene.obstacles):
-            name = f"/obstacle_{number + 1}"
-            gizmo = self._scene.add_transform_controls(
-                name,
-                scale=1.35 * _radius(shape) + 0.03 * size,
-                line_width=2.5,
-                position=shape.position,
-                wxyz=shape.wxyz,
-                depth_test=False,
-                opacity=0.9,
-            )
-            gizmo.on_update(self._wake)
+        """Show ``scene``."""
+        while self.gizmos:
+            self.remove(0)
+        self._size = max(scene.workspace.size)
+        for shape in scene.obstacles:
+            self.add(shape)
+        self.draw(scene.obstacles)
+        self.choose(0)
+
+    def draw(self, obstacles: Sequence[Obstacle]) -> None:
+        """Give each gizmo the body of its obstacle, where that has another shape or size now."""
+        for number, shape in enumerate(obstacles):
+            if self._drawn[number] == self.data[number]:
+                continue
+            self._drawn[number] = dict(self.data[number])
+            gizmo = self.gizmos[number]
+            gizmo.scale = 1.35 * _radius(shape) + 0.03 * self._size
             mesh = _mesh(shape)
             body = self._scene.add_mesh_simple(
-                f"{name}/body",
+                f"{gizmo.name}/body",
                 mesh.vertices.astype(np.float32),
                 mesh.faces.astype(np.uint32),
                 color=style.OBSTACLE,
@@ -74,24 +84,49 @@ class ObstaclesPanel:
                 side="double",
             )
             body.on_click(self._clicked)
-            self._gizmos.append(gizmo)
-            self._bodies.append(body)
-        self.choose(0)
+            self._bodies[number] = body
+
+    def add(self, shape: Obstacle) -> None:
+        """Put one more obstacle into the scene; :meth:`draw` gives it its body."""
+        self._added += 1
+        gizmo = self._scene.add_transform_controls(
+            f"/obstacle_{self._added}",
+            scale=self._size,
+            line_width=2.5,
+            position=shape.position,
+            wxyz=shape.wxyz,
+            depth_test=False,
+            opacity=0.9,
+            visible=self._visible,
+        )
+        gizmo.on_update(self._wake)
+        self.gizmos.append(gizmo)
+        self.data.append(shape.model_dump(mode="json", exclude=_POSE))
+        self._drawn.append({})
+        self._bodies.append(None)  # type: ignore[arg-type]
+
+    def remove(self, number: int) -> None:
+        """Take obstacle ``number`` away."""
+        self.gizmos.pop(number).remove()
+        for kept in (self.data, self._drawn, self._bodies):
+            kept.pop(number)
 
     def choose(self, number: int) -> None:
         """Give the handles to obstacle ``number``, counted from 0."""
         self.chosen = number
-        for index, gizmo in enumerate(self._gizmos):
+        for index, gizmo in enumerate(self.gizmos):
             idle = index != number
             gizmo.disable_axes = gizmo.disable_sliders = gizmo.disable_rotations = idle
 
     def show(self, visible: bool) -> None:
         """Switch the obstacles, with their gizmos."""
-        for gizmo in self._gizmos:
+        self._visible = visible
+        for gizmo in self.gizmos:
             gizmo.visible = visible
 
     async def _clicked(self, event: viser.SceneNodePointerEvent[Any]) -> None:
-        self.choose(self._bodies.index(event.target))
+        self.chosen = next(i for i, body in enumerate(self._bodies) if body is event.target)
+        await self._wake(event)
 
 
 class PointsPanel:
@@ -100,39 +135,45 @@ class PointsPanel:
     def __init__(self, client: viser.ClientHandle, scene: Scene, wake: Wake) -> None:
         self._scene = client.scene
         size = max(scene.workspace.size)
-        self._gizmos: dict[str, viser.TransformControlsHandle] = {}
+        self.gizmos: dict[str, viser.TransformControlsHandle] = {}
         self._labels: dict[str, viser.LabelHandle] = {}
+        self._balls: dict[str, viser.IcosphereHandle] = {}
         for name in ("start", "goal"):
             gizmo = client.scene.add_transform_controls(
                 f"/{name}",
-                scale=0.13 * size,
                 line_width=3.0,
                 disable_rotations=True,
                 disable_sliders=True,
                 depth_test=False,
                 opacity=0.9,
             )
-            client.scene.add_icosphere(f"/{name}/ball", radius=0.018 * size, color=style.POINT)
-            self._labels[name] = client.scene.add_label(
-                f"/{name}/label", name, anchor="top-center", position=(0, 0, -0.05 * size)
-            )
             gizmo.on_update(wake)
-            self._gizmos[name] = gizmo
+            self.gizmos[name] = gizmo
+            self._balls[name] = client.scene.add_icosphere(
+                f"/{name}/ball", radius=0.018 * size, color=style.POINT
+            )
+            self._labels[name] = client.scene.add_label(
+                f"/{name}/label", name, anchor="top-center", depth_test=False
+            )
         self.write(scene)
 
     def read(self) -> dict[str, Any]:
         """``start`` and ``goal``."""
         return {
             name: [float(number) for number in gizmo.position]
-            for name, gizmo in self._gizmos.items()
+            for name, gizmo in self.gizmos.items()
         }
 
     def write(self, scene: Scene) -> None:
         """Show ``scene``."""
-        limits = tuple(zip(scene.workspace.min, scene.workspace.max, strict=True))
-        for name, gizmo in self._gizmos.items():
-            gizmo.translation_limits = limits  # type: ignore[assignment]
+        size = max(scene.workspace.size)
+        x, y, z = zip(scene.workspace.min, scene.workspace.max, strict=True)
+        for name, gizmo in self.gizmos.items():
+            gizmo.translation_limits = (x, y, z)
             gizmo.position = getattr(scene, name)
+            gizmo.scale = 0.13 * size
+            self._balls[name].radius = 0.018 * size
+            self._labels[name].position = (0.0, 0.0, -0.05 * size)
         self.label(scene)
 
     def label(self, scene: Scene) -> None:

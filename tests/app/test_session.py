@@ -60,7 +60,7 @@ def test_a_tab_begins_with_the_complete_plan_of_the_paper(
 
 def test_dragging_the_obstacle_ends_on_its_last_position(tab: tuple[FakeTab, Session]) -> None:
     fake, session = tab
-    gizmo = session.obstacles._gizmos[0]
+    gizmo = session.obstacles.gizmos[0]
     first = session.plan
     for step in range(60):
         fake.drag(gizmo, [3.0, 3.0, 3.0 - step * 0.05])
@@ -82,7 +82,7 @@ def test_what_was_overtaken_is_not_planned(tab: tuple[FakeTab, Session]) -> None
     until(lambda: session.plan.scene.mesh.pitch == 0.35)  # type: ignore[union-attr]
     before = session.plans
     for step in range(200):
-        fake.drag(session.obstacles._gizmos[0], [3.0, 3.0, 3.0 - step * 0.01])
+        fake.drag(session.obstacles.gizmos[0], [3.0, 3.0, 3.0 - step * 0.01])
     until(
         lambda: math.isclose(session.plan.scene.obstacles[0].position[2], 1.01)  # type: ignore[union-attr]
     )

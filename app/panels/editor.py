@@ -1,0 +1,200 @@
+"""Obstacles, start and goal as numbers; add, duplicate and delete obstacles.
+
+A number box and its gizmo show the same thing. The one that moved since the last look is right:
+what was typed moves the gizmo, what was dragged rewrites the box.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import viser
+from viser.transforms import SO3
+
+from abi.errors import SceneError
+from abi.scene import Scene
+from abi.shapes import Box, Capsule, Cylinder, Obstacle, Sphere
+from app.panels.placed import ObstaclesPanel, PointsPanel
+from app.panels.stages import Wake
+
+Triple = tuple[float, float, float]
+
+_NONE = "none"
+_DIGITS = 3
+
+
+class NumberBox:
+    """Three numbers beside a gizmo."""
+
+    def __init__(self, gui: viser.GuiApi, label: str, step: float, hint: str, wake: Wake) -> None:
+        self.handle = gui.add_vector3(label, (0.0, 0.0, 0.0), step=step, hint=hint)
+        self.handle.on_update(wake)
+        self._shown: Triple = (0.0, 0.0, 0.0)
+
+    def typed(self, field: str) -> Triple | None:
+        """What was typed since it was last shown; None for nothing.
+
+        Raises:
+            SceneError: not finite; ``field`` is named.
+        """
+        value = self.handle.value
+        if value == self._shown:
+            return None
+        if not all(math.isfinite(number) and abs(number) <= 1e6 for number in value):
+            raise SceneError(field, value, "finite numbers")
+        self._shown = value
+        return value
+
+    def show(self, value: Any) -> None:
+        """Show ``value``, unless it is what stands there, rounded."""
+        x, y, z = (round(float(number), _DIGITS) for number in value)
+        if any(
+            abs(a - b) > 1.5 * 10**-_DIGITS for a, b in zip((x, y, z), self._shown, strict=True)
+        ):
+            self._shown = (x, y, z)
+            self.handle.value = self._shown
+
+
+class EditorPanel:
+    """The numbers of start, goal and the chosen obstacle."""
+
+    def __init__(
+        self,
+        gui: viser.GuiApi,
+        obstacles: ObstaclesPanel,
+        points: PointsPanel,
+        wake: Wake,
+    ) -> None:
+        self._obstacles, self._points = obstacles, points
+        self._ends = {
+            name: NumberBox(gui, name, 0.1, f"Where the tool's path has its {name}.", wake)
+            for name in ("start", "goal")
+        }
+        self.choice = gui.add_dropdown(
+            "obstacle", (_NONE,), hint="Or click an obstacle in the scene."
+        )
+        self.size = gui.add_vector3("size", (1.0, 1.0, 1.0), step=0.1, hint="Edge lengths.")
+        self.radius = gui.add_number("radius", 1.0, step=0.1)
+        self.height = gui.add_number(
+            "height", 1.0, step=0.1, hint="A capsule's is between the centres of its two caps."
+        )
+        self._position = NumberBox(gui, "position", 0.1, "The obstacle's centre.", wake)
+        self._angles = NumberBox(gui, "turned [°]", 5.0, "About x, then y, then z.", wake)
+        self.kind = gui.add_dropdown("new shape", ("box", "sphere", "cylinder", "capsule"))
+        self.buttons = gui.add_button_group("change", ("Add", "Duplicate", "Delete"))
+        self._shown: dict[str, Any] = {}
+        self._listed = -1
+        self._pressed = False
+        for handle in (self.choice, self.size, self.radius, self.height):
+            handle.on_update(wake)
+        self._wake = wake
+        self.buttons.on_click(self._press)
+
+    def apply(self, scene: Scene) -> None:
+        """Bring numbers, buttons and gizmos together; ``scene`` is the last good one.
+
+        Raises:
+            SceneError: a typed number is not finite.
+        """
+        if self._pressed:
+            self._pressed = False
+            self._change(self.buttons.value, scene)
+        self._follow_choice()
+        for name, box in self._ends.items():
+            gizmo = self._points.gizmos[name]
+            if (typed := box.typed(name)) is not None:
+                gizmo.position = typed
+            box.show(gizmo.position)
+        if self._obstacles.gizmos:
+            self._edit(self._obstacles.chosen)
+
+    async def _press(self, event: object) -> None:
+        self._pressed = True
+        await self._wake(event)
+
+    def _change(self, what: str, scene: Scene) -> None:
+        """Add, duplicate or delete."""
+        obstacles = self._obstacles
+        if what == "Add":
+            obstacles.add(_new(self.kind.value, scene))
+        elif what == "Duplicate" and obstacles.gizmos:
+            twin = scene.obstacles[min(obstacles.chosen, len(scene.obstacles) - 1)]
+            aside = np.array(twin.position) + 0.1 * np.array(scene.workspace.size)
+            obstacles.add(twin.model_copy(update={"position": tuple(map(float, aside))}))
+        elif what == "Delete" and obstacles.gizmos:
+            obstacles.remove(obstacles.chosen)
+        obstacles.choose(max(len(obstacles.gizmos) - 1, 0))
+        self._listed = -1
+
+    def _follow_choice(self) -> None:
+        """One obstacle is chosen, in the list and in the scene alike."""
+        obstacles = self._obstacles
+        names = tuple(f"{i + 1} · {data['shape']}" for i, data in enumerate(obstacles.data))
+        if tuple(self.choice.options) != (names or (_NONE,)):
+            self.choice.options = names or (_NONE,)
+            self._listed = -1
+        if not names:
+            self._show_sizes({})
+            return
+        listed = names.index(self.choice.value) if self.choice.value in names else 0
+        number = min(obstacles.chosen, len(names) - 1)
+        if self._listed not in (-1, listed):
+            number = listed
+        self._listed = number
+        self.choice.value = names[number]
+        if number != obstacles.chosen or not _has_handles(obstacles, number):
+            obstacles.choose(number)
+
+    def _edit(self, number: int) -> None:
+        """The numbers of the chosen obstacle."""
+        data, gizmo = self._obstacles.data[number], self._obstacles.gizmos[number]
+        field = f"obstacles[{number}]"
+        if (number, data) != (self._shown.get("number"), self._shown.get("data")):
+            self._show_sizes(data)
+        else:
+            for name in ("size", "radius", "height"):
+                if name in data:
+                    value = getattr(self, name).value
+                    data[name] = list(value) if name == "size" else value
+        self._shown = {"number": number, "data": dict(data)}
+        if (place := self._position.typed(f"{field}.position")) is not None:
+            gizmo.position = place
+        if (angles := self._angles.typed(f"{field}.wxyz")) is not None:
+            gizmo.wxyz = SO3.from_rpy_radians(*np.radians(angles)).wxyz
+        self._position.show(gizmo.position)
+        wxyz = np.asarray(gizmo.wxyz)
+        if angles is None and np.isfinite(wxyz).all() and wxyz.any():
+            self._angles.show(np.degrees(SO3(wxyz).normalize().as_rpy_radians()))
+
+    def _show_sizes(self, data: dict[str, Any]) -> None:
+        """Only the sizes that this shape has."""
+        for name in ("size", "radius", "height"):
+            handle = getattr(self, name)
+            handle.visible = name in data
+            if name in data:
+                handle.value = tuple(data[name]) if name == "size" else data[name]
+
+
+def _has_handles(obstacles: ObstaclesPanel, number: int) -> bool:
+    return all(gizmo.disable_axes == (i != number) for i, gizmo in enumerate(obstacles.gizmos))
+
+
+def _new(kind: str, scene: Scene) -> Obstacle:
+    """A new obstacle of a sixth of the workspace, above its middle."""
+    length = max(scene.workspace.size) / 6
+    x, y, z = (
+        a + share * (b - a)
+        for a, b, share in zip(
+            scene.workspace.min, scene.workspace.max, (0.5, 0.5, 0.75), strict=True
+        )
+    )
+    place = {"position": (x, y, z)}
+    if kind == "box":
+        return Box(shape="box", size=(length, length, length), **place)
+    if kind == "sphere":
+        return Sphere(shape="sphere", radius=length / 2, **place)
+    if kind == "cylinder":
+        return Cylinder(shape="cylinder", radius=length / 2, height=length, **place)
+    return Capsule(shape="capsule", radius=length / 3, height=length, **place)
