@@ -6,6 +6,7 @@ Callbacks only wake the worker. It reads the panels, plans what changed, and dra
 
 from __future__ import annotations
 
+import functools
 import logging
 import threading
 from typing import Any
@@ -13,10 +14,12 @@ from typing import Any
 import numpy as np
 import viser
 
+from abi import assets
 from abi.errors import AbiError
 from abi.plan import Plan, Planner
 from abi.scene import Scene
 from app import page, style
+from app.formulas import with_formulas
 from app.layers.arm import ArmLayer
 from app.layers.curves import CurvesLayer
 from app.layers.headings import HeadingsLayer
@@ -80,6 +83,7 @@ class Session:
         right = gui.add_panel()
         result, plots = right.add_tab("Result"), right.add_tab("Joints")
         scenes, view = right.add_tab("Scene"), right.add_tab("Layers")
+        lesson = right.add_tab("Paper")
         right.dock_right()
         right.set_width(style.RIGHT_WIDTH)
 
@@ -103,6 +107,8 @@ class Session:
             self.playback = PlaybackPanel(gui, self.wake)
         with view:
             self.view = ViewPanel(client, self.wake, dark)
+        with lesson:
+            gui.add_markdown(_lesson())
         self._dark = dark
         self._theme()
 
@@ -239,6 +245,12 @@ class Session:
             now = self.playback.advance(duration)
             self.arm.pose(self.plan, now)
             self.plots.cursor(now)
+
+
+@functools.cache
+def _lesson() -> str:
+    """The method and the paper's misprints, ready for the page."""
+    return with_formulas(assets.path("lessons", "paper.md").read_text(encoding="utf-8"))
 
 
 def look_at(camera: viser.CameraHandle | viser.InitialCameraConfig, scene: Scene) -> None:

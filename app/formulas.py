@@ -1,0 +1,24 @@
+"""Markdown with LaTeX between dollars, made into the MathML that browsers draw by themselves."""
+
+from __future__ import annotations
+
+import re
+
+from latex2mathml.converter import convert
+
+_BLOCK = re.compile(r"\$\$(.+?)\$\$", re.DOTALL)
+_INLINE = re.compile(r"(?<![\\$])\$(?!\s)([^$\n]+?)(?<!\s)\$")
+
+
+def with_formulas(markdown: str) -> str:
+    """``markdown`` with every ``$…$`` and ``$$…$$`` replaced; it must hold no code spans."""
+    blocks = _BLOCK.sub(_block, markdown)
+    return _INLINE.sub(_inline, blocks)
+
+
+def _block(match: re.Match[str]) -> str:
+    return f"\n\n{convert(match[1].strip(), display='block')}\n\n"
+
+
+def _inline(match: re.Match[str]) -> str:
+    return convert(match[1])
