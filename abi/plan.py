@@ -115,6 +115,8 @@ class Planner:
         asked = scene.spline.clearance
         margin = asked + SLACK * max(scene.workspace.size)
 
+        # The arm stands there even when no path is found.
+        reached["arm"] = arm = self._arm(scene.arm, scene.unit)
         # 1 tetrahedral mesh of the workspace without the obstacles
         reached["mesh"] = tets = self._mesh(scene.workspace, scene.mesh)
         reached["free"] = free = self._free(tets, scene.obstacles, margin)
@@ -145,7 +147,6 @@ class Planner:
             arc.length, motion.speed, motion.acceleration, motion.deceleration
         )
         # 6 inverse kinematics
-        reached["arm"] = arm = self._arm(scene.arm, scene.unit)
         reached["motion"] = moved = self._motion(
             way, arc, profile, arm, scene.arm, scene.obstacles, SAMPLES
         )

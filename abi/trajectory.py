@@ -21,7 +21,7 @@ from abi.drives import driven
 from abi.errors import OutOfReach
 from abi.ik import solve
 from abi.scene import ArmSettings
-from abi.shapes import Obstacles
+from abi.shapes import Obstacles, Vec3
 from abi.timing import Profile
 
 
@@ -206,6 +206,17 @@ def follow(
         clearance_time=float(time[when]),
         clearance_obstacle=whose,
     )
+
+
+def rest(arm: Arm, settings: ArmSettings, point: Vec3) -> FloatArray:
+    """Joint positions with the tool at ``point``, or as near as can be: a pose without a plan.
+
+    Returns:
+        Shape (6,), [rad], q5 [unit].
+    """
+    q5 = np.array([settings.q5])
+    found = solve(arm, np.array([point]), q5, settings.elbow, np.zeros((1, 3)))
+    return read_only(np.array([found.q1[0], found.q2[0], found.q3[0], 0.0, settings.q5, 0.0]))
 
 
 def _stretches(time: FloatArray, shortfall: FloatArray) -> tuple[Stretch, ...]:

@@ -102,7 +102,7 @@ class Session:
         self.numbers = NumbersLayer(
             gui, result, folders["graph"], folders["quadratic"], folders["arm"]
         )
-        self.plots = PlotsLayer(gui, result, plots)
+        self.plots = PlotsLayer(gui, result, plots, scene.unit)
         with result:
             self.playback = PlaybackPanel(gui, self.wake)
         with view:

@@ -16,6 +16,7 @@ from abi import assets
 from abi.arm import JOINTS, Arm, urdf
 from abi.arrays import FloatArray
 from abi.plan import Plan
+from abi.trajectory import rest
 from app import style
 from app.layers.lines import segments
 
@@ -74,20 +75,25 @@ class ArmLayer:
     def pose(self, plan: Plan, time: float) -> None:
         """Move the arm to where it is at ``time`` [s], and draw the trace up to there."""
         motion = plan.motion
-        if (motion, time) == self._posed:
+        moment = (motion if motion is not None else plan, time)
+        if moment == self._posed:
             return
-        self._posed = (motion, time)
+        self._posed = moment
         if motion is None:
             self._trace.points = segments(np.zeros((0, 3)))
+            if plan.arm is not None:
+                self._move(rest(plan.arm, plan.scene.arm, plan.scene.start))
             return
-        positions = np.array([np.interp(time, motion.time, q) for q in motion.positions.T])
-        for hinge in self._hinges:
-            hinge.move(positions)
+        self._move(np.array([np.interp(time, motion.time, q) for q in motion.positions.T]))
         count = int(np.searchsorted(motion.time, time, side="right"))
         if self._traced != (motion, count):
             self._traced = (motion, count)
             kept = np.linspace(0, count - 1, min(count, _TRACE_SAMPLES)).astype(int)
             self._trace.points = segments(motion.tool[kept])
+
+    def _move(self, positions: FloatArray) -> None:
+        for hinge in self._hinges:
+            hinge.move(positions)
 
     def show(self, arm: bool, trace: bool) -> None:
         """Switch arm and trace."""

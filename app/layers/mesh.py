@@ -44,7 +44,7 @@ class MeshLayer:
             else f"{len(shown):,} of {len(free_edges):,} edges shown, those nearest to the path"
         )
         self._draw_edges(points, free_edges[shown])
-        size = 0.05 * mesh.pitch
+        size = min(0.05 * mesh.pitch, 0.008 * max(plan.scene.workspace.size))
         nodes = mesh.points[~excluded]
         nodes = nodes[_nearest(nodes, near, NODE_BUDGET)]
         gone = mesh.points[excluded]
@@ -67,7 +67,9 @@ class MeshLayer:
                 self._edges = None
             return
         used, local = np.unique(edges, return_inverse=True)
-        data = glb.lines(points[used], local.reshape(-1, 2).astype(np.int32), style.MESH, 0.4)
+        data = glb.lines(
+            points[used], local.reshape(-1, 2).astype(np.int32), style.MESH, _opacity(len(edges))
+        )
         if self._edges is None:
             self._edges = self._scene.add_glb(
                 "/mesh/edges",
@@ -89,6 +91,11 @@ class MeshLayer:
             precision="float32",
             visible=self._visible[name],
         )
+
+
+def _opacity(edges: int) -> float:
+    """Fainter the more there are, so that the paths inside stay to be seen."""
+    return float(np.clip(0.4 * (1000 / max(edges, 1)) ** 0.6, 0.04, 0.4))
 
 
 def _nearest(points: FloatArray, targets: FloatArray, budget: int) -> IntArray:

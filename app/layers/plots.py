@@ -18,15 +18,20 @@ class PlotsLayer:
     """The speed plot in two tabs, the joints in the second."""
 
     def __init__(
-        self, gui: viser.GuiApi, result: viser.GuiTabHandle, plots: viser.GuiTabHandle
+        self,
+        gui: viser.GuiApi,
+        result: viser.GuiTabHandle,
+        plots: viser.GuiTabHandle,
+        unit: str,
     ) -> None:
         speed = (("|v|", style.TRACE), *zip(("vx", "vy", "vz"), style.AXES, strict=True))
         angles = tuple((f"q{i}", style.JOINTS[i - 1]) for i in (1, 2, 3, 4, 6))
         with result:
-            self._speed = _plot(gui, "tool speed", speed, 168)
+            self._speed = _plot(gui, _speed_title(unit), speed, 168)
         with plots:
             self._angles = _plot(gui, "joint angles q1 q2 q3 q4 q6 [rad]", angles, 250)
-            self._slide = _plot(gui, "slide q5", (("q5", style.JOINTS[4]),), 170)
+            self._slide = _plot(gui, _slide_title(unit), (("q5", style.JOINTS[4]),), 170)
+        self._unit = unit
         self._motion: object = None
         self._data: tuple[tuple[viser.GuiUplotHandle, tuple[FloatArray, ...]], ...] = ()
 
@@ -46,8 +51,11 @@ class PlotsLayer:
         time, positions = motion.time[keep], motion.positions[keep]
         velocity = motion.velocity[keep]
         speed = np.linalg.norm(velocity, axis=1)
-        self._speed.title = f"tool speed [{plan.scene.unit}/s]"
-        self._slide.title = f"slide q5 [{plan.scene.unit}]"
+        # A new title builds the chart anew, and it forgets its time axis: only when it is new.
+        if plan.scene.unit != self._unit:
+            self._unit = plan.scene.unit
+            self._speed.title = _speed_title(self._unit)
+            self._slide.title = _slide_title(self._unit)
         self._data = (
             (self._speed, (time, speed, *velocity.T)),
             (self._angles, (time, *positions[:, [0, 1, 2, 3, 5]].T)),
@@ -65,6 +73,14 @@ class PlotsLayer:
             upright = np.full(len(marked), low)
             upright[place + 1] = high
             handle.data = (marked, *(np.interp(marked, times, line) for line in series), upright)
+
+
+def _speed_title(unit: str) -> str:
+    return f"tool speed [{unit}/s]"
+
+
+def _slide_title(unit: str) -> str:
+    return f"slide q5 [{unit}]"
 
 
 def _plot(

@@ -49,7 +49,7 @@ class SearchOrderLayer:
             "/search/reached",
             plan.graph.points[nodes[::stride]].astype(np.float32),
             colour,
-            point_size=0.09 * plan.graph.pitch,
+            point_size=0.13 * plan.graph.pitch,
             point_shape="circle",
             precision="float32",
         )

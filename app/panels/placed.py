@@ -72,7 +72,7 @@ class ObstaclesPanel:
                 continue
             self._drawn[number] = dict(self.data[number])
             gizmo = self.gizmos[number]
-            gizmo.scale = 1.35 * _radius(shape) + 0.03 * self._size
+            gizmo.scale = min(1.35 * _radius(shape), 0.4 * self._size) + 0.03 * self._size
             mesh = _mesh(shape)
             body = self._scene.add_mesh_simple(
                 f"{gizmo.name}/body",

@@ -54,6 +54,7 @@ class PlaybackPanel:
             self._written = round(shown, 2)
             self.slider.value = self._written
         self.button.label = "Pause" if self.playing else "Play"
+        self.button.disabled = duration == 0.0
         return shown
 
     async def _toggle(self, event: object) -> None:
