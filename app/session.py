@@ -70,9 +70,12 @@ class Session:
             self._worker.join(timeout=5)
 
     async def wake(self, event: object) -> None:
-        """The callback of every widget: something changed, see what."""
-        del event
-        self._changed.set()
+        """The callback of every widget: the user changed something, see what.
+
+        What the worker writes into a widget comes back here too, without a client.
+        """
+        if getattr(event, "client", None) is not None:
+            self._changed.set()
 
     def _build(self, name: str, scene: Scene, dark: bool) -> None:
         client, gui = self.client, self.client.gui

@@ -57,7 +57,7 @@ class ArmLayer:
         self._text = ""
         self._posed: object = None
         self._trace = client.scene.add_line_segments(
-            "/trace", np.zeros((1, 2, 3)), style.TRACE, thickness=6.0, thickness_units="screen"
+            "/trace", np.zeros((1, 2, 3)), style.TRACE, thickness=4.0, thickness_units="screen"
         )
         self._traced: tuple[object, int] = (None, -1)
 
@@ -89,7 +89,9 @@ class ArmLayer:
         if self._traced != (motion, count):
             self._traced = (motion, count)
             kept = np.linspace(0, count - 1, min(count, _TRACE_SAMPLES)).astype(int)
-            self._trace.points = segments(motion.tool[kept])
+            # Just above the curve, where both are to be seen.
+            above = 0.008 * max(plan.scene.workspace.size)
+            self._trace.points = segments(motion.tool[kept] + np.array([0.0, 0.0, above]))
 
     def _move(self, positions: FloatArray) -> None:
         for hinge in self._hinges:
