@@ -134,7 +134,7 @@ def exclude(mesh: TetMesh, obstacles: Obstacles, margin: float) -> FreeMesh:
     for obstacle in obstacles:
         low, high = obstacle.bounds()
         window = within(mesh.points, low - margin, high + margin)
-        excluded[window] |= obstacle.signed_distance(mesh.points[window]) < margin
+        excluded[window] |= obstacle.closer(mesh.points[window], margin)
     nodes = len(excluded) - int(np.count_nonzero(excluded))
     return FreeMesh(mesh, read_only(excluded), nodes)
 

@@ -5,18 +5,30 @@ of the visualiser read, and the only input of a plan.
 """
 
 import difflib
+import itertools
 import json
 import math
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, Strict, ValidationError, model_validator
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    Strict,
+    ValidationError,
+    ValidationInfo,
+    field_validator,
+    model_validator,
+)
 from pydantic_core import ErrorDetails
 
 from abi import assets
 from abi.errors import SceneError
 from abi.scene_file import parse, write
-from abi.shapes import Box, Capsule, Cylinder, Length, Obstacles, Sphere, Vec3
+from abi.shapes import Box, Capsule, Cylinder, Length, MeshShape, Obstacles, Sphere, Vec3
+from abi.surfaces.mesh_source import MeshSource
 
 Name = Literal["bcc", "kuhn", "delaunay"]
 Algorithm = Literal["a_star", "dijkstra", "bellman_ford"]
@@ -37,6 +49,7 @@ _SHAPES: dict[str, type[BaseModel]] = {
     "sphere": Sphere,
     "cylinder": Cylinder,
     "capsule": Capsule,
+    "mesh": MeshShape,
 }
 
 
@@ -102,10 +115,14 @@ class MeshSettings(_Settings):
 
 
 class SearchSettings(_Settings):
-    """Stage 3. All three algorithms run; ``algorithm`` chooses whose path goes on."""
+    """Stage 3. All three algorithms run; ``algorithm`` chooses whose path goes on.
+
+    ``taut`` pulls that path taut before the curves are made of it (stage 3½); the paper does not.
+    """
 
     algorithm: Algorithm = "a_star"
     weight: Literal["length", "hops"] = "length"
+    taut: Annotated[bool, Strict()] = True
 
 
 class SplineSettings(_Settings):
@@ -116,9 +133,9 @@ class SplineSettings(_Settings):
 
 
 class QuadraticSettings(_Settings):
-    """Stage 5, the curve."""
+    """Stage 5, the curve: nearest to the B-spline, the clear one nearest to that, or pieces."""
 
-    mode: Literal["least_squares"] = "least_squares"
+    mode: Literal["least_squares", "clear", "pieces"] = "least_squares"
 
 
 class MotionSettings(_Settings):
@@ -172,6 +189,23 @@ class Scene(_Settings):
     motion: MotionSettings = MotionSettings()
     arm: ArmSettings = ArmSettings()
 
+    @field_validator("obstacles")
+    @classmethod
+    def _in_unit(cls, obstacles: Obstacles, info: ValidationInfo) -> Obstacles:
+        placed = list(obstacles)
+        files: dict[str, MeshShape] = {}
+        for index, shape in enumerate(obstacles):
+            if not isinstance(shape, MeshShape):
+                continue
+            if files.setdefault(shape.file, shape).surface != shape.surface:
+                expected = "another name, an obstacle before it has this one with other content"
+                raise SceneError(f"obstacles[{index}].file", shape.file, expected)
+            try:
+                placed[index] = shape.in_unit(info.data.get("unit", "m"))
+            except ValueError as error:
+                raise SceneError(f"obstacles[{index}].scale", shape.scale, str(error)) from None
+        return tuple(placed)
+
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
         for name in ("start", "goal"):
@@ -189,8 +223,15 @@ class Scene(_Settings):
         return self
 
     @classmethod
-    def from_dict(cls, data: object) -> Self:
+    def from_dict(
+        cls, data: object, folder: Path | Mapping[str, bytes] | MeshSource | None = None
+    ) -> Self:
         """Check ``data`` (as a scene file holds it) and build the scene.
+
+        Args:
+            data: plain data.
+            folder: where the files of its meshes are: the folder of the scene file, outside which
+                nothing is opened, or the content of each by its name. None for a scene without.
 
         Raises:
             SceneError: names the first field that is wrong.
@@ -198,7 +239,7 @@ class Scene(_Settings):
         if not isinstance(data, dict):
             raise SceneError("scene", data, "a mapping with version: 1")
         try:
-            return cls.model_validate(data)
+            return cls.model_validate(data, context={"meshes": MeshSource.of(folder)})
         except ValidationError as error:
             raise _first_error(error) from None
 
@@ -207,8 +248,19 @@ class Scene(_Settings):
         plain: dict[str, Any] = json.loads(self.model_dump_json())
         return plain
 
-    def replace(self, **changes: Any) -> Self:
+    @property
+    def meshes(self) -> MeshSource:
+        """The surfaces of its meshes by the names of their files."""
+        shapes = [shape for shape in self.obstacles if isinstance(shape, MeshShape)]
+        return MeshSource({shape.file: shape.surface for shape in shapes})
+
+    def replace(self, files: Mapping[str, bytes] | None = None, **changes: Any) -> Self:
         """A copy with changed fields, checked again; a dict changes fields of a section.
+
+        Args:
+            files: content of mesh files by name, for obstacles that name a new one; the scene's
+                own meshes need none.
+            changes: plain data by field.
 
         Raises:
             SceneError: names the field that is wrong.
@@ -216,7 +268,7 @@ class Scene(_Settings):
         data = self.to_dict()
         for name, change in changes.items():
             data[name] = {**data[name], **change} if isinstance(change, dict) else change
-        return self.from_dict(data)
+        return self.from_dict(data, MeshSource({**self.meshes.files, **(files or {})}))
 
     def save(self, path: Path) -> None:
         """Write a scene file, YAML or JSON by its ending; the old file stays whole on failure."""
@@ -231,11 +283,12 @@ def load_scene(name_or_path: str | Path) -> Scene:
     """
     shipped = scene_names()
     if str(name_or_path) in shipped:
-        return Scene.from_dict(parse(assets.path("scenes", f"{name_or_path}.yaml")))
+        path = assets.path("scenes", f"{name_or_path}.yaml")
+        return Scene.from_dict(parse(path), path.parent)
     path = Path(name_or_path)
     if not path.suffix and not path.exists():
         raise SceneError("scene", str(name_or_path), f"a file or one of {', '.join(shipped)}")
-    return Scene.from_dict(parse(path))
+    return Scene.from_dict(parse(path), path.parent)
 
 
 def scene_names() -> tuple[str, ...]:
@@ -247,7 +300,12 @@ def scene_names() -> tuple[str, ...]:
 def _first_error(error: ValidationError) -> SceneError:
     """The first complaint of the checker, in this package's words."""
     detail = error.errors(include_url=False)[0]
-    place = [part for part in detail["loc"] if part not in _SHAPES]
+    # below a list the checker adds the name of the kind it chose
+    loc = ("", *detail["loc"])
+    place = [b for a, b in itertools.pairwise(loc) if not (isinstance(a, int) and b in _SHAPES)]
+    if detail["type"] == "mesh_file":
+        place.append("file")
+        detail["input"] = detail["ctx"]["file"]
     field = "".join(f"[{p}]" if isinstance(p, int) else f".{p}" for p in place).lstrip(".")
     missing = detail["type"] == "missing"
     return SceneError(
@@ -274,9 +332,9 @@ def _expected(detail: ErrorDetails, place: list[int | str]) -> str:
             f"; did you mean {close[0]}?" if close else ""
         )
     if kind == "union_tag_not_found":
-        return "shape: box, sphere, cylinder or capsule"
+        return "shape: box, sphere, cylinder, capsule or mesh"
     if kind == "union_tag_invalid":
-        return "box, sphere, cylinder or capsule (triangle meshes are not supported yet)"
+        return "box, sphere, cylinder, capsule or mesh"
     message = detail["msg"]
     for prefix in ("Input should be ", "Value error, "):
         message = message.removeprefix(prefix)

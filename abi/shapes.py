@@ -1,62 +1,39 @@
 """Obstacles: solids placed in the world, their signed distance and their distance to segments.
 
-Every solid here is convex, so its signed distance is a convex function of the point (Boyd and
-Vandenberghe, Convex Optimization, 2004, section 3.2.5 and exercise 8.5). Two things rest on that:
-the distance along a segment has one lowest stretch, and every tangent bounds it from below.
+Every solid written down here is convex, so its signed distance is a convex function of the point
+(Boyd and Vandenberghe, Convex Optimization, 2004, section 3.2.5 and exercise 8.5). Two things rest
+on that: the distance along a segment has one lowest stretch, and every tangent bounds it from
+below. Triangle meshes (:mod:`abi.surfaces.mesh_shape`) need not be convex: ``convex`` tells.
 Lengths are in the scene's [unit]; arrays of points are in the world frame unless named body.
 """
 
 from __future__ import annotations
 
-import math
 from abc import abstractmethod
-from functools import lru_cache
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 import numpy as np
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field
+from pydantic import Field
 
 from abi.arrays import BoolArray, FloatArray, IntArray, read_only
+from abi.pose import LARGEST, Length, Posed, Quaternion, Vec3, rotation
+from abi.surfaces.mesh_shape import MeshShape
 
-LARGEST = 1e6
-
-Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
-Length = Annotated[Number, Field(gt=0, le=LARGEST)]
-Coordinate = Annotated[Number, Field(ge=-LARGEST, le=LARGEST)]
-Vec3 = tuple[Coordinate, Coordinate, Coordinate]
-
-
-def _normalised(
-    wxyz: tuple[float, float, float, float],
-) -> tuple[float, float, float, float]:
-    largest = max(map(abs, wxyz))
-    if largest == 0:
-        raise ValueError("a rotation: four numbers, not all of them zero")
-    w, x, y, z = (part / largest for part in wxyz)
-    norm = math.hypot(w, x, y, z)
-    # A unit quaternion stays as it is, to the last bit: a saved scene must load equal to itself.
-    if abs(norm * largest - 1) <= 1e-14:
-        return wxyz
-    return w / norm, x / norm, y / norm, z / norm
-
-
-Quaternion = Annotated[tuple[Number, Number, Number, Number], AfterValidator(_normalised)]
-
-
-@lru_cache(maxsize=1024)
-def _rotation(wxyz: tuple[float, float, float, float]) -> FloatArray:
-    """Rotation matrix (3, 3) of a quaternion: its columns are the body's axes in the world."""
-    w, x, y, z = wxyz
-    s = 2 / (w * w + x * x + y * y + z * z)
-    return read_only(
-        np.array(
-            [
-                [1 - s * (y * y + z * z), s * (x * y - w * z), s * (x * z + w * y)],
-                [s * (x * y + w * z), 1 - s * (x * x + z * z), s * (y * z - w * x)],
-                [s * (x * z - w * y), s * (y * z + w * x), 1 - s * (x * x + y * y)],
-            ]
-        )
-    )
+__all__ = [
+    "LARGEST",
+    "Box",
+    "Capsule",
+    "Cylinder",
+    "Length",
+    "MeshShape",
+    "Obstacle",
+    "Obstacles",
+    "Quaternion",
+    "Sphere",
+    "Vec3",
+    "nearest",
+    "segments_blocked",
+]
 
 
 def _dot(a: FloatArray, b: FloatArray) -> FloatArray:
@@ -123,13 +100,10 @@ def _deepest_in_box(p: FloatArray, d: FloatArray, half: FloatArray) -> FloatArra
     return np.asarray(t[np.arange(len(p)), depth.argmin(axis=1)])
 
 
-class _Solid(BaseModel):
+class _Solid(Posed):
     """A convex solid and its pose. Children answer in the body frame, this class in the world."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid")
-
-    position: Vec3 = (0.0, 0.0, 0.0)
-    wxyz: Quaternion = (1.0, 0.0, 0.0, 0.0)
+    convex: ClassVar[bool] = True
 
     @abstractmethod
     def _distance(self, x: FloatArray) -> FloatArray:
@@ -147,19 +121,27 @@ class _Solid(BaseModel):
     def _reach(self, rotation: FloatArray) -> FloatArray:
         """Half extents (3,) of the solid along the world's axes."""
 
-    def _to_body(self, points: FloatArray) -> FloatArray:
-        return np.asarray((points - np.array(self.position)) @ _rotation(self.wxyz))
+    @abstractmethod
+    def _support(self, n: FloatArray) -> FloatArray:
+        """Greatest n·x (k,) over the solid for body directions n (k, 3)."""
 
-    def world_from_body(self) -> FloatArray:
-        """Pose of the solid: homogeneous matrix (4, 4), translation in [unit]."""
-        pose = np.eye(4)
-        pose[:3, :3] = _rotation(self.wxyz)
-        pose[:3, 3] = self.position
-        return read_only(pose)
+    @abstractmethod
+    def _nearest(self, x: FloatArray) -> FloatArray:
+        """Points (n, 3) of the solid nearest to body points (n, 3)."""
+
+    def support(self, directions: FloatArray) -> FloatArray:
+        """Greatest n·x (k,) over the solid for unit directions n (k, 3), world, [unit]."""
+        turned = self._support(directions @ rotation(self.wxyz))
+        return np.asarray(turned + directions @ np.array(self.position))
+
+    def nearest_points(self, points: FloatArray) -> FloatArray:
+        """Points (n, 3) of the solid nearest to points (n, 3), [unit], world; itself inside."""
+        found = self._nearest(self._to_body(points)) @ rotation(self.wxyz).T
+        return np.asarray(found + np.array(self.position))
 
     def bounds(self) -> tuple[FloatArray, FloatArray]:
         """Low and high corner, each (3,), of the tightest axis-parallel box, [unit], world."""
-        reach = self._reach(_rotation(self.wxyz))
+        reach = self._reach(rotation(self.wxyz))
         return read_only(self.position - reach), read_only(self.position + reach)
 
     def signed_distance(self, points: FloatArray) -> FloatArray:
@@ -172,7 +154,7 @@ class _Solid(BaseModel):
         Where that direction is not unique (on the medial axis, at edges) it is one of the valid
         ones, hence always a subgradient: d(x) >= d(p) + gradient(p) . (x - p) for all x.
         """
-        return np.asarray(self._outward(self._to_body(points)) @ _rotation(self.wxyz).T)
+        return np.asarray(self._outward(self._to_body(points)) @ rotation(self.wxyz).T)
 
     def segment_distance(self, p: FloatArray, q: FloatArray) -> FloatArray:
         """Least signed distance (n,) along the segments from p (n, 3) to q (n, 3), [unit].
@@ -183,6 +165,33 @@ class _Solid(BaseModel):
         d = b - a
         lowest = self._distance(a + self._lowest(a, d)[:, None] * d)
         return np.minimum(lowest, np.minimum(self._distance(a), self._distance(b)))
+
+    def closer(self, points: FloatArray, margin: float) -> BoolArray:
+        """Which of the points (n, 3) have a signed distance under ``margin``, [unit], (n,)."""
+        return self.signed_distance(points) < margin
+
+    def blocks(self, p: FloatArray, q: FloatArray, margins: FloatArray) -> BoolArray:
+        """Which segments from p (n, 3) to q (n, 3) come nearer than ``margins`` (n,), [unit].
+
+        Only the segments that their ends leave open are measured along their whole length.
+        """
+        at_p, at_q = self.signed_distance(p), self.signed_distance(q)
+        length = np.sqrt(_dot(q - p, q - p))
+        blocked = np.minimum(at_p, at_q) < margins
+        # The distance changes by no more than the way gone; the pad leaves ties to the exact test.
+        pad = 1e-12 * (length + np.abs(at_p) + np.abs(at_q))
+        rows = np.flatnonzero(~blocked & ((at_p + at_q - length) / 2 < margins + pad))
+        p, q, at_p, at_q, pad, margins = (v[rows] for v in (p, q, at_p, at_q, pad, margins))
+        # The tangents at both ends bound a convex function from below where they meet.
+        slope_p = _dot(self.gradient(p), q - p)
+        slope_q = _dot(self.gradient(q), q - p)
+        turn = slope_q - slope_p
+        t = np.clip((at_p - at_q + slope_q) / np.where(turn > 0, turn, 1), 0, 1)
+        floor = np.maximum(at_p + slope_p * t, at_q + slope_q * (t - 1))
+        open_ = (turn > 0) & (slope_p < 0) & (slope_q > 0) & (floor < margins + pad)
+        left = rows[open_]
+        blocked[left] = self.segment_distance(p[open_], q[open_]) < margins[open_]
+        return blocked
 
 
 class Box(_Solid):
@@ -208,6 +217,13 @@ class Box(_Solid):
     def _reach(self, rotation: FloatArray) -> FloatArray:
         return np.asarray(np.abs(rotation) @ (np.array(self.size) / 2))
 
+    def _support(self, n: FloatArray) -> FloatArray:
+        return np.asarray(np.abs(n) @ (np.array(self.size) / 2))
+
+    def _nearest(self, x: FloatArray) -> FloatArray:
+        half = np.array(self.size) / 2
+        return np.clip(x, -half, half)
+
 
 class _Rounded(_Solid):
     """All points within ``radius`` of a core, which is a point or a segment of the z axis."""
@@ -230,6 +246,16 @@ class _Rounded(_Solid):
 
     def _reach(self, rotation: FloatArray) -> FloatArray:
         return np.asarray(np.abs(rotation) @ self._core() + self.radius)
+
+    def _support(self, n: FloatArray) -> FloatArray:
+        return np.asarray(np.abs(n) @ self._core() + self.radius * np.sqrt(_dot(n, n)))
+
+    def _nearest(self, x: FloatArray) -> FloatArray:
+        core = self._core()
+        on_core = np.clip(x, -core, core)
+        away = np.linalg.norm(x - on_core, axis=1, keepdims=True)
+        share = np.where(away > self.radius, self.radius / np.where(away > 0, away, 1), 1)
+        return np.asarray(on_core + share * (x - on_core))
 
 
 class Sphere(_Rounded):
@@ -284,8 +310,18 @@ class Cylinder(_Solid):
         across = np.hypot(rotation[:, 0], rotation[:, 1])
         return np.asarray(np.abs(rotation[:, 2]) * self.height / 2 + across * self.radius)
 
+    def _support(self, n: FloatArray) -> FloatArray:
+        across = np.hypot(n[:, 0], n[:, 1])
+        return np.asarray(np.abs(n[:, 2]) * self.height / 2 + across * self.radius)
 
-Obstacle = Annotated[Box | Sphere | Cylinder | Capsule, Field(discriminator="shape")]
+    def _nearest(self, x: FloatArray) -> FloatArray:
+        across = np.hypot(x[:, 0], x[:, 1])[:, None]
+        share = np.where(across > self.radius, self.radius / np.where(across > 0, across, 1), 1)
+        z = np.clip(x[:, 2:], -self.height / 2, self.height / 2)
+        return np.concatenate([share * x[:, :2], z], axis=1)
+
+
+Obstacle = Annotated[Box | Sphere | Cylinder | Capsule | MeshShape, Field(discriminator="shape")]
 Obstacles = tuple[Obstacle, ...]
 
 
@@ -315,8 +351,7 @@ def segments_blocked(
         q: second ends, [unit], world.
         margin: distance asked for, [unit], one for all or one for each segment (n,).
 
-    Only the segments that the bounding box leaves open are measured at their ends, and only those
-    that the ends leave open are measured exactly.
+    Only the segments that the obstacle's bounding box leaves open are looked at any closer.
     """
     margins = np.broadcast_to(np.asarray(margin, dtype=float), (len(p),))
     blocked = np.zeros(len(p), dtype=bool)
@@ -328,25 +363,5 @@ def segments_blocked(
             near &= high_ends[:, axis] + margins > low[axis]
             near &= low_ends[:, axis] - margins < high[axis]
         rows = np.flatnonzero(near)
-        blocked[rows] = _blocked_by(obstacle, p[rows], q[rows], margins[rows])
-    return blocked
-
-
-def _blocked_by(obstacle: _Solid, p: FloatArray, q: FloatArray, margins: FloatArray) -> BoolArray:
-    at_p, at_q = obstacle.signed_distance(p), obstacle.signed_distance(q)
-    length = np.sqrt(_dot(q - p, q - p))
-    blocked = np.minimum(at_p, at_q) < margins
-    # The distance changes by no more than the way gone; the pad leaves ties to the exact test.
-    pad = 1e-12 * (length + np.abs(at_p) + np.abs(at_q))
-    rows = np.flatnonzero(~blocked & ((at_p + at_q - length) / 2 < margins + pad))
-    p, q, at_p, at_q, pad, margins = (v[rows] for v in (p, q, at_p, at_q, pad, margins))
-    # The tangents at both ends bound a convex function from below where they meet.
-    slope_p = _dot(obstacle.gradient(p), q - p)
-    slope_q = _dot(obstacle.gradient(q), q - p)
-    turn = slope_q - slope_p
-    t = np.clip((at_p - at_q + slope_q) / np.where(turn > 0, turn, 1), 0, 1)
-    floor = np.maximum(at_p + slope_p * t, at_q + slope_q * (t - 1))
-    open_ = (turn > 0) & (slope_p < 0) & (slope_q > 0) & (floor < margins + pad)
-    left = rows[open_]
-    blocked[left] = obstacle.segment_distance(p[open_], q[open_]) < margins[open_]
+        blocked[rows] = obstacle.blocks(p[rows], q[rows], margins[rows])
     return blocked

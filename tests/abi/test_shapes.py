@@ -74,6 +74,7 @@ def level(solid: Obstacle, points: FloatArray) -> FloatArray:
     if isinstance(solid, Cylinder):
         around = (x[:, :2] ** 2).sum(axis=1) / solid.radius**2
         return np.asarray(np.maximum(around, np.abs(2 * x[:, 2] / solid.height)) - 1)
+    assert isinstance(solid, Capsule)
     beyond = np.maximum(np.abs(x[:, 2]) - solid.height / 2, 0)
     return np.asarray((x[:, :2] ** 2).sum(axis=1) + beyond**2 - solid.radius**2)
 

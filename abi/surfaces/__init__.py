@@ -1,0 +1,1 @@
+"""Obstacles given as triangle meshes: files, repair, distance."""

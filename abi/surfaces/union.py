@@ -1,0 +1,55 @@
+"""The union of closed shells, by the manifold3d library (Lalish, Apache-2.0)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from abi.arrays import FloatArray, IntArray
+
+_MOST_SHELLS = 2000
+_ROUNDING = 1e-6
+
+
+def united(
+    vertices: FloatArray, faces: IntArray, label: IntArray
+) -> tuple[FloatArray, IntArray] | None:
+    """Vertices (n, 3) and faces (m, 3) of the union of shells that face outward.
+
+    Args:
+        vertices: (n, 3).
+        faces: (m, 3) ids of the corners.
+        label: (m,) the shell of each face.
+
+    Returns:
+        None where the library refuses a shell, or where the outcome is smaller than what went in:
+        the shells as they are have the same outside.
+    """
+    import manifold3d
+
+    shells = []
+    count = int(label.max()) + 1
+    if count > _MOST_SHELLS:
+        return None
+    order = np.argsort(label, kind="stable")
+    for rows in np.split(order, np.cumsum(np.bincount(label, minlength=count))[:-1]):
+        used, ids = np.unique(faces[rows], return_inverse=True)
+        corners = np.ascontiguousarray(vertices[used])
+        triangles = ids.reshape(-1, 3).astype(np.uint64)
+        shell = manifold3d.Manifold(manifold3d.Mesh64(corners, triangles))
+        if shell.status() != manifold3d.Error.NoError or shell.is_empty():
+            return None
+        shells.append(shell)
+    union = manifold3d.Manifold.batch_boolean(shells, manifold3d.OpType.Add)
+    if union.status() != manifold3d.Error.NoError or union.is_empty():
+        return None
+    mesh = union.to_mesh64()
+    points = np.array(mesh.vert_properties[:, :3], dtype=np.float64)
+    size = np.ptp(vertices, axis=0).max()
+    moved = max(
+        np.abs(points.min(axis=0) - vertices.min(axis=0)).max(),
+        np.abs(points.max(axis=0) - vertices.max(axis=0)).max(),
+    )
+    largest = max(shell.volume() for shell in shells)
+    if moved > _ROUNDING * size or union.volume() < largest * (1 - _ROUNDING):
+        return None
+    return points, np.array(mesh.tri_verts, dtype=np.int32)
