@@ -11,15 +11,17 @@ from numpy.typing import ArrayLike
 from scipy import interpolate
 
 from abi.arrays import BoolArray, FloatArray, read_only
-from abi.clearance import ROUNDING, Clearance, measure, measure_polyline
+from abi.clearance import ROUNDING, Clearance, measure, measure_polyline, prove
 from abi.curve import measure as arc_length
+from abi.grading import graded
 from abi.shapes import Obstacles, nearest
 
 _FINEST = 1e-6  # of the path's extent: how finely a clearance is measured
 _ROUNDS = 60
-_MOST_POINTS = 2000
+_MOST_INSERTED = 2000
 _PUSHES = 3  # in a row, before the polygon is refined
 _WORTH = 0.3  # part of what is missing that a push must win to be kept
+_FINER = 3  # times that a near miss is cleared more finely
 _SAMPLES = 8  # in each stretch that is too near
 
 
@@ -67,13 +69,13 @@ class BSpline:
 
     @cached_property
     def clearance(self) -> Clearance:
-        """Measured distance to the obstacles; fine to a millionth of the curve's extent."""
-        return measure(self, self.obstacles, self.asked, _finest(self.control_points))
+        """Distance to the obstacles, proven where it can be; fine to a millionth of the extent."""
+        return prove(self, self.obstacles, self.asked, _finest(self.control_points))
 
     @property
     def holds(self) -> bool:
-        """Whether the curve keeps the distance asked for, as far as measured."""
-        return self.clearance.holds
+        """Whether it is proven that the curve keeps the distance asked for."""
+        return self.clearance.keeps(self.asked)
 
     @cached_property
     def _spline(self) -> Any:
@@ -89,8 +91,8 @@ class BSpline:
         Returns:
             Shape (3,) for a number, (n, 3) for an array; [unit], world.
         """
-        clamped = np.clip(np.asarray(parameter, dtype=float), 0.0, 1.0)
-        return np.asarray(self._spline(clamped, nu=order), dtype=float)
+        inside = np.clip(np.asarray(parameter, dtype=float), 0.0, 1.0)
+        return np.asarray(self._spline(inside, nu=order), dtype=float)
 
 
 def clamped(control_points: FloatArray, degree: int) -> BSpline:
@@ -106,7 +108,13 @@ def clamped(control_points: FloatArray, degree: int) -> BSpline:
     return BSpline(degree, read_only(points), knots, none, none, (), 0.0)
 
 
-def fit(path_points: FloatArray, degree: int, obstacles: Obstacles, clearance: float) -> BSpline:
+def fit(
+    path_points: FloatArray,
+    degree: int,
+    obstacles: Obstacles,
+    clearance: float,
+    taut: bool = False,
+) -> BSpline:
     """B-spline with the path's vertices as control points, kept clear of the obstacles.
 
     A spline lies in the convex hull of each degree + 1 neighbouring control points (de Boor, A
@@ -126,6 +134,9 @@ def fit(path_points: FloatArray, degree: int, obstacles: Obstacles, clearance: f
         degree: asked for, at least 1; lowered to k - 1 when the path is too short for it.
         obstacles: what to keep clear of.
         clearance: distance to keep from every obstacle, [unit].
+        taut: the path is taut, with few vertices: control points are added on its legs, so that the
+            curve rounds the bends only as far as there is room; see ``abi.grading``. The degree is
+            then never lowered.
 
     Returns:
         The spline; with ``holds`` False the clearest one found.
@@ -133,8 +144,11 @@ def fit(path_points: FloatArray, degree: int, obstacles: Obstacles, clearance: f
     points = np.array(path_points, dtype=float)
     assert points.shape == (len(points), 3)
     assert len(points) >= 2
+    added = np.zeros(len(points), dtype=bool)
+    if taut:
+        points, added = graded(points, degree, obstacles, clearance)
     spline = clamped(points, min(degree, len(points) - 1))
-    spline = replace(spline, obstacles=obstacles, asked=clearance)
+    spline = replace(spline, obstacles=obstacles, asked=clearance, added=read_only(added))
     if not obstacles:
         return spline
     gap = measure_polyline(points, obstacles) - clearance
@@ -144,9 +158,28 @@ def fit(path_points: FloatArray, degree: int, obstacles: Obstacles, clearance: f
     wanted = clearance + min(0.0, gap - 2 * tolerance)
     room = (wanted, clearance + min(gap, gap / 2), tolerance)
     cleared = _cleared(spline, *room, _PUSHES)
-    if cleared.moved and arc_length(cleared).length > _edge_lengths(points).sum():
-        return _cleared(spline, *room, 0)
-    return cleared
+    longest = float(_edge_lengths(points).sum())
+    if cleared.moved and arc_length(cleared).length > longest:
+        cleared = _cleared(spline, *room, 0)
+    return cleared if gap < -ROUNDING else _finished(cleared, room, longest)
+
+
+def _finished(spline: BSpline, room: tuple[float, float, float], longest: float) -> BSpline:
+    """Clear a curve more finely that misses what was asked for by no more than it was measured to.
+
+    That happens where the path keeps just the clearance, or the end of a rounding.
+    """
+    # near a mesh, whose distance is not convex, measuring that finely takes seconds
+    if spline.holds or not all(obstacle.convex for obstacle in spline.obstacles):
+        return spline
+    _, floor, tolerance = room
+    finer = spline
+    for _ in range(_FINER):
+        if finer.holds or finer.clearance.nearest < finer.asked - 4 * tolerance:
+            break
+        tolerance /= 16
+        finer = _cleared(finer, finer.asked - 2 * tolerance, floor, tolerance, _PUSHES)
+    return finer if finer.holds and arc_length(finer).length <= longest else spline
 
 
 def _cleared(
@@ -159,7 +192,7 @@ def _cleared(
     best, best_distance = spline, found.distance
     pushes = 0
     for _ in range(_ROUNDS):
-        if found.distance >= wanted or len(spline.control_points) > _MOST_POINTS:
+        if found.distance >= wanted or spline.inserted > _MOST_INSERTED:
             break
         worth = found.distance + _WORTH * (wanted - found.distance)
         pushed = _pushed(spline, found, aim, box) if pushes < most_pushes else None

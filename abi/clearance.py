@@ -1,15 +1,17 @@
-"""How clear of the obstacles a curve is, measured by adaptive sampling."""
+"""How clear of the obstacles a curve is: measured by adaptive sampling, and proven."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
 
 from abi.arrays import BoolArray, FloatArray, read_only
 from abi.curve import Curve
+from abi.proof.bezier import PolynomialCurve, bezier
+from abi.proof.certificate import Certificate, certify
 from abi.shapes import Obstacles
 
 # Distances that differ by less are the same, [unit]: rounding, not a violation.
@@ -19,6 +21,7 @@ _FIRST_PIECES = 64
 _FINEST_STRETCH = 512
 _MOST_PIECES = 200_000
 _MOST_HALVINGS = 40
+_COARSE = 1e-3  # of the curve's extent: how finely its distance to a mesh is measured
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,12 +30,14 @@ class Clearance:
 
     Attributes:
         distance: what the curve's distance to the obstacles does not go below, [unit]; inf without
-            obstacles. Measured in floating point; its rounding is not accounted for.
+            obstacles. Proven when there is a certificate; otherwise measured in floating point,
+            its rounding not accounted for.
         at: parameter of the nearest sample.
         nearest: signed distance of the nearest sample, [unit]; negative inside an obstacle.
         obstacle: index of the obstacle it is nearest to, -1 without obstacles.
         violations: parameter intervals (from, to), in order and apart, that hold every place found
             nearer than asked by over 1e-9; empty exactly when there is none.
+        certificate: the proof of ``distance``; None when it was only measured.
     """
 
     distance: float
@@ -40,11 +45,21 @@ class Clearance:
     nearest: float
     obstacle: int
     violations: tuple[tuple[float, float], ...]
+    certificate: Certificate | None = None
 
     @property
     def holds(self) -> bool:
         """Whether no sample is nearer than asked."""
         return not self.violations
+
+    @property
+    def certified(self) -> bool:
+        """Whether ``distance`` is proven."""
+        return self.certificate is not None
+
+    def keeps(self, asked: float) -> bool:
+        """Whether it is proven that the distance is nowhere less than ``asked``, but for 1e-9."""
+        return self.certified and self.distance >= asked - ROUNDING
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,17 +100,18 @@ def measure(
     """Measure how near a curve comes to the obstacles, and where nearer than ``asked``.
 
     The curve is halved into Bézier pieces. Each is sampled in its middle m, where an obstacle's
-    distance d has the subgradient g. As the obstacles are convex, so is d, and a piece stays in
+    distance d has the subgradient g. If the obstacle is convex, so is d, and a piece stays in
     the convex hull of its control points P_i (Farin, Curves and Surfaces for CAGD, section 4.3):
 
         d >= d(m) + min_i g . (P_i - m)    along the whole piece.
 
     That is never below the bound from d being 1-Lipschitz, d(m) - max_i |P_i - m|, and its error
-    falls with the square of the piece's length instead of with the length.
+    falls with the square of the piece's length instead of with the length. For a mesh, which need
+    not be convex, the Lipschitz bound is what there is.
 
     Args:
         curve: polynomial between its breaks, continuous.
-        obstacles: the solids, convex.
+        obstacles: the solids and meshes.
         asked: distance the curve should keep, [unit].
         tolerance: largest ``nearest - distance``, [unit]; 1e-9 where less is given. No place
             nearer than ``asked - tolerance`` is left out of ``violations``.
@@ -134,6 +150,67 @@ def measure(
             break
         pieces = pieces.halved(unsure, middle, at_middle)
     return Clearance(distance, at, nearest, obstacle, _joined(np.concatenate(stretches)))
+
+
+def prove(
+    curve: PolynomialCurve, obstacles: Obstacles, asked: float, tolerance: float = 1e-3
+) -> Clearance:
+    """Measure how near a curve comes to the obstacles, then prove as much of it as can be.
+
+    Distances just under the measured one are tried from the largest down, to what was asked for.
+    A curve that enters an obstacle, or is measured to keep what is asked for and cannot be
+    certified to, gets no certificate.
+
+    A curve that is to keep no distance may touch a solid: then it is proven that it goes in by
+    less than 1e-9, unless a solid is so thin that this means nothing.
+
+    Args:
+        curve: has ``knots`` and ``control_points``, or quadratic ``pieces``; continuous.
+        obstacles: the solids and meshes.
+        asked: distance the curve should keep, at least 0, [unit].
+        tolerance: as in :func:`measure`, and an eighth of it is the least that the proven distance
+            is below the measured one, [unit]. Near a mesh up to a thousandth of the curve's
+            extent may be lost.
+    """
+    pieces = bezier(curve)
+    fine = tolerance
+    if not all(obstacle.convex for obstacle in obstacles):
+        extent = np.ptp(pieces.points.reshape(-1, 3), axis=0)
+        fine = max(tolerance, _COARSE * float(np.linalg.norm(extent)))
+    found = measure(curve, obstacles, asked, fine)
+    nearest = found.nearest
+    for margin in _margins(found, obstacles, asked, max(tolerance, ROUNDING) / 8):
+        if margin > nearest:
+            continue
+        result = certify(pieces, obstacles, margin)
+        if isinstance(result, Certificate):
+            return replace(found, distance=result.margin, certificate=result)
+        if result.decided:
+            nearest = min(nearest, result.distance)
+    return found
+
+
+def _margins(found: Clearance, obstacles: Obstacles, asked: float, step: float) -> list[float]:
+    """Distances to try to prove, falling, [unit]."""
+    if not obstacles:
+        return [math.inf]
+    lowest = asked - ROUNDING
+    if lowest < 0:
+        depth = [
+            -float(obstacle.signed_distance(np.array([obstacle.position]))[0])
+            if obstacle.convex
+            else 0.0
+            for obstacle in obstacles
+        ]
+        lowest = lowest if min(depth) > 4 * ROUNDING else 0.0
+    tries = {asked, asked - ROUNDING, found.distance - step}
+    while found.nearest - step > found.distance:
+        tries.add(found.nearest - step)
+        step *= 4
+    if found.distance < asked:
+        tries.add(found.distance - step)
+        lowest = min(lowest, 0.0)
+    return sorted((margin for margin in tries if margin >= lowest), reverse=True)
 
 
 def measure_polyline(points: FloatArray, obstacles: Obstacles) -> float:
@@ -199,8 +276,11 @@ def _sample(control: FloatArray, obstacles: Obstacles) -> tuple[FloatArray, Floa
     bounds = np.empty_like(distances)
     for k, obstacle in enumerate(obstacles):
         distances[k] = obstacle.signed_distance(middle)
-        rise = np.einsum("nij,nj->ni", offsets, obstacle.gradient(middle))
-        bounds[k] = distances[k] + rise.min(axis=1)
+        if obstacle.convex:
+            rise = np.einsum("nij,nj->ni", offsets, obstacle.gradient(middle)).min(axis=1)
+        else:
+            rise = -np.linalg.norm(offsets, axis=2).max(axis=1)
+        bounds[k] = distances[k] + rise
     return distances.min(axis=0), distances.argmin(axis=0), bounds.min(axis=0)
 
 

@@ -9,9 +9,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from abi.arrays import FloatArray, read_only
-from abi.clearance import ROUNDING, Clearance, measure
+from abi.clearance import ROUNDING, Clearance, prove
 from abi.curve import ArcLength, Curve
 from abi.shapes import Obstacles
+
+Piece = tuple[float, float, FloatArray]
+"""First and last parameter, and rows c0, c1, c2 of c0 + c1·t + c2·t² between them (3, 3), [unit]"""
 
 _FINEST = 1e-6  # of the curve's extent: how finely its clearance is measured
 
@@ -24,11 +27,13 @@ class Quadratic:
         coefficients: rows c0, c1, c2, shape (3, 3), [unit], world.
         obstacles: what the curve should keep clear of.
         asked: distance it should keep from every obstacle, [unit].
+        note: why it is not the curve that was asked for, as a sentence; empty when it is.
     """
 
     coefficients: FloatArray
     obstacles: Obstacles = ()
     asked: float = 0.0
+    note: str = ""
 
     @property
     def degree(self) -> int:
@@ -45,16 +50,21 @@ class Quadratic:
         """The ends of the interval: one polynomial, shape (2,)."""
         return read_only(np.array([0.0, 1.0]))
 
+    @property
+    def pieces(self) -> tuple[Piece, ...]:
+        """The one polynomial, on [0, 1]."""
+        return ((0.0, 1.0, self.coefficients),)
+
     @cached_property
     def clearance(self) -> Clearance:
-        """Measured distance to the obstacles; fine to a millionth of the curve's extent."""
+        """Distance to the obstacles, proven where it can be; fine to a millionth of the extent."""
         extent = float(np.linalg.norm(np.ptp(self([0.0, 0.25, 0.5, 0.75, 1.0]), axis=0)))
-        return measure(self, self.obstacles, self.asked, _FINEST * extent + ROUNDING)
+        return prove(self, self.obstacles, self.asked, _FINEST * extent + ROUNDING)
 
     @property
     def holds(self) -> bool:
-        """Whether the curve keeps the distance asked for, as far as measured."""
-        return self.clearance.holds
+        """Whether it is proven that the curve keeps the distance asked for."""
+        return self.clearance.keeps(self.asked)
 
     def __call__(self, parameter: ArrayLike, order: int = 0) -> FloatArray:
         """Point, or derivative of that order by the parameter; see :class:`abi.curve.Curve`.

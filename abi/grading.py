@@ -1,0 +1,84 @@
+"""Control points for a spline that rounds a path's bends and stays on its straight stretches."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from abi.arrays import BoolArray, FloatArray
+from abi.shapes import Obstacles
+
+_FINEST = 1e-3  # part of a leg: the nearest a point is put to a bend
+_SHARE = 0.5  # part of the room at a bend that the spline may take
+
+
+def graded(
+    points: FloatArray, degree: int, obstacles: Obstacles, clearance: float
+) -> tuple[FloatArray, BoolArray]:
+    """Put control points on the legs of a path: dense at the bends, ever wider away from them.
+
+    Where control points a distance h apart bend by an angle φ, a uniform spline of degree p cuts
+    the corner by about h·φ·√((p + 1) / 24π): its basis functions are nearly normal distributions
+    of variance (p + 1) / 12 (Unser, Aldroubi and Eden, IEEE Trans. Information Theory 38, 1992).
+    That gives the h for which the cut takes half the room there is. From a bend the points stand
+    at h, 2h, 4h, and so on up to the middle of the leg.
+
+    Args:
+        points: (k, 3) the path, k >= 2, [unit], world.
+        degree: p, at least 1.
+        obstacles: what the path keeps clear of.
+        clearance: distance that the spline should keep from them, [unit].
+
+    Returns:
+        At least p + 1 points (n, 3), those of the path among them, and which are not (n,).
+    """
+    legs = np.diff(points, axis=0)
+    lengths = np.linalg.norm(legs, axis=1)
+    apart = np.full(len(points), math.inf)
+    unit = legs / np.maximum(lengths, 1e-300)[:, None]
+    turn = np.linalg.norm(np.diff(unit, axis=0), axis=1)
+    cut = turn * math.sqrt((degree + 1) / (24 * math.pi))
+    room = _SHARE * np.maximum(_room(points, obstacles, clearance), 0)
+    np.divide(room, cut, out=apart[1:-1], where=cut > 0)
+    shares = [
+        _shares(first / length, last / length) if length > 0 else []
+        for first, last, length in zip(
+            apart[:-1].tolist(), apart[1:].tolist(), lengths.tolist(), strict=True
+        )
+    ]
+    while len(points) + sum(map(len, shares)) <= degree:
+        widest = int(np.argmax(lengths / [1 + len(inner) for inner in shares]))
+        count = len(shares[widest]) + 1
+        shares[widest] = [k / (count + 1) for k in range(1, count + 1)]
+    parts, added = [points[:1]], [np.zeros(1, dtype=bool)]
+    for k, inner in enumerate(shares):
+        between = points[k] + np.array(inner).reshape(-1, 1) * legs[k]
+        parts += [between, points[k + 1 : k + 2]]
+        added += [np.ones(len(inner), dtype=bool), np.zeros(1, dtype=bool)]
+    return np.concatenate(parts), np.concatenate(added)
+
+
+def _room(points: FloatArray, obstacles: Obstacles, clearance: float) -> FloatArray:
+    """What the inner vertices, with half of each leg, keep beyond the clearance, (k - 2,)."""
+    middles = (points[1:] + points[:-1]) / 2
+    found = np.full((2, max(len(points) - 2, 0)), math.inf)
+    for solid in obstacles:
+        for row, middle in zip(found, (middles[:-1], middles[1:]), strict=True):
+            np.minimum(row, solid.segment_distance(points[1:-1], middle), out=row)
+    return np.asarray(found.min(axis=0) - clearance)
+
+
+def _shares(first: float, last: float) -> list[float]:
+    """Where on a leg, in (0, 1), points stand that begin ``first`` and ``last`` from its ends."""
+    inner = []
+    at = max(first, _FINEST)
+    while at < 0.5:
+        inner.append(at)
+        at *= 2
+    other = []
+    at = max(last, _FINEST)
+    while at < 0.5:
+        other.append(1 - at)
+        at *= 2
+    return inner + other[::-1]

@@ -1,0 +1,114 @@
+"""Curves as Bézier pieces: what certificates are made of."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from abi.arrays import FloatArray, read_only
+from abi.curve import Curve
+
+
+class SplineCurve(Curve, Protocol):
+    """A B-spline given by knots and control points."""
+
+    @property
+    def knots(self) -> FloatArray:
+        """Shape (n + degree + 1,), not decreasing."""
+
+    @property
+    def control_points(self) -> FloatArray:
+        """Shape (n, 3), [unit], world."""
+
+
+class PiecesCurve(Curve, Protocol):
+    """Quadratics side by side."""
+
+    @property
+    def pieces(self) -> Sequence[tuple[float, float, FloatArray]]:
+        """First and last parameter of each and its rows c0, c1, c2 (3, 3), [unit]."""
+
+
+PolynomialCurve = SplineCurve | PiecesCurve
+"""What can be certified."""
+
+
+@dataclass(frozen=True, eq=False)
+class Bezier:
+    """A curve of s polynomials, each by its Bézier points, which hold it in their convex hull.
+
+    Attributes:
+        breaks: parameters between the polynomials, increasing, shape (s + 1,).
+        points: shape (s, degree + 1, 3), [unit], world.
+        size: the points' errors are at most 16·degree·2^-53 times this, [unit]; at least the
+            largest coordinate.
+    """
+
+    breaks: FloatArray
+    points: FloatArray
+    size: float
+
+    @property
+    def degree(self) -> int:
+        """Of each polynomial."""
+        return int(self.points.shape[1]) - 1
+
+
+def bezier(curve: PolynomialCurve) -> Bezier:
+    """Bézier points of a spline or of quadratics.
+
+    Args:
+        curve: has ``knots`` and ``control_points``, or ``pieces``.
+    """
+    if hasattr(curve, "pieces"):
+        return _from_powers(curve.pieces)
+    return _from_spline(curve.knots, curve.control_points, curve.degree)
+
+
+def polyline(points: FloatArray) -> Bezier:
+    """Polyline on [0, k - 1], its vertices (k, 3) at the whole parameters; k >= 1, [unit]."""
+    given = np.array(points, dtype=float)
+    vertices = given if len(given) > 1 else np.repeat(given, 2, axis=0)
+    breaks = np.arange(len(vertices), dtype=float)
+    pieces = np.stack([vertices[:-1], vertices[1:]], axis=1)
+    return Bezier(read_only(breaks), read_only(pieces), float(np.abs(vertices).max()))
+
+
+def _from_spline(knots: FloatArray, control_points: FloatArray, degree: int) -> Bezier:
+    """Insert every knot until it occurs ``degree`` times.
+
+    Bézier point j of the polynomial on [a, b] is the blossom at a, degree - j times, and b, j
+    times (Ramshaw, Blossoms are polar forms, 1989, section 6). De Boor's recursion for it takes
+    convex combinations only, so errors do not grow.
+    """
+    spans = np.flatnonzero(knots[1:] > knots[:-1])
+    spans = spans[(spans >= degree) & (spans < len(control_points))]
+    start, end = knots[spans], knots[spans + 1]
+    at_end = np.arange(degree + 1)
+    rows = spans[:, None] - degree + np.arange(degree + 1)
+    shape = (len(spans), degree + 1, degree + 1, 3)
+    points = np.broadcast_to(control_points[rows][:, None], shape)
+    for level in range(1, degree + 1):
+        at = np.where(level <= degree - at_end, start[:, None], end[:, None])[..., None]
+        first = knots[rows[:, level:]][:, None]
+        last = knots[rows[:, level:] + degree + 1 - level][:, None]
+        share = ((at - first) / (last - first))[..., None]
+        points = (1 - share) * points[:, :, :-1] + share * points[:, :, 1:]
+    breaks = read_only(np.append(start, end[-1:]))
+    return Bezier(breaks, read_only(points[:, :, 0].copy()), float(np.abs(control_points).max()))
+
+
+def _from_powers(pieces: Sequence[tuple[float, float, FloatArray]]) -> Bezier:
+    start = np.array([piece[0] for piece in pieces])
+    end = np.array([piece[1] for piece in pieces])
+    c0, c1, c2 = np.stack([piece[2] for piece in pieces], axis=1)
+    a, b = start[:, None], end[:, None]
+    # the blossom of c0 + c1 t + c2 t² at (a, a), (a, b), (b, b)
+    points = np.stack([c0 + (c1 + c2 * a) * a, c0 + c1 * ((a + b) / 2) + c2 * (a * b),
+                       c0 + (c1 + c2 * b) * b], axis=1)  # fmt: skip
+    reach = np.maximum(np.abs(a), np.abs(b))
+    size = (np.abs(c0) + (np.abs(c1) + np.abs(c2) * reach) * reach).max()
+    return Bezier(read_only(np.append(start, end[-1:])), read_only(points), float(size))
