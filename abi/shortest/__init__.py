@@ -1,0 +1,1 @@
+"""Short ways past obstacles: proven bounds, and what pulls a path taut."""
