@@ -1,8 +1,17 @@
 """The hybrid ABI method: an optimal, smooth path for a robot's tool around obstacles.
 
-The stages, in order: :mod:`abi.mesh`, :mod:`abi.graph`, :mod:`abi.search`, :mod:`abi.bspline`,
-:mod:`abi.quadratic` with :mod:`abi.timing`, and :mod:`abi.ik` with :mod:`abi.trajectory`;
-:mod:`abi.plan` runs them.
+The six stages, in order; :mod:`abi.plan` runs them, :mod:`abi.scene` holds what each is told:
+
+1. :mod:`abi.mesh`, on the points of :mod:`abi.lattice`
+2. :mod:`abi.graph`
+3. :mod:`abi.search`, and :mod:`abi.taut` pulls what it finds tight
+4. :mod:`abi.bspline`
+5. :mod:`abi.quadratic` or one of :mod:`abi.quadratic_modes`, and :mod:`abi.timing`
+6. :mod:`abi.ik` and :mod:`abi.trajectory`, for the arm of :mod:`abi.arm`
+
+Below them: :mod:`abi.shapes` and :mod:`abi.surfaces` are the obstacles, :mod:`abi.clearance` and
+:mod:`abi.proof` the distance to them and its proof, :mod:`abi.shortest` the optimum, and
+:mod:`abi.kernels` the compiled inner loops. :mod:`abi.reasons` says why there is no plan.
 """
 
 from abi.errors import AbiError, SceneError, StageError

@@ -125,11 +125,12 @@ class ClearanceNotHeld(StageError):
     """
 
     def __init__(self, clearance: float, found: float) -> None:
-        place = f"enters an obstacle by {-found:.3g}" if found < 0 else f"keeps only {found:.3g}"
+        short = max(clearance - found, 0.0)
+        place = f"enters an obstacle by {-found:.3g}" if found < 0 else f"lacks {short:.2g}"
         super().__init__(
             "bspline",
             "clearance_not_held",
-            f"The B-spline {place} where a clearance of {clearance:.3g} was asked for.",
+            f"The B-spline is not proven to keep the clearance of {clearance:.3g}: it {place}.",
             "Lower the clearance or the degree, or try a finer pitch.",
         )
         self.clearance = clearance

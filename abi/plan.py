@@ -15,7 +15,7 @@ from typing import Any, Generic, ParamSpec, TypeVar
 
 import numpy as np
 
-from abi import bspline, clearance, curve, graph, mesh, quadratic, timing, trajectory
+from abi import bspline, clearance, curve, graph, mesh, quadratic_modes, timing, trajectory
 from abi.arm import Arm
 from abi.bspline import BSpline
 from abi.curve import ArcLength
@@ -23,8 +23,11 @@ from abi.errors import ClearanceNotHeld, StageError
 from abi.graph import Graph
 from abi.mesh import FreeMesh, TetMesh
 from abi.quadratic import Quadratic
+from abi.quadratics import Quadratics
 from abi.scene import Scene
 from abi.search import SEARCHES, SearchResult
+from abi.shortest.optimum import Bound, lower_bound
+from abi.taut import TautPath, taut
 from abi.timing import Profile
 from abi.trajectory import ArmMotion
 
@@ -53,9 +56,11 @@ class Plan:
     searches: tuple[SearchResult, ...] = ()
     path: SearchResult | None = None
     path_clearance: float = math.inf
+    taut: TautPath | None = None
+    optimum: Bound | None = None
     bspline: BSpline | None = None
     bspline_arc: ArcLength | None = None
-    quadratic: Quadratic | None = None
+    quadratic: Quadratic | Quadratics | None = None
     quadratic_arc: ArcLength | None = None
     followed: str | None = None
     profile: Profile | None = None
@@ -66,7 +71,7 @@ class Plan:
     total_ms: float = 0.0
 
     @property
-    def followed_curve(self) -> BSpline | Quadratic | None:
+    def followed_curve(self) -> BSpline | Quadratic | Quadratics | None:
         """The curve the arm executes."""
         return {"bspline": self.bspline, "quadratic": self.quadratic}.get(self.followed or "")
 
@@ -75,8 +80,20 @@ class Plan:
         """No curve from start to goal is shorter than this, [unit]: the straight line."""
         return float(np.linalg.norm(np.subtract(self.scene.goal, self.scene.start)))
 
+    @property
+    def best_known(self) -> float | None:
+        """Length of the shortest of this plan's curves that keep the clearance, [unit]."""
+        lengths = [found.length for found in (self.path, self.taut) if found is not None]
+        for fitted, arc in (
+            (self.bspline, self.bspline_arc),
+            (self.quadratic, self.quadratic_arc),
+        ):
+            if fitted is not None and arc is not None and fitted.holds:
+                lengths.append(arc.length)
+        return min(lengths, default=None)
+
     def to_dict(self, full: bool = False) -> dict[str, Any]:
-        """The plan as plain data, see ``docs/plan.md``; ``full`` adds the mesh and all samples."""
+        """Plain data, as in ``docs/scene-and-plan.md``; ``full`` adds the mesh and all samples."""
         from abi.plan_json import to_dict
 
         return to_dict(self, full)
@@ -91,9 +108,11 @@ class Planner:
         self._graph = _Remembered(graph.build)
         self._searches = {name: _Remembered(search) for name, search in SEARCHES.items()}
         self._path_clearance = _Remembered(clearance.measure_polyline)
+        self._taut = _Remembered(taut)
+        self._optimum = _Remembered(lower_bound)
         self._bspline = _Remembered(bspline.fit)
         self._bspline_arc = _Remembered(curve.measure)
-        self._quadratic = _Remembered(quadratic.fit)
+        self._quadratic = _Remembered(quadratic_modes.fit)
         self._quadratic_arc = _Remembered(curve.measure)
         self._profile = _Remembered(timing.three_phase)
         self._arm = _Remembered(Arm.from_settings)
@@ -132,13 +151,23 @@ class Planner:
             result for result in found if result.algorithm == scene.search.algorithm
         )
         reached["path_clearance"] = self._path_clearance(path.points, scene.obstacles)
+        # 3½ the path pulled taut, and how short any curve can be
+        way_points = path.points
+        if scene.search.taut:
+            reached["taut"] = string = self._taut(nodes, scene.obstacles, margin, path)
+            way_points = string.points
+        reached["optimum"] = self._optimum(
+            scene.start, scene.goal, scene.obstacles, asked, scene.workspace
+        )
         # 4 B-spline, kept clear of the obstacles
         reached["bspline"] = spline = self._bspline(
-            path.points, scene.spline.degree, scene.obstacles, asked
+            way_points, scene.spline.degree, scene.obstacles, asked, scene.search.taut
         )
         reached["bspline_arc"] = spline_arc = self._bspline_arc(spline)
         # 5 quadratic curve with exact ends, and a motion in three phases
-        reached["quadratic"] = square = self._quadratic(spline, spline_arc, scene.obstacles, asked)
+        reached["quadratic"] = square = self._quadratic(
+            spline, spline_arc, scene.obstacles, asked, scene.quadratic.mode
+        )
         reached["quadratic_arc"] = square_arc = self._quadratic_arc(square)
         reached["followed"] = followed = _followed(scene, spline, square)
         way, arc = (spline, spline_arc) if followed == "bspline" else (square, square_arc)
@@ -158,6 +187,8 @@ class Planner:
             "mesh": self._mesh.ms + self._free.ms,
             "graph": self._graph.ms,
             **{name: search.ms for name, search in self._searches.items()},
+            "taut": self._taut.ms,
+            "optimum": self._optimum.ms,
             "bspline": self._bspline.ms + self._bspline_arc.ms,
             "quadratic": self._quadratic.ms + self._quadratic_arc.ms,
             "timing": self._profile.ms,
@@ -203,7 +234,7 @@ def _same(before: tuple[object, ...], now: tuple[object, ...]) -> bool:
     )
 
 
-def _followed(scene: Scene, spline: BSpline, square: Quadratic) -> str:
+def _followed(scene: Scene, spline: BSpline, square: Quadratic | Quadratics) -> str:
     """Which curve the arm executes.
 
     Raises:

@@ -9,10 +9,13 @@ import numpy as np
 
 from abi.arm import JOINTS
 from abi.bspline import BSpline
+from abi.proof.certificate import Certificate
 from abi.quadratic import Quadratic
+from abi.quadratics import Quadratics
 
 if TYPE_CHECKING:
     from abi.plan import Plan
+    from abi.reasons import Reason
 
 SAMPLES = 200
 
@@ -27,6 +30,7 @@ def to_dict(plan: Plan, full: bool) -> dict[str, Any]:
         "graph": _graph(plan),
         "searches": _searches(plan),
         "path": _path(plan),
+        "taut": _taut(plan),
         "bspline": _bspline(plan),
         "quadratic": _quadratic(plan),
         "optimum": _optimum(plan),
@@ -42,6 +46,13 @@ def to_dict(plan: Plan, full: bool) -> dict[str, Any]:
             "hint": error.hint,
         },
     }
+
+
+def reason(found: Reason | None) -> dict[str, Any] | None:
+    """What was found out about a plan's error, as plain data; None where nothing was."""
+    if found is None:
+        return None
+    return {"message": found.message, "hint": found.hint, "change": found.change}
 
 
 def _mesh(plan: Plan, full: bool) -> dict[str, Any] | None:
@@ -122,24 +133,62 @@ def _quadratic(plan: Plan) -> dict[str, Any] | None:
     if plan.quadratic is None or plan.quadratic_arc is None:
         return None
     return {
-        "pieces": [{"t0": 0.0, "t1": 1.0, "coefficients": plan.quadratic.coefficients.tolist()}],
+        "mode": plan.scene.quadratic.mode,
+        "pieces": [
+            {"t0": t0, "t1": t1, "coefficients": coefficients.tolist()}
+            for t0, t1, coefficients in plan.quadratic.pieces
+        ],
+        "note": plan.quadratic.note or None,
         "length": plan.quadratic_arc.length,
         **_clear(plan.quadratic),
         "ms": plan.ms["quadratic"],
     }
 
 
-def _clear(curve: BSpline | Quadratic) -> dict[str, Any]:
-    """Measured by adaptive sampling, so never ``certified``; None where nothing is in the way."""
-    return {"clearance": _finite(curve.clearance.distance), "certified": False}
+def _clear(curve: BSpline | Quadratic | Quadratics) -> dict[str, Any]:
+    """Proven where ``certified``, else measured; a distance is None where nothing is in the way."""
+    found = curve.clearance
+    return {
+        "clearance": _finite(found.distance),
+        "certified": found.certified,
+        "certificate": None if found.certificate is None else _certificate(found.certificate),
+    }
+
+
+def _certificate(proof: Certificate) -> dict[str, Any]:
+    columns = (proof.pieces.tolist(), proof.obstacle.tolist(), proof.directions.tolist())
+    return {
+        "margin": _finite(proof.margin),
+        "planes": [
+            {"t0": t0, "t1": t1, "obstacle": obstacle, "direction": direction}
+            for (t0, t1), obstacle, direction in zip(*columns, strict=True)
+        ],
+    }
+
+
+def _taut(plan: Plan) -> dict[str, Any] | None:
+    if plan.taut is None:
+        return None
+    return {
+        "points": plan.taut.points.tolist(),
+        "length": plan.taut.length,
+        "clearance": _finite(plan.taut.clearance),
+        "ms": plan.ms["taut"],
+    }
 
 
 def _optimum(plan: Plan) -> dict[str, Any] | None:
+    """A proven bound, ``exact`` where it is the optimum; best known is the best of this plan."""
+    if plan.optimum is None:
+        return None
     followed = {"bspline": plan.bspline_arc, "quadratic": plan.quadratic_arc}
     arc = followed.get(plan.followed or "")
-    if arc is None:
-        return None
-    return {"lower_bound": plan.lower_bound, "ratio": arc.length / plan.lower_bound}
+    return {
+        "lower_bound": plan.optimum.length,
+        "exact": plan.optimum.exact,
+        "best_known": plan.best_known,
+        "ratio": None if arc is None else arc.length / plan.optimum.length,
+    }
 
 
 def _timing(plan: Plan) -> dict[str, Any] | None:

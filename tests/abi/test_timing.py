@@ -93,7 +93,10 @@ def test_distance_is_the_integral_of_the_speed(profile: Profile) -> None:
     ends = np.cumsum([0.0, profile.t1, profile.t2, profile.t3])
     time = np.unique(np.concatenate([np.linspace(0, profile.duration, 200), ends]))
     travelled = cumulative_trapezoid(profile(time, 1), time, initial=0)
-    assert np.allclose(travelled, profile(time), rtol=0, atol=1e-11 * profile.length)
+    # Near the end of a cruise the time itself is known to a rounding only.
+    tick = np.spacing(profile.duration) * max(profile.acceleration, profile.deceleration)
+    tolerance = 1e-11 * profile.length + tick * profile.duration / 100
+    assert np.abs(travelled - profile(time)).max() <= tolerance
 
 
 @settings(max_examples=200, deadline=None)
