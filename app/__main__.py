@@ -12,6 +12,8 @@ import click
 
 from abi.errors import AbiError
 from abi.plan import plan as plan_scene
+from abi.plan_json import reason
+from abi.reasons import explain
 from abi.scene import load_scene, scene_names
 
 INCOMPLETE, BAD_INPUT = 3, 2
@@ -71,14 +73,56 @@ def plan(scene: str, out: Path | None, full: bool, list_scenes: bool) -> None:
         click.echo("\n".join(scene_names()))
         return
     result = plan_scene(load_scene(scene))
-    text = json.dumps(result.to_dict(full), indent=1, allow_nan=False)
+    data = result.to_dict(full)
+    found = explain(result.scene, result)
+    if data["error"] is not None:
+        data["error"]["reason"] = reason(found)
+    text = json.dumps(data, indent=1, allow_nan=False)
     if out is None:
         click.echo(text)
     else:
         _write(out, text)
     if result.error is not None:
-        click.echo(f"{result.error.message} {result.error.hint}", err=True)
+        why = found or result.error
+        click.echo(f"{why.message} {why.hint}", err=True)
         raise SystemExit(INCOMPLETE)
+
+
+@cli.command()
+@click.argument("plan", type=click.Path(path_type=Path))
+@click.option(
+    "--meshes",
+    type=click.Path(file_okay=False, exists=True, path_type=Path),
+    help="Folder of the scene's mesh files.  [default: the plan's]",
+)
+def verify(plan: Path, meshes: Path | None) -> None:
+    """Check every certificate in the file PLAN, a plan's JSON, again in exact arithmetic.
+
+    Exit code 0: every curve is proven; 3: one is not, and its line says why; 2: bad input.
+    """
+    from abi.proof.verify import verify as verify_plan
+
+    verdicts = verify_plan(_read(plan), meshes or plan.parent)
+    click.echo("\n".join(map(str, verdicts)))
+    if not all(verdict.proven for verdict in verdicts):
+        raise SystemExit(INCOMPLETE)
+
+
+def _read(path: Path) -> object:
+    name = repr(str(path))
+    try:
+        return json.loads(path.read_text(encoding="utf-8"), parse_constant=_refuse)
+    except OSError as error:
+        reason = (error.strerror or "not readable").lower()
+        raise AbiError(f"{name} cannot be read ({reason}).") from None
+    except (ValueError, RecursionError):
+        raise AbiError(
+            f"{name} is not JSON.", "Write one with: abi plan SCENE --out PLAN"
+        ) from None
+
+
+def _refuse(constant: str) -> object:
+    raise ValueError(constant)
 
 
 def _write(path: Path, text: str) -> None:

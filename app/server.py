@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import sys
 import threading
+import warnings
 
 import viser
 
-from abi.kernels import search as search_kernels
+from abi.kernels import certify, search, visibility
 from abi.scene import Scene, load_scene
 from app import page
 from app.session import Session, look_at
@@ -81,8 +82,16 @@ def start(
         SceneError: the scene cannot be read.
     """
     loaded = load_scene(scene)
+    # A tab that leaves in the middle of a frame is no news; its session is told right after.
+    warnings.filterwarnings("ignore", "Queued a .* on a closed connection", UserWarning)
     # The worker threads plan in Python; shorter turns keep the event loop answering meanwhile.
     sys.setswitchinterval(0.0005)
     server = Server(host, port, scene, loaded, plain, dark)
-    threading.Thread(target=search_kernels.warm, name="warm-kernels", daemon=True).start()
+    threading.Thread(target=_warm, name="warm-kernels", daemon=True).start()
     return server
+
+
+def _warm() -> None:
+    """Compile, or load what was compiled before, while the first plans run in plain Python."""
+    for kernels in (search, certify, visibility):
+        kernels.warm()

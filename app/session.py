@@ -17,12 +17,14 @@ import viser
 from abi import assets
 from abi.errors import AbiError
 from abi.plan import Plan, Planner
+from abi.reasons import Reason, explain
 from abi.scene import Scene
 from app import page, style
 from app.formulas import with_formulas
 from app.layers.arm import ArmLayer
 from app.layers.curves import CurvesLayer
 from app.layers.headings import HeadingsLayer
+from app.layers.marks import MarksLayer
 from app.layers.mesh import MeshLayer
 from app.layers.numbers import NumbersLayer
 from app.layers.paths import PathsLayer
@@ -40,6 +42,8 @@ _log = logging.getLogger(__name__)
 
 SLOW_MS = 120.0
 """A plan that takes longer than this is awaited with the old one in grey."""
+REST = 0.3
+"""Seconds without a wish after which there is time to find out why there is no plan."""
 
 
 class Session:
@@ -51,6 +55,8 @@ class Session:
         self.plans = 0
         self._scene = scene
         self._planner = Planner()
+        self._reason: Reason | None = None
+        self._explained: Plan | None = None
         self._changed = threading.Event()
         self._closing = False
         self._faded = False
@@ -69,10 +75,11 @@ class Session:
         if threading.current_thread() is not self._worker:
             self._worker.join(timeout=5)
 
-    async def wake(self, event: object) -> None:
+    def wake(self, event: object) -> None:
         """The callback of every widget: the user changed something, see what.
 
-        What the worker writes into a widget comes back here too, without a client.
+        What the worker writes into a widget comes back here too, without a client. Not ``async``:
+        viser would leave the coroutines of those behind when it stops.
         """
         if getattr(event, "client", None) is not None:
             self._changed.set()
@@ -90,7 +97,7 @@ class Session:
         right.dock_right()
         right.set_width(style.RIGHT_WIDTH)
 
-        self.headings = HeadingsLayer(gui)
+        self.headings = HeadingsLayer(gui, self.wake)
         folders = self.headings.folders
         with folders["mesh"]:
             self.mesh_panel = MeshPanel(gui, scene, self.wake)
@@ -116,6 +123,7 @@ class Session:
         self._theme()
 
         self.workspace = WorkspaceLayer(client)
+        self.marks = MarksLayer(client)
         self.mesh = MeshLayer(client)
         self.paths = PathsLayer(client)
         self.reached = SearchOrderLayer(client)
@@ -139,13 +147,17 @@ class Session:
     def _work(self) -> None:
         """The tab's only thread that computes and draws."""
         while True:
-            woken = self._changed.wait(self.playback.timeout())
+            self._changed.wait(self._patience())
             if self._closing:
                 return
-            self._changed.clear()
+            # Not what wait() returned: the wish may have come while it gave up.
+            if woken := self._changed.is_set():
+                self._changed.clear()
             try:
                 if woken:
                     self._follow()
+                elif self._unexplained():
+                    self._explain()
                 self._play()
             except Exception:
                 _log.exception("tab %s", self.client.client_id)
@@ -156,6 +168,27 @@ class Session:
                     color="red",
                     auto_close_seconds=8,
                 )
+
+    def _patience(self) -> float | None:
+        """How long to wait for the user, [s]; for ever when there is nothing else to do."""
+        frame = self.playback.timeout()
+        return frame if frame is not None or not self._unexplained() else REST
+
+    def _unexplained(self) -> bool:
+        plan = self.plan
+        return plan is not None and plan.error is not None and plan is not self._explained
+
+    def _explain(self) -> None:
+        """Find out why there is no plan, now that the hand rests; a new wish ends it."""
+        plan = self.plan
+        assert plan is not None
+        reason = explain(plan.scene, plan, self._changed.is_set)
+        if self._changed.is_set():
+            return
+        self._explained, self._reason = plan, reason
+        with self.client.atomic():
+            self.headings.complain(plan.error, reason)
+            self.marks.draw(reason, plan.scene)
 
     def _follow(self) -> None:
         """Bring plan and picture up to the panels."""
@@ -168,6 +201,7 @@ class Session:
             self._scene = scene
             self._fade(self.plan is not None and self.plan.total_ms > SLOW_MS)
             self.plan = self._planner(scene)
+            self._reason = None
         self._draw(self.plan)
         self._fade(False)
         self.files.save_when_asked(scene)
@@ -178,15 +212,19 @@ class Session:
         Raises:
             SceneError: names the field; the last good scene stays.
         """
-        requested = self.files.requested()
+        requested = self.files.requested(self.editor.meshes(self._scene))
         if requested is not None:
             self._show(requested)
             return requested
+        if (change := self.headings.accepted()) is not None:
+            changed = self._scene.replace(**change)
+            self._show(changed)
+            return changed
         self.editor.apply(self._scene)
         data: dict[str, Any] = self._scene.to_dict()
         for panel in self._inputs:
             data |= panel.read()
-        return Scene.from_dict(data)
+        return Scene.from_dict(data, self.editor.meshes(self._scene))
 
     def _show(self, scene: Scene) -> None:
         """Put another scene into the panels, and the camera in front of it."""
@@ -199,7 +237,8 @@ class Session:
     def _draw(self, plan: Plan) -> None:
         with self.client.atomic():
             self.headings.draw(plan)
-            self.headings.complain(plan.error)
+            self.headings.complain(plan.error, self._reason)
+            self.marks.draw(self._reason, plan.scene)
             self.points.label(plan.scene)
             self.obstacles.draw(plan.scene.obstacles)
             self.workspace.draw(plan.scene.workspace, plan.scene.arm.base)

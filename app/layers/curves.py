@@ -6,9 +6,8 @@ import numpy as np
 import viser
 
 from abi.arrays import FloatArray
-from abi.bspline import BSpline
+from abi.curve import Curve
 from abi.plan import Plan
-from abi.quadratic import Quadratic
 from app import style
 from app.layers.lines import segments
 
@@ -39,11 +38,18 @@ class CurvesLayer:
         )
         self._control: viser.PointCloudHandle | None = None
         self._show_control = True
+        self._entering = client.scene.add_line_segments(
+            "/curve/entering",
+            np.zeros((1, 2, 3)),
+            style.ENTERS,
+            thickness=9.0,
+            thickness_units="screen",
+        )
         self._drawn: dict[str, object] = {}
 
     def draw(self, plan: Plan) -> None:
         """Draw the plan's curves; none where there are none."""
-        curves: dict[str, BSpline | Quadratic | None] = {
+        curves: dict[str, Curve | None] = {
             "bspline": plan.bspline,
             "quadratic": plan.quadratic,
         }
@@ -56,6 +62,8 @@ class CurvesLayer:
             line.points = segments(np.zeros((0, 3)) if curve is None else _sample(curve))
             if name == "bspline":
                 self._draw_control(plan)
+            else:
+                self._draw_entering(plan)
 
     def fade(self, faded: bool) -> None:
         """Grey while a newer plan is on its way."""
@@ -65,11 +73,19 @@ class CurvesLayer:
     def show(self, bspline: bool, quadratic: bool, control: bool) -> None:
         """Switch the curves and the control points."""
         self._lines["bspline"].visible = bspline
-        self._lines["quadratic"].visible = quadratic
+        self._lines["quadratic"].visible = self._entering.visible = quadratic
         self._show_control = control
         self._polygon.visible = control
         if self._control is not None:
             self._control.visible = control
+
+    def _draw_entering(self, plan: Plan) -> None:
+        """The stretches of the quadratic that come nearer than the clearance, in red."""
+        parts = [segments(np.zeros((0, 3)))]
+        if plan.quadratic is not None:
+            for first, last in plan.quadratic.clearance.violations:
+                parts.append(segments(plan.quadratic(np.linspace(first, last, 24))))
+        self._entering.points = np.concatenate(parts)
 
     def _draw_control(self, plan: Plan) -> None:
         points = np.zeros((0, 3)) if plan.bspline is None else plan.bspline.control_points
@@ -85,5 +101,5 @@ class CurvesLayer:
         )
 
 
-def _sample(curve: BSpline | Quadratic) -> FloatArray:
+def _sample(curve: Curve) -> FloatArray:
     return curve(np.linspace(*curve.interval, SAMPLES))

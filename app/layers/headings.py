@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import html
 import math
+from typing import Any
 
 import viser
 
+from abi.clearance import Clearance
 from abi.errors import AbiError, SceneError, StageError
 from abi.plan import Plan
+from abi.reasons import Reason
 from app import style
+from app.panels.stages import Wake
 
 STAGES = ("mesh", "graph", "search", "bspline", "quadratic", "arm")
 _TITLES = {
@@ -37,11 +41,16 @@ _STAGE_OF_FIELD = {
 class HeadingsLayer:
     """Owns the six folders; the panels put their inputs inside."""
 
-    def __init__(self, gui: viser.GuiApi) -> None:
+    def __init__(self, gui: viser.GuiApi, wake: Wake) -> None:
         self._notes: dict[str, viser.GuiHtmlHandle] = {}
+        # viser lets checkers see a read-only value
+        self._buttons: dict[str, Any] = {}
+        self._change: dict[str, Any] | None = None
         self.folders: dict[str, viser.GuiFolderHandle] = {}
         for stage in STAGES:
             self._notes[stage] = gui.add_html("", visible=False)
+            self._buttons[stage] = gui.add_button("Do that", visible=False)
+            self._buttons[stage].on_click(wake)
             self.folders[stage] = gui.add_folder(
                 _TITLES[stage], expand_by_default=stage not in ("graph", "arm")
             )
@@ -53,16 +62,30 @@ class HeadingsLayer:
             if self.folders[stage].label != label:
                 self.folders[stage].label = label
 
-    def complain(self, error: AbiError | None) -> None:
-        """Show one sentence above the stage it belongs to; none clears it."""
+    def complain(self, error: AbiError | None, reason: Reason | None = None) -> None:
+        """Show one sentence above the stage it belongs to; none clears it.
+
+        Args:
+            error: what is wrong.
+            reason: what was found out about it, with the change that helps, where there is one.
+        """
         where = _stage(error)
+        self._change = None if reason is None else reason.change
         for stage, note in self._notes.items():
-            if stage != where:
-                note.visible = False
-                continue
-            assert error is not None
-            note.content = _sentence(error)
-            note.visible = True
+            here = stage == where
+            self._buttons[stage].visible = here and self._change is not None
+            if here and error is not None:
+                found = error if reason is None else reason
+                note.content = _sentence(found.message, found.hint)
+            note.visible = here
+
+    def accepted(self) -> dict[str, Any] | None:
+        """The change whose button was pressed since the last call."""
+        pressed = False
+        for button in self._buttons.values():
+            pressed |= button.value
+            button.value = False
+        return self._change if pressed else None
 
 
 def _stage(error: AbiError | None) -> str | None:
@@ -74,12 +97,12 @@ def _stage(error: AbiError | None) -> str | None:
     return _STAGE_OF_FIELD.get(field.split(".")[0].split("[")[0], "mesh")
 
 
-def _sentence(error: AbiError) -> str:
+def _sentence(message: str, hint: str) -> str:
     """The message and the way out; escaped, since both can quote what a user typed."""
     return (
         '<div style="margin:6px 10px 0;padding:6px 9px;border-left:4px solid #e03131;'
         'background:rgba(224,49,49,.12);border-radius:3px;font-size:12.5px;line-height:1.35">'
-        f"<b>✗ {html.escape(error.message)}</b> {html.escape(error.hint)}</div>"
+        f"<b>✗ {html.escape(message)}</b> {html.escape(hint)}</div>"
     )
 
 
@@ -92,22 +115,25 @@ def _results(plan: Plan) -> dict[str, str]:
         results["graph"] = f"{plan.graph.edge_count:,} edges"
     if plan.path is not None:
         name = style.ALGORITHMS[plan.path.algorithm][0]
-        results["search"] = f"{name} {plan.path.length:.3f} {unit}"
+        taut = "" if plan.taut is None else f", taut {plan.taut.length:.3f}"
+        results["search"] = f"{name} {plan.path.length:.3f}{taut} {unit}"
     elif plan.error is not None and plan.error.stage == "search":
         results["search"] = "no path"
     if plan.bspline is not None and plan.bspline_arc is not None:
-        distance = plan.bspline.clearance.distance
-        results["bspline"] = f"{plan.bspline_arc.length:.3f} {unit}, {_kept(distance)}"
+        kept = _kept(plan.bspline.clearance, plan.bspline.holds)
+        results["bspline"] = f"{plan.bspline_arc.length:.3f} {unit}, {kept}"
     if plan.quadratic is not None and plan.quadratic_arc is not None:
-        distance = plan.quadratic.clearance.distance
-        results["quadratic"] = f"{plan.quadratic_arc.length:.3f} {unit}, {_kept(distance)}"
+        kept = _kept(plan.quadratic.clearance, plan.quadratic.holds)
+        results["quadratic"] = f"{plan.quadratic_arc.length:.3f} {unit}, {kept}"
     if plan.motion is not None:
         reached = "reaches all of it" if plan.motion.reachable else "out of reach"
         results["arm"] = reached if plan.motion.within_limits else f"{reached}, joint limit passed"
     return results
 
 
-def _kept(distance: float) -> str:
-    if math.isinf(distance):
-        return "nothing in the way"
-    return f"enters by {-distance:.2f}" if distance < 0 else f"clear by {distance:.2f}"
+def _kept(clearance: Clearance, holds: bool) -> str:
+    if math.isinf(clearance.distance):
+        return "free ✓"
+    if clearance.nearest < 0:
+        return f"enters by {-clearance.nearest:.2f} ✗"
+    return f"clear by {clearance.distance:.2f} {'✓' if holds else '✗'}"

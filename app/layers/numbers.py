@@ -19,6 +19,8 @@ _HEAD = "padding:3px 4px;font-weight:600;border-bottom:1px solid rgba(128,128,12
 _CELL = "padding:3px 4px;border-bottom:1px solid rgba(128,128,128,.22);"
 _BOX = '<div style="margin:0 10px 10px;line-height:1.4;font-size:12.5px">'
 GOOD, BAD = "#12a67c", "#e03131"
+_PIECES_SHOWN = 2
+_LEGEND = f"{_BOX}✓ proven along the whole curve, ✗ less than asked for.</div>"
 
 
 class NumbersLayer:
@@ -75,18 +77,17 @@ def _searches(plan: Plan) -> str:
 
 def _stages(plan: Plan) -> str:
     """What each stage does to the length, and how near it comes to the obstacles."""
-    shortest = plan.lower_bound
+    asked = plan.scene.spline.clearance
+    shortest = plan.lower_bound if plan.optimum is None else plan.optimum.length
     rows = []
     if plan.path is not None:
         label, colour = style.ALGORITHMS[plan.path.algorithm]
-        rows.append(
-            (
-                f"{style.swatch(colour)}{label} path",
-                f"{plan.path.length:.3f}",
-                _over(plan.path.length, shortest),
-                _distance(plan.path_clearance, plan.scene.spline.clearance),
-            )
-        )
+        swatch = style.swatch(colour, dashed=plan.path.algorithm == "dijkstra")
+        kept = _distance(plan.path_clearance, asked, proven=True)
+        rows.append(_stage(f"{swatch}{label} path", plan.path.length, shortest, kept))
+    if plan.taut is not None:
+        kept = _distance(plan.taut.clearance, asked, proven=True)
+        rows.append(_stage(f"{style.swatch(style.TAUT)}taut", plan.taut.length, shortest, kept))
     for name, curve, arc in (
         ("bspline", plan.bspline, plan.bspline_arc),
         ("quadratic", plan.quadratic, plan.quadratic_arc),
@@ -94,17 +95,21 @@ def _stages(plan: Plan) -> str:
         if curve is None or arc is None:
             continue
         label, colour = style.CURVES[name]
-        executed = " ▸ arm" if name == plan.followed else ""
-        rows.append(
-            (
-                f"{style.swatch(colour)}{label}<b>{executed}</b>",
-                f"{arc.length:.3f}",
-                _over(arc.length, shortest),
-                _distance(curve.clearance.distance, plan.scene.spline.clearance),
-            )
-        )
-    rows.append(("straight line", f"{shortest:.3f}", "", ""))
-    return _table(("stage", f"length [{plan.scene.unit}]", "over line", "clearance"), rows)
+        executed = "<b> ▸ arm</b>" if name == plan.followed else ""
+        clearance = curve.clearance
+        found = clearance.distance if clearance.certified else clearance.nearest
+        kept = _distance(found, asked, proven=clearance.certified)
+        row = _stage(f"{style.swatch(colour)}{label}{executed}", arc.length, shortest, kept)
+        # A curve that cuts through has no gap to a bound for curves that do not.
+        rows.append(row if curve.holds else (*row[:2], "–", row[3]))
+    exact = plan.optimum is not None and plan.optimum.exact
+    rows.append(("optimum" if exact else "optimum, at least", f"{shortest:.3f}", "", ""))
+    head = ("stage", "length", "gap" if exact else "gap ≤", "clearance")
+    return _table(head, rows) + (_LEGEND if plan.bspline is not None else "")
+
+
+def _stage(title: str, length: float, shortest: float, kept: str) -> tuple[str, ...]:
+    return title, f"{length:.3f}", f"{100 * max(length / shortest - 1, 0):.1f} %", kept
 
 
 def _graph(plan: Plan, mesh_note: str) -> str:
@@ -127,8 +132,18 @@ def _coefficients(plan: Plan) -> str:
     """The curve as the paper prints it."""
     if plan.quadratic is None:
         return ""
-    c0, c1, c2 = plan.quadratic.coefficients
-    lines = [f"P{axis}(t) = {_polynomial(c0[i], c1[i], c2[i])}" for i, axis in enumerate("xyz")]
+    lines = []
+    pieces = plan.quadratic.pieces
+    for first, last, (c0, c1, c2) in pieces[:_PIECES_SHOWN]:
+        if len(pieces) > 1:
+            lines.append(f"t from {first:.3f} to {last:.3f}:")
+        lines += [
+            f"P{axis}(t) = {_polynomial(c0[i], c1[i], c2[i])}" for i, axis in enumerate("xyz")
+        ]
+    if len(pieces) > _PIECES_SHOWN:
+        lines.append(f"… {len(pieces)} pieces in all")
+    if plan.quadratic.note:
+        lines.append(f"✗ {html.escape(plan.quadratic.note)}")
     return (
         '<div style="margin:2px 12px 6px;font:12px/1.45 ui-monospace,monospace">'
         + "<br>".join(lines)
@@ -140,10 +155,10 @@ def _motion(plan: Plan) -> str:
     if plan.profile is None:
         return ""
     profile = plan.profile
-    shape = "V is never reached" if profile.triangular else f"top speed {profile.peak_speed:.3g}"
+    shape = f", V not reached: {profile.peak_speed:.3g}" if profile.triangular else ""
     return (
-        f"{_BOX}t1 {profile.t1:.3f} s, t2 {profile.t2:.3f} s, t3 {profile.t3:.3f} s: "
-        f"{profile.duration:.2f} s in all, {shape}.<br>"
+        f"{_BOX}t1 {profile.t1:.3f} + t2 {profile.t2:.3f} + t3 {profile.t3:.3f} = "
+        f"{profile.duration:.2f} s{shape}.<br>"
         f"Theorem 1: t1 = t3·|a3/a1| {'✓' if abs(profile.theorem_residual) < 1e-9 else '✗'} "
         f"({profile.t1:.3f} = {profile.t1 - profile.theorem_residual:.3f})</div>"
     )
@@ -185,15 +200,12 @@ def _row(tag: str, css: str, cells: tuple[str, ...]) -> str:
     )
 
 
-def _over(length: float, shortest: float) -> str:
-    return f"+{100 * (length / shortest - 1):.1f} %"
-
-
-def _distance(distance: float, asked: float) -> str:
+def _distance(distance: float, asked: float, proven: bool) -> str:
+    """The distance, with ✓ when what was asked for is proven, ✗ when it is not kept."""
     if math.isinf(distance):
         return "–"
-    good = distance >= asked - 1e-9
-    colour, sign = (GOOD, "✓") if good else (BAD, "✗")
+    kept = distance >= asked - 1e-9
+    colour, sign = (GOOD, "✓" if proven else "?") if kept else (BAD, "✗")
     return f'<span style="color:{colour}">{distance:.3f} {sign}</span>'
 
 

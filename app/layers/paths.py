@@ -1,4 +1,4 @@
-"""The three searched paths, side by side where they coincide."""
+"""The three searched paths, side by side where they coincide, and the taut one."""
 
 from __future__ import annotations
 
@@ -28,10 +28,22 @@ class PathsLayer:
             )
             for name, (_, colour) in style.ALGORITHMS.items()
         }
+        self._taut = client.scene.add_line_segments(
+            "/path/taut",
+            np.zeros((1, 2, 3)),
+            style.TAUT,
+            thickness=3.5,
+            thickness_units="screen",
+        )
         self._drawn: object = None
+        self._drawn_taut: object = self
 
     def draw(self, plan: Plan) -> None:
         """Draw the plan's paths; none where there are none."""
+        if plan.taut is not self._drawn_taut:
+            self._drawn_taut = plan.taut
+            points = np.zeros((0, 3)) if plan.taut is None else plan.taut.points
+            self._taut.points = segments(points)
         if plan.searches is self._drawn:
             return
         self._drawn = plan.searches
@@ -46,10 +58,12 @@ class PathsLayer:
 
     def fade(self, faded: bool) -> None:
         """Grey while a newer plan is on its way."""
+        self._taut.colors = np.array(style.FADED if faded else style.TAUT, np.uint8)
         for name, line in self._lines.items():
             line.colors = np.array(style.FADED if faded else style.ALGORITHMS[name][1], np.uint8)
 
     def show(self, visible: dict[str, bool]) -> None:
-        """Switch the paths by algorithm."""
+        """Switch the paths, by algorithm and ``taut``."""
+        self._taut.visible = visible["taut"]
         for name, line in self._lines.items():
             line.visible = visible[name]

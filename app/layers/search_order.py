@@ -33,10 +33,10 @@ class SearchOrderLayer:
             colour = style.ALGORITHMS[result.algorithm][1]
         else:
             count = 0 if reached is None else len(reached)
-            state = reached
+            state = (plan.error, count)
             order = np.zeros(0, np.int32) if reached is None else reached
             colour = style.A_STAR
-        if state == self._drawn if isinstance(state, tuple) else state is self._drawn:
+        if state == self._drawn:
             return count
         self._drawn = state
         if plan.graph is None or len(order) == 0:

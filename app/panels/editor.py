@@ -6,6 +6,7 @@ what was typed moves the gizmo, what was dragged rewrites the box.
 
 from __future__ import annotations
 
+import html
 import math
 from typing import Any
 
@@ -15,7 +16,10 @@ from viser.transforms import SO3
 
 from abi.errors import SceneError
 from abi.scene import Scene
-from abi.shapes import Box, Capsule, Cylinder, Obstacle, Sphere
+from abi.shapes import Box, Capsule, Cylinder, MeshShape, Obstacle, Sphere
+from abi.surfaces.mesh_shape import suggest_unit
+from abi.surfaces.mesh_source import MeshSource
+from abi.surfaces.surface import Surface
 from app.panels.placed import ObstaclesPanel, PointsPanel
 from app.panels.stages import Wake
 
@@ -23,6 +27,8 @@ Triple = tuple[float, float, float]
 
 _NONE = "none"
 _DIGITS = 3
+_SIZES = ("size", "radius", "height", "scale", "unit")
+_UNITS: dict[str, str | None] = {"the scene's unit": None, "m": "m", "cm": "cm", "mm": "mm"}
 
 
 class NumberBox:
@@ -80,15 +86,34 @@ class EditorPanel:
         self.height = gui.add_number(
             "height", 1.0, step=0.1, hint="A capsule's is between the centres of its two caps."
         )
+        self.scale = gui.add_number("scale", 1.0, min=1e-9, step=0.1, hint="Of the file's lengths.")
+        self.unit = gui.add_dropdown("file is in", tuple(_UNITS), hint="The unit of the file.")
+        self.note = gui.add_html("", visible=False)
+        self.accept = gui.add_button("", visible=False)
         self._position = NumberBox(gui, "position", 0.1, "The obstacle's centre.", wake)
         self._angles = NumberBox(gui, "turned [°]", 5.0, "About x, then y, then z.", wake)
         self.kind = gui.add_dropdown("new shape", ("box", "sphere", "cylinder", "capsule"))
         self.buttons = gui.add_button_group("change", ("Add", "Duplicate", "Delete"))
+        self.upload = gui.add_upload_button(
+            "Add a mesh…", mime_type=".stl,.obj,.glb", hint="STL, OBJ or GLB, up to 50 MB."
+        )
+        self._uploaded: object = self.upload.value
+        self._surfaces: dict[str, Surface] = {}
+        self._suggested = ""
         self._shown: dict[str, Any] = {}
         self._listed = -1
         self._pressed = False
-        for handle in (self.choice, self.size, self.radius, self.height):
+        for handle in (
+            self.choice,
+            self.size,
+            self.radius,
+            self.height,
+            self.scale,
+            self.unit,
+        ):
             handle.on_update(wake)
+        self.accept.on_click(wake)
+        self.upload.on_upload(wake)
         self._wake = wake
         self.buttons.on_click(self._press)
 
@@ -96,8 +121,14 @@ class EditorPanel:
         """Bring numbers, buttons and gizmos together; ``scene`` is the last good one.
 
         Raises:
-            SceneError: a typed number is not finite.
+            SceneError: a typed number is not finite, or an uploaded file is not a mesh.
         """
+        if self.upload.value is not self._uploaded:
+            self._uploaded = self.upload.value
+            self._add_mesh(self.upload.value, scene)
+        if self.accept.value:
+            self.accept.value = False
+            self.unit.value = _unit_label(self._suggested)
         if self._pressed:
             self._pressed = False
             self._change(self.buttons.value, scene)
@@ -109,10 +140,55 @@ class EditorPanel:
             box.show(gizmo.position)
         if self._obstacles.gizmos:
             self._edit(self._obstacles.chosen)
+        self._suggest(scene)
 
-    async def _press(self, event: object) -> None:
+    def meshes(self, scene: Scene) -> MeshSource:
+        """The surfaces that obstacles can name: those of ``scene`` and those uploaded here."""
+        return MeshSource({**scene.meshes.files, **self._surfaces})
+
+    def _add_mesh(self, file: viser.UploadedFile, scene: Scene) -> None:
+        """Put an uploaded mesh into the middle of the workspace.
+
+        Raises:
+            SceneError: not a mesh; nothing is added.
+        """
+        name = _plain(file.name)
+        surface = MeshSource({name: file.content}).surface(name)
+        self._surfaces[name] = surface
+        middle = np.add(scene.workspace.min, scene.workspace.max) / 2
+        centre = (surface.vertices.min(axis=0) + surface.vertices.max(axis=0)) / 2
+        place = tuple(map(float, middle - centre))
+        shape = MeshShape.of(surface, file=name, position=place)
+        shape.prepare()
+        self._obstacles.add(shape)
+        self._obstacles.choose(len(self._obstacles.gizmos) - 1)
+        self._listed = -1
+
+    def _suggest(self, scene: Scene) -> None:
+        """Ask when a mesh is hugely out of scale, and say what was repaired in it."""
+        number = self._obstacles.chosen
+        shape = scene.obstacles[number] if number < len(scene.obstacles) else None
+        shown = isinstance(shape, MeshShape) and len(scene.obstacles) == len(self._obstacles.data)
+        self._suggested, notes = "", []
+        if shown and isinstance(shape, MeshShape):
+            extent = shape.surface.extent * shape.factor
+            unit = shape.unit or scene.unit
+            self._suggested = suggest_unit(extent, scene.workspace.size, unit) or ""
+            notes = [f"{len(shape.surface.faces):,} triangles, {extent:.3g} {scene.unit} wide."]
+            notes += shape.surface.notes
+        if self._suggested:
+            notes.append(
+                f"That is far from the workspace's size: is the file in {self._suggested}?"
+            )
+            self.accept.label = f"Yes, read it in {self._suggested}"
+        self.accept.visible = bool(self._suggested)
+        self.note.visible = bool(notes)
+        text = html.escape(" ".join(notes))
+        self.note.content = f'<div style="margin:0 10px;font-size:12.5px">{text}</div>'
+
+    def _press(self, event: object) -> None:
         self._pressed = True
-        await self._wake(event)
+        self._wake(event)
 
     def _change(self, what: str, scene: Scene) -> None:
         """Add, duplicate or delete."""
@@ -154,10 +230,9 @@ class EditorPanel:
         if (number, data) != (self._shown.get("number"), self._shown.get("data")):
             self._show_sizes(data)
         else:
-            for name in ("size", "radius", "height"):
+            for name in _SIZES:
                 if name in data:
-                    value = getattr(self, name).value
-                    data[name] = list(value) if name == "size" else value
+                    data[name] = self._size(name)
         self._shown = {"number": number, "data": dict(data)}
         if (place := self._position.typed(f"{field}.position")) is not None:
             gizmo.position = place
@@ -170,11 +245,31 @@ class EditorPanel:
 
     def _show_sizes(self, data: dict[str, Any]) -> None:
         """Only the sizes that this shape has."""
-        for name in ("size", "radius", "height"):
+        for name in _SIZES:
             handle = getattr(self, name)
             handle.visible = name in data
-            if name in data:
+            if name == "unit" and name in data:
+                handle.value = _unit_label(data[name])
+            elif name in data:
                 handle.value = tuple(data[name]) if name == "size" else data[name]
+
+    def _size(self, name: str) -> Any:
+        """One of the sizes as a scene file has it."""
+        value = getattr(self, name).value
+        if name == "unit":
+            return _UNITS[value]
+        return list(value) if name == "size" else value
+
+
+def _unit_label(unit: str | None) -> str:
+    return next(label for label, value in _UNITS.items() if value == unit)
+
+
+def _plain(name: str) -> str:
+    """A file name for the scene: what a browser sends may be anything."""
+    stem, dot, ending = name.rpartition(".")
+    kept = "".join(c if c.isalnum() or c in "-_" else "_" for c in stem)[:60] or "mesh"
+    return f"{kept}{dot}{ending.lower()}"
 
 
 def _has_handles(obstacles: ObstaclesPanel, number: int) -> bool:

@@ -7,6 +7,7 @@ import viser
 from abi.errors import SceneError
 from abi.scene import Scene, load_scene, scene_names
 from abi.scene_file import MAX_BYTES, dump, parse_bytes
+from abi.surfaces.mesh_source import MeshSource
 from app.panels.stages import Wake
 
 
@@ -33,8 +34,11 @@ class FilesPanel:
         self.save.on_click(wake)
         self.reset.on_click(wake)
 
-    def requested(self) -> Scene | None:
+    def requested(self, meshes: MeshSource) -> Scene | None:
         """The scene that the user asked for since the last call; None when for none.
+
+        Args:
+            meshes: what an opened scene file may name besides.
 
         Raises:
             SceneError: the file is not a scene; the present scene stays.
@@ -44,7 +48,7 @@ class FilesPanel:
             return self._loaded
         if self.upload.value is not self._uploaded:
             self._uploaded = self.upload.value
-            self._loaded = _checked(self.upload.value)
+            self._loaded = _checked(self.upload.value, meshes)
             return self._loaded
         if self.choice.value != self._chosen and self.choice.value in scene_names():
             self._chosen = self.choice.value
@@ -60,8 +64,8 @@ class FilesPanel:
             self._client.send_file_download("scene.yaml", text.encode())
 
 
-def _checked(file: viser.UploadedFile) -> Scene:
+def _checked(file: viser.UploadedFile, meshes: MeshSource) -> Scene:
     if len(file.content) > MAX_BYTES:
         raise SceneError("scene", "the file", f"at most {MAX_BYTES // 1000} kB")
     name = "scene.json" if file.name.lower().endswith(".json") else "scene.yaml"
-    return Scene.from_dict(parse_bytes(file.content, name))
+    return Scene.from_dict(parse_bytes(file.content, name), meshes)

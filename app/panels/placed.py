@@ -13,7 +13,7 @@ import trimesh
 import viser
 
 from abi.scene import Scene
-from abi.shapes import Box, Cylinder, Obstacle, Sphere
+from abi.shapes import Box, Cylinder, MeshShape, Obstacle, Sphere
 from app import style
 from app.panels.stages import Wake
 
@@ -80,7 +80,7 @@ class ObstaclesPanel:
                 mesh.faces.astype(np.uint32),
                 color=style.OBSTACLE,
                 opacity=_OPACITY,
-                flat_shading=isinstance(shape, Box),
+                flat_shading=isinstance(shape, Box | MeshShape),
                 side="double",
             )
             body.on_click(self._clicked)
@@ -124,9 +124,9 @@ class ObstaclesPanel:
         for gizmo in self.gizmos:
             gizmo.visible = visible
 
-    async def _clicked(self, event: viser.SceneNodePointerEvent[Any]) -> None:
+    def _clicked(self, event: viser.SceneNodePointerEvent[Any]) -> None:
         self.chosen = next(i for i, body in enumerate(self._bodies) if body is event.target)
-        await self._wake(event)
+        self._wake(event)
 
 
 class PointsPanel:
@@ -196,6 +196,9 @@ def _mesh(shape: Obstacle) -> trimesh.Trimesh:
         mesh = trimesh.creation.icosphere(subdivisions=3, radius=shape.radius)
     elif isinstance(shape, Cylinder):
         mesh = trimesh.creation.cylinder(radius=shape.radius, height=shape.height, sections=48)
+    elif isinstance(shape, MeshShape):
+        surface = shape.surface
+        mesh = trimesh.Trimesh(surface.vertices * shape.factor, surface.faces, process=False)
     else:
         mesh = trimesh.creation.capsule(radius=shape.radius, height=shape.height, count=(24, 24))
         mesh.apply_translation((0, 0, -mesh.bounds.mean(axis=0)[2]))

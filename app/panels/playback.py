@@ -57,7 +57,7 @@ class PlaybackPanel:
         self.button.disabled = duration == 0.0
         return shown
 
-    async def _toggle(self, event: object) -> None:
+    def _toggle(self, event: object) -> None:
         self.playing = not self.playing
         self._last = time.monotonic()
-        await self._wake(event)
+        self._wake(event)

@@ -6,7 +6,7 @@ here) and ``write(scene)`` (show another scene). ``wake`` is the only callback t
 
 from __future__ import annotations
 
-from collections.abc import Callable, Coroutine
+from collections.abc import Callable
 from typing import Any
 
 import viser
@@ -14,7 +14,7 @@ import viser
 from abi.scene import Scene
 from app import style
 
-Wake = Callable[[Any], Coroutine[Any, Any, None]]
+Wake = Callable[[Any], None]
 
 LATTICES = {
     "BCC: congruent tetrahedra": "bcc",
@@ -23,6 +23,11 @@ LATTICES = {
 }
 WEIGHTS = {"length": "length", "number of edges": "hops"}
 ALGORITHMS = {label: name for name, (label, _) in style.ALGORITHMS.items()}
+FITS = {
+    "least squares": "least_squares",
+    "nearest clear one": "clear",
+    "fewest clear pieces": "pieces",
+}
 FOLLOWED = {
     "quadratic if clear, else B-spline": "auto",
     "quadratic": "quadratic",
@@ -93,6 +98,11 @@ class SearchPanel:
             hint="By length the three lengths tie. By hops they tie in edges and differ in length: "
             "that is how the paper's Table I comes about.",
         )
+        self.taut = gui.add_checkbox(
+            "pull taut (3½)",
+            scene.search.taut,
+            hint="Frees the path of the mesh's directions; off is the paper's way.",
+        )
         self.shown = gui.add_slider(
             "search [%]",
             0,
@@ -101,7 +111,7 @@ class SearchPanel:
             0,
             hint="Colours the nodes in the order in which the algorithm expanded them.",
         )
-        for handle in (self.algorithm, self.weight, self.shown):
+        for handle in (self.algorithm, self.weight, self.taut, self.shown):
             handle.on_update(wake)
         self.write(scene)
 
@@ -111,6 +121,7 @@ class SearchPanel:
             "search": {
                 "algorithm": ALGORITHMS[self.algorithm.value],
                 "weight": WEIGHTS[self.weight.value],
+                "taut": self.taut.value,
             }
         }
 
@@ -122,6 +133,7 @@ class SearchPanel:
         """Show ``scene``."""
         self.algorithm.value = _label(ALGORITHMS, scene.search.algorithm)
         self.weight.value = _label(WEIGHTS, scene.search.weight)
+        self.taut.value = scene.search.taut
 
 
 class SplinePanel:
@@ -158,43 +170,45 @@ class SplinePanel:
 
 
 class MotionPanel:
-    """Stage 5: which curve the arm executes, and how fast."""
+    """Stage 5: how the quadratic is fitted, which curve the arm executes, and how fast."""
 
     def __init__(self, gui: viser.GuiApi, scene: Scene, wake: Wake) -> None:
+        self.fit = gui.add_dropdown(
+            "fit",
+            tuple(FITS),
+            hint="Least squares is the paper's and may enter an obstacle; the others keep clear.",
+        )
         self.curve = gui.add_dropdown(
             "arm follows", tuple(FOLLOWED), hint="The curve that the arm executes."
         )
         self.speed = gui.add_number("speed V", 1.0, min=1e-6, step=0.1, hint="Cruise speed.")
-        self.acceleration = gui.add_number(
-            "acceleration a1", 1.0, min=1e-6, step=0.1, hint="Speeding up, from rest."
+        self.rates = gui.add_vector2(
+            "a1, a3", (1.0, 1.0), step=0.1, hint="Speeding up from rest, and braking to rest."
         )
-        self.deceleration = gui.add_number(
-            "deceleration a3", 1.0, min=1e-6, step=0.1, hint="Braking, to rest."
-        )
-        for handle in (self.curve, self.speed, self.acceleration, self.deceleration):
+        for handle in (self.fit, self.curve, self.speed, self.rates):
             handle.on_update(wake)
         self.write(scene)
 
     def read(self) -> dict[str, Any]:
-        """The ``motion`` section."""
+        """The ``quadratic`` and ``motion`` sections."""
         return {
+            "quadratic": {"mode": FITS[self.fit.value]},
             "motion": {
                 "curve": FOLLOWED[self.curve.value],
                 "speed": self.speed.value,
-                "acceleration": self.acceleration.value,
-                "deceleration": self.deceleration.value,
-            }
+                "acceleration": self.rates.value[0],
+                "deceleration": self.rates.value[1],
+            },
         }
 
     def write(self, scene: Scene) -> None:
         """Show ``scene``."""
         self.speed.label = f"V [{scene.unit}/s]"
-        self.acceleration.label = f"a1 [{scene.unit}/s²]"
-        self.deceleration.label = f"a3 [{scene.unit}/s²]"
+        self.rates.label = f"a1, a3 [{scene.unit}/s²]"
+        self.fit.value = _label(FITS, scene.quadratic.mode)
         self.curve.value = _label(FOLLOWED, scene.motion.curve)
         self.speed.value = scene.motion.speed
-        self.acceleration.value = scene.motion.acceleration
-        self.deceleration.value = scene.motion.deceleration
+        self.rates.value = (scene.motion.acceleration, scene.motion.deceleration)
 
 
 class ArmPanel:

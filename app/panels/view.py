@@ -15,6 +15,7 @@ LAYERS: dict[str, tuple[str, style.Colour, bool]] = {
     "a_star": ("A*", style.A_STAR, True),
     "dijkstra": ("Dijkstra", style.DIJKSTRA, True),
     "bellman_ford": ("Bellman-Ford", style.BELLMAN_FORD, True),
+    "taut": ("taut path", style.TAUT, True),
     "bspline": ("B-spline", style.BSPLINE, True),
     "control": ("control points", style.BSPLINE, True),
     "quadratic": ("quadratic", style.QUADRATIC, True),
