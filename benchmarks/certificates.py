@@ -1,0 +1,220 @@
+"""Random curves by the thousand, near-misses common: is a certified curve always clear?
+
+    python -m benchmarks.certificates --curves 20000
+
+Each curve passes one to six obstacles of every shape. Its true clearance is found by dense
+sampling, refined; most margins are that clearance times 1 ± 10^-k with k from 1 to 7. What is
+counted: certified curves that the sampling refutes (must be 0), false rejects (not certified though
+the clearance is above the margin by over 1e-6 of the scene's size), wrong witnesses, and
+certificates that the exact checker refuses.
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from abi.arrays import read_only
+from abi.bspline import BSpline, clamped
+from abi.kernels import certify as kernels
+from abi.proof.certificate import Certificate, Refutation, certify
+from abi.proof.verify import Verdict, verify
+from abi.quadratic import Quadratic
+from abi.shapes import Box, Capsule, Cylinder, Obstacle, Obstacles, Sphere, nearest
+
+SIZE = 6.0
+DENSE = 2001
+CLOSE = 1e-6 * SIZE
+
+
+@dataclass
+class Figures:
+    """What a campaign found; the four faults are lists of the curves' numbers."""
+
+    curves: int = 0
+    certified: int = 0
+    refuted: int = 0
+    undecided: int = 0
+    checked: int = 0
+    planes: list[int] = field(default_factory=list)
+    microseconds: list[float] = field(default_factory=list)
+    false_accepts: list[int] = field(default_factory=list)
+    false_rejects: list[int] = field(default_factory=list)
+    wrong_witnesses: list[int] = field(default_factory=list)
+    wrongly_refused: list[int] = field(default_factory=list)
+
+    def __str__(self) -> str:
+        median, most = np.percentile(self.microseconds, [50, 95])
+        planes = np.percentile(self.planes or [0], [50, 95])
+        return "\n".join(
+            [
+                f"curves                             {self.curves:7}",
+                f"certified                          {self.certified:7}",
+                f"refuted by a witness               {self.refuted:7}",
+                f"undecided                          {self.undecided:7}",
+                f"certified, yet sampling refutes    {len(self.false_accepts):7}",
+                f"false rejects                      {len(self.false_rejects):7}",
+                f"wrong witnesses                    {len(self.wrong_witnesses):7}",
+                f"checked again in rationals         {self.checked:7}",
+                f"of these refused                   {len(self.wrongly_refused):7}",
+                f"time per curve                     median {median:.0f} µs, 95 % {most:.0f} µs",
+                f"planes per certificate             median {planes[0]:.0f}, 95 % {planes[1]:.0f}",
+            ]
+        )
+
+
+def campaign(curves: int, seed: int = 0, check_every: int = 50) -> Figures:
+    """Certify random curves and compare with dense sampling.
+
+    Args:
+        curves: how many.
+        seed: of the first; the next have the next numbers.
+        check_every: one certificate of so many is checked again in exact rationals.
+    """
+    figures = Figures()
+    for number in range(seed, seed + curves):
+        random = np.random.default_rng(number)
+        curve = random_curve(random)
+        obstacles = tuple(random_obstacle(random) for _ in range(random.integers(1, 7)))
+        clearance = true_clearance(curve, obstacles)
+        margin = _margin(random, clearance)
+        begin = time.perf_counter()
+        result = certify(curve, obstacles, margin)
+        figures.microseconds.append(1e6 * (time.perf_counter() - begin))
+        figures.curves += 1
+        if isinstance(result, Refutation):
+            figures.refuted += result.decided
+            figures.undecided += not result.decided
+            if clearance > margin + CLOSE:
+                figures.false_rejects.append(number)
+            there = nearest(obstacles, curve(np.array([result.parameter])))[0][0]
+            if result.decided and not there < margin + 1e-12 * SIZE:
+                figures.wrong_witnesses.append(number)
+            continue
+        figures.certified += 1
+        figures.planes.append(len(result.pieces))
+        if clearance <= margin:
+            figures.false_accepts.append(number)
+        if figures.certified % check_every == 0:
+            figures.checked += 1
+            if not checked(curve, obstacles, result).proven:
+                figures.wrongly_refused.append(number)
+    return figures
+
+
+def random_curve(random: np.random.Generator) -> BSpline | Quadratic:
+    """A spline of degree 2 to 5 or a quadratic in a cube; some on a grid, some with repeats."""
+    degree = int(random.integers(2, 6))
+    points = random.uniform(0, SIZE, (int(random.integers(degree + 1, 13)), 3))
+    kind = random.integers(6)
+    if kind == 0:
+        points = points.round()
+    if kind == 1:
+        points = points[np.sort(random.integers(0, len(points), len(points)))]
+    if kind == 2:
+        first, middle, last = points[:3]
+        rows = np.stack([first, 2 * (middle - first), first - 2 * middle + last])
+        return Quadratic(read_only(rows))
+    return clamped(points, degree)
+
+
+def random_obstacle(random: np.random.Generator) -> Obstacle:
+    """A solid of any shape in any pose; some on a grid, some flat as a plate."""
+    x, y, z = (random.uniform(0, SIZE, 3)).tolist()
+    a, b, c = (10 ** random.uniform(-1.3, 0.1, 3)).tolist()
+    turn = random.normal(size=4) if random.random() < 0.7 else np.array([1.0, 0, 0, 0])
+    w, i, j, k = turn.tolist()
+    if random.random() < 0.2:
+        x, y, z, a, b = round(x), round(y), round(z), 1.0, 1.0
+    pose = {"position": (float(x), float(y), float(z)), "wxyz": (w, i, j, k)}
+    match random.integers(5):
+        case 0:
+            return Box(size=(a, b, c), **pose)
+        case 1:
+            return Box(size=(2 * a, 2 * b, 0.01), **pose)
+        case 2:
+            return Sphere(radius=a, **pose)
+        case 3:
+            return Cylinder(radius=a, height=b, **pose)
+        case _:
+            return Capsule(radius=a / 2, height=b, **pose)
+
+
+def true_clearance(curve: BSpline | Quadratic, obstacles: Obstacles) -> float:
+    """Least distance at 2,001 parameters, and at ever finer ones around the four least of these."""
+    parameters = np.linspace(0, 1, DENSE)
+    distance = nearest(obstacles, curve(parameters))[0]
+    inner = np.pad(distance, 1, constant_values=np.inf)
+    lowest = np.flatnonzero((distance <= inner[:-2]) & (distance <= inner[2:]))
+    lowest = lowest[np.argsort(distance[lowest])[:4]]
+    least = float(distance.min())
+    middle, width = parameters[lowest], 1 / (DENSE - 1)
+    for _ in range(6):
+        around = np.clip(middle[:, None] + width * np.linspace(-1, 1, 41), 0, 1)
+        found = nearest(obstacles, curve(around.ravel()))[0].reshape(around.shape)
+        least = min(least, float(found.min()))
+        middle, width = around[np.arange(len(around)), found.argmin(axis=1)], width / 10
+    return least
+
+
+def checked(curve: BSpline | Quadratic, obstacles: Obstacles, result: Certificate) -> Verdict:
+    """Verdict of the exact checker on a curve, as it would stand in a plan."""
+    return next(v for v in verify(as_plan(curve, obstacles, result)) if v.curve == name_of(curve))
+
+
+def name_of(curve: BSpline | Quadratic) -> str:
+    """Name of the curve's section in a plan."""
+    return "bspline" if isinstance(curve, BSpline) else "quadratic"
+
+
+def as_plan(
+    curve: BSpline | Quadratic, obstacles: Obstacles, result: Certificate
+) -> dict[str, Any]:
+    """A plan with nothing but the obstacles, this curve and its certificate."""
+    columns = (result.pieces.tolist(), result.obstacle.tolist(), result.directions.tolist())
+    section: dict[str, Any] = {
+        "clearance": result.margin,
+        "certified": True,
+        "certificate": {
+            "margin": result.margin,
+            "planes": [
+                {"t0": t0, "t1": t1, "obstacle": obstacle, "direction": direction}
+                for (t0, t1), obstacle, direction in zip(*columns, strict=True)
+            ],
+        },
+    }
+    if isinstance(curve, BSpline):
+        section["degree"] = curve.degree
+        section["knots"] = curve.knots.tolist()
+        section["control_points"] = curve.control_points.tolist()
+    else:
+        section["pieces"] = [
+            {"t0": t0, "t1": t1, "coefficients": rows.tolist()} for t0, t1, rows in curve.pieces
+        ]
+    shapes = [obstacle.model_dump(mode="json") for obstacle in obstacles]
+    plan: dict[str, Any] = {"scene": {"version": 1, "obstacles": shapes}}
+    return {**plan, "bspline": None, "quadratic": None, name_of(curve): section}
+
+
+def _margin(random: np.random.Generator, clearance: float) -> float:
+    if clearance <= 0 or random.random() < 0.2:
+        return float(random.choice([0.0, 0.05, 0.3]))
+    return float(clearance * (1 + random.choice([-1, 1]) * 10.0 ** -random.integers(1, 8)))
+
+
+def main() -> None:
+    """Run a campaign and print its figures."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
+    parser.add_argument("--curves", type=int, default=20_000)
+    parser.add_argument("--seed", type=int, default=0)
+    given = parser.parse_args()
+    kernels.warm()
+    print(campaign(given.curves, given.seed))
+
+
+if __name__ == "__main__":
+    main()

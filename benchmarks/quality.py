@@ -1,0 +1,166 @@
+"""How near the optimum each stage comes, beside OMPL's planners at equal time.
+
+    python -m benchmarks.quality --scenes 30
+
+Each scene has 8 axis-parallel boxes in a workspace of 6 × 6 × 6, start and goal in opposite
+corners, a clearance of 0.2 and about 20,000 nodes. Lengths are divided by the best length known,
+which is found with much effort (``benchmarks.best_known``) and is no proof. OMPL's planners get the
+time that ours took up to the spline in the same scene, and once more a longer one. A path that does
+not keep the clearance by the exact test does not count as solved.
+
+A planner for many dimensions does far more than move a point in three; the comparison holds for the
+tool's point only.
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib.util
+import json
+from collections import defaultdict
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from abi.kernels import search, visibility
+from abi.plan import Plan, Planner
+from abi.scene import Scene
+from abi.shapes import segments_blocked
+from benchmarks.best_known import best_known
+
+CLEARANCE = 0.2
+STAGES = ("mesh", "graph", "a_star", "taut", "bspline")
+
+Runs = dict[str, list[tuple[float, float]]]  # by method: ratio (inf: not solved) and ms
+
+
+def box_scene(seed: int, pitch: float) -> Scene:
+    """Eight boxes at random, as many as fit between the start's and the goal's corners."""
+    random = np.random.default_rng(seed)
+    boxes: list[dict[str, Any]] = []
+    while len(boxes) < 8:
+        size = random.uniform(0.9, 2.2, 3)
+        low = random.uniform(0.35, 5.65 - size)
+        if (low >= 0.1 + CLEARANCE).all() and (low + size <= 5.9 - CLEARANCE).all():
+            position = (low + size / 2).tolist()
+            boxes.append({"shape": "box", "size": size.tolist(), "position": position})
+    return Scene.from_dict(
+        {
+            "version": 1,
+            "obstacles": boxes,
+            "mesh": {"lattice": "bcc", "pitch": pitch},
+            "spline": {"clearance": CLEARANCE},
+        }
+    )
+
+
+def measure(seeds: range, pitch: float, longer: float, rivals: bool) -> tuple[Runs, list[float]]:
+    """Run all methods; also the bounds from below over the best known lengths."""
+    search.warm()
+    visibility.warm()
+    Planner()(box_scene(seeds.start, 1.0))
+    runs: Runs = defaultdict(list)
+    bounds = []
+    for seed in seeds:
+        scene = box_scene(seed, pitch)
+        made = Planner()(scene)
+        ours = _stages(made)
+        others = _rivals(scene, made, longer) if rivals else {}
+        lengths = [length for found in (ours, others) for length, _ in found.values()]
+        best = min(best_known(scene), *lengths)
+        for name, (length, ms) in {**ours, **others}.items():
+            runs[name].append((length / best, ms))
+        if made.optimum is not None:
+            bounds.append(made.optimum.length / best)
+        print(f"scene {seed}: best known {best:.6f}", flush=True)
+    return runs, bounds
+
+
+def _stages(made: Plan) -> dict[str, tuple[float, float]]:
+    """Length and ms so far of each stage; inf where a curve does not keep the clearance."""
+    curves = {"B-spline": (made.bspline, made.bspline_arc)}
+    curves["quadratic"] = (made.quadratic, made.quadratic_arc)  # type: ignore[assignment]
+    mesh = sum(made.ms[name] for name in ("mesh", "graph"))
+    found = {}
+    if made.path is not None and made.taut is not None:
+        found["A*"] = made.path.length, mesh + made.ms["a_star"]
+        found["taut"] = made.taut.length, mesh + made.ms["a_star"] + made.ms["taut"]
+    for name, (curve, arc) in curves.items():
+        holds = curve is not None and arc is not None and curve.holds
+        ms = sum(made.ms[stage] for stage in STAGES)
+        found[name] = (
+            arc.length if holds and arc is not None else np.inf,
+            ms + (made.ms["quadratic"] if name == "quadratic" else 0.0),
+        )
+    return found
+
+
+def _rivals(scene: Scene, made: Plan, longer: float) -> dict[str, tuple[float, float]]:
+    from benchmarks.ompl_planners import RIVALS, solve
+
+    equal = 1e-3 * sum(made.ms[stage] for stage in STAGES)
+    found = {}
+    for seconds, label in ((equal, "equal"), (longer, f"{1e3 * longer:.0f} ms")):
+        for rival in RIVALS:
+            path, took = solve(rival, scene, seconds)
+            length = np.inf
+            if path is not None:
+                blocked = segments_blocked(scene.obstacles, path[:-1], path[1:], CLEARANCE - 1e-9)
+                if not blocked.any():
+                    length = float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum())
+            found[f"{rival.name}, {label}"] = length, 1e3 * took
+    return found
+
+
+def summary(runs: Runs) -> list[dict[str, Any]]:
+    """One row for each method; a scene that was not solved counts as infinitely long."""
+    rows = []
+    for name, pairs in runs.items():
+        ratio, ms = np.array(pairs).T
+        ordered = np.sort(ratio)
+        rows.append(
+            {
+                "method": name,
+                "solved": int(np.isfinite(ratio).sum()),
+                "ms": float(np.median(ms)),
+                "median": float(ordered[(len(ordered) - 1) // 2]),
+                "p90": float(ordered[int(np.ceil(0.9 * len(ordered))) - 1]),
+                "worst": float(ordered[-1]),
+                "within_1_percent": float((ratio <= 1.01).mean()),
+            }
+        )
+    return rows
+
+
+def main() -> None:
+    """Print the table, and write it as JSON where asked."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--scenes", type=int, default=30)
+    parser.add_argument("--first", type=int, default=0, help="seed of the first scene")
+    parser.add_argument("--pitch", type=float, default=0.25, help="0.25 gives 19,909 nodes")
+    parser.add_argument("--longer", type=float, default=0.2, help="the rivals' second budget, s")
+    parser.add_argument("--json", type=Path)
+    options = parser.parse_args()
+    rivals = importlib.util.find_spec("ompl") is not None
+    if not rivals:
+        print("OMPL is not installed (pip install ompl): its planners are left out.")
+    seeds = range(options.first, options.first + options.scenes)
+    runs, bounds = measure(seeds, options.pitch, options.longer, rivals)
+    rows = summary(runs)
+    print(f"\nlength / best known, {options.scenes} scenes of 8 boxes, pitch {options.pitch}")
+    print(f"{'method':32}{'solved':>7}{'ms':>9}{'median':>9}{'p90':>9}{'worst':>9}{'in 1 %':>8}")
+    for row in rows:
+        print(
+            f"{row['method']:32}{row['solved']:7}{row['ms']:9.2f}{row['median']:9.4f}"
+            f"{row['p90']:9.4f}{row['worst']:9.4f}{row['within_1_percent']:8.0%}"
+        )
+    print(f"proven lower bound / best known: median {np.median(bounds):.4f}")
+    if options.json:
+        bound = float(np.median(bounds))
+        report = {"scenes": options.scenes, "pitch": options.pitch, "rows": rows, "bound": bound}
+        options.json.write_text(json.dumps(report, indent=1).replace("Infinity", "null") + "\n")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,166 @@
+"""Random scenes by the thousand: does every plan keep its word?
+
+    python -m benchmarks.scenes --scenes 10000
+
+Each scene has 1 to 20 obstacles of every shape, and a pitch, degree and clearance of its own. What
+is counted: exceptions, certified curves that dense sampling refutes, searches whose lengths do not
+tie, and paths refused although the graph joins start and goal. All four must be 0.
+"""
+
+from __future__ import annotations
+
+import argparse
+import collections
+import json
+import multiprocessing
+import os
+import time
+import traceback
+from typing import Any
+
+import networkx
+import numpy as np
+
+from abi.kernels import certify, search, visibility
+from abi.plan import Plan, plan
+from abi.scene import Scene
+from abi.shapes import nearest
+
+DENSE = 2000
+FAULTS = ("exception", "refuted", "no tie", "refused")
+
+
+def random_scene(seed: int) -> Scene:
+    """A scene from its number: workspace 6 × 6 × 6, obstacles of every shape in any pose."""
+    random = np.random.default_rng(seed)
+    count = int(random.integers(1, 21))
+    reach = 0.3 + 1.2 / np.sqrt(count)
+    data: dict[str, Any] = {
+        "version": 1,
+        "start": random.uniform(0, 1, 3).tolist(),
+        "goal": random.uniform(5, 6, 3).tolist(),
+        "obstacles": [_obstacle(random, reach) for _ in range(count)],
+        "mesh": {
+            "lattice": str(random.choice(["bcc", "kuhn", "delaunay"])),
+            "pitch": float(random.uniform(0.45, 1.5)),
+            "seed": seed,
+        },
+        "search": {"weight": str(random.choice(["length", "hops"]))},
+        "spline": {
+            "degree": int(random.integers(2, 6)),
+            "clearance": float(random.choice([0.0, 0.02, 0.1, 0.2])),
+        },
+        "quadratic": {"mode": str(random.choice(["least_squares", "clear", "pieces"]))},
+    }
+    if random.random() < 0.5:
+        data["search"]["taut"] = False
+    return Scene.from_dict(data)
+
+
+def check(seed: int) -> dict[str, Any]:
+    """Plan one scene and look for broken promises."""
+    try:
+        made = plan(random_scene(seed))
+        made.to_dict()
+    except Exception:
+        return {"seed": seed, "fault": "exception", "detail": traceback.format_exc(limit=3)}
+    return {"seed": seed, "fault": _fault(made), **_outcome(made)}
+
+
+def main() -> None:
+    """Run the campaign and print its figures."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--scenes", type=int, default=10_000)
+    parser.add_argument("--first", type=int, default=0, help="number of the first scene")
+    parser.add_argument("--workers", type=int, default=os.cpu_count())
+    parser.add_argument("--json", action="store_true")
+    options = parser.parse_args()
+    begin = time.perf_counter()
+    seeds = range(options.first, options.first + options.scenes)
+    with multiprocessing.Pool(options.workers, initializer=_warm) as pool:
+        results = list(pool.imap_unordered(check, seeds, chunksize=20))
+    figures = _figures(results, time.perf_counter() - begin)
+    if options.json:
+        print(json.dumps(figures, indent=1))
+    else:
+        for name, figure in figures.items():
+            print(f"{name:36} {figure}")
+    for result in results:
+        if result["fault"]:
+            print(result)
+    raise SystemExit(any(result["fault"] for result in results))
+
+
+def _warm() -> None:
+    for kernels in (search, certify, visibility):
+        kernels.warm()
+
+
+def _obstacle(random: np.random.Generator, reach: float) -> dict[str, Any]:
+    shape = str(random.choice(["box", "sphere", "cylinder", "capsule"]))
+    sizes = random.uniform(0.1, reach, 3)
+    data: dict[str, Any] = {
+        "shape": shape,
+        "position": random.uniform(0.5, 5.5, 3).tolist(),
+        "wxyz": random.normal(size=4).tolist(),
+    }
+    if shape == "box":
+        data["size"] = (2 * sizes).tolist()
+    else:
+        data["radius"] = float(sizes[0])
+        if shape != "sphere":
+            data["height"] = float(2 * sizes[1])
+    return data
+
+
+def _fault(made: Plan) -> str:
+    """The first promise that the plan breaks; empty when it keeps all."""
+    for curve in (made.bspline, made.quadratic):
+        if curve is not None and curve.holds:
+            dense = curve(np.linspace(*curve.interval, DENSE))
+            distance, _ = nearest(made.scene.obstacles, dense)
+            if distance.min() < curve.clearance.distance - 1e-9:
+                return "refuted"
+    values = [getattr(found, made.scene.search.weight) for found in made.searches]
+    if values and max(values) - min(values) > 1e-9 * max(values):
+        return "no tie"
+    if made.error is not None and made.error.kind == "no_path" and made.graph is not None:
+        joined = networkx.has_path(made.graph.to_networkx(), made.graph.start, made.graph.goal)
+        return "refused" if joined else ""
+    return ""
+
+
+def _outcome(made: Plan) -> dict[str, Any]:
+    curves = {"bspline": made.bspline, "quadratic": made.quadratic}
+    return {
+        "error": None if made.error is None else made.error.kind,
+        "mode": made.scene.quadratic.mode,
+        "ms": made.total_ms,
+        **{name: None if curve is None else curve.holds for name, curve in curves.items()},
+    }
+
+
+def _figures(results: list[dict[str, Any]], seconds: float) -> dict[str, Any]:
+    figures: dict[str, Any] = {"scenes": len(results)}
+    figures |= {name: sum(result["fault"] == name for result in results) for name in FAULTS}
+    figures |= collections.Counter(
+        f"without a plan: {result['error']}" for result in results if result.get("error")
+    )
+    planned = [result for result in results if result.get("bspline") is not None]
+    figures["with a path"] = len(planned)
+    figures["B-spline proven clear"] = _share([result["bspline"] for result in planned])
+    for mode in ("least_squares", "clear", "pieces"):
+        chosen = [result["quadratic"] for result in planned if result["mode"] == mode]
+        figures[f"quadratic proven clear, {mode}"] = _share(chosen)
+    times = [result["ms"] for result in results if "ms" in result]
+    figures["plan, median / 99 % [ms]"] = "{:.1f} / {:.1f}".format(*np.percentile(times, (50, 99)))
+    figures["campaign [s]"] = round(seconds)
+    return figures
+
+
+def _share(held: list[Any]) -> str:
+    return f"{sum(map(bool, held))} of {len(held)}"
+
+
+if __name__ == "__main__":
+    main()
