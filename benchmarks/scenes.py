@@ -3,14 +3,15 @@
     python -m benchmarks.scenes --scenes 10000
 
 Each scene has 1 to 20 obstacles of every shape, and a pitch, degree and clearance of its own. What
-is counted: exceptions, certified curves that dense sampling refutes, searches whose lengths do not
-tie, and paths refused although the graph joins start and goal. All four must be 0.
+is counted: exceptions, paths and certified curves that dense sampling refutes, searches whose
+lengths do not tie, and paths refused although the graph joins start and goal. All must be 0.
 """
 
 from __future__ import annotations
 
 import argparse
 import collections
+import functools
 import json
 import multiprocessing
 import os
@@ -20,18 +21,25 @@ from typing import Any
 
 import networkx
 import numpy as np
+import trimesh
 
 from abi.kernels import certify, search, visibility
 from abi.plan import Plan, plan
 from abi.scene import Scene
 from abi.shapes import nearest
+from abi.surfaces.mesh_source import MeshSource
+from abi.surfaces.surface import Surface, clean
 
 DENSE = 2000
 FAULTS = ("exception", "refuted", "no tie", "refused")
+SHAPES = ("box", "sphere", "cylinder", "capsule", "mesh")
 
 
 def random_scene(seed: int) -> Scene:
-    """A scene from its number: workspace 6 × 6 × 6, obstacles of every shape in any pose."""
+    """A scene from its number: workspace 6 × 6 × 6, obstacles of every shape in any pose.
+
+    Every fourth scene may have triangle meshes: closed, inside out, or open.
+    """
     random = np.random.default_rng(seed)
     count = int(random.integers(1, 21))
     reach = 0.3 + 1.2 / np.sqrt(count)
@@ -39,7 +47,9 @@ def random_scene(seed: int) -> Scene:
         "version": 1,
         "start": random.uniform(0, 1, 3).tolist(),
         "goal": random.uniform(5, 6, 3).tolist(),
-        "obstacles": [_obstacle(random, reach) for _ in range(count)],
+        "obstacles": [
+            _obstacle(random, reach, SHAPES[: 5 if seed % 4 == 0 else 4]) for _ in range(count)
+        ],
         "mesh": {
             "lattice": str(random.choice(["bcc", "kuhn", "delaunay"])),
             "pitch": float(random.uniform(0.45, 1.5)),
@@ -48,13 +58,13 @@ def random_scene(seed: int) -> Scene:
         "search": {"weight": str(random.choice(["length", "hops"]))},
         "spline": {
             "degree": int(random.integers(2, 6)),
-            "clearance": float(random.choice([0.0, 0.02, 0.1, 0.2])),
+            "clearance": float(random.choice([0.0, 0.02, 0.1, 0.2, 0.6])),
         },
         "quadratic": {"mode": str(random.choice(["least_squares", "clear", "pieces"]))},
     }
     if random.random() < 0.5:
         data["search"]["taut"] = False
-    return Scene.from_dict(data)
+    return Scene.from_dict(data, _meshes())
 
 
 def check(seed: int) -> dict[str, Any]:
@@ -96,8 +106,26 @@ def _warm() -> None:
         kernels.warm()
 
 
-def _obstacle(random: np.random.Generator, reach: float) -> dict[str, Any]:
-    shape = str(random.choice(["box", "sphere", "cylinder", "capsule"]))
+@functools.cache
+def _meshes() -> MeshSource:
+    """A closed mesh that is not convex, the same inside out, and triangles that close nothing."""
+    torus = trimesh.creation.torus(0.7, 0.3, major_sections=24, minor_sections=12)
+    random = np.random.default_rng(0)
+    soup = random.uniform(-0.7, 0.7, (20, 1, 3)) + random.uniform(-0.3, 0.3, (20, 3, 3))
+    shapes = {
+        "ring.stl": (torus.vertices, torus.faces),
+        "inverted.stl": (torus.vertices, torus.faces[:, ::-1]),
+        "soup.stl": (soup.reshape(-1, 3), np.arange(60).reshape(-1, 3)),
+    }
+    surfaces: dict[str, bytes | Surface] = {
+        name: clean(np.asarray(vertices, float), np.asarray(faces, np.int32), name)
+        for name, (vertices, faces) in shapes.items()
+    }
+    return MeshSource(surfaces)
+
+
+def _obstacle(random: np.random.Generator, reach: float, shapes: tuple[str, ...]) -> dict[str, Any]:
+    shape = str(random.choice(shapes))
     sizes = random.uniform(0.1, reach, 3)
     data: dict[str, Any] = {
         "shape": shape,
@@ -106,6 +134,9 @@ def _obstacle(random: np.random.Generator, reach: float) -> dict[str, Any]:
     }
     if shape == "box":
         data["size"] = (2 * sizes).tolist()
+    elif shape == "mesh":
+        data["file"] = str(random.choice(list(_meshes().files)))
+        data["scale"] = float(sizes[0])
     else:
         data["radius"] = float(sizes[0])
         if shape != "sphere":
@@ -115,6 +146,14 @@ def _obstacle(random: np.random.Generator, reach: float) -> dict[str, Any]:
 
 def _fault(made: Plan) -> str:
     """The first promise that the plan breaks; empty when it keeps all."""
+    asked = made.scene.spline.clearance
+    for found in (made.path, made.taut):
+        if found is not None and len(found.points) > 1:
+            share = np.linspace(0, 1, DENSE // len(found.points))[:, None, None]
+            dense = found.points[:-1] + share * np.diff(found.points, axis=0)
+            distance, _ = nearest(made.scene.obstacles, dense.reshape(-1, 3))
+            if distance.min() < asked - 1e-8:
+                return "refuted"
     for curve in (made.bspline, made.quadratic):
         if curve is not None and curve.holds:
             dense = curve(np.linspace(*curve.interval, DENSE))
