@@ -118,18 +118,24 @@ class Planner:
         self._arm = _Remembered(Arm.from_settings)
         self._motion = _Remembered(trajectory.follow)
 
-    def __call__(self, scene: Scene) -> Plan:
-        """Plan ``scene``; a scene without a plan returns a plan whose ``error`` is set."""
+    def __call__(self, scene: Scene, chosen_only: bool = False) -> Plan:
+        """Plan ``scene``; a scene without a plan returns a plan whose ``error`` is set.
+
+        Args:
+            scene: what to plan.
+            chosen_only: run only the search whose path goes on, for a plan in haste.
+        """
         begin = time.perf_counter()
         reached: dict[str, Any] = {}
+        names: list[str] = [scene.search.algorithm] if chosen_only else list(self._searches)
         try:
-            self._run(scene, reached)
+            self._run(scene, names, reached)
         except StageError as error:
             reached["error"] = error
         total = 1e3 * (time.perf_counter() - begin)
         return Plan(scene, **reached, ms=MappingProxyType(self._ms()), total_ms=total)
 
-    def _run(self, scene: Scene, reached: dict[str, Any]) -> None:
+    def _run(self, scene: Scene, algorithms: list[str], reached: dict[str, Any]) -> None:
         """The method: each stage puts its result into ``reached`` or raises."""
         asked = scene.spline.clearance
         margin = asked + SLACK * max(scene.workspace.size)
@@ -145,7 +151,7 @@ class Planner:
         )
         # 3 A*, Dijkstra, Bellman-Ford
         reached["searches"] = found = tuple(
-            search(nodes, scene.search.weight) for search in self._searches.values()
+            self._searches[name](nodes, scene.search.weight) for name in algorithms
         )
         reached["path"] = path = next(
             result for result in found if result.algorithm == scene.search.algorithm

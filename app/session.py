@@ -9,6 +9,7 @@ from __future__ import annotations
 import functools
 import logging
 import threading
+import time
 from typing import Any
 
 import numpy as np
@@ -16,7 +17,7 @@ import viser
 
 from abi import assets
 from abi.errors import AbiError
-from abi.plan import Plan, Planner
+from abi.plan import Plan
 from abi.reasons import Reason, explain
 from abi.scene import Scene
 from app import page, style
@@ -31,6 +32,7 @@ from app.layers.paths import PathsLayer
 from app.layers.plots import PlotsLayer
 from app.layers.search_order import SearchOrderLayer
 from app.layers.workspace import WorkspaceLayer
+from app.live_planner import LivePlanner
 from app.panels.editor import EditorPanel
 from app.panels.files import FilesPanel
 from app.panels.placed import ObstaclesPanel, PointsPanel
@@ -43,7 +45,7 @@ _log = logging.getLogger(__name__)
 SLOW_MS = 120.0
 """A plan that takes longer than this is awaited with the old one in grey."""
 REST = 0.3
-"""Seconds without a wish after which there is time to find out why there is no plan."""
+"""Seconds without a wish after which the hand rests: time to plan in full, and to explain."""
 
 
 class Session:
@@ -54,7 +56,8 @@ class Session:
         self.plan: Plan | None = None
         self.plans = 0
         self._scene = scene
-        self._planner = Planner()
+        self._planner = LivePlanner()
+        self._wished = 0.0
         self._reason: Reason | None = None
         self._explained: Plan | None = None
         self._changed = threading.Event()
@@ -155,9 +158,10 @@ class Session:
                 self._changed.clear()
             try:
                 if woken:
+                    self._wished = time.monotonic()
                     self._follow()
-                elif self._unexplained():
-                    self._explain()
+                elif time.monotonic() - self._wished >= REST:
+                    self._rest()
                 self._play()
             except Exception:
                 _log.exception("tab %s", self.client.client_id)
@@ -172,14 +176,24 @@ class Session:
     def _patience(self) -> float | None:
         """How long to wait for the user, [s]; for ever when there is nothing else to do."""
         frame = self.playback.timeout()
-        return frame if frame is not None or not self._unexplained() else REST
+        idle = not self._planner.coarse and not self._unexplained()
+        return frame if frame is not None or idle else REST
+
+    def _rest(self) -> None:
+        """Do what takes longer than a frame, now that the hand rests."""
+        if self._planner.coarse:
+            self._fade(True)
+            self.plan = self._planner.finish(self._scene)
+            self._show_plan(self.plan)
+        elif self._unexplained():
+            self._explain()
 
     def _unexplained(self) -> bool:
         plan = self.plan
         return plan is not None and plan.error is not None and plan is not self._explained
 
     def _explain(self) -> None:
-        """Find out why there is no plan, now that the hand rests; a new wish ends it."""
+        """Find out why there is no plan; a new wish ends it."""
         plan = self.plan
         assert plan is not None
         reason = explain(plan.scene, plan, self._changed.is_set)
@@ -202,9 +216,12 @@ class Session:
             self._fade(self.plan is not None and self.plan.total_ms > SLOW_MS)
             self.plan = self._planner(scene)
             self._reason = None
-        self._draw(self.plan)
-        self._fade(False)
+        self._show_plan(self.plan)
         self.files.save_when_asked(scene)
+
+    def _show_plan(self, plan: Plan) -> None:
+        self._draw(plan)
+        self._fade(False)
 
     def _read(self) -> Scene:
         """The scene that the panels show, checked.
@@ -236,7 +253,7 @@ class Session:
 
     def _draw(self, plan: Plan) -> None:
         with self.client.atomic():
-            self.headings.draw(plan)
+            self.headings.draw(plan, self._planner.coarse)
             self.headings.complain(plan.error, self._reason)
             self.marks.draw(self._reason, plan.scene)
             self.points.label(plan.scene)
@@ -247,7 +264,7 @@ class Session:
             self.reached.draw(plan, self.search_panel.share())
             self.curves.draw(plan)
             self.arm.draw(plan)
-            self.numbers.draw(plan, self.mesh.note)
+            self.numbers.draw(plan, self.mesh.note, self._planner.coarse)
             self.plots.draw(plan)
             self._switch()
         self.plans += 1

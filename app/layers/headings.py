@@ -55,9 +55,17 @@ class HeadingsLayer:
                 _TITLES[stage], expand_by_default=stage not in ("graph", "arm")
             )
 
-    def draw(self, plan: Plan) -> None:
-        """Put the plan's results into the headings."""
-        for stage, result in _results(plan).items():
+    def draw(self, plan: Plan, coarse: bool) -> None:
+        """Put the plan's results into the headings.
+
+        Args:
+            plan: what was planned last.
+            coarse: whether its mesh is coarser than asked for, while the hand moves.
+        """
+        results = _results(plan)
+        if coarse and results["mesh"]:
+            results["mesh"] = f"≈ coarse while you move: {results['mesh']}"
+        for stage, result in results.items():
             label = f"{_TITLES[stage]} — {result}" if result else _TITLES[stage]
             if self.folders[stage].label != label:
                 self.folders[stage].label = label

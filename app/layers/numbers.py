@@ -20,6 +20,10 @@ _CELL = "padding:3px 4px;border-bottom:1px solid rgba(128,128,128,.22);"
 _BOX = '<div style="margin:0 10px 10px;line-height:1.4;font-size:12.5px">'
 GOOD, BAD = "#12a67c", "#e03131"
 _PIECES_SHOWN = 2
+_COARSE = (
+    f"{_BOX}<b>≈ coarse while you move</b>: pitch {{:.3g}} {{}}, one search. "
+    "The mesh you asked for follows when your hand rests.</div>"
+)
 _LEGEND = f"{_BOX}✓ proven along the whole curve, ✗ less than asked for.</div>"
 
 
@@ -43,16 +47,24 @@ class NumbersLayer:
         with arm:
             self._arm = gui.add_html("")
 
-    def draw(self, plan: Plan, mesh_note: str) -> None:
-        """Write the plan's numbers."""
-        self._tables.content = _searches(plan) + _stages(plan)
+    def draw(self, plan: Plan, mesh_note: str, coarse: bool) -> None:
+        """Write the plan's numbers.
+
+        Args:
+            plan: what was planned last.
+            mesh_note: how much of the mesh is shown.
+            coarse: whether its mesh is coarser than asked for, while the hand moves.
+        """
+        note = _COARSE.format(plan.scene.mesh.pitch, plan.scene.unit) if coarse else ""
+        self._tables.content = _searches(plan, coarse) + _stages(plan) + note
         self._graph.content = _graph(plan, mesh_note)
         self._quadratic.content = _coefficients(plan) + _motion(plan)
         self._arm.content = _arm(plan)
 
 
-def _searches(plan: Plan) -> str:
-    """Table I: the same columns, and what it cost."""
+def _searches(plan: Plan, coarse: bool) -> str:
+    """Table I: the same columns, and what it cost; the others follow when the hand rests."""
+    missing = "…" if coarse else "–"
     found = {result.algorithm: result for result in plan.searches}
     rows = []
     for name, (label, colour) in style.ALGORITHMS.items():
@@ -60,7 +72,7 @@ def _searches(plan: Plan) -> str:
         chosen = name == plan.scene.search.algorithm
         title = f"{mark}<b>{label}</b>" if chosen else mark + label
         if name not in found:
-            rows.append((title, "–", "–", "–", "–"))
+            rows.append((title, *[missing] * 4))
             continue
         result = found[name]
         rows.append(

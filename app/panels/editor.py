@@ -21,7 +21,7 @@ from abi.surfaces.mesh_shape import suggest_unit
 from abi.surfaces.mesh_source import MeshSource
 from abi.surfaces.surface import Surface
 from app.panels.placed import ObstaclesPanel, PointsPanel
-from app.panels.stages import Wake
+from app.panels.stages import DIGITS, Wake
 
 Triple = tuple[float, float, float]
 
@@ -36,6 +36,7 @@ class NumberBox:
 
     def __init__(self, gui: viser.GuiApi, label: str, step: float, hint: str, wake: Wake) -> None:
         self.handle = gui.add_vector3(label, (0.0, 0.0, 0.0), step=step, hint=hint)
+        self.handle.precision = DIGITS
         self.handle.on_update(wake)
         self._shown: Triple = (0.0, 0.0, 0.0)
 
@@ -86,7 +87,7 @@ class EditorPanel:
         self.height = gui.add_number(
             "height", 1.0, step=0.1, hint="A capsule's is between the centres of its two caps."
         )
-        self.scale = gui.add_number("scale", 1.0, min=1e-9, step=0.1, hint="Of the file's lengths.")
+        self.scale = gui.add_number("scale", 1.0, step=0.1, hint="Of the file's lengths.")
         self.unit = gui.add_dropdown("file is in", tuple(_UNITS), hint="The unit of the file.")
         self.note = gui.add_html("", visible=False)
         self.accept = gui.add_button("", visible=False)
@@ -103,14 +104,10 @@ class EditorPanel:
         self._shown: dict[str, Any] = {}
         self._listed = -1
         self._pressed = False
-        for handle in (
-            self.choice,
-            self.size,
-            self.radius,
-            self.height,
-            self.scale,
-            self.unit,
-        ):
+        for box in (self.size, self.radius, self.height, self.scale):
+            box.precision = DIGITS
+            box.on_update(wake)
+        for handle in (self.choice, self.unit):
             handle.on_update(wake)
         self.accept.on_click(wake)
         self.upload.on_upload(wake)
@@ -134,10 +131,9 @@ class EditorPanel:
             self._change(self.buttons.value, scene)
         self._follow_choice()
         for name, box in self._ends.items():
-            gizmo = self._points.gizmos[name]
             if (typed := box.typed(name)) is not None:
-                gizmo.position = typed
-            box.show(gizmo.position)
+                self._points.place(name, typed)
+            box.show(self._points.gizmos[name].position)
         if self._obstacles.gizmos:
             self._edit(self._obstacles.chosen)
         self._suggest(scene)

@@ -12,6 +12,7 @@ import numpy as np
 import trimesh
 import viser
 
+from abi.arrays import FloatArray
 from abi.scene import Scene
 from abi.shapes import Box, Cylinder, MeshShape, Obstacle, Sphere
 from app import style
@@ -19,6 +20,7 @@ from app.panels.stages import Wake
 
 _OPACITY = 0.62
 _POSE = {"position", "wxyz"}
+_ROUNDING = 1e-9
 
 
 class ObstaclesPanel:
@@ -130,7 +132,11 @@ class ObstaclesPanel:
 
 
 class PointsPanel:
-    """Start and goal: a ball under a gizmo without rotations, and a label with coordinates."""
+    """Start and goal: a ball under a gizmo without rotations, and a label with coordinates.
+
+    Attributes:
+        gizmos: by name; who moves one from here does so with :meth:`place`.
+    """
 
     def __init__(self, client: viser.ClientHandle, scene: Scene, wake: Wake) -> None:
         self._scene = client.scene
@@ -138,9 +144,12 @@ class PointsPanel:
         self.gizmos: dict[str, viser.TransformControlsHandle] = {}
         self._labels: dict[str, viser.LabelHandle] = {}
         self._balls: dict[str, viser.IcosphereHandle] = {}
+        self._origins: dict[str, FloatArray] = {}
         for name in ("start", "goal"):
+            place = np.array(getattr(scene, name))
             gizmo = client.scene.add_transform_controls(
                 f"/{name}",
+                position=place,
                 line_width=3.0,
                 disable_rotations=True,
                 disable_sliders=True,
@@ -148,7 +157,7 @@ class PointsPanel:
                 opacity=0.9,
             )
             gizmo.on_update(wake)
-            self.gizmos[name] = gizmo
+            self.gizmos[name], self._origins[name] = gizmo, place
             self._balls[name] = client.scene.add_icosphere(
                 f"/{name}/ball", radius=0.018 * size, color=style.POINT
             )
@@ -159,18 +168,29 @@ class PointsPanel:
 
     def read(self) -> dict[str, Any]:
         """``start`` and ``goal``."""
-        return {
-            name: [float(number) for number in gizmo.position]
-            for name, gizmo in self.gizmos.items()
-        }
+        return {name: self._held(gizmo.position).tolist() for name, gizmo in self.gizmos.items()}
+
+    def place(self, name: str, position: Sequence[float]) -> None:
+        """Move an end to ``position`` (3,), [unit]; by hand it goes no further than the workspace.
+
+        The page holds its limits against what the hand has moved a gizmo in all, wherever else it
+        was put meanwhile.
+        """
+        gizmo = self.gizmos[name]
+        moved = np.asarray(position) - gizmo.position
+        if np.isfinite(moved).all():
+            self._origins[name] = self._origins[name] + moved
+        low, high = (side - self._origins[name] for side in self._sides)
+        x, y, z = zip(low.tolist(), high.tolist(), strict=True)
+        gizmo.translation_limits = (x, y, z)
+        gizmo.position = np.asarray(position)
 
     def write(self, scene: Scene) -> None:
         """Show ``scene``."""
         size = max(scene.workspace.size)
-        x, y, z = zip(scene.workspace.min, scene.workspace.max, strict=True)
+        self._sides = np.array(scene.workspace.min), np.array(scene.workspace.max)
         for name, gizmo in self.gizmos.items():
-            gizmo.translation_limits = (x, y, z)
-            gizmo.position = getattr(scene, name)
+            self.place(name, getattr(scene, name))
             gizmo.scale = 0.13 * size
             self._balls[name].radius = 0.018 * size
             self._labels[name].position = (0.0, 0.0, -0.05 * size)
@@ -180,6 +200,13 @@ class PointsPanel:
         """Write the coordinates on the labels."""
         for name, label in self._labels.items():
             label.text = f"{name} ({', '.join(f'{number:.3g}' for number in getattr(scene, name))})"
+
+    def _held(self, position: FloatArray) -> FloatArray:
+        """``position`` (3,), without what the page's rounding puts it outside the workspace."""
+        low, high = self._sides
+        inside = np.clip(position, low, high)
+        near = np.abs(position - inside).max() <= _ROUNDING * (high - low).max()
+        return inside if near else position
 
 
 def _radius(shape: Obstacle) -> float:

@@ -16,6 +16,9 @@ from app import style
 
 Wake = Callable[[Any], None]
 
+DIGITS = 6
+"""Decimals that a box takes; left to itself it takes no more than its first value has."""
+
 LATTICES = {
     "BCC: congruent tetrahedra": "bcc",
     "Kuhn: six per cube": "kuhn",
@@ -181,10 +184,11 @@ class MotionPanel:
         self.curve = gui.add_dropdown(
             "arm follows", tuple(FOLLOWED), hint="The curve that the arm executes."
         )
-        self.speed = gui.add_number("speed V", 1.0, min=1e-6, step=0.1, hint="Cruise speed.")
+        self.speed = gui.add_number("speed V", 1.0, step=0.1, hint="Cruise speed.")
         self.rates = gui.add_vector2(
             "a1, a3", (1.0, 1.0), step=0.1, hint="Speeding up from rest, and braking to rest."
         )
+        self.speed.precision = self.rates.precision = DIGITS
         for handle in (self.fit, self.curve, self.speed, self.rates):
             handle.on_update(wake)
         self.write(scene)
@@ -240,17 +244,18 @@ class ArmPanel:
         )
         self.masses = gui.add_vector3("m4, m5, m6", arm.masses, step=0.1, hint="Masses [kg].")
         self.radii = gui.add_vector3("i4, i5, i6", arm.radii, step=0.1, hint="Radii of inertia.")
-        for handle in (
-            self.elbow,
+        for box in (
             self.base,
             self.columns,
             self.links,
             self.extension,
-            self.dynamics,
             self.forces,
             self.masses,
             self.radii,
         ):
+            box.precision = DIGITS
+            box.on_update(wake)
+        for handle in (self.elbow, self.dynamics):
             handle.on_update(wake)
         self.write(scene)
 

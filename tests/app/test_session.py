@@ -90,6 +90,33 @@ def test_what_was_overtaken_is_not_planned(tab: tuple[FakeTab, Session]) -> None
     assert session.plans - before < 200
 
 
+def test_a_fine_mesh_is_coarser_while_the_hand_moves_and_whole_once_it_rests(
+    tab: tuple[FakeTab, Session],
+) -> None:
+    fake, session = tab
+    seen: set[int] = set()
+
+    def moved() -> bool:
+        assert session.plan is not None
+        assert session.plan.mesh is not None
+        seen.add(len(session.plan.mesh.points))
+        place = session.plan.scene.obstacles[0].position
+        return math.isclose(place[2], 2.0) and len(session.plan.searches) == 3
+
+    session._planner.pace.nodes = 6_000
+    fake.set(session.mesh_panel.pitch, 0.25)
+    for step in range(20):
+        fake.drag(session.obstacles.gizmos[0], [3.0, 3.0, 3.0 - step * 0.05])
+    fake.drag(session.obstacles.gizmos[0], [3.0, 3.0, 2.0])
+    until(moved)
+
+    assert session.plan is not None
+    assert session.plan.scene.mesh.pitch == 0.25
+    assert session.plan.error is None
+    assert any(189 < count < 7_000 for count in seen)
+    assert max(seen) > 15_000
+
+
 @pytest.mark.parametrize("value", [math.nan, math.inf, -1.0, 0.0, 1e-9, 1e300])
 def test_a_bad_number_keeps_the_last_plan_and_says_why(
     tab: tuple[FakeTab, Session], value: float

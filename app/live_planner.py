@@ -1,0 +1,57 @@
+"""Plans that keep up with the hand: on a coarser mesh while it moves, in full once it rests."""
+
+from __future__ import annotations
+
+from abi.plan import Plan, Planner
+from abi.scene import Scene
+from app.pace import Pace
+
+
+class LivePlanner:
+    """Two planners, one for each mesh, so that neither loses what it remembers.
+
+    Attributes:
+        pace: how many nodes fit a frame.
+        coarse: whether the last plan was on a coarser mesh than its scene asks for.
+    """
+
+    def __init__(self) -> None:
+        self.pace = Pace()
+        self.coarse = False
+        self._whole, self._hasty = Planner(), Planner()
+        self._routed: tuple[object, ...] = ()
+
+    def __call__(self, scene: Scene) -> Plan:
+        """Plan within a frame if that can be done: in full, or coarsely with one search."""
+        route = _route(scene)
+        if route == self._routed:
+            return self.finish(scene)
+        coarser = self.pace.coarser(scene)
+        self.coarse = coarser is not None
+        if coarser is None:
+            self._routed = route
+            made = self._whole(scene)
+        else:
+            made = self._hasty(coarser, chosen_only=True)
+        if made.mesh is not None:
+            self.pace.took(len(made.mesh.points), made.total_ms - made.ms["arm"])
+        return made
+
+    def finish(self, scene: Scene) -> Plan:
+        """Plan in full, however long it takes."""
+        self.coarse = False
+        self._routed = _route(scene)
+        return self._whole(scene)
+
+
+def _route(scene: Scene) -> tuple[object, ...]:
+    """What stages 1 to 3 depend on; all else is quick on any mesh."""
+    return (
+        scene.workspace,
+        scene.mesh,
+        scene.obstacles,
+        scene.start,
+        scene.goal,
+        scene.search,
+        scene.spline.clearance,
+    )

@@ -1,0 +1,85 @@
+from __future__ import annotations
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from abi.scene import Scene, load_scene
+from app.live_planner import LivePlanner
+from app.pace import FRAME_MS, LEAST_NODES, Pace
+
+
+def scene_of(pitch: float, lattice: str = "bcc") -> Scene:
+    return load_scene("paper").replace(mesh={"pitch": pitch, "lattice": lattice})
+
+
+def nodes(scene: Scene) -> int:
+    return scene.mesh.node_count(scene.workspace)
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    pitch=st.floats(0.07, 3),
+    lattice=st.sampled_from(["bcc", "kuhn", "delaunay"]),
+    budget=st.integers(LEAST_NODES, 1_000_000),
+)
+def test_a_mesh_that_is_too_fine_is_made_just_coarse_enough(
+    pitch: float, lattice: str, budget: int
+) -> None:
+    pace = Pace()
+    pace.nodes = budget
+    scene = scene_of(pitch, lattice)
+    coarser = pace.coarser(scene)
+    if nodes(scene) <= budget:
+        assert coarser is None
+        return
+    assert coarser is not None
+    assert budget / 3 < nodes(coarser) <= budget
+    assert coarser.model_copy(update={"mesh": scene.mesh}) == scene
+
+
+@settings(max_examples=60, deadline=None)
+@given(rate=st.floats(300, 60_000), pitch=st.floats(0.07, 0.2))
+def test_it_learns_how_many_nodes_fit_a_frame_and_stays_there(rate: float, pitch: float) -> None:
+    pace, scene = Pace(), scene_of(pitch)
+    pitches = []
+    for _ in range(40):
+        made = pace.coarser(scene) or scene
+        pitches.append(made.mesh.pitch)
+        pace.took(nodes(made), nodes(made) / rate)
+    # a steady hand sees a steady mesh
+    assert len(set(pitches[-10:])) == 1
+    assert nodes(made) <= max(2 * rate * FRAME_MS, LEAST_NODES)
+    assert nodes(made) >= min(nodes(scene), rate * FRAME_MS / 3)
+
+
+def test_a_small_mesh_says_nothing_of_large_ones() -> None:
+    pace = Pace()
+    before = pace.nodes
+    pace.took(189, 500.0)
+    assert pace.nodes == before
+
+
+def test_in_haste_one_search_runs_on_a_coarser_mesh_and_then_all_on_the_whole() -> None:
+    planner, scene = LivePlanner(), scene_of(0.3)
+    planner.pace.nodes = LEAST_NODES
+    hasty = planner(scene)
+
+    assert planner.coarse
+    assert hasty.error is None
+    assert hasty.mesh is not None
+    assert len(hasty.mesh.points) <= LEAST_NODES
+    assert [found.algorithm for found in hasty.searches] == [scene.search.algorithm]
+
+    whole = planner.finish(scene)
+    assert not planner.coarse
+    assert whole.mesh is not None
+    assert len(whole.mesh.points) == nodes(scene)
+    assert len(whole.searches) == 3
+
+    # what does not touch the path needs no coarser mesh
+    faster = planner(scene.replace(motion={"speed": 5}))
+    assert not planner.coarse
+    assert faster.quadratic is whole.quadratic
+    assert faster.profile is not None
+    assert faster.profile.peak_speed == pytest.approx(5)
