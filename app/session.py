@@ -78,6 +78,11 @@ class Session:
         if threading.current_thread() is not self._worker:
             self._worker.join(timeout=5)
 
+    @property
+    def resting(self) -> bool:
+        """Whether the plan is whole and no wish is waiting."""
+        return self.plan is not None and not self._planner.coarse and not self._changed.is_set()
+
     def wake(self, event: object) -> None:
         """The callback of every widget: the user changed something, see what.
 

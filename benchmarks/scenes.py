@@ -47,9 +47,8 @@ def random_scene(seed: int) -> Scene:
         "version": 1,
         "start": random.uniform(0, 1, 3).tolist(),
         "goal": random.uniform(5, 6, 3).tolist(),
-        "obstacles": [
-            _obstacle(random, reach, SHAPES[: 5 if seed % 4 == 0 else 4]) for _ in range(count)
-        ],
+        "obstacles": _wall(random) * (seed % 5 == 1)
+        + [_obstacle(random, reach, SHAPES[: 5 if seed % 4 == 0 else 4]) for _ in range(count)],
         "mesh": {
             "lattice": str(random.choice(["bcc", "kuhn", "delaunay"])),
             "pitch": float(random.uniform(0.45, 1.5)),
@@ -104,6 +103,16 @@ def main() -> None:
 def _warm() -> None:
     for kernels in (search, certify, visibility):
         kernels.warm()
+
+
+def _wall(random: np.random.Generator) -> list[dict[str, Any]]:
+    """Two boxes across the workspace with a slit between them, or none."""
+    slit = float(random.choice([0.0, random.uniform(0.01, 1)]))
+    middle = float(random.uniform(1.5, 4.5))
+    return [
+        {"shape": "box", "size": [0.2, 10, 8], "position": [3, middle + side * (slit / 2 + 5), 3]}
+        for side in (-1, 1)
+    ]
 
 
 @functools.cache
