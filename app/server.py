@@ -87,11 +87,11 @@ def start(
     # The worker threads plan in Python; shorter turns keep the event loop answering meanwhile.
     sys.setswitchinterval(0.0005)
     server = Server(host, port, scene, loaded, plain, dark)
-    threading.Thread(target=_warm, name="warm-kernels", daemon=True).start()
+    threading.Thread(target=warm, name="warm-kernels", daemon=True).start()
     return server
 
 
-def _warm() -> None:
+def warm() -> None:
     """Compile, or load what was compiled before, while the first plans run in plain Python."""
     for kernels in (search, certify, visibility):
         kernels.warm()

@@ -263,6 +263,7 @@ class Session:
             self.marks.draw(self._reason, plan.scene)
             self.points.label(plan.scene)
             self.obstacles.draw(plan.scene.obstacles)
+            self.editor.suggest(plan.scene)
             self.workspace.draw(plan.scene.workspace, plan.scene.arm.base)
             self.mesh.draw(plan)
             self.paths.draw(plan)

@@ -1,0 +1,112 @@
+"""What one tab costs: memory in the server, bytes for each plan of a drag.
+
+python -m benchmarks.tab --nodes 200 20000 200000
+"""
+
+from __future__ import annotations
+
+import argparse
+import gc
+import json
+import tempfile
+import threading
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from app.server import start
+from benchmarks.browser import scene_with
+from tests.app.fake_tab import FakeTab
+
+TABS = 4
+STEPS = 40
+_PATIENCE = 60.0
+_PAUSE = threading.Event()
+
+
+def measure(nodes: int) -> dict[str, Any]:
+    """Open a few tabs on a mesh of about ``nodes`` nodes, and drag the cube in one.
+
+    Returns:
+        ``nodes``; ``megabytes_per_tab``; ``bytes_to_begin``; ``bytes_per_plan`` and the
+        ``largest_plan`` [bytes] of the drag, playback included.
+    """
+    scene = scene_with(nodes)
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "scene.json"
+        scene.save(file)
+        server = start(port=0, scene=str(file), plain=True)
+    tabs: list[FakeTab] = []
+
+    def open_tab() -> None:
+        tabs.append(FakeTab(server.url))
+        _until(lambda: len(server.sessions) == len(tabs))
+        _until(lambda: all(session.resting for session in server.sessions.values()))
+
+    try:
+        open_tab()
+        before = _megabytes()
+        for _ in range(TABS):
+            open_tab()
+        each = (_megabytes() - before) / TABS
+        _until(lambda: _quiet(tabs[-1]))
+        begun = tabs[-1].received
+        session = server.sessions[max(server.sessions)]
+        session.playback.playing = False
+        weights = [_drag(tabs[-1], session, step) for step in range(STEPS)]
+    finally:
+        for tab in tabs:
+            tab.close()
+        server.stop()
+    return {
+        "nodes": scene.mesh.node_count(scene.workspace),
+        "megabytes_per_tab": each,
+        "bytes_to_begin": begun,
+        "bytes_per_plan": float(np.median(weights)),
+        "largest_plan": max(weights),
+    }
+
+
+def _drag(tab: FakeTab, session: Any, step: int) -> int:
+    """Bytes that one step of the drag brings."""
+    received, plans = tab.received, session.plans
+    tab.drag(session.obstacles.gizmos[0], [3.0, 3.0, 3.0 - 0.02 * (step + 1)])
+    _until(lambda: session.plans > plans)
+    _until(lambda: _quiet(tab))
+    return tab.received - received
+
+
+def _quiet(tab: FakeTab) -> bool:
+    """Whether nothing arrived for a moment; less than a rest, after which it is planned anew."""
+    before = tab.received
+    _PAUSE.wait(0.05)
+    return tab.received == before
+
+
+def _megabytes() -> float:
+    """Memory that the process has now; of Linux."""
+    gc.collect()
+    pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[1])
+    return pages * 4096 / 1e6
+
+
+def _until(true: Callable[[], bool]) -> None:
+    end = time.monotonic() + _PATIENCE
+    while not true():
+        assert time.monotonic() < end, "did not happen in time"
+        _PAUSE.wait(0.005)
+
+
+def main() -> None:
+    """Measure and print."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--nodes", type=int, nargs="+", default=[200, 20_000, 200_000])
+    for nodes in parser.parse_args().nodes:
+        print(json.dumps(measure(nodes)), flush=True)
+
+
+if __name__ == "__main__":
+    main()
