@@ -10,7 +10,7 @@ LEAST_NODES = 5_000
 
 _FINER = 2 ** (1 / 3)  # a pitch so much coarser has half the nodes
 _MOST_FINER = 40
-_FIRST_GUESS = 50_000
+_FIRST_GUESS = 20_000
 
 
 class Pace:

@@ -8,10 +8,10 @@ import warnings
 
 import viser
 
-from abi.kernels import certify, search, visibility
 from abi.scene import Scene, load_scene
 from app import page
 from app.session import Session, look_at
+from app.warm_up import WarmUp
 
 
 class Server:
@@ -28,6 +28,7 @@ class Server:
         self._name, self._scene, self._dark = name, scene, dark
         self._lock = threading.Lock()
         self.sessions: dict[int, Session] = {}
+        self._warm_up = WarmUp()
         self.viser = viser.ViserServer(host=host, port=port, label="ABI visualiser", verbose=False)
         page.refuse_sharing(self.viser)
         self.viser.gui.configure_theme(dark_mode=dark, show_logo=False, show_share_button=False)
@@ -48,7 +49,8 @@ class Server:
         self.viser.stop()
 
     def _connected(self, client: viser.ClientHandle) -> None:
-        session = Session(client, self._name, self._scene, self._dark)
+        session = Session(client, self._name, self._scene, self._dark, self._warm_up.planned)
+        self._warm_up.greet(client)
         with self._lock:
             if client.client_id in self.viser.get_clients():
                 self.sessions[client.client_id] = session
@@ -87,11 +89,4 @@ def start(
     # The worker threads plan in Python; shorter turns keep the event loop answering meanwhile.
     sys.setswitchinterval(0.0005)
     server = Server(host, port, scene, loaded, plain, dark)
-    threading.Thread(target=warm, name="warm-kernels", daemon=True).start()
     return server
-
-
-def warm() -> None:
-    """Compile, or load what was compiled before, while the first plans run in plain Python."""
-    for kernels in (search, certify, visibility):
-        kernels.warm()

@@ -51,7 +51,15 @@ REST = 0.3
 class Session:
     """Everything that belongs to one tab; nothing is shared with another."""
 
-    def __init__(self, client: viser.ClientHandle, name: str, scene: Scene, dark: bool) -> None:
+    def __init__(
+        self,
+        client: viser.ClientHandle,
+        name: str,
+        scene: Scene,
+        dark: bool,
+        planned: threading.Event,
+    ) -> None:
+        """Begin a tab; ``planned`` is set whenever a plan has been drawn."""
         self.client = client
         self.plan: Plan | None = None
         self.plans = 0
@@ -61,6 +69,7 @@ class Session:
         self._reason: Reason | None = None
         self._explained: Plan | None = None
         self._changed = threading.Event()
+        self._planned = planned
         self._closing = False
         self._faded = False
         with client.atomic():
@@ -227,6 +236,7 @@ class Session:
     def _show_plan(self, plan: Plan) -> None:
         self._draw(plan)
         self._fade(False)
+        self._planned.set()
 
     def _read(self) -> Scene:
         """The scene that the panels show, checked.

@@ -23,7 +23,7 @@ import networkx
 import numpy as np
 import trimesh
 
-from abi.kernels import certify, search, visibility
+from abi.kernels import warm
 from abi.plan import Plan, plan
 from abi.scene import Scene
 from abi.shapes import nearest
@@ -86,7 +86,7 @@ def main() -> None:
     options = parser.parse_args()
     begin = time.perf_counter()
     seeds = range(options.first, options.first + options.scenes)
-    with multiprocessing.Pool(options.workers, initializer=_warm) as pool:
+    with multiprocessing.Pool(options.workers, initializer=warm) as pool:
         results = list(pool.imap_unordered(check, seeds, chunksize=20))
     figures = _figures(results, time.perf_counter() - begin)
     if options.json:
@@ -98,11 +98,6 @@ def main() -> None:
         if result["fault"]:
             print(result)
     raise SystemExit(any(result["fault"] for result in results))
-
-
-def _warm() -> None:
-    for kernels in (search, certify, visibility):
-        kernels.warm()
 
 
 def _wall(random: np.random.Generator) -> list[dict[str, Any]]:

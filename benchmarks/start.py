@@ -52,7 +52,7 @@ def measure(browser: Browser, warm_starts: int = 3) -> dict[str, Any]:
 
 
 def _compile(environment: dict[str, str]) -> None:
-    code = "from app.server import warm; warm()"
+    code = "from abi.kernels import warm; warm()"
     subprocess.run([sys.executable, "-c", code], env=environment, check=True)
 
 

@@ -1,0 +1,12 @@
+"""The compiled inner loops, one file a family. Each runs uncompiled too until it is ready."""
+
+from __future__ import annotations
+
+
+def warm() -> None:
+    """Compile all kernels, or load what was compiled before: seconds, or a few tenths of one."""
+    # here, since numba takes long to import
+    from abi.kernels import certify, search, visibility
+
+    for kernels in (search, certify, visibility):
+        kernels.warm()

@@ -188,7 +188,7 @@ def test_play_moves_the_arm_and_pause_holds_it(tab: tuple[FakeTab, Session]) -> 
 
     assert session.plan is not None
     assert session.plan.motion is not None
-    assert slider.value == 1.25
+    assert slider.value == pytest.approx(1.25)
     motion = session.plan.motion
     index = int(np.searchsorted(motion.time, 1.25))
     drawn = session.arm._trace.points.reshape(-1, 3)[-1]
