@@ -90,7 +90,8 @@ class Session:
     @property
     def resting(self) -> bool:
         """Whether the plan is whole and no wish is waiting."""
-        return self.plan is not None and not self._planner.coarse and not self._changed.is_set()
+        drawn = self.plan is not None and not self.mesh.behind
+        return drawn and not self._planner.coarse and not self._changed.is_set()
 
     def wake(self, event: object) -> None:
         """The callback of every widget: the user changed something, see what.
@@ -190,7 +191,7 @@ class Session:
     def _patience(self) -> float | None:
         """How long to wait for the user, [s]; for ever when there is nothing else to do."""
         frame = self.playback.timeout()
-        idle = not self._planner.coarse and not self._unexplained()
+        idle = not (self._planner.coarse or self.mesh.behind or self._unexplained())
         return frame if frame is not None or idle else REST
 
     def _rest(self) -> None:
@@ -198,6 +199,8 @@ class Session:
         if self._planner.coarse:
             self._fade(True)
             self.plan = self._planner.finish(self._scene)
+            self._show_plan(self.plan)
+        elif self.mesh.behind and self.plan is not None:
             self._show_plan(self.plan)
         elif self._unexplained():
             self._explain()
@@ -230,11 +233,11 @@ class Session:
             self._fade(self.plan is not None and self.plan.total_ms > SLOW_MS)
             self.plan = self._planner(scene)
             self._reason = None
-        self._show_plan(self.plan)
+        self._show_plan(self.plan, hasty=True)
         self.files.save_when_asked(scene)
 
-    def _show_plan(self, plan: Plan) -> None:
-        self._draw(plan)
+    def _show_plan(self, plan: Plan, hasty: bool = False) -> None:
+        self._draw(plan, hasty)
         self._fade(False)
         self._planned.set()
 
@@ -266,7 +269,7 @@ class Session:
             if scene.workspace != self._scene.workspace:
                 look_at(self.client.camera, scene)
 
-    def _draw(self, plan: Plan) -> None:
+    def _draw(self, plan: Plan, hasty: bool) -> None:
         with self.client.atomic():
             self.headings.draw(plan, self._planner.coarse)
             self.headings.complain(plan.error, self._reason)
@@ -275,7 +278,7 @@ class Session:
             self.obstacles.draw(plan.scene.obstacles)
             self.editor.suggest(plan.scene)
             self.workspace.draw(plan.scene.workspace, plan.scene.arm.base)
-            self.mesh.draw(plan)
+            self.mesh.draw(plan, self.view.mesh_part(), hasty)
             self.paths.draw(plan)
             self.reached.draw(plan, self.search_panel.share())
             self.curves.draw(plan)

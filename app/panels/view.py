@@ -25,6 +25,15 @@ LAYERS: dict[str, tuple[str, style.Colour, bool]] = {
 }
 
 
+MESH_VIEWS = {
+    "near path and obstacles": "near",
+    "slice across x": "slice_x",
+    "slice across y": "slice_y",
+    "slice across z": "slice_z",
+    "surface": "surface",
+}
+
+
 class ViewPanel:
     """The legend and the switches in one."""
 
@@ -32,6 +41,12 @@ class ViewPanel:
         gui = client.gui
         self.dark = gui.add_checkbox("dark page", dark)
         self.dark.on_update(wake)
+        self.mesh_view = gui.add_dropdown(
+            "mesh shown",
+            tuple(MESH_VIEWS),
+            hint="A mesh of up to about 4,000 nodes is shown whole by the first of these.",
+        )
+        self.mesh_view.on_update(wake)
         self.switches = {
             name: gui.add_checkbox(label, shown) for name, (label, _, shown) in LAYERS.items()
         }
@@ -39,6 +54,10 @@ class ViewPanel:
         gui.add_html(page.swatch_style(colours))
         for handle in self.switches.values():
             handle.on_update(wake)
+
+    def mesh_part(self) -> str:
+        """Which part of the mesh to draw, of :data:`abi.excerpt.VIEWS`."""
+        return MESH_VIEWS[self.mesh_view.value]
 
     def read(self) -> dict[str, bool]:
         """Which layers are to be seen."""
