@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from abi.arrays import BoolArray, FloatArray, IntArray, read_only
@@ -69,7 +70,7 @@ def excerpt(
         edges = edges[~gone[edges].any(axis=1)]
     seen = _seen(view, free, points, obstacles)
     if np.count_nonzero(seen & ~gone) * _EDGES_A_NODE > budget:
-        seen &= _near(points, seen, path_points, obstacles, budget // _EDGES_A_NODE)
+        seen &= _near(points, seen & ~gone, path_points, obstacles, budget // _EDGES_A_NODE)
     shown = edges[seen[edges].all(axis=1)][:budget]
     used = np.flatnonzero(seen & ~gone)
     place = np.zeros(len(points), dtype=np.int32)
@@ -77,7 +78,7 @@ def excerpt(
     return Excerpt(
         points=read_only(points[used]),
         edges=read_only(place[shown]),
-        excluded=read_only(points[np.flatnonzero(seen & gone)[: budget // _EDGES_A_NODE]]),
+        excluded=read_only(points[_evenly(np.flatnonzero(seen & gone), budget // _EDGES_A_NODE)]),
         edges_in_all=len(edges),
     )
 
@@ -119,6 +120,11 @@ def _near(
     chosen = np.zeros(len(centres), dtype=np.bool_)
     chosen[order[: max(int(np.searchsorted(filled, most, side="right")), 1)]] = True
     return np.asarray(chosen[cell])
+
+
+def _evenly(ids: NDArray[np.intp], most: int) -> NDArray[np.intp]:
+    """At most ``most`` of the ids, left out evenly."""
+    return ids if len(ids) <= most else ids[:: -(-len(ids) // most)]
 
 
 def _along(points: FloatArray, step: float) -> FloatArray:

@@ -110,4 +110,4 @@ class MeshLayer:
 
 def _opacity(edges: int) -> float:
     """Fainter the more there are, so that the paths inside stay to be seen."""
-    return float(np.clip(0.4 * (1000 / max(edges, 1)) ** 0.6, 0.04, 0.4))
+    return float(np.clip(0.4 * (1000 / max(edges, 1)) ** 0.6, 0.1, 0.4))

@@ -81,7 +81,7 @@ def _searches(plan: Plan, coarse: bool) -> str:
                 f"{len(result.vertices)}",
                 f"{result.length:.3f}",
                 f"{result.expanded:,}",
-                f"{plan.ms[name]:.2g}",
+                f"{plan.ms[name]:.2g}" if plan.ms[name] < 10 else f"{plan.ms[name]:.0f}",
             )
         )
     return _table(("search", "vertices", "length", "expanded", "ms"), rows)
