@@ -4,6 +4,7 @@
 #   make run ARGS="--port 8123 --no-open"    start the visualiser
 #   make test                                every check and every test, the browser's too
 #   make check                               the same without the browser
+#   make bench ARGS="quality --scenes 10"    measure speed and quality, beside peers where installed
 #   make format                              format the code and mend what the linter can mend
 #   make lock                                lock the dependencies (ARGS=--upgrade: the newest)
 #   make clean                               remove what make made
@@ -15,7 +16,7 @@ PYTEST := $(BIN)/pytest --numprocesses auto --dist loadgroup
 COMPILE := $(BIN)/uv pip compile pyproject.toml --no-config --no-header --quiet \
 	--universal --python-version 3.11 --fork-strategy fewest --generate-hashes
 
-.PHONY: run test check lint format lock clean
+.PHONY: run test check lint bench format lock clean
 .DEFAULT_GOAL := run
 
 $(RUN): requirements.lock pyproject.toml tools/install
@@ -40,6 +41,9 @@ lint: $(DEV)
 	$(BIN)/ruff format --check
 	$(BIN)/ruff check
 	$(BIN)/mypy
+
+bench: $(DEV)
+	@$(BIN)/python -m app bench $(ARGS)
 
 format: $(DEV)
 	$(BIN)/ruff format

@@ -108,6 +108,29 @@ def verify(plan: Path, meshes: Path | None) -> None:
         raise SystemExit(INCOMPLETE)
 
 
+@cli.command()
+@click.argument("parts", nargs=-1)
+@click.option("--nodes", multiple=True, type=click.IntRange(100), help="Only these mesh sizes.")
+@click.option("--scenes", default=30, show_default=True, type=click.IntRange(1))
+@click.option("--out", default=Path("bench"), show_default=True, type=click.Path(path_type=Path))
+def bench(parts: tuple[str, ...], nodes: tuple[int, ...], scenes: int, out: Path) -> None:
+    """Measure speed and quality beside other libraries, in one run.
+
+    PARTS: frames, quality, browser, start, tab; all when none is named. Peers that are not
+    installed are left out: pip install '.[bench]' brings them.
+    """
+    try:
+        from benchmarks import run
+    except ImportError:
+        raise AbiError(
+            "The benchmarks are not installed.", "Run abi bench in the project's own folder."
+        ) from None
+    unknown = [part for part in parts if part not in run.PARTS]
+    if unknown:
+        raise AbiError(f"{unknown[0]!r} is no benchmark.", f"There are {', '.join(run.PARTS)}.")
+    run.run(parts, nodes or run.SIZES, scenes, out)
+
+
 def _read(path: Path) -> object:
     name = repr(str(path))
     try:

@@ -18,6 +18,7 @@ import argparse
 import importlib.util
 import json
 from collections import defaultdict
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -55,8 +56,25 @@ def box_scene(seed: int, pitch: float) -> Scene:
     )
 
 
-def measure(seeds: range, pitch: float, longer: float, rivals: bool) -> tuple[Runs, list[float]]:
-    """Run all methods; also the bounds from below over the best known lengths."""
+def ompl_there() -> bool:
+    """Whether OMPL is installed; says so when it is not."""
+    found = importlib.util.find_spec("ompl") is not None
+    if not found:
+        print("OMPL is not installed (pip install ompl): its planners are left out.")
+    return found
+
+
+def measure(
+    seeds: range, pitch: float, budgets: Sequence[float], rivals: bool
+) -> tuple[Runs, list[float]]:
+    """Run all methods; also the bounds from below over the best known lengths.
+
+    Args:
+        seeds: of the scenes.
+        pitch: of the mesh.
+        budgets: what the rivals get besides the time that ours took, [s].
+        rivals: whether they run at all.
+    """
     search.warm()
     visibility.warm()
     Planner()(box_scene(seeds.start, 1.0))
@@ -66,14 +84,13 @@ def measure(seeds: range, pitch: float, longer: float, rivals: bool) -> tuple[Ru
         scene = box_scene(seed, pitch)
         made = Planner()(scene)
         ours = _stages(made)
-        others = _rivals(scene, made, longer) if rivals else {}
+        others = _rivals(scene, made, budgets) if rivals else {}
         lengths = [length for found in (ours, others) for length, _ in found.values()]
         best = min(best_known(scene), *lengths)
         for name, (length, ms) in {**ours, **others}.items():
             runs[name].append((length / best, ms))
         if made.optimum is not None:
             bounds.append(made.optimum.length / best)
-        print(f"scene {seed}: best known {best:.6f}", flush=True)
     return runs, bounds
 
 
@@ -96,12 +113,13 @@ def _stages(made: Plan) -> dict[str, tuple[float, float]]:
     return found
 
 
-def _rivals(scene: Scene, made: Plan, longer: float) -> dict[str, tuple[float, float]]:
+def _rivals(scene: Scene, made: Plan, budgets: Sequence[float]) -> dict[str, tuple[float, float]]:
     from benchmarks.ompl_planners import RIVALS, solve
 
     equal = 1e-3 * sum(made.ms[stage] for stage in STAGES)
     found = {}
-    for seconds, label in ((equal, "equal"), (longer, f"{1e3 * longer:.0f} ms")):
+    labels = [(equal, "equal"), *((budget, f"{1e3 * budget:.0f} ms") for budget in budgets)]
+    for seconds, label in labels:
         for rival in RIVALS:
             path, took = solve(rival, scene, seconds)
             length = np.inf
@@ -139,14 +157,13 @@ def main() -> None:
     parser.add_argument("--scenes", type=int, default=30)
     parser.add_argument("--first", type=int, default=0, help="seed of the first scene")
     parser.add_argument("--pitch", type=float, default=0.25, help="0.25 gives 19,909 nodes")
-    parser.add_argument("--longer", type=float, default=0.2, help="the rivals' second budget, s")
+    parser.add_argument(
+        "--budgets", type=float, nargs="*", default=[0.2], help="the rivals' further budgets, s"
+    )
     parser.add_argument("--json", type=Path)
     options = parser.parse_args()
-    rivals = importlib.util.find_spec("ompl") is not None
-    if not rivals:
-        print("OMPL is not installed (pip install ompl): its planners are left out.")
     seeds = range(options.first, options.first + options.scenes)
-    runs, bounds = measure(seeds, options.pitch, options.longer, rivals)
+    runs, bounds = measure(seeds, options.pitch, options.budgets, ompl_there())
     rows = summary(runs)
     print(f"\nlength / best known, {options.scenes} scenes of 8 boxes, pitch {options.pitch}")
     print(f"{'method':32}{'solved':>7}{'ms':>9}{'median':>9}{'p90':>9}{'worst':>9}{'in 1 %':>8}")
