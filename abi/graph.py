@@ -11,12 +11,17 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.sparse import coo_array
 
+from abi import lattice, net
 from abi.arrays import BoolArray, FloatArray, IntArray, read_only
 from abi.errors import PointBlocked, StageError
-from abi.mesh import FreeMesh, within
-from abi.shapes import Obstacles, Vec3, nearest, segments_blocked
+from abi.kernels import mask as kernels
+from abi.kernels.calling import call
+from abi.kernels.net import LINKED
+from abi.mesh import FreeMesh, TetMesh, within
+from abi.net import NO_IDS, NO_NUMBERS
+from abi.shapes import MeshShape, Obstacles, Vec3, nearest, segments_blocked
+from abi.solids import packed, parted
 
 if TYPE_CHECKING:
     import networkx
@@ -27,50 +32,108 @@ _ROUNDING = 1e-9
 _REACH = 1.6
 """Start and goal are joined to the nodes within this many longest edges."""
 
+_DIRECTIONS = (1 << LINKED) - 1
+
 
 @dataclass(frozen=True, eq=False)
 class Graph:
     """Nodes and the edges between them that keep clear of the obstacles.
 
     Node ids are those of the mesh, excluded nodes included (they have no edges); start and goal
-    follow where they are no mesh node. The neighbours of node i are
-    ``indices[indptr[i]:indptr[i + 1]]``, with the ``lengths`` at the same places.
+    follow where they are no mesh node. What the searches need is kept as the kernels take it
+    (``abi.kernels.net``); tables of edges are made when they are first asked for.
 
     Attributes:
-        points: (n, 3) [unit], world.
-        edges: (e, 2) node ids, lower id first, each edge once.
-        indptr: (n + 1,) where each node's neighbours begin.
-        indices: (2e,) neighbours.
-        lengths: (2e,) lengths of the edges to them, [unit].
+        mesh: the mesh.
+        excluded: (n,) mesh nodes without edges.
+        exits: (n,) open directions of each mesh node that is not excluded, as bits.
+        weights: lengths of the directions, or of the edges of the rows, inf where shut, [unit].
+        tails, heads: (m,) ends of the links, which are the edges of start and goal where these are
+            no mesh nodes, and the one between them.
+        link_lengths: (m,) [unit].
+        own: (k, 3) places of start and goal where they are no mesh nodes, [unit], world.
         start: node id.
         goal: node id.
         free_nodes: number of nodes that are not excluded, start and goal included.
-        removed_edges: number of mesh edges left out, for an excluded end or a crossing.
-        crossing: (k, 2) mesh edges left out although both ends are free.
+        crossings: number of mesh edges left out although both ends are free.
         pitch: pitch of the mesh, [unit].
     """
 
-    points: FloatArray
-    edges: IntArray
-    indptr: IntArray
-    indices: IntArray
-    lengths: FloatArray
+    mesh: TetMesh
+    excluded: BoolArray
+    exits: IntArray
+    weights: FloatArray
+    tails: IntArray
+    heads: IntArray
+    link_lengths: FloatArray
+    own: FloatArray
     start: int
     goal: int
     free_nodes: int
-    removed_edges: int
-    crossing: IntArray
+    crossings: int
     pitch: float
 
-    @property
-    def edge_count(self) -> int:
-        """Number of edges, each counted once."""
-        return len(self.edges)
+    @cached_property
+    def points(self) -> FloatArray:
+        """Places (n, 3) of all nodes, [unit], world."""
+        points = self.mesh.points
+        return read_only(np.concatenate([points, self.own])) if len(self.own) else points
 
     @cached_property
+    def edges(self) -> IntArray:
+        """Node ids of the edges (e, 2), lower id first, each edge once."""
+        links = np.stack([self.tails, self.heads], axis=1)
+        return read_only(np.concatenate([self.mesh.edges[self._kept], links]))
+
+    @property
+    def indptr(self) -> IntArray:
+        """Where the neighbours of each node begin (n + 1,)."""
+        return self._rows[0]
+
+    @property
+    def indices(self) -> IntArray:
+        """The neighbours (2e,): of node i ``indices[indptr[i]:indptr[i + 1]]``."""
+        return self._rows[1]
+
+    @property
+    def lengths(self) -> FloatArray:
+        """Lengths (2e,) of the edges to the neighbours, [unit]."""
+        return self._rows[2]
+
+    @cached_property
+    def crossing(self) -> IntArray:
+        """The mesh edges (k, 2) left out although both ends are free."""
+        edges = self.mesh.edges
+        return read_only(edges[~self._kept & ~self.excluded[edges].any(axis=1)])
+
+    @cached_property
+    def edge_count(self) -> int:
+        """Number of edges, each counted once."""
+        if self.mesh.stencil is None:
+            return int(np.count_nonzero(self._kept)) + len(self.tails)
+        bits = np.bitwise_count(self.exits & _DIRECTIONS)
+        return int(bits.sum(dtype=np.int64, where=~self.excluded)) // 2 + len(self.tails)
+
+    @property
+    def removed_edges(self) -> int:
+        """Number of mesh edges left out, for an excluded end or a crossing."""
+        return self.mesh.edge_count - self.edge_count + len(self.tails)
+
+    @property
     def longest_edge(self) -> float:
-        """Length of the longest edge, [unit]; 0 without edges."""
-        return float(self.lengths.max(initial=0.0))
+        """An upper bound of the edges' lengths, [unit]."""
+        return max(self.mesh.longest_edge, float(self.link_lengths.max(initial=0.0)))
+
+    def places(self, nodes: IntArray) -> FloatArray:
+        """Where nodes (m,) are, (m, 3), [unit], world."""
+        mesh = self.mesh.points
+        if not len(self.own):
+            return mesh[nodes]
+        return np.where(
+            (nodes < len(mesh))[:, None],
+            mesh[np.minimum(nodes, len(mesh) - 1)],
+            self.own[np.clip(nodes - len(mesh), 0, len(self.own) - 1)],
+        )
 
     def to_networkx(self) -> networkx.Graph:
         """The same graph for networkx: node attribute ``pos`` (tuple), edge attribute ``length``.
@@ -93,6 +156,29 @@ class Graph:
         )
         return graph
 
+    @cached_property
+    def _kept(self) -> BoolArray:
+        """Which of the mesh's edges there are (e,)."""
+        mesh = self.mesh
+        if mesh.stencil is None:
+            indptr, indices = mesh.net.indptr, mesh.net.indices
+            tail = np.repeat(np.arange(len(mesh.points)), np.diff(indptr))
+            kept = np.isfinite(self.weights[tail < indices])
+        else:
+            bits = np.where(self.excluded, np.int32(0), self.exits)
+            kept = np.concatenate(
+                [
+                    (a.ravel() >> mesh.stencil.ends(step)[0]) & 1 == 1
+                    for a, _, step in lattice.edges(mesh.lattice, bits, mesh.cells)
+                ]
+            )
+        return read_only(kept & ~self.excluded[mesh.edges].any(axis=1))
+
+    @cached_property
+    def _rows(self) -> tuple[IntArray, IntArray, FloatArray]:
+        lengths = np.concatenate([self.mesh.lengths[self._kept], self.link_lengths])
+        return net.rows(self.edges, lengths, len(self.points))
+
 
 def build(
     free: FreeMesh,
@@ -108,7 +194,7 @@ def build(
     to an obstacle than the margin: the edges from there keep the distance that the point has.
 
     Args:
-        free: the mesh without its excluded nodes.
+        free: the mesh without its excluded nodes, by the same obstacles and margin.
         obstacles: the solids to keep clear of.
         margin: distance that edges keep from the obstacles, [unit], at least ``clearance``.
         start: start, [unit], world, in the workspace.
@@ -120,54 +206,77 @@ def build(
         PointBlocked: start or goal is in an obstacle or nearer to it than ``clearance``.
     """
     mesh = free.mesh
-    ends = np.array([start, goal])
-    gap = float(np.linalg.norm(ends[1] - ends[0]))
+    ends = (start, goal)
+    gap = float(np.linalg.norm(np.subtract(goal, start)))
     if gap <= _ROUNDING * max(1.0, 2 * mesh.pitch):
         raise StageError(
             "graph", "start_is_goal", "Start and goal are the same point.", "Move one of them."
         )
-    own_margin = np.minimum(_room(free, obstacles, ends, clearance) - _ROUNDING, margin)
-    keep, crossing = _clear_edges(free, obstacles, margin)
+    solids, surfaces = parted(obstacles)
+    rows = packed(solids)
+    room = [min(own - _ROUNDING, margin) for own in _room(free, obstacles, rows, ends, clearance)]
+    exits, weights, crossings = _open(free, rows, surfaces, margin)
 
-    reach = _REACH * float(mesh.lengths.max())
-    points, edges, lengths = mesh.points, [mesh.edges[keep]], [mesh.lengths[keep]]
-    ids = [_node_at(free, end) for end in ends]
-    for k in (0, 1):
-        if ids[k] < 0:
-            ids[k] = len(points)
-            seen, distance = _seen_from(ends[k], free, obstacles, own_margin[k], reach)
-            edges.append(_edges_to(seen, ids[k]))
-            lengths.append(distance)
-            points = np.concatenate([points, ends[k : k + 1]])
-    if gap <= reach and not any((part == sorted(ids)).all(axis=1).any() for part in edges):
-        hidden = segments_blocked(obstacles, ends[:1], ends[1:], float(own_margin.min()))
-        edges.append(np.array([sorted(ids)], dtype=np.int32)[~hidden])
-        lengths.append(np.array([gap])[~hidden])
-
-    all_edges, all_lengths = np.concatenate(edges), np.concatenate(lengths)
-    indptr, indices, both_ways = _rows(all_edges, all_lengths, len(points))
+    reach = _REACH * mesh.longest_edge
+    nodes = len(mesh.points)
+    ids: list[int] = []
+    own: list[Vec3] = []
+    links: list[tuple[IntArray, IntArray, FloatArray]] = []
+    for end, least in zip(ends, room, strict=True):
+        node = _node_at(free, end)
+        if node < 0:
+            node = nodes + len(own)
+            own.append(end)
+            margins = read_only(np.full(len(solids), least))
+            seen, away = _seen_from(end, free, rows, margins, surfaces, least, reach)
+            links.append((seen, np.full_like(seen, node), away))
+            exits[seen] |= np.int32(1 << LINKED)
+        ids.append(node)
+    if gap <= reach and not _joined(mesh, exits, weights, links, ids):
+        p, q = np.array([start]), np.array([goal])
+        if not segments_blocked(obstacles, p, q, min(room)).any():
+            pair = np.array(sorted(ids), dtype=np.int32)
+            links.append((pair[:1], pair[1:], np.array([gap])))
+            of_mesh = pair[pair < nodes]
+            exits[of_mesh] |= np.int32(1 << LINKED)
+    tails, heads, lengths = NO_IDS, NO_IDS, NO_NUMBERS
+    if links:
+        tails = read_only(np.concatenate([link[0] for link in links]))
+        heads = read_only(np.concatenate([link[1] for link in links]))
+        lengths = read_only(np.concatenate([link[2] for link in links]))
     return Graph(
-        points=read_only(points),
-        edges=read_only(all_edges),
-        indptr=read_only(indptr),
-        indices=read_only(indices),
-        lengths=read_only(both_ways),
+        mesh=mesh,
+        excluded=free.excluded,
+        exits=read_only(exits),
+        weights=read_only(weights),
+        tails=tails,
+        heads=heads,
+        link_lengths=lengths,
+        own=read_only(np.array(own).reshape(-1, 3)),
         start=ids[0],
         goal=ids[1],
-        free_nodes=free.nodes + len(points) - len(mesh.points),
-        removed_edges=len(mesh.edges) - len(edges[0]),
-        crossing=read_only(crossing),
+        free_nodes=free.nodes + len(own),
+        crossings=crossings,
         pitch=mesh.pitch,
     )
 
 
-def _room(free: FreeMesh, obstacles: Obstacles, ends: FloatArray, clearance: float) -> FloatArray:
-    """Signed distances (2,) of start and goal, [unit]; raises PointBlocked."""
-    distances, obstacle = nearest(obstacles, ends)
-    for which, end, distance, index in zip(
-        ("start", "goal"), ends, distances.tolist(), obstacle.tolist(), strict=True
-    ):
+def _room(
+    free: FreeMesh,
+    obstacles: Obstacles,
+    rows: FloatArray,
+    ends: tuple[Vec3, Vec3],
+    clearance: float,
+) -> list[float]:
+    """Signed distances of start and goal, [unit]; raises PointBlocked."""
+    _, surfaces = parted(obstacles)
+    if surfaces:
+        distances: list[float] = nearest(obstacles, np.array(ends))[0].tolist()
+    else:
+        distances = [call(kernels.ready, kernels.nearest, rows, *map(float, end)) for end in ends]
+    for which, end, distance in zip(("start", "goal"), ends, distances, strict=True):
         if distance < clearance - _ROUNDING:
+            index = int(nearest(obstacles, np.array([end]))[1][0])
             candidates = free.mesh.points[~free.excluded]
             squares = ((candidates - end) ** 2).sum(axis=1)
             place = candidates[squares.argmin()] if len(candidates) else None
@@ -175,63 +284,138 @@ def _room(free: FreeMesh, obstacles: Obstacles, ends: FloatArray, clearance: flo
     return distances
 
 
-def _clear_edges(free: FreeMesh, obstacles: Obstacles, margin: float) -> tuple[BoolArray, IntArray]:
-    """Which mesh edges stay clear (e,), and the edges (k, 2) that cross between free nodes."""
+def _open(
+    free: FreeMesh, rows: FloatArray, surfaces: tuple[MeshShape, ...], margin: float
+) -> tuple[IntArray, FloatArray, int]:
+    """Open directions (n,), weights, and the number of edges that cross between free nodes."""
     mesh = free.mesh
-    tail, head = mesh.edges.T
-    keep = ~(free.excluded[tail] | free.excluded[head])
-    # an edge that comes nearer than the margin has both ends in the obstacle's widened bounds
-    near = np.zeros(len(mesh.points), dtype=np.bool_)
-    widened = margin + float(mesh.lengths.max())
-    for obstacle in obstacles:
-        low, high = obstacle.bounds()
-        near[within(mesh.points, low - widened, high + widened)] = True
-    open_ = np.flatnonzero(keep & near[tail] & near[head])
-    p, q = mesh.points[tail[open_]], mesh.points[head[open_]]
-    blocked = open_[segments_blocked(obstacles, p, q, margin)]
-    keep[blocked] = False
-    return keep, mesh.edges[blocked]
+    exits, weights = mesh.exits.copy(), mesh.weights.copy()
+    crossings = 0
+    if len(rows):
+        crossings = call(
+            kernels.ready,
+            kernels.shut,
+            *(*mesh.net, exits, weights, rows, margin, free.excluded, free.shell, free.whose),
+        )
+    for surface in surfaces:
+        crossings += _shut_at(surface, free, margin, exits, weights)
+    return exits, weights, crossings
 
 
-def _node_at(free: FreeMesh, point: FloatArray) -> int:
+def _shut_at(
+    surface: MeshShape, free: FreeMesh, margin: float, exits: IntArray, weights: FloatArray
+) -> int:
+    """Shut the edges in the way of a triangle mesh; the number of those between free nodes."""
+    mesh = free.mesh
+    low, high = surface.bounds()
+    reach = margin + mesh.longest_edge
+    near = within(mesh.points, low - reach, high + reach)
+    near = near[~free.excluded[near]]
+    near = near[surface.closer(mesh.points[near], reach)]
+    is_near = np.zeros(len(mesh.points), dtype=np.bool_)
+    is_near[near] = True
+    if mesh.stencil is None:
+        _, _, _, _, indptr, indices = mesh.net
+        starts, counts = indptr[near], np.diff(indptr)[near]
+        place = np.arange(counts.sum()) + np.repeat(starts - np.cumsum(counts) + counts, counts)
+        tail, head = np.repeat(near, counts), indices[place]
+        there = np.isfinite(weights[place])
+    else:
+        directions = np.arange(len(mesh.stencil.lengths))
+        there = ((exits[near, None] >> directions) & 1 == 1).ravel()
+        place = np.tile(directions, len(near))[there]
+        tail, head = (
+            np.repeat(near, len(directions))[there],
+            mesh.stencil.heads(near).ravel()[there],
+        )
+        there = np.ones(len(place), dtype=np.bool_)
+    gone = there & free.excluded[head]
+    once = np.flatnonzero(there & is_near[head] & (tail < head))
+    p, q = mesh.points[tail[once]], mesh.points[head[once]]
+    crossing = once[segments_blocked((surface,), p, q, margin)]
+    if mesh.stencil is None:
+        pairs = {(int(a), int(b)) for a, b in zip(tail[crossing], head[crossing], strict=True)}
+        both = [
+            k
+            for k, (a, b) in enumerate(zip(tail.tolist(), head.tolist(), strict=True))
+            if (a, b) in pairs or (b, a) in pairs
+        ]
+        weights[place[gone]] = np.inf
+        weights[place[both]] = np.inf
+    else:
+        cross = mesh.stencil.cross
+        back = np.where(place < cross, place, place ^ 1)
+        np.bitwise_and.at(exits, tail[gone], ~(1 << place[gone]).astype(np.int32))
+        np.bitwise_and.at(exits, tail[crossing], ~(1 << place[crossing]).astype(np.int32))
+        np.bitwise_and.at(exits, head[crossing], ~(1 << back[crossing]).astype(np.int32))
+    return len(crossing)
+
+
+def _node_at(free: FreeMesh, point: Vec3) -> int:
     """The free mesh node at ``point``, or -1."""
-    slack = _ROUNDING * free.mesh.pitch
-    ids = within(free.mesh.points, point - slack, point + slack)
-    ids = ids[~free.excluded[ids]]
-    return int(ids[0]) if len(ids) else -1
+    mesh = free.mesh
+    slack = _ROUNDING * mesh.pitch
+    if mesh.stencil is None:
+        place = np.array(point)
+        ids = within(mesh.points, place - slack, place + slack)
+        ids = ids[~free.excluded[ids]]
+        return int(ids[0]) if len(ids) else -1
+    node = mesh.stencil.node_at(point)
+    if node < 0 or free.excluded[node]:
+        return -1
+    away = max(abs(a - b) for a, b in zip(mesh.points[node].tolist(), point, strict=True))
+    return node if away <= slack else -1
 
 
 def _seen_from(
-    point: FloatArray, free: FreeMesh, obstacles: Obstacles, margin: float, reach: float
+    point: Vec3,
+    free: FreeMesh,
+    rows: FloatArray,
+    margins: FloatArray,
+    surfaces: tuple[MeshShape, ...],
+    margin: float,
+    reach: float,
 ) -> tuple[IntArray, FloatArray]:
     """Free mesh nodes that ``point`` sees, and their distances, [unit].
 
     Looks within ``reach``, [unit], and twice and four times as far while it sees none.
     """
+    shape, _, _, places, _, _ = free.mesh.net
     for radius in (reach, 2 * reach, 4 * reach):
-        ids = within(free.mesh.points, point - radius, point + radius)
-        ids = ids[~free.excluded[ids]]
-        distance = np.linalg.norm(free.mesh.points[ids] - point, axis=1)
-        ids, distance = ids[distance <= radius], distance[distance <= radius]
-        nodes = free.mesh.points[ids]
-        hidden = segments_blocked(obstacles, np.broadcast_to(point, nodes.shape), nodes, margin)
-        if not hidden.all():
+        ids, away = call(
+            kernels.ready,
+            kernels.seen,
+            *(shape, places, rows, margins, free.excluded, *map(float, point), radius),
+        )
+        if surfaces:
+            nodes = free.mesh.points[ids]
+            from_point = np.broadcast_to(np.array(point), nodes.shape)
+            clear = ~segments_blocked(surfaces, from_point, nodes, margin)
+            ids, away = ids[clear], away[clear]
+        if len(ids):
             break
-    return ids[~hidden], distance[~hidden]
+    return ids, away
 
 
-def _edges_to(nodes: IntArray, node: int) -> IntArray:
-    return np.stack([nodes, np.full_like(nodes, node)], axis=1)
-
-
-def _rows(
-    edges: IntArray, lengths: FloatArray, nodes: int
-) -> tuple[IntArray, IntArray, FloatArray]:
-    """Compressed rows of the undirected graph: indptr (n + 1,), indices (2e,), lengths (2e,)."""
-    tail = np.concatenate([edges[:, 1], edges[:, 0]])
-    head = np.concatenate([edges[:, 0], edges[:, 1]])
-    entries = coo_array((np.concatenate([lengths, lengths]), (tail, head)), shape=(nodes, nodes))
-    entries.has_canonical_format = True  # no edge occurs twice: spares a search for duplicates
-    rows = entries.tocsr()
-    indptr, indices = (part.astype(np.int32, copy=False) for part in (rows.indptr, rows.indices))
-    return indptr, indices, rows.data
+def _joined(
+    mesh: TetMesh,
+    exits: IntArray,
+    weights: FloatArray,
+    links: list[tuple[IntArray, IntArray, FloatArray]],
+    ids: list[int],
+) -> bool:
+    """Whether there is an edge between start and goal already."""
+    a, b = ids
+    if any(
+        ((tails == a) & (heads == b) | (tails == b) & (heads == a)).any()
+        for tails, heads, _ in links
+    ):
+        return True
+    if max(ids) >= len(mesh.points):
+        return False
+    if mesh.stencil is None:
+        row = slice(mesh.net.indptr[a], mesh.net.indptr[a + 1])
+        return bool((np.isfinite(weights[row]) & (mesh.net.indices[row] == b)).any())
+    heads = mesh.stencil.heads(np.array([a], dtype=np.int32))[0]
+    is_open = (int(exits[a]) >> np.arange(len(heads))) & 1 == 1
+    return bool((is_open & (heads == b)).any())

@@ -12,11 +12,17 @@ from functools import cached_property
 import numpy as np
 from scipy.spatial import Delaunay
 
-from abi import lattice
+from abi import lattice, net
 from abi.arrays import BoolArray, FloatArray, IntArray, read_only
+from abi.kernels import mask as kernels
+from abi.kernels.calling import call
+from abi.kernels.metric import Metric
 from abi.lattice import Cells
+from abi.net import NO_IDS, Net
 from abi.scene import MeshSettings, Workspace
 from abi.shapes import Obstacles
+from abi.solids import packed, parted
+from abi.stencil import Stencil
 
 _CORNER_PAIRS = np.array([(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)])
 
@@ -27,18 +33,20 @@ _FLAT = 1e-9
 """Tetrahedra below this part of a cell's volume are flat: Delaunay's way to fill nothing where more
 than four nodes lie on one sphere."""
 
+COMPILE_FROM = 30_000
+"""Nodes from which waiting for the compiler takes less time than running without it."""
+
 
 @dataclass(frozen=True, eq=False)
 class TetMesh:
-    """Tetrahedra that fill the workspace.
+    """Tetrahedra that fill the workspace. Tables are made when they are first asked for.
 
     Attributes:
         lattice: ``bcc``, ``kuhn`` or ``delaunay``.
         cells: cubes along each axis.
         pitch: shortest edge of the lattice, [unit]; of the undisturbed grid for ``delaunay``.
         points: (n, 3), [unit], world.
-        edges: (e, 2) node ids, lower id first, each edge once.
-        lengths: (e,) lengths of the edges, [unit].
+        stencil: the directions of the lattice; None for ``delaunay``.
         irregular: tetrahedra of ``delaunay``; None for a lattice, where they follow from ``cells``.
     """
 
@@ -46,13 +54,12 @@ class TetMesh:
     cells: Cells
     pitch: float
     points: FloatArray
-    edges: IntArray
-    lengths: FloatArray
+    stencil: Stencil | None = None
     irregular: IntArray | None = None
 
     @cached_property
     def tetrahedra(self) -> IntArray:
-        """Node ids of the tetrahedra, shape (m, 4), positively oriented; made when first asked."""
+        """Node ids of the tetrahedra, shape (m, 4), positively oriented."""
         if self.irregular is not None:
             return self.irregular
         ids = np.arange(len(self.points), dtype=np.int32)
@@ -61,6 +68,82 @@ class TetMesh:
             for corners in lattice.tetrahedra(self.lattice, ids, self.cells)
         ]
         return read_only(np.concatenate(families))
+
+    @cached_property
+    def edges(self) -> IntArray:
+        """Node ids of the edges, shape (e, 2), lower id first, each edge once."""
+        if self.irregular is not None:
+            return read_only(edges_of(self.irregular, len(self.points)))
+        ids = np.arange(len(self.points), dtype=np.int32)
+        families = lattice.edges(self.lattice, ids, self.cells)
+        return read_only(
+            np.concatenate([np.stack([a.ravel(), b.ravel()], axis=1) for a, b, _ in families])
+        )
+
+    @cached_property
+    def lengths(self) -> FloatArray:
+        """Lengths (e,) of the edges, [unit]."""
+        if self.stencil is None:
+            tail, head = self.edges.T
+            return read_only(np.linalg.norm(self.points[head] - self.points[tail], axis=1))
+        ids = np.empty(len(self.points), dtype=np.bool_)
+        return read_only(
+            np.concatenate(
+                [
+                    np.full(a.size, self.stencil.lengths[self.stencil.ends(step)[0]])
+                    for a, _, step in lattice.edges(self.lattice, ids, self.cells)
+                ]
+            )
+        )
+
+    @cached_property
+    def box(self) -> tuple[FloatArray, FloatArray]:
+        """Low and high corner (3,) of the workspace, [unit], world."""
+        return read_only(self.points.min(axis=0)), read_only(self.points.max(axis=0))
+
+    @cached_property
+    def longest_edge(self) -> float:
+        """Length of the longest edge, [unit]."""
+        return float((self.lengths if self.stencil is None else self.stencil.lengths).max())
+
+    @cached_property
+    def edge_count(self) -> int:
+        """Number of edges."""
+        if self.stencil is None:
+            return len(self.edges)
+        return int(np.bitwise_count(self.exits).sum(dtype=np.int64)) // 2
+
+    @cached_property
+    def net(self) -> Net:
+        """The mesh as the kernels take it."""
+        if self.stencil is not None:
+            return net.of_lattice(self.stencil, len(self.points))
+        indptr, indices, _ = self._rows
+        return net.of_rows(self.points, indptr, indices)
+
+    @cached_property
+    def exits(self) -> IntArray:
+        """Directions in which each node of a lattice has a neighbour, as bits (n,); else 0."""
+        if self.stencil is None:
+            return read_only(np.zeros(len(self.points), dtype=np.int32))
+        return self.stencil.exits(len(self.points))
+
+    @property
+    def weights(self) -> FloatArray:
+        """Lengths of the directions (d,), or of the edges of the rows (2e,), [unit]."""
+        return self._rows[2] if self.stencil is None else self.stencil.lengths
+
+    @cached_property
+    def norm(self) -> Metric:
+        """How long ways are where nothing is in them; see :func:`abi.net.norm`."""
+        if self.stencil is None:
+            return (1.0, *(len(net.hop_norm()) - 1) * [0.0])
+        x, y, z = self.stencil.cell
+        return net.norm((x, y, z))
+
+    @cached_property
+    def _rows(self) -> tuple[IntArray, IntArray, FloatArray]:
+        return net.rows(self.edges, self.lengths, len(self.points))
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,11 +154,16 @@ class FreeMesh:
         mesh: the whole mesh.
         excluded: (n,) True where a node is excluded.
         nodes: number of nodes kept.
+        shell: (m,) nodes that are nearer to a convex obstacle than the margin and the longest
+            edge: where edges can be in its way.
+        whose: (m,) the obstacle, counted among the convex ones.
     """
 
     mesh: TetMesh
     excluded: BoolArray
     nodes: int
+    shell: IntArray
+    whose: IntArray
 
     @cached_property
     def tetrahedra_kept(self) -> int:
@@ -108,19 +196,14 @@ def tetrahedralise(workspace: Workspace, settings: MeshSettings) -> TetMesh:
     cube = np.asarray(workspace.size) / cells
     if settings.lattice == "delaunay":
         return _irregular(workspace, cells, cube, settings.seed)
-    points = lattice.points(settings.lattice, workspace.min, workspace.max, cells)
-    ids = np.arange(len(points), dtype=np.int32)
-    ends, lengths = [], []
-    for a, b, step in lattice.edges(settings.lattice, ids, cells):
-        ends.append(np.stack([a.ravel(), b.ravel()], axis=1))
-        lengths.append(np.full(a.size, np.linalg.norm(cube * step)))
+    low, high = np.array(workspace.min), np.array(workspace.max)
+    stencil = Stencil.of(settings.lattice, low, high, cells)
     return TetMesh(
         lattice=settings.lattice,
         cells=cells,
-        pitch=min(float(length[0]) for length in lengths if length.size),
-        points=read_only(points),
-        edges=read_only(np.concatenate(ends)),
-        lengths=read_only(np.concatenate(lengths)),
+        pitch=float(stencil.lengths.min()),
+        points=read_only(lattice.points(settings.lattice, low, high, cells)),
+        stencil=stencil,
     )
 
 
@@ -131,12 +214,31 @@ def exclude(mesh: TetMesh, obstacles: Obstacles, margin: float) -> FreeMesh:
     :func:`abi.graph.build` tests the edges.
     """
     excluded = np.zeros(len(mesh.points), dtype=np.bool_)
-    for obstacle in obstacles:
-        low, high = obstacle.bounds()
+    shell, whose, gone = NO_IDS, NO_IDS, 0
+    solids, surfaces = parted(obstacles)
+    if solids:
+        if len(excluded) > COMPILE_FROM and not kernels.ready.is_set():
+            kernels.warm()
+        shape, _, _, places, _, _ = mesh.net
+        longest = mesh.longest_edge
+        shell, whose, gone = call(
+            kernels.ready,
+            kernels.exclude,
+            *(shape, places, packed(solids), margin, longest, excluded),
+        )
+    for surface in surfaces:
+        low, high = surface.bounds()
         window = within(mesh.points, low - margin, high + margin)
-        excluded[window] |= obstacle.closer(mesh.points[window], margin)
-    nodes = len(excluded) - int(np.count_nonzero(excluded))
-    return FreeMesh(mesh, read_only(excluded), nodes)
+        excluded[window] |= surface.closer(mesh.points[window], margin)
+    if surfaces:
+        gone = int(np.count_nonzero(excluded))
+    return FreeMesh(
+        mesh=mesh,
+        excluded=read_only(excluded),
+        nodes=len(excluded) - gone,
+        shell=read_only(shell),
+        whose=read_only(whose),
+    )
 
 
 def edges_of(tetrahedra: IntArray, nodes: int) -> IntArray:
@@ -176,15 +278,11 @@ def _irregular(workspace: Workspace, cells: Cells, cube: FloatArray, seed: int) 
     displacement = np.random.default_rng(seed).uniform(-_JITTER, _JITTER, points.shape)
     points += np.where(inside, displacement * cube, 0.0)
     tetrahedra = _delaunay(points, cells)
-    edges = edges_of(tetrahedra, len(points))
-    lengths = np.linalg.norm(points[edges[:, 1]] - points[edges[:, 0]], axis=1)
     return TetMesh(
         lattice="delaunay",
         cells=cells,
         pitch=float(cube.min()),
         points=read_only(points),
-        edges=read_only(edges),
-        lengths=read_only(lengths),
         irregular=read_only(tetrahedra),
     )
 

@@ -17,11 +17,14 @@ from abi.arrays import FloatArray, IntArray, read_only
 from abi.errors import NoPath
 from abi.graph import Graph
 from abi.kernels import search as kernels
+from abi.kernels.calling import call
+from abi.kernels.metric import Metric
+from abi.mesh import COMPILE_FROM
+from abi.net import hop_norm
 
 Weight = Literal["length", "hops"]
 
-_COMPILE_FROM = 30_000
-"""Nodes from which waiting for the compiler takes less time than running without it."""
+_NO_METRIC: Metric = (0.0,) * 26
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,17 +57,16 @@ class SearchResult:
 
 
 def a_star(graph: Graph, weight: Weight) -> SearchResult:
-    """A* with the straight line to the goal as heuristic; stops at the goal.
+    """A*; stops at the goal.
 
-    By hops the heuristic is the straight line divided by the longest edge: no path has fewer.
+    In a lattice the heuristic is what the way would cost with nothing in it, by length or by hops
+    (:mod:`abi.kernels.metric`). In ``delaunay`` it is the straight line, by hops divided by the
+    longest edge.
 
     Raises:
         NoPath: no edges lead from start to goal.
     """
-    away = np.linalg.norm(graph.points - graph.points[graph.goal], axis=1)
-    longest = graph.longest_edge
-    to_go = away if weight == "length" else away / (longest or 1.0)
-    return _best_first("a_star", graph, weight, to_go)
+    return _search("a_star", kernels.best_first, graph, weight, metric(graph, weight))
 
 
 def dijkstra(graph: Graph, weight: Weight) -> SearchResult:
@@ -73,7 +75,7 @@ def dijkstra(graph: Graph, weight: Weight) -> SearchResult:
     Raises:
         NoPath: no edges lead from start to goal.
     """
-    return _best_first("dijkstra", graph, weight, np.zeros(len(graph.points)))
+    return _search("dijkstra", kernels.best_first, graph, weight, _NO_METRIC)
 
 
 def bellman_ford(graph: Graph, weight: Weight) -> SearchResult:
@@ -82,9 +84,7 @@ def bellman_ford(graph: Graph, weight: Weight) -> SearchResult:
     Raises:
         NoPath: no edges lead from start to goal.
     """
-    rows = (graph.indptr, graph.indices, _weights(graph, weight))
-    found = _run(kernels.bellman_ford, graph, *rows, np.int32(graph.start))
-    return _result("bellman_ford", graph, weight, *found)
+    return _search("bellman_ford", kernels.bellman_ford, graph, weight, _NO_METRIC)
 
 
 SEARCHES: MappingProxyType[str, Callable[[Graph, Weight], SearchResult]] = MappingProxyType(
@@ -93,27 +93,35 @@ SEARCHES: MappingProxyType[str, Callable[[Graph, Weight], SearchResult]] = Mappi
 """The algorithms by name."""
 
 
-def _best_first(
-    algorithm: str, graph: Graph, weight: Weight, heuristic: FloatArray
+def metric(graph: Graph, weight: Weight) -> Metric:
+    """A*'s heuristic towards the goal of the graph, see :mod:`abi.kernels.metric`."""
+    mesh, goal = graph.mesh, graph.goal
+    x, y, z = graph.places(np.array([goal]))[0].tolist()
+    if mesh.stencil is None:
+        scale = 1.0 if weight == "length" else 1 / graph.longest_edge
+        return (1.0, scale, *mesh.norm[1:4], x, y, z, *mesh.norm[4:])
+    norm = mesh.norm if weight == "length" else hop_norm()
+    return (1.0, *norm[:4], *mesh.stencil.cell_of((x, y, z)), *norm[4:])
+
+
+def _search(
+    algorithm: str, kernel: Any, graph: Graph, weight: Weight, towards: Metric
 ) -> SearchResult:
-    rows = (graph.indptr, graph.indices, _weights(graph, weight), read_only(heuristic))
-    ends = (np.int32(graph.start), np.int32(graph.goal))
-    found = _run(kernels.best_first, graph, *rows, *ends)
-    return _result(algorithm, graph, weight, *found)
-
-
-def _weights(graph: Graph, weight: Weight) -> FloatArray:
-    return graph.lengths if weight == "length" else read_only(np.ones(len(graph.lengths)))
-
-
-def _run(kernel: Any, graph: Graph, *arguments: Any) -> tuple[FloatArray, IntArray, IntArray, int]:
     """Call a kernel: compiled when that is ready or worth waiting for, else as plain Python."""
-    if not kernels.ready.is_set() and len(graph.points) > _COMPILE_FROM:
+    if len(graph.excluded) > COMPILE_FROM and not kernels.ready.is_set():
         kernels.warm()
-    if not kernels.ready.is_set():
-        kernel, arguments = kernel.py_func, tuple(value.tolist() for value in arguments)
-    cost, parent, order, relaxed = kernel(*arguments)
-    return cost, parent, order, relaxed
+    weights, link_weights = graph.weights, graph.link_lengths
+    if weight == "hops":
+        weights = read_only(np.where(np.isfinite(weights), 1.0, np.inf))
+        link_weights = read_only(np.ones(len(link_weights)))
+    found = call(
+        kernels.ready,
+        kernel,
+        *graph.mesh.net,
+        *(graph.exits, weights, graph.tails, graph.heads, link_weights, len(graph.own)),
+        *(graph.start, graph.goal, graph.longest_edge if weight == "length" else 1.0, towards),
+    )
+    return _result(algorithm, graph, weight, *found)
 
 
 def _result(
@@ -133,7 +141,7 @@ def _result(
     while path[-1] != graph.start:
         path.append(int(parent[path[-1]]))
     vertices = np.array(path[::-1], dtype=np.int32)
-    points = graph.points[vertices]
+    points = graph.places(vertices)
     return SearchResult(
         algorithm=algorithm,
         weight=weight,

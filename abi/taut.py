@@ -8,7 +8,6 @@ it finds is tightened like a string.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -16,19 +15,13 @@ from abi.arrays import FloatArray, read_only
 from abi.clearance import measure_polyline
 from abi.graph import Graph
 from abi.kernels import visibility as kernels
-from abi.pose import rotation
+from abi.kernels.calling import call
+from abi.mesh import COMPILE_FROM
 from abi.search import SearchResult
-from abi.shapes import (
-    Box,
-    Capsule,
-    Cylinder,
-    MeshShape,
-    Obstacle,
-    Obstacles,
-    segments_blocked,
-)
+from abi.shapes import Box, MeshShape, Obstacle, Obstacles, segments_blocked
 from abi.shortest.tightening import tightened
-from abi.shortest.waypoints import Solid, waypoints
+from abi.shortest.waypoints import waypoints
+from abi.solids import Solid, packed
 
 _ROUNDING = 1e-9
 """Segments from start and goal may have less room: their own distance less this, [unit]."""
@@ -44,9 +37,6 @@ _SLACK = 1.02
 
 _SAMPLES = 3
 """Places on each edge of an obstacle."""
-
-_COMPILE_FROM = 30_000
-"""Nodes from which waiting for the compiler takes less time than running without it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,7 +77,7 @@ def taut(graph: Graph, obstacles: Obstacles, margin: float, path: SearchResult) 
         by the exact test of ``abi.shapes``.
     """
     ends = path.points[[0, -1]]
-    box = np.concatenate([graph.points.min(axis=0), graph.points.max(axis=0)])
+    box = read_only(np.concatenate(graph.mesh.box))
     solids = tuple(_in_its_bounds(obstacle) for obstacle in obstacles)
     found = [path.points, *_pulled(graph, path, solids, _margins(solids, margin, ends), box)]
     limits = _margins(obstacles, margin, ends).min(axis=1, initial=margin)
@@ -97,17 +87,6 @@ def taut(graph: Graph, obstacles: Obstacles, margin: float, path: SearchResult) 
         best = _shortest([path.points, *strings], obstacles, limits)
     points = read_only(best)
     return TautPath(points, _length(points), measure_polyline(points, obstacles))
-
-
-def packed(obstacles: tuple[Solid, ...]) -> FloatArray:
-    """The rows (k, 23) by which ``abi.kernels.visibility`` knows convex solids."""
-    rows = np.zeros((len(obstacles), kernels.WIDTH))
-    for row, solid in zip(rows, obstacles, strict=True):
-        row[:3] = solid.position
-        row[3:12] = rotation(solid.wxyz).T.ravel()
-        row[12:17] = _core(solid)
-        row[17:] = np.concatenate(solid.bounds())
-    return read_only(rows)
 
 
 def _in_its_bounds(obstacle: Obstacle) -> Solid:
@@ -127,17 +106,6 @@ def _margins(obstacles: Obstacles, margin: float, ends: FloatArray) -> FloatArra
     return np.stack([np.full(len(obstacles), margin), first, last, np.minimum(first, last)])
 
 
-def _core(solid: Solid) -> tuple[float, float, float, float, float]:
-    """Half sizes of the core, the radius around it, and whether it is a cylinder."""
-    if isinstance(solid, Box):
-        x, y, z = solid.size
-        return x / 2, y / 2, z / 2, 0.0, 0.0
-    if isinstance(solid, Cylinder):
-        return solid.radius, solid.radius, solid.height / 2, 0.0, 1.0
-    height = solid.height if isinstance(solid, Capsule) else 0.0
-    return 0.0, 0.0, height / 2, solid.radius, 0.0
-
-
 def _pulled(
     graph: Graph,
     path: SearchResult,
@@ -146,14 +114,18 @@ def _pulled(
     box: FloatArray,
 ) -> list[FloatArray]:
     """The given path, the one for any angle and one by the obstacles' edges, all tightened."""
-    if not kernels.ready.is_set() and len(graph.points) > _COMPILE_FROM:
+    if len(graph.excluded) > COMPILE_FROM and not kernels.ready.is_set():
         kernels.warm()
-    shared = (packed(obstacles), margins + _PAD * float(np.abs(box).max()))
-    rows = (graph.indptr, graph.indices, graph.lengths, *graph.points.T)
-    nodes = _run(kernels.any_angle, *rows, np.int32(graph.start), np.int32(graph.goal), *shared)
+    rows = packed(obstacles)
+    limits = read_only((margins + _PAD * float(np.abs(box).max())).ravel())
+    ways = (graph.exits, graph.weights, graph.tails, graph.heads, graph.link_lengths)
+    nodes = call(
+        kernels.ready,
+        kernels.any_angle,
+        *(*graph.mesh.net, *ways, *_columns(graph.points), graph.start, graph.goal, rows, limits),
+    )
     strings = [
-        np.stack(_run(kernels.tighten, *points.T, *shared, box, _WORTH), axis=1)
-        for points in (path.points, graph.points[nodes])
+        _tightened(points, rows, limits, box) for points in (path.points, graph.points[nodes])
     ]
     most = _SLACK * min(map(_length, strings))
     ends = path.points[[0, -1]]
@@ -164,27 +136,23 @@ def _pulled(
     useful = (by_ends < most) & (places >= box[:3]).all(axis=1) & (places <= box[3:]).all(axis=1)
     useful[:2] = True
     places = places[useful]
-    nodes = _run(kernels.through, *places.T, *shared, most)
+    nodes = call(kernels.ready, kernels.through, *_columns(places), rows, limits, most)
     if len(nodes):
-        way = places[nodes]
-        strings.append(np.stack(_run(kernels.tighten, *way.T, *shared, box, _WORTH), axis=1))
+        strings.append(_tightened(places[nodes], rows, limits, box))
     return strings
 
 
-def _run(kernel: Any, *arguments: Any) -> Any:
-    """Call a kernel: compiled when that is ready, else as plain Python on lists."""
-    if kernels.ready.is_set():
-        return kernel(*(_locked(value) for value in arguments))
-    plain = (value.tolist() if isinstance(value, np.ndarray) else value for value in arguments)
-    return kernel.py_func(*plain)
+def _tightened(
+    points: FloatArray, rows: FloatArray, limits: FloatArray, box: FloatArray
+) -> FloatArray:
+    found = call(kernels.ready, kernels.tighten, *_columns(points), rows, limits, box, _WORTH)
+    return np.stack(found, axis=1)
 
 
-def _locked(value: Any) -> Any:
-    """An array in the one layout that the kernels are compiled for."""
-    if not isinstance(value, np.ndarray):
-        return value
-    array = np.ascontiguousarray(value)
-    return read_only(array if array is not value else array.view())
+def _columns(points: FloatArray) -> tuple[FloatArray, ...]:
+    """The coordinates of points (n, 3), each (n,), in the layout that kernels are compiled for."""
+    x, y, z = (read_only(np.ascontiguousarray(column)) for column in points.T)
+    return x, y, z
 
 
 def _shortest(found: list[FloatArray], obstacles: Obstacles, limits: FloatArray) -> FloatArray:

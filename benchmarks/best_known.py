@@ -11,10 +11,11 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 
 from abi.arrays import BoolArray, FloatArray, IntArray, read_only
+from abi.kernels import solids as sight
 from abi.kernels import visibility
 from abi.scene import Scene
 from abi.shapes import Box, nearest, segments_blocked
-from abi.taut import packed
+from abi.solids import packed
 
 SAMPLES = 21  # places on each edge
 SEQUENCES = 40  # that are refined
@@ -37,12 +38,12 @@ def best_known(scene: Scene) -> float:
     places, edge = np.concatenate([ends, places]), np.concatenate([[-2, -1], edge])
     boxes = tuple(solid for solid in scene.obstacles if isinstance(solid, Box))
     solids = packed(boxes)
-    seen = _sight(places, solids, np.full(len(solids), margin))
+    seen = _sight(places, solids, np.full(len(boxes), margin))
     i, j = np.nonzero(seen)
     lengths = np.linalg.norm(places[i] - places[j], axis=1)
     graph = csr_array((lengths, (i, j)), shape=(len(places), len(places)))
     cost, parent = dijkstra(graph, directed=False, indices=[0, 1], return_predecessors=True)
-    margins = read_only(np.full((4, len(solids)), margin * (1 + 1e-12)))
+    margins = read_only(np.full(4 * len(boxes), margin * (1 + 1e-12)))
     box = read_only(np.concatenate([scene.workspace.min, scene.workspace.max]))
     best = np.inf
     for way in itertools.islice(_sequences(cost, parent, edge), SEQUENCES):
@@ -83,7 +84,7 @@ def _sight(places: FloatArray, solids: FloatArray, margins: FloatArray) -> BoolA
         a = places[i]
         for j in range(i + 1, n):
             b = places[j]
-            seen[i, j] = not visibility.blocked(solids, margins, a[0], a[1], a[2], b[0], b[1], b[2])
+            seen[i, j] = not sight.blocked(solids, margins, 0, a[0], a[1], a[2], b[0], b[1], b[2])
     return seen
 
 

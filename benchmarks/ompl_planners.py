@@ -12,10 +12,10 @@ import numpy as np
 from ompl import base, geometric, util
 
 from abi.arrays import FloatArray
-from abi.kernels import visibility
+from abi.kernels import solids as sight
 from abi.scene import Scene
 from abi.shapes import MeshShape
-from abi.taut import packed
+from abi.solids import packed
 
 SIMPLIFYING = 0.3  # part of the budget that is left for simplification
 
@@ -124,4 +124,4 @@ def _blocked(
     by: float,
     bz: float,
 ) -> bool:
-    return visibility.blocked(solids, margins, ax, ay, az, bx, by, bz)
+    return sight.blocked(solids, margins, 0, ax, ay, az, bx, by, bz)

@@ -6,134 +6,347 @@ the compiler. Ties are broken the same way each time, so both ways give the same
 
 from __future__ import annotations
 
-import heapq
 import threading
 
 import numba
 import numpy as np
 
 from abi.arrays import FloatArray, IntArray, read_only
+from abi.kernels.metric import Metric, to_go
+from abi.kernels.net import LINKED, ROWS, SIDES, Shape, across, cell
 
 ready = threading.Event()
 """Set once the kernels are compiled."""
 
+BUCKETS = 2048
+WIDTH = 4 / (BUCKETS - 4)
+"""Of the largest weight: how wide a bucket is."""
+
+_LITTLE = 1e-11  # part of the largest weight by which a cost must fall to be worth it
+
 
 @numba.njit(cache=True, nogil=True)
 def best_first(
+    shape: Shape,
+    offsets: IntArray,
+    steps: IntArray,
+    places: FloatArray,
     indptr: IntArray,
     indices: IntArray,
+    exits: IntArray,
     weights: FloatArray,
-    heuristic: FloatArray,
-    start: np.int32,
-    goal: np.int32,
+    tails: IntArray,
+    heads: IntArray,
+    link_weights: FloatArray,
+    own: int,
+    start: int,
+    goal: int,
+    largest: float,
+    metric: Metric,
 ) -> tuple[FloatArray, IntArray, IntArray, int]:
-    """A* (Hart, Nilsson and Raphael, 1968); Dijkstra's algorithm where the heuristic is 0.
+    """A* (Hart, Nilsson and Raphael, 1968); Dijkstra's algorithm where the metric is none.
 
-    Stops when it expands the goal. The heuristic must be consistent: then no node is expanded
-    twice. Of equal estimates the node nearest to the goal goes first, then the lower id.
+    Stops at the goal, once nothing waits that promises less. The queue is a ring of buckets (Dial,
+    1969; Dinitz, 1978), for an estimate grows along an edge by at most twice its weight. Within a
+    bucket, a 500th of the largest weight, the newest node goes first: most estimates in a lattice
+    tie, and of those the newest is the farthest on its way. A node whose cost is lowered after its
+    expansion is expanded again. Dijkstra's never are, as no edge is shorter than a bucket is wide,
+    save those to start and goal.
 
     Args:
-        indptr: (n + 1,) where each node's edges begin.
-        indices: (2e,) neighbours.
-        weights: (2e,) weights of the edges, at least 0.
-        heuristic: (n,) a bound from below of the cost from each node to the goal.
-        start: node id, of the type of ``indices``.
+        shape, offsets, steps, places, indptr, indices: the mesh, see ``abi.kernels.net``.
+        exits, weights, tails, heads, link_weights: its open edges, see there.
+        own: how many of start and goal are no nodes of the mesh.
+        start: node id.
         goal: node id.
+        largest: an upper bound of the weights, above 0.
+        metric: the heuristic, see ``abi.kernels.metric``.
 
     Returns:
-        cost (n,) from the start, inf where not reached; parent (n,), -1 where none; expanded nodes
-        in order (m,), the goal last; number of edges examined.
+        cost (n,) from the start, inf where not reached; parent (n,), -1 at the start and without
+        meaning where not reached; expanded nodes in order (m,), the goal last; number of edges
+        examined.
     """
-    nodes = len(indptr) - 1
-    cost = np.full(nodes, np.inf)
-    parent = np.full(nodes, -1, np.int32)
-    closed = np.zeros(nodes, np.bool_)
-    order = np.empty(nodes, np.int32)
-    expanded = 0
-    relaxed = 0
+    kind, nodes, directions, cross = shape[0], shape[5], shape[6], shape[7]
+    guided = metric[0] > 0
+    cost = np.full(nodes + own, np.inf)
+    parent = np.empty(nodes + own, np.int32)
+    closed = np.zeros(nodes + own, np.uint8)
+    order = np.empty(nodes + own, np.int32)
+    expanded, relaxed = 0, 0
+    little = _LITTLE * largest
+    better = np.empty(shape[8] + len(tails), np.int32)
+    by = np.empty(shape[8] + len(tails), np.int32)
+    # edges to a goal between the nodes may be shorter than the heuristic says
+    slack = 0.0
+    if guided:
+        for k in range(len(tails)):
+            for goal_end, end in ((tails[k], heads[k]), (heads[k], tails[k])):
+                if goal_end == goal and end < nodes:
+                    if kind == ROWS:
+                        left = to_go(
+                            shape, metric, places[end], places[nodes + end], places[2 * nodes + end]
+                        )
+                    else:
+                        a, b, c = cell(shape, end)
+                        left = to_go(shape, metric, a, b, c)
+                    slack = max(slack, left - link_weights[k])
+    per_cost = 1 / (WIDTH * largest)
+    first = np.full(BUCKETS, -1, np.int32)
+    node_of = np.empty(nodes + own, np.int32)
+    after = np.empty(nodes + own, np.int32)
     cost[start] = 0.0
-    queue = [(heuristic[start], heuristic[start], start)]
-    while len(queue) > 0:
-        node = heapq.heappop(queue)[2]
-        if closed[node]:
+    parent[start] = -1
+    node_of[0] = start
+    after[0] = -1
+    used, unused, waiting, current = 1, -1, 1, 0
+    first[0] = 0
+    found = False
+    while waiting > 0:
+        slot = current & (BUCKETS - 1)
+        entry = first[slot]
+        if entry < 0:
+            if found:
+                break
+            current += 1
             continue
-        closed[node] = True
+        first[slot] = after[entry]
+        after[entry] = unused
+        unused = entry
+        waiting -= 1
+        node = node_of[entry]
+        if closed[node] == 1:
+            continue
+        closed[node] = 1
+        if node == goal:
+            found = True
+            continue
+        if found:
+            # the goal's bucket may hold what leads to it at less cost
+            estimate = cost[node]
+            if guided and node < nodes:
+                if kind == ROWS:
+                    left = to_go(
+                        shape, metric, places[node], places[nodes + node], places[2 * nodes + node]
+                    )
+                else:
+                    a, b, c = cell(shape, node)
+                    left = to_go(shape, metric, a, b, c)
+                estimate += max(left - slack, 0.0)
+            if estimate >= cost[goal] - little:
+                continue
+        if expanded == len(order):
+            order = np.concatenate((order, np.empty_like(order)))
         order[expanded] = node
         expanded += 1
-        if node == goal:
-            break
+        so_far = cost[node] + little
+        count, row, links = 0, 0, len(tails)
+        if node < nodes:
+            bits = exits[node]
+            if (bits >> LINKED) & 1 == 0:
+                links = 0
+            if kind == ROWS:
+                for k in range(indptr[node], indptr[node + 1]):
+                    better[count] = indices[k]
+                    by[count] = k
+                    count += 1 if so_far + weights[k] < cost[indices[k]] else 0
+                    relaxed += 1 if weights[k] < np.inf else 0
+            else:
+                row = 0 if node < shape[4] else directions
+                if cross > 0:
+                    other = across(shape, node)
+                    for k in range(cross):
+                        is_open = (bits >> k) & 1
+                        neighbour = other + offsets[row + k] if is_open else node
+                        better[count] = neighbour
+                        by[count] = k
+                        count += 1 if so_far + weights[k] < cost[neighbour] else 0
+                        relaxed += is_open
+                for k in range(cross, directions if (bits >> SIDES) & 63 else SIDES):
+                    is_open = (bits >> k) & 1
+                    neighbour = node + offsets[row + k] if is_open else node
+                    better[count] = neighbour
+                    by[count] = k
+                    count += 1 if so_far + weights[k] < cost[neighbour] else 0
+                    relaxed += is_open
+        of_mesh = count
+        for k in range(links):
+            if tails[k] == node or heads[k] == node:
+                neighbour = heads[k] if tails[k] == node else tails[k]
+                better[count] = neighbour
+                by[count] = k
+                count += 1 if so_far + link_weights[k] < cost[neighbour] else 0
+                relaxed += 1
         so_far = cost[node]
-        for k in range(indptr[node], indptr[node + 1]):
-            relaxed += 1
-            neighbour = indices[k]
-            through = so_far + weights[k]
-            if through < cost[neighbour] and not closed[neighbour]:
-                cost[neighbour] = through
-                parent[neighbour] = node
-                to_go = heuristic[neighbour]
-                heapq.heappush(queue, (through + to_go, to_go, neighbour))
+        lowest = np.iinfo(np.int64).max
+        for e in range(count):
+            neighbour, k = better[e], by[e]
+            through = so_far + (weights[k] if e < of_mesh else link_weights[k])
+            cost[neighbour] = through
+            parent[neighbour] = node
+            closed[neighbour] = 0
+            if guided and neighbour < nodes:
+                if kind == ROWS:
+                    left = to_go(
+                        shape,
+                        metric,
+                        places[neighbour],
+                        places[nodes + neighbour],
+                        places[2 * nodes + neighbour],
+                    )
+                else:
+                    a, b, c = cell(shape, neighbour)
+                    left = to_go(shape, metric, a, b, c)
+                through += max(left - slack, 0.0)
+            bucket = int(through * per_cost)
+            if node == start:
+                lowest = min(lowest, bucket)
+            elif bucket < current:
+                bucket = current
+            bucket &= BUCKETS - 1
+            if unused >= 0:
+                entry = unused
+                unused = after[entry]
+            else:
+                if used == len(after):
+                    node_of = np.concatenate((node_of, np.empty_like(node_of)))
+                    after = np.concatenate((after, np.empty_like(after)))
+                entry = used
+                used += 1
+            node_of[entry] = neighbour
+            after[entry] = first[bucket]
+            first[bucket] = entry
+            waiting += 1
+        if node == start and count > 0:
+            current = lowest
+    if found:
+        if expanded == len(order):
+            order = np.concatenate((order, np.empty_like(order)))
+        order[expanded] = goal
+        expanded += 1
     return cost, parent, order[:expanded], relaxed
 
 
 @numba.njit(cache=True, nogil=True)
 def bellman_ford(
-    indptr: IntArray, indices: IntArray, weights: FloatArray, start: np.int32
+    shape: Shape,
+    offsets: IntArray,
+    steps: IntArray,
+    places: FloatArray,
+    indptr: IntArray,
+    indices: IntArray,
+    exits: IntArray,
+    weights: FloatArray,
+    tails: IntArray,
+    heads: IntArray,
+    link_weights: FloatArray,
+    own: int,
+    start: int,
+    goal: int,
+    largest: float,
+    metric: Metric,
 ) -> tuple[FloatArray, IntArray, IntArray, int]:
     """Bellman-Ford with a queue (Moore, 1959): runs until no cost can be lowered.
 
     Only nodes whose cost was lowered are examined again, first come, first served.
 
     Args:
-        indptr: (n + 1,) where each node's edges begin.
-        indices: (2e,) neighbours.
-        weights: (2e,) weights of the edges, at least 0.
-        start: node id, of the type of ``indices``.
+        shape, offsets, steps, places, indptr, indices: the mesh, see ``abi.kernels.net``.
+        exits, weights, tails, heads, link_weights: its open edges, see there.
+        own: how many of start and goal are no nodes of the mesh.
+        start: node id.
+        goal: not needed.
+        largest: an upper bound of the weights, above 0.
+        metric: not needed.
 
     Returns:
-        cost (n,) from the start, inf where not reached; parent (n,), -1 where none; expanded nodes
-        in order (m,), a node as often as it was expanded; number of edges examined.
+        cost (n,) from the start, inf where not reached; parent (n,), -1 at the start and without
+        meaning where not reached; expanded nodes in order (m,), a node as often as it was expanded;
+        number of edges examined.
     """
-    nodes = len(indptr) - 1
-    cost = np.full(nodes, np.inf)
-    parent = np.full(nodes, -1, np.int32)
-    waiting = np.zeros(nodes, np.bool_)
+    kind, nodes, directions, cross = shape[0], shape[5], shape[6], shape[7]
+    total = nodes + own
+    cost = np.full(total, np.inf)
+    parent = np.empty(total, np.int32)
+    waiting = np.zeros(total, np.uint8)
     # a ring: no node waits twice, so it never overflows
-    queue = np.empty(nodes + 1, np.int32)
-    order = np.empty(nodes, np.int32)
-    expanded = 0
-    relaxed = 0
+    queue = np.empty(total + 1, np.int32)
+    order = np.empty(total, np.int32)
+    better = np.empty(shape[8] + len(tails), np.int32)
+    by = np.empty(shape[8] + len(tails), np.int32)
+    little = _LITTLE * largest
+    expanded, relaxed = 0, 0
     cost[start] = 0.0
+    parent[start] = -1
     queue[0] = start
     first, last = 0, 1
     while first != last:
         node = queue[first]
-        first = first + 1 if first < nodes else 0
-        waiting[node] = False
+        first = first + 1 if first < total else 0
+        waiting[node] = 0
         if expanded == len(order):
             order = np.concatenate((order, np.empty_like(order)))
         order[expanded] = node
         expanded += 1
+        so_far = cost[node] + little
+        count, row, links = 0, 0, len(tails)
+        if node < nodes:
+            bits = exits[node]
+            if (bits >> LINKED) & 1 == 0:
+                links = 0
+            if kind == ROWS:
+                for k in range(indptr[node], indptr[node + 1]):
+                    better[count] = indices[k]
+                    by[count] = k
+                    count += 1 if so_far + weights[k] < cost[indices[k]] else 0
+                    relaxed += 1 if weights[k] < np.inf else 0
+            else:
+                row = 0 if node < shape[4] else directions
+                if cross > 0:
+                    other = across(shape, node)
+                    for k in range(cross):
+                        is_open = (bits >> k) & 1
+                        neighbour = other + offsets[row + k] if is_open else node
+                        better[count] = neighbour
+                        by[count] = k
+                        count += 1 if so_far + weights[k] < cost[neighbour] else 0
+                        relaxed += is_open
+                for k in range(cross, directions if (bits >> SIDES) & 63 else SIDES):
+                    is_open = (bits >> k) & 1
+                    neighbour = node + offsets[row + k] if is_open else node
+                    better[count] = neighbour
+                    by[count] = k
+                    count += 1 if so_far + weights[k] < cost[neighbour] else 0
+                    relaxed += is_open
+        of_mesh = count
+        for k in range(links):
+            if tails[k] == node or heads[k] == node:
+                neighbour = heads[k] if tails[k] == node else tails[k]
+                better[count] = neighbour
+                by[count] = k
+                count += 1 if so_far + link_weights[k] < cost[neighbour] else 0
+                relaxed += 1
         so_far = cost[node]
-        for k in range(indptr[node], indptr[node + 1]):
-            relaxed += 1
-            neighbour = indices[k]
-            through = so_far + weights[k]
-            if through < cost[neighbour]:
-                cost[neighbour] = through
-                parent[neighbour] = node
-                if not waiting[neighbour]:
-                    waiting[neighbour] = True
-                    queue[last] = neighbour
-                    last = last + 1 if last < nodes else 0
+        for e in range(count):
+            neighbour, k = better[e], by[e]
+            cost[neighbour] = so_far + (weights[k] if e < of_mesh else link_weights[k])
+            parent[neighbour] = node
+            if waiting[neighbour] == 0:
+                waiting[neighbour] = 1
+                queue[last] = neighbour
+                last = last + 1 if last < total else 0
     return cost, parent, order[:expanded], relaxed
 
 
 def warm() -> None:
-    """Compile both kernels, or load them from numba's cache, for the arrays of a Graph."""
-    indptr = read_only(np.array([0, 1, 2], dtype=np.int32))
+    """Compile both kernels, or load them from numba's cache: one version for all meshes."""
+    shape = (ROWS, 0, 0, 0, 0, 2, 0, 0, 1)
+    ids = read_only(np.array([0, 1, 2], dtype=np.int32))
     indices = read_only(np.array([1, 0], dtype=np.int32))
-    weights = read_only(np.ones(2))
-    heuristic = read_only(np.zeros(2))
-    best_first(indptr, indices, weights, heuristic, np.int32(0), np.int32(1))
-    bellman_ford(indptr, indices, weights, np.int32(0))
+    numbers, empty = read_only(np.ones(6)), read_only(np.ones(0))
+    none = read_only(np.zeros(0, np.int32))
+    mesh = (shape, none, none, numbers, ids, indices)
+    ways = (read_only(np.zeros(2, np.int32)), read_only(np.ones(2)), none, none, empty)
+    for kernel in (best_first, bellman_ford):
+        kernel(*mesh, *ways, 0, 0, 1, 1.0, 26 * (0.0,))
     ready.set()

@@ -1,12 +1,8 @@
-"""Lines of sight between convex solids, any-angle search and the tightening of a path.
+"""Any-angle search between convex solids and the tightening of a path.
 
-Compiled by numba. ``any_angle`` and ``tighten`` run uncompiled too, by their ``py_func`` on plain
-lists; the functions that they call are plain Python that numba compiles with its caller.
-
-A solid is a row of numbers: centre (3), the body's axes in the world (9), half sizes of its core
-(3), radius around the core, 1 for a cylinder and 0 otherwise, its bounds low and high (6). A box
-is a core alone, a sphere and a capsule are a core with a radius. A cylinder's core is its own
-radius, twice, and its half height.
+Compiled by numba. ``any_angle``, ``tighten`` and ``through`` run uncompiled too, by their
+``py_func`` on plain lists; the functions that they call are plain Python that numba compiles with
+its caller. For the rows of numbers that describe solids see ``abi.kernels.solids``.
 """
 
 from __future__ import annotations
@@ -20,16 +16,12 @@ import numpy as np
 from numba.extending import register_jitable
 
 from abi.arrays import FloatArray, IntArray, read_only
+from abi.kernels.net import LINKED, ROWS, SIDES, Shape, across
+from abi.kernels.solids import WIDTH, apart, axes_of, blocked, core_of, distance, in_body, in_world
 
 ready = threading.Event()
 """Set once the kernels are compiled."""
 
-WIDTH = 23
-"""Numbers that describe a solid."""
-
-_AXES, _HALF, _RADIUS, _CYLINDER, _LOW, _HIGH = 3, 12, 15, 16, 17, 20
-
-_HALVINGS = 60
 _STEPS = 14  # halvings when a corner is cut: to 1/16,000 of the leg
 _LOOK_BACK = 64
 _MOST_POINTS = 256
@@ -40,137 +32,10 @@ _SETTLED = 1e-6  # part of the length by which a sweep must shorten the path to 
 
 
 @register_jitable
-def _distance(solid: FloatArray, x: float, y: float, z: float) -> tuple[float, float, float, float]:
-    """Signed distance of a body point, and a unit subgradient of it."""
-    side = 1.0 if x >= 0 else -1.0
-    front = 1.0 if y >= 0 else -1.0
-    top = 1.0 if z >= 0 else -1.0
-    if solid[_CYLINDER] == 1:
-        across = math.sqrt(x * x + y * y)
-        u, v = (x / across, y / across) if across > 0 else (1.0, 0.0)
-        a, c = across - solid[_HALF], abs(z) - solid[_HALF + 2]
-        if a > 0 and c > 0:
-            away = math.sqrt(a * a + c * c)
-            return away, a / away * u, a / away * v, c / away * top
-        if a >= c:
-            return a, u, v, 0.0
-        return c, 0.0, 0.0, top
-    a = abs(x) - solid[_HALF]
-    b = abs(y) - solid[_HALF + 1]
-    c = abs(z) - solid[_HALF + 2]
-    p, q, r = max(a, 0.0), max(b, 0.0), max(c, 0.0)
-    away = math.sqrt(p * p + q * q + r * r)
-    if away > 0:
-        return away - solid[_RADIUS], p / away * side, q / away * front, r / away * top
-    if a >= b and a >= c:
-        return a - solid[_RADIUS], side, 0.0, 0.0
-    if b >= c:
-        return b - solid[_RADIUS], 0.0, front, 0.0
-    return c - solid[_RADIUS], 0.0, 0.0, top
-
-
-@register_jitable
-def _in_body(solid: FloatArray, x: float, y: float, z: float) -> tuple[float, float, float]:
-    """A direction of the world in the body's axes."""
-    return (
-        solid[_AXES] * x + solid[_AXES + 1] * y + solid[_AXES + 2] * z,
-        solid[_AXES + 3] * x + solid[_AXES + 4] * y + solid[_AXES + 5] * z,
-        solid[_AXES + 6] * x + solid[_AXES + 7] * y + solid[_AXES + 8] * z,
-    )
-
-
-@register_jitable
-def _apart(
-    solid: FloatArray,
-    margin: float,
-    ax: float,
-    ay: float,
-    az: float,
-    bx: float,
-    by: float,
-    bz: float,
-) -> bool:
-    """Whether the bounds of the segment a..b are farther than ``margin`` from those of a solid."""
-    apart: bool = (
-        min(ax, bx) - solid[_HIGH] >= margin
-        or solid[_LOW] - max(ax, bx) >= margin
-        or min(ay, by) - solid[_HIGH + 1] >= margin
-        or solid[_LOW + 1] - max(ay, by) >= margin
-        or min(az, bz) - solid[_HIGH + 2] >= margin
-        or solid[_LOW + 2] - max(az, bz) >= margin
-    )
-    return apart
-
-
-@register_jitable
-def _near(
-    solid: FloatArray,
-    margin: float,
-    ax: float,
-    ay: float,
-    az: float,
-    bx: float,
-    by: float,
-    bz: float,
-) -> bool:
-    """Whether the segment a..b comes nearer than ``margin`` to a solid.
-
-    The distance is convex along the segment, so a tangent at t bounds it from below: on one side
-    of t it stays above the margin, on the other it does so for a known stretch. The rest is halved.
-    """
-    px, py, pz = _in_body(solid, ax - solid[0], ay - solid[1], az - solid[2])
-    dx, dy, dz = _in_body(solid, bx - ax, by - ay, bz - az)
-    low, high = 0.0, 1.0
-    t = 0.0
-    for halving in range(_HALVINGS):
-        away, gx, gy, gz = _distance(solid, px + t * dx, py + t * dy, pz + t * dz)
-        if away < margin:
-            return True
-        slope = gx * dx + gy * dy + gz * dz
-        if slope < 0:
-            low = max(low, t - (away - margin) / slope)
-        elif slope > 0:
-            high = min(high, t - (away - margin) / slope)
-        else:
-            return False
-        if low >= high:
-            return False
-        t = 1.0 if halving == 0 else (low + high) / 2
-    return False
-
-
-@register_jitable
-def blocked(
-    solids: FloatArray,
-    margins: FloatArray,
-    ax: float,
-    ay: float,
-    az: float,
-    bx: float,
-    by: float,
-    bz: float,
-) -> bool:
-    """Whether the segment a..b comes nearer to a solid than that solid's margin.
-
-    Args:
-        solids: rows (k, WIDTH).
-        margins: (k,) [unit].
-        ax, ay, az: one end, [unit], world.
-        bx, by, bz: the other end.
-    """
-    for k in range(len(solids)):
-        solid = solids[k]
-        if not _apart(solid, margins[k], ax, ay, az, bx, by, bz) and _near(
-            solid, margins[k], ax, ay, az, bx, by, bz
-        ):
-            return True
-    return False
-
-
-@register_jitable
 def _touch(
     solids: FloatArray,
     margins: FloatArray,
+    first: int,
     reach: float,
     ax: float,
     ay: float,
@@ -183,27 +48,27 @@ def _touch(
 
     Zero where none is within ``reach`` of its margin.
     """
-    first, nx, ny, nz = 2.0, 0.0, 0.0, 0.0
-    for k in range(len(solids)):
-        solid = solids[k]
-        if _apart(solid, margins[k] + reach, ax, ay, az, bx, by, bz):
+    earliest, nx, ny, nz = 2.0, 0.0, 0.0, 0.0
+    for s in range(len(solids) // WIDTH):
+        limit = margins[first + s] + reach
+        if apart(solids, s, limit, ax, ay, az, bx, by, bz):
             continue
-        px, py, pz = _in_body(solid, ax - solid[0], ay - solid[1], az - solid[2])
-        dx, dy, dz = _in_body(solid, bx - ax, by - ay, bz - az)
+        k = WIDTH * s
+        axes, core = axes_of(solids, s), core_of(solids, s)
+        px, py, pz = in_body(axes, ax - solids[k], ay - solids[k + 1], az - solids[k + 2])
+        dx, dy, dz = in_body(axes, bx - ax, by - ay, bz - az)
         low, high = 0.0, 1.0
         for _ in range(40):
             t = (low + high) / 2
-            _, gx, gy, gz = _distance(solid, px + t * dx, py + t * dy, pz + t * dz)
+            _, gx, gy, gz = distance(core, px + t * dx, py + t * dy, pz + t * dz)
             if gx * dx + gy * dy + gz * dz > 0:
                 high = t
             else:
                 low = t
-        away, gx, gy, gz = _distance(solid, px + low * dx, py + low * dy, pz + low * dz)
-        if away < margins[k] + reach and low < first:
-            first = low
-            nx = solid[_AXES] * gx + solid[_AXES + 3] * gy + solid[_AXES + 6] * gz
-            ny = solid[_AXES + 1] * gx + solid[_AXES + 4] * gy + solid[_AXES + 7] * gz
-            nz = solid[_AXES + 2] * gx + solid[_AXES + 5] * gy + solid[_AXES + 8] * gz
+        away, gx, gy, gz = distance(core, px + low * dx, py + low * dy, pz + low * dz)
+        if away < limit and low < earliest:
+            earliest = low
+            nx, ny, nz = in_world(axes, gx, gy, gz)
     return nx, ny, nz
 
 
@@ -235,11 +100,12 @@ def _fits(
     margins: FloatArray,
 ) -> bool:
     """Whether point i can be p: both its legs are clear."""
-    before = margins[1 if i == 1 else 0]
-    after = margins[2 if i == len(x) - 2 else 0]
-    return not blocked(solids, before, x[i - 1], y[i - 1], z[i - 1], px, py, pz) and not blocked(
-        solids, after, px, py, pz, x[i + 1], y[i + 1], z[i + 1]
-    )
+    count = len(solids) // WIDTH
+    before = count if i == 1 else 0
+    after = 2 * count if i == len(x) - 2 else 0
+    return not blocked(
+        solids, margins, before, x[i - 1], y[i - 1], z[i - 1], px, py, pz
+    ) and not blocked(solids, margins, after, px, py, pz, x[i + 1], y[i + 1], z[i + 1])
 
 
 @register_jitable
@@ -292,16 +158,21 @@ def _slid(
     Both legs stay in the planes in which they touch, so the point moves along the line in which
     these meet; where there is only one plane, along the pull of the legs within it.
     """
-    before = margins[1 if i == 1 else 0]
-    after = margins[2 if i == len(x) - 2 else 0]
+    count = len(solids) // WIDTH
+    before = count if i == 1 else 0
+    after = 2 * count if i == len(x) - 2 else 0
     ax, ay, az = x[i - 1] - x[i], y[i - 1] - y[i], z[i - 1] - z[i]
     bx, by, bz = x[i + 1] - x[i], y[i + 1] - y[i], z[i + 1] - z[i]
     to_a = math.sqrt(ax * ax + ay * ay + az * az)
     to_b = math.sqrt(bx * bx + by * by + bz * bz)
     if to_a == 0 or to_b == 0:
         return
-    mx, my, mz = _touch(solids, before, reach, x[i], y[i], z[i], x[i - 1], y[i - 1], z[i - 1])
-    nx, ny, nz = _touch(solids, after, reach, x[i], y[i], z[i], x[i + 1], y[i + 1], z[i + 1])
+    mx, my, mz = _touch(
+        solids, margins, before, reach, x[i], y[i], z[i], x[i - 1], y[i - 1], z[i - 1]
+    )
+    nx, ny, nz = _touch(
+        solids, margins, after, reach, x[i], y[i], z[i], x[i + 1], y[i + 1], z[i + 1]
+    )
     wx, wy, wz = my * nz - mz * ny, mz * nx - mx * nz, mx * ny - my * nx
     if wx * wx + wy * wy + wz * wz < 1e-8:
         if nx == 0 and ny == 0 and nz == 0:
@@ -349,15 +220,16 @@ def _settled(
     sweeps: int,
 ) -> None:
     """Drop, straighten and slide the points in turn until the path gets no shorter."""
+    count = len(solids) // WIDTH
     length = 0.0
     for i in range(1, len(x)):
         length += _gap(x[i - 1], y[i - 1], z[i - 1], x[i], y[i], z[i])
     for _ in range(sweeps):
         i = 1
         while i < len(x) - 1:
-            row = (1 if i == 1 else 0) + (2 if i == len(x) - 2 else 0)
+            first = ((1 if i == 1 else 0) + (2 if i == len(x) - 2 else 0)) * count
             if not blocked(
-                solids, margins[row], x[i - 1], y[i - 1], z[i - 1], x[i + 1], y[i + 1], z[i + 1]
+                solids, margins, first, x[i - 1], y[i - 1], z[i - 1], x[i + 1], y[i + 1], z[i + 1]
             ):
                 x.pop(i)
                 y.pop(i)
@@ -406,7 +278,8 @@ def _split(
             for _ in range(_STEPS):
                 if not blocked(
                     solids,
-                    margins[0],
+                    margins,
+                    0,
                     x[i] + cut * ax,
                     y[i] + cut * ay,
                     z[i] + cut * az,
@@ -439,15 +312,17 @@ def _shortcut(
 ) -> list[int]:
     """The shortest way from first to last by points of the path that see each other."""
     last = len(x) - 1
+    count = len(solids) // WIDTH
     cost = [0.0]
     parent = [0]
     for j in range(1, last + 1):
         best, by = math.inf, j - 1
         for i in range(max(0, j - _LOOK_BACK), j):
             through = cost[i] + _gap(x[i], y[i], z[i], x[j], y[j], z[j])
-            row = (1 if i == 0 else 0) + (2 if j == last else 0)
+            first = ((1 if i == 0 else 0) + (2 if j == last else 0)) * count
             if through < best and (
-                i == j - 1 or not blocked(solids, margins[row], x[i], y[i], z[i], x[j], y[j], z[j])
+                i == j - 1
+                or not blocked(solids, margins, first, x[i], y[i], z[i], x[j], y[j], z[j])
             ):
                 best, by = through, i
         cost.append(best)
@@ -476,8 +351,8 @@ def tighten(
 
     Args:
         x, y, z: (n,) the path, n >= 2, its segments clear, [unit], world.
-        solids: rows (k, WIDTH).
-        margins: (4, k) distance from each solid that a segment keeps, [unit]: in general, from the
+        solids: (k WIDTH,) rows, one after the other.
+        margins: (4k,) distance from each solid that a segment keeps, [unit]: in general, from the
             first point, to the last point, from the first to the last.
         bounds: (6,) low and high corner of the box in which the path stays, [unit].
         worth: part of the length that a cut corner must win.
@@ -502,14 +377,22 @@ def tighten(
 
 @numba.njit(cache=True, nogil=True)
 def any_angle(
+    shape: Shape,
+    offsets: IntArray,
+    steps: IntArray,
+    places: FloatArray,
     indptr: IntArray,
     indices: IntArray,
-    lengths: FloatArray,
+    exits: IntArray,
+    weights: FloatArray,
+    tails: IntArray,
+    heads: IntArray,
+    link_weights: FloatArray,
     x: FloatArray,
     y: FloatArray,
     z: FloatArray,
-    start: np.int32,
-    goal: np.int32,
+    start: int,
+    goal: int,
     solids: FloatArray,
     margins: FloatArray,
 ) -> IntArray:
@@ -519,68 +402,100 @@ def any_angle(
     node is expanded, and if they do not, the best expanded neighbour becomes its parent.
 
     Args:
-        indptr: (n + 1,) where each node's edges begin.
-        indices: (2e,) neighbours.
-        lengths: (2e,) lengths of the edges, [unit]; edges are taken to be clear.
+        shape, offsets, steps, places, indptr, indices: the mesh, see ``abi.kernels.net``.
+        exits, weights, tails, heads, link_weights: its open edges, see there; taken to be clear.
         x, y, z: (n,) nodes, [unit], world.
-        start: node id, of the type of ``indices``.
+        start: node id.
         goal: node id.
-        solids: rows (k, WIDTH).
-        margins: (4, k), see ``tighten``.
+        solids: (k WIDTH,) rows, one after the other.
+        margins: (4k,), see ``tighten``.
 
     Returns:
         Node ids of the path (m,), from start to goal; empty when there is none.
     """
-    nodes = len(indptr) - 1
-    cost = np.full(nodes, np.inf)
-    parent = np.full(nodes, -1, np.int32)
-    seen = np.zeros(nodes, np.bool_)
-    closed = np.zeros(nodes, np.bool_)
+    kind, nodes, directions, cross = shape[0], shape[5], shape[6], shape[7]
+    solid_count = len(solids) // WIDTH
+    total = len(x)
+    cost = np.full(total, np.inf)
+    parent = np.full(total, -1, np.int32)
+    seen = np.zeros(total, np.uint8)
+    closed = np.zeros(total, np.uint8)
+    near = np.empty(shape[8] + len(tails), np.int32)
+    far = np.empty(shape[8] + len(tails), np.float64)
     tx, ty, tz = x[goal], y[goal], z[goal]
     cost[start] = 0.0
     parent[start] = start
-    seen[start] = True
+    seen[start] = 1
     to_go = _gap(x[start], y[start], z[start], tx, ty, tz)
-    queue = [(to_go, to_go, start)]
+    queue = [(to_go, to_go, np.int32(start))]
     while len(queue) > 0:
-        node = heapq.heappop(queue)[2]
-        if closed[node]:
+        node = int(heapq.heappop(queue)[2])
+        if closed[node] == 1:
             continue
+        count, links = 0, len(tails)
+        if node < nodes:
+            bits = exits[node]
+            if (bits >> LINKED) & 1 == 0:
+                links = 0
+            if kind == ROWS:
+                for k in range(indptr[node], indptr[node + 1]):
+                    near[count] = indices[k]
+                    far[count] = weights[k]
+                    count += 1 if weights[k] < np.inf else 0
+            else:
+                row = 0 if node < shape[4] else directions
+                other = across(shape, node) if cross > 0 else 0
+                for k in range(directions if (bits >> SIDES) & 63 else SIDES):
+                    near[count] = (other if k < cross else node) + offsets[row + k]
+                    far[count] = weights[k]
+                    count += (bits >> k) & 1
+        for k in range(links):
+            if tails[k] == node or heads[k] == node:
+                near[count] = heads[k] if tails[k] == node else tails[k]
+                far[count] = link_weights[k]
+                count += 1
         px, py, pz = x[node], y[node], z[node]
         origin = parent[node]
-        if not seen[node]:
-            row = (1 if origin == start else 0) + (2 if node == goal else 0)
-            if blocked(solids, margins[row], x[origin], y[origin], z[origin], px, py, pz):
+        if seen[node] == 0:
+            first = ((1 if origin == start else 0) + (2 if node == goal else 0)) * solid_count
+            if blocked(solids, margins, first, x[origin], y[origin], z[origin], px, py, pz):
                 cost[node] = np.inf
-                for k in range(indptr[node], indptr[node + 1]):
-                    through = cost[indices[k]] + lengths[k]
-                    if closed[indices[k]] and through < cost[node]:
+                for k in range(count):
+                    through = cost[near[k]] + far[k]
+                    if closed[near[k]] == 1 and through < cost[node]:
                         cost[node] = through
-                        parent[node] = indices[k]
+                        parent[node] = near[k]
                 origin = parent[node]
-        closed[node] = True
+        closed[node] = 1
         if node == goal:
             break
         so_far = cost[origin]
         ox, oy, oz = x[origin], y[origin], z[origin]
-        for k in range(indptr[node], indptr[node + 1]):
-            neighbour = indices[k]
-            if closed[neighbour]:
+        for k in range(count):
+            neighbour = near[k]
+            if closed[neighbour] == 1:
                 continue
             qx, qy, qz = x[neighbour], y[neighbour], z[neighbour]
             through = so_far + _gap(ox, oy, oz, qx, qy, qz)
             if through < cost[neighbour]:
                 cost[neighbour] = through
                 parent[neighbour] = origin
-                seen[neighbour] = origin == node
+                seen[neighbour] = 1 if origin == node else 0
                 to_go = _gap(qx, qy, qz, tx, ty, tz)
                 heapq.heappush(queue, (through + to_go, to_go, neighbour))
-    if not closed[goal]:
+    if closed[goal] == 0:
         return np.empty(0, np.int32)
-    path = [goal]
-    while path[-1] != start:
-        path.append(parent[path[-1]])
-    return np.array(path[::-1], np.int32)
+    length = 1
+    place = goal
+    while place != start:
+        place = int(parent[place])
+        length += 1
+    path = np.empty(length, np.int32)
+    place = goal
+    for k in range(length - 1, -1, -1):
+        path[k] = place
+        place = int(parent[place])
+    return path
 
 
 @numba.njit(cache=True, nogil=True)
@@ -598,14 +513,15 @@ def through(
 
     Args:
         x, y, z: (n,) places, n >= 2, [unit], world.
-        solids: rows (k, WIDTH).
-        margins: (4, k), see ``tighten``.
+        solids: (k WIDTH,) rows, one after the other.
+        margins: (4k,), see ``tighten``.
         most: length that the path must be below, [unit].
 
     Returns:
         Indices of the path (m,); empty when there is none.
     """
     count = len(x)
+    solid_count = len(solids) // WIDTH
     cost = np.full(count, np.inf)
     parent = np.zeros(count, np.int32)
     closed = np.zeros(count, np.bool_)
@@ -623,12 +539,12 @@ def through(
         closed[node] = True
         for i in range(1, count):
             through = cost[node] + _gap(x[node], y[node], z[node], x[i], y[i], z[i])
-            row = (1 if node == 0 else 0) + (2 if i == 1 else 0)
+            first = ((1 if node == 0 else 0) + (2 if i == 1 else 0)) * solid_count
             if (
                 not closed[i]
                 and through < cost[i]
                 and through + to_go[i] < most
-                and not blocked(solids, margins[row], x[node], y[node], z[node], x[i], y[i], z[i])
+                and not blocked(solids, margins, first, x[node], y[node], z[node], x[i], y[i], z[i])
             ):
                 cost[i] = through
                 parent[i] = node
@@ -639,13 +555,15 @@ def through(
 
 
 def warm() -> None:
-    """Compile the kernels, or load them from numba's cache, for the arrays of a Graph."""
-    indptr = read_only(np.array([0, 1, 2], dtype=np.int32))
+    """Compile the kernels, or load them from numba's cache: one version for all meshes."""
+    shape = (ROWS, 0, 0, 0, 0, 2, 0, 0, 1)
+    ids = read_only(np.array([0, 1, 2], dtype=np.int32))
     indices = read_only(np.array([1, 0], dtype=np.int32))
+    none, numbers = read_only(np.zeros(0, np.int32)), read_only(np.zeros(0))
     ones = read_only(np.ones(2))
-    solids, margins = read_only(np.zeros((0, WIDTH))), read_only(np.zeros((4, 0)))
-    ends = (np.int32(0), np.int32(1))
-    any_angle(indptr, indices, ones, ones, ones, ones, *ends, solids, margins)
-    tighten(ones, ones, ones, solids, margins, read_only(np.zeros(6)), 1e-6)
-    through(ones, ones, ones, solids, margins, 1.0)
+    mesh = (shape, none, none, numbers, ids, indices)
+    ways = (read_only(np.zeros(2, np.int32)), ones, none, none, numbers)
+    any_angle(*mesh, *ways, ones, ones, ones, 0, 1, numbers, numbers)
+    tighten(ones, ones, ones, numbers, numbers, read_only(np.zeros(6)), 1e-6)
+    through(ones, ones, ones, numbers, numbers, 1.0)
     ready.set()

@@ -16,7 +16,10 @@ from abi.arrays import FloatArray, read_only
 from abi.errors import NoPath
 from abi.graph import Graph, build
 from abi.kernels import search as kernels
+from abi.kernels.metric import to_go
+from abi.kernels.net import cell
 from abi.mesh import exclude, tetrahedralise
+from abi.net import NO_IDS, NO_NUMBERS, of_rows
 from abi.scene import MeshSettings, Workspace
 from abi.search import SEARCHES, Weight
 from abi.shapes import Box, Capsule, Obstacle, Obstacles, Sphere, nearest
@@ -74,6 +77,22 @@ def matrix(graph: Graph, weight: Weight) -> csr_array:
 
 def costs_from(graph: Graph, weight: Weight, node: int) -> FloatArray:
     return np.asarray(scipy_dijkstra(matrix(graph, weight), indices=node))
+
+
+def promises(graph: Graph, weight: Weight) -> FloatArray:
+    """A*'s heuristic (n,), 0 at start and goal where they are nodes of their own."""
+    metric = search.metric(graph, weight)
+    shape = graph.mesh.net.shape
+    left = np.zeros(len(graph.points))
+    for node in range(len(graph.mesh.points)):
+        lattice = graph.mesh.stencil is not None
+        at = cell(shape, node) if lattice else graph.points[node].tolist()
+        left[node] = to_go(shape, metric, *at)
+    slack = 0.0
+    for a, b, length in zip(graph.tails, graph.heads, graph.link_lengths, strict=True):
+        if graph.goal in (a, b) and (end := a if b == graph.goal else b) < len(graph.mesh.points):
+            slack = max(slack, left[end] - (length if weight == "length" else 1))
+    return np.maximum(left - slack, 0)
 
 
 def degrees(graph: Graph) -> Any:
@@ -151,36 +170,61 @@ def test_work_is_counted(seed: int, weight: Weight) -> None:
     for name in ("a_star", "dijkstra"):
         order = found[name].order
         assert order[-1] == graph.goal
-        assert len(np.unique(order)) == len(order)
+        assert len(np.unique(order)) == len(order) or name == "a_star"
     reached = np.flatnonzero(np.isfinite(costs_from(graph, weight, graph.start)))
     assert np.array_equal(np.unique(found["bellman_ford"].order), reached)
 
 
 @pytest.mark.parametrize("weight", WEIGHTS)
-@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("seed", range(30))
 def test_best_first_expands_in_the_order_of_estimates(seed: int, weight: Weight) -> None:
     graph = random_graph(seed)
     cost = costs_from(graph, weight, graph.start)
-    away = np.linalg.norm(graph.points - graph.points[graph.goal], axis=1)
-    to_go = away if weight == "length" else away / graph.longest_edge
-    a_star, dijkstra = search.a_star(graph, weight), search.dijkstra(graph, weight)
-    assert np.diff(cost[dijkstra.order]).min() >= -1e-9
-    assert np.diff((cost + to_go)[a_star.order]).min() >= -1e-9
-    assert a_star.expanded <= dijkstra.expanded
-    assert set(a_star.order.tolist()) <= set(dijkstra.order.tolist())
-    # what must be expanded is: nothing that promises less than the path's cost is left out
-    promising = np.flatnonzero((cost + to_go) < a_star.cost - 1e-9)
-    assert set(promising.tolist()) <= set(a_star.order.tolist())
+    if not np.isfinite(cost[graph.goal]):
+        pytest.fail("choose seeds that have a path")
+    to_goal = promises(graph, weight)
+    bucket = kernels.WIDTH * (graph.longest_edge if weight == "length" else 1) + 1e-9
+    for find, left in ((search.a_star, to_goal), (search.dijkstra, np.zeros_like(cost))):
+        found = find(graph, weight)
+        estimates = (cost + left)[found.order[1:]]
+        assert np.diff(estimates).min(initial=0) >= -bucket
+        assert estimates.max() <= found.cost + bucket
+        # what must be expanded is: nothing that promises less than the path's cost is left out
+        promising = np.flatnonzero(cost + left < found.cost - 1e-9)
+        assert set(promising.tolist()) <= {graph.start, *found.order.tolist()}
 
 
-@pytest.mark.parametrize("seed", range(20))
-def test_the_straight_line_never_exceeds_the_way_that_is_left(seed: int) -> None:
+@pytest.mark.parametrize("weight", WEIGHTS)
+@pytest.mark.parametrize("seed", range(60))
+def test_the_heuristic_never_falls_by_more_than_an_edge_costs(seed: int, weight: Weight) -> None:
     graph = random_graph(seed)
-    away = np.linalg.norm(graph.points - graph.points[graph.goal], axis=1)
-    assert (away <= costs_from(graph, "length", graph.goal) + 1e-9).all()
-    assert (away / graph.longest_edge <= costs_from(graph, "hops", graph.goal) + 1e-9).all()
+    left = promises(graph, weight)
     tail = np.repeat(np.arange(len(graph.points)), degrees(graph))
-    assert (away[tail] <= graph.lengths + away[graph.indices] + 1e-9).all()
+    weights = graph.lengths if weight == "length" else np.ones(len(graph.lengths))
+    # the start comes first and is not come back to: its own promise does not count
+    onward = (tail != graph.start) & (graph.indices != graph.start)
+    fall = (left[tail] - left[graph.indices] - weights)[onward]
+    assert fall.max(initial=0.0) <= 1e-9
+
+
+@pytest.mark.parametrize("cells", [(7, 6, 8), (3, 9, 5), (1, 4, 6), (2, 1, 9)])
+@pytest.mark.parametrize("lattice", ["bcc", "kuhn"])
+def test_with_nothing_in_the_way_the_heuristic_is_almost_the_cost(
+    lattice: Lattice, cells: tuple[int, int, int]
+) -> None:
+    nx, ny, nz = cells
+    side = 2 / np.sqrt(3) if lattice == "bcc" else 1.0
+    workspace = Workspace(max=(side * nx, side * 0.9 * ny, side * 1.1 * nz))
+    settings = MeshSettings(lattice=lattice, pitch=1.0)
+    for goal in ((0.0, 0.0, 0.0), workspace.max, (side * (nx // 2), 0.0, 0.0)):
+        start = tuple(np.subtract(workspace.max, goal) if any(goal) else np.array(workspace.max))
+        if np.linalg.norm(np.subtract(start, goal)) < 1e-6:
+            continue
+        graph = graph_of(workspace, settings, (), start, goal)
+        cost = costs_from(graph, "length", graph.goal)
+        # what remains is what whole steps cost more than parts of them
+        over = cost - promises(graph, "length")
+        assert -1e-9 <= over.min() <= over.max() <= 1.2 * graph.longest_edge
 
 
 @pytest.mark.parametrize("weight", WEIGHTS)
@@ -213,7 +257,7 @@ def test_a_large_graph_waits_for_the_compiler(monkeypatch: pytest.MonkeyPatch) -
     monkeypatch.setattr(kernels, "ready", threading.Event())
     search.a_star(graph, "length")
     assert not kernels.ready.is_set()
-    monkeypatch.setattr(search, "_COMPILE_FROM", len(graph.points) - 1)
+    monkeypatch.setattr(search, "COMPILE_FROM", len(graph.mesh.points) - 1)
     search.a_star(graph, "length")
     assert kernels.ready.is_set()
 
@@ -260,9 +304,12 @@ def test_bellman_ford_finds_all_costs_however_often_nodes_return(seed: int, plai
     weights *= rng.uniform(0.5, 1.5, (n, n))
     rows = csr_array(np.minimum(weights, weights.T))
     indptr, indices = (read_only(a.astype(np.int32)) for a in (rows.indptr, rows.indices))
-    arguments: tuple[Any, ...] = (indptr, indices, read_only(rows.data), np.int32(0))
+    net = of_rows(np.zeros((n, 3)), indptr, indices)
+    exits = read_only(np.zeros(n, dtype=np.int32))
+    links: tuple[Any, ...] = (NO_IDS, NO_IDS, NO_NUMBERS, 0)
+    ends: tuple[Any, ...] = (0, 1, 1.0, 26 * (0.0,))
     kernel = kernels.bellman_ford.py_func if plain else kernels.bellman_ford
-    cost, parent, order, relaxed = kernel(*arguments)
+    cost, parent, order, relaxed = kernel(*net, exits, read_only(rows.data), *links, *ends)
     assert np.allclose(cost, scipy_dijkstra(rows, indices=0), rtol=1e-12)
     assert len(order) > 4 * n
     assert relaxed == np.diff(indptr)[order].sum()

@@ -7,11 +7,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from abi.arrays import FloatArray
+from abi.kernels import solids as sight
 from abi.kernels import visibility
 from abi.scene import Scene
 from abi.shapes import MeshShape
 from abi.shortest.waypoints import Solid
-from abi.taut import packed
+from abi.solids import packed
 from tests.abi.test_scene import obstacles, points
 
 
@@ -22,8 +23,8 @@ def shapes(bodies: list[dict[str, Any]]) -> tuple[Solid, ...]:
 
 def blocked(obstacles: tuple[Solid, ...], margin: float, p: FloatArray, q: FloatArray) -> bool:
     solids: Any = packed(obstacles).tolist()
-    margins: Any = [margin] * len(solids)
-    return bool(visibility.blocked(solids, margins, *p.tolist(), *q.tolist()))
+    margins: Any = [margin] * len(obstacles)
+    return bool(sight.blocked(solids, margins, 0, *p.tolist(), *q.tolist()))
 
 
 @settings(max_examples=300, deadline=None)
@@ -59,7 +60,7 @@ def test_a_way_through_places_is_the_shortest_there_is(
     bodies: list[dict[str, Any]], seed: int
 ) -> None:
     solids: Any = packed(shapes(bodies)).tolist()
-    margins: Any = [[0.05] * len(solids)] * 4
+    margins: Any = [0.05] * 4 * len(bodies)
     places = np.random.default_rng(seed).uniform(0, 6, (7, 3))
     columns: list[Any] = [column.tolist() for column in places.T]
 
@@ -71,7 +72,7 @@ def test_a_way_through_places_is_the_shortest_there_is(
     cost = np.full((n, n), np.inf)
     for i in range(n):
         for j in range(n):
-            if not visibility.blocked(solids, margins[0], *places[i], *places[j]):
+            if not sight.blocked(solids, margins, 0, *places[i], *places[j]):
                 cost[i, j] = np.linalg.norm(places[i] - places[j])
     for k in range(n):
         cost = np.minimum(cost, cost[:, k : k + 1] + cost[k])

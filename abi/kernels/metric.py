@@ -1,0 +1,90 @@
+"""The length of the shortest way to the goal where nothing is in the way: A*'s heuristic.
+
+Plain Python that numba compiles with its caller.
+
+A metric is a tuple of numbers: 1, or 0 for none; the cost of a cell along x, y and z; twice the
+cost of the way from a corner to a centre; the goal (3), in half cells or for rows [unit], world;
+six rows of three, the linear forms whose greatest is the norm with all diagonals.
+"""
+
+from __future__ import annotations
+
+import math
+
+from numba.extending import register_jitable
+
+from abi.kernels.net import KUHN, ROWS, Shape
+
+Metric = tuple[float, ...]
+
+FORMS = 8
+"""Where the linear forms begin."""
+
+
+@register_jitable
+def to_go(shape: Shape, metric: Metric, a: float, b: float, c: float) -> float:
+    """A bound from below of the cost from a place to the goal; the place as the goal is given.
+
+    For rows the straight line. In a lattice the cost of the steps that lead there, which is exact
+    where nothing is in the way. Two things remain of the box around ``bcc``: its faces have
+    diagonals that the inside has not. Whoever uses a face goes to it and back, which is as far as
+    to the goal's image in the face, and pays at least the norm that has all diagonals. On the face
+    goal and image are as far. So the least of all four ways never changes along an edge by more
+    than the edge costs.
+    """
+    if shape[0] == ROWS:
+        x, y, z = a - metric[5], b - metric[6], c - metric[7]
+        return math.sqrt(x * x + y * y + z * z) * metric[1]
+    x, y, z = 0.5 * (a - metric[5]), 0.5 * (b - metric[6]), 0.5 * (c - metric[7])
+    if shape[0] == KUHN:
+        return _with_diagonals(metric, max(x, 0.0), max(y, 0.0), max(z, 0.0)) + _with_diagonals(
+            metric, max(-x, 0.0), max(-y, 0.0), max(-z, 0.0)
+        )
+    u, v, w = 0.5 * (a + metric[5]), 0.5 * (b + metric[6]), 0.5 * (c + metric[7])
+    u, v, w = min(u, 2 * shape[1] - u), min(v, 2 * shape[2] - v), min(w, 2 * shape[3] - w)
+    x, y, z = abs(x), abs(y), abs(z)
+    return min(
+        min(_by_centres(metric, x, y, z), _with_diagonals(metric, u, y, z)),
+        min(_with_diagonals(metric, x, v, z), _with_diagonals(metric, x, y, w)),
+    )
+
+
+@register_jitable
+def _by_centres(metric: Metric, x: float, y: float, z: float) -> float:
+    """Least cost of a step of x, y, z >= 0 cells along the axes and by way of centres.
+
+    By way of t pairs of centres one gets up to t along each axis, and the rest along the axes. That
+    is convex in t and least at the second or the third largest of x, y and z.
+    """
+    low = min(x, min(y, z))
+    middle = x + y + z - low - max(x, max(y, z))
+    p, q, r = metric[1], metric[2], metric[3]
+    few = low * metric[4] + (x - low) * p + (y - low) * q + (z - low) * r
+    many = middle * metric[4]
+    many += max(x - middle, 0.0) * p + max(y - middle, 0.0) * q + max(z - middle, 0.0) * r
+    return min(few, many)
+
+
+@register_jitable
+def _with_diagonals(metric: Metric, x: float, y: float, z: float) -> float:
+    """Least cost of a step of x, y, z >= 0 cells along the axes and all diagonals of the cells.
+
+    The cost of a set of axes, its diagonal, is submodular; so this is its Lovász extension, the
+    greatest of six linear forms (Lovász, Submodular functions and convexity, 1983).
+    """
+    return max(
+        max(
+            max(
+                metric[8] * x + metric[9] * y + metric[10] * z,
+                metric[11] * x + metric[12] * y + metric[13] * z,
+            ),
+            max(
+                metric[14] * x + metric[15] * y + metric[16] * z,
+                metric[17] * x + metric[18] * y + metric[19] * z,
+            ),
+        ),
+        max(
+            metric[20] * x + metric[21] * y + metric[22] * z,
+            metric[23] * x + metric[24] * y + metric[25] * z,
+        ),
+    )

@@ -1,0 +1,71 @@
+"""Nodes and edges as the compiled kernels see them: a lattice without tables, or compressed rows.
+
+What is here is plain Python that numba compiles with its caller; uncompiled it runs on lists. Only
+numbers and tuples are handed over: arrays would be counted in and out at every call, which takes
+longer than most of what is called. A mesh and its open edges are described by (``abi.net``):
+
+shape
+    a tuple: kind (``ROWS``, ``KUHN`` or ``BCC``), cells along x, y and z, corners, nodes,
+    directions, those of them that join a corner to a centre, the most edges of a node in the mesh.
+offsets, steps, places
+    of a lattice see ``abi.stencil.Stencil``, ``places`` being its axes. Of rows ``places`` are x, y
+    and z of the nodes, one after the other, and the other two are empty.
+indptr, indices
+    of rows: where each node's edges begin (n + 1,), and the neighbours (2e,); empty for a lattice.
+exits
+    (n,) bits: the directions that are open, and ``LINKED``, the only one that counts in rows.
+weights
+    of the directions (d,), or of the edges of the rows (2e,), inf where one is shut.
+tails, heads, link_weights
+    (m,) ends and weights of the edges to start and goal, where these are no nodes of the mesh. They
+    then have the ids that follow those of the mesh.
+"""
+
+from __future__ import annotations
+
+from numba.extending import register_jitable
+
+Shape = tuple[int, int, int, int, int, int, int, int, int]
+
+ROWS, KUHN, BCC = 0, 1, 2
+
+LINKED = 30
+"""The bit of a node that has an edge to start or goal beside those of the mesh."""
+
+SIDES = 14
+"""Directions of a node that is not on the box; those above are diagonals of its faces."""
+
+
+@register_jitable
+def cell(shape: Shape, node: int) -> tuple[int, int, int]:
+    """Place of a lattice node in half cells."""
+    column, layer, corners = shape[2], shape[3], shape[4]
+    if node < corners:
+        across = node // (layer + 1)
+        i = across // (column + 1)
+        return 2 * i, 2 * (across - i * (column + 1)), 2 * (node - across * (layer + 1))
+    inner = node - corners
+    across = inner // layer
+    i = across // column
+    return 2 * i + 1, 2 * (across - i * column) + 1, 2 * (inner - across * layer) + 1
+
+
+@register_jitable
+def node_at(shape: Shape, a: int, b: int, c: int) -> int:
+    """Node of a lattice at a place in half cells, all three even, or all three odd."""
+    column, layer = shape[2], shape[3]
+    if a % 2 == 0:
+        return ((a // 2) * (column + 1) + b // 2) * (layer + 1) + c // 2
+    return shape[4] + ((a // 2) * column + b // 2) * layer + c // 2
+
+
+@register_jitable
+def across(shape: Shape, node: int) -> int:
+    """In ``bcc`` the centre of the cube whose low corner the node is; that corner of a centre.
+
+    At the high end of an axis there is no such cube; its centres have directions relative to it.
+    """
+    a, b, c = cell(shape, node)
+    if node < shape[4]:
+        return shape[4] + ((a >> 1) * shape[2] + (b >> 1)) * shape[3] + (c >> 1)
+    return ((a >> 1) * (shape[2] + 1) + (b >> 1)) * (shape[3] + 1) + (c >> 1)

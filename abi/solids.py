@@ -1,0 +1,49 @@
+"""Convex solids as the rows of numbers by which the kernels know them."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+
+from abi.arrays import FloatArray, read_only
+from abi.kernels.solids import WIDTH
+from abi.pose import rotation
+from abi.shapes import Box, Capsule, Cylinder, MeshShape, Obstacles, Sphere
+
+Solid = Box | Sphere | Cylinder | Capsule
+
+_NONE = read_only(np.zeros(0))
+
+
+def parted(obstacles: Obstacles) -> tuple[tuple[Solid, ...], tuple[MeshShape, ...]]:
+    """The convex solids among the obstacles, and the triangle meshes."""
+    solids = tuple(shape for shape in obstacles if not isinstance(shape, MeshShape))
+    if len(solids) == len(obstacles):
+        return solids, ()
+    return solids, tuple(shape for shape in obstacles if isinstance(shape, MeshShape))
+
+
+def packed(solids: tuple[Solid, ...]) -> FloatArray:
+    """The rows of the solids, one after the other, (k ``WIDTH``,); see ``abi.kernels.solids``."""
+    return read_only(np.concatenate([_row(solid) for solid in solids])) if solids else _NONE
+
+
+@lru_cache(maxsize=1024)
+def _row(solid: Solid) -> FloatArray:
+    row = np.concatenate(
+        [solid.position, rotation(solid.wxyz).T.ravel(), _core(solid), *solid.bounds()]
+    )
+    assert len(row) == WIDTH
+    return read_only(row)
+
+
+def _core(solid: Solid) -> tuple[float, float, float, float, float]:
+    """Half sizes of the core, the radius around it, and whether it is a cylinder."""
+    if isinstance(solid, Box):
+        x, y, z = solid.size
+        return x / 2, y / 2, z / 2, 0.0, 0.0
+    if isinstance(solid, Cylinder):
+        return solid.radius, solid.radius, solid.height / 2, 0.0, 1.0
+    height = solid.height if isinstance(solid, Capsule) else 0.0
+    return 0.0, 0.0, height / 2, solid.radius, 0.0
