@@ -136,7 +136,6 @@ class EditorPanel:
             box.show(self._points.gizmos[name].position)
         if self._obstacles.gizmos:
             self._edit(self._obstacles.chosen)
-        self._suggest(scene)
 
     def meshes(self, scene: Scene) -> MeshSource:
         """The surfaces that obstacles can name: those of ``scene`` and those uploaded here."""
@@ -160,8 +159,12 @@ class EditorPanel:
         self._obstacles.choose(len(self._obstacles.gizmos) - 1)
         self._listed = -1
 
-    def _suggest(self, scene: Scene) -> None:
-        """Ask when a mesh is hugely out of scale, and say what was repaired in it."""
+    def suggest(self, scene: Scene) -> None:
+        """Ask when the chosen mesh is hugely out of scale, and say what was repaired in it.
+
+        Args:
+            scene: what was planned; it has the mesh that was added last.
+        """
         number = self._obstacles.chosen
         shape = scene.obstacles[number] if number < len(scene.obstacles) else None
         shown = isinstance(shape, MeshShape) and len(scene.obstacles) == len(self._obstacles.data)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 
 import viser
@@ -42,8 +43,15 @@ class PlaybackPanel:
         last = max(round(duration, 2), 0.01)
         if self.slider.max != last:
             self.slider.max = last
+        if not math.isfinite(self.slider.value):
+            self.slider.value = self._written
         scrubbed = self.slider.value
         if scrubbed != self._written:
+            if self.playing:
+                # A frame on its way to the page may have taken the hand's number away. Said again,
+                # by a last bit since an equal one is not sent.
+                scrubbed = math.nextafter(scrubbed, 0.0)
+                self.slider.value = scrubbed
             self._time, self._written, self.playing = scrubbed, scrubbed, False
         elif self.playing:
             self._time += passed * SPEEDS[self.speed.value]

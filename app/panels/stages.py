@@ -6,6 +6,7 @@ here) and ``write(scene)`` (show another scene). ``wake`` is the only callback t
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any
 
@@ -58,6 +59,7 @@ class MeshPanel:
         self.seed = gui.add_number(
             "seed", scene.mesh.seed, min=0, step=1, hint="Another seed jitters the nodes anew."
         )
+        self.pitch.precision = DIGITS
         self._max_nodes = scene.mesh.max_nodes
         for handle in (self.lattice, self.pitch, self.seed):
             handle.on_update(wake)
@@ -155,6 +157,7 @@ class SplinePanel:
             _within(scene.spline.clearance, 0.0, high),
             hint="The distance that mesh, path and curve keep from every obstacle.",
         )
+        self.clearance.precision = DIGITS
         for handle in (self.degree, self.clearance):
             handle.on_update(wake)
         self.write(scene)
@@ -304,9 +307,12 @@ def _within(value: float, low: float, high: float) -> float:
 
 
 def _pitch_range(scene: Scene) -> tuple[float, float, float]:
-    """Slider range: from about 40,000 nodes in a cube up to a handful; typing reaches further."""
+    """Slider range: from what the node budget allows, hundreds of thousands, up to a handful."""
     longest = max(scene.workspace.size)
-    return round(longest / 30, 6), round(longest / 2, 6), round(longest / 600, 6)
+    finest = max(scene.mesh.finest_pitch(scene.workspace), longest / 90)
+    digits = 1 - math.floor(math.log10(finest))
+    finest = math.ceil(finest * 10.0**digits) / 10.0**digits
+    return round(finest, 12), round(longest / 2, 6), round(longest / 600, 6)
 
 
 def _clearance_range(scene: Scene) -> float:
