@@ -191,8 +191,12 @@ def test_play_moves_the_arm_and_pause_holds_it(tab: tuple[FakeTab, Session]) -> 
     assert slider.value == pytest.approx(1.25)
     motion = session.plan.motion
     index = int(np.searchsorted(motion.time, 1.25))
-    drawn = session.arm._trace.points.reshape(-1, 3)[-1]
-    assert np.linalg.norm(drawn[:2] - motion.tool[index][:2]) < 0.05
+
+    def traced() -> bool:
+        drawn = session.arm._trace.points.reshape(-1, 3)[-1]
+        return bool(np.linalg.norm(drawn[:2] - motion.tool[index][:2]) < 0.05)
+
+    until(traced)
 
 
 def test_two_tabs_share_nothing(server: Server, tab: tuple[FakeTab, Session]) -> None:

@@ -1,0 +1,160 @@
+from __future__ import annotations
+
+import os
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Browser, sync_playwright
+
+from abi.scene import load_scene
+from app.panels.view import LAYERS
+from app.server import Server, start
+from app.session import Session
+from tests.browser import drawn
+from tests.browser.page import FLAGS, Page
+
+PAPER = load_scene("paper")
+
+_HERE = Path(__file__).parent
+_NAMES = ("chromium", "chromium-browser", "google-chrome")
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    # One worker drives the browser, with one server and one Chromium, while the others go on.
+    for item in items:
+        if _HERE in item.path.parents:
+            item.add_marker(pytest.mark.browser)
+            item.add_marker(pytest.mark.xdist_group("browser"))
+
+
+def _executable() -> str:
+    named = os.environ.get("CHROMIUM")
+    for name in (named,) if named else _NAMES:
+        if found := shutil.which(name):
+            return found
+    pytest.fail(
+        f"No Chromium: looked for {named or ', '.join(_NAMES)}. Install chromium or set CHROMIUM "
+        "to its path; 'make test' does the first, 'make check' leaves the browser out.",
+        pytrace=False,
+    )
+
+
+@pytest.fixture(scope="session")
+def chromium() -> Iterator[Browser]:
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=_executable(), args=list(FLAGS))
+        yield browser
+        browser.close()
+
+
+@pytest.fixture(scope="session")
+def server() -> Iterator[Server]:
+    server = start(host="127.0.0.1", port=0, plain=True)
+    yield server
+    server.stop()
+
+
+class Tabs:
+    """Opens tabs, ``tabs()`` or ``tabs("?pitch=0.5")``, whose sessions are in the server's."""
+
+    def __init__(self, chromium: Browser, server: Server) -> None:
+        self._chromium, self._server = chromium, server
+        self._opened: list[Page] = []
+        self._kept: Page | None = None
+
+    def __call__(self, query: str = "") -> Page:
+        known = set(self._server.sessions)
+        page = Page(self._chromium, self._server.url.rstrip("/") + "/" + query)
+        self._opened.append(page)
+        self._begin(page, known)
+        return page
+
+    def reload(self, page: Page) -> None:
+        """Reload a tab, which is then another client."""
+        known = set(self._server.sessions)
+        page.reload()
+        self._begin(page, known)
+
+    def kept(self) -> Page:
+        """The tab that was put back last, with what was planned as at first, or a new one."""
+        page, self._kept = self._kept or self(), None
+        session = self._server.sessions[page.client]
+        page.click("Result")
+        if session.playback.playing:
+            page.click("Pause")
+        if session.plan is None or session.plan.scene != PAPER:
+            page.click("Scene")
+            page.click("Back to the scene as loaded")
+            page.until(lambda: session.plan.scene == PAPER, "the scene as loaded")  # type: ignore[union-attr]
+            page.click("Result")
+        page.until(lambda: page.complaints() == [], "no complaint")
+        page.until(lambda: drawn.shows(page, session.plan), "the first picture")
+        page.settle()
+        return page
+
+    def put_back(self, page: Page) -> None:
+        """Keep a tab for the next test unless it met an error or its switches are not as before."""
+        if not page.errors and _is_as_opened(self._server.sessions[page.client]):
+            self._kept = page
+            return
+        self._opened.remove(page)
+        page.close()
+        assert not page.errors, "\n".join(page.errors)
+
+    def close(self) -> None:
+        """Close the tabs and fail when one of them met an error."""
+        for page in self._opened:
+            page.close()
+        errors = [error for page in self._opened for error in page.errors]
+        assert not errors, "\n".join(errors)
+
+    def _begin(self, page: Page, known: set[int]) -> None:
+        sessions = self._server.sessions
+        page.until(lambda: bool(set(sessions) - known), "a session for the new tab")
+        (page.client,) = set(sessions) - known
+        page.until(lambda: sessions[page.client].plan is not None, "the first plan")
+        page.settle()
+
+
+def _is_as_opened(session: Session) -> bool:
+    """Whether all that "Back to the scene as loaded" leaves alone is as in a new tab."""
+    return (
+        session.files.choice.value == "paper"
+        and session.view.read() == {name: shown for name, (_, _, shown) in LAYERS.items()}
+        and not session.view.dark.value
+        and session.search_panel.share() == 0
+        and session.playback.speed.value == "real time"
+    )
+
+
+@pytest.fixture
+def tabs(chromium: Browser, server: Server) -> Iterator[Tabs]:
+    """Opens tabs for one test."""
+    tabs = Tabs(chromium, server)
+    yield tabs
+    tabs.close()
+
+
+@pytest.fixture(scope="session")
+def shared(chromium: Browser, server: Server) -> Iterator[Tabs]:
+    """The tab that one test after the other uses."""
+    shared = Tabs(chromium, server)
+    yield shared
+    shared.close()
+
+
+@pytest.fixture
+def page(shared: Tabs) -> Iterator[Page]:
+    """A tab with the paper's scene, at rest, its right panel showing the result."""
+    page = shared.kept()
+    yield page
+    shared.put_back(page)
+
+
+@pytest.fixture
+def session(page: Page, server: Server) -> Session:
+    """What the server keeps for ``page``."""
+    return server.sessions[page.client]

@@ -1,0 +1,97 @@
+"""What the page must show for a plan, said without the application's own drawing code."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from abi.curve import Curve
+from abi.plan import Plan
+from tests.browser.page import Page
+
+Points = NDArray[np.float64]
+
+SINGLE = 2e-5  # [unit]; points travel in single precision
+TOOL = "/arm/links/turret/upper_arm/elbow/forearm/rod/gripper/tool"
+
+
+def chain(lines: Points) -> Points:
+    """Points of a polyline from its segments (n, 2, 3), which must hang together."""
+    np.testing.assert_array_equal(lines[:-1, 1], lines[1:, 0])
+    return np.concatenate((lines[:1, 0], lines[:, 1]))
+
+
+def is_nothing(lines: Points) -> bool:
+    """Whether segments (n, 2, 3) have no length at all."""
+    return bool((lines[:, 0] == lines[:, 1]).all())
+
+
+def shows_curve(page: Page, name: str, curve: Curve | None) -> bool:
+    """Whether the line ``/curve/<name>`` in the page runs along ``curve``."""
+    lines = page.points(f"/curve/{name}")
+    if curve is None:
+        return is_nothing(lines)
+    points = chain(lines)
+    expected = curve(np.linspace(*curve.interval, len(points)))
+    return len(points) > 50 and bool(np.allclose(points, expected, rtol=0, atol=SINGLE))
+
+
+def shows_path(page: Page, plan: Plan) -> bool:
+    """Whether A*'s line in the page is the plan's path, vertex by vertex."""
+    lines = page.points("/path/a_star")
+    if not plan.searches:
+        return is_nothing(lines)
+    path = next(result for result in plan.searches if result.algorithm == "a_star").points
+    points = chain(lines)
+    return len(points) == len(path) and bool(np.allclose(points, path, rtol=0, atol=SINGLE))
+
+
+def shows(page: Page, plan: Plan | None) -> bool:
+    """Whether path and curves in the page are those of ``plan``."""
+    assert plan is not None
+    return (
+        shows_path(page, plan)
+        and shows_curve(page, "bspline", plan.bspline)
+        and shows_curve(page, "quadratic", plan.quadratic)
+    )
+
+
+def same(a: Plan, b: Plan) -> bool:
+    """Whether two complete plans have the same path, curves and motion, number by number."""
+    return all(np.array_equal(x, y) for x, y in zip(_numbers(a), _numbers(b), strict=True))
+
+
+def _numbers(plan: Plan) -> tuple[Points, ...]:
+    assert plan.path is not None
+    assert plan.bspline is not None
+    assert plan.quadratic is not None
+    assert plan.motion is not None
+    return (
+        plan.path.points,
+        plan.bspline(np.linspace(*plan.bspline.interval, 40)),
+        plan.quadratic(np.linspace(*plan.quadratic.interval, 40)),
+        plan.motion.tool,
+        plan.motion.positions,
+    )
+
+
+def tool_at(plan: Plan, time: float) -> Points:
+    """Where the tool of ``plan`` is at ``time`` [s], (3,) [unit]."""
+    assert plan.motion is not None
+    return np.array([np.interp(time, plan.motion.time, axis) for axis in plan.motion.tool.T])
+
+
+def distance(points: Points, polyline: Points) -> Points:
+    """Distance of each of ``points`` (n, 3) to ``polyline`` (k, 3)."""
+    a, b = polyline[:-1], polyline[1:]
+    along = np.einsum("nkj,kj->nk", points[:, None] - a, b - a) / ((b - a) ** 2).sum(axis=1)
+    foot = a + np.clip(along, 0, 1)[..., None] * (b - a)
+    nearest: Points = np.linalg.norm(points[:, None] - foot, axis=2).min(axis=1)
+    return nearest
+
+
+def obstacles(page: Page) -> list[str]:
+    """Names of the obstacles' gizmos."""
+    return sorted(
+        name for name in page.names() if name.startswith("/obstacle_") and name.count("/") == 1
+    )

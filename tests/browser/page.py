@@ -1,0 +1,359 @@
+"""Drives the page of a viser 1.1.1 server as a person would, and reads what it shows.
+
+viser draws only when asked and exposes its scene on ``window``; both are used here to wait for what
+is on screen instead of for a number of seconds.
+"""
+
+from __future__ import annotations
+
+import re
+import time
+from collections.abc import Callable, Sequence
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+from playwright.sync_api import Browser, ConsoleMessage, FilePayload, Locator
+from playwright.sync_api import Page as Tab
+
+Point: TypeAlias = tuple[float, float]
+
+FLAGS = (
+    # WebGL without a graphics card ...
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--ignore-gpu-blocklist",
+    # ... for the scene alone: the panels are drawn sooner without it ...
+    "--disable-gpu-compositing",
+    "--disable-gpu-rasterization",
+    # ... and not a word to the network.
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-quic",
+    "--disable-sync",
+    "--no-first-run",
+)
+PATIENCE = 60.0  # [s]; the first frames in software GL compile shaders for seconds
+# Pixels of the scene for one of the page: nobody looks at them, and each takes time. Fixed, since
+# viser otherwise resizes the canvas when drawing is slow.
+_RATIO = 0.05
+
+_READY = """() => {
+  const viser = window.__viserMutable;
+  return !!(viser && viser.camera && viser.canvas && window.__viserTestpoints?.rendererInfo);
+}"""
+
+# Resolves to "" when nothing is left to draw: no message waits, and three new frames in a row had
+# the same content, however much an arm that plays moves in them and lengthens its trace. Otherwise,
+# when time is up, to what was seen last.
+_SETTLE = """async milliseconds => {
+  const viser = window.__viserMutable, gl = window.__viserTestpoints.rendererInfo;
+  const end = performance.now() + milliseconds;
+  let frame = gl.render.frame, before = "no frame", equal = 0;
+  while (performance.now() < end) {
+    viser.requestRender();
+    await new Promise(wake => setTimeout(wake, 10));
+    if (gl.render.frame === frame) continue;
+    frame = gl.render.frame;
+    const waiting = viser.messageQueue.length;
+    const now = JSON.stringify({textures: gl.memory.textures, calls: gl.render.calls,
+      nodes: Object.keys(viser.nodeRefFromName).length, waiting});
+    equal = now === before && waiting === 0 ? equal + 1 : 0;
+    before = now;
+    if (equal === 2) return "";
+  }
+  return before;
+}"""
+
+_FRAMES = """async count => {
+  const viser = window.__viserMutable, gl = window.__viserTestpoints.rendererInfo;
+  for (const last = gl.render.frame + count; gl.render.frame < last;) {
+    viser.requestRender();
+    await new Promise(requestAnimationFrame);
+  }
+}"""
+
+_PIXEL = """([name, point]) => {
+  const {camera, canvas, nodeRefFromName} = window.__viserMutable;
+  const node = nodeRefFromName[name];
+  if (!node) return null;
+  node.updateWorldMatrix(true, false);
+  camera.updateMatrixWorld();
+  const seen = node.position.clone().set(...point).applyMatrix4(node.matrixWorld).project(camera);
+  const box = canvas.getBoundingClientRect();
+  return [box.left + box.width * (1 + seen.x) / 2, box.top + box.height * (1 - seen.y) / 2];
+}"""
+
+_FREE = "([x, y]) => document.elementFromPoint(x, y) === window.__viserMutable.canvas"
+
+_PROPS = """name => {
+  const node = window.__viserSceneTree.getState()[name];
+  const plain = (key, value) => ArrayBuffer.isView(value) ? Array.from(value) : value;
+  return node ? JSON.parse(JSON.stringify(node.message.props, plain)) : null;
+}"""
+
+# Pairs of whether a node is seen, by the page's own account, and as it is drawn.
+_SEEN = """() => {
+  const state = window.__viserSceneTree.getState(), nodes = window.__viserMutable.nodeRefFromName;
+  const drawn = node => !node || (node.visible && drawn(node.parent));
+  return Object.entries(state).filter(([name]) => name && nodes[name])
+    .map(([name, {effectiveVisibility}]) => [name, effectiveVisibility, drawn(nodes[name])]);
+}"""
+
+_EDGES = """name => {
+  let ends = 0;
+  window.__viserMutable.nodeRefFromName[name]
+    ?.traverse(part => { if (part.isLineSegments) ends += part.geometry.index.count; });
+  return ends / 2;
+}"""
+
+_TRIANGLES = """name => {
+  let corners = 0;
+  window.__viserMutable.nodeRefFromName[name]?.traverse(part => {
+    if (part.isMesh) corners = Math.max(corners, part.geometry.index?.count ?? 0);
+  });
+  return corners / 3;
+}"""
+
+_TYPE = "name => window.__viserSceneTree.getState()[name].message.type"
+
+_SEND = "message => window.__viserMutable.sendMessage(message)"
+
+_POSITION = """name => {
+  const nodes = window.__viserMutable.nodeRefFromName;
+  if (!nodes[name]) return null;
+  const [world, node] = [nodes[""], nodes[name]];
+  world.updateWorldMatrix(true, false);
+  node.updateWorldMatrix(true, false);
+  const origin = node.position.clone().set(0, 0, 0).applyMatrix4(node.matrixWorld);
+  return world.worldToLocal(origin).toArray();
+}"""
+
+
+class Page:
+    """One tab with its own storage, 1280x720 unless told otherwise, connected when built.
+
+    ``errors`` collects what the page threw or logged as an error; ``client`` is the id under which
+    the server knows the tab, for whoever opened it to set.
+    """
+
+    def __init__(self, browser: Browser, url: str, width: int = 1280, height: int = 720) -> None:
+        self.errors: list[str] = []
+        self.client = -1
+        self._connected = False
+        self.tab: Tab = browser.new_context(viewport={"width": width, "height": height}).new_page()
+        self.tab.set_default_timeout(1000 * PATIENCE)
+        self.tab.on("console", self._hear)
+        self.tab.on("pageerror", lambda error: self.errors.append(str(error)))
+        self.tab.goto(url + ("&" if "?" in url else "?") + f"fixedDpr={_RATIO}")
+        self._connect()
+
+    def reload(self) -> None:
+        """Load the page anew, as a person would; ``client`` is then out of date."""
+        self._connected = False
+        self.tab.reload()
+        self._connect()
+
+    def _connect(self) -> None:
+        self.tab.wait_for_function(_READY)
+        self.until(lambda: self._connected, "the page to connect")
+
+    def _hear(self, message: ConsoleMessage) -> None:
+        if message.text.startswith("Connected!"):
+            self._connected = True
+        # The gizmo's library says this on every press; nothing comes of it.
+        if message.type == "error" and "preventDefault inside passive" not in message.text:
+            self.errors.append(message.text)
+
+    def close(self) -> None:
+        """Close the tab, as a person would."""
+        self.tab.context.close()
+
+    # Waiting
+
+    def until(self, true: Callable[[], bool], what: str, seconds: float = PATIENCE) -> None:
+        """Keep the page running until ``true()``; fail naming ``what`` after ``seconds``."""
+        end = time.monotonic() + seconds
+        while not true():
+            assert time.monotonic() < end, f"waited {seconds:g} s for {what}"
+            self.tab.wait_for_timeout(20)
+
+    def node(self, name: str) -> None:
+        """Wait until the scene has the node."""
+        self.until(lambda: self.tab.evaluate(_POSITION, name) is not None, f"node {name}")
+
+    def settle(self) -> None:
+        """Wait until all that has arrived is on screen; closes the notice about software WebGL."""
+        seen = self.tab.evaluate(_SETTLE, 1000 * PATIENCE)
+        assert seen == "", f"the page still changes: {seen}"
+        notice = self.tab.locator("#webgl-software-rendering")
+        if notice.is_visible():
+            notice.get_by_role("button").click()
+            notice.wait_for(state="detached")
+
+    # The scene
+
+    def props(self, name: str) -> dict[str, Any]:
+        """Properties of a node as the browser has them; arrays are flat lists."""
+        props = self.tab.evaluate(_PROPS, name)
+        assert props is not None, f"no node {name}"
+        return dict(props)
+
+    def points(self, name: str) -> NDArray[np.float64]:
+        """The points of a line set, (n, 2, 3), or of a point cloud, (n, 3), [unit]."""
+        flat = np.array(self.props(name)["points"], dtype=float)
+        lines = self.tab.evaluate(_TYPE, name) == "LineSegmentsMessage"
+        return flat.reshape(-1, 2, 3) if lines else flat.reshape(-1, 3)
+
+    def triangles(self, name: str) -> int:
+        """How many triangles the mesh of a node has."""
+        return int(self.tab.evaluate(_TRIANGLES, name))
+
+    def edges(self, name: str) -> float:
+        """How many edges the meshes under a node draw."""
+        return float(self.tab.evaluate(_EDGES, name))
+
+    def names(self) -> set[str]:
+        """Every node of the scene that exists, except viser's own axes, which are off."""
+        return {name for name, _, _ in self.tab.evaluate(_SEEN)} - {"/WorldAxes"}
+
+    def shown(self) -> set[str]:
+        """Every node of the scene that can be seen, by the page's account and as drawn."""
+        return {name for name, said, drawn in self.tab.evaluate(_SEEN) if said and drawn}
+
+    def position(self, name: str) -> tuple[float, float, float]:
+        """Position of a node in the world, [unit]; a dragged gizmo's as the hand left it."""
+        position = self.tab.evaluate(_POSITION, name)
+        assert position is not None, f"no node {name}"
+        x, y, z = position
+        return (x, y, z)
+
+    def pixel(self, name: str, point: Sequence[float] = (0.0, 0.0, 0.0)) -> Point:
+        """Where ``point``, in the frame of the node, [unit], is on the page, [px]."""
+        pixel = self.tab.evaluate(_PIXEL, [name, list(point)])
+        assert pixel is not None, f"no node {name}"
+        x, y = pixel
+        return (x, y)
+
+    def is_free(self, pixel: Point) -> bool:
+        """Whether the canvas itself is at ``pixel``: no panel or notice lies over it."""
+        return bool(self.tab.evaluate(_FREE, list(pixel)))
+
+    def drag(
+        self,
+        start: Point,
+        end: Point,
+        steps: int = 8,
+        midway: Callable[[], None] | None = None,
+    ) -> None:
+        """Press the mouse at ``start``, move it to ``end`` in ``steps``, release it.
+
+        ``midway`` is called where half the way is done, while the mouse is down and still.
+        """
+        for pixel in (start, end):
+            assert self.is_free(pixel), f"{pixel} is not free canvas"
+        mouse = self.tab.mouse
+        mouse.move(*start)
+        self.frames(3)  # what is under the mouse is found while drawing
+        mouse.down()
+        self.frames(2)
+        for step in range(1, steps + 1):
+            part = step / steps
+            mouse.move(start[0] + part * (end[0] - start[0]), start[1] + part * (end[1] - start[1]))
+            self.frames(1)
+            if midway is not None and 2 * step == steps:
+                midway()
+        mouse.up()
+
+    def drag_arrow(
+        self, gizmo: str, axis: int, distance: float, midway: Callable[[], None] | None = None
+    ) -> None:
+        """Pull an arrow of transform controls along its local ``axis`` (0, 1, 2) by ``distance``.
+
+        The arrow is gripped near its tip, since what is clickable and nearer to the eye, such as an
+        obstacle's body, takes the mouse from its shaft.
+        """
+        grip = [0.0, 0.0, 0.0]
+        grip[axis] = 0.85 * float(self.props(gizmo)["scale"])
+        start = self.pixel(gizmo, grip)
+        grip[axis] += distance
+        self.drag(start, self.pixel(gizmo, grip), midway=midway)
+
+    def frames(self, count: int) -> None:
+        """Let the page draw that many frames."""
+        self.tab.evaluate(_FRAMES, count)
+
+    # The panels
+
+    def row(self, label: str) -> Locator:
+        """The visible widget with that label."""
+        text = re.compile(rf"^\s*{re.escape(label)}\s*$")
+        label_element = self.tab.locator("label").filter(has_text=text, visible=True)
+        return label_element.locator(
+            "xpath=ancestor::*[contains(concat(' ', @class, ' '), ' mantine-Flex-root ')][1]"
+        )
+
+    def set_number(self, label: str, value: float | str, index: int = 0) -> None:
+        """Type into a number, a slider's box, a text or, by ``index``, one box of a vector.
+
+        As a person does, once the page stands still: a box that is drawn anew that very moment may
+        lose what is typed.
+        """
+        self.settle()
+        box = self.row(label).locator("input:visible").nth(index)
+        box.fill(str(value))
+        box.press("Tab")
+
+    def slide(self, label: str, part: float) -> None:
+        """Press a slider's track at ``part`` (0 to 1) of its length."""
+        track = self.row(label).locator(".mantine-Slider-track")
+        box = track.bounding_box()
+        assert box is not None, f"the slider {label} is not on screen"
+        self.tab.mouse.click(box["x"] + part * box["width"], box["y"] + box["height"] / 2)
+
+    def choose(self, label: str, option: str) -> None:
+        """Pick an option of a dropdown, or press one button of a group."""
+        row = self.row(label)
+        dropdown = row.get_by_role("combobox")
+        if dropdown.count():
+            dropdown.click()
+            self.tab.get_by_role("option", name=option, exact=True).click()
+        else:
+            row.get_by_role("button", name=option, exact=True).click()
+
+    def tick(self, label: str, on: bool) -> None:
+        """Set a checkbox."""
+        self.row(label).locator("input[type=checkbox]").set_checked(on)
+
+    def click(self, name: str) -> None:
+        """Click the visible button or the panel's tab of that name."""
+        button = self.tab.get_by_role("button", name=name, exact=True)
+        panel_tab = self.tab.get_by_role("tab", name=name, exact=True)
+        button.or_(panel_tab).filter(visible=True).click()
+
+    def upload(self, button: str, name: str, content: bytes) -> None:
+        """Click an upload button and choose a file."""
+        with self.tab.expect_file_chooser() as chooser:
+            self.click(button)
+        file: FilePayload = {
+            "name": name,
+            "mimeType": "application/octet-stream",
+            "buffer": content,
+        }
+        chooser.value.set_files(file)
+
+    def text(self) -> str:
+        """Everything that can be read on the page."""
+        return self.tab.locator("body").inner_text()
+
+    def reads(self, text: str) -> None:
+        """Wait until ``text`` stands on the page."""
+        self.until(lambda: text in self.text(), repr(text))
+
+    def complaints(self) -> list[str]:
+        """The sentences that say what is wrong."""
+        return [line for line in self.text().splitlines() if line.startswith("✗ ")]
+
+    def send(self, message: dict[str, Any]) -> None:
+        """Send what the page itself would never send, over its own connection."""
+        self.tab.evaluate(_SEND, message)

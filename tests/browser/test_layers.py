@@ -1,0 +1,103 @@
+"""Switches: each hides and shows its nodes and no other."""
+
+from __future__ import annotations
+
+from app.panels.view import LAYERS
+from app.session import Session
+from tests.browser.page import Page
+
+NODES = {
+    "workspace": ("/workspace",),
+    "edges": ("/mesh/edges",),
+    "nodes": ("/mesh/nodes",),
+    "excluded": ("/mesh/excluded",),
+    "a_star": ("/path/a_star",),
+    "dijkstra": ("/path/dijkstra",),
+    "bellman_ford": ("/path/bellman_ford",),
+    "taut": ("/path/taut",),
+    "bspline": ("/curve/bspline",),
+    "control": ("/curve/control_points", "/curve/control_polygon"),
+    "quadratic": ("/curve/quadratic", "/curve/entering"),
+    "obstacles": ("/obstacle_1",),
+    "trace": ("/trace",),
+    "arm": ("/arm",),
+}
+_BACKGROUND = "() => getComputedStyle(document.body).backgroundColor"
+
+
+def _nodes(page: Page, layer: str) -> set[str]:
+    """The nodes of a layer and all below them."""
+    tops = NODES[layer]
+    return {
+        name
+        for name in page.names()
+        if any(name == top or name.startswith(f"{top}/") for top in tops)
+    }
+
+
+def _switch(page: Page, layer: str, on: bool) -> None:
+    page.tick(LAYERS[layer][0], on)
+
+
+def test_every_layer_has_its_switch(page: Page) -> None:
+    page.click("Layers")
+    assert set(NODES) == set(LAYERS)
+    for label, _, on in LAYERS.values():
+        assert page.row(label).locator("input[type=checkbox]").is_checked() == on
+
+
+def test_a_switch_hides_and_shows_its_nodes_and_no_other(page: Page) -> None:
+    page.click("Layers")
+    before = page.shown()
+    for layer in NODES:
+        nodes = _nodes(page, layer)
+        assert nodes
+        assert nodes <= before
+        _switch(page, layer, False)
+        rest = before - nodes
+        page.until(lambda rest=rest: page.shown() == rest, f"{layer} alone to go")  # type: ignore[misc]
+        _switch(page, layer, True)
+        page.until(lambda: page.shown() == before, f"{layer} to come back")
+
+
+def test_what_is_hidden_stays_hidden_in_a_new_plan(page: Page, session: Session) -> None:
+    page.click("Layers")
+    before = page.shown()
+    for layer in NODES:
+        _switch(page, layer, False)
+    hidden = set().union(*(_nodes(page, layer) for layer in NODES))
+    page.until(lambda: not page.shown() & hidden, "all layers to go")
+    page.set_number("pitch [cm]", 1.0)
+    page.set_number("degree", 3)
+    page.until(
+        lambda: session.plan.scene.spline.degree == 3,  # type: ignore[union-attr]
+        "another plan",
+    )
+    page.reads(f"{len(session.plan.mesh.points)} nodes")  # type: ignore[union-attr]
+    page.settle()
+    assert not page.shown() & hidden
+
+    for layer in NODES:
+        _switch(page, layer, True)
+    page.until(lambda: page.shown() == before, "all layers")
+
+
+def test_the_dark_switch_darkens_the_page(page: Page) -> None:
+    page.click("Layers")
+    light = page.tab.evaluate(_BACKGROUND)
+    assert light == "rgb(255, 255, 255)"
+    page.tick("dark page", True)
+    page.until(lambda: page.tab.evaluate(_BACKGROUND) == "rgb(36, 36, 36)", "a dark page")
+    page.tick("dark page", False)
+    page.until(lambda: page.tab.evaluate(_BACKGROUND) == light, "a light page")
+
+
+def test_the_search_slider_shows_what_was_expanded(page: Page, session: Session) -> None:
+    assert session.plan is not None
+    assert session.plan.path is not None
+    assert "/search/reached" not in page.shown()
+    page.set_number("search [%]", 100)
+    page.until(lambda: "/search/reached" in page.shown(), "the expanded nodes")
+    assert len(page.points("/search/reached")) == len(set(session.plan.path.order.tolist()))
+    page.set_number("search [%]", 0)
+    page.until(lambda: "/search/reached" not in page.shown(), "them to go")

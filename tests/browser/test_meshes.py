@@ -1,0 +1,121 @@
+"""Triangle meshes of every kind as obstacles: uploaded, dragged, and kept clear of."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.spatial import cKDTree
+
+import abi
+from app.session import Session
+from tests.abi import meshes
+from tests.browser import drawn
+from tests.browser.page import Page
+
+ADD = "Add a mesh…"
+# What is dragged, the note it comes with, and whether its middle is inside.
+KINDS = {
+    "soup": (meshes.soup(150, seed=3, size=0.9), "It is not closed", False),
+    "bunny-like": (meshes.bumpy(6), "81,920 triangles", True),
+    "flipped": (meshes.inverted(meshes.bumpy(4)), "1 of 1 shells faced inward", True),
+}
+
+
+def _add(page: Page, session: Session, name: str, mesh: meshes.Mesh) -> str:
+    """Upload a mesh in the place of the cube; the name of its gizmo."""
+    page.click("Scene")
+    page.choose("change", "Delete")
+    page.until(lambda: session.plan.scene.obstacles == (), "the cube to go")  # type: ignore[union-attr]
+    page.upload(ADD, f"{name}.stl", meshes.stl(mesh))
+    page.until(lambda: len(session.plan.scene.obstacles) == 1, "the mesh")  # type: ignore[union-attr]
+    page.until(lambda: len(drawn.obstacles(page)) == 1, "its gizmo")
+    (gizmo,) = drawn.obstacles(page)
+    page.node(f"{gizmo}/body")
+    assert page.triangles(f"{gizmo}/body") == len(mesh[1])
+    return gizmo
+
+
+def _is_planned_here(page: Page, session: Session, gizmo: str) -> None:
+    """Wait until the page shows a plan around the obstacle where its gizmo is now."""
+
+    def arrived() -> bool:
+        assert session.plan is not None
+        (obstacle,) = session.plan.scene.obstacles
+        here = page.position(gizmo)
+        return np.allclose(here, obstacle.position, atol=1e-5) and drawn.shows(page, session.plan)
+
+    page.until(arrived, "the plan for where the mesh is")
+
+
+def _nearest(curve: drawn.Points, mesh: meshes.Mesh, place: tuple[float, float, float]) -> float:
+    """Distance of points (n, 3) to a mesh moved to ``place``, from points all over the mesh: never
+    less than it is."""
+    vertices, faces = mesh
+    corners = (vertices + place)[faces]
+    rng = np.random.default_rng(0)
+    chosen = corners[rng.integers(len(faces), size=40_000)]
+    inside = np.einsum("nk,nki->ni", rng.dirichlet((1, 1, 1), len(chosen)), chosen)
+    surface = np.concatenate([corners.reshape(-1, 3), inside])
+    distance, _ = cKDTree(surface).query(curve)
+    return float(distance.min())
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_mesh_works_as_an_obstacle_while_it_is_dragged(
+    page: Page, session: Session, kind: str
+) -> None:
+    mesh, note, solid = KINDS[kind]
+    gizmo = _add(page, session, kind, mesh)
+    page.reads(note)
+    page.settle()
+    places = [page.position(gizmo)]
+    plans = [session.plan]
+
+    def midway() -> None:
+        _is_planned_here(page, session, gizmo)
+        places.append(page.position(gizmo))
+        plans.append(session.plan)
+
+    page.drag_arrow(gizmo, 1, 1.2, midway)
+    midway()
+    along = [place[1] - places[0][1] for place in places]
+    assert along == pytest.approx([0, 0.6, 1.2], abs=0.15)
+
+    for place, plan in zip(places, plans, strict=True):
+        assert plan is not None
+        assert plan.error is None
+        assert plan.bspline is not None
+        (middle,) = plan.scene.obstacles[0].signed_distance(np.array([place]))
+        assert (middle < 0) == solid
+        asked = plan.scene.spline.clearance
+        assert plan.bspline.clearance.certified
+        assert plan.bspline.clearance.distance >= asked
+        curve = plan.bspline(np.linspace(*plan.bspline.interval, 2000))
+        assert _nearest(curve, mesh, place) >= asked
+    # The page's own line, at the mesh's last place.
+    shown = drawn.chain(page.points("/curve/bspline"))
+    assert _nearest(shown, mesh, page.position(gizmo)) >= asked - drawn.SINGLE
+    assert plan is not None
+    assert plan.bspline is not None
+    page.reads(f"clear by {plan.bspline.clearance.distance:.2f} ✓")
+    assert drawn.same(plan, abi.plan(plan.scene))
+    assert page.complaints() == []
+
+
+def test_what_is_no_mesh_is_refused_and_one_in_millimetres_is_asked_about(
+    page: Page, session: Session
+) -> None:
+    good = session.plan
+    page.click("Scene")
+    whole = meshes.stl(meshes.box((30, 30, 30)))
+    page.upload(ADD, "cut off.stl", whole[:-10])
+    page.until(lambda: len(page.complaints()) == 1, "the refusal")
+    assert session.plan is good
+    assert len(drawn.obstacles(page)) == 1
+
+    page.choose("change", "Delete")
+    page.until(lambda: session.plan.scene.obstacles == (), "the cube to go")  # type: ignore[union-attr]
+    page.upload(ADD, "far too large.stl", meshes.stl(meshes.box((200, 200, 200))))
+    page.reads("is the file in mm?")
+    page.click("Yes, read it in mm")
+    page.until(lambda: session.plan.scene.obstacles[0].unit == "mm", "the unit")  # type: ignore[union-attr]

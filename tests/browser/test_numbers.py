@@ -1,0 +1,125 @@
+"""Numbers and choices: sliders, boxes and lists, good and bad."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+
+import abi
+from app.session import Session
+from tests.browser import drawn
+from tests.browser.page import Page
+
+SPEED = "V [cm/s]"
+RATES = "a1, a3 [cm/s²]"
+PITCH = "pitch [cm]"
+
+
+def _scene(session: Session) -> abi.Scene:
+    assert session.plan is not None
+    return session.plan.scene
+
+
+def _heading_of_the_mesh(session: Session) -> str:
+    assert session.plan is not None
+    assert session.plan.mesh is not None
+    assert session.plan.free is not None
+    return f"1 · Mesh — {session.plan.free.nodes:,} of {len(session.plan.mesh.points):,} nodes"
+
+
+def _pitch_is(page: Page, session: Session, pitch: float) -> None:
+    page.until(lambda: _scene(session).mesh.pitch == pytest.approx(pitch), f"a pitch of {pitch}")
+    page.reads(_heading_of_the_mesh(session))
+    page.until(lambda: drawn.shows(page, session.plan), "the new path and curves")
+
+
+def test_a_typed_pitch_changes_the_mesh(page: Page, session: Session) -> None:
+    before = _heading_of_the_mesh(session)
+    page.set_number(PITCH, 0.9)
+    _pitch_is(page, session, 0.9)
+    assert before not in page.text()
+    assert session.plan is not None
+    assert session.plan.free is not None
+    page.until(
+        lambda: len(page.points("/mesh/nodes")) == session.plan.free.nodes,  # type: ignore[union-attr]
+        "the nodes of the new mesh",
+    )
+
+
+def test_arrow_keys_move_the_pitch_step_by_step(page: Page, session: Session) -> None:
+    page.set_number(PITCH, 1.2)
+    _pitch_is(page, session, 1.2)
+    thumb = page.row(PITCH).get_by_role("slider")
+    for key, pitch in (("ArrowRight", 1.21), ("ArrowRight", 1.22), ("ArrowLeft", 1.21)):
+        thumb.press(key)
+        _pitch_is(page, session, pitch)
+    assert page.row(PITCH).locator("input:visible").input_value() == "1.21"
+
+
+def test_a_bad_speed_says_why_and_keeps_the_plan(page: Page, session: Session) -> None:
+    page.set_number(SPEED, 2)
+    page.until(lambda: _scene(session).motion.speed == 2, "the first speed")
+    page.until(lambda: drawn.shows(page, session.plan), "its picture")
+    good = session.plan
+    for bad, said in (("-1", "-1.0"), ("10000000", "10000000.0"), ("0", "0.0")):
+        page.set_number(SPEED, bad)
+        page.reads(f"motion.speed is {said}; expected ")
+        (sentence,) = page.complaints()
+        assert re.search(r"motion\.speed is \S+; expected .+\.", sentence)
+        assert session.plan is good
+    _lies_between(page, "motion.speed is", "4 · B-spline", "5 · Quadratic")
+    assert drawn.shows(page, good)
+
+    page.set_number(SPEED, 2.125)
+    page.until(lambda: page.complaints() == [], "no complaint")
+    assert _scene(session).motion.speed == 2.125
+
+
+def test_what_is_no_number_is_ignored(page: Page, session: Session) -> None:
+    page.set_number(SPEED, 2)
+    page.until(lambda: _scene(session).motion.speed == 2, "the first speed")
+    for rate, bad in enumerate(("", "abc", "-"), start=3):
+        box = page.row(SPEED).locator("input:visible")
+        box.fill("")
+        box.press_sequentially(bad)
+        box.press("Tab")
+
+        # What was typed later arrives later: were there an answer to the first, it would be seen.
+        page.set_number(RATES, rate)
+        page.until(lambda rate=rate: _scene(session).motion.acceleration == rate, "the later one")  # type: ignore[misc]
+        assert _scene(session).motion.speed == 2
+        assert page.complaints() == []
+    page.set_number(RATES, 7.625, 1)
+    page.until(lambda: _scene(session).motion.deceleration == 7.625, "the braking")
+    page.set_number(SPEED, 3)
+    page.until(lambda: _scene(session).motion.speed == 3, "a good number")
+
+
+def test_a_choice_changes_the_curve_that_the_arm_follows(page: Page, session: Session) -> None:
+    page.choose("arm follows", "B-spline")
+    page.until(lambda: session.plan.followed == "bspline", "the B-spline to be followed")  # type: ignore[union-attr]
+    page.choose("fit", "fewest clear pieces")
+    page.until(lambda: _scene(session).quadratic.mode == "pieces", "the pieces")
+    page.until(lambda: drawn.shows(page, session.plan), "their picture")
+    assert "/path/taut" in page.shown()
+    assert drawn.is_nothing(page.points("/path/taut"))
+    page.tick("pull taut (3½)", True)
+    page.until(lambda: not drawn.is_nothing(page.points("/path/taut")), "the taut path")
+    page.until(lambda: drawn.shows(page, session.plan), "the curves along it")
+    assert session.plan is not None
+    assert session.plan.taut is not None
+    taut = drawn.chain(page.points("/path/taut"))
+    np.testing.assert_allclose(taut, session.plan.taut.points, atol=drawn.SINGLE)
+    assert drawn.same(session.plan, abi.plan(session.plan.scene))
+
+
+def _lies_between(page: Page, sentence: str, above: str, below: str) -> None:
+    """Whether a sentence stands in the page after one heading and before the next."""
+    tops = []
+    for text in (above, sentence, below):
+        box = page.tab.get_by_text(text, exact=False).first.bounding_box()
+        assert box is not None, f"{text!r} is not to be seen"
+        tops.append(box["y"])
+    assert tops == sorted(tops)

@@ -1,0 +1,106 @@
+"""Play, pause, scrub: the tool in the page is where the plan has it at the time shown."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from app.session import Session
+from tests.browser import drawn
+from tests.browser.page import Page
+
+TIME = "time [s]"
+
+
+def _label(page: Page) -> str:
+    return (
+        page.tab.get_by_role("button", name="Pause")
+        .or_(page.tab.get_by_role("button", name="Play", exact=True))
+        .inner_text()
+    )
+
+
+def _tool(page: Page) -> drawn.Points:
+    return np.array(page.position(drawn.TOOL))
+
+
+def _time(page: Page) -> float:
+    return float(page.row(TIME).locator("input:visible").input_value())
+
+
+def _plays(page: Page) -> None:
+    """Make it play, whatever it did."""
+    if _label(page) == "Play":
+        page.click("Play")
+    page.until(lambda: _label(page) == "Pause", "the button to say Pause")
+    here = _tool(page)
+    page.until(lambda: not np.allclose(_tool(page), here, atol=0.02), "the arm to move")
+
+
+def _stands(page: Page, session: Session) -> None:
+    """Wait until the arm stands still, and where it should at the time shown."""
+    page.until(lambda: _label(page) == "Play", "the button to say Play")
+    page.settle()
+    shown = _time(page)
+    assert session.plan is not None
+    here = _tool(page)
+    page.frames(10)
+    np.testing.assert_array_equal(_tool(page), here)
+    assert _time(page) == shown
+
+
+def _is_at(page: Page, session: Session, time: float) -> None:
+    """Wait until tool and trace are where they are at ``time`` [s]."""
+    assert session.plan is not None
+    expected = drawn.tool_at(session.plan, time)
+    page.until(
+        lambda: bool(np.allclose(_tool(page), expected, rtol=0, atol=1e-3)),
+        f"the tool at {time:g} s",
+    )
+    trace = drawn.chain(page.points("/trace"))
+    assert np.linalg.norm(trace[-1] - expected) < 0.1
+
+
+def test_pause_holds_the_arm_and_play_moves_it(page: Page, session: Session) -> None:
+    _plays(page)
+    page.click("Pause")
+    _stands(page, session)
+    _plays(page)
+
+
+def test_a_typed_time_moves_the_arm_there(page: Page, session: Session) -> None:
+    for time in (1.25, 0.4, 2.9):
+        page.set_number(TIME, time)
+        _is_at(page, session, time)
+        _stands(page, session)
+        assert _time(page) == time
+
+
+def test_pressing_the_track_scrubs(page: Page, session: Session) -> None:
+    assert session.plan is not None
+    assert session.plan.profile is not None
+    for part in (0.5, 0.2, 0.8):
+        _plays(page)
+        page.slide(TIME, part)
+        scrubbed = part * session.plan.profile.duration
+        page.until(lambda scrubbed=scrubbed: abs(_time(page) - scrubbed) < 0.1, "the time")  # type: ignore[misc]
+        _stands(page, session)
+        assert _time(page) == pytest.approx(scrubbed, abs=0.1)
+        _is_at(page, session, _time(page))
+
+
+def test_space_toggles_from_canvas_and_button(page: Page, session: Session) -> None:
+    _plays(page)
+    pixel = (420.0, 90.0)
+    assert page.is_free(pixel)
+    page.tab.mouse.click(*pixel)
+    page.tab.keyboard.press("Space")
+    _stands(page, session)
+    page.tab.keyboard.press("Space")
+    page.until(lambda: _label(page) == "Pause", "Space to play")
+    page.click("Pause")  # the button has the focus now; Space is not to press it as well
+    _stands(page, session)
+    page.tab.keyboard.press("Space")
+    page.until(lambda: _label(page) == "Pause", "Space to play")
+    here = _tool(page)
+    page.until(lambda: not np.allclose(_tool(page), here, atol=0.02), "the arm to move")

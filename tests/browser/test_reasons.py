@@ -1,0 +1,89 @@
+"""Scenes without a plan: the reason at rest, and the change that helps at a press."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+
+import abi
+from app.session import Session
+from tests.browser import drawn
+from tests.browser.page import Page
+
+DO_THAT = "Do that"
+
+
+def _offers(page: Page) -> int:
+    return page.tab.get_by_role("button", name=DO_THAT, exact=True).filter(visible=True).count()
+
+
+def _shows_no_curve(page: Page, session: Session) -> None:
+    """Wait until no line of an older plan is left."""
+    page.until(lambda: drawn.shows(page, session.plan), "the old curves to go")
+    for line in ("/path/dijkstra", "/path/bellman_ford", "/curve/control_polygon", "/trace"):
+        page.until(lambda line=line: drawn.is_nothing(page.points(line)), f"no {line}")  # type: ignore[misc]
+
+
+def test_a_walled_in_goal_says_by_what_and_draws_no_path(page: Page, session: Session) -> None:
+    page.click("Scene")
+    page.choose("scene", "no-way")
+    page.until(lambda: session.plan.scene == abi.load_scene("no-way"), "the scene")  # type: ignore[union-attr]
+    _shows_no_curve(page, session)
+    page.reads("The goal is walled in by obstacles 1, 2, 3, 4, 5")
+    (sentence,) = page.complaints()
+    assert "they have been tried" in sentence
+    assert _offers(page) == 0
+
+    assert session.plan is not None
+    assert session.plan.graph is not None
+    assert session.plan.quadratic is None
+    # What the goal can reach is marked, and lies inside the walls.
+    page.until(lambda: "/marks" in page.shown(), "the marks")
+    marks = page.points("/marks")
+    assert (np.abs(marks - (4.2, 4.2, 3)) < 1.2).all()
+    assert np.linalg.norm(marks - session.plan.scene.goal, axis=1).min() < 1e-5
+    tops = []
+    for text in ("2 · Graph", "The goal is walled in", "3 · Search"):
+        box = page.tab.get_by_text(text, exact=False).first.bounding_box()
+        assert box is not None
+        tops.append(box["y"])
+    assert tops == sorted(tops)
+    headings = [line for line in page.text().splitlines() if re.match(r"[3-6] · ", line)]
+    assert headings == ["3 · Search — no path", "4 · B-spline", "5 · Quadratic", "6 · Arm"]
+    assert len(drawn.obstacles(page)) == 6
+
+    page.choose("scene", "paper")
+    page.until(lambda: session.plan.scene == abi.load_scene("paper"), "the paper's scene")  # type: ignore[union-attr]
+    page.until(lambda: drawn.shows(page, session.plan), "its curves")
+    page.until(lambda: page.complaints() == [], "no complaint")
+    page.until(lambda: "/marks" not in page.shown(), "the marks to go")
+    assert session.plan.quadratic is not None
+    assert drawn.same(session.plan, abi.plan(abi.load_scene("paper")))
+    (gizmo,) = drawn.obstacles(page)
+    page.node(f"{gizmo}/body")
+
+
+def test_the_change_that_helps_is_made_at_a_press(page: Page, session: Session) -> None:
+    page.click("Scene")
+    for axis, number in enumerate((2.25, 3, 3)):
+        page.set_number("start", number, axis)
+    page.until(lambda: _offers(page) == 1, "the offer")
+    (sentence,) = page.complaints()
+    assert "The start is 0.25 inside obstacle 1." in sentence
+    found = re.search(r"Move the start to \((.+)\), the nearest free point found", sentence)
+    assert found is not None
+    free = tuple(float(number) for number in found.group(1).split(","))
+    assert free[0] < 2
+    _shows_no_curve(page, session)
+    page.until(lambda: "/marks" in page.shown(), "the mark")
+    np.testing.assert_allclose(page.points("/marks"), [free], atol=drawn.SINGLE)
+
+    page.click(DO_THAT)
+    page.until(lambda: session.plan.error is None, "a plan")  # type: ignore[union-attr]
+    page.until(lambda: drawn.shows(page, session.plan), "its picture")
+    page.until(lambda: page.complaints() == [] and _offers(page) == 0, "no complaint, no offer")
+    assert session.plan is not None
+    assert session.plan.scene == abi.load_scene("paper").replace(start=free)
+    np.testing.assert_allclose(page.position("/start"), free, atol=drawn.SINGLE)
+    page.until(lambda: "/marks" not in page.shown(), "the mark to go")
