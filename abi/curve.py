@@ -106,11 +106,18 @@ class ArcLength:
         asked = np.clip(given.ravel(), 0.0, self.length)
         piece = _piece(self.travelled, asked)
         left, right = self.edges[piece], self.edges[piece + 1]
-        place = _invert(self.series[piece], asked - self.travelled[piece], 1e-14 * self.length)
+        guess = 2 * (self._near(asked) - left) / (right - left) - 1
+        wanted = asked - self.travelled[piece]
+        place = _invert(self.series[piece], wanted, guess, 1e-13 * self.length)
         found = np.minimum(left + (right - left) * (place + 1) / 2, right)
         found = np.where(asked <= 0, self.edges[0], found)
         found = np.where(asked >= self.length, self.edges[-1], found)
         return np.asarray(found.reshape(given.shape))
+
+    def _near(self, distance: FloatArray) -> FloatArray:
+        """About where a distance has been travelled: straight between the Gauss points."""
+        passed = np.cumsum(self.weights) - self.weights / 2
+        return np.interp(distance, passed, self.nodes)
 
 
 def measure(curve: Curve) -> ArcLength:
@@ -181,21 +188,26 @@ def _series(coefficients: FloatArray, place: FloatArray) -> FloatArray:
     return np.asarray(np.einsum("nk,nk->n", coefficients, values))
 
 
-def _invert(series: FloatArray, wanted: FloatArray, tolerance: float) -> FloatArray:
+def _invert(
+    series: FloatArray, wanted: FloatArray, guess: FloatArray, tolerance: float
+) -> FloatArray:
     """Places in [-1, 1] where increasing series (n, k) that start from 0 reach ``wanted`` (n,)."""
     slope = np.asarray(legendre.legder(series, axis=1), dtype=float)
-    whole = series.sum(axis=1)
-    share = np.divide(wanted, whole, out=np.zeros_like(wanted), where=whole > 0)
-    place: FloatArray = 2 * share - 1
-    low, high = np.full_like(place, -1.0), np.full_like(place, 1.0)
+    place: FloatArray = np.clip(guess, -1.0, 1.0)
+    # a little wider, so that Newton may step on an end
+    low, high = np.full_like(place, -1.0 - 1e-9), np.full_like(place, 1.0 + 1e-9)
+    rest = np.arange(len(place))
     for _ in range(60):
-        error = _series(series, place) - wanted
-        if np.all(np.abs(error) <= tolerance):
+        at = place[rest]
+        error = _series(series[rest], at) - wanted[rest]
+        far = np.abs(error) > tolerance
+        if not far.any():
             break
-        low = np.where(error < 0, place, low)
-        high = np.where(error > 0, place, high)
-        speed = _series(slope, place)
-        newton = place - np.divide(error, speed, out=np.zeros_like(error), where=speed > 0)
-        halved = np.where((newton > low) & (newton < high), newton, (low + high) / 2)
-        place = np.where(np.abs(error) <= tolerance, place, halved)
-    return place
+        rest, at, error = rest[far], at[far], error[far]
+        low[rest] = np.where(error < 0, at, low[rest])
+        high[rest] = np.where(error > 0, at, high[rest])
+        speed = _series(slope[rest], at)
+        newton = at - np.divide(error, speed, out=np.zeros_like(error), where=speed > 0)
+        inside = (newton > low[rest]) & (newton < high[rest])
+        place[rest] = np.where(inside, newton, (low[rest] + high[rest]) / 2)
+    return np.clip(place, -1.0, 1.0)

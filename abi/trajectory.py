@@ -92,9 +92,15 @@ class Trajectory:
         bend = np.divide(across, squared, out=np.zeros_like(across), where=moving)
         return np.asarray(along + bend * self.profile(at, 1)[..., None] ** 2)
 
-    def tangent(self, time: FloatArray) -> FloatArray:
-        """Unit tangent of the curve at times, shape (n,) [s]; shape (n, 3), zero for a point."""
-        return self._tangent(self.arc.parameter(self.profile(time)))
+    def sampled(self, time: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Positions, unit tangents and velocities at times (n,) [s], at the cost of one of them.
+
+        Returns:
+            Each of shape (n, 3); [unit], 1 and [unit/s], world; the tangents are 0 for a point.
+        """
+        parameter = self.arc.parameter(self.profile(time))
+        tangent = self._tangent(parameter)
+        return self.curve(parameter), tangent, tangent * self.profile(time, 1)[:, None]
 
     def _tangent(self, parameter: FloatArray) -> FloatArray:
         direction = self.curve(parameter, 1)
@@ -186,9 +192,9 @@ def follow(
     """
     trajectory = Trajectory(curve, arc, profile)
     time = np.linspace(0.0, profile.duration, samples)
-    target = trajectory(time)
+    target, tangent, velocity = trajectory.sampled(time)
     drives = driven(settings, time)
-    found = solve(arm, target, drives[:, 1], settings.elbow, trajectory.tangent(time))
+    found = solve(arm, target, drives[:, 1], settings.elbow, tangent)
     positions = np.column_stack([found.q1, found.q2, found.q3, drives])
     distance, when, whose = _link_clearance(skeleton(arm, positions), obstacles)
     step = profile.duration / (samples - 1)
@@ -198,7 +204,7 @@ def follow(
         positions=read_only(positions),
         target=read_only(target),
         tool=read_only(forward(arm, positions)),
-        velocity=read_only(trajectory(time, 1)),
+        velocity=read_only(velocity),
         unreachable=_stretches(time, found.shortfall),
         limit_violations=_violations(time, positions, arm.limits),
         peak_joint_speed=read_only(largest / step if step > 0 else np.zeros(6)),
