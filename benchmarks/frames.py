@@ -214,9 +214,9 @@ class _Rows:
         import networkit
 
         networkit.setNumberOfThreads(1)
-        indptr, heads, weights = self._open(made)
+        indptr, indices, weights = self._open(made)
         ids = np.arange(len(indptr) - 1, dtype=np.uint64)
-        tails, heads = np.repeat(ids, np.diff(indptr)), ids[heads]
+        tails, heads = np.repeat(ids, np.diff(indptr)), ids[indices]
         once = tails < heads
         net = networkit.GraphFromCoo(
             (weights[once], (tails[once], heads[once])),
