@@ -128,7 +128,12 @@ class Session:
         with folders["arm"]:
             self.arm_panel = ArmPanel(gui, scene, self.wake)
         self.numbers = NumbersLayer(
-            gui, result, folders["graph"], folders["quadratic"], folders["arm"]
+            gui,
+            result,
+            folders["graph"],
+            folders["bspline"],
+            folders["quadratic"],
+            folders["arm"],
         )
         self.plots = PlotsLayer(gui, result, plots, scene.unit)
         with result:

@@ -35,6 +35,7 @@ class NumbersLayer:
         gui: viser.GuiApi,
         result: viser.GuiTabHandle,
         graph: viser.GuiFolderHandle,
+        bspline: viser.GuiFolderHandle,
         quadratic: viser.GuiFolderHandle,
         arm: viser.GuiFolderHandle,
     ) -> None:
@@ -42,6 +43,8 @@ class NumbersLayer:
             self._tables = gui.add_html("")
         with graph:
             self._graph = gui.add_html("")
+        with bspline:
+            self._bspline = gui.add_html("")
         with quadratic:
             self._quadratic = gui.add_html("")
         with arm:
@@ -58,6 +61,7 @@ class NumbersLayer:
         note = _COARSE.format(plan.scene.mesh.pitch, plan.scene.unit) if coarse else ""
         self._tables.content = _searches(plan, coarse) + _stages(plan) + note
         self._graph.content = _graph(plan, mesh_note)
+        self._bspline.content = _control_points(plan)
         self._quadratic.content = _coefficients(plan) + _motion(plan)
         self._arm.content = _arm(plan)
 
@@ -116,6 +120,8 @@ def _stages(plan: Plan) -> str:
         rows.append(row if curve.holds else (*row[:2], "–", row[3]))
     exact = plan.optimum is not None and plan.optimum.exact
     rows.append(("optimum" if exact else "optimum, at least", f"{shortest:.3f}", "", ""))
+    if not exact and plan.best_known is not None:
+        rows.append(_stage("best known", plan.best_known, shortest, ""))
     head = ("stage", "length", "gap" if exact else "gap ≤", "clearance")
     return _table(head, rows) + (_LEGEND if plan.bspline is not None else "")
 
@@ -138,6 +144,17 @@ def _graph(plan: Plan, mesh_note: str) -> str:
     if mesh_note:
         lines.append(html.escape(mesh_note) + ".")
     return _BOX + "<br>".join(lines) + "</div>"
+
+
+def _control_points(plan: Plan) -> str:
+    """What it took to keep the spline clear; nothing to say when it took nothing."""
+    spline = plan.bspline
+    if spline is None or not (spline.inserted or spline.moved):
+        return ""
+    return (
+        f"{_BOX}{len(spline.control_points)} control points: {spline.inserted} more than the path "
+        f"has vertices, {spline.moved} pushed outward.</div>"
+    )
 
 
 def _coefficients(plan: Plan) -> str:
