@@ -48,10 +48,12 @@ def test_every_layer_has_its_switch(page: Page) -> None:
 
 def test_a_switch_hides_and_shows_its_nodes_and_no_other(page: Page) -> None:
     page.click("Layers")
+    # a node that is drawn anew is away for a moment
+    page.until(lambda: all(_nodes(page, layer) for layer in NODES), "all layers to be drawn")
+    page.settle()
     before = page.shown()
     for layer in NODES:
         nodes = _nodes(page, layer)
-        assert nodes
         assert nodes <= before
         _switch(page, layer, False)
         rest = before - nodes
