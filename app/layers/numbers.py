@@ -119,9 +119,13 @@ def _stages(plan: Plan) -> str:
         # A curve that cuts through has no gap to a bound for curves that do not.
         rows.append(row if curve.holds else (*row[:2], "–", row[3]))
     exact = plan.optimum is not None and plan.optimum.exact
-    rows.append(("optimum" if exact else "optimum, at least", f"{shortest:.3f}", "", ""))
-    if not exact and plan.best_known is not None:
-        rows.append(_stage("best known", plan.best_known, shortest, ""))
+    if exact:
+        rows.append(("optimum", f"{shortest:.3f}", "", ""))
+    elif plan.best_known is None:
+        rows.append(("optimum, at least", f"{shortest:.3f}", "", ""))
+    else:
+        # from a proven bound to the best length known
+        rows.append(("optimum, in", f"{shortest:.3f}–{plan.best_known:.3f}", "", ""))
     head = ("stage", "length", "gap" if exact else "gap ≤", "clearance")
     return _table(head, rows) + (_LEGEND if plan.bspline is not None else "")
 
@@ -152,8 +156,8 @@ def _control_points(plan: Plan) -> str:
     if spline is None or not (spline.inserted or spline.moved):
         return ""
     return (
-        f"{_BOX}{len(spline.control_points)} control points: {spline.inserted} more than the path "
-        f"has vertices, {spline.moved} pushed outward.</div>"
+        f"{_BOX}{len(spline.control_points)} control points: {spline.inserted} added, "
+        f"{spline.moved} pushed outward.</div>"
     )
 
 
