@@ -18,10 +18,11 @@ from abi.errors import PointBlocked, StageError
 from abi.kernels import mask as kernels
 from abi.kernels.calling import call
 from abi.kernels.net import LINKED
-from abi.mesh import FreeMesh, TetMesh, within
+from abi.mesh import FreeMesh, TetMesh
 from abi.net import NO_IDS, NO_NUMBERS
 from abi.shapes import MeshShape, Obstacles, Vec3, nearest, segments_blocked
 from abi.solids import packed, parted
+from abi.taken import within
 
 if TYPE_CHECKING:
     import networkx
@@ -55,7 +56,6 @@ class Graph:
         start: node id.
         goal: node id.
         free_nodes: number of nodes that are not excluded, start and goal included.
-        crossings: number of mesh edges left out although both ends are free.
         pitch: pitch of the mesh, [unit].
     """
 
@@ -70,7 +70,6 @@ class Graph:
     start: int
     goal: int
     free_nodes: int
-    crossings: int
     pitch: float
 
     @cached_property
@@ -215,7 +214,7 @@ def build(
     solids, surfaces = parted(obstacles)
     rows = packed(solids)
     room = [min(own - _ROUNDING, margin) for own in _room(free, obstacles, rows, ends, clearance)]
-    exits, weights, crossings = _open(free, rows, surfaces, margin)
+    exits, weights = _open(free)
 
     reach = _REACH * mesh.longest_edge
     nodes = len(mesh.points)
@@ -248,7 +247,7 @@ def build(
         mesh=mesh,
         excluded=free.excluded,
         exits=read_only(exits),
-        weights=read_only(weights),
+        weights=weights,
         tails=tails,
         heads=heads,
         link_lengths=lengths,
@@ -256,7 +255,6 @@ def build(
         start=ids[0],
         goal=ids[1],
         free_nodes=free.nodes + len(own),
-        crossings=crossings,
         pitch=mesh.pitch,
     )
 
@@ -284,71 +282,16 @@ def _room(
     return distances
 
 
-def _open(
-    free: FreeMesh, rows: FloatArray, surfaces: tuple[MeshShape, ...], margin: float
-) -> tuple[IntArray, FloatArray, int]:
-    """Open directions (n,), weights, and the number of edges that cross between free nodes."""
-    mesh = free.mesh
-    exits, weights = mesh.exits.copy(), mesh.weights.copy()
-    crossings = 0
-    if len(rows):
-        crossings = call(
-            kernels.ready,
-            kernels.shut,
-            *(*mesh.net, exits, weights, rows, margin, free.excluded, free.shell, free.whose),
-        )
-    for surface in surfaces:
-        crossings += _shut_at(surface, free, margin, exits, weights)
-    return exits, weights, crossings
-
-
-def _shut_at(
-    surface: MeshShape, free: FreeMesh, margin: float, exits: IntArray, weights: FloatArray
-) -> int:
-    """Shut the edges in the way of a triangle mesh; the number of those between free nodes."""
-    mesh = free.mesh
-    low, high = surface.bounds()
-    reach = margin + mesh.longest_edge
-    near = within(mesh.points, low - reach, high + reach)
-    near = near[~free.excluded[near]]
-    near = near[surface.closer(mesh.points[near], reach)]
-    is_near = np.zeros(len(mesh.points), dtype=np.bool_)
-    is_near[near] = True
-    if mesh.stencil is None:
-        _, _, _, _, indptr, indices = mesh.net
-        starts, counts = indptr[near], np.diff(indptr)[near]
-        place = np.arange(counts.sum()) + np.repeat(starts - np.cumsum(counts) + counts, counts)
-        tail, head = np.repeat(near, counts), indices[place]
-        there = np.isfinite(weights[place])
-    else:
-        directions = np.arange(len(mesh.stencil.lengths))
-        there = ((exits[near, None] >> directions) & 1 == 1).ravel()
-        place = np.tile(directions, len(near))[there]
-        tail, head = (
-            np.repeat(near, len(directions))[there],
-            mesh.stencil.heads(near).ravel()[there],
-        )
-        there = np.ones(len(place), dtype=np.bool_)
-    gone = there & free.excluded[head]
-    once = np.flatnonzero(there & is_near[head] & (tail < head))
-    p, q = mesh.points[tail[once]], mesh.points[head[once]]
-    crossing = once[segments_blocked((surface,), p, q, margin)]
-    if mesh.stencil is None:
-        pairs = {(int(a), int(b)) for a, b in zip(tail[crossing], head[crossing], strict=True)}
-        both = [
-            k
-            for k, (a, b) in enumerate(zip(tail.tolist(), head.tolist(), strict=True))
-            if (a, b) in pairs or (b, a) in pairs
-        ]
-        weights[place[gone]] = np.inf
-        weights[place[both]] = np.inf
-    else:
-        cross = mesh.stencil.cross
-        back = np.where(place < cross, place, place ^ 1)
-        np.bitwise_and.at(exits, tail[gone], ~(1 << place[gone]).astype(np.int32))
-        np.bitwise_and.at(exits, tail[crossing], ~(1 << place[crossing]).astype(np.int32))
-        np.bitwise_and.at(exits, head[crossing], ~(1 << back[crossing]).astype(np.int32))
-    return len(crossing)
+def _open(free: FreeMesh) -> tuple[IntArray, FloatArray]:
+    """Open directions (n,) and weights: of rows a new array, for a lattice the mesh's."""
+    mesh, taken = free.mesh, free.taken
+    exits = mesh.exits.copy()
+    if mesh.stencil is not None:
+        call(kernels.ready, kernels.clear, exits, taken.losers, taken.losses)
+        return exits, mesh.weights
+    weights = mesh.weights.copy()
+    weights[taken.losers] = np.inf
+    return exits, read_only(weights)
 
 
 def _node_at(free: FreeMesh, point: Vec3) -> int:

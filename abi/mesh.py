@@ -6,7 +6,7 @@ primitives in the form of a tetrahedron" and excludes the nodes inside the obsta
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -18,11 +18,11 @@ from abi.kernels import mask as kernels
 from abi.kernels.calling import call
 from abi.kernels.metric import Metric
 from abi.lattice import Cells
-from abi.net import NO_IDS, Net
+from abi.net import Net
 from abi.scene import MeshSettings, Workspace
-from abi.shapes import Obstacles
-from abi.solids import packed, parted
+from abi.shapes import Obstacle, Obstacles
 from abi.stencil import Stencil
+from abi.taken import Taken, joined, take
 
 _CORNER_PAIRS = np.array([(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)])
 
@@ -48,6 +48,8 @@ class TetMesh:
         points: (n, 3), [unit], world.
         stencil: the directions of the lattice; None for ``delaunay``.
         irregular: tetrahedra of ``delaunay``; None for a lattice, where they follow from ``cells``.
+
+    It remembers what each obstacle took of it when :func:`exclude` was last called.
     """
 
     lattice: str
@@ -56,6 +58,7 @@ class TetMesh:
     points: FloatArray
     stencil: Stencil | None = None
     irregular: IntArray | None = None
+    _memory: list[dict[tuple[Obstacle, float], Taken]] = field(default_factory=lambda: [{}])
 
     @cached_property
     def tetrahedra(self) -> IntArray:
@@ -154,16 +157,13 @@ class FreeMesh:
         mesh: the whole mesh.
         excluded: (n,) True where a node is excluded.
         nodes: number of nodes kept.
-        shell: (m,) nodes that are nearer to a convex obstacle than the margin and the longest
-            edge: where edges can be in its way.
-        whose: (m,) the obstacle, counted among the convex ones.
+        taken: what all obstacles take.
     """
 
     mesh: TetMesh
     excluded: BoolArray
     nodes: int
-    shell: IntArray
-    whose: IntArray
+    taken: Taken
 
     @cached_property
     def tetrahedra_kept(self) -> int:
@@ -213,32 +213,18 @@ def exclude(mesh: TetMesh, obstacles: Obstacles, margin: float) -> FreeMesh:
     Removing nodes alone is not enough: an edge between two free nodes can still cross an obstacle.
     :func:`abi.graph.build` tests the edges.
     """
+    if len(mesh.points) > COMPILE_FROM and not kernels.ready.is_set():
+        kernels.warm()
+    # what an obstacle takes depends on nothing else: those that did not move need no second look
+    known, used = mesh._memory[0], {}
+    for obstacle in obstacles:
+        key = (obstacle, margin)
+        used[key] = known.get(key) or take(mesh, obstacle, margin)
+    mesh._memory[0] = used
+    taken = joined(tuple(used.values()))
     excluded = np.zeros(len(mesh.points), dtype=np.bool_)
-    shell, whose, gone = NO_IDS, NO_IDS, 0
-    solids, surfaces = parted(obstacles)
-    if solids:
-        if len(excluded) > COMPILE_FROM and not kernels.ready.is_set():
-            kernels.warm()
-        shape, _, _, places, _, _ = mesh.net
-        longest = mesh.longest_edge
-        shell, whose, gone = call(
-            kernels.ready,
-            kernels.exclude,
-            *(shape, places, packed(solids), margin, longest, excluded),
-        )
-    for surface in surfaces:
-        low, high = surface.bounds()
-        window = within(mesh.points, low - margin, high + margin)
-        excluded[window] |= surface.closer(mesh.points[window], margin)
-    if surfaces:
-        gone = int(np.count_nonzero(excluded))
-    return FreeMesh(
-        mesh=mesh,
-        excluded=read_only(excluded),
-        nodes=len(excluded) - gone,
-        shell=read_only(shell),
-        whose=read_only(whose),
-    )
+    gone = call(kernels.ready, kernels.united, taken.starts, taken.lengths, excluded)
+    return FreeMesh(mesh, read_only(excluded), len(excluded) - gone, taken)
 
 
 def edges_of(tetrahedra: IntArray, nodes: int) -> IntArray:
@@ -260,15 +246,6 @@ def volumes(points: FloatArray, tetrahedra: IntArray) -> FloatArray:
     """Signed volumes of tetrahedra, shape (m,), [unit³]: (b - a) × (c - a) · (d - a) / 6."""
     a, b, c, d = (points[tetrahedra[:, corner]] for corner in range(4))
     return np.asarray(np.einsum("ij,ij->i", np.cross(b - a, c - a), d - a) / 6)
-
-
-def within(points: FloatArray, low: FloatArray, high: FloatArray) -> IntArray:
-    """Ids of the points (n, 3) in the closed box ``low``..``high``, [unit], ascending."""
-    ids = np.flatnonzero((points[:, 0] >= low[0]) & (points[:, 0] <= high[0]))
-    for axis in (1, 2):
-        values = points[ids, axis]
-        ids = ids[(values >= low[axis]) & (values <= high[axis])]
-    return ids.astype(np.int32)
 
 
 def _irregular(workspace: Workspace, cells: Cells, cube: FloatArray, seed: int) -> TetMesh:

@@ -35,7 +35,7 @@ _WORTH = 5e-6
 _SLACK = 1.02
 """A path by the obstacles' edges may be this much longer before it is tightened."""
 
-_SAMPLES = 5
+_SAMPLES = 3
 """Places on each edge of an obstacle."""
 
 

@@ -214,12 +214,12 @@ class _Rows:
         import networkit
 
         networkit.setNumberOfThreads(1)
-        indptr, indices, weights = self._open(made)
+        indptr, heads, weights = self._open(made)
         ids = np.arange(len(indptr) - 1, dtype=np.uint64)
-        tails, heads = np.repeat(ids, np.diff(indptr)), ids[indices]
-        once = tails < heads
+        tails, ends = np.repeat(ids, np.diff(indptr)), ids[heads]
+        once = tails < ends
         net = networkit.GraphFromCoo(
-            (weights[once], (tails[once], heads[once])),
+            (weights[once], (tails[once], ends[once])),
             n=len(indptr) - 1,
             weighted=True,
             directed=False,

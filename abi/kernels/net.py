@@ -65,7 +65,22 @@ def across(shape: Shape, node: int) -> int:
 
     At the high end of an axis there is no such cube; its centres have directions relative to it.
     """
-    a, b, c = cell(shape, node)
-    if node < shape[4]:
-        return shape[4] + ((a >> 1) * shape[2] + (b >> 1)) * shape[3] + (c >> 1)
-    return ((a >> 1) * (shape[2] + 1) + (b >> 1)) * (shape[3] + 1) + (c >> 1)
+    column, layer, corners = shape[2], shape[3], shape[4]
+    if node < corners:
+        line = node // (layer + 1)
+        i = line // (column + 1)
+        return corners + (i * column + line - i * (column + 1)) * layer + node - line * (layer + 1)
+    inner = node - corners
+    line = inner // layer
+    i = line // column
+    return (i * (column + 1) + line - i * column) * (layer + 1) + inner - line * layer
+
+
+@register_jitable
+def ones(bits: int) -> int:
+    """How many directions are among the bits of a node."""
+    bits &= (1 << LINKED) - 1
+    bits -= (bits >> 1) & 0x55555555
+    bits = (bits & 0x33333333) + ((bits >> 2) & 0x33333333)
+    bits = (bits + (bits >> 4)) & 0x0F0F0F0F
+    return ((bits * 0x01010101) >> 24) & 63

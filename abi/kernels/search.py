@@ -13,7 +13,7 @@ import numpy as np
 
 from abi.arrays import FloatArray, IntArray, read_only
 from abi.kernels.metric import Metric, to_go
-from abi.kernels.net import LINKED, ROWS, SIDES, Shape, across, cell
+from abi.kernels.net import LINKED, ROWS, SIDES, Shape, across, cell, ones
 
 ready = threading.Event()
 """Set once the kernels are compiled."""
@@ -68,160 +68,139 @@ def best_first(
         examined.
     """
     kind, nodes, directions, cross = shape[0], shape[5], shape[6], shape[7]
+    corners, links = shape[4], len(tails)
+    most = shape[8] + links
     guided = metric[0] > 0
     cost = np.full(nodes + own, np.inf)
     parent = np.empty(nodes + own, np.int32)
     closed = np.zeros(nodes + own, np.uint8)
-    order = np.empty(nodes + own, np.int32)
+    order = np.empty(nodes + own + 1, np.int32)
+    node_of = np.empty(nodes + own + most + 1, np.int32)
+    after = np.empty(len(node_of), np.int32)
+    first = np.full(BUCKETS, -1, np.int32)
+    better = np.empty(most, np.int32)
+    by = np.empty(most, np.int32)
     expanded, relaxed = 0, 0
     little = _LITTLE * largest
-    better = np.empty(shape[8] + len(tails), np.int32)
-    by = np.empty(shape[8] + len(tails), np.int32)
+    per_cost = 1 / (WIDTH * largest)
     # edges to a goal between the nodes may be shorter than the heuristic says
     slack = 0.0
-    if guided:
-        for k in range(len(tails)):
-            for goal_end, end in ((tails[k], heads[k]), (heads[k], tails[k])):
-                if goal_end == goal and end < nodes:
-                    if kind == ROWS:
-                        left = to_go(
-                            shape, metric, places[end], places[nodes + end], places[2 * nodes + end]
-                        )
-                    else:
-                        a, b, c = cell(shape, end)
-                        left = to_go(shape, metric, a, b, c)
-                    slack = max(slack, left - link_weights[k])
-    per_cost = 1 / (WIDTH * largest)
-    first = np.full(BUCKETS, -1, np.int32)
-    node_of = np.empty(nodes + own, np.int32)
-    after = np.empty(nodes + own, np.int32)
+    for k in range(2 * links if guided else 0):
+        end = heads[k] if k < links else tails[k - links]
+        if (tails[k] if k < links else heads[k - links]) == goal and end < nodes:
+            if kind == ROWS:
+                x, y, z = places[end], places[nodes + end], places[2 * nodes + end]
+                left = to_go(shape, metric, x, y, z)
+            else:
+                a, b, c = cell(shape, end)
+                left = to_go(shape, metric, 1.0 * a, 1.0 * b, 1.0 * c)
+            slack = max(slack, left - link_weights[k % links])
     cost[start] = 0.0
     parent[start] = -1
     node_of[0] = start
     after[0] = -1
-    used, unused, waiting, current = 1, -1, 1, 0
     first[0] = 0
-    found = False
-    while waiting > 0:
-        slot = current & (BUCKETS - 1)
-        entry = first[slot]
-        if entry < 0:
-            if found:
-                break
-            current += 1
-            continue
-        first[slot] = after[entry]
-        after[entry] = unused
-        unused = entry
-        waiting -= 1
-        node = node_of[entry]
-        if closed[node] == 1:
-            continue
-        closed[node] = 1
-        if node == goal:
-            found = True
-            continue
-        if found:
-            # the goal's bucket may hold what leads to it at less cost
-            estimate = cost[node]
-            if guided and node < nodes:
-                if kind == ROWS:
-                    left = to_go(
-                        shape, metric, places[node], places[nodes + node], places[2 * nodes + node]
-                    )
-                else:
-                    a, b, c = cell(shape, node)
-                    left = to_go(shape, metric, a, b, c)
-                estimate += max(left - slack, 0.0)
-            if estimate >= cost[goal] - little:
+    used, waiting, current = 1, 1, 0
+    found, done = False, False
+    while not done:
+        # arrays that grew in the inner loop would be counted in and out at each turn
+        while used + most <= len(after) and expanded + 1 < len(order):
+            slot = current & (BUCKETS - 1)
+            entry = first[slot]
+            if entry < 0:
+                done = found or waiting == 0
+                if done:
+                    break
+                current += 1
                 continue
-        if expanded == len(order):
-            order = np.concatenate((order, np.empty_like(order)))
-        order[expanded] = node
-        expanded += 1
-        so_far = cost[node] + little
-        count, row, links = 0, 0, len(tails)
-        if node < nodes:
-            bits = exits[node]
-            if (bits >> LINKED) & 1 == 0:
-                links = 0
-            if kind == ROWS:
-                for k in range(indptr[node], indptr[node + 1]):
-                    better[count] = indices[k]
-                    by[count] = k
-                    count += 1 if so_far + weights[k] < cost[indices[k]] else 0
-                    relaxed += 1 if weights[k] < np.inf else 0
-            else:
-                row = 0 if node < shape[4] else directions
-                if cross > 0:
-                    other = across(shape, node)
-                    for k in range(cross):
-                        is_open = (bits >> k) & 1
-                        neighbour = other + offsets[row + k] if is_open else node
-                        better[count] = neighbour
+            first[slot] = after[entry]
+            waiting -= 1
+            node = node_of[entry]
+            if closed[node] == 1:
+                continue
+            closed[node] = 1
+            if node == goal:
+                found = True
+                continue
+            if found:
+                # the goal's bucket may hold what leads to it at less cost
+                left = 0.0
+                if guided and node < nodes:
+                    if kind == ROWS:
+                        x, y, z = places[node], places[nodes + node], places[2 * nodes + node]
+                        left = to_go(shape, metric, x, y, z)
+                    else:
+                        a, b, c = cell(shape, node)
+                        left = to_go(shape, metric, 1.0 * a, 1.0 * b, 1.0 * c)
+                if cost[node] + max(left - slack, 0.0) >= cost[goal] - little:
+                    continue
+            order[expanded] = node
+            expanded += 1
+            so_far = cost[node]
+            count, linked = 0, True
+            if node < nodes:
+                bits = exits[node]
+                linked = (bits >> LINKED) & 1 == 1
+                if kind == ROWS:
+                    for k in range(indptr[node], indptr[node + 1]):
+                        better[count] = indices[k]
                         by[count] = k
-                        count += 1 if so_far + weights[k] < cost[neighbour] else 0
-                        relaxed += is_open
-                for k in range(cross, directions if (bits >> SIDES) & 63 else SIDES):
-                    is_open = (bits >> k) & 1
-                    neighbour = node + offsets[row + k] if is_open else node
+                        count += 1 if so_far + weights[k] < cost[indices[k]] - little else 0
+                        relaxed += 1 if weights[k] < np.inf else 0
+                else:
+                    relaxed += ones(bits)
+                    row = 0 if node < corners else directions
+                    other = across(shape, node) if cross > 0 else node
+                    for k in range(directions if (bits >> SIDES) & 63 else SIDES):
+                        if (bits >> k) & 1:
+                            neighbour = (other if k < cross else node) + offsets[row + k]
+                            if so_far + weights[k] < cost[neighbour] - little:
+                                better[count] = neighbour
+                                by[count] = k
+                                count += 1
+            of_mesh = count
+            for k in range(links if linked else 0):
+                if tails[k] == node or heads[k] == node:
+                    neighbour = heads[k] if tails[k] == node else tails[k]
                     better[count] = neighbour
                     by[count] = k
-                    count += 1 if so_far + weights[k] < cost[neighbour] else 0
-                    relaxed += is_open
-        of_mesh = count
-        for k in range(links):
-            if tails[k] == node or heads[k] == node:
-                neighbour = heads[k] if tails[k] == node else tails[k]
-                better[count] = neighbour
-                by[count] = k
-                count += 1 if so_far + link_weights[k] < cost[neighbour] else 0
-                relaxed += 1
-        so_far = cost[node]
-        lowest = np.iinfo(np.int64).max
-        for e in range(count):
-            neighbour, k = better[e], by[e]
-            through = so_far + (weights[k] if e < of_mesh else link_weights[k])
-            cost[neighbour] = through
-            parent[neighbour] = node
-            closed[neighbour] = 0
-            if guided and neighbour < nodes:
-                if kind == ROWS:
-                    left = to_go(
-                        shape,
-                        metric,
-                        places[neighbour],
-                        places[nodes + neighbour],
-                        places[2 * nodes + neighbour],
-                    )
-                else:
-                    a, b, c = cell(shape, neighbour)
-                    left = to_go(shape, metric, a, b, c)
-                through += max(left - slack, 0.0)
-            bucket = int(through * per_cost)
+                    count += 1 if so_far + link_weights[k] < cost[neighbour] - little else 0
+                    relaxed += 1
             if node == start:
-                lowest = min(lowest, bucket)
-            elif bucket < current:
-                bucket = current
-            bucket &= BUCKETS - 1
-            if unused >= 0:
-                entry = unused
-                unused = after[entry]
-            else:
-                if used == len(after):
-                    node_of = np.concatenate((node_of, np.empty_like(node_of)))
-                    after = np.concatenate((after, np.empty_like(after)))
-                entry = used
+                current = np.iinfo(np.int64).max
+            for e in range(count):
+                neighbour = better[e]
+                through = so_far + (weights[by[e]] if e < of_mesh else link_weights[by[e]])
+                cost[neighbour] = through
+                parent[neighbour] = node
+                closed[neighbour] = 0
+                if guided and neighbour < nodes:
+                    if kind == ROWS:
+                        x = places[neighbour]
+                        y, z = places[nodes + neighbour], places[2 * nodes + neighbour]
+                        left = to_go(shape, metric, x, y, z)
+                    else:
+                        a, b, c = cell(shape, neighbour)
+                        left = to_go(shape, metric, 1.0 * a, 1.0 * b, 1.0 * c)
+                    through += max(left - slack, 0.0)
+                bucket = int(through * per_cost)
+                if node == start:
+                    current = min(current, bucket)
+                slot = max(bucket, current) & (BUCKETS - 1)
+                if node == start:
+                    slot = bucket & (BUCKETS - 1)
+                node_of[used] = neighbour
+                after[used] = first[slot]
+                first[slot] = used
                 used += 1
-            node_of[entry] = neighbour
-            after[entry] = first[bucket]
-            first[bucket] = entry
-            waiting += 1
-        if node == start and count > 0:
-            current = lowest
-    if found:
-        if expanded == len(order):
+                waiting += 1
+            if node == start and count == 0:
+                current = 0
+        if not done:
             order = np.concatenate((order, np.empty_like(order)))
+            node_of = np.concatenate((node_of, np.empty_like(node_of)))
+            after = np.concatenate((after, np.empty_like(after)))
+    if found:
         order[expanded] = goal
         expanded += 1
     return cost, parent, order[:expanded], relaxed
@@ -265,6 +244,7 @@ def bellman_ford(
         number of edges examined.
     """
     kind, nodes, directions, cross = shape[0], shape[5], shape[6], shape[7]
+    corners, links = shape[4], len(tails)
     total = nodes + own
     cost = np.full(total, np.inf)
     parent = np.empty(total, np.int32)
@@ -272,69 +252,58 @@ def bellman_ford(
     # a ring: no node waits twice, so it never overflows
     queue = np.empty(total + 1, np.int32)
     order = np.empty(total, np.int32)
-    better = np.empty(shape[8] + len(tails), np.int32)
-    by = np.empty(shape[8] + len(tails), np.int32)
-    little = _LITTLE * largest
     expanded, relaxed = 0, 0
+    little = _LITTLE * largest
     cost[start] = 0.0
     parent[start] = -1
     queue[0] = start
     first, last = 0, 1
     while first != last:
-        node = queue[first]
-        first = first + 1 if first < total else 0
-        waiting[node] = 0
         if expanded == len(order):
             order = np.concatenate((order, np.empty_like(order)))
-        order[expanded] = node
-        expanded += 1
-        so_far = cost[node] + little
-        count, row, links = 0, 0, len(tails)
-        if node < nodes:
-            bits = exits[node]
-            if (bits >> LINKED) & 1 == 0:
-                links = 0
-            if kind == ROWS:
-                for k in range(indptr[node], indptr[node + 1]):
-                    better[count] = indices[k]
-                    by[count] = k
-                    count += 1 if so_far + weights[k] < cost[indices[k]] else 0
-                    relaxed += 1 if weights[k] < np.inf else 0
-            else:
-                row = 0 if node < shape[4] else directions
-                if cross > 0:
-                    other = across(shape, node)
-                    for k in range(cross):
-                        is_open = (bits >> k) & 1
-                        neighbour = other + offsets[row + k] if is_open else node
-                        better[count] = neighbour
-                        by[count] = k
-                        count += 1 if so_far + weights[k] < cost[neighbour] else 0
-                        relaxed += is_open
-                for k in range(cross, directions if (bits >> SIDES) & 63 else SIDES):
-                    is_open = (bits >> k) & 1
-                    neighbour = node + offsets[row + k] if is_open else node
-                    better[count] = neighbour
-                    by[count] = k
-                    count += 1 if so_far + weights[k] < cost[neighbour] else 0
-                    relaxed += is_open
-        of_mesh = count
-        for k in range(links):
-            if tails[k] == node or heads[k] == node:
-                neighbour = heads[k] if tails[k] == node else tails[k]
-                better[count] = neighbour
-                by[count] = k
-                count += 1 if so_far + link_weights[k] < cost[neighbour] else 0
-                relaxed += 1
-        so_far = cost[node]
-        for e in range(count):
-            neighbour, k = better[e], by[e]
-            cost[neighbour] = so_far + (weights[k] if e < of_mesh else link_weights[k])
-            parent[neighbour] = node
-            if waiting[neighbour] == 0:
-                waiting[neighbour] = 1
-                queue[last] = neighbour
-                last = last + 1 if last < total else 0
+        # an array that grew in this loop would be counted in and out at each turn
+        while first != last and expanded < len(order):
+            node = queue[first]
+            first = first + 1 if first < total else 0
+            waiting[node] = 0
+            order[expanded] = node
+            expanded += 1
+            so_far = cost[node]
+            begin, end, linked = 0, 0, True
+            bits, row, other = 0, 0, 0
+            if node < nodes:
+                bits = exits[node]
+                linked = (bits >> LINKED) & 1 == 1
+                if kind == ROWS:
+                    begin, end = indptr[node], indptr[node + 1]
+                else:
+                    relaxed += ones(bits)
+                    row = 0 if node < corners else directions
+                    other = across(shape, node) if cross > 0 else node
+                    end = directions if (bits >> SIDES) & 63 else SIDES
+            for k in range(begin, end + links if linked else end):
+                if k >= end:
+                    tail, head = tails[k - end], heads[k - end]
+                    if tail != node and head != node:
+                        continue
+                    neighbour, weight = head if tail == node else tail, link_weights[k - end]
+                    relaxed += 1
+                elif kind == ROWS:
+                    neighbour, weight = indices[k], weights[k]
+                    relaxed += 1 if weight < np.inf else 0
+                elif (bits >> k) & 1:
+                    neighbour = (other if k < cross else node) + offsets[row + k]
+                    weight = weights[k]
+                else:
+                    continue
+                through = so_far + weight
+                if through < cost[neighbour] - little:
+                    cost[neighbour] = through
+                    parent[neighbour] = node
+                    if waiting[neighbour] == 0:
+                        waiting[neighbour] = 1
+                        queue[last] = neighbour
+                        last = last + 1 if last < total else 0
     return cost, parent, order[:expanded], relaxed
 
 

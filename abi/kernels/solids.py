@@ -94,6 +94,20 @@ def distance(core: Core, x: float, y: float, z: float) -> tuple[float, float, fl
 
 
 @register_jitable
+def level(core: Core, x: float, y: float, z: float) -> float:
+    """Signed distance of a body point."""
+    a, b, c = abs(x) - core[0], abs(y) - core[1], abs(z) - core[2]
+    if core[4] == 1:
+        a = math.sqrt(x * x + y * y) - core[0]
+        b = -core[0]
+    most = max(a, max(b, c))
+    if most > 0:
+        a, b, c = max(a, 0.0), max(b, 0.0), max(c, 0.0)
+        most = math.sqrt(a * a + b * b + c * c)
+    return most - core[3]
+
+
+@register_jitable
 def near(
     core: Core,
     margin: float,

@@ -9,9 +9,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial import cKDTree
 
-from abi.mesh import TetMesh, edges_of, exclude, tetrahedralise, volumes, within
+from abi.mesh import TetMesh, edges_of, exclude, tetrahedralise, volumes
 from abi.scene import MeshSettings, Workspace
 from abi.shapes import Box, Capsule, Cylinder, Obstacle, Obstacles, Sphere
+from abi.taken import within
 
 Lattice = Literal["bcc", "kuhn", "delaunay"]
 LATTICES: tuple[Lattice, ...] = ("bcc", "kuhn", "delaunay")

@@ -1,0 +1,107 @@
+"""What one obstacle takes away from a mesh: nodes, and edges between the nodes that are left."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from abi.arrays import FloatArray, IntArray, read_only
+from abi.kernels import mask as kernels
+from abi.kernels.calling import call
+from abi.net import NO_IDS
+from abi.shapes import MeshShape, Obstacle, segments_blocked
+from abi.solids import packed
+
+if TYPE_CHECKING:
+    from abi.mesh import TetMesh
+
+
+@dataclass(frozen=True, eq=False)
+class Taken:
+    """What one obstacle takes; that of several is the union.
+
+    Attributes:
+        starts: (r,) first nodes of runs of excluded nodes.
+        lengths: (r,) numbers of nodes in the runs.
+        losers: (m,) nodes that lose edges; of ``delaunay`` places of the edges lost in the rows.
+        losses: (m,) bits of the edges lost; of ``delaunay`` 0.
+    """
+
+    starts: IntArray
+    lengths: IntArray
+    losers: IntArray
+    losses: IntArray
+
+
+def take(mesh: TetMesh, obstacle: Obstacle, margin: float) -> Taken:
+    """The nodes and edges of a mesh that are nearer to an obstacle than ``margin``, [unit].
+
+    An edge is lost if an end of it is excluded, or if it comes too near between its ends.
+    """
+    if isinstance(obstacle, MeshShape):
+        parts = _taken_by_surface(mesh, obstacle, margin)
+    else:
+        row, reach = packed((obstacle,)), mesh.longest_edge
+        parts = call(kernels.ready, kernels.take, *mesh.net, mesh.exits, row, margin, reach)
+    return Taken(*(read_only(part) for part in parts))
+
+
+def _taken_by_surface(
+    mesh: TetMesh, surface: MeshShape, margin: float
+) -> tuple[IntArray, IntArray, IntArray, IntArray]:
+    reach = margin + mesh.longest_edge
+    low, high = surface.bounds()
+    near = within(mesh.points, low - reach, high + reach)
+    near = near[surface.closer(mesh.points[near], reach)]
+    gone = surface.closer(mesh.points[near], margin)
+    is_near = np.zeros(len(mesh.points), dtype=np.bool_)
+    is_gone = is_near.copy()
+    is_near[near], is_gone[near[gone]] = True, True
+    left = near[~gone]
+    if mesh.stencil is None:
+        indptr, indices = mesh.net.indptr, mesh.net.indices
+        counts = np.diff(indptr)[left]
+        begin = np.cumsum(counts) - counts
+        place = np.arange(counts.sum()) + np.repeat(indptr[left] - begin, counts)
+        tail, head = np.repeat(left, counts), indices[place]
+    else:
+        directions = np.arange(len(mesh.stencil.lengths))
+        exist = ((mesh.exits[left, None] >> directions) & 1 == 1).ravel()
+        place = np.tile(directions, len(left))[exist]
+        tail = np.repeat(left, len(directions))[exist]
+        head = mesh.stencil.heads(left).ravel()[exist]
+    lost = is_gone[head]
+    # an edge in the way has both ends near; from the same end both times, for rounding
+    open_ = np.flatnonzero(~lost & is_near[head])
+    first, second = np.minimum(tail[open_], head[open_]), np.maximum(tail[open_], head[open_])
+    lost[open_] = segments_blocked((surface,), mesh.points[first], mesh.points[second], margin)
+    losers, losses = tail[lost], (1 << place[lost]).astype(np.int32)
+    if mesh.stencil is None:
+        losers, losses = place[lost].astype(np.int32), np.zeros(np.count_nonzero(lost), np.int32)
+    starts = near[gone]
+    return starts, np.ones_like(starts), losers, losses
+
+
+def within(points: FloatArray, low: FloatArray, high: FloatArray) -> IntArray:
+    """Ids of the points (n, 3) in the closed box ``low``..``high``, [unit], ascending."""
+    ids = np.flatnonzero((points[:, 0] >= low[0]) & (points[:, 0] <= high[0]))
+    for axis in (1, 2):
+        values = points[ids, axis]
+        ids = ids[(values >= low[axis]) & (values <= high[axis])]
+    return ids.astype(np.int32)
+
+
+def joined(parts: tuple[Taken, ...]) -> Taken:
+    """The union, one part after the other."""
+    if len(parts) == 1:
+        return parts[0]
+    if not parts:
+        return Taken(NO_IDS, NO_IDS, NO_IDS, NO_IDS)
+    return Taken(
+        *(
+            read_only(np.concatenate([getattr(part, name) for part in parts]))
+            for name in ("starts", "lengths", "losers", "losses")
+        )
+    )
