@@ -1,4 +1,7 @@
-"""The ``abi`` command: serve the visualiser, or plan without a browser."""
+"""The ``abi`` command: serve the visualiser, or plan without a browser.
+
+Each command imports what it needs: the method takes a second, and the page can load meanwhile.
+"""
 
 from __future__ import annotations
 
@@ -9,12 +12,6 @@ import webbrowser
 from pathlib import Path
 
 import click
-
-from abi.errors import AbiError
-from abi.plan import plan as plan_scene
-from abi.plan_json import reason
-from abi.reasons import explain
-from abi.scene import load_scene, scene_names
 
 INCOMPLETE, BAD_INPUT = 3, 2
 
@@ -47,10 +44,12 @@ def serve(scene: str, host: str, port: int, open_tab: bool, dark: bool) -> None:
     """Start the visualiser on SCENE (a shipped scene's name or a file) and print its URL."""
     from app.server import start
 
-    server = start(host=host, port=port, scene=scene, dark=dark)
-    click.echo(f"The ABI visualiser is at {server.url} (Ctrl+C ends it)")
-    if open_tab:
-        webbrowser.open(server.url)
+    def opened(url: str) -> None:
+        click.echo(f"The ABI visualiser is at {url} (Ctrl+C ends it)")
+        if open_tab:
+            webbrowser.open(url)
+
+    server = start(host=host, port=port, scene=scene, dark=dark, opened=opened)
     try:
         threading.Event().wait()
     except KeyboardInterrupt:
@@ -69,6 +68,11 @@ def plan(scene: str, out: Path | None, full: bool, list_scenes: bool) -> None:
 
     Exit code 0: a complete plan; 3: the scene has none, and the JSON says why; 2: bad input.
     """
+    from abi.plan import plan as plan_scene
+    from abi.plan_json import reason
+    from abi.reasons import explain
+    from abi.scene import load_scene, scene_names
+
     if list_scenes:
         click.echo("\n".join(scene_names()))
         return
@@ -122,12 +126,14 @@ def bench(parts: tuple[str, ...], nodes: tuple[int, ...], scenes: int, out: Path
     try:
         from benchmarks import run
     except ImportError:
-        raise AbiError(
-            "The benchmarks are not installed.", "Run abi bench in the project's own folder."
+        raise click.ClickException(
+            "The benchmarks are not installed. Run abi bench in the project's own folder."
         ) from None
     unknown = [part for part in parts if part not in run.PARTS]
     if unknown:
-        raise AbiError(f"{unknown[0]!r} is no benchmark.", f"There are {', '.join(run.PARTS)}.")
+        raise click.ClickException(
+            f"{unknown[0]!r} is no benchmark. There are {', '.join(run.PARTS)}."
+        )
     run.run(parts, nodes or run.SIZES, scenes, out)
 
 
@@ -137,10 +143,10 @@ def _read(path: Path) -> object:
         return json.loads(path.read_text(encoding="utf-8"), parse_constant=_refuse)
     except OSError as error:
         reason = (error.strerror or "not readable").lower()
-        raise AbiError(f"{name} cannot be read ({reason}).") from None
+        raise click.ClickException(f"{name} cannot be read ({reason}).") from None
     except (ValueError, RecursionError):
-        raise AbiError(
-            f"{name} is not JSON.", "Write one with: abi plan SCENE --out PLAN"
+        raise click.ClickException(
+            f"{name} is not JSON. Write one with: abi plan SCENE --out PLAN"
         ) from None
 
 
@@ -153,21 +159,25 @@ def _write(path: Path, text: str) -> None:
         path.write_text(text + "\n", encoding="utf-8")
     except OSError as error:
         reason = (error.strerror or "not writable").lower()
-        raise AbiError(f"--out: {str(path)!r} cannot be written ({reason}).") from None
+        raise click.ClickException(f"--out: {str(path)!r} cannot be written ({reason}).") from None
 
 
 def main() -> None:
     """Run the command; every foreseen fault is one line on stderr and exit code 2."""
     try:
         cli(standalone_mode=False)
-    except AbiError as error:
-        click.echo(f"abi: {error.message} {error.hint}".rstrip(), err=True)
-        sys.exit(BAD_INPUT)
     except click.ClickException as error:
         click.echo(f"abi: {error.format_message()}", err=True)
         sys.exit(BAD_INPUT)
     except click.Abort:
         sys.exit(130)
+    except Exception as error:
+        from abi.errors import AbiError
+
+        if not isinstance(error, AbiError):
+            raise
+        click.echo(f"abi: {error.message} {error.hint}".rstrip(), err=True)
+        sys.exit(BAD_INPUT)
 
 
 if __name__ == "__main__":

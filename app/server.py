@@ -1,44 +1,68 @@
-"""The web server: a tab connects and gets a session, a tab leaves and its session ends."""
+"""The web server: a tab connects and gets a session, a tab leaves and its session ends.
+
+The page takes a second to load, and so does the method. What needs the method is imported where it
+is used, so that both load at once.
+"""
 
 from __future__ import annotations
 
 import sys
 import threading
 import warnings
+from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 import viser
 
-from abi.scene import Scene, load_scene
 from app import page
-from app.session import Session, look_at
-from app.warm_up import WarmUp
+
+if TYPE_CHECKING:
+    from abi.scene import Scene
+    from app.session import Session
+
+PAPER = "paper"
 
 
 class Server:
-    """A running visualiser.
+    """A page that anyone on ``host`` can load, and once it shows a scene, a visualiser.
 
     Attributes:
         url: where it is, e.g. ``http://127.0.0.1:8080``.
         sessions: one a tab, by viser's client id.
     """
 
-    def __init__(
-        self, host: str, port: int, name: str, scene: Scene, plain: bool, dark: bool
-    ) -> None:
-        self._name, self._scene, self._dark = name, scene, dark
+    def __init__(self, host: str, port: int, plain: bool, dark: bool) -> None:
+        self._dark = dark
         self._lock = threading.Lock()
         self.sessions: dict[int, Session] = {}
-        self._warm_up = WarmUp()
         self.viser = viser.ViserServer(host=host, port=port, label="ABI visualiser", verbose=False)
         page.refuse_sharing(self.viser)
         self.viser.gui.configure_theme(dark_mode=dark, show_logo=False, show_share_button=False)
-        look_at(self.viser.initial_camera, scene)
         if plain:
             self.viser.scene.configure_default_lights(cast_shadow=False)
             self.viser.scene.configure_environment_map(hdri=None)
-        self.viser.on_client_connect(self._connected)
-        self.viser.on_client_disconnect(self._left)
         self.url = f"http://{'127.0.0.1' if host == '0.0.0.0' else host}:{self.viser.get_port()}"
+
+    def show(self, name: str, scene: Scene) -> None:
+        """Give every tab the scene, those that wait already and those to come."""
+        from app.session import Session, look_at
+        from app.warm_up import WarmUp
+
+        warm_up = WarmUp()
+
+        def connected(client: viser.ClientHandle) -> None:
+            look_at(client.camera, scene)
+            session = Session(client, name, scene, self._dark, warm_up.planned)
+            warm_up.greet(client)
+            with self._lock:
+                if client.client_id in self.viser.get_clients():
+                    self.sessions[client.client_id] = session
+                    return
+            session.close()
+
+        look_at(self.viser.initial_camera, scene)
+        self.viser.on_client_disconnect(self._left)
+        self.viser.on_client_connect(connected)
 
     def stop(self) -> None:
         """End every session and close the port."""
@@ -47,15 +71,6 @@ class Server:
         for session in sessions:
             session.close()
         self.viser.stop()
-
-    def _connected(self, client: viser.ClientHandle) -> None:
-        session = Session(client, self._name, self._scene, self._dark, self._warm_up.planned)
-        self._warm_up.greet(client)
-        with self._lock:
-            if client.client_id in self.viser.get_clients():
-                self.sessions[client.client_id] = session
-                return
-        session.close()
 
     def _left(self, client: viser.ClientHandle) -> None:
         with self._lock:
@@ -67,9 +82,10 @@ class Server:
 def start(
     host: str = "127.0.0.1",
     port: int = 8080,
-    scene: str = "paper",
+    scene: str = PAPER,
     plain: bool = False,
     dark: bool = False,
+    opened: Callable[[str], object] = lambda url: None,
 ) -> Server:
     """Start serving and return at once.
 
@@ -79,14 +95,24 @@ def start(
         scene: a shipped scene's name or a scene file.
         plain: no shadows and no environment map, for slow graphics and tests.
         dark: whether a new tab begins dark.
+        opened: told the address as soon as there is a page to load.
 
     Raises:
         SceneError: the scene cannot be read.
     """
-    loaded = load_scene(scene)
     # A tab that leaves in the middle of a frame is no news; its session is told right after.
     warnings.filterwarnings("ignore", "Queued a .* on a closed connection", UserWarning)
     # The worker threads plan in Python; shorter turns keep the event loop answering meanwhile.
     sys.setswitchinterval(0.0005)
-    server = Server(host, port, scene, loaded, plain, dark)
+    # what may be wrong is read before there is a page
+    read = None if scene == PAPER else _read(scene)
+    server = Server(host, port, plain, dark)
+    opened(server.url)
+    server.show(scene, read or _read(scene))
     return server
+
+
+def _read(name: str) -> Scene:
+    from abi.scene import load_scene
+
+    return load_scene(name)
