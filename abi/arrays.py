@@ -18,3 +18,8 @@ def read_only(array: _Array) -> _Array:
     """Lock ``array`` against writing and return it, so that a result cannot change later."""
     array.setflags(write=False)
     return array
+
+
+def flat(array: NDArray[np.float64]) -> FloatArray:
+    """The numbers of ``array`` in a row, read-only: the form in which kernels are given them."""
+    return read_only(np.ascontiguousarray(array).reshape(-1))

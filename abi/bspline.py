@@ -4,16 +4,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy import interpolate
 
-from abi.arrays import BoolArray, FloatArray, read_only
+from abi.arrays import BoolArray, FloatArray, flat, read_only
 from abi.clearance import ROUNDING, Clearance, measure, measure_polyline, prove
 from abi.curve import measure as arc_length
 from abi.grading import graded
+from abi.kernels import curves as kernels
+from abi.kernels.calling import call
 from abi.shapes import Obstacles, nearest
 
 _FINEST = 1e-6  # of the path's extent: how finely a clearance is measured
@@ -77,10 +78,6 @@ class BSpline:
         """Whether it is proven that the curve keeps the distance asked for."""
         return self.clearance.keeps(self.asked)
 
-    @cached_property
-    def _spline(self) -> Any:
-        return interpolate.BSpline(self.knots, self.control_points, self.degree)
-
     def __call__(self, parameter: ArrayLike, order: int = 0) -> FloatArray:
         """Point, or derivative of that order by the parameter; see :class:`abi.curve.Curve`.
 
@@ -91,8 +88,13 @@ class BSpline:
         Returns:
             Shape (3,) for a number, (n, 3) for an array; [unit], world.
         """
-        inside = np.clip(np.asarray(parameter, dtype=float), 0.0, 1.0)
-        return np.asarray(self._spline(inside, nu=order), dtype=float)
+        inside = np.asarray(np.clip(parameter, 0.0, 1.0), dtype=float)
+        if order > self.degree:
+            return np.zeros((*inside.shape, 3))
+        found = np.empty(3 * inside.size)
+        shape = (self.knots, flat(self.control_points), self.degree)
+        call(kernels.ready, kernels.spline, *shape, flat(inside), order, found)
+        return found.reshape(*inside.shape, 3)
 
 
 def clamped(control_points: FloatArray, degree: int) -> BSpline:

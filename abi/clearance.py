@@ -8,11 +8,14 @@ from functools import lru_cache
 
 import numpy as np
 
-from abi.arrays import BoolArray, FloatArray, read_only
+from abi.arrays import BoolArray, FloatArray, flat, read_only
 from abi.curve import Curve
+from abi.kernels import clearance as kernels
+from abi.kernels.calling import call
 from abi.proof.bezier import PolynomialCurve, bezier
 from abi.proof.certificate import Certificate, certify
 from abi.shapes import Obstacles
+from abi.solids import meshes, rows
 
 # Distances that differ by less are the same, [unit]: rounding, not a violation.
 ROUNDING = 1e-9
@@ -122,6 +125,8 @@ def measure(
     if not obstacles:
         return Clearance(math.inf, float(curve.interval[0]), math.inf, -1, ())
     tolerance = max(tolerance, ROUNDING)
+    if not meshes(obstacles):
+        return _measured(curve, obstacles, asked, tolerance)
     pieces, at, nearest, obstacle = _first_pieces(curve, obstacles)
     distance = nearest
     stretches: list[FloatArray] = []
@@ -150,6 +155,22 @@ def measure(
             break
         pieces = pieces.halved(unsure, middle, at_middle)
     return Clearance(distance, at, nearest, obstacle, _joined(np.concatenate(stretches)))
+
+
+def _measured(curve: Curve, obstacles: Obstacles, asked: float, tolerance: float) -> Clearance:
+    """:func:`measure` among convex solids alone."""
+    breaks = np.unique(curve.breaks)
+    control = _bezier_points(curve, breaks[:-1], breaks[1:])
+    parts = -(-_FIRST_PIECES // max(len(breaks) - 1, 1))
+    finest = float(breaks[-1] - breaks[0]) / _FINEST_STRETCH
+    distance, at, nearest, obstacle, stretches = call(
+        kernels.ready,
+        kernels.curve,
+        *(flat(control), flat(breaks), parts, rows(obstacles)),
+        *(float(asked), tolerance, finest),
+    )
+    violations = _joined(np.array(stretches[1:])) if len(stretches) > 1 else ()
+    return Clearance(distance, at, nearest, obstacle, violations)
 
 
 def prove(
@@ -220,12 +241,24 @@ def measure_polyline(points: FloatArray, obstacles: Obstacles) -> float:
         points: vertices (k, 3), k >= 1, [unit], world.
         obstacles: the solids; without any the distance is inf.
     """
-    ends = points[1:] if len(points) > 1 else points
-    starts = points[: len(ends)]
-    return min(
-        (float(obstacle.segment_distance(starts, ends).min()) for obstacle in obstacles),
-        default=math.inf,
-    )
+    vertices = points if len(points) > 1 else np.repeat(points, 2, axis=0)
+    return float(runs_apart(vertices[None], obstacles)[0])
+
+
+def runs_apart(points: FloatArray, obstacles: Obstacles) -> FloatArray:
+    """:func:`measure_polyline` of polylines of equally many vertices (n, k, 3), k >= 2, (n,)."""
+    found = np.empty(len(points))
+    call(kernels.ready, kernels.polylines, flat(points), points.shape[1], rows(obstacles), found)
+    for mesh in meshes(obstacles):
+        starts, ends = points[:, :-1].reshape(-1, 3), points[:, 1:].reshape(-1, 3)
+        legs = mesh.segment_distance(starts, ends).reshape(len(points), -1)
+        np.minimum(found, legs.min(axis=1), out=found)
+    return found
+
+
+@lru_cache(maxsize=16)
+def _shares(degree: int) -> FloatArray:
+    return read_only(np.linspace(0, 1, degree + 1))
 
 
 @lru_cache(maxsize=16)
@@ -249,22 +282,25 @@ def _halving(degree: int) -> tuple[FloatArray, FloatArray]:
 
 def _first_pieces(curve: Curve, obstacles: Obstacles) -> tuple[_Pieces, float, float, int]:
     """Cut the curve evenly between its breaks; also the nearest end of a piece and whose it is."""
-    degree = max(curve.degree, 1)
     breaks = np.unique(curve.breaks)
     parts = -(-_FIRST_PIECES // max(len(breaks) - 1, 1))
     cuts = np.linspace(breaks[:-1], breaks[1:], parts, endpoint=False, axis=1).ravel()
     cuts = np.append(cuts, breaks[-1])
     start, end = cuts[:-1], cuts[1:]
-    parameters = np.linspace(start, end, degree + 1, axis=1)
-    points = curve(parameters.ravel()).reshape(len(start), degree + 1, 3)
-    control = _from_samples(degree) @ points
-
-    ends = np.concatenate([points[:, 0], points[-1:, -1]])
+    control = _bezier_points(curve, start, end)
+    ends = np.concatenate([control[:, 0], control[-1:, -1]])
     distances = np.stack([obstacle.signed_distance(ends) for obstacle in obstacles])
     least = distances.min(axis=0)
     k = int(least.argmin())
     pieces = _Pieces(control, start, end, least[:-1], least[1:])
     return pieces, float(cuts[k]), float(least[k]), int(distances[:, k].argmin())
+
+
+def _bezier_points(curve: Curve, start: FloatArray, end: FloatArray) -> FloatArray:
+    """Control points (n, degree + 1, 3) of the curve from ``start`` (n,) to ``end``, no breaks."""
+    degree = max(curve.degree, 1)
+    parameters = start[:, None] + (end - start)[:, None] * _shares(degree)
+    return _from_samples(degree) @ curve(parameters.ravel()).reshape(len(start), degree + 1, 3)
 
 
 def _sample(control: FloatArray, obstacles: Obstacles) -> tuple[FloatArray, FloatArray, FloatArray]:

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Protocol
 
 import numpy as np
 from numpy.polynomial import legendre
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from abi.arrays import FloatArray, read_only
+from abi.arrays import FloatArray, flat, read_only
+from abi.kernels import curves as kernels
+from abi.kernels.calling import call
 
 _GAUSS = 16
 _NODES, _WEIGHTS = legendre.leggauss(_GAUSS)
@@ -17,6 +21,7 @@ _NODES, _WEIGHTS = legendre.leggauss(_GAUSS)
 _SPEED = legendre.legvander(_NODES, _GAUSS - 1) * _WEIGHTS[:, None] * (np.arange(_GAUSS) + 0.5)
 # … and times this, those of its integral from -1.
 _TRAVELLED = legendre.legint(_SPEED, lbnd=-1, axis=1)
+_RULE = (flat(_NODES), flat(_WEIGHTS), flat(_SPEED[:, -2:].T))
 
 
 class Curve(Protocol):
@@ -80,15 +85,10 @@ class ArcLength:
         Returns:
             [unit], in the shape given.
         """
-        given = np.asarray(parameter, dtype=float)
-        asked = np.clip(given.ravel(), self.edges[0], self.edges[-1])
-        piece = _piece(self.edges, asked)
-        left, right = self.edges[piece], self.edges[piece + 1]
-        place = 2 * (asked - left) / (right - left) - 1
-        found = self.travelled[piece] + _series(self.series[piece], place)
-        found = np.where(asked <= self.edges[0], 0.0, np.clip(found, 0.0, self.length))
-        found = np.where(asked >= self.edges[-1], self.length, found)
-        return np.asarray(found.reshape(given.shape))
+        asked = np.asarray(parameter, dtype=float)
+        found = np.empty(asked.size)
+        call(kernels.ready, kernels.distances, *self._table, flat(asked), found)
+        return found.reshape(asked.shape)
 
     def parameter(self, distance: ArrayLike) -> FloatArray:
         """Parameter at which an arc length has been travelled, by Newton within a bracket.
@@ -102,22 +102,15 @@ class ArcLength:
         Returns:
             Parameters in the shape given.
         """
-        given = np.asarray(distance, dtype=float)
-        asked = np.clip(given.ravel(), 0.0, self.length)
-        piece = _piece(self.travelled, asked)
-        left, right = self.edges[piece], self.edges[piece + 1]
-        guess = 2 * (self._near(asked) - left) / (right - left) - 1
-        wanted = asked - self.travelled[piece]
-        place = _invert(self.series[piece], wanted, guess, 1e-13 * self.length)
-        found = np.minimum(left + (right - left) * (place + 1) / 2, right)
-        found = np.where(asked <= 0, self.edges[0], found)
-        found = np.where(asked >= self.length, self.edges[-1], found)
-        return np.asarray(found.reshape(given.shape))
+        asked = np.asarray(distance, dtype=float)
+        found = np.empty(asked.size)
+        gauss = (self.nodes, self.weights)
+        call(kernels.ready, kernels.parameters, *self._table, *gauss, flat(asked), found)
+        return found.reshape(asked.shape)
 
-    def _near(self, distance: FloatArray) -> FloatArray:
-        """About where a distance has been travelled: straight between the Gauss points."""
-        passed = np.cumsum(self.weights) - self.weights / 2
-        return np.interp(distance, passed, self.nodes)
+    @property
+    def _table(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        return self.edges, self.travelled, flat(self.series)
 
 
 def measure(curve: Curve) -> ArcLength:
@@ -134,80 +127,39 @@ def measure(curve: Curve) -> ArcLength:
         The measured arc length.
     """
     breaks = np.asarray(curve.breaks, dtype=float)
-    ends = np.stack([breaks[:-1], breaks[1:]], axis=1)
     rounding = 8 * np.finfo(float).eps * float(np.abs(curve(breaks)).max())
-    accepted: list[tuple[FloatArray, FloatArray]] = []
-    settled = 0.0
-    for _ in range(40):
-        half = (ends[:, 1] - ends[:, 0]) / 2
-        nodes = ends.mean(axis=1)[:, None] + half[:, None] * _NODES
-        derivatives = curve(nodes.ravel(), 1)
-        speed = np.linalg.norm(derivatives, axis=1).reshape(nodes.shape) * half[:, None]
-        lengths = speed @ _WEIGHTS
-        tail = np.abs(speed @ _SPEED[:, -2:]).sum(axis=1)
-        total = settled + float(lengths.sum())
-        done = tail <= 1e-13 * total + rounding
-        accepted.append((ends[done], speed[done]))
-        settled += float(lengths[done].sum())
-        if done.all():
-            break
-        rest = ends[~done]
-        middle = rest.mean(axis=1)
-        ends = np.stack([rest[:, 0], middle, middle, rest[:, 1]], axis=1).reshape(-1, 2)
-    else:
-        accepted.append((rest, speed[~done]))
-    pieces = np.concatenate([pair[0] for pair in accepted])
-    speeds = np.concatenate([pair[1] for pair in accepted])
-    if float((speeds @ _WEIGHTS).sum()) <= rounding:
-        speeds = np.zeros_like(speeds)  # such a curve has no direction, hence no inverse
-    return _assemble(pieces, speeds)
+    places, to_bezier = _interpolation(max(curve.degree - 1, 0))
+    derivative = curve((breaks[:-1, None] + np.diff(breaks)[:, None] * places).ravel(), 1)
+    control = to_bezier @ derivative.reshape(len(breaks) - 1, -1, 3)
+    starts, speeds = call(
+        kernels.ready, kernels.pieces, flat(breaks), flat(control), *_RULE, rounding
+    )
+    speed = np.array(speeds).reshape(-1, _GAUSS)
+    if float((speed @ _WEIGHTS).sum()) <= rounding:
+        speed[:] = 0.0  # such a curve has no direction, hence no inverse
+    return _assemble(np.append(starts, breaks[-1]), speed)
 
 
-def _assemble(ends: FloatArray, speed: FloatArray) -> ArcLength:
-    order = np.argsort(ends[:, 0])
-    ends, speed = ends[order], speed[order]
+@lru_cache(maxsize=16)
+def _interpolation(degree: int) -> tuple[FloatArray, FloatArray]:
+    """Places inside [0, 1], and the matrix that turns a polynomial's values there into its Bézier
+    points; both of degree + 1 rows."""
+    places = (np.arange(degree + 1) + 0.5) / (degree + 1)
+    i = np.arange(degree + 1)
+    choose = np.array([math.comb(degree, k) for k in i])
+    bernstein = choose * places[:, None] ** i * (1 - places[:, None]) ** (degree - i)
+    return read_only(places), read_only(np.asarray(np.linalg.inv(bernstein), dtype=np.float64))
+
+
+def _assemble(edges: FloatArray, speed: FloatArray) -> ArcLength:
     weights = speed * _WEIGHTS
     travelled = np.concatenate([[0.0], np.cumsum(weights.sum(axis=1))])
-    middle, half = ends.mean(axis=1), (ends[:, 1] - ends[:, 0]) / 2
+    middle, half = (edges[1:] + edges[:-1]) / 2, np.diff(edges) / 2
     return ArcLength(
         length=float(travelled[-1]),
-        edges=read_only(np.append(ends[:, 0], ends[-1, 1])),
+        edges=read_only(edges),
         travelled=read_only(travelled),
         series=read_only(speed @ _TRAVELLED),
         nodes=read_only((middle[:, None] + half[:, None] * _NODES).ravel()),
         weights=read_only(weights.ravel()),
     )
-
-
-def _piece(edges: FloatArray, value: FloatArray) -> NDArray[np.intp]:
-    return np.clip(np.searchsorted(edges, value, side="right") - 1, 0, len(edges) - 2)
-
-
-def _series(coefficients: FloatArray, place: FloatArray) -> FloatArray:
-    values = legendre.legvander(place, coefficients.shape[1] - 1)
-    return np.asarray(np.einsum("nk,nk->n", coefficients, values))
-
-
-def _invert(
-    series: FloatArray, wanted: FloatArray, guess: FloatArray, tolerance: float
-) -> FloatArray:
-    """Places in [-1, 1] where increasing series (n, k) that start from 0 reach ``wanted`` (n,)."""
-    slope = np.asarray(legendre.legder(series, axis=1), dtype=float)
-    place: FloatArray = np.clip(guess, -1.0, 1.0)
-    # a little wider, so that Newton may step on an end
-    low, high = np.full_like(place, -1.0 - 1e-9), np.full_like(place, 1.0 + 1e-9)
-    rest = np.arange(len(place))
-    for _ in range(60):
-        at = place[rest]
-        error = _series(series[rest], at) - wanted[rest]
-        far = np.abs(error) > tolerance
-        if not far.any():
-            break
-        rest, at, error = rest[far], at[far], error[far]
-        low[rest] = np.where(error < 0, at, low[rest])
-        high[rest] = np.where(error > 0, at, high[rest])
-        speed = _series(slope[rest], at)
-        newton = at - np.divide(error, speed, out=np.zeros_like(error), where=speed > 0)
-        inside = (newton > low[rest]) & (newton < high[rest])
-        place[rest] = np.where(inside, newton, (low[rest] + high[rest]) / 2)
-    return np.clip(place, -1.0, 1.0)

@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from abi.arrays import BoolArray, FloatArray
+from abi.clearance import runs_apart
 from abi.shapes import Obstacles
 
 _FINEST = 1e-3  # part of a leg: the nearest a point is put to a bend
@@ -62,11 +63,8 @@ def graded(
 def _room(points: FloatArray, obstacles: Obstacles, clearance: float) -> FloatArray:
     """What the inner vertices, with half of each leg, keep beyond the clearance, (k - 2,)."""
     middles = (points[1:] + points[:-1]) / 2
-    found = np.full((2, max(len(points) - 2, 0)), math.inf)
-    for solid in obstacles:
-        for row, middle in zip(found, (middles[:-1], middles[1:]), strict=True):
-            np.minimum(row, solid.segment_distance(points[1:-1], middle), out=row)
-    return np.asarray(found.min(axis=0) - clearance)
+    bends = np.stack([middles[:-1], points[1:-1], middles[1:]], axis=1)
+    return runs_apart(bends, obstacles) - clearance
 
 
 def _shares(first: float, last: float) -> list[float]:

@@ -8,12 +8,25 @@ import numpy as np
 
 from abi.arrays import FloatArray, read_only
 from abi.kernels.solids import WIDTH
+from abi.memory import ByIdentity
 from abi.pose import rotation
 from abi.shapes import Box, Capsule, Cylinder, MeshShape, Obstacles, Sphere
 
 Solid = Box | Sphere | Cylinder | Capsule
 
 _NONE = read_only(np.zeros(0))
+
+
+@ByIdentity
+def rows(obstacles: Obstacles) -> FloatArray:
+    """The rows of the convex solids among the obstacles; see :func:`packed`."""
+    return packed(parted(obstacles)[0])
+
+
+@ByIdentity
+def meshes(obstacles: Obstacles) -> tuple[MeshShape, ...]:
+    """The triangle meshes among the obstacles."""
+    return parted(obstacles)[1]
 
 
 def parted(obstacles: Obstacles) -> tuple[tuple[Solid, ...], tuple[MeshShape, ...]]:

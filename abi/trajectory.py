@@ -15,13 +15,16 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from abi.arm import JOINTS, Arm, forward, skeleton
-from abi.arrays import FloatArray, read_only
+from abi.arrays import FloatArray, flat, read_only
 from abi.curve import ArcLength, Curve
 from abi.drives import driven
 from abi.errors import OutOfReach
 from abi.ik import solve
+from abi.kernels import clearance as kernels
+from abi.kernels.calling import call
 from abi.scene import ArmSettings
 from abi.shapes import Obstacles, Vec3
+from abi.solids import meshes, rows
 from abi.timing import Profile
 
 
@@ -250,19 +253,28 @@ def _violations(
 
 def _link_clearance(points: FloatArray, obstacles: Obstacles) -> tuple[float, int, int]:
     """Least distance of the centre lines to the obstacles, the sample and the obstacle."""
-    starts, ends = points[:, :-1].reshape(-1, 3), points[:, 1:].reshape(-1, 3)
-    lengths = np.linalg.norm(ends - starts, axis=1)
     best, sample, whose = math.inf, 0, -1
-    for index, obstacle in enumerate(obstacles):
-        distances = obstacle.signed_distance(points.reshape(-1, 3)).reshape(-1, 4)
-        at_ends = distances[:, :-1].ravel(), distances[:, 1:].ravel()
+    solids = rows(obstacles)
+    if len(solids):
+        best, sample, solid = call(
+            kernels.ready, kernels.skeletons, flat(points), points.shape[1], solids
+        )
+        whose = [k for k, obstacle in enumerate(obstacles) if obstacle.convex][solid]
+    starts, ends = points[:, :-1].reshape(-1, 3), points[:, 1:].reshape(-1, 3)
+    for mesh in meshes(obstacles):
+        distances = mesh.signed_distance(points.reshape(-1, 3)).reshape(-1, 4)
+        lengths = np.linalg.norm(ends - starts, axis=1)
         # The distance is 1-Lipschitz: only segments that could be nearest are looked at closely.
-        bound = (at_ends[0] + at_ends[1] - lengths) / 2
-        rows = np.flatnonzero(bound <= min(best, float(distances.min())))
-        if not len(rows):
+        bound = (distances[:, :-1].ravel() + distances[:, 1:].ravel() - lengths) / 2
+        near = np.flatnonzero(bound <= min(best, float(distances.min())))
+        if not len(near):
             continue
-        found = obstacle.segment_distance(starts[rows], ends[rows])
+        found = mesh.segment_distance(starts[near], ends[near])
         nearest = int(found.argmin())
         if found[nearest] < best:
-            best, sample, whose = float(found[nearest]), int(rows[nearest]) // 3, index
+            best, sample, whose = (
+                float(found[nearest]),
+                int(near[nearest]) // 3,
+                obstacles.index(mesh),
+            )
     return best, sample, whose

@@ -1,0 +1,267 @@
+"""Splines' points, and the arc length of curves in both directions.
+
+Compiled by numba; each runs uncompiled too, by its ``py_func`` on plain lists.
+"""
+
+from __future__ import annotations
+
+import math
+import threading
+
+import numba
+import numpy as np
+from numba.extending import register_jitable
+
+from abi.arrays import FloatArray, read_only
+
+ready = threading.Event()
+"""Set once the kernels are compiled."""
+
+_MOST_HALVINGS = 40
+_MOST_STEPS = 60
+
+
+@numba.njit(cache=True, nogil=True)
+def spline(
+    knots: FloatArray,
+    control: FloatArray,
+    degree: int,
+    parameters: FloatArray,
+    order: int,
+    found: FloatArray,
+) -> None:
+    """Points of a spline, or a derivative, by de Boor's recursion on the control points' differences.
+
+    Args:
+        knots: (n + degree + 1,), clamped.
+        control: flat (3 n,), [unit].
+        degree: p.
+        parameters: (m,), not outside the knots.
+        order: of the derivative, at most p.
+        found: flat (3 m,); written.
+    """
+    count = len(control) // 3
+    local = [0.0] * (3 * (degree + 1))
+    for number in range(len(parameters)):
+        u = parameters[number]
+        low, high = degree, count - 1
+        while low < high:
+            middle = (low + high + 1) // 2
+            if knots[middle] <= u:
+                low = middle
+            else:
+                high = middle - 1
+        first = low - degree
+        for i in range(3 * (degree + 1)):
+            local[i] = control[3 * first + i]
+        for step in range(1, degree + 1):
+            for j in range(degree, step - 1, -1):
+                left, right = knots[first + j], knots[first + j + degree + 1 - step]
+                if step <= order:
+                    rate = (degree + 1 - step) / (right - left)
+                    for i in range(3 * j, 3 * j + 3):
+                        local[i] = rate * (local[i] - local[i - 3])
+                else:
+                    share = (u - left) / (right - left)
+                    for i in range(3 * j, 3 * j + 3):
+                        local[i] = (1 - share) * local[i - 3] + share * local[i]
+        for i in range(3):
+            found[3 * number + i] = local[3 * degree + i]
+
+
+@register_jitable
+def _speed(derivative: FloatArray, first: int, width: int, v: float, work: list[float]) -> float:
+    """Length of the Bézier curve's point at v, whose points begin at ``derivative[first]``."""
+    for i in range(3 * width):
+        work[i] = derivative[first + i]
+    for last in range(width - 1, 0, -1):
+        for i in range(3 * last):
+            work[i] = (1 - v) * work[i] + v * work[i + 3]
+    return math.sqrt(work[0] * work[0] + work[1] * work[1] + work[2] * work[2])
+
+
+@numba.njit(cache=True, nogil=True)
+def pieces(
+    breaks: FloatArray,
+    derivative: FloatArray,
+    nodes: FloatArray,
+    weights: FloatArray,
+    tails: FloatArray,
+    rounding: float,
+) -> tuple[list[float], list[float]]:
+    """Pieces of a curve so short that the speed on each is a Legendre series to rounding.
+
+    Args:
+        breaks: parameters between the s polynomials (s + 1,).
+        derivative: Bézier points of the derivative by the parameter, flat (3 s degree,).
+        nodes: Gauss points in (-1, 1), (g,).
+        weights: their weights (g,).
+        tails: what the speeds there are multiplied with for the last two coefficients, (2 g,).
+        rounding: what the last coefficients may contribute anyway, [unit].
+
+    Returns:
+        The first parameter of each piece in order, and the speeds at its Gauss points times half
+        its extent, flat.
+    """
+    spans, gauss = len(breaks) - 1, len(nodes)
+    width = len(derivative) // (3 * spans)
+    work = [0.0] * (3 * width)
+    speeds = [0.0] * gauss
+    starts, found = [0.0] * 0, [0.0] * 0
+    total = 0.0
+    for measuring in (True, False):
+        for k in range(spans):
+            extent = breaks[k + 1] - breaks[k]
+            pending = [(0.0, 1.0, 0)]
+            while len(pending) > 0:
+                start, end, halvings = pending.pop()
+                middle, half = (start + end) / 2, (end - start) / 2
+                length, last, before = 0.0, 0.0, 0.0
+                for i in range(gauss):
+                    v = middle + half * nodes[i]
+                    speed = half * extent * _speed(derivative, 3 * width * k, width, v, work)
+                    speeds[i] = speed
+                    length += weights[i] * speed
+                    before += tails[i] * speed
+                    last += tails[gauss + i] * speed
+                if measuring:
+                    total += length
+                elif (
+                    halvings == _MOST_HALVINGS
+                    or abs(before) + abs(last) <= 1e-13 * total + rounding
+                ):
+                    starts.append(breaks[k] + extent * start)
+                    for i in range(gauss):
+                        found.append(speeds[i])
+                else:
+                    pending.append((middle, end, halvings + 1))
+                    pending.append((start, middle, halvings + 1))
+    return starts, found
+
+
+@register_jitable
+def _piece(edges: FloatArray, value: float) -> int:
+    """Which piece between ``edges`` a value is on, the later where two meet."""
+    low, high = 0, len(edges) - 2
+    while low < high:
+        middle = (low + high + 1) // 2
+        if edges[middle] <= value:
+            low = middle
+        else:
+            high = middle - 1
+    return low
+
+
+@register_jitable
+def _series(series: FloatArray, first: int, terms: int, x: float) -> tuple[float, float]:
+    """A Legendre series at x, and its derivative, by the three-term recurrence."""
+    before, now = 1.0, x
+    slope_before, slope_now = 0.0, 1.0
+    value = series[first] + series[first + 1] * x
+    slope = series[first + 1]
+    for n in range(1, terms - 1):
+        before, now = now, ((2 * n + 1) * x * now - n * before) / (n + 1)
+        slope_before, slope_now = slope_now, slope_before + (2 * n + 1) * before
+        value += series[first + n + 1] * now
+        slope += series[first + n + 1] * slope_now
+    return value, slope
+
+
+@numba.njit(cache=True, nogil=True)
+def distances(
+    edges: FloatArray,
+    travelled: FloatArray,
+    series: FloatArray,
+    asked: FloatArray,
+    found: FloatArray,
+) -> None:
+    """Arc lengths up to parameters; arguments as in :func:`parameters`, ``found`` (n,) written."""
+    last = len(edges) - 1
+    terms = len(series) // last
+    for i in range(len(asked)):
+        u = asked[i]
+        if u <= edges[0]:
+            found[i] = 0.0
+        elif u >= edges[last]:
+            found[i] = travelled[last]
+        else:
+            k = _piece(edges, u)
+            place = 2 * (u - edges[k]) / (edges[k + 1] - edges[k]) - 1
+            value, _ = _series(series, k * terms, terms, place)
+            found[i] = min(max(travelled[k] + value, 0.0), travelled[last])
+
+
+@numba.njit(cache=True, nogil=True)
+def parameters(
+    edges: FloatArray,
+    travelled: FloatArray,
+    series: FloatArray,
+    nodes: FloatArray,
+    weights: FloatArray,
+    asked: FloatArray,
+    found: FloatArray,
+) -> None:
+    """Parameters at which arc lengths have been travelled, by Newton's method within a bracket.
+
+    Args:
+        edges: parameters between the m pieces (m + 1,).
+        travelled: arc length up to each (m + 1,), [unit].
+        series: Legendre coefficients of the arc length within each piece, flat (m t,), [unit].
+        nodes: parameters of each piece's g Gauss points, flat (m g,).
+        weights: arc length that each stands for, flat (m g,), [unit].
+        asked: (n,), [unit].
+        found: (n,); written.
+    """
+    last = len(edges) - 1
+    terms, gauss = len(series) // last, len(nodes) // last
+    length = travelled[last]
+    tolerance = 1e-13 * length
+    for i in range(len(asked)):
+        distance = asked[i]
+        if distance >= length:
+            found[i] = edges[last]
+            continue
+        if distance <= 0:
+            found[i] = edges[0]
+            continue
+        k = _piece(travelled, distance)
+        left, right = edges[k], edges[k + 1]
+        wanted = distance - travelled[k]
+        # the guess: straight between the Gauss points
+        passed, here, u = 0.0, 0.0, left
+        for j in range(k * gauss, (k + 1) * gauss):
+            there = passed + weights[j] / 2
+            if there >= wanted:
+                if there > here:
+                    u += (nodes[j] - u) * (wanted - here) / (there - here)
+                break
+            passed, here, u = passed + weights[j], there, nodes[j]
+        place = 2 * (u - left) / (right - left) - 1
+        # a little wider, so that Newton may step on an end
+        low, high = -1.0 - 1e-9, 1.0 + 1e-9
+        for _ in range(_MOST_STEPS):
+            value, slope = _series(series, k * terms, terms, place)
+            error = value - wanted
+            if abs(error) <= tolerance:
+                break
+            if error < 0:
+                low = place
+            else:
+                high = place
+            step = place - error / slope if slope > 0 else low
+            place = step if low < step < high else (low + high) / 2
+        place = min(max(place, -1.0), 1.0)
+        found[i] = min(left + (right - left) * (place + 1) / 2, right)
+
+
+def warm() -> None:
+    """Compile all kernels, or load what was compiled before."""
+    ends = read_only(np.array([0.0, 1.0]))
+    knots = read_only(np.array([0.0, 0, 1, 1]))
+    points = read_only(np.array([0.0, 0, 0, 1, 0, 0]))
+    spline(knots, points, 1, ends, 0, np.zeros(6))
+    one, zeros = read_only(np.ones(1)), read_only(np.zeros(1))
+    pieces(ends, read_only(points[3:].copy()), zeros, one, ends, 1.0)
+    distances(ends, ends, ends, one, np.zeros(1))
+    parameters(ends, ends, ends, one, one, one, np.zeros(1))
+    ready.set()
