@@ -24,6 +24,7 @@ class ByIdentity(Generic[_T, _R]):
         self._known: tuple[tuple[_T, _R], ...] = ()
 
     def __call__(self, thing: _T) -> _R:
+        """What the function makes of ``thing``, or made of this very object before."""
         for known, result in self._known:
             if known is thing:
                 return result

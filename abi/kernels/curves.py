@@ -30,7 +30,7 @@ def spline(
     order: int,
     found: FloatArray,
 ) -> None:
-    """Points of a spline, or a derivative, by de Boor's recursion on the control points' differences.
+    """Points of a spline or its derivative, by de Boor's recursion on differences of its points.
 
     Args:
         knots: (n + degree + 1,), clamped.
