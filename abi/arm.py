@@ -111,17 +111,20 @@ def skeleton(arm: Arm, positions: FloatArray) -> FloatArray:
         Base, shoulder, elbow and tool, shape (n, 4, 3), [unit], world.
     """
     q1, q2, q3, _, q5, _ = np.asarray(positions, dtype=float).T
-    a3, a6 = arm.a3, arm.forearm(q5)
-    # Rows: elbow and tool, in the arm's plane.
-    across = np.cumsum([a3 * np.sin(q2), a6 * np.sin(q2 + q3)], axis=0)
-    up = np.cumsum([a3 * np.cos(q2), a6 * np.cos(q2 + q3)], axis=0)
+    a6, swing = arm.forearm(q5), q2 + q3
     points = np.empty((len(q1), 4, 3))
     points[:, 0] = arm.base
-    points[:, 1] = arm.shoulder
-    for k in range(2):
-        points[:, 2 + k, 0] = arm.base[0] + np.sin(q1) * across[k]
-        points[:, 2 + k, 1] = arm.base[1] - np.cos(q1) * across[k]
-        points[:, 2 + k, 2] = arm.shoulder[2] + up[k]
+    points[:, 1] = points[:, 2] = points[:, 3] = arm.shoulder
+    # In the arm's plane first; the forearm goes on from the elbow.
+    across, up = arm.a3 * np.sin(q2), arm.a3 * np.cos(q2)
+    right, ahead = np.sin(q1), np.cos(q1)
+    for k, far, high in (
+        (2, across, up),
+        (3, across + a6 * np.sin(swing), up + a6 * np.cos(swing)),
+    ):
+        points[:, k, 0] += right * far
+        points[:, k, 1] -= ahead * far
+        points[:, k, 2] += high
     return points
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from typing import cast
 
 import numpy as np
 
@@ -126,10 +127,10 @@ def measure(
         return Clearance(math.inf, float(curve.interval[0]), math.inf, -1, ())
     tolerance = max(tolerance, ROUNDING)
     if not meshes(obstacles):
-        return _measured(curve, obstacles, asked, tolerance)
+        return _measured(*_polynomials(curve), obstacles, asked, tolerance)
     pieces, at, nearest, obstacle = _first_pieces(curve, obstacles)
     distance = nearest
-    stretches: list[FloatArray] = []
+    stretches: list[tuple[float, float]] = []
     finest = (curve.interval[1] - curve.interval[0]) / _FINEST_STRETCH
     for halvings in range(_MOST_HALVINGS + 1):
         at_middle, whose, bound = _sample(pieces.control, obstacles)
@@ -150,17 +151,21 @@ def measure(
         done = ~unsure
         distance = min(distance, nearest, float(bound[done].min(initial=math.inf)))
         kept = done & violating
-        stretches.append(np.stack([pieces.start[kept], pieces.end[kept]], axis=1))
+        stretches += zip(pieces.start[kept].tolist(), pieces.end[kept].tolist(), strict=True)
         if done.all():
             break
         pieces = pieces.halved(unsure, middle, at_middle)
-    return Clearance(distance, at, nearest, obstacle, _joined(np.concatenate(stretches)))
+    return Clearance(distance, at, nearest, obstacle, _joined(stretches))
 
 
-def _measured(curve: Curve, obstacles: Obstacles, asked: float, tolerance: float) -> Clearance:
-    """:func:`measure` among convex solids alone."""
-    breaks = np.unique(curve.breaks)
-    control = _bezier_points(curve, breaks[:-1], breaks[1:])
+def _measured(
+    breaks: FloatArray,
+    control: FloatArray,
+    obstacles: Obstacles,
+    asked: float,
+    tolerance: float,
+) -> Clearance:
+    """:func:`measure` of Bézier pieces (s, degree + 1, 3) among convex solids alone."""
     parts = -(-_FIRST_PIECES // max(len(breaks) - 1, 1))
     finest = float(breaks[-1] - breaks[0]) / _FINEST_STRETCH
     distance, at, nearest, obstacle, stretches = call(
@@ -169,8 +174,7 @@ def _measured(curve: Curve, obstacles: Obstacles, asked: float, tolerance: float
         *(flat(control), flat(breaks), parts, rows(obstacles)),
         *(float(asked), tolerance, finest),
     )
-    violations = _joined(np.array(stretches[1:])) if len(stretches) > 1 else ()
-    return Clearance(distance, at, nearest, obstacle, violations)
+    return Clearance(distance, at, nearest, obstacle, _joined(stretches[1:]))
 
 
 def prove(
@@ -194,11 +198,15 @@ def prove(
             extent may be lost.
     """
     pieces = bezier(curve)
-    fine = tolerance
-    if not all(obstacle.convex for obstacle in obstacles):
+    if meshes(obstacles):
         extent = np.ptp(pieces.points.reshape(-1, 3), axis=0)
         fine = max(tolerance, _COARSE * float(np.linalg.norm(extent)))
-    found = measure(curve, obstacles, asked, fine)
+        found = measure(curve, obstacles, asked, fine)
+    elif obstacles:
+        fine = max(tolerance, ROUNDING)
+        found = _measured(pieces.breaks, pieces.points, obstacles, asked, fine)
+    else:
+        found = measure(curve, obstacles)
     nearest = found.nearest
     for margin in _margins(found, obstacles, asked, max(tolerance, ROUNDING) / 8):
         if margin > nearest:
@@ -296,6 +304,15 @@ def _first_pieces(curve: Curve, obstacles: Obstacles) -> tuple[_Pieces, float, f
     return pieces, float(cuts[k]), float(least[k]), int(distances[:, k].argmin())
 
 
+def _polynomials(curve: Curve) -> tuple[FloatArray, FloatArray]:
+    """A curve's breaks (s + 1,), and the control points (s, degree + 1, 3) between them."""
+    if hasattr(curve, "knots") or hasattr(curve, "pieces"):
+        pieces = bezier(cast(PolynomialCurve, curve))
+        return pieces.breaks, pieces.points
+    breaks = np.unique(curve.breaks)
+    return breaks, _bezier_points(curve, breaks[:-1], breaks[1:])
+
+
 def _bezier_points(curve: Curve, start: FloatArray, end: FloatArray) -> FloatArray:
     """Control points (n, degree + 1, 3) of the curve from ``start`` (n,) to ``end``, no breaks."""
     degree = max(curve.degree, 1)
@@ -320,12 +337,12 @@ def _sample(control: FloatArray, obstacles: Obstacles) -> tuple[FloatArray, Floa
     return distances.min(axis=0), distances.argmin(axis=0), bounds.min(axis=0)
 
 
-def _joined(stretches: FloatArray) -> tuple[tuple[float, float], ...]:
-    """Sort intervals (n, 2) that do not overlap, and join those that touch."""
-    if not len(stretches):
-        return ()
-    start, end = stretches[stretches[:, 0].argsort()].T
-    apart = np.flatnonzero(start[1:] > end[:-1])
-    starts = start[np.concatenate([[0], apart + 1])]
-    ends = end[np.append(apart, len(end) - 1)]
-    return tuple(zip(starts.tolist(), ends.tolist(), strict=True))
+def _joined(stretches: list[tuple[float, float]]) -> tuple[tuple[float, float], ...]:
+    """Sort intervals that do not overlap, and join those that touch."""
+    joined: list[tuple[float, float]] = []
+    for start, end in sorted(stretches):
+        if joined and start <= joined[-1][1]:
+            joined[-1] = joined[-1][0], end
+        else:
+            joined.append((start, end))
+    return tuple(joined)

@@ -21,6 +21,7 @@ _NODES, _WEIGHTS = legendre.leggauss(_GAUSS)
 _SPEED = legendre.legvander(_NODES, _GAUSS - 1) * _WEIGHTS[:, None] * (np.arange(_GAUSS) + 0.5)
 # … and times this, those of its integral from -1.
 _TRAVELLED = legendre.legint(_SPEED, lbnd=-1, axis=1)
+_AT_NODES = legendre.legvander(_NODES, _GAUSS).T
 _RULE = (flat(_NODES), flat(_WEIGHTS), flat(_SPEED[:, -2:].T))
 
 
@@ -75,6 +76,11 @@ class ArcLength:
     series: FloatArray
     nodes: FloatArray
     weights: FloatArray
+
+    @property
+    def passed(self) -> FloatArray:
+        """Arc length from the start to each Gauss point, [unit], shape (16 m,)."""
+        return np.asarray((self.travelled[:-1, None] + self.series @ _AT_NODES).ravel())
 
     def distance(self, parameter: ArrayLike) -> FloatArray:
         """Arc length from the start to a parameter.

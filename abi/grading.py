@@ -35,29 +35,33 @@ def graded(
         At least p + 1 points (n, 3), those of the path among them, and which are not (n,).
     """
     legs = np.diff(points, axis=0)
-    lengths = np.linalg.norm(legs, axis=1)
-    apart = np.full(len(points), math.inf)
+    lengths = np.sqrt((legs**2).sum(axis=1))
     unit = legs / np.maximum(lengths, 1e-300)[:, None]
-    turn = np.linalg.norm(np.diff(unit, axis=0), axis=1)
-    cut = turn * math.sqrt((degree + 1) / (24 * math.pi))
-    room = _SHARE * np.maximum(_room(points, obstacles, clearance), 0)
-    np.divide(room, cut, out=apart[1:-1], where=cut > 0)
+    turns = np.sqrt((np.diff(unit, axis=0) ** 2).sum(axis=1)).tolist()
+    room = _room(points, obstacles, clearance).tolist()
+    cut = math.sqrt((degree + 1) / (24 * math.pi))
+    apart = [
+        math.inf,
+        *(
+            _SHARE * max(gap, 0.0) / (cut * turn) if turn > 0 else math.inf
+            for gap, turn in zip(room, turns, strict=True)
+        ),
+        math.inf,
+    ]
     shares = [
         _shares(first / length, last / length) if length > 0 else []
-        for first, last, length in zip(
-            apart[:-1].tolist(), apart[1:].tolist(), lengths.tolist(), strict=True
-        )
+        for first, last, length in zip(apart[:-1], apart[1:], lengths.tolist(), strict=True)
     ]
     while len(points) + sum(map(len, shares)) <= degree:
         widest = int(np.argmax(lengths / [1 + len(inner) for inner in shares]))
         count = len(shares[widest]) + 1
         shares[widest] = [k / (count + 1) for k in range(1, count + 1)]
-    parts, added = [points[:1]], [np.zeros(1, dtype=bool)]
-    for k, inner in enumerate(shares):
-        between = points[k] + np.array(inner).reshape(-1, 1) * legs[k]
-        parts += [between, points[k + 1 : k + 2]]
-        added += [np.ones(len(inner), dtype=bool), np.zeros(1, dtype=bool)]
-    return np.concatenate(parts), np.concatenate(added)
+    # place k + share on leg k; the vertices are at the whole places
+    places = np.array([k + share for k, inner in enumerate(shares) for share in (0.0, *inner)])
+    leg = places.astype(int)
+    inner = points[leg] + (places - leg)[:, None] * legs[leg]
+    added = np.append(places != leg, False)
+    return np.concatenate([inner, points[-1:]]), added
 
 
 def _room(points: FloatArray, obstacles: Obstacles, clearance: float) -> FloatArray:

@@ -87,7 +87,7 @@ def solve(
     q1, across = _about_axis(offset, np.asarray(tangents, dtype=float), rounding, _reach(arm))
     q3, shortfall = _elbow(arm, np.hypot(across, offset[:, 2]), forearm, rounding)
     q3 = q3 if elbow == "up" else -q3
-    q2 = np.unwrap(np.arctan2(across, offset[:, 2])) - _lead(arm, forearm, q3)
+    q2 = _unwrapped(np.arctan2(across, offset[:, 2])) - _lead(arm, forearm, q3)
     return Solution(
         q1=read_only(_centred(q1)),
         q2=read_only(_centred(q2)),
@@ -161,12 +161,9 @@ def _about_axis(
     x, y = offset[:, 0], offset[:, 1]
     distance = np.hypot(x, y)
     off = np.flatnonzero(distance > rounding)
-    leaving = np.hypot(tangents[:, 0], tangents[:, 1]) > 1e-9
-    heading = np.arctan2(tangents[:, 0], -tangents[:, 1])
-    index = np.arange(len(offset))
-    on = distance <= rounding
     if not len(off):
         # All on the axis; a single sample may still know where it is going.
+        leaving, heading = _leaving(tangents)
         return np.where(leaving, heading, 0.0) if len(offset) == 1 else 0.0 * x, distance
     angle = np.arctan2(x[off], -y[off])
     turn = np.diff(angle)
@@ -175,14 +172,31 @@ def _about_axis(
     for k in np.flatnonzero(flips & (np.diff(off) == 1)):
         pair = slice(off[k], off[k] + 2)
         flips[k] = _nearest_to_axis(offset[pair], tangents[pair]) <= THROUGH * reach
+    if not flips.any() and len(off) == len(offset):
+        return _unwrapped(angle), distance
     behind = np.concatenate([[0], np.cumsum(flips)])
-    q1 = np.interp(index, off, np.unwrap(angle + np.pi * behind))
+    q1 = np.interp(np.arange(len(offset)), off, _unwrapped(angle + np.pi * behind))
     # On the axis the path's direction gives q1 up to half turns; its neighbours give those.
+    leaving, heading = _leaving(tangents)
     limit = heading + np.pi * np.round((q1 - heading) / np.pi)
-    q1 = np.where(on & leaving, limit, q1)
+    q1 = np.where((distance <= rounding) & leaving, limit, q1)
     across = np.zeros(len(offset))
     across[off] = distance[off] * (1 - 2 * (behind % 2))
     return q1, across
+
+
+def _leaving(tangents: FloatArray) -> tuple[BoolArray, FloatArray]:
+    """Where a path leaves the base axis if it is on it, and the q1 of its direction, (n,)."""
+    x, y = tangents[:, 0], tangents[:, 1]
+    return np.hypot(x, y) > 1e-9, np.arctan2(x, -y)
+
+
+def _unwrapped(angle: FloatArray) -> FloatArray:
+    """The same angles plus whole turns, so that none is more than half a turn from the last."""
+    turns = np.round(np.diff(angle) / (2 * np.pi))
+    if not turns.any():
+        return angle
+    return np.asarray(angle - 2 * np.pi * np.concatenate([[0], np.cumsum(turns)]))
 
 
 def _nearest_to_axis(ends: FloatArray, tangents: FloatArray) -> float:

@@ -107,8 +107,8 @@ def fit(curve: Curve, arc: ArcLength, obstacles: Obstacles, clearance: float) ->
     first, last = curve(np.array(curve.interval))
     bend = np.zeros(3)
     if arc.length > 0:
-        t = (arc.distance(arc.nodes) / arc.length)[:, None]
+        t = (arc.passed / arc.length)[:, None]
         above = curve(arc.nodes) - first - (last - first) * t
-        bend = 30 * np.sum(above * (t**2 - t) * arc.weights[:, None], axis=0) / arc.length
+        bend = 30 * (arc.weights @ (above * (t**2 - t))) / arc.length
     coefficients = read_only(np.stack([first, last - first - bend, bend]))
     return Quadratic(coefficients, obstacles, clearance)

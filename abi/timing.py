@@ -63,19 +63,21 @@ class Profile:
         given = np.asarray(time, dtype=float)
         t = np.clip(given, 0.0, self.duration)
         left = self.duration - t
-        phases = [t < self.t1, left > self.t3]
+        speeding, cruising = t < self.t1, left > self.t3
         if order == 0:
             first = self.acceleration / 2 * t**2
             middle = self.peak_speed * (t - self.t1 / 2)
             last = self.length - self.deceleration / 2 * left**2
-            travelled = np.select(phases, [first, middle], last)
+            travelled = np.where(speeding, first, np.where(cruising, middle, last))
             return np.asarray(np.clip(travelled, 0.0, self.length))
         if order == 1:
             slowing = self.deceleration * left
-            speed = np.select(phases, [self.acceleration * t, self.peak_speed], slowing)
+            speed = np.where(cruising, self.peak_speed, slowing)
+            speed = np.where(speeding, self.acceleration * t, speed)
             return np.asarray(np.minimum(speed, self.peak_speed))
         if order == 2:
-            value = np.select(phases, [self.acceleration, 0.0], -self.deceleration)
+            value = np.where(cruising, 0.0, -self.deceleration)
+            value = np.where(speeding, self.acceleration, value)
             return np.where(given == t, value, 0.0)
         return np.zeros_like(t)
 

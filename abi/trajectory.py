@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from abi.arm import JOINTS, Arm, forward, skeleton
+from abi.arm import JOINTS, Arm, skeleton
 from abi.arrays import FloatArray, flat, read_only
 from abi.curve import ArcLength, Curve
 from abi.drives import driven
@@ -107,16 +107,16 @@ class Trajectory:
 
     def _tangent(self, parameter: FloatArray) -> FloatArray:
         direction = self.curve(parameter, 1)
+        size = _lengths(direction)
         low, high = self.curve.interval
-        resting = np.linalg.norm(direction, axis=1) * (high - low) <= 1e-6 * self.arc.length
+        resting = size * (high - low) <= 1e-6 * self.arc.length
         if resting.any():
             # A chord of a thousandth of the interval, forwards unless the curve ends before.
             start = np.minimum(parameter[resting], high - 1e-3 * (high - low))
             direction = np.array(direction)
             direction[resting] = self.curve(start + 1e-3 * (high - low)) - self.curve(start)
-        size = np.linalg.norm(direction, axis=1, keepdims=True)
-        unit = np.divide(direction, size, out=np.zeros_like(direction), where=size > 0)
-        return np.asarray(unit)
+            size = _lengths(direction)
+        return np.asarray(direction / np.where(size > 0, size, 1)[:, None])
 
 
 @dataclass(frozen=True, eq=False)
@@ -198,18 +198,20 @@ def follow(
     target, tangent, velocity = trajectory.sampled(time)
     drives = driven(settings, time)
     found = solve(arm, target, drives[:, 1], settings.elbow, tangent)
-    positions = np.column_stack([found.q1, found.q2, found.q3, drives])
-    distance, when, whose = _link_clearance(skeleton(arm, positions), obstacles)
+    joints = np.concatenate([[found.q1, found.q2, found.q3], drives.T])
+    positions = np.ascontiguousarray(joints.T)
+    points = skeleton(arm, positions)
+    distance, when, whose = _link_clearance(points, obstacles)
     step = profile.duration / (samples - 1)
-    largest = np.abs(np.diff(positions, axis=0)).max(axis=0)
+    largest = np.abs(np.diff(joints)).max(axis=1)
     return ArmMotion(
         time=read_only(time),
         positions=read_only(positions),
         target=read_only(target),
-        tool=read_only(forward(arm, positions)),
+        tool=read_only(points[:, 3].copy()),
         velocity=read_only(velocity),
         unreachable=_stretches(time, found.shortfall),
-        limit_violations=_violations(time, positions, arm.limits),
+        limit_violations=_violations(time, joints, arm.limits),
         peak_joint_speed=read_only(largest / step if step > 0 else np.zeros(6)),
         clearance=distance,
         clearance_time=float(time[when]),
@@ -228,8 +230,14 @@ def rest(arm: Arm, settings: ArmSettings, point: Vec3) -> FloatArray:
     return read_only(np.array([found.q1[0], found.q2[0], found.q3[0], 0.0, settings.q5, 0.0]))
 
 
+def _lengths(vectors: FloatArray) -> FloatArray:
+    return np.asarray(np.sqrt(np.einsum("ni,ni->n", vectors, vectors)))
+
+
 def _stretches(time: FloatArray, shortfall: FloatArray) -> tuple[Stretch, ...]:
     """Runs of samples out of reach on the same side."""
+    if not shortfall.any():
+        return ()
     side = np.sign(shortfall)
     edges = np.flatnonzero(np.diff(side, prepend=0.0, append=0.0))
     return tuple(
@@ -239,15 +247,14 @@ def _stretches(time: FloatArray, shortfall: FloatArray) -> tuple[Stretch, ...]:
     )
 
 
-def _violations(
-    time: FloatArray, positions: FloatArray, limits: FloatArray
-) -> tuple[Violation, ...]:
-    past = np.maximum(limits[:, 0] - positions, positions - limits[:, 1])
-    worst = past.argmax(axis=0)
+def _violations(time: FloatArray, joints: FloatArray, limits: FloatArray) -> tuple[Violation, ...]:
+    """Where each of the ``joints`` (6, m) that passes a limit is farthest past it."""
+    past = np.maximum(limits[:, :1] - joints, joints - limits[:, 1:])
+    worst = past.argmax(axis=1)
+    most = 1e-9 * (1 + np.abs(limits).max(axis=1))
     return tuple(
-        Violation(name, float(time[k]), float(positions[k, joint]))
-        for joint, (name, k) in enumerate(zip(JOINTS, worst, strict=True))
-        if past[k, joint] > 1e-9 * (1 + float(np.abs(limits[joint]).max()))
+        Violation(JOINTS[joint], float(time[worst[joint]]), float(joints[joint, worst[joint]]))
+        for joint in np.flatnonzero(past[np.arange(len(JOINTS)), worst] > most)
     )
 
 

@@ -12,7 +12,7 @@ import numba
 import numpy as np
 from numba.extending import register_jitable
 
-from abi.arrays import FloatArray, read_only
+from abi.arrays import FloatArray, IntArray, read_only
 
 ready = threading.Event()
 """Set once the kernels are compiled."""
@@ -42,16 +42,14 @@ def spline(
     """
     count = len(control) // 3
     local = [0.0] * (3 * (degree + 1))
+    span = degree
     for number in range(len(parameters)):
         u = parameters[number]
-        low, high = degree, count - 1
-        while low < high:
-            middle = (low + high + 1) // 2
-            if knots[middle] <= u:
-                low = middle
-            else:
-                high = middle - 1
-        first = low - degree
+        if u < knots[span]:
+            span = degree
+        while span < count - 1 and knots[span + 1] <= u:
+            span += 1
+        first = span - degree
         for i in range(3 * (degree + 1)):
             local[i] = control[3 * first + i]
         for step in range(1, degree + 1):
@@ -67,6 +65,38 @@ def spline(
                         local[i] = (1 - share) * local[i - 3] + share * local[i]
         for i in range(3):
             found[3 * number + i] = local[3 * degree + i]
+
+
+@numba.njit(cache=True, nogil=True)
+def bezier(
+    knots: FloatArray, control: FloatArray, degree: int, spans: IntArray, found: FloatArray
+) -> None:
+    """Bézier points of a spline's polynomials, by convex combinations only.
+
+    Args:
+        knots: (n + degree + 1,).
+        control: flat (3 n,), [unit].
+        degree: p.
+        spans: numbers of the knots that polynomials begin at (s,).
+        found: flat (3 s (p + 1),); written.
+    """
+    width = degree + 1
+    local = [0.0] * (3 * width)
+    for k in range(len(spans)):
+        first = spans[k] - degree
+        start, end = knots[spans[k]], knots[spans[k] + 1]
+        for point in range(width):
+            for i in range(3 * width):
+                local[i] = control[3 * first + i]
+            for step in range(1, width):
+                at = start if step <= degree - point else end
+                for j in range(degree, step - 1, -1):
+                    left, right = knots[first + j], knots[first + j + width - step]
+                    share = (at - left) / (right - left)
+                    for i in range(3 * j, 3 * j + 3):
+                        local[i] = (1 - share) * local[i - 3] + share * local[i]
+            for i in range(3):
+                found[3 * (k * width + point) + i] = local[3 * degree + i]
 
 
 @register_jitable
@@ -153,18 +183,20 @@ def _piece(edges: FloatArray, value: float) -> int:
 
 
 @register_jitable
-def _series(series: FloatArray, first: int, terms: int, x: float) -> tuple[float, float]:
-    """A Legendre series at x, and its derivative, by the three-term recurrence."""
-    before, now = 1.0, x
-    slope_before, slope_now = 0.0, 1.0
-    value = series[first] + series[first + 1] * x
-    slope = series[first + 1]
-    for n in range(1, terms - 1):
-        before, now = now, ((2 * n + 1) * x * now - n * before) / (n + 1)
-        slope_before, slope_now = slope_now, slope_before + (2 * n + 1) * before
-        value += series[first + n + 1] * now
-        slope += series[first + n + 1] * slope_now
-    return value, slope
+def _factors(terms: int) -> tuple[list[float], list[float]]:
+    """What Clenshaw's recurrence multiplies with at each term of a Legendre series."""
+    first, second = [0.0] * terms, [0.0] * terms
+    for n in range(terms):
+        first[n], second[n] = (2 * n + 1) / (n + 1), (n + 1) / (n + 2)
+    return first, second
+
+
+@register_jitable
+def _derive(series: FloatArray, start: int, terms: int, found: list[float]) -> None:
+    """Write the coefficients of a series' derivative: P'_n = (2 n - 1) P_n-1 + P'_n-2."""
+    for n in range(terms - 1, 0, -1):
+        passed_on = found[n + 1] / (2 * n + 3) if n + 1 < terms - 1 else 0.0
+        found[n - 1] = (2 * n - 1) * (series[start + n] + passed_on)
 
 
 @numba.njit(cache=True, nogil=True)
@@ -178,6 +210,7 @@ def distances(
     """Arc lengths up to parameters; arguments as in :func:`parameters`, ``found`` (n,) written."""
     last = len(edges) - 1
     terms = len(series) // last
+    first, second = _factors(terms)
     for i in range(len(asked)):
         u = asked[i]
         if u <= edges[0]:
@@ -187,7 +220,10 @@ def distances(
         else:
             k = _piece(edges, u)
             place = 2 * (u - edges[k]) / (edges[k + 1] - edges[k]) - 1
-            value, _ = _series(series, k * terms, terms, place)
+            value, before = 0.0, 0.0
+            for n in range(terms - 1, -1, -1):
+                ahead = series[k * terms + n] + first[n] * place * value - second[n] * before
+                value, before = ahead, value
             found[i] = min(max(travelled[k] + value, 0.0), travelled[last])
 
 
@@ -216,6 +252,8 @@ def parameters(
     terms, gauss = len(series) // last, len(nodes) // last
     length = travelled[last]
     tolerance = 1e-13 * length
+    first, second = _factors(terms)
+    derived, of = [0.0] * terms, -1
     for i in range(len(asked)):
         distance = asked[i]
         if distance >= length:
@@ -227,6 +265,9 @@ def parameters(
         k = _piece(travelled, distance)
         left, right = edges[k], edges[k + 1]
         wanted = distance - travelled[k]
+        if k != of:
+            of = k
+            _derive(series, k * terms, terms, derived)
         # the guess: straight between the Gauss points
         passed, here, u = 0.0, 0.0, left
         for j in range(k * gauss, (k + 1) * gauss):
@@ -240,7 +281,12 @@ def parameters(
         # a little wider, so that Newton may step on an end
         low, high = -1.0 - 1e-9, 1.0 + 1e-9
         for _ in range(_MOST_STEPS):
-            value, slope = _series(series, k * terms, terms, place)
+            value = before = slope = slope_before = 0.0
+            for n in range(terms - 1, -1, -1):
+                ahead = series[k * terms + n] + first[n] * place * value - second[n] * before
+                value, before = ahead, value
+                ahead = derived[n] + first[n] * place * slope - second[n] * slope_before
+                slope, slope_before = ahead, slope
             error = value - wanted
             if abs(error) <= tolerance:
                 break
@@ -260,6 +306,7 @@ def warm() -> None:
     knots = read_only(np.array([0.0, 0, 1, 1]))
     points = read_only(np.array([0.0, 0, 0, 1, 0, 0]))
     spline(knots, points, 1, ends, 0, np.zeros(6))
+    bezier(knots, points, 1, read_only(np.array([1], dtype=np.int32)), np.zeros(6))
     one, zeros = read_only(np.ones(1)), read_only(np.zeros(1))
     pieces(ends, read_only(points[3:].copy()), zeros, one, ends, 1.0)
     distances(ends, ends, ends, one, np.zeros(1))

@@ -8,8 +8,10 @@ from typing import Protocol
 
 import numpy as np
 
-from abi.arrays import FloatArray, read_only
+from abi.arrays import FloatArray, flat, read_only
 from abi.curve import Curve
+from abi.kernels import curves as kernels
+from abi.kernels.calling import call
 
 
 class SplineCurve(Curve, Protocol):
@@ -84,21 +86,14 @@ def _from_spline(knots: FloatArray, control_points: FloatArray, degree: int) -> 
     times (Ramshaw, Blossoms are polar forms, 1989, section 6). De Boor's recursion for it takes
     convex combinations only, so errors do not grow.
     """
-    spans = np.flatnonzero(knots[1:] > knots[:-1])
-    spans = spans[(spans >= degree) & (spans < len(control_points))]
-    start, end = knots[spans], knots[spans + 1]
-    at_end = np.arange(degree + 1)
-    rows = spans[:, None] - degree + np.arange(degree + 1)
-    shape = (len(spans), degree + 1, degree + 1, 3)
-    points = np.broadcast_to(control_points[rows][:, None], shape)
-    for level in range(1, degree + 1):
-        at = np.where(level <= degree - at_end, start[:, None], end[:, None])[..., None]
-        first = knots[rows[:, level:]][:, None]
-        last = knots[rows[:, level:] + degree + 1 - level][:, None]
-        share = ((at - first) / (last - first))[..., None]
-        points = (1 - share) * points[:, :, :-1] + share * points[:, :, 1:]
-    breaks = read_only(np.append(start, end[-1:]))
-    return Bezier(breaks, read_only(points[:, :, 0].copy()), float(np.abs(control_points).max()))
+    spans = np.flatnonzero(knots[1:] > knots[:-1]).astype(np.int32)
+    spans = read_only(spans[(spans >= degree) & (spans < len(control_points))])
+    points = np.empty(3 * len(spans) * (degree + 1))
+    numbers = (flat(knots), flat(control_points), degree, spans, points)
+    call(kernels.ready, kernels.bezier, *numbers)
+    breaks = read_only(np.append(knots[spans], knots[spans[-1] + 1]))
+    pieces = read_only(points.reshape(len(spans), degree + 1, 3))
+    return Bezier(breaks, pieces, float(np.abs(control_points).max()))
 
 
 def _from_powers(pieces: Sequence[tuple[float, float, FloatArray]]) -> Bezier:
