@@ -7,15 +7,14 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy import interpolate
 
 from abi.arrays import BoolArray, FloatArray, flat, read_only
-from abi.clearance import ROUNDING, Clearance, measure, measure_polyline, prove
+from abi.clearance import ROUNDING, Clearance, measure, measure_polyline, outward, prove
 from abi.curve import measure as arc_length
 from abi.grading import graded
 from abi.kernels import curves as kernels
 from abi.kernels.calling import call
-from abi.shapes import Obstacles, nearest
+from abi.shapes import Obstacles
 
 _FINEST = 1e-6  # of the path's extent: how finely a clearance is measured
 _ROUNDS = 60
@@ -161,7 +160,7 @@ def fit(
     room = (wanted, clearance + min(gap, gap / 2), tolerance)
     cleared = _cleared(spline, *room, _PUSHES)
     longest = float(_edge_lengths(points).sum())
-    if cleared.moved and arc_length(cleared).length > longest:
+    if cleared is not spline and cleared.moved and arc_length(cleared).length > longest:
         cleared = _cleared(spline, *room, 0)
     return cleared if gap < -ROUNDING else _finished(cleared, room, longest)
 
@@ -188,10 +187,12 @@ def _cleared(
     spline: BSpline, wanted: float, floor: float, tolerance: float, most_pushes: int
 ) -> BSpline:
     """Push and refine until ``wanted`` is kept; the control polygon keeps ``floor``, [unit]."""
-    box = (spline.control_points.min(axis=0), spline.control_points.max(axis=0))
     aim = wanted + 2 * tolerance
     found = measure(spline, spline.obstacles, aim, tolerance)
+    if found.distance >= wanted:
+        return spline
     best, best_distance = spline, found.distance
+    box = (spline.control_points.min(axis=0), spline.control_points.max(axis=0))
     pushes = 0
     for _ in range(_ROUNDS):
         if found.distance >= wanted or spline.inserted > _MOST_INSERTED:
@@ -217,13 +218,9 @@ def _pushed(
     """Move the inner control points outwards, within ``box``, to lift the curve to ``aim``."""
     parameters = np.linspace(*_failing(found), _SAMPLES).ravel()
     samples = spline(parameters)
-    distance, index = nearest(spline.obstacles, samples)
-    gradient = np.zeros_like(samples)
-    for k in np.unique(index):
-        gradient[index == k] = spline.obstacles[k].gradient(samples[index == k])
+    distance, gradient = outward(samples, spline.obstacles)
     lift = gradient * np.maximum(aim - distance, 0)[:, None]
-    design = interpolate.BSpline.design_matrix(parameters, spline.knots, spline.degree)
-    influence = design.toarray()[:, 1:-1]
+    influence = _influence(spline, parameters)[:, 1:-1]
     # The steepest way to lift all samples at once: neighbours move alike, so that the polygon
     # stays smooth. The step is the one that lifts the worst sample as far as it needs.
     move = influence.T @ lift
@@ -235,6 +232,13 @@ def _pushed(
     points = np.clip(points, *box)
     pushed = spline.pushed | (points != spline.control_points).any(axis=1)
     return _changed(spline, points, spline.added, pushed)
+
+
+def _influence(spline: BSpline, parameters: FloatArray) -> FloatArray:
+    """Weights of the control points in the points at ``parameters`` (m,), shape (m, n)."""
+    found = np.zeros(len(parameters) * len(spline.control_points))
+    call(kernels.ready, kernels.basis, spline.knots, spline.degree, flat(parameters), found)
+    return found.reshape(len(parameters), -1)
 
 
 def _refined(spline: BSpline, found: Clearance) -> BSpline:
@@ -273,8 +277,10 @@ def _failing(found: Clearance) -> tuple[FloatArray, FloatArray]:
 
 
 def _uniform_knots(count: int, degree: int) -> FloatArray:
-    inner = np.linspace(0, 1, count - degree + 1)
-    return read_only(np.concatenate([np.zeros(degree), inner, np.ones(degree)]))
+    knots = np.ones(count + degree + 1)
+    knots[:degree] = 0.0
+    knots[degree : count + 1] = np.linspace(0, 1, count - degree + 1)
+    return read_only(knots)
 
 
 def _edge_lengths(points: FloatArray) -> FloatArray:

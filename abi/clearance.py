@@ -264,6 +264,23 @@ def runs_apart(points: FloatArray, obstacles: Obstacles) -> FloatArray:
     return found
 
 
+def outward(points: FloatArray, obstacles: Obstacles) -> tuple[FloatArray, FloatArray]:
+    """Signed distances (n,) of points (n, 3) to the nearest obstacle, [unit], and the way out.
+
+    Returns:
+        The distances, inf without obstacles, and their unit subgradients (n, 3), world.
+    """
+    away, found = np.empty(len(points)), np.zeros(3 * len(points))
+    call(kernels.ready, kernels.nearest, flat(points), rows(obstacles), away, found)
+    gradient = found.reshape(-1, 3)
+    for mesh in meshes(obstacles):
+        to_mesh = mesh.signed_distance(points)
+        nearer = np.flatnonzero(to_mesh < away)
+        away[nearer] = to_mesh[nearer]
+        gradient[nearer] = mesh.gradient(points[nearer])
+    return away, gradient
+
+
 @lru_cache(maxsize=16)
 def _shares(degree: int) -> FloatArray:
     return read_only(np.linspace(0, 1, degree + 1))

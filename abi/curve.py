@@ -140,7 +140,7 @@ def measure(curve: Curve) -> ArcLength:
     starts, speeds = call(
         kernels.ready, kernels.pieces, flat(breaks), flat(control), *_RULE, rounding
     )
-    speed = np.array(speeds).reshape(-1, _GAUSS)
+    speed = speeds.reshape(-1, _GAUSS)
     if float((speed @ _WEIGHTS).sum()) <= rounding:
         speed[:] = 0.0  # such a curve has no direction, hence no inverse
     return _assemble(np.append(starts, breaks[-1]), speed)

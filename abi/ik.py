@@ -160,6 +160,10 @@ def _about_axis(
     """q1 and the signed distance r from the base axis along a path, shapes (n,)."""
     x, y = offset[:, 0], offset[:, 1]
     distance = np.hypot(x, y)
+    if distance.min() > rounding:
+        angle = np.arctan2(x, -y)
+        if np.abs(np.diff(angle)).max(initial=0) <= np.pi / 2:
+            return angle, distance
     off = np.flatnonzero(distance > rounding)
     if not len(off):
         # All on the axis; a single sample may still know where it is going.
@@ -172,8 +176,6 @@ def _about_axis(
     for k in np.flatnonzero(flips & (np.diff(off) == 1)):
         pair = slice(off[k], off[k] + 2)
         flips[k] = _nearest_to_axis(offset[pair], tangents[pair]) <= THROUGH * reach
-    if not flips.any() and len(off) == len(offset):
-        return _unwrapped(angle), distance
     behind = np.concatenate([[0], np.cumsum(flips)])
     q1 = np.interp(np.arange(len(offset)), off, _unwrapped(angle + np.pi * behind))
     # On the axis the path's direction gives q1 up to half turns; its neighbours give those.
@@ -193,9 +195,10 @@ def _leaving(tangents: FloatArray) -> tuple[BoolArray, FloatArray]:
 
 def _unwrapped(angle: FloatArray) -> FloatArray:
     """The same angles plus whole turns, so that none is more than half a turn from the last."""
-    turns = np.round(np.diff(angle) / (2 * np.pi))
-    if not turns.any():
+    steps = np.diff(angle)
+    if np.abs(steps).max(initial=0) <= np.pi:
         return angle
+    turns = np.round(steps / (2 * np.pi))
     return np.asarray(angle - 2 * np.pi * np.concatenate([[0], np.cumsum(turns)]))
 
 

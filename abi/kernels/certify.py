@@ -30,9 +30,21 @@ _TINY = 1e-140  # squares of anything smaller lose digits
 Plane = tuple[float, float, int, float, float, float, float]
 """First and last parameter, obstacle, direction x, y, z, and its least product with the piece."""
 
-Outcome = tuple[int, float, int, float, list[Plane]]
+Outcome = tuple[int, float, int, float, FloatArray]
 """What was decided, then the parameter, obstacle and distance of the place where it was not
-certified, then the planes found."""
+certified, then the planes found (k, 7)."""
+
+
+@register_jitable
+def _table(planes: list[Plane]) -> FloatArray:
+    """The planes as rows, but for the first, which means nothing."""
+    table = np.empty((len(planes) - 1, 7))
+    for i in range(1, len(planes)):
+        start, end, obstacle, x, y, z, level = planes[i]
+        row = table[i - 1]
+        row[0], row[1], row[2] = start, end, obstacle
+        row[3], row[4], row[5], row[6] = x, y, z, level
+    return table
 
 
 @register_jitable
@@ -182,7 +194,7 @@ def solids(
             away, x, y, z = _from_solid(x, y, z, hx, hy, hz, disc, ball)
             allowance = _allowance(scales[o], degree, halvings, margin)
             if away < margin - allowance:
-                return REFUTED, at, o, away, planes
+                return REFUTED, at, o, away, _table(planes)
             need = margin + allowance
             level = _least(points, first, last, x, y, z)
             separated = level - _solid_support(x, y, z, hx, hy, hz, disc, ball) > need
@@ -202,7 +214,7 @@ def solids(
                     else:
                         y = math.copysign(1.0, y0 + y1)
                 elif not run and max(x1 - x0, y1 - y0, z1 - z0) < finest:
-                    return UNDECIDED, at, o, away, planes
+                    return UNDECIDED, at, o, away, _table(planes)
             if separated:
                 nx = frames[f] * x + frames[f + 1] * y + frames[f + 2] * z
                 ny = frames[f + 3] * x + frames[f + 4] * y + frames[f + 5] * z
@@ -211,10 +223,10 @@ def solids(
                 continue
             tries += 1
             if halvings == MOST_HALVINGS or tries > most or not start < at < end:
-                return UNDECIDED, at, o, away, planes
+                return UNDECIDED, at, o, away, _table(planes)
             pending.append(behind)
             pending.append(ahead)
-    return CERTIFIED, 0.0, -1, math.inf, planes
+    return CERTIFIED, 0.0, -1, math.inf, _table(planes)
 
 
 @register_jitable
@@ -385,7 +397,7 @@ def surface(
             else:
                 away, x, y, z = _from_triangle(cx, cy, cz, corners, t)
                 if away < margin - allowance:
-                    return REFUTED, at, 0, away, planes
+                    return REFUTED, at, 0, away, _table(planes)
                 nearest = min(nearest, away)
                 level = _least(points, first, last, x, y, z)
                 separated = level - _triangle_support(x, y, z, corners, t) > need
@@ -406,14 +418,14 @@ def surface(
         if len(candidates) == highest:
             continue
         if not run and (size < finest or halvings == MOST_HALVINGS or not start < at < end):
-            return UNDECIDED, at, 0, nearest, planes
+            return UNDECIDED, at, 0, nearest, _table(planes)
         if tries > most:
-            return UNDECIDED, at, 0, nearest, planes
+            return UNDECIDED, at, 0, nearest, _table(planes)
         deeper = 0 if run else halvings + 1
         total = len(candidates)
         pending.append((middle, last if run else middle + width, deeper, at, end, highest, total))
         pending.append((left, middle, deeper, start, at, highest, total))
-    return CERTIFIED, 0.0, -1, math.inf, planes
+    return CERTIFIED, 0.0, -1, math.inf, _table(planes)
 
 
 def warm() -> None:

@@ -13,7 +13,7 @@ import numba
 import numpy as np
 from numba.extending import register_jitable
 
-from abi.arrays import FloatArray, IntArray, read_only
+from abi.arrays import FloatArray, read_only
 from abi.kernels.solids import (
     WIDTH,
     Core,
@@ -142,7 +142,6 @@ def nearest(
     points: FloatArray,
     solids: FloatArray,
     away: FloatArray,
-    whose: IntArray,
     outward: FloatArray,
 ) -> None:
     """Signed distances of points to the nearest solid, and the way out of it.
@@ -151,7 +150,6 @@ def nearest(
         points: flat (3 n,), [unit], world.
         solids: rows (k WIDTH,).
         away: least distance (n,), inf without solids; written.
-        whose: which solid is nearest (n,), the first on a tie, -1 without solids; written.
         outward: unit subgradients of that distance, flat (3 n,), world; written.
     """
     for i in range(len(away)):
@@ -165,7 +163,7 @@ def nearest(
             found = level(core_of(solids, s), p[0], p[1], p[2])
             if found < best:
                 best, chosen = found, s
-        away[i], whose[i] = best, chosen
+        away[i] = best
         if chosen >= 0:
             k = WIDTH * chosen
             axes = axes_of(solids, chosen)
@@ -356,6 +354,6 @@ def warm() -> None:
     solids, found = read_only(row), np.zeros(1)
     polylines(points, 2, solids, found)
     skeletons(points, 2, solids)
-    nearest(points, solids, np.zeros(2), np.zeros(2, dtype=np.int32), np.zeros(6))
+    nearest(points, solids, np.zeros(2), np.zeros(6))
     curve(points, breaks, 1, solids, 1.0, 0.1, 0.1)
     ready.set()

@@ -99,6 +99,34 @@ def bezier(
                 found[3 * (k * width + point) + i] = local[3 * degree + i]
 
 
+@numba.njit(cache=True, nogil=True)
+def basis(knots: FloatArray, degree: int, parameters: FloatArray, found: FloatArray) -> None:
+    """Values of all basis functions of a spline (Piegl and Tiller, The NURBS Book, A2.2).
+
+    Args:
+        knots: (n + degree + 1,), clamped.
+        degree: p.
+        parameters: (m,), not outside the knots.
+        found: zeros, flat (m n,); written where not zero.
+    """
+    count = len(knots) - degree - 1
+    for number in range(len(parameters)):
+        u = parameters[number]
+        span = degree
+        while span < count - 1 and knots[span + 1] <= u:
+            span += 1
+        at = number * count + span - degree
+        found[at] = 1.0
+        for step in range(1, degree + 1):
+            saved = 0.0
+            for r in range(step):
+                right, left = knots[span + r + 1], knots[span + 1 + r - step]
+                share = found[at + r] / (right - left)
+                found[at + r] = saved + (right - u) * share
+                saved = (u - left) * share
+            found[at + step] = saved
+
+
 @register_jitable
 def _speed(derivative: FloatArray, first: int, width: int, v: float, work: list[float]) -> float:
     """Length of the Bézier curve's point at v, whose points begin at ``derivative[first]``."""
@@ -118,7 +146,7 @@ def pieces(
     weights: FloatArray,
     tails: FloatArray,
     rounding: float,
-) -> tuple[list[float], list[float]]:
+) -> tuple[FloatArray, FloatArray]:
     """Pieces of a curve so short that the speed on each is a Legendre series to rounding.
 
     Args:
@@ -166,7 +194,7 @@ def pieces(
                 else:
                     pending.append((middle, end, halvings + 1))
                     pending.append((start, middle, halvings + 1))
-    return starts, found
+    return np.array(starts), np.array(found)
 
 
 @register_jitable
@@ -308,6 +336,7 @@ def warm() -> None:
     spline(knots, points, 1, ends, 0, np.zeros(6))
     bezier(knots, points, 1, read_only(np.array([1], dtype=np.int32)), np.zeros(6))
     one, zeros = read_only(np.ones(1)), read_only(np.zeros(1))
+    basis(knots, 1, ends, np.zeros(4))
     pieces(ends, read_only(points[3:].copy()), zeros, one, ends, 1.0)
     distances(ends, ends, ends, one, np.zeros(1))
     parameters(ends, ends, ends, one, one, one, np.zeros(1))

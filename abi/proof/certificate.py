@@ -32,6 +32,7 @@ import numpy as np
 
 from abi.arrays import FloatArray, IntArray, read_only
 from abi.kernels import certify as kernels
+from abi.memory import ByIdentity
 from abi.pose import rotation
 from abi.proof.bezier import Bezier, PolynomialCurve, bezier, polyline
 from abi.shapes import Box, Capsule, Cylinder, Obstacles, Sphere
@@ -118,19 +119,21 @@ def _certify(curve: Bezier, obstacles: Obstacles, margin: float) -> Certificate 
         return _certificate(math.inf, [])
     assert math.isfinite(margin)
     solids = [k for k, obstacle in enumerate(obstacles) if not isinstance(obstacle, MeshShape)]
-    planes: list[kernels.Plane] = []
+    planes: list[FloatArray] = []
     if solids:
         status, at, which, distance, found = _run_solids(curve, obstacles, margin)
         if status != kernels.CERTIFIED:
             decided = status == kernels.REFUTED
             return Refutation(margin, at, solids[which], distance, decided)
-        planes += [(a, b, solids[o], x, y, z, level) for a, b, o, x, y, z, level in found]
+        if len(solids) < len(obstacles):
+            found[:, 2] = np.take(solids, found[:, 2].astype(int))
+        planes.append(found)
     for k, obstacle in enumerate(obstacles):
         if isinstance(obstacle, MeshShape):
             result = _against_mesh(curve, obstacle, k, margin)
             if isinstance(result, Refutation):
                 return result
-            planes += result
+            planes.append(result)
     return _certificate(margin, planes)
 
 
@@ -154,7 +157,7 @@ def _run_solids(curve: Bezier, obstacles: Obstacles, margin: float) -> kernels.O
 
 def _against_mesh(
     curve: Bezier, mesh: MeshShape, index: int, margin: float
-) -> list[kernels.Plane] | Refutation:
+) -> FloatArray | Refutation:
     """Planes that separate the curve from all triangles of one mesh."""
     first = float(curve.breaks[0])
     if margin < 0:
@@ -184,11 +187,9 @@ def _against_mesh(
         inside = float(mesh.signed_distance(curve.points[0, :1])[0])
         if inside <= 0:
             return Refutation(margin, first, index, inside, True)
-    planes = []
-    for start, end, _, x, y, z, level in found:
-        nx, ny, nz = (axes @ (x, y, z)).tolist()
-        planes.append((start, end, index, nx, ny, nz, level))
-    return planes
+    found[:, 2] = index
+    found[:, 3:6] = found[:, 3:6] @ axes.T
+    return found
 
 
 def _run(kernel: Any, *arguments: Any) -> kernels.Outcome:
@@ -199,8 +200,8 @@ def _run(kernel: Any, *arguments: Any) -> kernels.Outcome:
             value.tolist() if isinstance(value, np.ndarray) and value.flags.writeable else value
             for value in arguments
         )
-    status, at, which, distance, planes = kernel(*arguments)
-    return status, at, which, distance, planes[1:]
+    outcome: kernels.Outcome = kernel(*arguments)
+    return outcome
 
 
 def _room(curve: Bezier) -> FloatArray:
@@ -214,7 +215,7 @@ def _tree(surface: Surface) -> TriangleTree:
     return build(surface.vertices[surface.faces])
 
 
-@lru_cache(maxsize=64)
+@ByIdentity
 def _packed(obstacles: Obstacles) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Frames (12 m,), shapes (5 m,) and sizes (m,) of the solids for the kernel."""
     frames, shapes, sizes = [], [], []
@@ -244,8 +245,8 @@ def _shape(solid: Box | Sphere | Cylinder | Capsule) -> tuple[float, float, floa
     return 0.0, 0.0, solid.height / 2, 0.0, solid.radius
 
 
-def _certificate(margin: float, planes: list[kernels.Plane]) -> Certificate:
-    table = np.array(planes, dtype=float).reshape(-1, 7)
+def _certificate(margin: float, planes: list[FloatArray]) -> Certificate:
+    table = np.concatenate(planes) if planes else np.empty((0, 7))
     return Certificate(
         margin=margin,
         pieces=read_only(table[:, :2].copy()),
