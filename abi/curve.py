@@ -20,9 +20,9 @@ _NODES, _WEIGHTS = legendre.leggauss(_GAUSS)
 # Speeds at the Gauss nodes times this are the Legendre coefficients of the speed on [-1, 1] …
 _SPEED = legendre.legvander(_NODES, _GAUSS - 1) * _WEIGHTS[:, None] * (np.arange(_GAUSS) + 0.5)
 # … and times this, those of its integral from -1.
-_TRAVELLED = legendre.legint(_SPEED, lbnd=-1, axis=1)
+_TRAVELLED = np.asarray(legendre.legint(_SPEED, lbnd=-1, axis=1), dtype=np.float64)
 _AT_NODES = legendre.legvander(_NODES, _GAUSS).T
-_RULE = (flat(_NODES), flat(_WEIGHTS), flat(_SPEED[:, -2:].T))
+_RULE = (flat(_NODES), flat(_WEIGHTS), flat(_SPEED[:, -2:].T), flat(_TRAVELLED))
 
 
 class Curve(Protocol):
@@ -137,13 +137,17 @@ def measure(curve: Curve) -> ArcLength:
     places, to_bezier = _interpolation(max(curve.degree - 1, 0))
     derivative = curve((breaks[:-1, None] + np.diff(breaks)[:, None] * places).ravel(), 1)
     control = to_bezier @ derivative.reshape(len(breaks) - 1, -1, 3)
-    starts, speeds = call(
+    edges, travelled, series, nodes, weights = call(
         kernels.ready, kernels.pieces, flat(breaks), flat(control), *_RULE, rounding
     )
-    speed = speeds.reshape(-1, _GAUSS)
-    if float((speed @ _WEIGHTS).sum()) <= rounding:
-        speed[:] = 0.0  # such a curve has no direction, hence no inverse
-    return _assemble(np.append(starts, breaks[-1]), speed)
+    return ArcLength(
+        length=float(travelled[-1]),
+        edges=read_only(edges),
+        travelled=read_only(travelled),
+        series=read_only(series.reshape(len(edges) - 1, -1)),
+        nodes=read_only(nodes),
+        weights=read_only(weights),
+    )
 
 
 @lru_cache(maxsize=16)
@@ -155,17 +159,3 @@ def _interpolation(degree: int) -> tuple[FloatArray, FloatArray]:
     choose = np.array([math.comb(degree, k) for k in i])
     bernstein = choose * places[:, None] ** i * (1 - places[:, None]) ** (degree - i)
     return read_only(places), read_only(np.asarray(np.linalg.inv(bernstein), dtype=np.float64))
-
-
-def _assemble(edges: FloatArray, speed: FloatArray) -> ArcLength:
-    weights = speed * _WEIGHTS
-    travelled = np.concatenate([[0.0], np.cumsum(weights.sum(axis=1))])
-    middle, half = (edges[1:] + edges[:-1]) / 2, np.diff(edges) / 2
-    return ArcLength(
-        length=float(travelled[-1]),
-        edges=read_only(edges),
-        travelled=read_only(travelled),
-        series=read_only(speed @ _TRAVELLED),
-        nodes=read_only((middle[:, None] + half[:, None] * _NODES).ravel()),
-        weights=read_only(weights.ravel()),
-    )

@@ -24,10 +24,15 @@ def driven(settings: ArmSettings, time: ArrayLike) -> FloatArray:
     Returns:
         Shape (n, 3): q4 [rad], q5 [unit], q6 [rad].
     """
-    masses = np.array(settings.masses)
+    _, m5, m6 = settings.masses
+    i4, i5, i6 = (mass * i**2 for mass, i in zip(settings.masses, settings.radii, strict=True))
     # I4, I5, I6: each drive moves its own link and those after it.
-    effective = np.cumsum((masses * np.array(settings.radii) ** 2)[::-1])[::-1]
+    effective = [i4 + i5 + i6, i5 + i6, i6]
     if settings.dynamics == "corrected":
-        effective = 2 * np.array([effective[0], masses[1] + masses[2], effective[2]])
-    accelerated = np.asarray(time, dtype=float)[:, None] ** 2 * np.array(settings.forces)
-    return np.asarray(accelerated / effective + np.array([0.0, settings.q5, 0.0]))
+        effective = [2 * effective[0], 2 * (m5 + m6), 2 * effective[2]]
+    rates = np.array(
+        [force / inertia for force, inertia in zip(settings.forces, effective, strict=True)]
+    )
+    found = np.asarray(time, dtype=float)[:, None] ** 2 * rates
+    found[:, 1] += settings.q5
+    return np.asarray(found)

@@ -22,7 +22,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from abi.arm import Arm
-from abi.arrays import BoolArray, FloatArray, read_only
+from abi.arrays import BoolArray, FloatArray, flat, read_only
+from abi.kernels import arm as kernels
+from abi.kernels.calling import call
 
 THROUGH = 1e-6
 """A path that passes the base axis nearer than this part of the arm's reach passes through it."""
@@ -85,9 +87,8 @@ def solve(
         + float(np.abs(forearm).max())
     )
     q1, across = _about_axis(offset, np.asarray(tangents, dtype=float), rounding, _reach(arm))
-    q3, shortfall = _elbow(arm, np.hypot(across, offset[:, 2]), forearm, rounding)
-    q3 = q3 if elbow == "up" else -q3
-    q2 = _unwrapped(np.arctan2(across, offset[:, 2])) - _lead(arm, forearm, q3)
+    side = 1.0 if elbow == "up" else -1.0
+    q2, q3, shortfall = _bend(arm, across, offset[:, 2], forearm, side, rounding)
     return Solution(
         q1=read_only(_centred(q1)),
         q2=read_only(_centred(q2)),
@@ -112,19 +113,16 @@ def branches(arm: Arm, point: ArrayLike, q5: float = 0.0) -> FloatArray:
     forearm = arm.forearm(q5)
     across = math.hypot(x, y)
     rounding = 1e-13 * (math.hypot(across, z) + float(np.abs(arm.base).max()) + arm.a3)
-    q3, shortfall = _elbow(arm, np.array([math.hypot(across, z)]), forearm, rounding)
-    if shortfall[0]:
-        return np.empty((0, 3))
-    straight = math.sin(q3[0]) == 0 or q3[0] == math.pi
-    found = [
-        (
-            math.atan2(x, -y) + turn,
-            math.atan2(facing * across, z) - float(_lead(arm, forearm, bend)[0]),
-            float(bend[0]),
-        )
-        for facing, turn in ((1, 0.0), (-1, math.pi))
-        for bend in ((q3,) if straight else (q3, -q3))
-    ]
+    found = []
+    for facing, turn in ((1, 0.0), (-1, math.pi)):
+        place = np.array([facing * across]), np.array([z]), forearm.reshape(1)
+        for side in (1.0, -1.0):
+            q2, q3, shortfall = _bend(arm, *place, side, rounding)
+            if shortfall[0]:
+                return np.empty((0, 3))
+            found.append((math.atan2(x, -y) + turn, float(q2[0]), float(q3[0])))
+            if math.sin(q3[0]) == 0 or abs(q3[0]) == math.pi:
+                break
     angles = np.array(found)
     return np.asarray(angles - 2 * np.pi * np.ceil((angles - np.pi) / (2 * np.pi)))
 
@@ -133,25 +131,19 @@ def _reach(arm: Arm) -> float:
     return arm.a3 + arm.a4 + arm.a5
 
 
-def _elbow(
-    arm: Arm, distance: FloatArray, forearm: FloatArray, rounding: float
-) -> tuple[FloatArray, FloatArray]:
-    """q3 in [0, π] and the shortfall for a distance from the shoulder, shapes (n,)."""
-    longest, shortest = arm.a3 + np.abs(forearm), np.abs(arm.a3 - np.abs(forearm))
-    shortfall = np.maximum(distance - longest, 0.0) - np.maximum(shortest - distance, 0.0)
-    shortfall = np.where(np.abs(shortfall) <= rounding, 0.0, shortfall)
-    # A force that pulls can make a6 negative: the tool is then behind the elbow.
-    sign = np.sign(forearm)
-    stretch, fold = arm.a3 + forearm, arm.a3 - forearm
-    folded = sign * (stretch - distance) * (stretch + distance)
-    stretched = sign * (distance - fold) * (distance + fold)
-    half = np.arctan2(np.sqrt(np.maximum(folded, 0)), np.sqrt(np.maximum(stretched, 0)))
-    return 2 * half, shortfall
-
-
-def _lead(arm: Arm, forearm: FloatArray, q3: FloatArray) -> FloatArray:
-    """Angle at the shoulder from the upper arm to the tool, [rad]."""
-    return np.asarray(np.arctan2(forearm * np.sin(q3), arm.a3 + forearm * np.cos(q3)))
+def _bend(
+    arm: Arm,
+    across: FloatArray,
+    height: FloatArray,
+    forearm: FloatArray,
+    side: float,
+    rounding: float,
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """q2, q3 and the shortfall for tools in the arm's plane, as seen from the shoulder, (n,)."""
+    q2, q3, shortfall = np.empty((3, len(across)))
+    places = flat(across), flat(height), flat(forearm)
+    call(kernels.ready, kernels.bend, *places, arm.a3, side, rounding, q2, q3, shortfall)
+    return q2, q3, shortfall
 
 
 def _about_axis(

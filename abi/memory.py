@@ -21,6 +21,7 @@ class ByIdentity(Generic[_T, _R]):
 
     def __init__(self, function: Callable[[_T], _R]) -> None:
         self._function = function
+        self.__doc__ = function.__doc__
         self._known: tuple[tuple[_T, _R], ...] = ()
 
     def __call__(self, thing: _T) -> _R:

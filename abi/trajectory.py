@@ -249,13 +249,14 @@ def _stretches(time: FloatArray, shortfall: FloatArray) -> tuple[Stretch, ...]:
 
 def _violations(time: FloatArray, joints: FloatArray, limits: FloatArray) -> tuple[Violation, ...]:
     """Where each of the ``joints`` (6, m) that passes a limit is farthest past it."""
-    past = np.maximum(limits[:, :1] - joints, joints - limits[:, 1:])
-    worst = past.argmax(axis=1)
     most = 1e-9 * (1 + np.abs(limits).max(axis=1))
-    return tuple(
-        Violation(JOINTS[joint], float(time[worst[joint]]), float(joints[joint, worst[joint]]))
-        for joint in np.flatnonzero(past[np.arange(len(JOINTS)), worst] > most)
-    )
+    low, high = limits[:, 0] - joints.min(axis=1), joints.max(axis=1) - limits[:, 1]
+    found = []
+    for joint in np.flatnonzero(np.maximum(low, high) > most):
+        row = joints[joint]
+        worst = int(row.argmin() if low[joint] > high[joint] else row.argmax())
+        found.append(Violation(JOINTS[joint], float(time[worst]), float(row[worst])))
+    return tuple(found)
 
 
 def _link_clearance(points: FloatArray, obstacles: Obstacles) -> tuple[float, int, int]:

@@ -6,7 +6,7 @@ from __future__ import annotations
 def warm() -> None:
     """Compile all kernels, or load what was compiled before: seconds, or a few tenths of one."""
     # here, since numba takes long to import
-    from abi.kernels import certify, clearance, curves, mask, search, visibility
+    from abi.kernels import arm, certify, clearance, curves, mask, search, visibility
 
-    for kernels in (mask, search, certify, visibility, clearance, curves):
+    for kernels in (mask, search, certify, visibility, clearance, curves, arm):
         kernels.warm()

@@ -430,11 +430,11 @@ def surface(
 
 def warm() -> None:
     """Compile both kernels, or load them from numba's cache."""
-    world, breaks = np.zeros(6), np.array([0.0, 1.0])
+    world, breaks = read_only(np.zeros(6)), np.array([0.0, 1.0])
     room = np.zeros(3 * (1 + 2 * MOST_HALVINGS + 2) * 2)
-    frames = np.array([1.0, 0, 0, 0, 1, 0, 0, 0, 1, 5, 5, 5])
-    shapes, scales = np.array([1.0, 1, 1, 0, 0]), np.array([6.0])
-    solids(world, breaks, 1, room, frames, shapes, scales, 0.0, 1e-9, 9)
+    frames = read_only(np.array([1.0, 0, 0, 0, 1, 0, 0, 0, 1, 5, 5, 5]))
+    shapes, scales = read_only(np.array([1.0, 1, 1, 0, 0])), read_only(np.array([6.0]))
+    solids(world, read_only(breaks.copy()), 1, room, frames, shapes, scales, 0.0, 1e-9, 9)
     low, high = read_only(np.ones(3)), read_only(np.full(3, 2.0))
     leaves, corners = read_only(np.array([0, 1], dtype=np.int32)), read_only(np.ones(9))
     surface(room, breaks, 1, low, high, leaves, corners, 6.0, 0.0, 1e-9, 9)

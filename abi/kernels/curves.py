@@ -145,8 +145,9 @@ def pieces(
     nodes: FloatArray,
     weights: FloatArray,
     tails: FloatArray,
+    integral: FloatArray,
     rounding: float,
-) -> tuple[FloatArray, FloatArray]:
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]:
     """Pieces of a curve so short that the speed on each is a Legendre series to rounding.
 
     Args:
@@ -155,11 +156,15 @@ def pieces(
         nodes: Gauss points in (-1, 1), (g,).
         weights: their weights (g,).
         tails: what the speeds there are multiplied with for the last two coefficients, (2 g,).
-        rounding: what the last coefficients may contribute anyway, [unit].
+        integral: what the speeds there are multiplied with for the coefficients of the integral
+            from -1, flat (g t,).
+        rounding: what the last coefficients may contribute anyway, [unit]; a curve that is no
+            longer has no length at all.
 
     Returns:
-        The first parameter of each piece in order, and the speeds at its Gauss points times half
-        its extent, flat.
+        Of the m pieces the parameters at their ends (m + 1,), the arc length up to these (m + 1,),
+        [unit], the Legendre coefficients of the arc length within each, flat (m t,), the
+        parameters of the Gauss points (m g,) and the arc length each stands for (m g,), [unit].
     """
     spans, gauss = len(breaks) - 1, len(nodes)
     width = len(derivative) // (3 * spans)
@@ -194,7 +199,25 @@ def pieces(
                 else:
                     pending.append((middle, end, halvings + 1))
                     pending.append((start, middle, halvings + 1))
-    return np.array(starts), np.array(found)
+    count, terms = len(starts), len(integral) // gauss
+    starts.append(breaks[spans])
+    edges, travelled = np.empty(count + 1), np.empty(count + 1)
+    series, places = np.zeros(count * terms), np.empty(count * gauss)
+    lengths = np.empty(count * gauss)
+    scale = 1.0 if total > rounding else 0.0
+    edges[0], travelled[0] = starts[0], 0.0
+    for k in range(count):
+        middle, half = (starts[k] + starts[k + 1]) / 2, (starts[k + 1] - starts[k]) / 2
+        length = 0.0
+        for i in range(gauss):
+            speed = scale * found[k * gauss + i]
+            places[k * gauss + i] = middle + half * nodes[i]
+            lengths[k * gauss + i] = weights[i] * speed
+            length += weights[i] * speed
+            for j in range(terms):
+                series[k * terms + j] += speed * integral[i * terms + j]
+        edges[k + 1], travelled[k + 1] = starts[k + 1], travelled[k] + length
+    return edges, travelled, series, places, lengths
 
 
 @register_jitable
@@ -337,7 +360,7 @@ def warm() -> None:
     bezier(knots, points, 1, read_only(np.array([1], dtype=np.int32)), np.zeros(6))
     one, zeros = read_only(np.ones(1)), read_only(np.zeros(1))
     basis(knots, 1, ends, np.zeros(4))
-    pieces(ends, read_only(points[3:].copy()), zeros, one, ends, 1.0)
+    pieces(ends, read_only(points[3:].copy()), zeros, one, ends, ends, 1.0)
     distances(ends, ends, ends, one, np.zeros(1))
     parameters(ends, ends, ends, one, one, one, np.zeros(1))
     ready.set()

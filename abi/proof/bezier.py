@@ -12,6 +12,7 @@ from abi.arrays import FloatArray, flat, read_only
 from abi.curve import Curve
 from abi.kernels import curves as kernels
 from abi.kernels.calling import call
+from abi.memory import ByIdentity
 
 
 class SplineCurve(Curve, Protocol):
@@ -59,6 +60,7 @@ class Bezier:
         return int(self.points.shape[1]) - 1
 
 
+@ByIdentity
 def bezier(curve: PolynomialCurve) -> Bezier:
     """Bézier points of a spline or of quadratics.
 
@@ -99,11 +101,11 @@ def _from_spline(knots: FloatArray, control_points: FloatArray, degree: int) -> 
 def _from_powers(pieces: Sequence[tuple[float, float, FloatArray]]) -> Bezier:
     start = np.array([piece[0] for piece in pieces])
     end = np.array([piece[1] for piece in pieces])
-    c0, c1, c2 = np.stack([piece[2] for piece in pieces], axis=1)
-    a, b = start[:, None], end[:, None]
+    coefficients = np.array([piece[2] for piece in pieces])
     # the blossom of c0 + c1 t + c2 t² at (a, a), (a, b), (b, b)
-    points = np.stack([c0 + (c1 + c2 * a) * a, c0 + c1 * ((a + b) / 2) + c2 * (a * b),
-                       c0 + (c1 + c2 * b) * b], axis=1)  # fmt: skip
-    reach = np.maximum(np.abs(a), np.abs(b))
-    size = (np.abs(c0) + (np.abs(c1) + np.abs(c2) * reach) * reach).max()
-    return Bezier(read_only(np.append(start, end[-1:])), read_only(points), float(size))
+    blossom = np.ones((len(pieces), 3, 3))
+    blossom[:, :, 1] = np.stack([start, (start + end) / 2, end], axis=1)
+    blossom[:, :, 2] = np.stack([start * start, start * end, end * end], axis=1)
+    points = blossom @ coefficients
+    size = float((np.abs(blossom).max(axis=1, keepdims=True) @ np.abs(coefficients)).max())
+    return Bezier(read_only(np.append(start, end[-1:])), read_only(points), size)

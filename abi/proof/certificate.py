@@ -30,8 +30,9 @@ from typing import Any
 
 import numpy as np
 
-from abi.arrays import FloatArray, IntArray, read_only
+from abi.arrays import FloatArray, IntArray, flat, read_only
 from abi.kernels import certify as kernels
+from abi.kernels.calling import call
 from abi.memory import ByIdentity
 from abi.pose import rotation
 from abi.proof.bezier import Bezier, PolynomialCurve, bezier, polyline
@@ -139,20 +140,16 @@ def _certify(curve: Bezier, obstacles: Obstacles, margin: float) -> Certificate 
 
 def _run_solids(curve: Bezier, obstacles: Obstacles, margin: float) -> kernels.Outcome:
     frames, shapes, sizes = _packed(obstacles)
-    scales = sizes + curve.size
-    return _run(
+    scales = read_only(sizes + curve.size)
+    outcome: kernels.Outcome = call(
+        kernels.ready,
         kernels.solids,
-        curve.points.ravel().copy(),
-        curve.breaks.copy(),
-        curve.degree,
-        _room(curve),
-        frames.copy(),
-        shapes.copy(),
-        scales,
-        float(margin),
+        *(flat(curve.points), flat(curve.breaks), curve.degree, _room(curve)),
+        *(frames, shapes, scales, float(margin)),
         FINEST * float(scales.max()),
         _MOST_TRIES + 64 * len(curve.points),
     )
+    return outcome
 
 
 def _against_mesh(
@@ -246,7 +243,7 @@ def _shape(solid: Box | Sphere | Cylinder | Capsule) -> tuple[float, float, floa
 
 
 def _certificate(margin: float, planes: list[FloatArray]) -> Certificate:
-    table = np.concatenate(planes) if planes else np.empty((0, 7))
+    table = planes[0] if len(planes) == 1 else np.concatenate([np.empty((0, 7)), *planes])
     return Certificate(
         margin=margin,
         pieces=read_only(table[:, :2].copy()),
