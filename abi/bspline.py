@@ -148,11 +148,15 @@ def fit(
     added = np.zeros(len(points), dtype=bool)
     if taut:
         points, added = graded(points, degree, obstacles, clearance)
-    spline = clamped(points, min(degree, len(points) - 1))
-    spline = replace(spline, obstacles=obstacles, asked=clearance, added=read_only(added))
+    degree = min(degree, len(points) - 1)
+    none = read_only(np.zeros(len(points), dtype=bool))
+    shape = degree, read_only(points), _uniform_knots(len(points), degree)
+    spline = BSpline(*shape, read_only(added), none, obstacles, clearance)
     if not obstacles:
         return spline
     gap = measure_polyline(points, obstacles) - clearance
+    if gap >= -ROUNDING and _convex(obstacles) and spline.holds:
+        return spline
     # Of the room between the path and the clearance asked for, the control polygon may lose half
     # and the measurement an eighth.
     tolerance = max(gap / 8, _finest(points))
@@ -171,7 +175,7 @@ def _finished(spline: BSpline, room: tuple[float, float, float], longest: float)
     That happens where the path keeps just the clearance, or the end of a rounding.
     """
     # near a mesh, whose distance is not convex, measuring that finely takes seconds
-    if spline.holds or not all(obstacle.convex for obstacle in spline.obstacles):
+    if spline.holds or not _convex(spline.obstacles):
         return spline
     _, floor, tolerance = room
     finer = spline
@@ -281,6 +285,10 @@ def _uniform_knots(count: int, degree: int) -> FloatArray:
     knots[:degree] = 0.0
     knots[degree : count + 1] = np.linspace(0, 1, count - degree + 1)
     return read_only(knots)
+
+
+def _convex(obstacles: Obstacles) -> bool:
+    return all(obstacle.convex for obstacle in obstacles)
 
 
 def _edge_lengths(points: FloatArray) -> FloatArray:

@@ -86,7 +86,7 @@ def solve(
         + arm.a3
         + float(np.abs(forearm).max())
     )
-    q1, across = _about_axis(offset, np.asarray(tangents, dtype=float), rounding, _reach(arm))
+    q1, across = _turn(arm, offset, tangents, rounding)
     side = 1.0 if elbow == "up" else -1.0
     q2, q3, shortfall = _bend(arm, across, offset[:, 2], forearm, side, rounding)
     return Solution(
@@ -146,70 +146,14 @@ def _bend(
     return q2, q3, shortfall
 
 
-def _about_axis(
-    offset: FloatArray, tangents: FloatArray, rounding: float, reach: float
+def _turn(
+    arm: Arm, offset: FloatArray, tangents: FloatArray, rounding: float
 ) -> tuple[FloatArray, FloatArray]:
     """q1 and the signed distance r from the base axis along a path, shapes (n,)."""
-    x, y = offset[:, 0], offset[:, 1]
-    distance = np.hypot(x, y)
-    if distance.min() > rounding:
-        angle = np.arctan2(x, -y)
-        if np.abs(np.diff(angle)).max(initial=0) <= np.pi / 2:
-            return angle, distance
-    off = np.flatnonzero(distance > rounding)
-    if not len(off):
-        # All on the axis; a single sample may still know where it is going.
-        leaving, heading = _leaving(tangents)
-        return np.where(leaving, heading, 0.0) if len(offset) == 1 else 0.0 * x, distance
-    angle = np.arctan2(x[off], -y[off])
-    turn = np.diff(angle)
-    turn -= 2 * np.pi * np.round(turn / (2 * np.pi))
-    flips = np.abs(turn) > np.pi / 2
-    for k in np.flatnonzero(flips & (np.diff(off) == 1)):
-        pair = slice(off[k], off[k] + 2)
-        flips[k] = _nearest_to_axis(offset[pair], tangents[pair]) <= THROUGH * reach
-    behind = np.concatenate([[0], np.cumsum(flips)])
-    q1 = np.interp(np.arange(len(offset)), off, _unwrapped(angle + np.pi * behind))
-    # On the axis the path's direction gives q1 up to half turns; its neighbours give those.
-    leaving, heading = _leaving(tangents)
-    limit = heading + np.pi * np.round((q1 - heading) / np.pi)
-    q1 = np.where((distance <= rounding) & leaving, limit, q1)
-    across = np.zeros(len(offset))
-    across[off] = distance[off] * (1 - 2 * (behind % 2))
+    q1, across = np.empty((2, len(offset)))
+    path = flat(offset), flat(np.asarray(tangents, dtype=float))
+    call(kernels.ready, kernels.turn, *path, rounding, THROUGH * _reach(arm), q1, across)
     return q1, across
-
-
-def _leaving(tangents: FloatArray) -> tuple[BoolArray, FloatArray]:
-    """Where a path leaves the base axis if it is on it, and the q1 of its direction, (n,)."""
-    x, y = tangents[:, 0], tangents[:, 1]
-    return np.hypot(x, y) > 1e-9, np.arctan2(x, -y)
-
-
-def _unwrapped(angle: FloatArray) -> FloatArray:
-    """The same angles plus whole turns, so that none is more than half a turn from the last."""
-    steps = np.diff(angle)
-    if np.abs(steps).max(initial=0) <= np.pi:
-        return angle
-    turns = np.round(steps / (2 * np.pi))
-    return np.asarray(angle - 2 * np.pi * np.concatenate([[0], np.cumsum(turns)]))
-
-
-def _nearest_to_axis(ends: FloatArray, tangents: FloatArray) -> float:
-    """Smallest distance from the z axis of the cubic that joins two points along two tangents."""
-    chord = ends[1] - ends[0]
-    half = math.acos(min(1.0, max(-1.0, float(tangents[0] @ tangents[1])))) / 2
-    # The length of the circular arc with these end tangents: the cubic is then exact to 4th order.
-    length = float(np.linalg.norm(chord)) * (half / math.sin(half) if half > 1e-6 else 1.0)
-    start, end = length * tangents
-    cubic = np.array([ends[0], start, 3 * chord - 2 * start - end, start + end - 2 * chord])
-    low, high = 0.0, 1.0
-    for _ in range(14):
-        # Zoom in on the best of 17 places; each round is 8 times closer.
-        places = np.linspace(low, high, 17)
-        distances = np.hypot(*np.polynomial.polynomial.polyval(places, cubic[:, :2]))
-        best = int(distances.argmin())
-        low, high = places[max(best - 1, 0)], places[min(best + 1, 16)]
-    return float(distances[best])
 
 
 def _centred(angle: FloatArray) -> FloatArray:
