@@ -15,6 +15,7 @@ from abi.grading import graded
 from abi.kernels import curves as kernels
 from abi.kernels.calling import call
 from abi.shapes import Obstacles
+from abi.solids import meshes
 
 _FINEST = 1e-6  # of the path's extent: how finely a clearance is measured
 _ROUNDS = 60
@@ -155,7 +156,7 @@ def fit(
     if not obstacles:
         return spline
     gap = measure_polyline(points, obstacles) - clearance
-    if gap >= -ROUNDING and _convex(obstacles) and spline.holds:
+    if gap >= -ROUNDING and not meshes(obstacles) and spline.holds:
         return spline
     # Of the room between the path and the clearance asked for, the control polygon may lose half
     # and the measurement an eighth.
@@ -175,7 +176,7 @@ def _finished(spline: BSpline, room: tuple[float, float, float], longest: float)
     That happens where the path keeps just the clearance, or the end of a rounding.
     """
     # near a mesh, whose distance is not convex, measuring that finely takes seconds
-    if spline.holds or not _convex(spline.obstacles):
+    if spline.holds or meshes(spline.obstacles):
         return spline
     _, floor, tolerance = room
     finer = spline
@@ -285,10 +286,6 @@ def _uniform_knots(count: int, degree: int) -> FloatArray:
     knots[:degree] = 0.0
     knots[degree : count + 1] = np.linspace(0, 1, count - degree + 1)
     return read_only(knots)
-
-
-def _convex(obstacles: Obstacles) -> bool:
-    return all(obstacle.convex for obstacle in obstacles)
 
 
 def _edge_lengths(points: FloatArray) -> FloatArray:

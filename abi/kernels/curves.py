@@ -12,7 +12,7 @@ import numba
 import numpy as np
 from numba.extending import register_jitable
 
-from abi.arrays import FloatArray, IntArray, read_only
+from abi.arrays import FloatArray, read_only
 
 ready = threading.Event()
 """Set once the kernels are compiled."""
@@ -69,22 +69,28 @@ def spline(
 
 @numba.njit(cache=True, nogil=True)
 def bezier(
-    knots: FloatArray, control: FloatArray, degree: int, spans: IntArray, found: FloatArray
-) -> None:
+    knots: FloatArray, control: FloatArray, degree: int, breaks: FloatArray, found: FloatArray
+) -> int:
     """Bézier points of a spline's polynomials, by convex combinations only.
 
     Args:
         knots: (n + degree + 1,).
         control: flat (3 n,), [unit].
         degree: p.
-        spans: numbers of the knots that polynomials begin at (s,).
-        found: flat (3 s (p + 1),); written.
+        breaks: parameters between the s polynomials, of (n - p + 1,) the first s + 1; written.
+        found: flat, of (3 (n - p) (p + 1),) the first 3 s (p + 1); written.
+
+    Returns:
+        s, the number of polynomials.
     """
     width = degree + 1
     local = [0.0] * (3 * width)
-    for k in range(len(spans)):
-        first = spans[k] - degree
-        start, end = knots[spans[k]], knots[spans[k] + 1]
+    k = 0
+    for first in range(len(control) // 3 - degree):
+        start, end = knots[first + degree], knots[first + width]
+        if not start < end:
+            continue
+        breaks[k], breaks[k + 1] = start, end
         for point in range(width):
             for i in range(3 * width):
                 local[i] = control[3 * first + i]
@@ -97,6 +103,8 @@ def bezier(
                         local[i] = (1 - share) * local[i - 3] + share * local[i]
             for i in range(3):
                 found[3 * (k * width + point) + i] = local[3 * degree + i]
+        k += 1
+    return k
 
 
 @numba.njit(cache=True, nogil=True)
@@ -304,7 +312,7 @@ def parameters(
     length = travelled[last]
     tolerance = 1e-13 * length
     first, second = _factors(terms)
-    derived, of = [0.0] * terms, -1
+    derived, curvature, of = [0.0] * terms, 0.0, -1
     for i in range(len(asked)):
         distance = asked[i]
         if distance >= length:
@@ -319,6 +327,10 @@ def parameters(
         if k != of:
             of = k
             _derive(series, k * terms, terms, derived)
+            # abs(P'_n) <= n (n + 1) / 2 on [-1, 1]: no second derivative is above this
+            curvature = 0.0
+            for n in range(terms - 1):
+                curvature += abs(derived[n]) * (n * (n + 1) / 2)
         # the guess: straight between the Gauss points
         passed, here, u = 0.0, 0.0, left
         for j in range(k * gauss, (k + 1) * gauss):
@@ -346,7 +358,14 @@ def parameters(
             else:
                 high = place
             step = place - error / slope if slope > 0 else low
-            place = step if low < step < high else (low + high) / 2
+            if low < step < high and -1 <= step <= 1:
+                # what Taylor's theorem leaves of the error after a step
+                left_over = curvature / 2 * (step - place) ** 2
+                place = step
+                if left_over <= tolerance:
+                    break
+            else:
+                place = step if low < step < high else (low + high) / 2
         place = min(max(place, -1.0), 1.0)
         found[i] = min(left + (right - left) * (place + 1) / 2, right)
 
@@ -357,7 +376,7 @@ def warm() -> None:
     knots = read_only(np.array([0.0, 0, 1, 1]))
     points = read_only(np.array([0.0, 0, 0, 1, 0, 0]))
     spline(knots, points, 1, ends, 0, np.zeros(6))
-    bezier(knots, points, 1, read_only(np.array([1], dtype=np.int32)), np.zeros(6))
+    bezier(knots, points, 1, np.zeros(2), np.zeros(6))
     one, zeros = read_only(np.ones(1)), read_only(np.zeros(1))
     basis(knots, 1, ends, np.zeros(4))
     pieces(ends, read_only(points[3:].copy()), zeros, one, ends, ends, 1.0)

@@ -88,14 +88,13 @@ def _from_spline(knots: FloatArray, control_points: FloatArray, degree: int) -> 
     times (Ramshaw, Blossoms are polar forms, 1989, section 6). De Boor's recursion for it takes
     convex combinations only, so errors do not grow.
     """
-    spans = np.flatnonzero(knots[1:] > knots[:-1]).astype(np.int32)
-    spans = read_only(spans[(spans >= degree) & (spans < len(control_points))])
-    points = np.empty(3 * len(spans) * (degree + 1))
-    numbers = (flat(knots), flat(control_points), degree, spans, points)
-    call(kernels.ready, kernels.bezier, *numbers)
-    breaks = read_only(np.append(knots[spans], knots[spans[-1] + 1]))
-    pieces = read_only(points.reshape(len(spans), degree + 1, 3))
-    return Bezier(breaks, pieces, float(np.abs(control_points).max()))
+    most = len(control_points) - degree
+    breaks, points = np.empty(most + 1), np.empty(3 * most * (degree + 1))
+    spline = flat(knots), flat(control_points), degree
+    count = call(kernels.ready, kernels.bezier, *spline, breaks, points)
+    pieces = points.reshape(most, degree + 1, 3)[:count]
+    size = float(np.abs(control_points).max())
+    return Bezier(read_only(breaks[: count + 1]), read_only(pieces), size)
 
 
 def _from_powers(pieces: Sequence[tuple[float, float, FloatArray]]) -> Bezier:

@@ -119,22 +119,21 @@ def _certify(curve: Bezier, obstacles: Obstacles, margin: float) -> Certificate 
     if not obstacles:
         return _certificate(math.inf, [])
     assert math.isfinite(margin)
-    solids = [k for k, obstacle in enumerate(obstacles) if not isinstance(obstacle, MeshShape)]
+    solids, surfaces = _numbers(obstacles)
     planes: list[FloatArray] = []
-    if solids:
+    if len(solids):
         status, at, which, distance, found = _run_solids(curve, obstacles, margin)
         if status != kernels.CERTIFIED:
             decided = status == kernels.REFUTED
-            return Refutation(margin, at, solids[which], distance, decided)
-        if len(solids) < len(obstacles):
-            found[:, 2] = np.take(solids, found[:, 2].astype(int))
+            return Refutation(margin, at, int(solids[which]), distance, decided)
+        if surfaces:
+            found[:, 2] = solids[found[:, 2].astype(int)]
         planes.append(found)
-    for k, obstacle in enumerate(obstacles):
-        if isinstance(obstacle, MeshShape):
-            result = _against_mesh(curve, obstacle, k, margin)
-            if isinstance(result, Refutation):
-                return result
-            planes.append(result)
+    for k, surface in surfaces:
+        result = _against_mesh(curve, surface, k, margin)
+        if isinstance(result, Refutation):
+            return result
+        planes.append(result)
     return _certificate(margin, planes)
 
 
@@ -210,6 +209,14 @@ def _room(curve: Bezier) -> FloatArray:
 def _tree(surface: Surface) -> TriangleTree:
     """Tree over the triangles in the file's coordinates: moving or scaling a mesh keeps it."""
     return build(surface.vertices[surface.faces])
+
+
+@ByIdentity
+def _numbers(obstacles: Obstacles) -> tuple[IntArray, tuple[tuple[int, MeshShape], ...]]:
+    """The indices of the solids among the obstacles, and the meshes with theirs."""
+    surfaces = tuple((k, one) for k, one in enumerate(obstacles) if isinstance(one, MeshShape))
+    solids = set(range(len(obstacles))) - {k for k, _ in surfaces}
+    return read_only(np.array(sorted(solids), dtype=np.int32)), surfaces
 
 
 @ByIdentity
