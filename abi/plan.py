@@ -193,6 +193,7 @@ class Planner:
             "mesh": self._mesh.ms + self._free.ms,
             "graph": self._graph.ms,
             **{name: search.ms for name, search in self._searches.items()},
+            "path_clearance": self._path_clearance.ms,
             "taut": self._taut.ms,
             "optimum": self._optimum.ms,
             "bspline": self._bspline.ms + self._bspline_arc.ms,

@@ -49,7 +49,7 @@ def fit(
         The curve. When none is found the least-squares curve, with ``holds`` False and a ``note``.
     """
     square = quadratic.fit(spline, arc, obstacles, clearance)
-    if mode == "least_squares" or square.holds:
+    if square.holds or mode == "least_squares":
         return square
     shape = ByLength(spline, arc)
     found = nearest_single(square, shape)

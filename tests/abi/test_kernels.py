@@ -1,0 +1,194 @@
+"""Kernels against other algorithms, and compiled against plain."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from typing import TypeVar
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy import interpolate
+
+from abi import curve, ik
+from abi.arm import Arm
+from abi.arrays import FloatArray
+from abi.bspline import BSpline, _influence, clamped
+from abi.clearance import Clearance, measure, measure_polyline, outward, runs_apart
+from abi.kernels import arm as arm_kernels
+from abi.kernels import clearance as clearance_kernels
+from abi.kernels import curves as curve_kernels
+from abi.kernels import warm
+from abi.proof import bezier as pieces
+from abi.scene import ArmSettings
+from abi.shapes import Obstacles, nearest
+from abi.trajectory import _link_clearance
+from benchmarks.certificates import random_obstacle
+
+_T = TypeVar("_T")
+
+seeds = st.integers(0, 2**32 - 1)
+MODULES = (arm_kernels, clearance_kernels, curve_kernels)
+
+
+def plain(work: Callable[[], _T]) -> _T:
+    """What ``work`` gives before anything is compiled."""
+    with pytest.MonkeyPatch.context() as patch:
+        for module in MODULES:
+            patch.setattr(module, "ready", threading.Event())
+        return work()
+
+
+def compiled(work: Callable[[], _T]) -> _T:
+    """What ``work`` gives once all is compiled."""
+    warm()
+    return work()
+
+
+def some_obstacles(random: np.random.Generator, least: int = 1) -> Obstacles:
+    return tuple(random_obstacle(random) for _ in range(random.integers(least, 6)))
+
+
+def some_spline(random: np.random.Generator) -> BSpline:
+    degree = int(random.integers(1, 6))
+    return clamped(random.uniform(0, 6, (degree + int(random.integers(1, 9)), 3)), degree)
+
+
+@settings(max_examples=150, deadline=None)
+@given(seeds, st.integers(2, 6), st.booleans())
+def test_polylines_are_as_near_as_their_nearest_segment(seed: int, size: int, snap: bool) -> None:
+    random = np.random.default_rng(seed)
+    obstacles = some_obstacles(random, 0)
+    points = random.uniform(-1, 7, (7, size, 3))
+    if snap:  # along faces, through centres, and of no length
+        points = np.round(points)
+        points[:, 0] = obstacles[0].position if obstacles else 0.0
+        points[0] = points[0, :1]
+    starts, ends = points[:, :-1].reshape(-1, 3), points[:, 1:].reshape(-1, 3)
+    expected = np.full(7, np.inf)
+    for obstacle in obstacles:
+        legs = obstacle.segment_distance(starts, ends).reshape(7, -1)
+        expected = np.minimum(expected, legs.min(axis=1))
+    for found in (plain(lambda: runs_apart(points, obstacles)),
+                  compiled(lambda: runs_apart(points, obstacles))):  # fmt: skip
+        assert found == pytest.approx(expected, abs=1e-12)
+    assert measure_polyline(points[0], obstacles) == pytest.approx(expected[0], abs=1e-12)
+
+
+@settings(max_examples=60, deadline=None)
+@given(seeds)
+def test_links_are_as_near_as_their_nearest_segment(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    obstacles = some_obstacles(random)
+    points = np.cumsum(random.normal(size=(61, 4, 3)), axis=1)
+    points += np.linspace(0, 6, 61)[:, None, None]
+    starts, ends = points[:, :-1].reshape(-1, 3), points[:, 1:].reshape(-1, 3)
+    distances = np.array([one.segment_distance(starts, ends) for one in obstacles])
+    least = float(distances.min())
+    for found in (plain(lambda: _link_clearance(points, obstacles)),
+                  compiled(lambda: _link_clearance(points, obstacles))):  # fmt: skip
+        distance, sample, whose = found
+        assert distance == pytest.approx(least, abs=1e-12)
+        there = float(distances[whose].reshape(61, 3)[sample].min())
+        assert there == pytest.approx(least, abs=1e-12)
+
+
+@settings(max_examples=60, deadline=None)
+@given(seeds)
+def test_the_way_out_is_the_nearest_obstacles_gradient(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    obstacles = some_obstacles(random)
+    points = random.uniform(-1, 7, (50, 3))
+    expected, whose = nearest(obstacles, points)
+    gradient = np.array(
+        [obstacles[k].gradient(point[None])[0] for k, point in zip(whose, points, strict=True)]
+    )
+    for away, out in (plain(lambda: outward(points, obstacles)),
+                      compiled(lambda: outward(points, obstacles))):  # fmt: skip
+        assert away == pytest.approx(expected, abs=1e-12)
+        assert np.abs(out - gradient).max() <= 1e-9
+
+
+def same(first: Clearance, second: Clearance) -> bool:
+    return (
+        first.distance == pytest.approx(second.distance, abs=1e-12)
+        and first.nearest == pytest.approx(second.nearest, abs=1e-12)
+        and len(first.violations) == len(second.violations)
+    )
+
+
+@settings(max_examples=30, deadline=None)
+@given(seeds, st.sampled_from([1e-1, 1e-3, 1e-5]))
+def test_a_measurement_is_the_same_compiled_and_plain(seed: int, tolerance: float) -> None:
+    random = np.random.default_rng(seed)
+    obstacles, spline = some_obstacles(random), some_spline(random)
+    asked = float(random.uniform(-0.5, 1))
+    assert same(
+        plain(lambda: measure(spline, obstacles, asked, tolerance)),
+        compiled(lambda: measure(spline, obstacles, asked, tolerance)),
+    )
+
+
+@settings(max_examples=60, deadline=None)
+@given(seeds, st.integers(0, 4))
+def test_a_spline_is_that_of_scipy(seed: int, order: int) -> None:
+    spline = some_spline(np.random.default_rng(seed))
+    other = interpolate.BSpline(spline.knots, spline.control_points, spline.degree)
+    # out of order, and at the breaks
+    u = np.random.default_rng(seed).permutation(np.append(np.linspace(0, 1, 41), spline.breaks))
+    expected = other(u, nu=order) if order <= spline.degree else np.zeros((len(u), 3))
+    scale = 1e-11 * (1 + np.abs(expected).max())
+    weights = interpolate.BSpline.design_matrix(u, spline.knots, spline.degree).toarray()
+    for run in (plain, compiled):
+        assert np.abs(run(lambda: spline(u, order)) - expected).max() <= scale
+        assert np.abs(run(lambda: _influence(spline, u)) - weights).max() <= 1e-13
+
+
+@settings(max_examples=40, deadline=None)
+@given(seeds)
+def test_bezier_points_are_the_same_compiled_and_plain(seed: int) -> None:
+    spline = some_spline(np.random.default_rng(seed))
+    first = plain(lambda: pieces.bezier(spline))
+    second = compiled(lambda: pieces.bezier(clamped(spline.control_points, spline.degree)))
+    assert np.array_equal(first.breaks, second.breaks)
+    assert np.abs(first.points - second.points).max() <= 1e-14 * first.size
+
+
+@settings(max_examples=30, deadline=None)
+@given(seeds)
+def test_arc_lengths_are_inverted_compiled_and_plain(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    spline = some_spline(random)
+    asked = random.uniform(0, 1, 60)
+    lengths = []
+    for run in (plain, compiled):
+        arc = run(lambda: curve.measure(spline))
+        found = run(lambda arc=arc: arc.parameter(asked * arc.length))  # type: ignore[misc]
+        there = run(lambda arc=arc, found=found: arc.distance(found))  # type: ignore[misc]
+        assert np.abs(there - asked * arc.length).max() <= 1e-12 * arc.length
+        assert arc.passed == pytest.approx(arc.distance(arc.nodes), abs=1e-12 * arc.length)
+        lengths.append(arc.length)
+    assert lengths[0] == pytest.approx(lengths[1], rel=1e-13)
+
+
+@settings(max_examples=30, deadline=None)
+@given(seeds, st.sampled_from(["beside", "through", "along"]))
+def test_joints_are_the_same_compiled_and_plain(seed: int, how: str) -> None:
+    random = np.random.default_rng(seed)
+    arm = Arm.from_settings(ArmSettings())
+    ends = random.uniform(-3, 3, (2, 3))
+    if how == "through":
+        ends[1, :2] = -ends[0, :2]
+    if how == "along":
+        ends[:, :2] = 0
+    share = np.linspace(0, 1, 81)[:, None]
+    points: FloatArray = arm.shoulder + ends[0] + share * (ends[1] - ends[0])
+    tangents = np.repeat((ends[1:] - ends[:1]) / np.linalg.norm(ends[1] - ends[0]), 81, axis=0)
+    first, second = (
+        run(lambda: ik.solve(arm, points, np.zeros(81), "up", tangents))
+        for run in (plain, compiled)
+    )
+    for name in ("q1", "q2", "q3", "shortfall"):
+        assert getattr(first, name) == pytest.approx(getattr(second, name), abs=1e-9)
