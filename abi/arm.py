@@ -16,7 +16,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from abi import arm_links
-from abi.arrays import FloatArray, read_only
+from abi.arrays import FloatArray, flat, read_only
+from abi.kernels import arm as kernels
+from abi.kernels.calling import call
 from abi.scene import ArmSettings
 from abi.urdf import Joint, write
 
@@ -110,22 +112,11 @@ def skeleton(arm: Arm, positions: FloatArray) -> FloatArray:
     Returns:
         Base, shoulder, elbow and tool, shape (n, 4, 3), [unit], world.
     """
-    q1, q2, q3, _, q5, _ = np.asarray(positions, dtype=float).T
-    a6, swing = arm.forearm(q5), q2 + q3
-    points = np.empty((len(q1), 4, 3))
-    points[:, 0] = arm.base
-    points[:, 1] = points[:, 2] = points[:, 3] = arm.shoulder
-    # In the arm's plane first; the forearm goes on from the elbow.
-    across, up = arm.a3 * np.sin(q2), arm.a3 * np.cos(q2)
-    right, ahead = np.sin(q1), np.cos(q1)
-    for k, far, high in (
-        (2, across, up),
-        (3, across + a6 * np.sin(swing), up + a6 * np.cos(swing)),
-    ):
-        points[:, k, 0] += right * far
-        points[:, k, 1] -= ahead * far
-        points[:, k, 2] += high
-    return points
+    joints = np.asarray(positions, dtype=float)
+    points = np.empty(12 * len(joints))
+    lengths = arm.a1 + arm.a2, arm.a3, flat(arm.forearm(joints[:, 4]))
+    call(kernels.ready, kernels.skeleton, flat(joints), flat(arm.base), *lengths, points)
+    return points.reshape(-1, 4, 3)
 
 
 def urdf(arm: Arm, scale: float | None = None) -> str:

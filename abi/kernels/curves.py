@@ -312,7 +312,7 @@ def parameters(
     length = travelled[last]
     tolerance = 1e-13 * length
     first, second = _factors(terms)
-    derived, curvature, of = [0.0] * terms, 0.0, -1
+    derived, curvature, used, of = [0.0] * terms, 0.0, terms, -1
     for i in range(len(asked)):
         distance = asked[i]
         if distance >= length:
@@ -326,10 +326,14 @@ def parameters(
         wanted = distance - travelled[k]
         if k != of:
             of = k
-            _derive(series, k * terms, terms, derived)
+            # terms too small to matter, all together, are left out
+            used = terms
+            while used > 2 and abs(series[k * terms + used - 1]) <= 1e-16 * length:
+                used -= 1
+            _derive(series, k * terms, used, derived)
             # abs(P'_n) <= n (n + 1) / 2 on [-1, 1]: no second derivative is above this
             curvature = 0.0
-            for n in range(terms - 1):
+            for n in range(used - 1):
                 curvature += abs(derived[n]) * (n * (n + 1) / 2)
         # the guess: straight between the Gauss points
         passed, here, u = 0.0, 0.0, left
@@ -344,8 +348,8 @@ def parameters(
         # a little wider, so that Newton may step on an end
         low, high = -1.0 - 1e-9, 1.0 + 1e-9
         for _ in range(_MOST_STEPS):
-            value = before = slope = slope_before = 0.0
-            for n in range(terms - 1, -1, -1):
+            value, before, slope, slope_before = series[k * terms + used - 1], 0.0, 0.0, 0.0
+            for n in range(used - 2, -1, -1):
                 ahead = series[k * terms + n] + first[n] * place * value - second[n] * before
                 value, before = ahead, value
                 ahead = derived[n] + first[n] * place * slope - second[n] * slope_before
