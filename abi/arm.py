@@ -114,7 +114,7 @@ def skeleton(arm: Arm, positions: FloatArray) -> FloatArray:
     """
     joints = np.asarray(positions, dtype=float)
     points = np.empty(12 * len(joints))
-    lengths = arm.a1 + arm.a2, arm.a3, flat(arm.forearm(joints[:, 4]))
+    lengths = float(arm.a1 + arm.a2), float(arm.a3), flat(arm.forearm(joints[:, 4]))
     call(kernels.ready, kernels.skeleton, flat(joints), flat(arm.base), *lengths, points)
     return points.reshape(-1, 4, 3)
 

@@ -12,7 +12,7 @@ from abi.arrays import BoolArray, FloatArray, flat, read_only
 from abi.clearance import ROUNDING, Clearance, measure, measure_polyline, outward, prove
 from abi.curve import measure as arc_length
 from abi.grading import graded
-from abi.kernels import curves as kernels
+from abi.kernels import splines as kernels
 from abi.kernels.calling import call
 from abi.shapes import Obstacles
 from abi.solids import meshes
@@ -92,7 +92,7 @@ class BSpline:
         if order > self.degree:
             return np.zeros((*inside.shape, 3))
         found = np.empty(3 * inside.size)
-        shape = (self.knots, flat(self.control_points), self.degree)
+        shape = (flat(self.knots), flat(self.control_points), self.degree)
         call(kernels.ready, kernels.spline, *shape, flat(inside), order, found)
         return found.reshape(*inside.shape, 3)
 
@@ -242,7 +242,7 @@ def _pushed(
 def _influence(spline: BSpline, parameters: FloatArray) -> FloatArray:
     """Weights of the control points in the points at ``parameters`` (m,), shape (m, n)."""
     found = np.zeros(len(parameters) * len(spline.control_points))
-    call(kernels.ready, kernels.basis, spline.knots, spline.degree, flat(parameters), found)
+    call(kernels.ready, kernels.basis, flat(spline.knots), spline.degree, flat(parameters), found)
     return found.reshape(len(parameters), -1)
 
 

@@ -12,7 +12,7 @@ from numpy.polynomial import legendre
 from numpy.typing import ArrayLike
 
 from abi.arrays import FloatArray, flat, read_only
-from abi.kernels import curves as kernels
+from abi.kernels import arc_length as kernels
 from abi.kernels.calling import call
 
 _GAUSS = 16

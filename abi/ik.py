@@ -142,7 +142,7 @@ def _bend(
     """q2, q3 and the shortfall for tools in the arm's plane, as seen from the shoulder, (n,)."""
     q2, q3, shortfall = np.empty((3, len(across)))
     places = flat(across), flat(height), flat(forearm)
-    call(kernels.ready, kernels.bend, *places, arm.a3, side, rounding, q2, q3, shortfall)
+    call(kernels.ready, kernels.bend, *places, float(arm.a3), side, rounding, q2, q3, shortfall)
     return q2, q3, shortfall
 
 

@@ -6,7 +6,16 @@ from __future__ import annotations
 def warm() -> None:
     """Compile all kernels, or load what was compiled before: seconds, or a few tenths of one."""
     # here, since numba takes long to import
-    from abi.kernels import arm, certify, clearance, curves, mask, search, visibility
+    from abi.kernels import (
+        arc_length,
+        arm,
+        certify,
+        clearance,
+        mask,
+        search,
+        splines,
+        visibility,
+    )
 
-    for kernels in (mask, search, certify, visibility, clearance, curves, arm):
+    for kernels in (mask, search, certify, visibility, clearance, splines, arc_length, arm):
         kernels.warm()

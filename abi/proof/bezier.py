@@ -10,7 +10,7 @@ import numpy as np
 
 from abi.arrays import FloatArray, flat, read_only
 from abi.curve import Curve
-from abi.kernels import curves as kernels
+from abi.kernels import splines as kernels
 from abi.kernels.calling import call
 from abi.memory import ByIdentity
 

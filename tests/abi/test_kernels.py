@@ -10,17 +10,17 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from numba.core.dispatcher import Dispatcher
 from scipy import interpolate
 
-from abi import curve, ik
+from abi import curve, ik, load_scene, plan
 from abi.arm import Arm
 from abi.arrays import FloatArray
 from abi.bspline import BSpline, _influence, clamped
 from abi.clearance import Clearance, measure, measure_polyline, outward, runs_apart
+from abi.kernels import arc_length, certify, splines, warm
 from abi.kernels import arm as arm_kernels
 from abi.kernels import clearance as clearance_kernels
-from abi.kernels import curves as curve_kernels
-from abi.kernels import warm
 from abi.proof import bezier as pieces
 from abi.scene import ArmSettings
 from abi.shapes import Obstacles, nearest
@@ -30,7 +30,7 @@ from benchmarks.certificates import random_obstacle
 _T = TypeVar("_T")
 
 seeds = st.integers(0, 2**32 - 1)
-MODULES = (arm_kernels, clearance_kernels, curve_kernels)
+MODULES = (arm_kernels, arc_length, clearance_kernels, splines)
 
 
 def plain(work: Callable[[], _T]) -> _T:
@@ -192,3 +192,17 @@ def test_joints_are_the_same_compiled_and_plain(seed: int, how: str) -> None:
     )
     for name in ("q1", "q2", "q3", "shortfall"):
         assert getattr(first, name) == pytest.approx(getattr(second, name), abs=1e-9)
+
+
+def test_a_plan_compiles_nothing_that_is_not_warmed() -> None:
+    modules = (*MODULES, certify)
+    kernels = [value for module in modules for value in vars(module).values()
+               if isinstance(value, Dispatcher)]  # fmt: skip
+    assert len(kernels) > 10
+    warm()
+    before = [set(kernel.signatures) for kernel in kernels]
+    assert all(before)
+    for name in ("paper", "forest", "sculpture", "thin-plate", "wall-with-window"):
+        for mode in ("least_squares", "pieces"):
+            assert plan(load_scene(name).replace(quadratic={"mode": mode})).motion
+    assert [set(kernel.signatures) for kernel in kernels] == before

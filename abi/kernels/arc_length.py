@@ -1,4 +1,4 @@
-"""Splines' points, and the arc length of curves in both directions.
+"""The arc length of curves made of polynomials, in both directions.
 
 Compiled by numba; each runs uncompiled too, by its ``py_func`` on plain lists.
 """
@@ -19,120 +19,6 @@ ready = threading.Event()
 
 _MOST_HALVINGS = 40
 _MOST_STEPS = 60
-
-
-@numba.njit(cache=True, nogil=True)
-def spline(
-    knots: FloatArray,
-    control: FloatArray,
-    degree: int,
-    parameters: FloatArray,
-    order: int,
-    found: FloatArray,
-) -> None:
-    """Points of a spline or its derivative, by de Boor's recursion on differences of its points.
-
-    Args:
-        knots: (n + degree + 1,), clamped.
-        control: flat (3 n,), [unit].
-        degree: p.
-        parameters: (m,), not outside the knots.
-        order: of the derivative, at most p.
-        found: flat (3 m,); written.
-    """
-    count = len(control) // 3
-    local = [0.0] * (3 * (degree + 1))
-    span = degree
-    for number in range(len(parameters)):
-        u = parameters[number]
-        if u < knots[span]:
-            span = degree
-        while span < count - 1 and knots[span + 1] <= u:
-            span += 1
-        first = span - degree
-        for i in range(3 * (degree + 1)):
-            local[i] = control[3 * first + i]
-        for step in range(1, degree + 1):
-            for j in range(degree, step - 1, -1):
-                left, right = knots[first + j], knots[first + j + degree + 1 - step]
-                if step <= order:
-                    rate = (degree + 1 - step) / (right - left)
-                    for i in range(3 * j, 3 * j + 3):
-                        local[i] = rate * (local[i] - local[i - 3])
-                else:
-                    share = (u - left) / (right - left)
-                    for i in range(3 * j, 3 * j + 3):
-                        local[i] = (1 - share) * local[i - 3] + share * local[i]
-        for i in range(3):
-            found[3 * number + i] = local[3 * degree + i]
-
-
-@numba.njit(cache=True, nogil=True)
-def bezier(
-    knots: FloatArray, control: FloatArray, degree: int, breaks: FloatArray, found: FloatArray
-) -> int:
-    """Bézier points of a spline's polynomials, by convex combinations only.
-
-    Args:
-        knots: (n + degree + 1,).
-        control: flat (3 n,), [unit].
-        degree: p.
-        breaks: parameters between the s polynomials, of (n - p + 1,) the first s + 1; written.
-        found: flat, of (3 (n - p) (p + 1),) the first 3 s (p + 1); written.
-
-    Returns:
-        s, the number of polynomials.
-    """
-    width = degree + 1
-    local = [0.0] * (3 * width)
-    k = 0
-    for first in range(len(control) // 3 - degree):
-        start, end = knots[first + degree], knots[first + width]
-        if not start < end:
-            continue
-        breaks[k], breaks[k + 1] = start, end
-        for point in range(width):
-            for i in range(3 * width):
-                local[i] = control[3 * first + i]
-            for step in range(1, width):
-                at = start if step <= degree - point else end
-                for j in range(degree, step - 1, -1):
-                    left, right = knots[first + j], knots[first + j + width - step]
-                    share = (at - left) / (right - left)
-                    for i in range(3 * j, 3 * j + 3):
-                        local[i] = (1 - share) * local[i - 3] + share * local[i]
-            for i in range(3):
-                found[3 * (k * width + point) + i] = local[3 * degree + i]
-        k += 1
-    return k
-
-
-@numba.njit(cache=True, nogil=True)
-def basis(knots: FloatArray, degree: int, parameters: FloatArray, found: FloatArray) -> None:
-    """Values of all basis functions of a spline (Piegl and Tiller, The NURBS Book, A2.2).
-
-    Args:
-        knots: (n + degree + 1,), clamped.
-        degree: p.
-        parameters: (m,), not outside the knots.
-        found: zeros, flat (m n,); written where not zero.
-    """
-    count = len(knots) - degree - 1
-    for number in range(len(parameters)):
-        u = parameters[number]
-        span = degree
-        while span < count - 1 and knots[span + 1] <= u:
-            span += 1
-        at = number * count + span - degree
-        found[at] = 1.0
-        for step in range(1, degree + 1):
-            saved = 0.0
-            for r in range(step):
-                right, left = knots[span + r + 1], knots[span + 1 + r - step]
-                share = found[at + r] / (right - left)
-                found[at + r] = saved + (right - u) * share
-                saved = (u - left) * share
-            found[at + step] = saved
 
 
 @register_jitable
@@ -376,14 +262,9 @@ def parameters(
 
 def warm() -> None:
     """Compile all kernels, or load what was compiled before."""
-    ends = read_only(np.array([0.0, 1.0]))
-    knots = read_only(np.array([0.0, 0, 1, 1]))
-    points = read_only(np.array([0.0, 0, 0, 1, 0, 0]))
-    spline(knots, points, 1, ends, 0, np.zeros(6))
-    bezier(knots, points, 1, np.zeros(2), np.zeros(6))
+    ends, point = read_only(np.array([0.0, 1.0])), read_only(np.array([1.0, 0, 0]))
     one, zeros = read_only(np.ones(1)), read_only(np.zeros(1))
-    basis(knots, 1, ends, np.zeros(4))
-    pieces(ends, read_only(points[3:].copy()), zeros, one, ends, ends, 1.0)
+    pieces(ends, point, zeros, one, ends, ends, 1.0)
     distances(ends, ends, ends, one, np.zeros(1))
     parameters(ends, ends, ends, one, one, one, np.zeros(1))
     ready.set()
