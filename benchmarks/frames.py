@@ -2,11 +2,17 @@
 
     python -m benchmarks.frames --nodes 200 2000 20000 200000 1000000
 
-An obstacle moves a little from frame to frame. A frame is the mask (nodes and edges that the
-obstacles take) and a search. Libraries get our mask, as rows that a compiled loop writes, and
-search with what they do best; networkx, too slow to be rebuilt, asks the mask edge by edge. All
-methods see the same frames in turn, in one process, and every length is compared on every frame.
-Times are medians of the process's own time, ratios are taken of these.
+An obstacle moves a little from frame to frame. A frame is all that a user pays for: the mask
+(nodes and edges that the obstacles take) and a search. Ours is :func:`abi.mesh.exclude`,
+:func:`abi.graph.build` and one of the searches. Libraries store their edges, and search with what
+they do best. Their frame is a compiled mask over these edges, the weights or rows that the library
+takes, and its search. That mask tests every node and every edge exactly as ours does, leaves an
+edge alone as soon as both its ends lie on one side of the obstacle's bounds, and looks again only
+at what obstacles that stand still leave. It is compared with ours, edge by edge.
+
+All methods see the same frames, and every length is compared on every frame. They run in turn, a
+few frames at a stretch, in one process, for a drag is one method frame after frame. Times are
+medians of the process's own time, ratios are taken of these.
 """
 
 from __future__ import annotations
@@ -19,21 +25,27 @@ import statistics
 import time
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Sequence
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
 import numba
 import numpy as np
+from numba.extending import register_jitable
+from numpy.typing import NDArray
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 
-from abi import graph, mesh
+from abi import graph, mesh, net
 from abi.arrays import BoolArray, FloatArray, IntArray
 from abi.graph import Graph
 from abi.kernels import warm
+from abi.kernels.solids import Axes, Core, axes_of, core_of, in_body, level, near
 from abi.plan import SLACK, Planner
 from abi.scene import Scene
-from abi.search import SEARCHES, SearchResult
+from abi.search import SEARCHES
+from abi.shapes import MeshShape, Obstacle, Obstacles
+from abi.solids import packed
 from abi.taut import taut
 from benchmarks.quality import box_scene
 from benchmarks.report import table
@@ -41,16 +53,19 @@ from benchmarks.report import table
 SIZES = (200, 2_000, 20_000, 200_000, 1_000_000)
 CLEARANCE = 0.2
 
-_CHAIN = ("path_clearance", "bspline", "quadratic", "timing", "arm")
-"""From the path to the arm's motion, certificates and clearances included; by the clock."""
-
 _SEED = 32  # of the scene with 8 boxes
 _SWING = 0.4  # how far the obstacle moves to each side, [unit]
-_FRAMES = ((3_000, 60), (30_000, 24), (300_000, 9), (20_000_000, 5))  # by number of nodes
+_FRAMES = ((3_000, 10, 12), (30_000, 5, 6), (300_000, 3, 4), (20_000_000, 2, 3))
+"""By number of nodes: how often each method has its turn, and frames a turn."""
 _MOST_NETWORKX = 30_000
 
+_GONE = 64
+
 Row = dict[str, Any]
-Library = Callable[[Graph], float]
+Library = Callable[[Graph, Obstacles, float], float]
+Rows = tuple[IntArray, IntArray, FloatArray]
+ByteArray = NDArray[np.uint8]
+Times = dict[str, list[float]]
 
 
 def measure(sizes: Sequence[int] = SIZES) -> list[Row]:
@@ -58,7 +73,8 @@ def measure(sizes: Sequence[int] = SIZES) -> list[Row]:
 
     Returns:
         Rows with ``scene``, ``nodes``, ``method``, ``ms`` and, for our frames, ``faster``: the best
-        library's frame over ours, and ``than_networkx``. Methods named "frame" are whole frames.
+        library's frame over ours, and ``than_networkx``. Methods named "frame" are whole frames,
+        and "library mask" is what libraries pay of it for the mask and the open rows.
     """
     warm()
     return [row for size in sizes for name in _SCENES for row in _measure(name, size)]
@@ -69,70 +85,84 @@ def _measure(name: str, size: int) -> list[Row]:
     first = next(scenes)
     whole = mesh.tetrahedralise(first.workspace, first.mesh)
     nodes = len(whole.points)
-    libraries = _libraries(whole)
-    frames = next(count for most, count in _FRAMES if nodes <= most)
+    stored = _Stored(whole)
+    libraries = _libraries(stored)
+    turns, stretch = next(frames for most, *frames in _FRAMES if nodes <= most)
     planner = Planner()
-    times: dict[str, list[float]] = defaultdict(list)
-    for k, scene in zip(range(frames + 2), scenes, strict=False):
-        found = _frame(whole, scene, planner, libraries)
-        if k >= 2:  # the first frames fill caches
+    times: Times = defaultdict(list)
+    for turn in range(turns + 1):
+        found = _turn(whole, list(islice(scenes, stretch)), planner, stored, libraries)
+        if turn > 0:  # the first fills caches
             for method, ms in found.items():
-                times[method].append(ms)
+                times[method] += ms
     medians = {method: statistics.median(values) for method, values in times.items()}
     others = [ms for method, ms in medians.items() if method.startswith("frame, ")]
     rows = []
-    for method, ms in medians.items():
-        row: Row = {"scene": name, "nodes": nodes, "method": method, "ms": ms}
-        if method.removeprefix("frame ") in SEARCHES:
-            row["faster"] = min(others) / ms
+    for method, median in medians.items():
+        row: Row = {"scene": name, "nodes": nodes, "method": method, "ms": median}
+        if method.removeprefix("frame ") in SEARCHES and method not in SEARCHES:
+            row["faster"] = min(others) / median
             if "frame, networkx" in medians:
-                row["than_networkx"] = medians["frame, networkx"] / ms
+                row["than_networkx"] = medians["frame, networkx"] / median
         rows.append(row)
     return rows
 
 
-def _frame(
-    whole: mesh.TetMesh, scene: Scene, planner: Planner, libraries: dict[str, Library]
-) -> dict[str, float]:
-    """Milliseconds of each method on one frame; all lengths are the same."""
-    margin = CLEARANCE + SLACK * max(scene.workspace.size)
-    ms: dict[str, float] = {}
-    with _Clock(ms, "mask"):
-        free = mesh.exclude(whole, scene.obstacles, margin)
-        made = graph.build(free, scene.obstacles, margin, scene.start, scene.goal, CLEARANCE)
-    found: dict[str, SearchResult] = {}
-    for name, search in SEARCHES.items():
-        with _Clock(ms, name):
-            found[name] = search(made, "length")
-    with _Clock(ms, "taut"):
-        taut(made, scene.obstacles, margin, found["a_star"])
-    for name in SEARCHES:
-        ms[f"frame {name}"] = ms["mask"] + ms[name]
-    lengths = [result.length for result in found.values()]
+def _turn(
+    whole: mesh.TetMesh,
+    scenes: list[Scene],
+    planner: Planner,
+    stored: _Stored,
+    libraries: dict[str, Library],
+) -> Times:
+    """Milliseconds of each method on each of some frames; all lengths are the same."""
+    margin = CLEARANCE + SLACK * max(scenes[0].workspace.size)
+    times: Times = defaultdict(list)
+    graphs, lengths = [], []
+    for scene in scenes:
+        with _Clock(times, "mask"):
+            free = mesh.exclude(whole, scene.obstacles, margin)
+            made = graph.build(free, scene.obstacles, margin, scene.start, scene.goal, CLEARANCE)
+        found = {}
+        for name, search in SEARCHES.items():
+            with _Clock(times, name):
+                found[name] = search(made, "length")
+            times[f"frame {name}"].append(times["mask"][-1] + times[name][-1])
+        graphs.append(made)
+        lengths.append([result.length for result in found.values()])
+    for scene, made in zip(scenes, graphs, strict=True):
+        with _Clock(times, "library mask"):
+            rows = stored.open_rows(scene.obstacles, margin)
+        assert len(rows[1]) == 2 * made.edge_count
+    assert all(map(np.array_equal, rows[:2], (made.indptr, made.indices)))
     for name, library in libraries.items():
-        with _Clock(ms, name):
-            lengths.append(library(made))
-        ms[f"frame, {name}"] = ms["mask"] + ms.pop(name)
-    assert max(lengths) - min(lengths) <= 1e-9 * lengths[0], (scene, lengths)
-    with _Clock(ms, "whole plan"):
+        for scene, made, same in zip(scenes, graphs, lengths, strict=True):
+            with _Clock(times, f"frame, {name}"):
+                length = library(made, scene.obstacles, margin)
+            same.append(length)
+    for same in lengths:
+        assert max(same) - min(same) <= 1e-9 * same[0], same
+    with _Clock(times, "taut"):
+        taut(made, scene.obstacles, margin, found["a_star"])
+    planner(scenes[-2])
+    with _Clock(times, "whole plan"):
         plan = planner(scene)
     assert plan.path is not None
-    assert abs(plan.path.length - lengths[0]) <= 1e-9 * lengths[0]
-    ms["chain"] = sum(plan.ms[stage] for stage in _CHAIN)
-    return ms
+    assert abs(plan.path.length - lengths[-1][0]) <= 1e-9 * lengths[-1][0]
+    return times
 
 
 class _Clock:
-    """Writes the process time that a block took, [ms]."""
+    """Notes the process time that a block took, [ms]."""
 
-    def __init__(self, into: dict[str, float], name: str) -> None:
-        self._into, self._name = into, name
+    def __init__(self, into: Times, name: str) -> None:
+        self._into = into[name]
 
     def __enter__(self) -> None:
         self._begin = time.process_time_ns()
 
     def __exit__(self, *_: object) -> None:
-        self._into[self._name] = 1e-6 * (time.process_time_ns() - self._begin)
+        self._into.append(1e-6 * (time.process_time_ns() - self._begin))
 
 
 def _cube(pitch: float) -> Scene:
@@ -170,55 +200,111 @@ def _frames_of(scene: Scene) -> Iterator[Scene]:
         k += 1
 
 
-def _libraries(whole: mesh.TetMesh) -> dict[str, Library]:
-    """Those that are installed, each as a function from the graph to the path's length."""
-    rows = _Rows(whole)
-    found: dict[str, Library] = {"scipy": rows.scipy}
+def _libraries(stored: _Stored) -> dict[str, Library]:
+    """Those that are installed, each as a function from the frame to the path's length."""
+    found: dict[str, Library] = {"scipy": _Scipy(stored).length}
     if importlib.util.find_spec("networkit"):
-        found["networkit"] = rows.networkit
+        found["networkit"] = _Networkit(stored).length
     if importlib.util.find_spec("igraph"):
-        found["igraph"] = rows.igraph
-    if len(whole.points) <= _MOST_NETWORKX:
-        found["networkx"] = _Networkx(whole).length
+        found["igraph"] = _Igraph(stored).length
+    if len(stored.whole.points) <= _MOST_NETWORKX:
+        found["networkx"] = _Networkx(stored).length
     return found
 
 
-class _Rows:
-    """Libraries that search in compressed rows or lists of edges; the rows of the whole mesh."""
+class _Stored:
+    """A mesh by its stored edges, as compressed rows, and which are open among obstacles."""
 
     def __init__(self, whole: mesh.TetMesh) -> None:
-        self._whole = whole
-        tail, head = whole.edges.T
-        steps = np.concatenate([_directions(whole), _directions(whole, back=True)])
-        tail, head = np.concatenate([tail, head]), np.concatenate([head, tail])
-        order = np.lexsort((head, tail))
-        self._heads, self._bits = head[order].astype(np.int32), steps[order].astype(np.int32)
-        self._weights = np.concatenate([whole.lengths, whole.lengths])[order]
-        self._indptr = np.zeros(len(whole.points) + 1, dtype=np.int32)
-        np.cumsum(np.bincount(tail, minlength=len(whole.points)), out=self._indptr[1:])
-        self._away: FloatArray | None = None
-        self._igraph: Any = None
-
-    def _open(self, made: Graph) -> tuple[IntArray, IntArray, FloatArray]:
-        assert not len(made.own), "start and goal are nodes of the mesh"
-        return _opened(
-            self._indptr, self._heads, self._bits, self._weights, made.exits, made.excluded
+        self.whole = whole
+        self.places = [np.ascontiguousarray(column) for column in whole.points.T]
+        self.indptr, self.heads, self.lengths = net.rows(
+            whole.edges, whole.lengths, len(whole.points)
         )
+        self.tails = np.repeat(np.arange(len(whole.points)), np.diff(self.indptr))
+        self._sides = np.empty(len(whole.points), np.uint8)
+        self._left: Rows = (self.indptr, self.heads, self.lengths)
+        self._shut = np.zeros(len(self.heads), np.bool_)
+        self._into: Rows = (self.indptr.copy(), self.heads.copy(), self.lengths.copy())
+        self._before: Obstacles = ()
+        self._still: Obstacles = ()
 
-    def scipy(self, made: Graph) -> float:
+    def open_rows(self, obstacles: Obstacles, margin: float) -> Rows:
+        """Open edges as rows: indptr (n + 1,), heads and lengths; they last until the next call.
+
+        Obstacles that were there the last time have stood still; what they leave is kept.
+        """
+        moved, rows = self._parted(obstacles, margin)
+        for one in moved:
+            rows = self._without(rows, one, margin, self._into)
+        return rows
+
+    def shut(self, obstacles: Obstacles, margin: float) -> BoolArray:
+        """Which edges of all rows are shut (2e,); what stood still is kept, as above."""
+        moved, _ = self._parted(obstacles, margin)
+        shut = self._shut.copy()
+        for one in moved:
+            self._mark(one, margin, shut)
+        return shut
+
+    def _parted(self, obstacles: Obstacles, margin: float) -> tuple[Obstacles, Rows]:
+        """The obstacles that moved since the last time, and the rows that the others leave."""
+        still = tuple(one for one in obstacles if one in self._before)
+        if still != self._still:
+            self._left = self.indptr, self.heads, self.lengths
+            self._shut = np.zeros(len(self.heads), np.bool_)
+            into = (self.indptr.copy(), self.heads.copy(), self.lengths.copy())
+            for one in still:
+                self._left = self._without(self._left, one, margin, into)
+                self._mark(one, margin, self._shut)
+            self._still = still
+        self._before = obstacles
+        return tuple(one for one in obstacles if one not in still), self._left
+
+    def _without(self, rows: Rows, one: Obstacle, margin: float, into: Rows) -> Rows:
+        assert not isinstance(one, MeshShape)
+        row = packed((one,))
+        opened: Any = _open
+        count = opened(*rows, *self.places, row, margin, self._sides, *into)
+        return into[0], into[1][:count], into[2][:count]
+
+    def _mark(self, one: Obstacle, margin: float, shut: BoolArray) -> None:
+        assert not isinstance(one, MeshShape)
+        row = packed((one,))
+        marked: Any = _mark
+        marked(self.indptr, self.heads, *self.places, row, margin, self._sides, shut)
+
+
+class _Scipy:
+    """scipy keeps one matrix, whose rows are exchanged."""
+
+    def __init__(self, stored: _Stored) -> None:
+        self._stored = stored
+        rows = (stored.lengths.copy(), stored.heads.copy(), stored.indptr.copy())
+        self._matrix = csr_array(rows, shape=(len(stored.indptr) - 1,) * 2)
+
+    def length(self, made: Graph, obstacles: Obstacles, margin: float) -> float:
         """Dijkstra's algorithm over the rows."""
-        indptr, heads, weights = self._open(made)
-        rows = csr_array((weights, heads, indptr), shape=(len(indptr) - 1,) * 2)
-        cost, before = dijkstra(rows, indices=made.start, return_predecessors=True)
+        matrix = self._matrix
+        matrix.indptr, matrix.indices, matrix.data = self._stored.open_rows(obstacles, margin)
+        cost, before = dijkstra(matrix, indices=made.start, return_predecessors=True)
         _way(before, made)
         return float(cost[made.goal])
 
-    def networkit(self, made: Graph) -> float:
+
+class _Networkit:
+    """networkit is given a new graph."""
+
+    def __init__(self, stored: _Stored) -> None:
+        self._stored = stored
+        self._away: FloatArray | None = None
+
+    def length(self, made: Graph, obstacles: Obstacles, margin: float) -> float:
         """A* with the straight line."""
         import networkit
 
         networkit.setNumberOfThreads(1)
-        indptr, heads, weights = self._open(made)
+        indptr, heads, weights = self._stored.open_rows(obstacles, margin)
         ids = np.arange(len(indptr) - 1, dtype=np.uint64)
         tails, ends = np.repeat(ids, np.diff(indptr)), ids[heads]
         once = tails < ends
@@ -235,98 +321,168 @@ class _Rows:
         search.getPath()
         return float(search.getDistance())
 
-    def igraph(self, made: Graph) -> float:
-        """Dijkstra's algorithm, from start to goal."""
+
+class _Igraph:
+    """igraph keeps the whole mesh, and edges that are shut weigh infinitely much."""
+
+    def __init__(self, stored: _Stored) -> None:
         import igraph
 
-        if self._igraph is None:
-            self._igraph = igraph.Graph(len(self._whole.points), self._whole.edges.tolist())
-            tails = np.repeat(np.arange(len(self._indptr) - 1), np.diff(self._indptr))
-            once = np.flatnonzero(tails < self._heads)
-            mesh_order = np.lexsort((self._whole.edges[:, 1], self._whole.edges[:, 0]))
-            self._once = np.empty(len(once), dtype=np.int64)
-            self._once[mesh_order] = once
-            self._tails = tails
-        is_open = (made.exits[self._tails[self._once]] >> self._bits[self._once]) & 1 == 1
-        is_open &= ~made.excluded[self._tails[self._once]]
-        weights = np.where(is_open, self._weights[self._once], np.inf)
-        way = self._igraph.get_shortest_path(
-            made.start, made.goal, weights=weights.tolist(), output="vpath"
+        self._stored = stored
+        self._once = np.flatnonzero(stored.tails < stored.heads)
+        self._lengths = stored.lengths[self._once]
+        ends = np.stack([stored.tails, stored.heads], axis=1)[self._once]
+        self._net = igraph.Graph(len(stored.indptr) - 1, ends.tolist())
+
+    def length(self, made: Graph, obstacles: Obstacles, margin: float) -> float:
+        """Dijkstra's algorithm, from start to goal."""
+        shut = self._stored.shut(obstacles, margin)[self._once]
+        way = self._net.get_shortest_path(
+            made.start,
+            made.goal,
+            weights=np.where(shut, np.inf, self._lengths).tolist(),
+            output="vpath",
         )
         return float(np.linalg.norm(np.diff(made.points[way], axis=0), axis=1).sum())
 
 
 class _Networkx:
-    """networkx keeps the whole mesh, and its weights say which edges are shut."""
+    """networkx keeps the whole mesh, and asks of each edge whether it is shut."""
 
-    def __init__(self, whole: mesh.TetMesh) -> None:
+    def __init__(self, stored: _Stored) -> None:
         import networkx
 
+        self._stored = stored
         self._net = networkx.Graph()
-        back = _directions(whole, back=True)
-        for (a, b), length, there, other in zip(
-            whole.edges.tolist(), whole.lengths.tolist(), _directions(whole), back, strict=True
-        ):
-            self._net.add_edge(a, b, length=length, bits={a: int(there), b: int(other)})
-        self._places = whole.points.tolist()
+        columns = (stored.tails, stored.heads, stored.lengths)
+        for k, (a, b, length) in enumerate(zip(*(c.tolist() for c in columns), strict=True)):
+            if a < b:
+                self._net.add_edge(a, b, length=length, place=k)
+        self._places = stored.whole.points.tolist()
 
-    def length(self, made: Graph) -> float:
+    def length(self, made: Graph, obstacles: Obstacles, margin: float) -> float:
         """A* with the straight line."""
         import networkx
 
-        exits, excluded = made.exits.tolist(), made.excluded.tolist()
+        shut = self._stored.shut(obstacles, margin).tobytes()
         goal = self._places[made.goal]
         way = networkx.astar_path(
             self._net,
             made.start,
             made.goal,
             heuristic=lambda node, _: math.dist(self._places[node], goal),
-            weight=lambda a, b, edge: (
-                None
-                if excluded[a] or excluded[b] or not exits[a] >> edge["bits"][a] & 1
-                else edge["length"]
-            ),
+            weight=lambda a, b, edge: None if shut[edge["place"]] else edge["length"],
         )
         return float(np.linalg.norm(np.diff(made.points[way], axis=0), axis=1).sum())
 
 
-def _directions(whole: mesh.TetMesh, back: bool = False) -> IntArray:
-    """Number of each edge of the mesh at its first end, or at its second (e,)."""
-    from abi import lattice
-
-    assert whole.stencil is not None
-    ids = np.empty(len(whole.points), dtype=np.bool_)
-    families = lattice.edges(whole.lattice, ids, whole.cells)
-    return np.concatenate(
-        [np.full(a.size, whole.stencil.ends(step)[back], np.int32) for a, _, step in families]
+@register_jitable
+def _side(
+    axes: Axes, core: Core, solid: FloatArray, margin: float, x: float, y: float, z: float
+) -> int:
+    """Where a node is: ``_GONE``, or bits for the sides of the bounds beyond which it lies."""
+    side = (
+        (1 if x <= solid[17] - margin else 0)
+        | (2 if x >= solid[20] + margin else 0)
+        | (4 if y <= solid[18] - margin else 0)
+        | (8 if y >= solid[21] + margin else 0)
+        | (16 if z <= solid[19] - margin else 0)
+        | (32 if z >= solid[22] + margin else 0)
     )
+    if side == 0:
+        px, py, pz = in_body(axes, x - solid[0], y - solid[1], z - solid[2])
+        side = _GONE if level(core, px, py, pz) < margin else 0
+    return side
 
 
-@numba.njit(cache=True)
-def _opened(
+@register_jitable
+def _comes_near(
+    axes: Axes,
+    core: Core,
+    solid: FloatArray,
+    margin: float,
+    ax: float,
+    ay: float,
+    az: float,
+    bx: float,
+    by: float,
+    bz: float,
+) -> bool:
+    """Whether an edge between two free nodes comes nearer to a solid than the margin."""
+    px, py, pz = in_body(axes, ax - solid[0], ay - solid[1], az - solid[2])
+    dx, dy, dz = in_body(axes, bx - ax, by - ay, bz - az)
+    return near(core, margin, px, py, pz, dx, dy, dz)
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _open(
     indptr: IntArray,
     heads: IntArray,
-    bits: IntArray,
-    weights: FloatArray,
-    exits: IntArray,
-    excluded: BoolArray,
-) -> tuple[IntArray, IntArray, FloatArray]:
-    """The rows without the edges that are shut."""
-    nodes = len(indptr) - 1
-    starts = np.empty(nodes + 1, np.int32)
-    found = np.empty(len(heads), np.int32)
-    lengths = np.empty(len(heads), np.float64)
-    count = 0
-    for node in range(nodes):
-        starts[node] = count
-        if excluded[node]:
-            continue
-        for k in range(indptr[node], indptr[node + 1]):
-            found[count] = heads[k]
-            lengths[count] = weights[k]
-            count += (exits[node] >> bits[k]) & 1
-    starts[nodes] = count
-    return starts, found[:count], lengths[:count]
+    lengths: FloatArray,
+    x: FloatArray,
+    y: FloatArray,
+    z: FloatArray,
+    solid: FloatArray,
+    margin: float,
+    sides: ByteArray,
+    new_indptr: IntArray,
+    new_heads: IntArray,
+    new_lengths: FloatArray,
+) -> int:
+    """Rows without the edges that a solid shuts; how many are left. May write over the rows."""
+    axes, core = axes_of(solid, 0), core_of(solid, 0)
+    for node in range(len(x)):
+        sides[node] = _side(axes, core, solid, margin, x[node], y[node], z[node])
+    count, k = 0, indptr[0]
+    for tail in range(len(x)):
+        end = indptr[tail + 1]
+        new_indptr[tail] = count
+        side = sides[tail]
+        while k < end:
+            head = heads[k]
+            other = sides[head]
+            new_heads[count] = head
+            new_lengths[count] = lengths[k]
+            k += 1
+            if side == _GONE or other == _GONE:
+                continue
+            if side & other == 0:
+                # from the same end both times, for rounding
+                a, b = min(tail, head), max(tail, head)
+                if _comes_near(axes, core, solid, margin, x[a], y[a], z[a], x[b], y[b], z[b]):
+                    continue
+            count += 1
+    new_indptr[len(x)] = count
+    return count
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _mark(
+    indptr: IntArray,
+    heads: IntArray,
+    x: FloatArray,
+    y: FloatArray,
+    z: FloatArray,
+    solid: FloatArray,
+    margin: float,
+    sides: ByteArray,
+    shut: BoolArray,
+) -> None:
+    """Mark the edges of rows that a solid shuts (2e,)."""
+    axes, core = axes_of(solid, 0), core_of(solid, 0)
+    for node in range(len(x)):
+        sides[node] = _side(axes, core, solid, margin, x[node], y[node], z[node])
+    for tail in range(len(x)):
+        side = sides[tail]
+        for k in range(indptr[tail], indptr[tail + 1]):
+            other = sides[heads[k]]
+            if side == _GONE or other == _GONE:
+                shut[k] = True
+            elif side & other == 0:
+                a, b = min(tail, heads[k]), max(tail, heads[k])
+                shut[k] |= _comes_near(
+                    axes, core, solid, margin, x[a], y[a], z[a], x[b], y[b], z[b]
+                )
 
 
 def _way(before: IntArray, made: Graph) -> list[int]:
