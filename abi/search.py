@@ -18,7 +18,7 @@ from abi.errors import NoPath
 from abi.graph import Graph
 from abi.kernels import search as kernels
 from abi.kernels.calling import call
-from abi.kernels.metric import Metric
+from abi.kernels.metric import ON_A_FACE, Metric
 from abi.mesh import COMPILE_FROM
 from abi.net import hop_norm
 
@@ -101,7 +101,10 @@ def metric(graph: Graph, weight: Weight) -> Metric:
         scale = 1.0 if weight == "length" else 1 / graph.longest_edge
         return (1.0, scale, *mesh.norm[1:4], x, y, z, *mesh.norm[4:])
     norm = mesh.norm if weight == "length" else hop_norm()
-    return (1.0, *norm[:4], *mesh.stencil.cell_of((x, y, z)), *norm[4:])
+    place = mesh.stencil.cell_of((x, y, z))
+    ends = [(0.0, 2.0 * cells) for cells in mesh.cells]
+    on_a_face = any(p in of_axis for p, of_axis in zip(place, ends, strict=True))
+    return (ON_A_FACE if on_a_face else 1.0, *norm[:4], *place, *norm[4:])
 
 
 def _search(

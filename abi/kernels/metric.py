@@ -2,7 +2,7 @@
 
 Plain Python that numba compiles with its caller.
 
-A metric is a tuple of numbers: 1, or 0 for none; the cost of a cell along x, y and z; twice the
+A metric is a tuple of numbers: 1, 2 for a goal on a face of the box, or 0 for none; the cost of a cell along x, y and z; twice the
 cost of the way from a corner to a centre; the goal (3), in half cells or for rows [unit], world;
 six rows of three, the linear forms whose greatest is the norm with all diagonals.
 """
@@ -17,6 +17,9 @@ from abi.kernels.net import KUHN, ROWS, Shape
 
 Metric = tuple[float, ...]
 
+ON_A_FACE = 2.0
+"""How the metric begins where the goal is on a face of the box."""
+
 FORMS = 8
 """Where the linear forms begin."""
 
@@ -30,7 +33,7 @@ def to_go(shape: Shape, metric: Metric, a: float, b: float, c: float) -> float:
     diagonals that the inside has not. Whoever uses a face goes to it and back, which is as far as
     to the goal's image in the face, and pays at least the norm that has all diagonals. On the face
     goal and image are as far. So the least of all four ways never changes along an edge by more
-    than the edge costs.
+    than the edge costs. A goal on a face is its own image there, and no way is then shorter.
     """
     if shape[0] == ROWS:
         x, y, z = a - metric[5], b - metric[6], c - metric[7]
@@ -40,9 +43,11 @@ def to_go(shape: Shape, metric: Metric, a: float, b: float, c: float) -> float:
         return _with_diagonals(metric, max(x, 0.0), max(y, 0.0), max(z, 0.0)) + _with_diagonals(
             metric, max(-x, 0.0), max(-y, 0.0), max(-z, 0.0)
         )
+    x, y, z = abs(x), abs(y), abs(z)
+    if metric[0] == ON_A_FACE:
+        return _with_diagonals(metric, x, y, z)
     u, v, w = 0.5 * (a + metric[5]), 0.5 * (b + metric[6]), 0.5 * (c + metric[7])
     u, v, w = min(u, 2 * shape[1] - u), min(v, 2 * shape[2] - v), min(w, 2 * shape[3] - w)
-    x, y, z = abs(x), abs(y), abs(z)
     return min(
         min(_by_centres(metric, x, y, z), _with_diagonals(metric, u, y, z)),
         min(_with_diagonals(metric, x, v, z), _with_diagonals(metric, x, y, w)),
@@ -72,19 +77,13 @@ def _with_diagonals(metric: Metric, x: float, y: float, z: float) -> float:
     The cost of a set of axes, its diagonal, is submodular; so this is its Lovász extension, the
     greatest of six linear forms (Lovász, Submodular functions and convexity, 1983).
     """
-    return max(
-        max(
-            max(
-                metric[8] * x + metric[9] * y + metric[10] * z,
-                metric[11] * x + metric[12] * y + metric[13] * z,
-            ),
-            max(
-                metric[14] * x + metric[15] * y + metric[16] * z,
-                metric[17] * x + metric[18] * y + metric[19] * z,
-            ),
-        ),
-        max(
-            metric[20] * x + metric[21] * y + metric[22] * z,
-            metric[23] * x + metric[24] * y + metric[25] * z,
-        ),
-    )
+    a = metric[8] * x + metric[9] * y + metric[10] * z
+    b = metric[11] * x + metric[12] * y + metric[13] * z
+    c = metric[14] * x + metric[15] * y + metric[16] * z
+    d = metric[17] * x + metric[18] * y + metric[19] * z
+    e = metric[20] * x + metric[21] * y + metric[22] * z
+    f = metric[23] * x + metric[24] * y + metric[25] * z
+    # not by max, which looks for NaN too
+    a, c, e = b if b > a else a, d if d > c else c, f if f > e else e
+    a = c if c > a else a
+    return e if e > a else a

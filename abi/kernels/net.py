@@ -39,15 +39,13 @@ SIDES = 14
 @register_jitable
 def cell(shape: Shape, node: int) -> tuple[int, int, int]:
     """Place of a lattice node in half cells."""
-    column, layer, corners = shape[2], shape[3], shape[4]
-    if node < corners:
-        across = node // (layer + 1)
-        i = across // (column + 1)
-        return 2 * i, 2 * (across - i * (column + 1)), 2 * (node - across * (layer + 1))
-    inner = node - corners
-    across = inner // layer
-    i = across // column
-    return 2 * i + 1, 2 * (across - i * column) + 1, 2 * (inner - across * layer) + 1
+    side = 0 if node < shape[4] else 1
+    node -= side * shape[4]
+    column, layer = shape[2] + 1 - side, shape[3] + 1 - side
+    # divisions take longer, and half a node more is far from what rounding could change
+    line = int((node + 0.5) * (1 / layer))
+    i = int((line + 0.5) * (1 / column))
+    return 2 * i + side, 2 * (line - i * column) + side, 2 * (node - line * layer) + side
 
 
 @register_jitable
@@ -60,20 +58,14 @@ def node_at(shape: Shape, a: int, b: int, c: int) -> int:
 
 
 @register_jitable
-def across(shape: Shape, node: int) -> int:
-    """In ``bcc`` the centre of the cube whose low corner the node is; that corner of a centre.
+def across(shape: Shape, a: int, b: int, c: int) -> int:
+    """In ``bcc`` the centre of the cube whose low corner is at a place in half cells, or the corner.
 
     At the high end of an axis there is no such cube; its centres have directions relative to it.
     """
-    column, layer, corners = shape[2], shape[3], shape[4]
-    if node < corners:
-        line = node // (layer + 1)
-        i = line // (column + 1)
-        return corners + (i * column + line - i * (column + 1)) * layer + node - line * (layer + 1)
-    inner = node - corners
-    line = inner // layer
-    i = line // column
-    return (i * (column + 1) + line - i * column) * (layer + 1) + inner - line * layer
+    side = 1 - (a & 1)
+    column, layer = shape[2] + 1 - side, shape[3] + 1 - side
+    return side * shape[4] + ((a >> 1) * column + (b >> 1)) * layer + (c >> 1)
 
 
 @register_jitable

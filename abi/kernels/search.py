@@ -25,7 +25,7 @@ WIDTH = 4 / (BUCKETS - 4)
 _LITTLE = 1e-11  # part of the largest weight by which a cost must fall to be worth it
 
 
-@numba.njit(cache=True, nogil=True)
+@numba.njit(cache=True, nogil=True, error_model="numpy")
 def best_first(
     shape: Shape,
     offsets: IntArray,
@@ -78,8 +78,9 @@ def best_first(
     node_of = np.empty(nodes + own + most + 1, np.int32)
     after = np.empty(len(node_of), np.int32)
     first = np.full(BUCKETS, -1, np.int32)
-    better = np.empty(most, np.int32)
-    by = np.empty(most, np.int32)
+    # a place more, for what is written before it is known to count
+    better = np.empty(most + 1, np.int32)
+    by = np.empty(most + 1, np.int32)
     expanded, relaxed = 0, 0
     little = _LITTLE * largest
     per_cost = 1 / (WIDTH * largest)
@@ -137,7 +138,9 @@ def best_first(
             order[expanded] = node
             expanded += 1
             so_far = cost[node]
+            enough = so_far + little
             count, linked = 0, True
+            i, j, h, odd, turned = 0, 0, 0, 0, 1
             if node < nodes:
                 bits = exits[node]
                 linked = (bits >> LINKED) & 1 == 1
@@ -145,32 +148,38 @@ def best_first(
                     for k in range(indptr[node], indptr[node + 1]):
                         better[count] = indices[k]
                         by[count] = k
-                        count += 1 if so_far + weights[k] < cost[indices[k]] - little else 0
+                        count += 1 if enough + weights[k] < cost[indices[k]] else 0
                         relaxed += 1 if weights[k] < np.inf else 0
                 else:
                     relaxed += ones(bits)
-                    row = 0 if node < corners else directions
-                    other = across(shape, node) if cross > 0 else node
-                    for k in range(directions if (bits >> SIDES) & 63 else SIDES):
-                        if (bits >> k) & 1:
-                            neighbour = (other if k < cross else node) + offsets[row + k]
-                            if so_far + weights[k] < cost[neighbour] - little:
-                                better[count] = neighbour
-                                by[count] = k
-                                count += 1
+                    i, j, h = cell(shape, node)
+                    odd = i & 1
+                    row = odd * directions
+                    turned = 1 - 2 * odd
+                    other = across(shape, i, j, h)
+                    for k in range(cross):
+                        neighbour = other + offsets[row + k] if (bits >> k) & 1 else node
+                        better[count] = neighbour
+                        by[count] = k
+                        count += 1 if enough + weights[k] < cost[neighbour] else 0
+                    for k in range(cross, directions if (bits >> SIDES) & 63 else SIDES):
+                        neighbour = node + offsets[row + k] if (bits >> k) & 1 else node
+                        better[count] = neighbour
+                        by[count] = k
+                        count += 1 if enough + weights[k] < cost[neighbour] else 0
             of_mesh = count
             for k in range(links if linked else 0):
                 if tails[k] == node or heads[k] == node:
                     neighbour = heads[k] if tails[k] == node else tails[k]
                     better[count] = neighbour
                     by[count] = k
-                    count += 1 if so_far + link_weights[k] < cost[neighbour] - little else 0
+                    count += 1 if enough + link_weights[k] < cost[neighbour] else 0
                     relaxed += 1
             if node == start:
                 current = np.iinfo(np.int64).max
             for e in range(count):
-                neighbour = better[e]
-                through = so_far + (weights[by[e]] if e < of_mesh else link_weights[by[e]])
+                neighbour, k = better[e], by[e]
+                through = so_far + (weights[k] if e < of_mesh else link_weights[k])
                 cost[neighbour] = through
                 parent[neighbour] = node
                 closed[neighbour] = 0
@@ -179,6 +188,11 @@ def best_first(
                         x = places[neighbour]
                         y, z = places[nodes + neighbour], places[2 * nodes + neighbour]
                         left = to_go(shape, metric, x, y, z)
+                    elif e < of_mesh:
+                        sign = turned if k < cross else 1
+                        a, b = i + sign * steps[3 * k], j + sign * steps[3 * k + 1]
+                        c = h + sign * steps[3 * k + 2]
+                        left = to_go(shape, metric, 1.0 * a, 1.0 * b, 1.0 * c)
                     else:
                         a, b, c = cell(shape, neighbour)
                         left = to_go(shape, metric, 1.0 * a, 1.0 * b, 1.0 * c)
@@ -206,7 +220,7 @@ def best_first(
     return cost, parent, order[:expanded], relaxed
 
 
-@numba.njit(cache=True, nogil=True)
+@numba.njit(cache=True, nogil=True, error_model="numpy")
 def bellman_ford(
     shape: Shape,
     offsets: IntArray,
@@ -279,7 +293,8 @@ def bellman_ford(
                 else:
                     relaxed += ones(bits)
                     row = 0 if node < corners else directions
-                    other = across(shape, node) if cross > 0 else node
+                    i, j, h = cell(shape, node)
+                    other = across(shape, i, j, h)
                     end = directions if (bits >> SIDES) & 63 else SIDES
             for k in range(begin, end + links if linked else end):
                 if k >= end:

@@ -16,7 +16,7 @@ import numpy as np
 from numba.extending import register_jitable
 
 from abi.arrays import FloatArray, IntArray, read_only
-from abi.kernels.net import LINKED, ROWS, SIDES, Shape, across
+from abi.kernels.net import LINKED, ROWS, SIDES, Shape, across, cell
 from abi.kernels.solids import WIDTH, apart, axes_of, blocked, core_of, distance, in_body, in_world
 
 ready = threading.Event()
@@ -444,7 +444,8 @@ def any_angle(
                     count += 1 if weights[k] < np.inf else 0
             else:
                 row = 0 if node < shape[4] else directions
-                other = across(shape, node) if cross > 0 else 0
+                i, j, h = cell(shape, node)
+                other = across(shape, i, j, h)
                 for k in range(directions if (bits >> SIDES) & 63 else SIDES):
                     near[count] = (other if k < cross else node) + offsets[row + k]
                     far[count] = weights[k]
