@@ -284,13 +284,17 @@ def _room(
 
 def _open(free: FreeMesh) -> tuple[IntArray, FloatArray]:
     """Open directions (n,) and weights: of rows a new array, for a lattice the mesh's."""
-    mesh, taken = free.mesh, free.taken
+    mesh = free.mesh
     exits = mesh.exits.copy()
     if mesh.stencil is not None:
-        call(kernels.ready, kernels.clear, exits, taken.losers, taken.losses)
+        lattice_ = mesh.net[:3]
+        for one in free.taken:
+            lost = (one.starts, one.lengths, one.losers, one.losses)
+            call(kernels.ready, kernels.shut, *lattice_, *lost, exits)
         return exits, mesh.weights
     weights = mesh.weights.copy()
-    weights[taken.losers] = np.inf
+    for one in free.taken:
+        weights[one.losers] = np.inf
     return exits, read_only(weights)
 
 

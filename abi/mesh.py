@@ -22,7 +22,7 @@ from abi.net import Net
 from abi.scene import MeshSettings, Workspace
 from abi.shapes import Obstacle, Obstacles
 from abi.stencil import Stencil
-from abi.taken import Taken, joined, take
+from abi.taken import Taken, take
 
 _CORNER_PAIRS = np.array([(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)])
 
@@ -157,13 +157,13 @@ class FreeMesh:
         mesh: the whole mesh.
         excluded: (n,) True where a node is excluded.
         nodes: number of nodes kept.
-        taken: what all obstacles take.
+        taken: what each obstacle takes.
     """
 
     mesh: TetMesh
     excluded: BoolArray
     nodes: int
-    taken: Taken
+    taken: tuple[Taken, ...]
 
     @cached_property
     def tetrahedra_kept(self) -> int:
@@ -221,9 +221,11 @@ def exclude(mesh: TetMesh, obstacles: Obstacles, margin: float) -> FreeMesh:
         key = (obstacle, margin)
         used[key] = known.get(key) or take(mesh, obstacle, margin)
     mesh._memory[0] = used
-    taken = joined(tuple(used.values()))
+    taken = tuple(used.values())
     excluded = np.zeros(len(mesh.points), dtype=np.bool_)
-    gone = call(kernels.ready, kernels.united, taken.starts, taken.lengths, excluded)
+    gone = 0
+    for one in taken:
+        gone += call(kernels.ready, kernels.mark, one.starts, one.lengths, excluded)
     return FreeMesh(mesh, read_only(excluded), len(excluded) - gone, taken)
 
 

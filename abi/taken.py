@@ -10,7 +10,6 @@ import numpy as np
 from abi.arrays import FloatArray, IntArray, read_only
 from abi.kernels import mask as kernels
 from abi.kernels.calling import call
-from abi.net import NO_IDS
 from abi.shapes import MeshShape, Obstacle, segments_blocked
 from abi.solids import packed
 
@@ -22,10 +21,13 @@ if TYPE_CHECKING:
 class Taken:
     """What one obstacle takes; that of several is the union.
 
+    The edges of excluded nodes are lost, too.
+
     Attributes:
         starts: (r,) first nodes of runs of excluded nodes.
         lengths: (r,) numbers of nodes in the runs.
-        losers: (m,) nodes that lose edges; of ``delaunay`` places of the edges lost in the rows.
+        losers: (m,) nodes that lose edges to nodes that are left; of ``delaunay`` places of all
+            edges lost in the rows.
         losses: (m,) bits of the edges lost; of ``delaunay`` 0.
     """
 
@@ -91,17 +93,3 @@ def within(points: FloatArray, low: FloatArray, high: FloatArray) -> IntArray:
         values = points[ids, axis]
         ids = ids[(values >= low[axis]) & (values <= high[axis])]
     return ids.astype(np.int32)
-
-
-def joined(parts: tuple[Taken, ...]) -> Taken:
-    """The union, one part after the other."""
-    if len(parts) == 1:
-        return parts[0]
-    if not parts:
-        return Taken(NO_IDS, NO_IDS, NO_IDS, NO_IDS)
-    return Taken(
-        *(
-            read_only(np.concatenate([getattr(part, name) for part in parts]))
-            for name in ("starts", "lengths", "losers", "losses")
-        )
-    )

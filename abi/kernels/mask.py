@@ -14,7 +14,7 @@ import numpy as np
 from numba.extending import register_jitable
 
 from abi.arrays import BoolArray, FloatArray, IntArray, read_only
-from abi.kernels.net import BCC, ROWS, SIDES, Shape, node_at
+from abi.kernels.net import BCC, ROWS, SIDES, Shape, across, cell, node_at
 from abi.kernels.solids import (
     WIDTH,
     Axes,
@@ -32,9 +32,10 @@ ready = threading.Event()
 """Set once the kernels are compiled."""
 
 _ROUNDING = 1e-9  # of a step: what is nearer to a limit than this is looked at
+_LONG = 1e7  # steps: longer than any line
 
 
-@numba.njit(cache=True, nogil=True)
+@numba.njit(cache=True, nogil=True, error_model="numpy")
 def take(
     shape: Shape,
     offsets: IntArray,
@@ -50,7 +51,8 @@ def take(
     """The nodes nearer to a solid than ``margin``, and the edges of the other nodes that are.
 
     Only the window around the solid is looked at, line by line along z. The distance changes by no
-    more than the way gone, which says how many nodes can be passed over.
+    more than the way gone, which says how many nodes can be passed over; where the nearest place is
+    on the face of a box, it is known how far that remains so.
 
     Args:
         shape, offsets, steps, places, indptr, indices: the mesh.
@@ -60,8 +62,9 @@ def take(
         reach: the longest edge, [unit].
 
     Returns:
-        First nodes of the runs that are excluded and how many each has (r,); nodes that lose edges
-        and the bits of these (m,), or of rows the edges lost and 0.
+        First nodes of the runs that are excluded and how many each has (r,); in a lattice nodes
+        that lose edges to others that are not excluded, and the bits of these edges (m,); of rows
+        all edges that nodes lose, and 0.
     """
     nodes, cross, directions = shape[5], shape[7], shape[6]
     axes, core = axes_of(solid, 0), core_of(solid, 0)
@@ -101,6 +104,8 @@ def take(
     y0 = 2 * shape[1] + 1
     z0 = y0 + 2 * shape[2] + 1
     step = places[z0 + 2] - places[z0]
+    far = reach + pad
+    rx, ry, rz = in_body(axes, 0.0, 0.0, step)
     # in the body, and from the end of the edge that comes first
     turned = [0.0] * (3 * directions)
     for k in range(directions):
@@ -143,20 +148,27 @@ def take(
                     px, py, pz = in_body(axes, x, y, places[z0 + c] - cz)
                     away = level(core, px, py, pz)
                     if away < margin:
-                        many = max(int((margin - away) / step - _ROUNDING), 0)
-                        many = min(many, (c1 - c) >> 1) + 1
+                        many = (margin - away) / step
+                        if core[4] == 0:
+                            many = max(many, _stretch_in(core, margin, px, py, pz, rx, ry, rz))
+                        more = min(max(int(many - _ROUNDING), 0), (c1 - c) >> 1) + 1
                         # the solid is convex: one run a line
                         if fresh:
                             starts[runs] = line + (c >> 1)
                             lengths[runs] = 0
                             runs += 1
                             fresh = False
-                        lengths[runs - 1] += many
-                        c += 2 * many
+                        lengths[runs - 1] += more
+                        c += 2 * more
                         continue
                     if away >= limit:
                         c += 2 * max(int((away - limit) / step - _ROUNDING), 0) + 2
                         continue
+                    if core[4] == 0:
+                        many = _stretch_along(core, margin, far, px, py, pz, rx, ry, rz)
+                        if many >= 0:
+                            c += 2 * max(int(many - _ROUNDING), 0) + 2
+                            continue
                     node = line + (c >> 1)
                     bits = exits[node]
                     _, gx, gy, gz = distance(core, px, py, pz)
@@ -177,7 +189,6 @@ def take(
                             axes, places[i] - cx, places[y0 + j] - cy, places[z0 + h] - cz
                         )
                         if level(core, qx, qy, qz) < margin:
-                            lost |= 1 << k
                             continue
                         # from the same end both times, for rounding
                         if k < cross and odd == 1:
@@ -196,13 +207,13 @@ def take(
 
 
 @numba.njit(cache=True, nogil=True)
-def united(starts: IntArray, lengths: IntArray, excluded: BoolArray) -> int:
-    """Mark the nodes of runs; how many that are.
+def mark(starts: IntArray, lengths: IntArray, excluded: BoolArray) -> int:
+    """Mark the nodes of runs; how many were not marked before.
 
     Args:
         starts: (r,) first nodes.
         lengths: (r,) numbers of nodes.
-        excluded: (n,) False; set True where a node is in a run.
+        excluded: (n,) set True where a node is in a run.
     """
     count = 0
     for run in range(len(starts)):
@@ -212,11 +223,48 @@ def united(starts: IntArray, lengths: IntArray, excluded: BoolArray) -> int:
     return count
 
 
-@numba.njit(cache=True, nogil=True)
-def clear(exits: IntArray, nodes: IntArray, bits: IntArray) -> None:
-    """Clear the bits (m,) of nodes (m,) in ``exits`` (n,); a node may come more than once."""
-    for k in range(len(nodes)):
-        exits[nodes[k]] &= ~bits[k]
+@numba.njit(cache=True, nogil=True, error_model="numpy")
+def shut(
+    shape: Shape,
+    offsets: IntArray,
+    steps: IntArray,
+    starts: IntArray,
+    lengths: IntArray,
+    losers: IntArray,
+    losses: IntArray,
+    exits: IntArray,
+) -> None:
+    """Clear the bits of edges that lead to excluded nodes of a lattice, and of those lost.
+
+    Args:
+        shape, offsets, steps: the lattice.
+        starts, lengths: (r,) runs of excluded nodes, each in one line along z.
+        losers: (m,) nodes that lose edges.
+        losses: (m,) bits of these.
+        exits: (n,) open directions, as bits.
+    """
+    directions, cross = shape[6], shape[7]
+    for run in range(len(starts)):
+        first, many = starts[run], lengths[run]
+        a, b, c = cell(shape, first)
+        odd = a & 1
+        other = across(shape, a, b, c)
+        end = c + 2 * (many - 1)
+        # what is no edge has no bit to clear, but nodes on the box have more edges
+        inside = 0 < a < 2 * shape[1] and 0 < b < 2 * shape[2] and 0 < c and end < 2 * shape[3]
+        for k in range(SIDES if inside else directions):
+            turned = -1 if k < cross and odd == 1 else 1
+            i, j, h = turned * steps[3 * k], turned * steps[3 * k + 1], turned * steps[3 * k + 2]
+            if not (0 <= a + i <= 2 * shape[1] and 0 <= b + j <= 2 * shape[2]):
+                continue
+            low = 1 if c + h < 0 else 0
+            high = many - 1 if end + h > 2 * shape[3] else many
+            others = ~(1 << (k if k < cross else k ^ 1))
+            head = (other if k < cross else first) + offsets[odd * directions + k]
+            for n in range(head + low, head + high):
+                exits[n] &= others
+    for k in range(len(losers)):
+        exits[losers[k]] &= ~losses[k]
 
 
 @register_jitable
@@ -225,6 +273,69 @@ def _level_at(
 ) -> float:
     px, py, pz = in_body(axes, x - cx, y - cy, z - cz)
     return level(core, px, py, pz)
+
+
+@register_jitable
+def _stay(p: float, r: float, limit: float) -> float:
+    """For how many steps r, from p, a number stays within -limit..limit; -1 if it is not there."""
+    if not -limit <= p <= limit:
+        return -1.0
+    if abs(r) * _LONG <= limit:
+        return _LONG
+    return (limit - p) / r if r > 0 else (limit + p) / -r
+
+
+@register_jitable
+def _stretch_in(
+    core: Core, margin: float, px: float, py: float, pz: float, rx: float, ry: float, rz: float
+) -> float:
+    """For how many steps r, from p, a line stays in what is over, and under, the faces of a box.
+
+    For the face that p is over; -1 where it is over none.
+    """
+    over = margin + core[3]
+    a, b, c = abs(px) - core[0], abs(py) - core[1], abs(pz) - core[2]
+    x, y, z = core[0], core[1], core[2]
+    if a >= b and a >= c:
+        x += over
+    elif b >= c:
+        y += over
+    else:
+        z += over
+    return min(_stay(px, rx, x), min(_stay(py, ry, y), _stay(pz, rz, z)))
+
+
+@register_jitable
+def _stretch_along(
+    core: Core,
+    margin: float,
+    reach: float,
+    px: float,
+    py: float,
+    pz: float,
+    rx: float,
+    ry: float,
+    rz: float,
+) -> float:
+    """For how many steps r, from p, a line stays over a face of a box, ``reach`` from its sides.
+
+    No edge from there that leads to a free node comes too near, unless it could reach beyond the
+    box. p is not excluded; -1 where it is not over a face like that.
+    """
+    over = margin + core[3]
+    a, b, c = abs(px) - core[0], abs(py) - core[1], abs(pz) - core[2]
+    x, y, z = core[0] - reach, core[1] - reach, core[2] - reach
+    if a >= b and a >= c:
+        p, r, thick, many = px, rx, core[0] + over, min(_stay(py, ry, y), _stay(pz, rz, z))
+    elif b >= c:
+        p, r, thick, many = py, ry, core[1] + over, min(_stay(px, rx, x), _stay(pz, rz, z))
+    else:
+        p, r, thick, many = pz, rz, core[2] + over, min(_stay(px, rx, x), _stay(py, ry, y))
+    if 2 * thick <= reach:
+        return -1.0
+    if p * r < 0:
+        many = min(many, (abs(p) - thick) / abs(r))
+    return many
 
 
 @register_jitable
@@ -321,8 +432,8 @@ def warm() -> None:
     starts, lengths, losers, losses = (
         read_only(part) for part in take(shape, ids, ids, numbers, ids, ids, ids, solid, 0.0, 1.0)
     )
-    united(starts, lengths, flags)
-    clear(np.zeros(1, np.int32), losers, losses)
+    mark(starts, lengths, flags)
+    shut(shape, ids, ids, starts, lengths, losers, losses, np.zeros(1, np.int32))
     seen(shape, numbers, empty, empty, read_only(flags), 0.0, 0.0, 0.0, 0.0)
     nearest(empty, 0.0, 0.0, 0.0)
     ready.set()

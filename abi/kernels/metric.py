@@ -2,9 +2,10 @@
 
 Plain Python that numba compiles with its caller.
 
-A metric is a tuple of numbers: 1, 2 for a goal on a face of the box, or 0 for none; the cost of a cell along x, y and z; twice the
-cost of the way from a corner to a centre; the goal (3), in half cells or for rows [unit], world;
-six rows of three, the linear forms whose greatest is the norm with all diagonals.
+A metric is a tuple of numbers: 1, 2 for a goal on a face of the box, or 0 for none; the cost of a
+cell along x, y and z; twice the cost of the way from a corner to a centre; the goal (3), in half
+cells or for rows [unit], world; six rows of three, the linear forms whose greatest is the norm with
+all diagonals.
 """
 
 from __future__ import annotations

@@ -68,7 +68,7 @@ def best_first(
         examined.
     """
     kind, nodes, directions, cross = shape[0], shape[5], shape[6], shape[7]
-    corners, links = shape[4], len(tails)
+    links = len(tails)
     most = shape[8] + links
     guided = metric[0] > 0
     cost = np.full(nodes + own, np.inf)
@@ -258,7 +258,7 @@ def bellman_ford(
         number of edges examined.
     """
     kind, nodes, directions, cross = shape[0], shape[5], shape[6], shape[7]
-    corners, links = shape[4], len(tails)
+    links = len(tails)
     total = nodes + own
     cost = np.full(total, np.inf)
     parent = np.empty(total, np.int32)
@@ -292,8 +292,8 @@ def bellman_ford(
                     begin, end = indptr[node], indptr[node + 1]
                 else:
                     relaxed += ones(bits)
-                    row = 0 if node < corners else directions
                     i, j, h = cell(shape, node)
+                    row = (i & 1) * directions
                     other = across(shape, i, j, h)
                     end = directions if (bits >> SIDES) & 63 else SIDES
             for k in range(begin, end + links if linked else end):

@@ -31,7 +31,6 @@ from abi.shapes import (
     segments_blocked,
 )
 from abi.surfaces.surface import clean
-from abi.taken import take
 from tests.abi.meshes import sphere
 from tests.abi.test_scene import obstacles
 
@@ -258,19 +257,11 @@ def test_an_edge_is_shut_at_both_its_ends() -> None:
                 position=tuple(rng.uniform(0, 3, 3)),
                 wxyz=tuple(rng.normal(size=4)),
             )
-            taken = take(made, solid, 0.05)
-            exits = made.exits.copy()
-            np.bitwise_and.at(exits, taken.losers, ~taken.losses)
-            gone = np.concatenate(
-                [np.arange(a, a + n) for a, n in zip(taken.starts, taken.lengths, strict=True)]
-                or [NOTHING]
-            )
-            exits[gone] = 0
+            free = mesh.exclude(made, (solid,), 0.05)
+            exits = np.where(free.excluded, 0, graph._open(free)[0])
             heads = made.stencil.heads(np.arange(len(exits), dtype=np.int32))
             for k in range(heads.shape[1]):
                 back = k if k < made.stencil.cross else k ^ 1
                 here = np.flatnonzero(exits >> k & 1)
                 assert (exits[heads[here, k]] >> back & 1 == 1).all()
 
-
-NOTHING: IntArray = np.zeros(0, dtype=np.int32)
