@@ -6,6 +6,7 @@ a corner or a thin obstacle, so here each edge is tested along its whole length.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -34,6 +35,8 @@ _REACH = 1.6
 """Start and goal are joined to the nodes within this many longest edges."""
 
 _DIRECTIONS = (1 << LINKED) - 1
+
+_NO_PLACES = read_only(np.zeros((0, 3)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,7 +124,8 @@ class Graph:
     @property
     def longest_edge(self) -> float:
         """An upper bound of the edges' lengths, [unit]."""
-        return max(self.mesh.longest_edge, float(self.link_lengths.max(initial=0.0)))
+        longest = self.mesh.longest_edge
+        return max(longest, float(self.link_lengths.max())) if len(self.tails) else longest
 
     def places(self, nodes: IntArray) -> FloatArray:
         """Where nodes (m,) are, (m, 3), [unit], world."""
@@ -206,23 +210,25 @@ def build(
     """
     mesh = free.mesh
     ends = (start, goal)
-    gap = float(np.linalg.norm(np.subtract(goal, start)))
+    gap = math.dist(start, goal)
     if gap <= _ROUNDING * max(1.0, 2 * mesh.pitch):
         raise StageError(
             "graph", "start_is_goal", "Start and goal are the same point.", "Move one of them."
         )
+    reach = _REACH * mesh.longest_edge
+    at = [_node_at(free, end) for end in ends]
+    if min(at) >= 0 and gap > reach:
+        # free nodes keep the margin, and nothing needs to be joined
+        return _graph(free, free.exits, [], [], at)
     solids, surfaces = parted(obstacles)
     rows = packed(solids)
     room = [min(own - _ROUNDING, margin) for own in _room(free, obstacles, rows, ends, clearance)]
-    exits, weights = _open(free)
-
-    reach = _REACH * mesh.longest_edge
+    exits, weights = free.exits.copy(), free.weights
     nodes = len(mesh.points)
     ids: list[int] = []
     own: list[Vec3] = []
     links: list[tuple[IntArray, IntArray, FloatArray]] = []
-    for end, least in zip(ends, room, strict=True):
-        node = _node_at(free, end)
+    for end, node, least in zip(ends, at, room, strict=True):
         if node < 0:
             node = nodes + len(own)
             own.append(end)
@@ -238,24 +244,35 @@ def build(
             links.append((pair[:1], pair[1:], np.array([gap])))
             of_mesh = pair[pair < nodes]
             exits[of_mesh] |= np.int32(1 << LINKED)
+    return _graph(free, read_only(exits), own, links, ids)
+
+
+def _graph(
+    free: FreeMesh,
+    exits: IntArray,
+    own: list[Vec3],
+    links: list[tuple[IntArray, IntArray, FloatArray]],
+    ids: list[int],
+) -> Graph:
+    """The graph of the free mesh with these exits, places of start and goal, and links."""
     tails, heads, lengths = NO_IDS, NO_IDS, NO_NUMBERS
     if links:
         tails = read_only(np.concatenate([link[0] for link in links]))
         heads = read_only(np.concatenate([link[1] for link in links]))
         lengths = read_only(np.concatenate([link[2] for link in links]))
     return Graph(
-        mesh=mesh,
+        mesh=free.mesh,
         excluded=free.excluded,
-        exits=read_only(exits),
-        weights=weights,
+        exits=exits,
+        weights=free.weights,
         tails=tails,
         heads=heads,
         link_lengths=lengths,
-        own=read_only(np.array(own).reshape(-1, 3)),
+        own=read_only(np.array(own).reshape(-1, 3)) if own else _NO_PLACES,
         start=ids[0],
         goal=ids[1],
         free_nodes=free.nodes + len(own),
-        pitch=mesh.pitch,
+        pitch=free.mesh.pitch,
     )
 
 
@@ -282,22 +299,6 @@ def _room(
     return distances
 
 
-def _open(free: FreeMesh) -> tuple[IntArray, FloatArray]:
-    """Open directions (n,) and weights: of rows a new array, for a lattice the mesh's."""
-    mesh = free.mesh
-    exits = mesh.exits.copy()
-    if mesh.stencil is not None:
-        lattice_ = mesh.net[:3]
-        for one in free.taken:
-            lost = (one.starts, one.lengths, one.losers, one.losses)
-            call(kernels.ready, kernels.shut, *lattice_, *lost, exits)
-        return exits, mesh.weights
-    weights = mesh.weights.copy()
-    for one in free.taken:
-        weights[one.losers] = np.inf
-    return exits, read_only(weights)
-
-
 def _node_at(free: FreeMesh, point: Vec3) -> int:
     """The free mesh node at ``point``, or -1."""
     mesh = free.mesh
@@ -310,7 +311,8 @@ def _node_at(free: FreeMesh, point: Vec3) -> int:
     node = mesh.stencil.node_at(point)
     if node < 0 or free.excluded[node]:
         return -1
-    away = max(abs(a - b) for a, b in zip(mesh.points[node].tolist(), point, strict=True))
+    x, y, z = mesh.points[node].tolist()
+    away = max(abs(x - point[0]), abs(y - point[1]), abs(z - point[2]))
     return node if away <= slack else -1
 
 

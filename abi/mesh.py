@@ -15,14 +15,13 @@ from scipy.spatial import Delaunay
 from abi import lattice, net
 from abi.arrays import BoolArray, FloatArray, IntArray, read_only
 from abi.kernels import mask as kernels
-from abi.kernels.calling import call
 from abi.kernels.metric import Metric
 from abi.lattice import Cells
 from abi.net import Net
 from abi.scene import MeshSettings, Workspace
-from abi.shapes import Obstacle, Obstacles
+from abi.shapes import Obstacles
 from abi.stencil import Stencil
-from abi.taken import Taken, take
+from abi.taken import NOTHING_KNOWN, Known, leave
 
 _CORNER_PAIRS = np.array([(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)])
 
@@ -49,7 +48,8 @@ class TetMesh:
         stencil: the directions of the lattice; None for ``delaunay``.
         irregular: tetrahedra of ``delaunay``; None for a lattice, where they follow from ``cells``.
 
-    It remembers what each obstacle took of it when :func:`exclude` was last called.
+    It remembers what each obstacle took of it when :func:`exclude` was last called: those that did
+    not move need no second look.
     """
 
     lattice: str
@@ -58,7 +58,7 @@ class TetMesh:
     points: FloatArray
     stencil: Stencil | None = None
     irregular: IntArray | None = None
-    _memory: list[dict[tuple[Obstacle, float], Taken]] = field(default_factory=lambda: [{}])
+    _memory: list[Known] = field(default_factory=lambda: [NOTHING_KNOWN])
 
     @cached_property
     def tetrahedra(self) -> IntArray:
@@ -157,13 +157,15 @@ class FreeMesh:
         mesh: the whole mesh.
         excluded: (n,) True where a node is excluded.
         nodes: number of nodes kept.
-        taken: what each obstacle takes.
+        exits: (n,) open directions of the nodes that are not excluded, as bits; of rows 0.
+        weights: lengths of the directions, or of the edges of the rows, inf where shut, [unit].
     """
 
     mesh: TetMesh
     excluded: BoolArray
     nodes: int
-    taken: tuple[Taken, ...]
+    exits: IntArray
+    weights: FloatArray
 
     @cached_property
     def tetrahedra_kept(self) -> int:
@@ -211,22 +213,12 @@ def exclude(mesh: TetMesh, obstacles: Obstacles, margin: float) -> FreeMesh:
     """Exclude the nodes whose signed distance to an obstacle is less than ``margin``, [unit].
 
     Removing nodes alone is not enough: an edge between two free nodes can still cross an obstacle.
-    :func:`abi.graph.build` tests the edges.
+    So each edge is tested along its whole length.
     """
     if len(mesh.points) > COMPILE_FROM and not kernels.ready.is_set():
         kernels.warm()
-    # what an obstacle takes depends on nothing else: those that did not move need no second look
-    known, used = mesh._memory[0], {}
-    for obstacle in obstacles:
-        key = (obstacle, margin)
-        used[key] = known.get(key) or take(mesh, obstacle, margin)
-    mesh._memory[0] = used
-    taken = tuple(used.values())
-    excluded = np.zeros(len(mesh.points), dtype=np.bool_)
-    gone = 0
-    for one in taken:
-        gone += call(kernels.ready, kernels.mark, one.starts, one.lengths, excluded)
-    return FreeMesh(mesh, read_only(excluded), len(excluded) - gone, taken)
+    left, mesh._memory[0] = leave(mesh, obstacles, margin, mesh._memory[0])
+    return FreeMesh(mesh, left.excluded, left.nodes, left.exits, left.weights)
 
 
 def edges_of(tetrahedra: IntArray, nodes: int) -> IntArray:

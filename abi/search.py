@@ -6,8 +6,10 @@ of the same cost. The paths themselves, and their lengths when hops are counted,
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from operator import eq
 from types import MappingProxyType
 from typing import Any, Literal
 
@@ -96,14 +98,14 @@ SEARCHES: MappingProxyType[str, Callable[[Graph, Weight], SearchResult]] = Mappi
 def metric(graph: Graph, weight: Weight) -> Metric:
     """A*'s heuristic towards the goal of the graph, see :mod:`abi.kernels.metric`."""
     mesh, goal = graph.mesh, graph.goal
-    x, y, z = graph.places(np.array([goal]))[0].tolist()
+    inner = goal - len(mesh.points)
+    x, y, z = (mesh.points[goal] if inner < 0 else graph.own[inner]).tolist()
     if mesh.stencil is None:
         scale = 1.0 if weight == "length" else 1 / graph.longest_edge
         return (1.0, scale, *mesh.norm[1:4], x, y, z, *mesh.norm[4:])
     norm = mesh.norm if weight == "length" else hop_norm()
     place = mesh.stencil.cell_of((x, y, z))
-    ends = [(0.0, 2.0 * cells) for cells in mesh.cells]
-    on_a_face = any(p in of_axis for p, of_axis in zip(place, ends, strict=True))
+    on_a_face = 0.0 in place or any(map(eq, place, [2.0 * count for count in mesh.cells]))
     return (ON_A_FACE if on_a_face else 1.0, *norm[:4], *place, *norm[4:])
 
 
@@ -136,24 +138,27 @@ def _result(
     order: IntArray,
     relaxed: int,
 ) -> SearchResult:
-    """Follow the parents back from the goal; raises NoPath."""
-    if not np.isfinite(cost[graph.goal]):
+    """The path that leads to the goal; raises NoPath."""
+    least = float(cost[graph.goal])
+    if math.isinf(least):
         reached = np.flatnonzero(np.isfinite(cost)).astype(np.int32)
         raise NoPath(reached, graph.free_nodes, graph.pitch)
-    path = [graph.goal]
-    while path[-1] != graph.start:
-        path.append(int(parent[path[-1]]))
-    vertices = np.array(path[::-1], dtype=np.int32)
+    vertices = call(kernels.ready, kernels.walked, parent, graph.goal)
     points = graph.places(vertices)
+    length = least if weight == "length" else float(_lengths(points).sum())
     return SearchResult(
         algorithm=algorithm,
         weight=weight,
         vertices=read_only(vertices),
         points=read_only(points),
-        length=float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum()),
+        length=length,
         hops=len(vertices) - 1,
-        cost=float(cost[graph.goal]),
+        cost=least,
         expanded=len(order),
         relaxed=int(relaxed),
         order=read_only(order),
     )
+
+
+def _lengths(points: FloatArray) -> FloatArray:
+    return np.asarray(np.linalg.norm(np.diff(points, axis=0), axis=1))

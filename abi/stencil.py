@@ -97,19 +97,20 @@ class Stencil:
 
     def cell_of(self, point: Vector) -> Vector:
         """A place, [unit], world, in half cells."""
-        x, y, z = (2 * (p - a) / h for p, a, h in zip(point, self.low, self.cell, strict=True))
-        return x, y, z
+        (x, y, z), (a, b, c), (u, v, w) = point, self.low, self.cell
+        return 2 * (x - a) / u, 2 * (y - b) / v, 2 * (z - c) / w
 
     def node_at(self, point: Vector) -> int:
         """The node nearest to a place of the box, or -1 where none is within a quarter cell."""
-        place = [round(p) for p in self.cell_of(point)]
-        if len({p % 2 for p in place}) > 1 or (place[0] % 2 and not self.cross):
+        (nx, ny, nz), (x, y, z) = self.cells, self.cell_of(point)
+        a, b, c = round(x), round(y), round(z)
+        odd = a % 2
+        if b % 2 != odd or c % 2 != odd or (odd and not self.cross):
             return -1
-        if any(not 0 <= p <= 2 * n for p, n in zip(place, self.cells, strict=True)):
+        if not (0 <= a <= 2 * nx and 0 <= b <= 2 * ny and 0 <= c <= 2 * nz):
             return -1
-        nx, ny, nz = self.cells
-        i, j, k = (p // 2 for p in place)
-        if place[0] % 2:
+        i, j, k = a // 2, b // 2, c // 2
+        if odd:
             return (nx + 1) * (ny + 1) * (nz + 1) + (i * ny + j) * nz + k
         return (i * (ny + 1) + j) * (nz + 1) + k
 

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from operator import is_not
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from abi.arrays import FloatArray, IntArray, read_only
+from abi.arrays import BoolArray, FloatArray, IntArray, read_only
 from abi.kernels import mask as kernels
 from abi.kernels.calling import call
-from abi.shapes import MeshShape, Obstacle, segments_blocked
+from abi.shapes import MeshShape, Obstacle, Obstacles, segments_blocked
 from abi.solids import packed
 
 if TYPE_CHECKING:
@@ -35,6 +36,81 @@ class Taken:
     lengths: IntArray
     losers: IntArray
     losses: IntArray
+
+
+@dataclass(frozen=True, eq=False)
+class Left:
+    """What obstacles leave of a mesh.
+
+    Attributes:
+        excluded: (n,) True where a node is excluded.
+        nodes: number of nodes left.
+        exits: (n,) open directions of the nodes that are left, as bits.
+        weights: lengths of the directions, or of the edges of the rows, inf where shut, [unit].
+    """
+
+    excluded: BoolArray
+    nodes: int
+    exits: IntArray
+    weights: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Known:
+    """What is worth knowing when the obstacles move on.
+
+    Attributes:
+        taken: what each obstacle took, by obstacle and margin.
+        still: of these, what the obstacles took that did not move.
+        left: what they left.
+    """
+
+    taken: dict[tuple[Obstacle, float], Taken]
+    still: tuple[Taken, ...]
+    left: Left | None
+
+
+NOTHING_KNOWN = Known({}, (), None)
+
+
+def leave(mesh: TetMesh, obstacles: Obstacles, margin: float, known: Known) -> tuple[Left, Known]:
+    """What obstacles leave of a mesh, and what to know of it the next time."""
+    used: dict[tuple[Obstacle, float], Taken] = {}
+    still, moved = [], []
+    for obstacle in obstacles:
+        key = (obstacle, margin)
+        one = known.taken.get(key)
+        if one is None:
+            moved.append(used.setdefault(key, take(mesh, obstacle, margin)))
+        else:
+            still.append(used.setdefault(key, one))
+    left = known.left
+    if left is None or len(still) != len(known.still) or any(map(is_not, still, known.still)):
+        count = len(mesh.points)
+        left = Left(read_only(np.zeros(count, np.bool_)), count, mesh.exits, mesh.weights)
+        left = _without(mesh, left, still)
+    return _without(mesh, left, moved), Known(used, tuple(still), left)
+
+
+def _without(mesh: TetMesh, left: Left, taken: list[Taken]) -> Left:
+    """What is left when more is taken."""
+    if not taken:
+        return left
+    excluded, nodes = left.excluded.copy(), left.nodes
+    exits, weights = left.exits, left.weights
+    rows = mesh.stencil is None
+    if rows:
+        weights = weights.copy()
+    else:
+        exits = exits.copy()
+    for one in taken:
+        nodes -= call(kernels.ready, kernels.mark, one.starts, one.lengths, excluded)
+        if rows:
+            weights[one.losers] = np.inf
+        else:
+            lost = (one.starts, one.lengths, one.losers, one.losses)
+            call(kernels.ready, kernels.shut, *mesh.net[:3], *lost, exits)
+    return Left(read_only(excluded), nodes, read_only(exits), read_only(weights))
 
 
 def take(mesh: TetMesh, obstacle: Obstacle, margin: float) -> Taken:

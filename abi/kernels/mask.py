@@ -32,7 +32,7 @@ ready = threading.Event()
 """Set once the kernels are compiled."""
 
 _ROUNDING = 1e-9  # of a step: what is nearer to a limit than this is looked at
-_LONG = 1e7  # steps: longer than any line
+_LONG = 1e7  # steps, longer than any line
 
 
 @numba.njit(cache=True, nogil=True, error_model="numpy")
@@ -107,15 +107,27 @@ def take(
     far = reach + pad
     rx, ry, rz = in_body(axes, 0.0, 0.0, step)
     # in the body, and from the end of the edge that comes first
-    turned = [0.0] * (3 * directions)
+    turned = np.empty(3 * directions)
     for k in range(directions):
         x = steps[3 * k] * (places[1] - places[0])
         y = steps[3 * k + 1] * (places[y0 + 1] - places[y0])
         z = steps[3 * k + 2] * (places[z0 + 1] - places[z0])
         turned[3 * k], turned[3 * k + 1], turned[3 * k + 2] = in_body(axes, x, y, z)
+    # how far edges that lead towards a face lead along it; of nodes on the box any edge may
+    xy, xz, yx, yz, zx, zy = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for k in range(SIDES):
+        x, y, z = abs(turned[3 * k]), abs(turned[3 * k + 1]), abs(turned[3 * k + 2])
+        if x > pad:
+            xy, xz = max(xy, y), max(xz, z)
+        if y > pad:
+            yx, yz = max(yx, x), max(yz, z)
+        if z > pad:
+            zx, zy = max(zx, x), max(zy, y)
+    tight = (xy + pad, xz + pad, yx + pad, yz + pad, zx + pad, zy + pad)
+    loose = (far, far, far, far, far, far)
     # arrays that grew in the loops would be counted in and out all the time
     odds = 2 if shape[0] == BCC else 1
-    window = [0] * 12
+    window = np.empty(12, np.int64)
     lines, volume = 0, 0
     for odd in range(odds):
         count = 1
@@ -131,8 +143,8 @@ def take(
         volume += count
     starts = np.empty(2 * lines, np.int32)
     lengths = np.empty(2 * lines, np.int32)
-    losers = np.empty(volume, np.int32)
-    losses = np.empty(volume, np.int32)
+    losers = np.empty(volume * 2 * directions, np.int32)
+    losses = np.empty(volume * 2 * directions, np.int32)
     runs, count = 0, 0
     for odd in range(odds):
         at = 6 * odd
@@ -142,6 +154,7 @@ def take(
             for b in range(window[at + 2], window[at + 3] + 1, 2):
                 y = places[y0 + b] - cy
                 line = node_at(shape, a, b, odd)
+                on_box = a == 0 or b == 0 or a == 2 * shape[1] or b == 2 * shape[2]
                 c = c0
                 fresh = True
                 while c <= c1:
@@ -161,47 +174,47 @@ def take(
                         lengths[runs - 1] += more
                         c += 2 * more
                         continue
+                    _, gx, gy, gz = distance(core, px, py, pz)
                     if away >= limit:
-                        c += 2 * max(int((away - limit) / step - _ROUNDING), 0) + 2
+                        # convex: along the line at least what its slope here says
+                        slope = gx * rx + gy * ry + gz * rz
+                        if slope * _LONG >= limit - away:
+                            break
+                        c += 2 * max(int((limit - away) / slope - _ROUNDING), 0) + 2
                         continue
                     if core[4] == 0:
-                        many = _stretch_along(core, margin, far, px, py, pz, rx, ry, rz)
+                        aside = loose if on_box or c == 0 or c == 2 * shape[3] else tight
+                        many = _stretch_along(core, margin, reach, aside, px, py, pz, rx, ry, rz)
                         if many >= 0:
-                            c += 2 * max(int(many - _ROUNDING), 0) + 2
+                            more = 2 * max(int(many - _ROUNDING), 0) + 2
+                            # the last node of the line may be on the box
+                            c = max(c + 2, min(c + more, 2 * shape[3] - odd))
                             continue
                     node = line + (c >> 1)
                     bits = exits[node]
-                    _, gx, gy, gz = distance(core, px, py, pz)
-                    lost = 0
-                    for k in range(directions if (bits >> SIDES) & 63 else SIDES):
-                        if (bits >> k) & 1 == 0:
+                    # each edge from that end that comes first, for rounding
+                    for k in range(
+                        cross if odd == 1 else 0, directions if bits >> SIDES else SIDES
+                    ):
+                        if (bits >> k) & 1 == 0 or (k >= cross and (k & 1) == 1):
                             continue
-                        away_from = -1.0 if odd == 1 and k < cross else 1.0
                         dx, dy, dz = turned[3 * k], turned[3 * k + 1], turned[3 * k + 2]
-                        # the distance is convex: along the edge at least what its slope here says
-                        if away + away_from * (gx * dx + gy * dy + gz * dz) >= margin + pad:
+                        # convex: along the edge at least what its slope here says
+                        if away + gx * dx + gy * dy + gz * dz >= margin:
                             continue
-                        if odd == 1 and k < cross:
-                            i, j, h = a - steps[3 * k], b - steps[3 * k + 1], c - steps[3 * k + 2]
-                        else:
-                            i, j, h = a + steps[3 * k], b + steps[3 * k + 1], c + steps[3 * k + 2]
+                        i, j, h = a + steps[3 * k], b + steps[3 * k + 1], c + steps[3 * k + 2]
                         qx, qy, qz = in_body(
                             axes, places[i] - cx, places[y0 + j] - cy, places[z0 + h] - cz
                         )
+                        if core[4] == 0 and _beside(core, margin, px, py, pz, qx, qy, qz):
+                            continue
                         if level(core, qx, qy, qz) < margin:
                             continue
-                        # from the same end both times, for rounding
-                        if k < cross and odd == 1:
-                            blocks = near(core, margin, qx, qy, qz, dx, dy, dz)
-                        elif k >= cross and (k & 1) == 1:
-                            blocks = near(core, margin, qx, qy, qz, -dx, -dy, -dz)
-                        else:
-                            blocks = near(core, margin, px, py, pz, dx, dy, dz)
-                        if blocks:
-                            lost |= 1 << k
-                    losers[count] = node
-                    losses[count] = lost
-                    count += 1 if lost else 0
+                        if near(core, margin, px, py, pz, dx, dy, dz):
+                            losers[count], losses[count] = node, 1 << k
+                            losers[count + 1] = node_at(shape, i, j, h)
+                            losses[count + 1] = 1 << (k if k < cross else k + 1)
+                            count += 2
                     c += 2
     return starts[:runs], lengths[:runs], losers[:count], losses[:count]
 
@@ -251,7 +264,7 @@ def shut(
         other = across(shape, a, b, c)
         end = c + 2 * (many - 1)
         # what is no edge has no bit to clear, but nodes on the box have more edges
-        inside = 0 < a < 2 * shape[1] and 0 < b < 2 * shape[2] and 0 < c and end < 2 * shape[3]
+        inside = 0 < a < 2 * shape[1] and 0 < b < 2 * shape[2] and c > 0 and end < 2 * shape[3]
         for k in range(SIDES if inside else directions):
             turned = -1 if k < cross and odd == 1 else 1
             i, j, h = turned * steps[3 * k], turned * steps[3 * k + 1], turned * steps[3 * k + 2]
@@ -310,6 +323,7 @@ def _stretch_along(
     core: Core,
     margin: float,
     reach: float,
+    aside: tuple[float, ...],
     px: float,
     py: float,
     pz: float,
@@ -317,25 +331,52 @@ def _stretch_along(
     ry: float,
     rz: float,
 ) -> float:
-    """For how many steps r, from p, a line stays over a face of a box, ``reach`` from its sides.
+    """For how many steps r, from p, a line stays over a face of a box, away from its sides.
 
-    No edge from there that leads to a free node comes too near, unless it could reach beyond the
-    box. p is not excluded; -1 where it is not over a face like that.
+    No edge from there that leads to a free node comes too near. p is not excluded; -1 where it is
+    not over a face like that, or where the box is so thin that an edge could lead through it.
+    ``aside`` is how far edges lead along y and z that lead along x at all, and so on, and ``reach``
+    how far they lead.
     """
     over = margin + core[3]
     a, b, c = abs(px) - core[0], abs(py) - core[1], abs(pz) - core[2]
-    x, y, z = core[0] - reach, core[1] - reach, core[2] - reach
+    x, y, z = core[0], core[1], core[2]
     if a >= b and a >= c:
-        p, r, thick, many = px, rx, core[0] + over, min(_stay(py, ry, y), _stay(pz, rz, z))
+        p, r, thick = px, rx, x + over
+        many = min(_stay(py, ry, y - aside[0]), _stay(pz, rz, z - aside[1]))
     elif b >= c:
-        p, r, thick, many = py, ry, core[1] + over, min(_stay(px, rx, x), _stay(pz, rz, z))
+        p, r, thick = py, ry, y + over
+        many = min(_stay(px, rx, x - aside[2]), _stay(pz, rz, z - aside[3]))
     else:
-        p, r, thick, many = pz, rz, core[2] + over, min(_stay(px, rx, x), _stay(py, ry, y))
-    if 2 * thick <= reach:
+        p, r, thick = pz, rz, z + over
+        many = min(_stay(px, rx, x - aside[4]), _stay(py, ry, y - aside[5]))
+    if 2 * thick <= reach or abs(p) < thick:
         return -1.0
-    if p * r < 0:
-        many = min(many, (abs(p) - thick) / abs(r))
-    return many
+    return min(many, (abs(p) - thick) / abs(r)) if p * r < 0 else many
+
+
+@register_jitable
+def _beside(
+    core: Core,
+    margin: float,
+    px: float,
+    py: float,
+    pz: float,
+    qx: float,
+    qy: float,
+    qz: float,
+) -> bool:
+    """Whether p and q are beyond the same face of a box by the margin, and all between them is."""
+    over = margin + core[3]
+    x, y, z = core[0] + over, core[1] + over, core[2] + over
+    return (
+        (px >= x and qx >= x)
+        or (px <= -x and qx <= -x)
+        or (py >= y and qy >= y)
+        or (py <= -y and qy <= -y)
+        or (pz >= z and qz >= z)
+        or (pz <= -z and qz <= -z)
+    )
 
 
 @register_jitable

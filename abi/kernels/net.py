@@ -59,9 +59,9 @@ def node_at(shape: Shape, a: int, b: int, c: int) -> int:
 
 @register_jitable
 def across(shape: Shape, a: int, b: int, c: int) -> int:
-    """In ``bcc`` the centre of the cube whose low corner is at a place, and that corner of a centre.
+    """In ``bcc`` the centre of the cube whose low corner is at a place; that corner of a centre.
 
-    The place is given in half cells. At the high end of an axis there is no such cube; its centres have
+    The place is in half cells. At the high end of an axis there is no such cube; its centres have
     directions relative to it.
     """
     side = 1 - (a & 1)

@@ -322,6 +322,22 @@ def bellman_ford(
     return cost, parent, order[:expanded], relaxed
 
 
+@numba.njit(cache=True, nogil=True, error_model="numpy")
+def walked(parent: IntArray, goal: int) -> IntArray:
+    """Nodes (k,) from the start, whose parent is -1, to the goal; by their parents (n,)."""
+    count = 1
+    node = parent[goal]
+    while node >= 0:
+        count += 1
+        node = parent[node]
+    found = np.empty(count, np.int32)
+    node = goal
+    for k in range(count - 1, -1, -1):
+        found[k] = node
+        node = parent[node]
+    return found
+
+
 def warm() -> None:
     """Compile both kernels, or load them from numba's cache: one version for all meshes."""
     shape = (ROWS, 0, 0, 0, 0, 2, 0, 0, 1)
@@ -332,5 +348,6 @@ def warm() -> None:
     mesh = (shape, none, none, numbers, ids, indices)
     ways = (read_only(np.zeros(2, np.int32)), read_only(np.ones(2)), none, none, empty)
     for kernel in (best_first, bellman_ford):
-        kernel(*mesh, *ways, 0, 0, 1, 1.0, 26 * (0.0,))
+        found = kernel(*mesh, *ways, 0, 0, 1, 1.0, 26 * (0.0,))
+    walked(found[1], 1)
     ready.set()
