@@ -20,13 +20,11 @@ from abi.errors import NoPath
 from abi.graph import Graph
 from abi.kernels import search as kernels
 from abi.kernels.calling import call
-from abi.kernels.metric import ON_A_FACE, Metric
+from abi.kernels.metric import NO_METRIC, ON_A_FACE, Metric
 from abi.mesh import COMPILE_FROM
 from abi.net import hop_norm
 
 Weight = Literal["length", "hops"]
-
-_NO_METRIC: Metric = (0.0,) * 26
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,7 +75,7 @@ def dijkstra(graph: Graph, weight: Weight) -> SearchResult:
     Raises:
         NoPath: no edges lead from start to goal.
     """
-    return _search("dijkstra", kernels.best_first, graph, weight, _NO_METRIC)
+    return _search("dijkstra", kernels.best_first, graph, weight, NO_METRIC)
 
 
 def bellman_ford(graph: Graph, weight: Weight) -> SearchResult:
@@ -86,7 +84,7 @@ def bellman_ford(graph: Graph, weight: Weight) -> SearchResult:
     Raises:
         NoPath: no edges lead from start to goal.
     """
-    return _search("bellman_ford", kernels.bellman_ford, graph, weight, _NO_METRIC)
+    return _search("bellman_ford", kernels.bellman_ford, graph, weight, NO_METRIC)
 
 
 SEARCHES: MappingProxyType[str, Callable[[Graph, Weight], SearchResult]] = MappingProxyType(

@@ -4,8 +4,8 @@ Plain Python that numba compiles with its caller.
 
 A metric is a tuple of numbers: 1, 2 for a goal on a face of the box, or 0 for none; the cost of a
 cell along x, y and z; twice the cost of the way from a corner to a centre; the goal (3), in half
-cells or for rows [unit], world; six rows of three, the linear forms whose greatest is the norm with
-all diagonals.
+cells or for rows [unit], world; where there are all diagonals, the cost along x, y and z, of the
+diagonals across xy, xz and yz, and of the whole diagonal.
 """
 
 from __future__ import annotations
@@ -18,11 +18,11 @@ from abi.kernels.net import KUHN, ROWS, Shape
 
 Metric = tuple[float, ...]
 
+NO_METRIC: Metric = (0.0,) * 15
+"""That of Dijkstra's algorithm."""
+
 ON_A_FACE = 2.0
 """How the metric begins where the goal is on a face of the box."""
-
-FORMS = 8
-"""Where the linear forms begin."""
 
 
 @register_jitable
@@ -75,16 +75,17 @@ def _by_centres(metric: Metric, x: float, y: float, z: float) -> float:
 def _with_diagonals(metric: Metric, x: float, y: float, z: float) -> float:
     """Least cost of a step of x, y, z >= 0 cells along the axes and all diagonals of the cells.
 
-    The cost of a set of axes, its diagonal, is submodular; so this is its Lovász extension, the
-    greatest of six linear forms (Lovász, Submodular functions and convexity, 1983).
+    The cost of a set of axes, its diagonal, is submodular; so this is its Lovász extension (Lovász,
+    Submodular functions and convexity, 1983): as far as the shortest goes by the cells' diagonals,
+    then by those of the face of the other two, and the rest along the longest.
     """
-    a = metric[8] * x + metric[9] * y + metric[10] * z
-    b = metric[11] * x + metric[12] * y + metric[13] * z
-    c = metric[14] * x + metric[15] * y + metric[16] * z
-    d = metric[17] * x + metric[18] * y + metric[19] * z
-    e = metric[20] * x + metric[21] * y + metric[22] * z
-    f = metric[23] * x + metric[24] * y + metric[25] * z
-    # not by max, which looks for NaN too
-    a, c, e = b if b > a else a, d if d > c else c, f if f > e else e
-    a = c if c > a else a
-    return e if e > a else a
+    # not by min and max, which look for NaN too
+    low, high = (x, y) if x < y else (y, x)
+    low = z if z < low else low
+    high = z if z > high else high
+    axis = metric[9] if high == y else metric[8]
+    axis = metric[10] if high == z else axis
+    face = metric[12] if low == y else metric[11]
+    face = metric[13] if low == x else face
+    middle = x + y + z - low - high
+    return low * metric[14] + (middle - low) * face + (high - middle) * axis

@@ -12,7 +12,7 @@ import numba
 import numpy as np
 
 from abi.arrays import FloatArray, IntArray, read_only
-from abi.kernels.metric import Metric, to_go
+from abi.kernels.metric import NO_METRIC, Metric, to_go
 from abi.kernels.net import LINKED, ROWS, SIDES, Shape, across, cell, ones
 
 ready = threading.Event()
@@ -22,6 +22,7 @@ BUCKETS = 2048
 WIDTH = 4 / (BUCKETS - 4)
 """Of the largest weight: how wide a bucket is."""
 
+_ALL_SIDES = (1 << SIDES) - 1
 _LITTLE = 1e-11  # part of the largest weight by which a cost must fall to be worth it
 
 
@@ -151,7 +152,7 @@ def best_first(
                         count += 1 if enough + weights[k] < cost[indices[k]] else 0
                         relaxed += 1 if weights[k] < np.inf else 0
                 else:
-                    relaxed += ones(bits)
+                    relaxed += SIDES if bits == _ALL_SIDES else ones(bits)
                     i, j, h = cell(shape, node)
                     odd = i & 1
                     row = odd * directions
@@ -175,8 +176,7 @@ def best_first(
                     by[count] = k
                     count += 1 if enough + link_weights[k] < cost[neighbour] else 0
                     relaxed += 1
-            if node == start:
-                current = np.iinfo(np.int64).max
+            lowest = np.iinfo(np.int64).max
             for e in range(count):
                 neighbour, k = better[e], by[e]
                 through = so_far + (weights[k] if e < of_mesh else link_weights[k])
@@ -196,20 +196,17 @@ def best_first(
                     else:
                         a, b, c = cell(shape, neighbour)
                         left = to_go(shape, metric, 1.0 * a, 1.0 * b, 1.0 * c)
-                    through += max(left - slack, 0.0)
+                    through += left - slack if left > slack else 0.0
                 bucket = int(through * per_cost)
-                if node == start:
-                    current = min(current, bucket)
-                slot = max(bucket, current) & (BUCKETS - 1)
-                if node == start:
-                    slot = bucket & (BUCKETS - 1)
+                lowest = bucket if bucket < lowest else lowest
+                slot = (bucket if bucket > current else current) & (BUCKETS - 1)
                 node_of[used] = neighbour
                 after[used] = first[slot]
                 first[slot] = used
                 used += 1
                 waiting += 1
-            if node == start and count == 0:
-                current = 0
+            if node == start and count > 0:
+                current = lowest
         if not done:
             order = np.concatenate((order, np.empty_like(order)))
             node_of = np.concatenate((node_of, np.empty_like(node_of)))
@@ -291,7 +288,7 @@ def bellman_ford(
                 if kind == ROWS:
                     begin, end = indptr[node], indptr[node + 1]
                 else:
-                    relaxed += ones(bits)
+                    relaxed += SIDES if bits == _ALL_SIDES else ones(bits)
                     i, j, h = cell(shape, node)
                     row = (i & 1) * directions
                     other = across(shape, i, j, h)
@@ -348,6 +345,6 @@ def warm() -> None:
     mesh = (shape, none, none, numbers, ids, indices)
     ways = (read_only(np.zeros(2, np.int32)), read_only(np.ones(2)), none, none, empty)
     for kernel in (best_first, bellman_ford):
-        found = kernel(*mesh, *ways, 0, 0, 1, 1.0, 26 * (0.0,))
+        found = kernel(*mesh, *ways, 0, 0, 1, 1.0, NO_METRIC)
     walked(found[1], 1)
     ready.set()
