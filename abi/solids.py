@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from functools import lru_cache
 
 import numpy as np
@@ -39,16 +40,31 @@ def parted(obstacles: Obstacles) -> tuple[tuple[Solid, ...], tuple[MeshShape, ..
 
 def packed(solids: tuple[Solid, ...]) -> FloatArray:
     """The rows of the solids, one after the other, (k ``WIDTH``,); see ``abi.kernels.solids``."""
+    if len(solids) == 1:
+        return _row(solids[0])
     return read_only(np.concatenate([_row(solid) for solid in solids])) if solids else _NONE
 
 
 @lru_cache(maxsize=1024)
 def _row(solid: Solid) -> FloatArray:
-    row = np.concatenate(
-        [solid.position, rotation(solid.wxyz).T.ravel(), _core(solid), *solid.bounds()]
-    )
+    axes = _axes(solid.wxyz)
+    a, b, c, radius, is_cylinder = core = _core(solid)
+    reach = [
+        abs(axes[k + 6]) * c + math.hypot(axes[k], axes[k + 3]) * a
+        if is_cylinder
+        else abs(axes[k]) * a + abs(axes[k + 3]) * b + abs(axes[k + 6]) * c + radius
+        for k in range(3)
+    ]
+    (x, y, z), (u, v, w) = solid.position, reach
+    row = np.array([x, y, z, *axes, *core, x - u, y - v, z - w, x + u, y + v, z + w])
     assert len(row) == WIDTH
     return read_only(row)
+
+
+@lru_cache(maxsize=1024)
+def _axes(wxyz: tuple[float, float, float, float]) -> tuple[float, ...]:
+    """The body's axes in the world, one after the other (9,)."""
+    return tuple(rotation(wxyz).T.ravel().tolist())
 
 
 def _core(solid: Solid) -> tuple[float, float, float, float, float]:
