@@ -26,6 +26,7 @@ import time
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Sequence
 from itertools import islice
+from operator import is_not
 from pathlib import Path
 from typing import Any
 
@@ -249,8 +250,9 @@ class _Stored:
 
     def _parted(self, obstacles: Obstacles, margin: float) -> tuple[Obstacles, Rows]:
         """The obstacles that moved since the last time, and the rows that the others leave."""
-        still = tuple(one for one in obstacles if one in self._before)
-        if still != self._still:
+        before = set(map(id, self._before))
+        still = tuple(one for one in obstacles if id(one) in before)
+        if len(still) != len(self._still) or any(map(is_not, still, self._still)):
             self._left = self.indptr, self.heads, self.lengths
             self._shut = np.zeros(len(self.heads), np.bool_)
             into = (self.indptr.copy(), self.heads.copy(), self.lengths.copy())
@@ -259,7 +261,7 @@ class _Stored:
                 self._mark(one, margin, self._shut)
             self._still = still
         self._before = obstacles
-        return tuple(one for one in obstacles if one not in still), self._left
+        return tuple(one for one in obstacles if id(one) not in before), self._left
 
     def _without(self, rows: Rows, one: Obstacle, margin: float, into: Rows) -> Rows:
         assert not isinstance(one, MeshShape)

@@ -14,6 +14,7 @@ import numpy as np
 from numba.extending import register_jitable
 
 from abi.arrays import BoolArray, FloatArray, IntArray, read_only
+from abi.kernels.faces import LONG, beside, stretch_along, stretch_in
 from abi.kernels.net import BCC, ROWS, SIDES, Shape, across, cell, node_at
 from abi.kernels.solids import (
     WIDTH,
@@ -32,7 +33,6 @@ ready = threading.Event()
 """Set once the kernels are compiled."""
 
 _ROUNDING = 1e-9  # of a step: what is nearer to a limit than this is looked at
-_LONG = 1e7  # steps, longer than any line
 
 
 @numba.njit(cache=True, nogil=True, error_model="numpy")
@@ -128,7 +128,7 @@ def take(
     # arrays that grew in the loops would be counted in and out all the time
     odds = 2 if shape[0] == BCC else 1
     window = np.empty(12, np.int64)
-    lines, volume = 0, 0
+    lines = 0
     for odd in range(odds):
         count = 1
         for axis in range(3):
@@ -140,11 +140,11 @@ def take(
             window[6 * odd + 2 * axis], window[6 * odd + 2 * axis + 1] = first, last
             lines += count if axis == 2 else 0
             count *= max((last - first) // 2 + 1, 0)
-        volume += count
     starts = np.empty(2 * lines, np.int32)
     lengths = np.empty(2 * lines, np.int32)
-    losers = np.empty(volume * 2 * directions, np.int32)
-    losses = np.empty(volume * 2 * directions, np.int32)
+    most = 2 * directions * (shape[3] + 1)
+    losers = np.empty(2 * most, np.int32)
+    losses = np.empty(2 * most, np.int32)
     runs, count = 0, 0
     for odd in range(odds):
         at = 6 * odd
@@ -157,13 +157,17 @@ def take(
                 on_box = a == 0 or b == 0 or a == 2 * shape[1] or b == 2 * shape[2]
                 c = c0
                 fresh = True
+                # in the loop along the line the arrays would be counted in and out at each turn
+                if count + most > len(losers):
+                    losers = np.concatenate((losers, np.empty_like(losers)))
+                    losses = np.concatenate((losses, np.empty_like(losses)))
                 while c <= c1:
                     px, py, pz = in_body(axes, x, y, places[z0 + c] - cz)
                     away = level(core, px, py, pz)
                     if away < margin:
                         many = (margin - away) / step
                         if core[4] == 0:
-                            many = max(many, _stretch_in(core, margin, px, py, pz, rx, ry, rz))
+                            many = max(many, stretch_in(core, margin, px, py, pz, rx, ry, rz))
                         more = min(max(int(many - _ROUNDING), 0), (c1 - c) >> 1) + 1
                         # the solid is convex: one run a line
                         if fresh:
@@ -178,13 +182,13 @@ def take(
                     if away >= limit:
                         # convex: along the line at least what its slope here says
                         slope = gx * rx + gy * ry + gz * rz
-                        if slope * _LONG >= limit - away:
+                        if slope * LONG >= limit - away:
                             break
                         c += 2 * max(int((limit - away) / slope - _ROUNDING), 0) + 2
                         continue
                     if core[4] == 0:
                         aside = loose if on_box or c == 0 or c == 2 * shape[3] else tight
-                        many = _stretch_along(core, margin, reach, aside, px, py, pz, rx, ry, rz)
+                        many = stretch_along(core, margin, reach, aside, px, py, pz, rx, ry, rz)
                         if many >= 0:
                             more = 2 * max(int(many - _ROUNDING), 0) + 2
                             # the last node of the line may be on the box
@@ -206,7 +210,7 @@ def take(
                         qx, qy, qz = in_body(
                             axes, places[i] - cx, places[y0 + j] - cy, places[z0 + h] - cz
                         )
-                        if core[4] == 0 and _beside(core, margin, px, py, pz, qx, qy, qz):
+                        if core[4] == 0 and beside(core, margin, px, py, pz, qx, qy, qz):
                             continue
                         if level(core, qx, qy, qz) < margin:
                             continue
@@ -286,97 +290,6 @@ def _level_at(
 ) -> float:
     px, py, pz = in_body(axes, x - cx, y - cy, z - cz)
     return level(core, px, py, pz)
-
-
-@register_jitable
-def _stay(p: float, r: float, limit: float) -> float:
-    """For how many steps r, from p, a number stays within -limit..limit; -1 if it is not there."""
-    if not -limit <= p <= limit:
-        return -1.0
-    if abs(r) * _LONG <= limit:
-        return _LONG
-    return (limit - p) / r if r > 0 else (limit + p) / -r
-
-
-@register_jitable
-def _stretch_in(
-    core: Core, margin: float, px: float, py: float, pz: float, rx: float, ry: float, rz: float
-) -> float:
-    """For how many steps r, from p, a line stays in what is over, and under, the faces of a box.
-
-    For the face that p is over; -1 where it is over none.
-    """
-    over = margin + core[3]
-    a, b, c = abs(px) - core[0], abs(py) - core[1], abs(pz) - core[2]
-    x, y, z = core[0], core[1], core[2]
-    if a >= b and a >= c:
-        x += over
-    elif b >= c:
-        y += over
-    else:
-        z += over
-    return min(_stay(px, rx, x), min(_stay(py, ry, y), _stay(pz, rz, z)))
-
-
-@register_jitable
-def _stretch_along(
-    core: Core,
-    margin: float,
-    reach: float,
-    aside: tuple[float, ...],
-    px: float,
-    py: float,
-    pz: float,
-    rx: float,
-    ry: float,
-    rz: float,
-) -> float:
-    """For how many steps r, from p, a line stays over a face of a box, away from its sides.
-
-    No edge from there that leads to a free node comes too near. p is not excluded; -1 where it is
-    not over a face like that, or where the box is so thin that an edge could lead through it.
-    ``aside`` is how far edges lead along y and z that lead along x at all, and so on, and ``reach``
-    how far they lead.
-    """
-    over = margin + core[3]
-    a, b, c = abs(px) - core[0], abs(py) - core[1], abs(pz) - core[2]
-    x, y, z = core[0], core[1], core[2]
-    if a >= b and a >= c:
-        p, r, thick = px, rx, x + over
-        many = min(_stay(py, ry, y - aside[0]), _stay(pz, rz, z - aside[1]))
-    elif b >= c:
-        p, r, thick = py, ry, y + over
-        many = min(_stay(px, rx, x - aside[2]), _stay(pz, rz, z - aside[3]))
-    else:
-        p, r, thick = pz, rz, z + over
-        many = min(_stay(px, rx, x - aside[4]), _stay(py, ry, y - aside[5]))
-    if 2 * thick <= reach or abs(p) < thick:
-        return -1.0
-    return min(many, (abs(p) - thick) / abs(r)) if p * r < 0 else many
-
-
-@register_jitable
-def _beside(
-    core: Core,
-    margin: float,
-    px: float,
-    py: float,
-    pz: float,
-    qx: float,
-    qy: float,
-    qz: float,
-) -> bool:
-    """Whether p and q are beyond the same face of a box by the margin, and all between them is."""
-    over = margin + core[3]
-    x, y, z = core[0] + over, core[1] + over, core[2] + over
-    return (
-        (px >= x and qx >= x)
-        or (px <= -x and qx <= -x)
-        or (py >= y and qy >= y)
-        or (py <= -y and qy <= -y)
-        or (pz >= z and qz >= z)
-        or (pz <= -z and qz <= -z)
-    )
 
 
 @register_jitable

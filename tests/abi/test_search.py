@@ -1,7 +1,8 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from itertools import pairwise, permutations
 from typing import Any, Literal
 
 import networkx
@@ -11,13 +12,13 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 from scipy.sparse.csgraph import dijkstra as scipy_dijkstra
 
-from abi import search
+from abi import net, search
 from abi.arrays import FloatArray, read_only
 from abi.errors import NoPath
 from abi.graph import Graph, build
 from abi.kernels import search as kernels
-from abi.kernels.metric import NO_METRIC, to_go
-from abi.kernels.net import cell
+from abi.kernels.metric import NO_METRIC, ON_A_FACE, to_go
+from abi.kernels.net import BCC, KUHN, cell, node_at
 from abi.mesh import exclude, tetrahedralise
 from abi.net import NO_IDS, NO_NUMBERS, of_rows
 from abi.scene import MeshSettings, Workspace
@@ -207,6 +208,60 @@ def test_the_heuristic_never_falls_by_more_than_an_edge_costs(seed: int, weight:
     assert fall.max(initial=0.0) <= 1e-9
 
 
+@pytest.mark.parametrize("seed", range(20))
+def test_with_all_diagonals_the_cost_is_the_greatest_of_six_linear_forms(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    x, y, z = rng.uniform(0.1, 2, 3)
+    shape = (KUHN, 9, 9, 9, 1000, 1000, 14, 0, 14)
+    costs = {axes: np.linalg.norm([(x, y, z)[k] for k in axes]) for axes in subsets(range(3))}
+    for way in rng.integers(0, 5, (30, 3)).tolist():
+        forms = []
+        for order in permutations(range(3)):
+            before = [frozenset(order[:k]) for k in range(4)]
+            rises = [costs[b] - costs[a] for a, b in pairwise(before)]
+            forms.append(sum(way[axis] * rise for axis, rise in zip(order, rises, strict=True)))
+        norm = net.norm((x, y, z))
+        left = to_go(shape, (1.0, *norm[:4], 0.0, 0.0, 0.0, *norm[4:]), *(2.0 * n for n in way))
+        assert left == pytest.approx(max(forms), abs=1e-12)
+
+
+def subsets(items: Iterable[int]) -> list[frozenset[int]]:
+    found = [frozenset[int]()]
+    for item in items:
+        found += [one | {item} for one in found]
+    return found
+
+
+@pytest.mark.parametrize("weight", WEIGHTS)
+def test_towards_a_goal_on_a_face_one_way_is_the_shortest_of_four(weight: Weight) -> None:
+    workspace = Workspace(max=(4.0, 3.3, 4.7))
+    settings = MeshSettings(lattice="bcc", pitch=0.8)
+    for goal in ((4.0, 3.3, 4.7), (0.0, 1.1, 1.3), (2.1, 1.2, 4.7)):
+        graph = graph_of(workspace, settings, (), (1.0, 1.0, 1.0), goal)
+        metric = search.metric(graph, weight)
+        assert metric[0] == ON_A_FACE
+        shape = graph.mesh.net.shape
+        for node in range(len(graph.mesh.points)):
+            a, b, c = cell(shape, node)
+            left = to_go(shape, (1.0, *metric[1:]), a, b, c)
+            assert to_go(shape, metric, a, b, c) == pytest.approx(left, abs=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_a_node_is_found_at_its_place_however_many_there_are(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    cells = [int(10 ** rng.uniform(0, 3.1)) for _ in range(3)]
+    nx, ny, nz = cells
+    corners = (nx + 1) * (ny + 1) * (nz + 1)
+    shape = (BCC, nx, ny, nz, corners, corners + nx * ny * nz, 14, 8, 14)
+    for node in rng.integers(0, shape[5], 3000).tolist():
+        a, b, c = cell(shape, node)
+        assert 0 <= a <= 2 * nx
+        assert 0 <= b <= 2 * ny
+        assert 0 <= c <= 2 * nz
+        assert node_at(shape, a, b, c) == node
+
+
 @pytest.mark.parametrize("cells", [(7, 6, 8), (3, 9, 5), (1, 4, 6), (2, 1, 9)])
 @pytest.mark.parametrize("lattice", ["bcc", "kuhn"])
 def test_with_nothing_in_the_way_the_heuristic_is_almost_the_cost(
@@ -304,12 +359,12 @@ def test_bellman_ford_finds_all_costs_however_often_nodes_return(seed: int, plai
     weights *= rng.uniform(0.5, 1.5, (n, n))
     rows = csr_array(np.minimum(weights, weights.T))
     indptr, indices = (read_only(a.astype(np.int32)) for a in (rows.indptr, rows.indices))
-    net = of_rows(np.zeros((n, 3)), indptr, indices)
+    table = of_rows(np.zeros((n, 3)), indptr, indices)
     exits = read_only(np.zeros(n, dtype=np.int32))
     links: tuple[Any, ...] = (NO_IDS, NO_IDS, NO_NUMBERS, 0)
     ends: tuple[Any, ...] = (0, 1, 1.0, NO_METRIC)
     kernel = kernels.bellman_ford.py_func if plain else kernels.bellman_ford
-    cost, parent, order, relaxed = kernel(*net, exits, read_only(rows.data), *links, *ends)
+    cost, parent, order, relaxed = kernel(*table, exits, read_only(rows.data), *links, *ends)
     assert np.allclose(cost, scipy_dijkstra(rows, indices=0), rtol=1e-12)
     assert len(order) > 4 * n
     assert relaxed == np.diff(indptr)[order].sum()

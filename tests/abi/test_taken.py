@@ -146,6 +146,38 @@ def test_the_graph_is_what_its_definition_says(case: Any, compiled: bool) -> Non
         )
 
 
+@pytest.mark.parametrize("lattice", LATTICES[:2])
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize("seed", range(3))
+def test_what_is_passed_over_in_a_fine_lattice_is_clear(
+    lattice: Lattice, turned: bool, seed: int
+) -> None:
+    rng = np.random.default_rng(seed)
+    workspace = Workspace(max=(3.0, 2.9, 3.3))
+    made = mesh.tetrahedralise(workspace, MeshSettings(lattice=lattice, pitch=0.19))
+    for _ in range(4):
+        pose: Any = {"position": tuple(rng.uniform(0, 3, 3))}
+        if turned:
+            pose["wxyz"] = (1.0, *(rng.normal(size=3) * rng.choice([1.0, 1e-7])).tolist())
+        size = rng.uniform(0.5, 3.0, 3)
+        if seed == 0:  # an edge may lead through
+            size[rng.integers(3)] = rng.uniform(0.001, 0.2)
+        radius, height = rng.uniform(0.2, 1.2, 2)
+        shapes = (
+            Box(size=tuple(size), **pose),
+            Cylinder(radius=radius, height=height, **pose),
+            Capsule(radius=radius, height=height, **pose),
+        )
+        for solid in shapes:
+            with ready(True):
+                free = mesh.exclude(made, (solid,), 0.05)
+            away = solid.signed_distance(made.points)
+            assert np.array_equal(free.excluded, away < 0.05) or np.abs(away - 0.05).min() < TIE
+            found = graph._graph(free, free.exits, [], [], [0, 1])
+            expected, ties = explicit(made, (solid,), 0.05)
+            assert set(map(tuple, found.edges.tolist())) ^ set(expected) <= ties
+
+
 @settings(max_examples=150, deadline=None, suppress_health_check=list(HealthCheck))
 @given(cases(), st.sampled_from(["length", "hops"]), st.booleans())
 def test_the_searches_find_what_scipy_finds_in_the_table(
