@@ -191,7 +191,7 @@ def build(
     goal: Vec3,
     clearance: float,
 ) -> Graph:
-    """Keep the mesh edges that stay ``margin`` away from the obstacles; join start and goal.
+    """Join start and goal to the free mesh, whose edges stay ``margin`` away from the obstacles.
 
     Start and goal become nodes of their own unless they are a free mesh node. They may be nearer
     to an obstacle than the margin: the edges from there keep the distance that the point has.
