@@ -143,20 +143,15 @@ def _result(
         raise NoPath(reached, graph.free_nodes, graph.pitch)
     vertices = call(kernels.ready, kernels.walked, parent, graph.goal)
     points = graph.places(vertices)
-    length = least if weight == "length" else float(_lengths(points).sum())
     return SearchResult(
         algorithm=algorithm,
         weight=weight,
         vertices=read_only(vertices),
         points=read_only(points),
-        length=length,
+        length=float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum()),
         hops=len(vertices) - 1,
         cost=least,
         expanded=len(order),
         relaxed=int(relaxed),
         order=read_only(order),
     )
-
-
-def _lengths(points: FloatArray) -> FloatArray:
-    return np.asarray(np.linalg.norm(np.diff(points, axis=0), axis=1))
