@@ -264,6 +264,18 @@ def runs_apart(points: FloatArray, obstacles: Obstacles) -> FloatArray:
     return found
 
 
+def segment_clearances(points: FloatArray, obstacles: Obstacles) -> FloatArray:
+    """Exact least signed distance (k - 1,) of a polyline's segments to the obstacles, [unit].
+
+    Args:
+        points: vertices (k, 3), k >= 1, [unit], world; one alone is a segment.
+        obstacles: the solids; without any the distance is inf.
+    """
+    if len(points) == 1:
+        points = np.concatenate([points, points])
+    return runs_apart(np.stack([points[:-1], points[1:]], axis=1), obstacles)
+
+
 def outward(points: FloatArray, obstacles: Obstacles) -> tuple[FloatArray, FloatArray]:
     """Signed distances (n,) of points (n, 3) to the nearest obstacle, [unit], and the way out.
 

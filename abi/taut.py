@@ -1,26 +1,26 @@
 """Stage 3½: the path pulled taut, free of the mesh's directions.
 
 A path along edges stays longer than it need be however fine the mesh, for an edge points only in a
-few directions. Here a search for any angle finds which way round the obstacles is short, and what
-it finds is tightened like a string.
+few directions. Here short ways by the obstacles' edges stand beside it, and all are tightened like
+a string.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
-from abi.arrays import FloatArray, read_only
-from abi.clearance import measure_polyline
+from abi.arrays import FloatArray, columns, read_only
+from abi.clearance import measure_polyline, segment_clearances
 from abi.graph import Graph
-from abi.kernels import visibility as kernels
+from abi.kernels import segments, tighten, visibility
 from abi.kernels.calling import call
-from abi.mesh import COMPILE_FROM
 from abi.search import SearchResult
-from abi.shapes import Box, MeshShape, Obstacle, Obstacles, segments_blocked
+from abi.shapes import Box, MeshShape, Obstacle, Obstacles
 from abi.shortest.tightening import tightened
-from abi.shortest.waypoints import waypoints
+from abi.shortest.waypoints import edges
 from abi.solids import Solid, packed
 
 _ROUNDING = 1e-9
@@ -35,8 +35,11 @@ _WORTH = 5e-6
 _SLACK = 1.02
 """A path by the obstacles' edges may be this much longer before it is tightened."""
 
-_SAMPLES = 3
-"""Places on each edge of an obstacle."""
+_SAMPLES = 5
+"""Places evenly apart on each edge of an obstacle."""
+
+_WAYS = 6
+"""Paths by the obstacles' edges that are looked at."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,15 +58,15 @@ class TautPath:
 
 
 def taut(graph: Graph, obstacles: Obstacles, margin: float, path: SearchResult) -> TautPath:
-    """Pull ``path`` taut, and two others beside it; the shortest is returned.
+    """Pull ``path`` taut, and others that go by the obstacles' edges; the shortest is returned.
 
-    The second is for any angle, found by Lazy Theta* (Nash, Koenig and Tovey, 2010) on the graph's
-    nodes, the third by the obstacles' edges, :mod:`abi.shortest.waypoints`. Each is tightened:
-    vertices that are not needed are dropped, the others moved towards the chord of their neighbours
-    and along the surfaces that their legs touch, and corners are cut where that wins, until the
-    length stops improving. The result is a local optimum. A triangle mesh is first taken for its
-    bounding box; then ``path`` and the best found are tightened by the mesh's own distance,
-    :mod:`abi.shortest.tightening`.
+    The others are short ways in a visibility graph of places on those edges, no two by the same
+    edges (:mod:`abi.shortest.waypoints`): ``path`` may go round an obstacle on its longer side.
+    Each is tightened: vertices that are not needed are dropped, the others moved towards the chord
+    of their neighbours and along the surfaces that their legs touch, until the length stops
+    improving. Of the shortest the corners are cut, too, where that wins. The result is a local
+    optimum. A triangle mesh is first taken for its bounding box; then ``path`` and the best found
+    are tightened by the mesh's own distance, :mod:`abi.shortest.tightening`.
 
     Args:
         graph: the graph of the path.
@@ -74,19 +77,20 @@ def taut(graph: Graph, obstacles: Obstacles, margin: float, path: SearchResult) 
 
     Returns:
         The path, never longer than the one given. Each segment is an edge of it or keeps the margin
-        by the exact test of ``abi.shapes``.
+        by the exact distance, ``abi.clearance``.
     """
     ends = path.points[[0, -1]]
-    box = read_only(np.concatenate(graph.mesh.box))
     solids = tuple(_in_its_bounds(obstacle) for obstacle in obstacles)
-    found = [path.points, *_pulled(graph, path, solids, _margins(solids, margin, ends), box)]
-    limits = _margins(obstacles, margin, ends).min(axis=1, initial=margin)
-    best = _shortest(found, obstacles, limits)
+    own = _levels(solids, ends)
+    strings = _pulled(path.points, solids, _margins(own, margin), graph.mesh.box)
     if solids != obstacles:
+        own = np.stack([obstacle.signed_distance(ends) for obstacle in obstacles], axis=1)
+    limits = _margins(own, margin).min(axis=1, initial=margin)
+    if solids != obstacles:
+        best, _ = _shortest_clear(path.points, strings, obstacles, limits)
         strings = [tightened(points, obstacles, limits) for points in (path.points, best)]
-        best = _shortest([path.points, *strings], obstacles, limits)
-    points = read_only(best)
-    return TautPath(points, _length(points), measure_polyline(points, obstacles))
+    points, clearance = _shortest_clear(path.points, strings, obstacles, limits)
+    return TautPath(read_only(points), _length(points), clearance)
 
 
 def _in_its_bounds(obstacle: Obstacle) -> Solid:
@@ -99,76 +103,81 @@ def _in_its_bounds(obstacle: Obstacle) -> Solid:
     return Box(size=(x, y, z), position=(a, b, c))
 
 
-def _margins(obstacles: Obstacles, margin: float, ends: FloatArray) -> FloatArray:
-    """Distance to keep from each obstacle (4, k): in general, from start, to goal, from and to."""
-    own = [np.minimum(solid.signed_distance(ends) - _ROUNDING, margin) for solid in obstacles]
-    first, last = np.array(own).reshape(-1, 2).T
-    return np.stack([np.full(len(obstacles), margin), first, last, np.minimum(first, last)])
+def _levels(solids: tuple[Solid, ...], points: FloatArray) -> FloatArray:
+    """Signed distance (n, k) of points (n, 3), [unit], world, to each solid, [unit]."""
+    found = call(segments.ready, segments.levels, *columns(points), packed(solids))
+    return np.asarray(found).reshape(len(points), len(solids))
+
+
+def _margins(own: FloatArray, margin: float) -> FloatArray:
+    """Distance to keep from each obstacle (4, k): in general, from start, to goal, from and to.
+
+    Args:
+        own: (2, k) distances of start and goal, [unit].
+        margin: the general one, [unit].
+    """
+    first, last = np.minimum(own - _ROUNDING, margin)
+    return np.stack([np.full(len(first), margin), first, last, np.minimum(first, last)])
 
 
 def _pulled(
-    graph: Graph,
-    path: SearchResult,
-    obstacles: tuple[Solid, ...],
+    path: FloatArray,
+    solids: tuple[Solid, ...],
     margins: FloatArray,
-    box: FloatArray,
+    box: tuple[FloatArray, FloatArray],
 ) -> list[FloatArray]:
-    """The given path, the one for any angle and one by the obstacles' edges, all tightened."""
-    if len(graph.excluded) > COMPILE_FROM and not kernels.ready.is_set():
-        kernels.warm()
-    rows = packed(obstacles)
-    limits = read_only((margins + _PAD * float(np.abs(box).max())).ravel())
-    ways = (graph.exits, graph.weights, graph.tails, graph.heads, graph.link_lengths)
-    nodes = call(
-        kernels.ready,
-        kernels.any_angle,
-        *(*graph.mesh.net, *ways, *_columns(graph.points), graph.start, graph.goal, rows, limits),
+    """The path and those by the obstacles' edges, all tightened, the corners of the best cut."""
+    bounds = read_only(np.concatenate(box))
+    rows = packed(solids)
+    limits = read_only((margins + _PAD * float(np.abs(bounds).max())).ravel())
+
+    def pulled(points: FloatArray, worth: float = math.inf) -> FloatArray:
+        found = call(tighten.ready, tighten.tighten, *columns(points), rows, limits, bounds, worth)
+        return np.stack(found, axis=1)
+
+    strings = [pulled(path)]
+    most = _SLACK * _length(strings[0])
+    ends, margin = path[[0, -1]], float(margins[0].max(initial=0))
+    x, y, z = (ends[1] - ends[0]).tolist()
+    by = edges(solids, margin, (x, y, z))
+    places = call(
+        visibility.ready,
+        visibility.places,
+        *(by, read_only(ends.ravel()), _SAMPLES, most, margin, bounds, rows),
     )
-    strings = [
-        _tightened(points, rows, limits, box) for points in (path.points, graph.points[nodes])
-    ]
-    most = _SLACK * min(map(_length, strings))
-    ends = path.points[[0, -1]]
-    # A coarse mesh may have no node on the short side of an obstacle.
-    edges = waypoints(obstacles, float(margins.max(initial=0)), ends, _SAMPLES)
-    places = np.concatenate([ends, edges])
-    by_ends = np.linalg.norm(places[:, None] - ends, axis=2).sum(axis=1)
-    useful = (by_ends < most) & (places >= box[:3]).all(axis=1) & (places <= box[3:]).all(axis=1)
-    useful[:2] = True
-    places = places[useful]
-    nodes = call(kernels.ready, kernels.through, *_columns(places), rows, limits, most)
-    if len(nodes):
-        strings.append(_tightened(places[nodes], rows, limits, box))
+    places = [read_only(np.asarray(part)) for part in places]
+    nodes = np.asarray(call(visibility.ready, visibility.ways, *places, rows, limits, most, _WAYS))
+    begins = np.flatnonzero(nodes == 0)
+    for way in np.split(np.stack(places[:3], axis=1)[nodes], begins[1:]) if len(nodes) else ():
+        strings.append(pulled(way))
+    best = min(range(len(strings)), key=lambda k: _length(strings[k]))
+    strings[best] = pulled(strings[best], _WORTH)
     return strings
 
 
-def _tightened(
-    points: FloatArray, rows: FloatArray, limits: FloatArray, box: FloatArray
-) -> FloatArray:
-    found = call(kernels.ready, kernels.tighten, *_columns(points), rows, limits, box, _WORTH)
-    return np.stack(found, axis=1)
+def _shortest_clear(
+    path: FloatArray, strings: list[FloatArray], obstacles: Obstacles, limits: FloatArray
+) -> tuple[FloatArray, float]:
+    """The shortest string that is clear, or the path, which needs no test; and its distance.
 
-
-def _columns(points: FloatArray) -> tuple[FloatArray, ...]:
-    """The coordinates of points (n, 3), each (n,), in the layout that kernels are compiled for."""
-    x, y, z = (read_only(np.ascontiguousarray(column)) for column in points.T)
-    return x, y, z
-
-
-def _shortest(found: list[FloatArray], obstacles: Obstacles, limits: FloatArray) -> FloatArray:
-    """The shortest that is clear; the first, a path of the graph, needs no test."""
-    for points in sorted(found, key=_length):
-        if points is found[0] or _clear(points, obstacles, limits):
-            return points
-    return found[0]
-
-
-def _clear(points: FloatArray, obstacles: Obstacles, limits: FloatArray) -> bool:
-    """Whether each segment of the path keeps its limit, of the four kinds."""
-    kind = np.zeros(len(points) - 1, dtype=int)
-    kind[0] += 1
-    kind[-1] += 2
-    return not segments_blocked(obstacles, points[:-1], points[1:], limits[kind]).any()
+    Args:
+        path: (k, 3) a path of the graph, [unit], world.
+        strings: (m, 3) each, between the same ends.
+        obstacles: the solids.
+        limits: (4,) distance that a segment keeps, [unit]: in general, from the first point, to the
+            last, from the first to the last.
+    """
+    most = _length(path)
+    for points in sorted(strings, key=_length):
+        if _length(points) > most:
+            break
+        distances = segment_clearances(points, obstacles)
+        kind = np.zeros(len(distances), dtype=int)
+        kind[0] += 1
+        kind[-1] += 2
+        if (distances >= limits[kind]).all():
+            return points, float(distances.min())
+    return path, measure_polyline(path, obstacles)
 
 
 def _length(points: FloatArray) -> float:

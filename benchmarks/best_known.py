@@ -12,7 +12,7 @@ from scipy.sparse.csgraph import dijkstra
 
 from abi.arrays import BoolArray, FloatArray, IntArray, read_only
 from abi.kernels import solids as sight
-from abi.kernels import visibility
+from abi.kernels.tighten import tighten
 from abi.scene import Scene
 from abi.shapes import Box, nearest, segments_blocked
 from abi.solids import packed
@@ -48,7 +48,7 @@ def best_known(scene: Scene) -> float:
     best = np.inf
     for way in itertools.islice(_sequences(cost, parent, edge), SEQUENCES):
         x, y, z = (read_only(np.ascontiguousarray(column)) for column in places[way].T)
-        path = np.stack(visibility.tighten(x, y, z, solids, margins, box, WORTH), axis=1)
+        path = np.stack(tighten(x, y, z, solids, margins, box, WORTH), axis=1)
         length = float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum())
         clear = not segments_blocked(scene.obstacles, path[:-1], path[1:], margin).any()
         best = min(best, length if clear else np.inf)

@@ -24,7 +24,7 @@ from typing import Any
 
 import numpy as np
 
-from abi.kernels import search, visibility
+from abi.kernels import warm
 from abi.plan import Plan, Planner
 from abi.scene import Scene
 from abi.shapes import segments_blocked
@@ -75,8 +75,7 @@ def measure(
         budgets: what the rivals get besides the time that ours took, [s].
         rivals: whether they run at all.
     """
-    search.warm()
-    visibility.warm()
+    warm()
     Planner()(box_scene(seeds.start, 1.0))
     runs: Runs = defaultdict(list)
     bounds = []

@@ -13,9 +13,22 @@ def warm() -> None:
         clearance,
         mask,
         search,
+        segments,
         splines,
+        tighten,
         visibility,
     )
 
-    for kernels in (mask, search, certify, visibility, clearance, splines, arc_length, arm):
+    for kernels in (
+        mask,
+        search,
+        segments,
+        certify,
+        tighten,
+        visibility,
+        clearance,
+        splines,
+        arc_length,
+        arm,
+    ):
         kernels.warm()

@@ -28,6 +28,12 @@ _HALVINGS = 60
 
 
 @register_jitable
+def gap(ax: float, ay: float, az: float, bx: float, by: float, bz: float) -> float:
+    """Distance of two points."""
+    return math.sqrt((ax - bx) ** 2 + (ay - by) ** 2 + (az - bz) ** 2)
+
+
+@register_jitable
 def core_of(solids: FloatArray, s: int) -> Core:
     """Half sizes of a solid's core, the radius around it, and whether it is a cylinder."""
     k = WIDTH * s + 12
@@ -139,6 +145,28 @@ def near(
         if low >= high:
             return False
         t = 1.0 if halving == 0 else (low + high) / 2
+    return False
+
+
+@register_jitable
+def within(solids: FloatArray, margin: float, x: float, y: float, z: float) -> bool:
+    """Whether a point of the world is nearer than ``margin`` to a solid."""
+    for s in range(len(solids) // WIDTH):
+        k = WIDTH * s
+        if (
+            x - solids[k + 20] >= margin
+            or solids[k + 17] - x >= margin
+            or y - solids[k + 21] >= margin
+            or solids[k + 18] - y >= margin
+            or z - solids[k + 22] >= margin
+            or solids[k + 19] - z >= margin
+        ):
+            continue
+        px, py, pz = in_body(
+            axes_of(solids, s), x - solids[k], y - solids[k + 1], z - solids[k + 2]
+        )
+        if level(core_of(solids, s), px, py, pz) < margin:
+            return True
     return False
 
 

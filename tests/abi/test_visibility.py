@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import itertools
 from typing import Any
 
 import numpy as np
@@ -7,12 +8,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from abi.arrays import FloatArray
+from abi.clearance import segment_clearances
 from abi.kernels import solids as sight
 from abi.kernels import visibility
 from abi.scene import Scene
 from abi.shapes import MeshShape
-from abi.shortest.waypoints import Solid
-from abi.solids import packed
+from abi.solids import Solid, packed
 from tests.abi.test_scene import obstacles, points
 
 
@@ -56,32 +57,59 @@ def test_sight_goes_both_ways_and_needs_all_obstacles_clear(
 
 @settings(max_examples=40, deadline=None)
 @given(st.lists(obstacles, min_size=1, max_size=2), st.integers(0, 2**31))
-def test_a_way_through_places_is_the_shortest_there_is(
-    bodies: list[dict[str, Any]], seed: int
-) -> None:
+def test_ways_by_places_are_the_shortest_there_are(bodies: list[dict[str, Any]], seed: int) -> None:
     solids: Any = packed(shapes(bodies)).tolist()
     margins: Any = [0.05] * 4 * len(bodies)
-    places = np.random.default_rng(seed).uniform(0, 6, (7, 3))
-    columns: list[Any] = [column.tolist() for column in places.T]
+    random = np.random.default_rng(seed)
+    places = random.uniform(0, 6, (9, 3))
+    labels = [-1, -1, *random.integers(0, 4, 7).tolist()]
+    columns: list[Any] = [*(column.tolist() for column in places.T), labels]
 
-    through: Any = visibility.through
-    way = through.py_func(*columns, solids, margins, 1e9)
+    search: Any = visibility.ways
+    nodes = search.py_func(*columns, solids, margins, 1e9, 5)
 
     # Floyd and Warshall on the whole visibility graph
     n = len(places)
-    cost = np.full((n, n), np.inf)
+    away = np.full((n, n), np.inf)
     for i in range(n):
         for j in range(n):
             if not sight.blocked(solids, margins, 0, *places[i], *places[j]):
-                cost[i, j] = np.linalg.norm(places[i] - places[j])
+                away[i, j] = np.linalg.norm(places[i] - places[j])
+    cost = away.copy()
     for k in range(n):
         cost = np.minimum(cost, cost[:, k : k + 1] + cost[k])
     if not np.isfinite(cost[0, 1]):
-        assert len(way) == 0
+        assert len(nodes) == 0
         return
-    assert way[0] == 0
-    assert way[-1] == 1
-    length = np.linalg.norm(np.diff(places[way], axis=0), axis=1).sum()
-    np.testing.assert_allclose(length, cost[0, 1], rtol=1e-12)
+    ways = [way.tolist() for way in np.split(nodes, np.flatnonzero(nodes == 0)[1:])]
+    lengths = [sum(away[i, j] for i, j in itertools.pairwise(way)) for way in ways]
+    assert all(way[0] == 0 and way[-1] == 1 for way in ways)
+    np.testing.assert_allclose(lengths[0], cost[0, 1], rtol=1e-12)
+    assert np.isfinite(lengths).all()
+    assert (np.diff(lengths) >= -1e-12).all()
+    # each is the shortest to the place before its last, and no two go by the same labels
+    for way, length in zip(ways, lengths, strict=True):
+        to_last = cost[0, way[-2]] if way[-2] else 0.0
+        np.testing.assert_allclose(length, to_last + away[way[-2], 1], rtol=1e-12)
+    sequences = [
+        tuple(label for label, _ in itertools.groupby(labels[i] for i in way[1:-1])) for way in ways
+    ]
+    assert len(set(sequences)) == len(sequences)
     # a path must be shorter than asked
-    assert len(through.py_func(*columns, solids, margins, length * (1 - 1e-9))) == 0
+    assert len(search.py_func(*columns, solids, margins, lengths[0] * (1 - 1e-9), 5)) == 0
+
+
+@settings(max_examples=100, deadline=None)
+@given(st.lists(obstacles, max_size=4), st.lists(points, min_size=2, max_size=5))
+def test_segments_are_as_near_as_the_exact_distance_says(
+    bodies: list[dict[str, Any]], vertices: list[list[float]]
+) -> None:
+    solids = shapes(bodies)
+    path = np.array(vertices)
+
+    found = segment_clearances(path, solids)
+
+    exact = np.full(len(path) - 1, np.inf)
+    for solid in solids:
+        exact = np.minimum(exact, solid.segment_distance(path[:-1], path[1:]))
+    np.testing.assert_allclose(found, exact, atol=1e-12)
