@@ -7,7 +7,6 @@ a string.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,7 +14,8 @@ import numpy as np
 from abi.arrays import FloatArray, columns, read_only
 from abi.clearance import measure_polyline, segment_clearances
 from abi.graph import Graph
-from abi.kernels import segments, tighten, visibility
+from abi.kernels import pull as kernels
+from abi.kernels import segments
 from abi.kernels.calling import call
 from abi.search import SearchResult
 from abi.shapes import Box, MeshShape, Obstacle, Obstacles
@@ -32,7 +32,7 @@ _PAD = 1e-13
 _WORTH = 5e-6
 """Part of the length that a cut corner must win."""
 
-_SLACK = 1.02
+_SLACK = 1.015
 """A path by the obstacles' edges may be this much longer before it is tightened."""
 
 _SAMPLES = 5
@@ -82,10 +82,12 @@ def taut(graph: Graph, obstacles: Obstacles, margin: float, path: SearchResult) 
     ends = path.points[[0, -1]]
     solids = tuple(_in_its_bounds(obstacle) for obstacle in obstacles)
     own = _levels(solids, ends)
-    strings = _pulled(path.points, solids, _margins(own, margin), graph.mesh.box)
+    margins = _margins(own, margin)
+    strings = _pulled(path.points, solids, margins, graph.mesh.box)
     if solids != obstacles:
         own = np.stack([obstacle.signed_distance(ends) for obstacle in obstacles], axis=1)
-    limits = _margins(own, margin).min(axis=1, initial=margin)
+        margins = _margins(own, margin)
+    limits = margins.min(axis=1, initial=margin)
     if solids != obstacles:
         best, _ = _shortest_clear(path.points, strings, obstacles, limits)
         strings = [tightened(points, obstacles, limits) for points in (path.points, best)]
@@ -131,28 +133,14 @@ def _pulled(
     rows = packed(solids)
     limits = read_only((margins + _PAD * float(np.abs(bounds).max())).ravel())
 
-    def pulled(points: FloatArray, worth: float = math.inf) -> FloatArray:
-        found = call(tighten.ready, tighten.tighten, *columns(points), rows, limits, bounds, worth)
-        return np.stack(found, axis=1)
-
-    strings = [pulled(path)]
-    most = _SLACK * _length(strings[0])
-    ends, margin = path[[0, -1]], float(margins[0].max(initial=0))
-    x, y, z = (ends[1] - ends[0]).tolist()
-    by = edges(solids, margin, (x, y, z))
-    places = call(
-        visibility.ready,
-        visibility.places,
-        *(by, read_only(ends.ravel()), _SAMPLES, most, margin, bounds, rows),
+    x, y, z = (path[-1] - path[0]).tolist()
+    by = edges(solids, float(margins[0].max(initial=0)), (x, y, z))
+    *coordinates, ends = call(
+        kernels.ready,
+        kernels.pull,
+        *(*columns(path), by, rows, limits, bounds, _SAMPLES, _SLACK, _WAYS, _WORTH),
     )
-    places = [read_only(np.asarray(part)) for part in places]
-    nodes = np.asarray(call(visibility.ready, visibility.ways, *places, rows, limits, most, _WAYS))
-    begins = np.flatnonzero(nodes == 0)
-    for way in np.split(np.stack(places[:3], axis=1)[nodes], begins[1:]) if len(nodes) else ():
-        strings.append(pulled(way))
-    best = min(range(len(strings)), key=lambda k: _length(strings[k]))
-    strings[best] = pulled(strings[best], _WORTH)
-    return strings
+    return np.split(np.stack(coordinates, axis=1), ends[:-1])
 
 
 def _shortest_clear(
@@ -168,8 +156,9 @@ def _shortest_clear(
             last, from the first to the last.
     """
     most = _length(path)
-    for points in sorted(strings, key=_length):
-        if _length(points) > most:
+    for length, k in sorted((_length(points), k) for k, points in enumerate(strings)):
+        points = strings[k]
+        if length > most:
             break
         distances = segment_clearances(points, obstacles)
         kind = np.zeros(len(distances), dtype=int)

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 
-from abi.arrays import BoolArray, FloatArray, IntArray, read_only
+from abi.arrays import BoolArray, FloatArray, IntArray, columns, read_only
 from abi.kernels import solids as sight
 from abi.kernels.tighten import tighten
 from abi.scene import Scene
@@ -47,8 +47,7 @@ def best_known(scene: Scene) -> float:
     box = read_only(np.concatenate([scene.workspace.min, scene.workspace.max]))
     best = np.inf
     for way in itertools.islice(_sequences(cost, parent, edge), SEQUENCES):
-        x, y, z = (read_only(np.ascontiguousarray(column)) for column in places[way].T)
-        path = np.stack(tighten(x, y, z, solids, margins, box, WORTH), axis=1)
+        path = np.stack(_tightened(*columns(places[way]), solids, margins, box), axis=1)
         length = float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum())
         clear = not segments_blocked(scene.obstacles, path[:-1], path[1:], margin).any()
         best = min(best, length if clear else np.inf)
@@ -73,6 +72,20 @@ def _places(scene: Scene, margin: float) -> tuple[FloatArray, IntArray]:
     kept = (nearest(scene.obstacles, found)[0] >= margin) & (found >= low).all(axis=1)
     kept &= (found <= high).all(axis=1)
     return found[kept], np.concatenate(edges)[kept]
+
+
+@numba.njit(cache=True)
+def _tightened(
+    x: FloatArray,
+    y: FloatArray,
+    z: FloatArray,
+    solids: FloatArray,
+    margins: FloatArray,
+    box: FloatArray,
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """The path with corners as round as can be."""
+    px, py, pz = tighten(list(x), list(y), list(z), solids, margins, box, WORTH)
+    return np.array(px), np.array(py), np.array(pz)
 
 
 @numba.njit(cache=True)

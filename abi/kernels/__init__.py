@@ -12,20 +12,18 @@ def warm() -> None:
         certify,
         clearance,
         mask,
+        pull,
         search,
         segments,
         splines,
-        tighten,
-        visibility,
     )
 
     for kernels in (
         mask,
+        pull,
         search,
         segments,
         certify,
-        tighten,
-        visibility,
         clearance,
         splines,
         arc_length,

@@ -24,7 +24,7 @@ Point = tuple[float, float, float]
 Core = tuple[float, float, float, float, float]
 Axes = tuple[Point, Point, Point]
 
-_HALVINGS = 60
+_STEPS = 90
 
 
 @register_jitable
@@ -127,24 +127,37 @@ def near(
     """Whether the segment from p to p + d, in the body's axes, comes nearer than ``margin``.
 
     The distance is convex along the segment, so a tangent at t bounds it from below: on one side
-    of t it stays above the margin, on the other it does so for a known stretch. The rest is halved.
+    of t it stays above the margin, on the other it does so for a known stretch. What is left is
+    looked at where the slope is likely to be zero.
     """
     low, high = 0.0, 1.0
-    t = 0.0
-    for halving in range(_HALVINGS):
+    before, falling, after, rising = 0.0, 0.0, 1.0, 0.0  # where the slope was seen last, and what
+    square = dx * dx + dy * dy + dz * dz
+    # nearest to the centre: what comes too near does so there for the most part
+    t = min(max(-(px * dx + py * dy + pz * dz) / square, 0.0), 1.0) if square > 0 else 0.0
+    for step in range(_STEPS):
         away, gx, gy, gz = distance(core, px + t * dx, py + t * dy, pz + t * dz)
         if away < margin:
             return True
         slope = gx * dx + gy * dy + gz * dz
         if slope < 0:
             low = max(low, t - (away - margin) / slope)
+            before, falling = t, slope
         elif slope > 0:
             high = min(high, t - (away - margin) / slope)
+            after, rising = t, slope
         else:
             return False
         if low >= high:
             return False
-        t = 1.0 if halving == 0 else (low + high) / 2
+        if falling == 0:
+            t = low
+        elif rising == 0:
+            t = high
+        else:
+            t = before - falling * (after - before) / (rising - falling)
+            if step % 3 == 2 or t <= low or t >= high:
+                t = (low + high) / 2
     return False
 
 
@@ -216,9 +229,33 @@ def blocked(
         ax, ay, az: one end, [unit], world.
         bx, by, bz: the other end.
     """
+    return blocker(solids, margins, first, 0, ax, ay, az, bx, by, bz) >= 0
+
+
+@register_jitable
+def blocker(
+    solids: FloatArray,
+    margins: FloatArray,
+    first: int,
+    guess: int,
+    ax: float,
+    ay: float,
+    az: float,
+    bx: float,
+    by: float,
+    bz: float,
+) -> int:
+    """A solid to which the segment a..b comes nearer than that solid's margin, or -1.
+
+    Args:
+        solids, margins, first, ax, ay, az, bx, by, bz: see ``blocked``.
+        guess: the solid that is looked at first.
+    """
     lx, ly, lz = min(ax, bx), min(ay, by), min(az, bz)
     hx, hy, hz = max(ax, bx), max(ay, by), max(az, bz)
-    for s in range(len(solids) // WIDTH):
+    count = len(solids) // WIDTH
+    for turn in range(count):
+        s = guess if turn == 0 else (turn - 1 if turn <= guess else turn)
         k, margin = WIDTH * s, margins[first + s]
         if (
             lx - solids[k + 20] >= margin
@@ -238,5 +275,5 @@ def blocked(
         px, py, pz = in_body(axes, ax - solids[k], ay - solids[k + 1], az - solids[k + 2])
         dx, dy, dz = in_body(axes, bx - ax, by - ay, bz - az)
         if near(core, margin, px, py, pz, dx, dy, dz):
-            return True
-    return False
+            return s
+    return -1

@@ -1,20 +1,16 @@
 """The tightening of a path between convex solids.
 
-Compiled by numba; ``tighten`` runs uncompiled too, by its ``py_func`` on plain lists; the functions
-that it calls are plain Python that numba compiles with it. For the rows of numbers that describe
-solids see ``abi.kernels.solids``.
+Plain Python that numba compiles with its caller; uncompiled it runs on lists. For the rows of
+numbers that describe solids see ``abi.kernels.solids``.
 """
 
 from __future__ import annotations
 
 import math
-import threading
 
-import numba
-import numpy as np
 from numba.extending import register_jitable
 
-from abi.arrays import FloatArray, read_only
+from abi.arrays import FloatArray
 from abi.kernels.solids import (
     WIDTH,
     apart,
@@ -27,16 +23,16 @@ from abi.kernels.solids import (
     in_world,
 )
 
-ready = threading.Event()
-"""Set once the kernel is compiled."""
-
 _STEPS = 14  # halvings when a corner is cut: to 1/16,000 of the leg
+_HALVINGS = 24  # when the place is looked for that touches a solid
 _LOOK_BACK = 64
 _MOST_POINTS = 256
 _SWEEPS = 24
-_SETTLING = 10  # sweeps after each round of cuts
+_SETTLING = 4  # sweeps after each round of cuts
 _SPLITS = 8
 _SETTLED = 1e-6  # part of the length by which a sweep must shorten the path to be followed by one
+_GLANCE = 1e-4  # the same, and how many sweeps, for a first look
+_GLANCE_SWEEPS = 6
 
 
 @register_jitable
@@ -66,7 +62,7 @@ def _touch(
         px, py, pz = in_body(axes, ax - solids[k], ay - solids[k + 1], az - solids[k + 2])
         dx, dy, dz = in_body(axes, bx - ax, by - ay, bz - az)
         low, high = 0.0, 1.0
-        for _ in range(40):
+        for _ in range(_HALVINGS):
             t = (low + high) / 2
             _, gx, gy, gz = distance(core, px + t * dx, py + t * dy, pz + t * dz)
             if gx * dx + gy * dy + gz * dz > 0:
@@ -221,12 +217,11 @@ def _settled(
     margins: FloatArray,
     bounds: FloatArray,
     sweeps: int,
+    settled: float,
 ) -> None:
     """Drop, straighten and slide the points in turn until the path gets no shorter."""
     count = len(solids) // WIDTH
-    length = 0.0
-    for i in range(1, len(x)):
-        length += gap(x[i - 1], y[i - 1], z[i - 1], x[i], y[i], z[i])
+    length = length_of(x, y, z)
     for _ in range(sweeps):
         i = 1
         while i < len(x) - 1:
@@ -242,10 +237,8 @@ def _settled(
             _slid(x, y, z, i, solids, margins, bounds, 1e-3 * length)
             i += 1
         before = length
-        length = 0.0
-        for k in range(1, len(x)):
-            length += gap(x[k - 1], y[k - 1], z[k - 1], x[k], y[k], z[k])
-        if before - length < _SETTLED * length:
+        length = length_of(x, y, z)
+        if before - length < settled * length:
             break
 
 
@@ -311,7 +304,7 @@ def _split(
 
 @register_jitable
 def _shortcut(
-    x: FloatArray, y: FloatArray, z: FloatArray, solids: FloatArray, margins: FloatArray
+    x: list[float], y: list[float], z: list[float], solids: FloatArray, margins: FloatArray
 ) -> list[int]:
     """The shortest way from first to last by points of the path that see each other."""
     last = len(x) - 1
@@ -336,16 +329,25 @@ def _shortcut(
     return kept[::-1]
 
 
-@numba.njit(cache=True, nogil=True)
+@register_jitable
+def length_of(x: list[float], y: list[float], z: list[float]) -> float:
+    """Length of a path."""
+    length = 0.0
+    for i in range(1, len(x)):
+        length += gap(x[i - 1], y[i - 1], z[i - 1], x[i], y[i], z[i])
+    return length
+
+
+@register_jitable
 def tighten(
-    x: FloatArray,
-    y: FloatArray,
-    z: FloatArray,
+    x: list[float],
+    y: list[float],
+    z: list[float],
     solids: FloatArray,
     margins: FloatArray,
     bounds: FloatArray,
     worth: float,
-) -> tuple[FloatArray, FloatArray, FloatArray]:
+) -> tuple[list[float], list[float], list[float]]:
     """Pull a path taut: never longer, and every new segment clear.
 
     Skips points that it can do without, then moves each to where its legs are shortest, on the
@@ -358,28 +360,21 @@ def tighten(
         margins: (4k,) distance from each solid that a segment keeps, [unit]: in general, from the
             first point, to the last point, from the first to the last.
         bounds: (6,) low and high corner of the box in which the path stays, [unit].
-        worth: part of the length that a cut corner must win.
+        worth: part of the length that a cut corner must win; inf for a first look, which cuts none
+            and stops sooner.
 
     Returns:
         The coordinates of the new path, (m,) each.
     """
     kept = _shortcut(x, y, z, solids, margins)
-    px = [x[i] for i in kept]
-    py = [y[i] for i in kept]
-    pz = [z[i] for i in kept]
-    _settled(px, py, pz, solids, margins, bounds, _SWEEPS)
-    length = 0.0
-    for i in range(1, len(px)):
-        length += gap(px[i - 1], py[i - 1], pz[i - 1], px[i], py[i], pz[i])
+    px, py, pz = [x[i] for i in kept], [y[i] for i in kept], [z[i] for i in kept]
+    if worth == math.inf:
+        _settled(px, py, pz, solids, margins, bounds, _GLANCE_SWEEPS, _GLANCE)
+        return px, py, pz
+    _settled(px, py, pz, solids, margins, bounds, _SWEEPS, _SETTLED)
+    length = length_of(px, py, pz)
     for _ in range(_SPLITS):
         if not _split(px, py, pz, solids, margins, worth * length):
             break
-        _settled(px, py, pz, solids, margins, bounds, _SETTLING)
-    return np.array(px), np.array(py), np.array(pz)
-
-
-def warm() -> None:
-    """Compile the kernel, or load it from numba's cache."""
-    ones, numbers = read_only(np.ones(2)), read_only(np.zeros(0))
-    tighten(ones, ones, ones, numbers, numbers, read_only(np.zeros(6)), 1e-6)
-    ready.set()
+        _settled(px, py, pz, solids, margins, bounds, _SETTLING, _SETTLED)
+    return px, py, pz

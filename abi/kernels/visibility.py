@@ -1,34 +1,29 @@
 """Short paths by places that see each other, between convex solids.
 
-Compiled by numba; ``places`` and ``ways`` run uncompiled too, by their ``py_func`` on plain lists.
-For the rows of numbers that describe solids see ``abi.kernels.solids``.
+Plain Python that numba compiles with its caller; uncompiled it runs on lists. For the rows of
+numbers that describe solids see ``abi.kernels.solids``.
 """
 
 from __future__ import annotations
 
-import threading
+import math
 
-import numba
-import numpy as np
 from numba.extending import register_jitable
 
-from abi.arrays import FloatArray, IntArray, read_only
-from abi.kernels.solids import WIDTH, blocked, gap, within
-
-ready = threading.Event()
-"""Set once the kernels are compiled."""
+from abi.arrays import FloatArray
+from abi.kernels.solids import WIDTH, blocked, blocker, gap, within
 
 
-@numba.njit(cache=True, nogil=True)
+@register_jitable
 def places(
     edges: FloatArray,
-    ends: FloatArray,
+    ends: list[float],
     samples: int,
     most: float,
     margin: float,
     bounds: FloatArray,
     solids: FloatArray,
-) -> tuple[FloatArray, FloatArray, FloatArray, IntArray]:
+) -> tuple[list[float], list[float], list[float], list[int]]:
     """Start, goal, and places on edges by which a path between them may be short.
 
     On each edge: ``samples`` places evenly apart, and the one by which the way between the ends is
@@ -47,11 +42,7 @@ def places(
         Their coordinates (n,) each, and numbers of the edges (n,).
     """
     ax, ay, az, bx, by, bz = ends[0], ends[1], ends[2], ends[3], ends[4], ends[5]
-    most_places = 2 + len(edges) // 6 * (samples + 1)
-    x, y, z = np.empty(most_places), np.empty(most_places), np.empty(most_places)
-    labels = np.full(most_places, -1, np.int32)
-    x[0], y[0], z[0], x[1], y[1], z[1] = ax, ay, az, bx, by, bz
-    found = 2
+    x, y, z, labels = [ax, bx], [ay, by], [az, bz], [-1, -1]
     for e in range(0, len(edges), 6):
         px, py, pz = edges[e], edges[e + 1], edges[e + 2]
         dx, dy, dz = edges[e + 3] - px, edges[e + 4] - py, edges[e + 5] - pz
@@ -79,14 +70,15 @@ def places(
                 and gap(qx, qy, qz, ax, ay, az) + gap(qx, qy, qz, bx, by, bz) < most
                 and not within(solids, margin, qx, qy, qz)
             ):
-                x[found], y[found], z[found] = qx, qy, qz
-                labels[found] = e // 6
-                found += 1
-    return x[:found], y[:found], z[:found], labels[:found]
+                x.append(qx)
+                y.append(qy)
+                z.append(qz)
+                labels.append(e // 6)
+    return x, y, z, labels
 
 
 @register_jitable
-def _same_way(parent: IntArray, labels: IntArray, node: int, other: int) -> bool:
+def _same_way(parent: list[int], labels: list[int], node: int, other: int) -> bool:
     """Whether the ways to two places go by the same labels, each counted once in a row."""
     while True:
         if labels[node] != labels[other]:
@@ -100,17 +92,17 @@ def _same_way(parent: IntArray, labels: IntArray, node: int, other: int) -> bool
             return node == other
 
 
-@numba.njit(cache=True, nogil=True)
+@register_jitable
 def ways(
-    x: FloatArray,
-    y: FloatArray,
-    z: FloatArray,
-    labels: IntArray,
+    x: list[float],
+    y: list[float],
+    z: list[float],
+    labels: list[int],
     solids: FloatArray,
     margins: FloatArray,
     most: float,
     count: int,
-) -> IntArray:
+) -> list[int]:
     """Short paths from the first place to the second by places that see each other.
 
     A* on the visibility graph: of the shortest paths to each place that sees the second, the first
@@ -121,7 +113,7 @@ def ways(
         x, y, z: (n,) places, n >= 2, [unit], world.
         labels: (n,) which places count as the same, from the third on.
         solids: (k WIDTH,) rows, one after the other.
-        margins: (4k,), see ``tighten``.
+        margins: (4k,), see ``abi.kernels.tighten``.
         most: length that the paths must be below, [unit].
         count: how many paths at most.
 
@@ -130,67 +122,44 @@ def ways(
     """
     total = len(x)
     solid_count = len(solids) // WIDTH
-    cost = np.full(total, np.inf)
-    parent = np.zeros(total, np.int32)
-    closed = np.zeros(total, np.bool_)
+    cost = [math.inf] * total
+    parent = [0] * total
     to_go = [gap(x[i], y[i], z[i], x[1], y[1], z[1]) for i in range(total)]
-    cost[0] = 0.0
-    lasts = np.empty(count, np.int32)
-    found = 0
-    while found < count:
-        node, least = -1, most
-        for i in range(total):
-            if not closed[i] and cost[i] + to_go[i] < least:
-                node, least = i, cost[i] + to_go[i]
-        if node < 0:
-            break
-        closed[node] = True
+    left = list(range(2, total))
+    lasts = [0] * count
+    found, guess = 0, 0
+    node, cost[0] = 0 if to_go[0] < most else -1, 0.0
+    while node >= 0 and found < count:
         px, py, pz, so_far = x[node], y[node], z[node], cost[node]
-        from_start = 1 if node == 0 else 0
-        if not blocked(
-            solids, margins, (from_start + 2) * solid_count, px, py, pz, x[1], y[1], z[1]
-        ):
+        first = solid_count if node == 0 else 0
+        if not blocked(solids, margins, first + 2 * solid_count, px, py, pz, x[1], y[1], z[1]):
             new = True
             for k in range(found):
                 if _same_way(parent, labels, node, lasts[k]):
                     new = False
             lasts[found] = node
             found += 1 if new else 0
-        for i in range(2, total):
-            if closed[i]:
-                continue
+        last, node, at, least = node, -1, 0, most
+        for k in range(len(left)):
+            i = left[k]
             through = so_far + gap(px, py, pz, x[i], y[i], z[i])
-            if (
-                through < cost[i]
-                and through + to_go[i] < most
-                and not blocked(
-                    solids, margins, from_start * solid_count, px, py, pz, x[i], y[i], z[i]
-                )
-            ):
-                cost[i] = through
-                parent[i] = node
-    path = np.empty(count * (total + 1), np.int32)
-    size = 0
+            if through < cost[i] and through + to_go[i] < most:
+                # what was in the way is likely to be in the way of the next place too
+                in_the_way = blocker(solids, margins, first, guess, px, py, pz, x[i], y[i], z[i])
+                if in_the_way >= 0:
+                    guess = in_the_way
+                else:
+                    cost[i] = through
+                    parent[i] = last
+            if cost[i] + to_go[i] < least:
+                node, at, least = i, k, cost[i] + to_go[i]
+        if node >= 0:
+            left[at] = left[len(left) - 1]
+            left.pop()
+    nodes = [0] * 0
     for k in range(found):
-        begin = size
-        path[size] = 1
-        size += 1
-        node = lasts[k]
-        while True:
-            path[size] = node
-            size += 1
-            if node == 0:
-                break
-            node = parent[node]
-        for i in range((size - begin) // 2):
-            path[begin + i], path[size - 1 - i] = path[size - 1 - i], path[begin + i]
-    return path[:size]
-
-
-def warm() -> None:
-    """Compile the kernels, or load them from numba's cache."""
-    ones, numbers = read_only(np.ones(2)), read_only(np.zeros(0))
-    box, labels = read_only(np.zeros(6)), read_only(np.zeros(2, np.int32))
-    places(numbers, box, 1, 1.0, 1.0, box, numbers)
-    ways(ones, ones, ones, labels, numbers, numbers, 1.0, 1)
-    ready.set()
+        way = [1, lasts[k]]
+        while way[-1] != 0:
+            way.append(parent[way[-1]])
+        nodes.extend(way[::-1])
+    return nodes
