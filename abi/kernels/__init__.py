@@ -9,24 +9,25 @@ def warm() -> None:
     from abi.kernels import (
         arc_length,
         arm,
+        around,
         certify,
         clearance,
         mask,
         pull,
         search,
-        segments,
         splines,
     )
 
-    for kernels in (
+    in_order_of_use = (
         mask,
-        pull,
         search,
-        segments,
-        certify,
+        pull,
+        around,
         clearance,
         splines,
         arc_length,
+        certify,
         arm,
-    ):
+    )
+    for kernels in in_order_of_use:
         kernels.warm()

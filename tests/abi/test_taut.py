@@ -14,11 +14,11 @@ from abi.clearance import measure_polyline
 from abi.errors import StageError
 from abi.graph import Graph
 from abi.kernels import pull, segments
+from abi.kernels.around import around_ball
 from abi.plan import plan
 from abi.scene import Scene, load_scene
 from abi.search import SearchResult, a_star
 from abi.shapes import Box, MeshShape, Obstacles
-from abi.shortest.around import around_ball
 from abi.shortest.optimum import lower_bound
 from abi.surfaces.surface import Surface, clean
 from abi.taut import TautPath, taut
