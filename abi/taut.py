@@ -170,4 +170,5 @@ def _shortest_clear(
 
 
 def _length(points: FloatArray) -> float:
-    return float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
+    steps = points[1:] - points[:-1]
+    return float(np.sqrt(np.einsum("ij,ij->i", steps, steps)).sum())

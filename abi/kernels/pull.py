@@ -46,48 +46,47 @@ def pull(
     Returns:
         Coordinates of the paths, one after the other, (m,) each; where each ends (p,).
     """
-    px, py, pz = tighten(list(x), list(y), list(z), solids, margins, bounds, math.inf)
-    ends = [len(px)]
-    shortest, begin = length_of(px, py, pz), 0
-    last = len(x) - 1
+    px, py, pz = list(x), list(y), list(z)
+    first, last = 0, len(x) - 1
     between = [x[0], y[0], z[0], x[last], y[last], z[last]]
-    margin, most = 0.0, slack * shortest
+    margin = 0.0
     for k in range(len(margins) // 4):
         margin = max(margin, margins[k])
-    qx, qy, qz, labels = places(edges, between, samples, most, margin, bounds, solids)
-    nodes = ways(qx, qy, qz, labels, solids, margins, most, count)
-    first = 0
-    for k in range(len(nodes)):
-        if nodes[k] == 1:
-            way = nodes[first : k + 1]
-            first = k + 1
-            wx, wy, wz = tighten(
-                [qx[i] for i in way],
-                [qy[i] for i in way],
-                [qz[i] for i in way],
-                solids,
-                margins,
-                bounds,
-                math.inf,
+    xs, ys, zs = px[:0], py[:0], pz[:0]
+    qx, qy, qz = px[:0], py[:0], pz[:0]
+    nodes, ends = [0] * 0, [0]
+    shortest, best = math.inf, 0
+    final = False
+    while not final:
+        final = len(ends) > 1 and first == len(nodes)
+        if final:
+            px, py, pz = (
+                xs[ends[best] : ends[best + 1]],
+                ys[ends[best] : ends[best + 1]],
+                zs[ends[best] : ends[best + 1]],
             )
-            length = length_of(wx, wy, wz)
-            if length < shortest:
-                shortest, begin = length, len(px)
-            px.extend(wx)
-            py.extend(wy)
-            pz.extend(wz)
-            ends.append(len(px))
-    end = begin + 1
-    while end not in ends:
-        end += 1
-    wx, wy, wz = tighten(
-        px[begin:end], py[begin:end], pz[begin:end], solids, margins, bounds, worth
-    )
-    px.extend(wx)
-    py.extend(wy)
-    pz.extend(wz)
-    ends.append(len(px))
-    return np.array(px), np.array(py), np.array(pz), np.array(ends)
+        elif len(ends) > 1:
+            end = first + 1
+            while nodes[end] != 1:
+                end += 1
+            px = [qx[i] for i in nodes[first : end + 1]]
+            py = [qy[i] for i in nodes[first : end + 1]]
+            pz = [qz[i] for i in nodes[first : end + 1]]
+            first = end + 1
+        # called from one place, for what is called is compiled where it is called
+        px, py, pz = tighten(px, py, pz, solids, margins, bounds, worth if final else math.inf)
+        length = length_of(px, py, pz)
+        if length < shortest:
+            shortest, best = length, len(ends) - 1
+        xs.extend(px)
+        ys.extend(py)
+        zs.extend(pz)
+        ends.append(len(xs))
+        if len(ends) == 2:
+            most = slack * length
+            qx, qy, qz, labels = places(edges, between, samples, most, margin, bounds, solids)
+            nodes = ways(qx, qy, qz, labels, solids, margins, most, count)
+    return np.array(xs), np.array(ys), np.array(zs), np.array(ends[1:])
 
 
 def warm() -> None:

@@ -21,6 +21,7 @@ from abi.kernels.solids import (
     gap,
     in_body,
     in_world,
+    near,
 )
 
 _STEPS = 14  # halvings when a corner is cut: to 1/16,000 of the leg
@@ -31,8 +32,8 @@ _SWEEPS = 24
 _SETTLING = 4  # sweeps after each round of cuts
 _SPLITS = 8
 _SETTLED = 1e-6  # part of the length by which a sweep must shorten the path to be followed by one
-_GLANCE = 1e-4  # the same, and how many sweeps, for a first look
-_GLANCE_SWEEPS = 6
+_GLANCE = 3e-4  # the same, and how many sweeps, for a first look
+_GLANCE_SWEEPS = 3
 
 
 @register_jitable
@@ -61,6 +62,8 @@ def _touch(
         axes, core = axes_of(solids, s), core_of(solids, s)
         px, py, pz = in_body(axes, ax - solids[k], ay - solids[k + 1], az - solids[k + 2])
         dx, dy, dz = in_body(axes, bx - ax, by - ay, bz - az)
+        if not near(core, limit, px, py, pz, dx, dy, dz):
+            continue
         low, high = 0.0, 1.0
         for _ in range(_HALVINGS):
             t = (low + high) / 2
@@ -69,9 +72,9 @@ def _touch(
                 high = t
             else:
                 low = t
-        away, gx, gy, gz = distance(core, px + low * dx, py + low * dy, pz + low * dz)
-        if away < limit and low < earliest:
+        if low < earliest:
             earliest = low
+            _, gx, gy, gz = distance(core, px + low * dx, py + low * dy, pz + low * dz)
             nx, ny, nz = in_world(axes, gx, gy, gz)
     return nx, ny, nz
 
