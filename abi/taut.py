@@ -91,6 +91,7 @@ def taut(graph: Graph, obstacles: Obstacles, margin: float, path: SearchResult) 
     if solids != obstacles:
         best, _ = _shortest_clear(path.points, strings, obstacles, limits)
         strings = [tightened(points, obstacles, limits) for points in (path.points, best)]
+        strings.sort(key=_length)
     points, clearance = _shortest_clear(path.points, strings, obstacles, limits)
     return TautPath(read_only(points), _length(points), clearance)
 
@@ -128,37 +129,37 @@ def _pulled(
     margins: FloatArray,
     box: tuple[FloatArray, FloatArray],
 ) -> list[FloatArray]:
-    """The path and those by the obstacles' edges, all tightened, the corners of the best cut."""
+    """The path and those by the obstacles' edges, tightened; first the best, its corners cut."""
     bounds = read_only(np.concatenate(box))
     rows = packed(solids)
     limits = read_only((margins + _PAD * float(np.abs(bounds).max())).ravel())
 
     x, y, z = (path[-1] - path[0]).tolist()
     by = edges(solids, float(margins[0].max(initial=0)), (x, y, z))
-    *coordinates, ends = call(
+    *coordinates, ends, lengths = call(
         kernels.ready,
         kernels.pull,
         *(*columns(path), by, rows, limits, bounds, _SAMPLES, _SLACK, _WAYS, _WORTH),
     )
-    return np.split(np.stack(coordinates, axis=1), ends[:-1])
+    points = np.stack(coordinates, axis=1)
+    return [points[ends[k] : ends[k + 1]] for k in np.argsort(lengths)]
 
 
 def _shortest_clear(
     path: FloatArray, strings: list[FloatArray], obstacles: Obstacles, limits: FloatArray
 ) -> tuple[FloatArray, float]:
-    """The shortest string that is clear, or the path, which needs no test; and its distance.
+    """The first string that is clear, or the path, which needs no test; and its distance.
 
     Args:
         path: (k, 3) a path of the graph, [unit], world.
-        strings: (m, 3) each, between the same ends.
+        strings: (m, 3) each, between the same ends, the shortest first.
         obstacles: the solids.
         limits: (4,) distance that a segment keeps, [unit]: in general, from the first point, to the
             last, from the first to the last.
     """
     most = _length(path)
-    for length, k in sorted((_length(points), k) for k, points in enumerate(strings)):
-        points = strings[k]
-        if length > most:
+    for points in strings:
+        if _length(points) > most:
             break
         distances = segment_clearances(points, obstacles)
         kind = np.zeros(len(distances), dtype=int)

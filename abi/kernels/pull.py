@@ -32,7 +32,7 @@ def pull(
     slack: float,
     count: int,
     worth: float,
-) -> tuple[FloatArray, FloatArray, FloatArray, IntArray]:
+) -> tuple[FloatArray, FloatArray, FloatArray, IntArray, FloatArray]:
     """Tighten a path, and the shortest ways by places on the edges; cut the corners of the best.
 
     Args:
@@ -44,7 +44,8 @@ def pull(
         count: how many of these are looked at.
 
     Returns:
-        Coordinates of the paths, one after the other, (m,) each; where each ends (p,).
+        Coordinates of the paths, one after the other, (m,) each; where each begins, and where the
+        last ends (p + 1,); and their lengths (p,), [unit].
     """
     px, py, pz = list(x), list(y), list(z)
     first, last = 0, len(x) - 1
@@ -54,7 +55,7 @@ def pull(
         margin = max(margin, margins[k])
     xs, ys, zs = px[:0], py[:0], pz[:0]
     qx, qy, qz = px[:0], py[:0], pz[:0]
-    nodes, ends = [0] * 0, [0]
+    nodes, ends, lengths = [0] * 0, [0], [0.0] * 0
     shortest, best = math.inf, 0
     final = False
     while not final:
@@ -73,6 +74,8 @@ def pull(
             py = [qy[i] for i in nodes[first : end + 1]]
             pz = [qz[i] for i in nodes[first : end + 1]]
             first = end + 1
+            if length_of(px, py, pz) > slack * shortest:
+                continue
         # called from one place, for what is called is compiled where it is called
         px, py, pz = tighten(px, py, pz, solids, margins, bounds, worth if final else math.inf)
         length = length_of(px, py, pz)
@@ -82,11 +85,12 @@ def pull(
         ys.extend(py)
         zs.extend(pz)
         ends.append(len(xs))
+        lengths.append(length)
         if len(ends) == 2:
             most = slack * length
             qx, qy, qz, labels = places(edges, between, samples, most, margin, bounds, solids)
             nodes = ways(qx, qy, qz, labels, solids, margins, most, count)
-    return np.array(xs), np.array(ys), np.array(zs), np.array(ends[1:])
+    return np.array(xs), np.array(ys), np.array(zs), np.array(ends), np.array(lengths)
 
 
 def warm() -> None:

@@ -26,7 +26,9 @@ from abi.kernels.solids import (
 
 _STEPS = 14  # halvings when a corner is cut: to 1/16,000 of the leg
 _HALVINGS = 24  # when the place is looked for that touches a solid
-_LOOK_BACK = 64
+_LOOK_BACK = 64  # points to which one may be joined
+_CLOSELY = 8  # of which so many are tried, and of the others each fourth
+_STRIDE = 4
 _MOST_POINTS = 256
 _SWEEPS = 24
 _SETTLING = 4  # sweeps after each round of cuts
@@ -317,6 +319,8 @@ def _shortcut(
     for j in range(1, last + 1):
         best, by = math.inf, j - 1
         for i in range(max(0, j - _LOOK_BACK), j):
+            if j - i > _CLOSELY and i % _STRIDE != 0:
+                continue
             through = cost[i] + gap(x[i], y[i], z[i], x[j], y[j], z[j])
             first = ((1 if i == 0 else 0) + (2 if j == last else 0)) * count
             if through < best and (

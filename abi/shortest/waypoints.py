@@ -56,20 +56,26 @@ def _along(ahead: FloatArray) -> FloatArray:
     return np.stack([side, np.cross(ahead, side), ahead])
 
 
-_SIGNS = read_only(np.array(list(product((-1, 1), repeat=2))))
-"""On which sides the four parallel edges of a box are, along the two axes across them."""
+def _corners() -> FloatArray:
+    """Both ends (12, 2, 3) of the edges of a cube of half size 1, the ends along z last."""
+    ends = np.empty((12, 2, 3))
+    for axis in range(3):
+        rows = slice(4 * axis, 4 * axis + 4)
+        ends[rows, :, axis] = (-1, 1)
+        ends[rows, :, axis - 1], ends[rows, :, axis - 2] = np.array(
+            [(u, v) for u, v in product((-1, 1), repeat=2)]
+        ).T[..., None]
+    return read_only(ends)
+
+
+_CORNERS = _corners()
+_ACROSS = read_only(np.where(np.diff(_CORNERS, axis=1, prepend=0)[:, 1:] == 0, _CORNERS, 0.0))
+"""The same without what lies along the edge."""
 
 
 def _box_edges(solid: Box, margin: float) -> FloatArray:
     """Ends (12, 2, 3) of the edges of a box, moved outwards along both their faces, body."""
-    half = np.array(solid.size) / 2
-    ends = np.zeros((12, 2, 3))
-    for axis in range(3):
-        rows = slice(4 * axis, 4 * axis + 4)
-        for k in (1, 2):
-            ends[rows, :, axis - k] = _SIGNS[:, k - 1, None] * (half + margin)[axis - k]
-        ends[rows, :, axis] = (-half[axis], half[axis])
-    return ends
+    return np.asarray(_CORNERS * (np.array(solid.size) / 2) + _ACROSS * margin)
 
 
 def _prism_edges(solid: Solid, margin: float) -> FloatArray:

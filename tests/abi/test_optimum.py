@@ -45,7 +45,7 @@ def test_an_exact_bound_is_the_length_of_the_shortest_way_by_many_places(
     clear = [path for path in detours if segment_clearances(path, solids).min() > CLEARANCE]
     assume(clear)
     x, y, z = (ends[1] - ends[0]).tolist()
-    *found, last = pull.pull(
+    *found, begins, _ = pull.pull(
         *columns(clear[0]),
         edges(solids, CLEARANCE, (x, y, z)),
         packed(solids),
@@ -56,7 +56,7 @@ def test_an_exact_bound_is_the_length_of_the_shortest_way_by_many_places(
         30,
         1e-7,
     )
-    path = np.stack(found, axis=1)[last[-2] :]
+    path = np.stack(found, axis=1)[begins[-2] :]
     length = float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum())
     assert length >= bound.length * (1 - 1e-8)
     if bound.exact:
