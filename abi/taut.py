@@ -11,11 +11,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from abi.arrays import FloatArray, columns, read_only
+from abi.arrays import FloatArray, columns, flat, read_only
 from abi.clearance import measure_polyline, segment_clearances
 from abi.graph import Graph
+from abi.kernels import clearance as distances
 from abi.kernels import pull as kernels
-from abi.kernels import segments
 from abi.kernels.calling import call
 from abi.search import SearchResult
 from abi.shapes import Box, MeshShape, Obstacle, Obstacles
@@ -108,8 +108,9 @@ def _in_its_bounds(obstacle: Obstacle) -> Solid:
 
 def _levels(solids: tuple[Solid, ...], points: FloatArray) -> FloatArray:
     """Signed distance (n, k) of points (n, 3), [unit], world, to each solid, [unit]."""
-    found = call(segments.ready, segments.levels, *columns(points), packed(solids))
-    return np.asarray(found).reshape(len(points), len(solids))
+    found = np.empty(len(points) * len(solids))
+    call(distances.ready, distances.levels, flat(points), packed(solids), found)
+    return found.reshape(len(points), len(solids))
 
 
 def _margins(own: FloatArray, margin: float) -> FloatArray:
@@ -161,12 +162,12 @@ def _shortest_clear(
     for points in strings:
         if _length(points) > most:
             break
-        distances = segment_clearances(points, obstacles)
-        kind = np.zeros(len(distances), dtype=int)
+        room = segment_clearances(points, obstacles)
+        kind = np.zeros(len(room), dtype=int)
         kind[0] += 1
         kind[-1] += 2
-        if (distances >= limits[kind]).all():
-            return points, float(distances.min())
+        if (room >= limits[kind]).all():
+            return points, float(room.min())
     return path, measure_polyline(path, obstacles)
 
 

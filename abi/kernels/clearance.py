@@ -345,6 +345,25 @@ def curve(
     return min(bottom, nearest), at, nearest, whose, stretches
 
 
+@numba.njit(cache=True, nogil=True)
+def levels(points: FloatArray, solids: FloatArray, found: FloatArray) -> None:
+    """Signed distance of each point to each solid.
+
+    Args:
+        points: flat (3 n,), [unit], world.
+        solids: rows (k WIDTH,).
+        found: (n k,), [unit], the solids of the first point first; written.
+    """
+    count = len(solids) // WIDTH
+    for i in range(len(points) // 3):
+        x, y, z = points[3 * i], points[3 * i + 1], points[3 * i + 2]
+        for s in range(count):
+            k = WIDTH * s
+            axes = axes_of(solids, s)
+            p = in_body(axes, x - solids[k], y - solids[k + 1], z - solids[k + 2])
+            found[i * count + s] = level(core_of(solids, s), p[0], p[1], p[2])
+
+
 def warm() -> None:
     """Compile all kernels, or load what was compiled before."""
     points = read_only(np.array([0.0, 0, 0, 1, 0, 0]))
@@ -355,5 +374,6 @@ def warm() -> None:
     polylines(points, 2, solids, found)
     skeletons(points, 2, solids)
     nearest(points, solids, np.zeros(2), np.zeros(6))
+    levels(points, solids, np.zeros(2))
     curve(points, breaks, 1, solids, 1.0, 0.1, 0.1)
     ready.set()
