@@ -113,8 +113,9 @@ def _search(
     """Call a kernel: compiled when that is ready or worth waiting for, else as plain Python."""
     if len(graph.excluded) > COMPILE_FROM and not kernels.ready.is_set():
         kernels.warm()
-    weights, link_weights = graph.weights, graph.link_lengths
+    weights, link_weights, largest = graph.weights, graph.link_lengths, graph.longest_edge
     if weight == "hops":
+        largest = _most_hops(graph)
         weights = read_only(np.where(np.isfinite(weights), 1.0, np.inf))
         link_weights = read_only(np.ones(len(link_weights)))
     found = call(
@@ -122,9 +123,19 @@ def _search(
         kernel,
         *graph.mesh.net,
         *(graph.exits, weights, graph.tails, graph.heads, link_weights, len(graph.own)),
-        *(graph.start, graph.goal, graph.longest_edge if weight == "length" else 1.0, towards),
+        *(graph.start, graph.goal, largest, towards),
     )
     return _result(algorithm, graph, weight, *found)
+
+
+def _most_hops(graph: Graph) -> float:
+    """So many hops the heuristic may change by along an edge, at the most by twice as many.
+
+    A link counts as one hop however far it goes; a lattice takes up to two for each cell.
+    """
+    longest = float(graph.link_lengths.max(initial=0.0))
+    stencil = graph.mesh.stencil
+    return 1.0 if stencil is None else 1.0 + longest / min(stencil.cell)
 
 
 def _result(

@@ -136,6 +136,23 @@ def test_the_three_tie_and_equal_networkx_and_scipy(block: int) -> None:
 
 
 @pytest.mark.parametrize("weight", WEIGHTS)
+@pytest.mark.parametrize("lattice", LATTICES)
+def test_between_near_points_of_a_fine_mesh_all_cost_the_same(
+    lattice: Lattice, weight: Weight
+) -> None:
+    """Links count as one hop however far they go, so estimates jump."""
+    rng = np.random.default_rng(5)
+    workspace, settings = Workspace(max=(6, 6, 6)), MeshSettings(lattice=lattice, pitch=0.75)
+    free = exclude(tetrahedralise(workspace, settings), (), 0.05)
+    for start in rng.uniform(0.1, 5.9, (60, 3)):
+        goal = np.clip(start + rng.uniform(-4, 4, 3), 0, 6)
+        graph = build(free, (), 0.05, tuple(start.tolist()), tuple(goal.tolist()), 0.02)
+        least = costs_from(graph, weight, graph.start)[graph.goal]
+        for find in SEARCHES.values():
+            assert find(graph, weight).cost == pytest.approx(least, abs=1e-9)
+
+
+@pytest.mark.parametrize("weight", WEIGHTS)
 @pytest.mark.parametrize("algorithm", SEARCHES)
 @pytest.mark.parametrize("seed", [0, 1, 2])
 def test_a_result_is_a_walk_from_start_to_goal(
