@@ -172,5 +172,5 @@ def _shortest_clear(
 
 
 def _length(points: FloatArray) -> float:
-    steps = points[1:] - points[:-1]
-    return float(np.sqrt(np.einsum("ij,ij->i", steps, steps)).sum())
+    # as a path of the graph is measured: to the last bit the same for the same points
+    return float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
