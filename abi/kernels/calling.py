@@ -16,7 +16,8 @@ def call(ready: threading.Event, kernel: Any, *arguments: Any) -> Any:
     if ready.is_set():
         return kernel(*arguments)
     plain = [value.tolist() if isinstance(value, np.ndarray) else value for value in arguments]
-    result = kernel.py_func(*plain)
+    with np.errstate(all="ignore"):  # as compiled
+        result = kernel.py_func(*plain)
     for array, values in zip(arguments, plain, strict=True):
         if isinstance(array, np.ndarray) and array.flags.writeable:
             array[:] = values
