@@ -32,15 +32,15 @@ class Server:
     """
 
     def __init__(self, host: str, port: int, plain: bool, dark: bool) -> None:
-        self._dark = dark
+        self._plain, self._dark = plain, dark
         self._lock = threading.Lock()
         self.sessions: dict[int, Session] = {}
         self.viser = viser.ViserServer(host=host, port=port, label="ABI visualiser", verbose=False)
         page.refuse_sharing(self.viser)
         self.viser.gui.configure_theme(dark_mode=dark, show_logo=False, show_share_button=False)
-        if plain:
-            self.viser.scene.configure_default_lights(cast_shadow=False)
-            self.viser.scene.configure_environment_map(hdri=None)
+        # shadows and surroundings take a weak machine seconds: each tab has them after its plan
+        self.viser.scene.configure_default_lights(cast_shadow=False)
+        self.viser.scene.configure_environment_map(hdri=None)
         self.url = f"http://{'127.0.0.1' if host == '0.0.0.0' else host}:{self.viser.get_port()}"
 
     def show(self, name: str, scene: Scene) -> None:
@@ -52,7 +52,7 @@ class Server:
 
         def connected(client: viser.ClientHandle) -> None:
             look_at(client.camera, scene)
-            session = Session(client, name, scene, self._dark, warm_up.planned)
+            session = Session(client, name, scene, self._plain, self._dark, warm_up.planned)
             warm_up.greet(client)
             with self._lock:
                 if client.client_id in self.viser.get_clients():

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 import viser
 
-from abi import assets
+from abi import assets, kernels
 from abi.errors import AbiError
 from abi.plan import Plan
 from abi.reasons import Reason, explain
@@ -46,6 +46,8 @@ SLOW_MS = 120.0
 """A plan that takes longer than this is awaited with the old one in grey."""
 REST = 0.3
 """Seconds without a wish after which the hand rests: time to plan in full, and to explain."""
+LIGHT = 1.5
+"""Seconds after the first plan in which it is drawn, however weak the graphics."""
 
 
 class Session:
@@ -56,6 +58,7 @@ class Session:
         client: viser.ClientHandle,
         name: str,
         scene: Scene,
+        plain: bool,
         dark: bool,
         planned: threading.Event,
     ) -> None:
@@ -72,6 +75,8 @@ class Session:
         self._planned = planned
         self._closing = False
         self._faded = False
+        self._lit = plain
+        self._compiled = kernels.ready.is_set()
         with client.atomic():
             self._build(name, scene, dark)
         self._changed.set()
@@ -196,7 +201,8 @@ class Session:
     def _patience(self) -> float | None:
         """How long to wait for the user, [s]; for ever when there is nothing else to do."""
         frame = self.playback.timeout()
-        idle = not (self._planner.coarse or self.mesh.behind or self._unexplained())
+        idle = self._lit and self._compiled
+        idle = idle and not (self._planner.coarse or self.mesh.behind or self._unexplained())
         return frame if frame is not None or idle else REST
 
     def _rest(self) -> None:
@@ -209,6 +215,20 @@ class Session:
             self._show_plan(self.plan)
         elif self._unexplained():
             self._explain()
+        elif not self._lit and time.monotonic() - self._wished >= LIGHT:
+            self._light()
+        elif not self._compiled and kernels.ready.is_set():
+            self._compiled = True
+            self._planner = LivePlanner()  # for times that do not mislead
+            self.plan = self._planner.finish(self._scene)
+            self._show_plan(self.plan)
+
+    def _light(self) -> None:
+        """Add what takes a weak machine seconds, once it shows the plan."""
+        self._lit = True
+        with self.client.atomic():
+            self.client.scene.configure_default_lights()
+            self.client.scene.configure_environment_map()
 
     def _unexplained(self) -> bool:
         plan = self.plan

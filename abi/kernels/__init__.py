@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+import threading
+
+ready = threading.Event()
+"""Set once all kernels are compiled."""
+
 
 def warm() -> None:
     """Compile all kernels, or load what was compiled before: seconds, or a few tenths of one."""
@@ -31,3 +36,4 @@ def warm() -> None:
     )
     for kernels in in_order_of_use:
         kernels.warm()
+    ready.set()
