@@ -1,4 +1,4 @@
-"""Plans that keep up with the hand: on a coarser mesh while it moves, in full once it rests."""
+"""Plans that keep up with the hand: one search, or a coarser mesh, while it moves; all at rest."""
 
 from __future__ import annotations
 
@@ -13,24 +13,26 @@ class LivePlanner:
     Attributes:
         pace: how many nodes fit a frame.
         coarse: whether the last plan was on a coarser mesh than its scene asks for.
+        partial: whether it was, or had one search alone.
     """
 
     def __init__(self) -> None:
         self.pace = Pace()
-        self.coarse = False
+        self.coarse = self.partial = False
         self._whole, self._hasty = Planner(), Planner()
         self._routed: tuple[object, ...] = ()
 
     def __call__(self, scene: Scene) -> Plan:
-        """Plan within a frame if that can be done: in full, or coarsely with one search."""
+        """Plan within a frame if that can be done: in full, with one search, or coarsely."""
         route = _route(scene)
         if route == self._routed:
             return self.finish(scene)
         coarser = self.pace.coarser(scene)
         self.coarse = coarser is not None
+        self.partial = not self.pace.fits_thrice(scene)
         if coarser is None:
-            self._routed = route
-            made = self._whole(scene)
+            self._routed = () if self.partial else route
+            made = self._whole(scene, chosen_only=self.partial)
         else:
             made = self._hasty(coarser, chosen_only=True)
         if made.mesh is not None:
@@ -39,7 +41,7 @@ class LivePlanner:
 
     def finish(self, scene: Scene) -> Plan:
         """Plan in full, however long it takes."""
-        self.coarse = False
+        self.coarse = self.partial = False
         self._routed = _route(scene)
         return self._whole(scene)
 

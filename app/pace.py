@@ -11,6 +11,7 @@ LEAST_NODES = 5_000
 _FINER = 2 ** (1 / 3)  # a pitch so much coarser has half the nodes
 _MOST_FINER = 40
 _FIRST_GUESS = 20_000
+_ALL = 5  # times as long all three searches may take as one with all that follows
 
 
 class Pace:
@@ -38,6 +39,10 @@ class Pace:
         if fits != self._halvings and not self._still_good(counts):
             self._halvings = fits
         return scene.model_copy(update={"mesh": meshes[max(self._halvings, 1)]})
+
+    def fits_thrice(self, scene: Scene) -> bool:
+        """Whether there is time for all three searches in its mesh; two visit all nodes."""
+        return scene.mesh.node_count(scene.workspace) <= max(self.nodes / _ALL, LEAST_NODES)
 
     def took(self, nodes: int, ms: float) -> None:
         """Learn from a plan that searched a mesh of ``nodes`` nodes in ``ms``."""

@@ -96,7 +96,7 @@ class Session:
     def resting(self) -> bool:
         """Whether the plan is whole and no wish is waiting."""
         drawn = self.plan is not None and not self.mesh.behind
-        return drawn and not self._planner.coarse and not self._changed.is_set()
+        return drawn and not self._planner.partial and not self._changed.is_set()
 
     def wake(self, event: object) -> None:
         """The callback of every widget: the user changed something, see what.
@@ -202,13 +202,13 @@ class Session:
         """How long to wait for the user, [s]; for ever when there is nothing else to do."""
         frame = self.playback.timeout()
         idle = self._lit and self._compiled
-        idle = idle and not (self._planner.coarse or self.mesh.behind or self._unexplained())
+        idle = idle and not (self._planner.partial or self.mesh.behind or self._unexplained())
         return frame if frame is not None or idle else REST
 
     def _rest(self) -> None:
         """Do what takes longer than a frame, now that the hand rests."""
-        if self._planner.coarse:
-            self._fade(True)
+        if self._planner.partial:
+            self._fade(self._planner.coarse)
             self.plan = self._planner.finish(self._scene)
             self._show_plan(self.plan)
         elif self.mesh.behind and self.plan is not None:
@@ -308,7 +308,7 @@ class Session:
             self.reached.draw(plan, self.search_panel.share())
             self.curves.draw(plan)
             self.arm.draw(plan)
-            self.numbers.draw(plan, self.mesh.note, self._planner.coarse)
+            self.numbers.draw(plan, self.mesh.note, self._planner.coarse, self._planner.partial)
             self.plots.draw(plan)
             self._switch()
         self.plans += 1

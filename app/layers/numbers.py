@@ -24,6 +24,8 @@ _COARSE = (
     f"{_BOX}<b>≈ coarse while you move</b>: pitch {{:.3g}} {{}}, one search. "
     "The mesh you asked for follows when your hand rests.</div>"
 )
+_PARTIAL = f"{_BOX}One search while you move; the others follow when your hand rests.</div>"
+_WAITING = f"{_BOX}… counted when your hand rests.</div>"
 _LEGEND = f"{_BOX}✓ proven along the whole curve, ✗ less than asked for.</div>"
 
 
@@ -50,25 +52,28 @@ class NumbersLayer:
         with arm:
             self._arm = gui.add_html("")
 
-    def draw(self, plan: Plan, mesh_note: str, coarse: bool) -> None:
+    def draw(self, plan: Plan, mesh_note: str, coarse: bool, partial: bool) -> None:
         """Write the plan's numbers.
 
         Args:
             plan: what was planned last.
             mesh_note: how much of the mesh is shown.
             coarse: whether its mesh is coarser than asked for, while the hand moves.
+            partial: whether it is, or two searches wait until the hand rests.
         """
-        note = _COARSE.format(plan.scene.mesh.pitch, plan.scene.unit) if coarse else ""
-        self._tables.content = _searches(plan, coarse) + _stages(plan) + note
-        self._graph.content = _graph(plan, mesh_note)
+        note = _PARTIAL if partial else ""
+        if coarse:
+            note = _COARSE.format(plan.scene.mesh.pitch, plan.scene.unit)
+        self._tables.content = _searches(plan, partial) + _stages(plan) + note
+        self._graph.content = _WAITING if partial else _graph(plan, mesh_note)
         self._bspline.content = _control_points(plan)
         self._quadratic.content = _coefficients(plan) + _motion(plan)
         self._arm.content = _arm(plan)
 
 
-def _searches(plan: Plan, coarse: bool) -> str:
+def _searches(plan: Plan, partial: bool) -> str:
     """Table I: the same columns, and what it cost; the others follow when the hand rests."""
-    missing = "…" if coarse else "–"
+    missing = "…" if partial else "–"
     found = {result.algorithm: result for result in plan.searches}
     rows = []
     for name, (label, colour) in style.ALGORITHMS.items():

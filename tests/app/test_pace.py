@@ -73,6 +73,7 @@ def test_in_haste_one_search_runs_on_a_coarser_mesh_and_then_all_on_the_whole() 
 
     whole = planner.finish(scene)
     assert not planner.coarse
+    assert not planner.partial
     assert whole.mesh is not None
     assert len(whole.mesh.points) == nodes(scene)
     assert len(whole.searches) == 3
@@ -83,3 +84,25 @@ def test_in_haste_one_search_runs_on_a_coarser_mesh_and_then_all_on_the_whole() 
     assert faster.quadratic is whole.quadratic
     assert faster.profile is not None
     assert faster.profile.peak_speed == pytest.approx(5)
+
+
+def test_in_haste_one_search_may_do_on_the_whole_mesh_and_the_rest_keeps_it() -> None:
+    planner, scene = LivePlanner(), scene_of(0.3)
+    planner.pace.nodes = nodes(scene)
+    hasty = planner(scene)
+
+    assert planner.partial
+    assert not planner.coarse
+    assert [found.algorithm for found in hasty.searches] == [scene.search.algorithm]
+
+    whole = planner.finish(scene)
+    assert not planner.partial
+    assert len(whole.searches) == 3
+    assert whole.path is hasty.path
+    assert whole.bspline is hasty.bspline
+
+
+def test_what_is_quick_is_planned_with_all_searches() -> None:
+    planner, scene = LivePlanner(), scene_of(1.3)
+    assert len(planner(scene).searches) == 3
+    assert not planner.partial
