@@ -259,7 +259,7 @@ def runs_apart(points: FloatArray, obstacles: Obstacles) -> FloatArray:
     call(kernels.ready, kernels.polylines, flat(points), points.shape[1], rows(obstacles), found)
     for mesh in meshes(obstacles):
         starts, ends = points[:, :-1].reshape(-1, 3), points[:, 1:].reshape(-1, 3)
-        legs = mesh.segment_distance(starts, ends).reshape(len(points), -1)
+        legs = mesh.segment_distance(starts, ends).reshape(len(points), points.shape[1] - 1)
         np.minimum(found, legs.min(axis=1), out=found)
     return found
 

@@ -12,6 +12,8 @@ from hypothesis import strategies as st
 
 from abi import Planner, Scene, load_scene
 from abi.arrays import FloatArray
+from abi.bspline import fit
+from abi.clearance import measure_polyline
 from abi.errors import SceneError
 from abi.mesh import exclude, tetrahedralise
 from abi.scene import MeshSettings, Workspace
@@ -431,3 +433,16 @@ def test_shapes_from_a_surface_compare_by_content() -> None:
     assert a != MeshShape.of(BOX, "b.stl")
     assert a.closed
     assert isinstance(a.surface, Surface)
+
+
+@pytest.mark.parametrize("vertices", [2, 3, 4])
+def test_a_graded_spline_passes_a_mesh(vertices: int) -> None:
+    mesh = MeshShape.of(BOX, position=(3, 3, 3))
+    far = float(np.linalg.norm(np.ptp(np.array(mesh.bounds()), axis=0))) + 4
+    bend = np.linspace(0, 1, vertices)
+    path = np.stack([far * (2 * bend - 1), far + bend * (1 - bend), 0 * bend], axis=1) + 3
+
+    spline = fit(path, 4, (mesh,), 0.2, taut=True)
+
+    assert spline.holds
+    assert measure_polyline(path, (mesh,)) >= spline.clearance.distance > 0.2
