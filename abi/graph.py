@@ -16,7 +16,7 @@ import numpy as np
 from abi import lattice, net
 from abi.arrays import BoolArray, FloatArray, IntArray, read_only
 from abi.errors import PointBlocked, StageError
-from abi.kernels import mask as kernels
+from abi.kernels import sight as kernels
 from abi.kernels.calling import call
 from abi.kernels.net import LINKED
 from abi.mesh import FreeMesh, TetMesh

@@ -20,11 +20,13 @@ def warm() -> None:
         mask,
         pull,
         search,
+        sight,
         splines,
     )
 
     in_order_of_use = (
         mask,
+        sight,
         search,
         pull,
         around,

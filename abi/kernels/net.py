@@ -23,6 +23,8 @@ tails, heads, link_weights
 
 from __future__ import annotations
 
+import math
+
 from numba.extending import register_jitable
 
 Shape = tuple[int, int, int, int, int, int, int, int, int]
@@ -77,3 +79,14 @@ def ones(bits: int) -> int:
     bits = (bits & 0x33333333) + ((bits >> 2) & 0x33333333)
     bits = (bits + (bits >> 4)) & 0x0F0F0F0F
     return ((bits * 0x01010101) >> 24) & 63
+
+
+@register_jitable
+def half_cells(
+    origin: float, following: float, cells: int, low: float, high: float, odd: int
+) -> tuple[int, int]:
+    """First and last half cell, even or odd, that may lie in low..high along an axis."""
+    step = following - origin
+    first = max(math.floor((low - origin) / step), 0)
+    last = min(math.ceil((high - origin) / step), cells)
+    return 2 * first + odd, 2 * last - odd

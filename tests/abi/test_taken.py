@@ -16,6 +16,7 @@ from abi.errors import NoPath, StageError
 from abi.graph import Graph
 from abi.kernels import mask as kernels
 from abi.kernels import search as search_kernels
+from abi.kernels import sight
 from abi.mesh import TetMesh
 from abi.scene import MeshSettings, Workspace
 from abi.search import SEARCHES, Weight
@@ -215,6 +216,9 @@ def shortest(found: Graph, weight: Weight) -> float:
     return float(dijkstra(table, directed=False, indices=found.start)[found.goal])
 
 
+_MODULES: tuple[Any, ...] = (kernels, sight, search_kernels)
+
+
 class ready:
     """The kernels compiled, or not."""
 
@@ -222,15 +226,16 @@ class ready:
         self._compiled = compiled
 
     def __enter__(self) -> None:
-        self._before = kernels.ready, search_kernels.ready
-        if self._compiled:
-            kernels.warm()
-            search_kernels.warm()
-        else:
-            kernels.ready = search_kernels.ready = threading.Event()
+        self._before = [module.ready for module in _MODULES]
+        for module in _MODULES:
+            if self._compiled:
+                module.warm()
+            else:
+                module.ready = threading.Event()
 
     def __exit__(self, *_: object) -> None:
-        kernels.ready, search_kernels.ready = self._before
+        for module, before in zip(_MODULES, self._before, strict=True):
+            module.ready = before
 
 
 @pytest.mark.parametrize("lattice", LATTICES)
