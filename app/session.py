@@ -347,7 +347,7 @@ class Session:
         with self.client.atomic():
             now = self.playback.advance(duration)
             self.arm.pose(self.plan, now)
-            self.plots.cursor(now)
+            self.plots.cursor(now, self.playback.playing)
 
 
 @functools.cache

@@ -13,6 +13,7 @@ import threading
 import time
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -24,6 +25,8 @@ from tests.app.fake_tab import FakeTab
 TABS = 4
 STEPS = 40
 _PATIENCE = 60.0
+_ARRIVED = 1.0  # seconds in which all arrives that was sent
+_PLAYED = 3.0  # seconds of playback that are listened to
 _PAUSE = threading.Event()
 
 
@@ -31,8 +34,8 @@ def measure(nodes: int) -> dict[str, Any]:
     """Open a few tabs on a mesh of about ``nodes`` nodes, and drag the cube in one.
 
     Returns:
-        ``nodes``; ``megabytes_per_tab``; ``bytes_to_begin``; ``bytes_per_plan`` and the
-        ``largest_plan`` [bytes] of the drag, playback included.
+        ``nodes``; ``megabytes_per_tab``; ``bytes_to_begin``, until it rests; ``bytes_per_second``
+        of playback; ``bytes_per_plan`` and the ``largest_plan`` [bytes] of the drag.
     """
     scene = scene_with(nodes)
     with tempfile.TemporaryDirectory() as folder:
@@ -52,10 +55,16 @@ def measure(nodes: int) -> dict[str, Any]:
         for _ in range(TABS):
             open_tab()
         each = (_megabytes() - before) / TABS
-        _until(lambda: _quiet(tabs[-1]))
-        begun = tabs[-1].received
         session = server.sessions[max(server.sessions)]
         session.playback.playing = False
+        _PAUSE.wait(_ARRIVED)
+        begun = tabs[-1].received
+        session.playback.playing = True
+        session.wake(SimpleNamespace(client=session.client))
+        _PAUSE.wait(_PLAYED)
+        playing = (tabs[-1].received - begun) / _PLAYED
+        session.playback.playing = False
+        _until(lambda: _quiet(tabs[-1]))
         weights = [_drag(tabs[-1], session, step) for step in range(STEPS)]
     finally:
         for tab in tabs:
@@ -65,6 +74,7 @@ def measure(nodes: int) -> dict[str, Any]:
         "nodes": scene.mesh.node_count(scene.workspace),
         "megabytes_per_tab": each,
         "bytes_to_begin": begun,
+        "bytes_per_second": playing,
         "bytes_per_plan": float(np.median(weights)),
         "largest_plan": max(weights),
     }

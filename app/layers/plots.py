@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import time as clock
+
 import numpy as np
 import viser
 from viser import uplot
@@ -12,6 +14,8 @@ from app import style
 
 _GREY = "rgba(128,128,128,0.25)"
 _INK = "#868e96"
+_PACE = 0.08
+"""Seconds between two places of the line while the arm plays: all curves are sent with it."""
 
 
 class PlotsLayer:
@@ -33,6 +37,7 @@ class PlotsLayer:
             self._slide = _plot(gui, _slide_title(unit), (("q5", style.JOINTS[4]),), 170)
         self._unit = unit
         self._motion: object = None
+        self._due = 0.0
         self._data: tuple[tuple[viser.GuiUplotHandle, tuple[FloatArray, ...]], ...] = ()
 
     def draw(self, plan: Plan) -> None:
@@ -40,6 +45,7 @@ class PlotsLayer:
         if plan.motion is self._motion:
             return
         self._motion = plan.motion
+        self._due = 0.0
         if plan.motion is None:
             self._data = ()
             empty = np.array([0.0, 1.0])
@@ -62,8 +68,12 @@ class PlotsLayer:
             (self._slide, (time, positions[:, 4])),
         )
 
-    def cursor(self, time: float) -> None:
-        """Draw the line at ``time`` [s]."""
+    def cursor(self, time: float, playing: bool) -> None:
+        """Draw the line at ``time`` [s]; while ``playing`` not at every frame."""
+        now = clock.monotonic()
+        if playing and now < self._due:
+            return
+        self._due = now + _PACE
         for handle, (times, *series) in self._data:
             low = min(float(np.min(line)) for line in series)
             high = max(float(np.max(line)) for line in series)
