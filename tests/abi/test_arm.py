@@ -57,7 +57,8 @@ def test_the_urdf_moves_as_forward_says(arm: Arm, seed: int) -> None:
     for row, expected in zip(positions, tool, strict=True):
         robot.update_cfg(row * np.where(np.array(JOINTS) == "q5", arm.metres, 1.0))
         found = robot.get_transform("tool", "base_link")[:3, 3]
-        np.testing.assert_allclose(found, expected, rtol=0, atol=1e-9 * min(1.0, size))
+        # trimesh takes a move of up to 1e-8 for none
+        np.testing.assert_allclose(found, expected, rtol=0, atol=1e-8 + 1e-9 * min(1.0, size))
 
 
 @settings(max_examples=100, deadline=None)
