@@ -219,9 +219,10 @@ class Session:
             self._light()
         elif not self._compiled and kernels.ready.is_set():
             self._compiled = True
-            self._planner = LivePlanner()  # for times that do not mislead
-            self.plan = self._planner.finish(self._scene)
-            self._show_plan(self.plan)
+            if self.plan is not None and self.plan.error is None:
+                self._planner = LivePlanner()  # for times that do not mislead
+                self.plan = self._planner.finish(self._scene)
+                self._show_plan(self.plan)
 
     def _light(self) -> None:
         """Add what takes a weak machine seconds, once it shows the plan."""

@@ -63,8 +63,8 @@ class HeadingsLayer:
             coarse: whether its mesh is coarser than asked for, while the hand moves.
         """
         results = _results(plan)
-        if coarse and results["mesh"]:
-            results["mesh"] = f"≈ coarse while you move: {results['mesh']}"
+        if coarse and plan.free is not None:
+            results["mesh"] = f"≈ coarse, {plan.free.nodes:,} nodes"
         for stage, result in results.items():
             label = f"{_TITLES[stage]} — {result}" if result else _TITLES[stage]
             if self.folders[stage].label != label:

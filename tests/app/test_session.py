@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import viser
 
 from abi.scene import load_scene
 from app.server import Server, start
@@ -213,3 +214,24 @@ def test_two_tabs_share_nothing(server: Server, tab: tuple[FakeTab, Session]) ->
     assert second.spline_panel.degree.value == 4
     other.close()
     until(lambda: len(server.sessions) == 1)
+
+
+def test_surroundings_come_once_after_the_first_plan(monkeypatch: pytest.MonkeyPatch) -> None:
+    calls: list[tuple[Any, bool]] = []
+    sessions: dict[int, Session] = {}
+
+    def configure(_: object, hdri: str | None = "some") -> None:
+        calls.append((hdri, any(session.plan is not None for session in sessions.values())))
+
+    monkeypatch.setattr(viser.SceneApi, "configure_environment_map", configure)
+    running = start(port=0)
+    sessions = running.sessions
+    fake = FakeTab(running.url)
+    until(lambda: len(calls) == 2)
+    (session,) = sessions.values()
+    plans = session.plans
+    fake.set(session.motion_panel.speed, 3.0)
+    until(lambda: session.plans > plans)
+    fake.close()
+    running.stop()
+    assert calls == [(None, False), ("some", True)]
