@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 _ROUNDING = 1e-9
 """Distances, [unit], and parts of the pitch below this count as nothing."""
 
-_REACH = 1.6
+REACH = 1.6
 """Start and goal are joined to the nodes within this many longest edges."""
 
 _DIRECTIONS = (1 << LINKED) - 1
@@ -215,7 +215,7 @@ def build(
         raise StageError(
             "graph", "start_is_goal", "Start and goal are the same point.", "Move one of them."
         )
-    reach = _REACH * mesh.longest_edge
+    reach = REACH * mesh.longest_edge
     at = [_node_at(free, end) for end in ends]
     if min(at) >= 0 and gap > reach:
         # free nodes keep the margin, and nothing needs to be joined

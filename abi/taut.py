@@ -1,8 +1,8 @@
 """Stage 3½: the path pulled taut, free of the mesh's directions.
 
 A path along edges stays longer than it need be however fine the mesh, for an edge points only in a
-few directions. Here short ways by the obstacles' edges stand beside it, and all are tightened like
-a string.
+few directions. Here a path for any angle and short ways by the obstacles' edges stand beside it,
+and all are tightened like a string.
 """
 
 from __future__ import annotations
@@ -13,7 +13,8 @@ import numpy as np
 
 from abi.arrays import FloatArray, columns, flat, read_only
 from abi.clearance import measure_polyline, segment_clearances
-from abi.graph import Graph
+from abi.graph import REACH, Graph
+from abi.kernels import any_angle as any_angles
 from abi.kernels import clearance as distances
 from abi.kernels import pull as kernels
 from abi.kernels.calling import call
@@ -41,6 +42,9 @@ _SAMPLES = 5
 _WAYS = 6
 """Paths by the obstacles' edges that are looked at."""
 
+_NODES = 4_000
+"""Of a lattice about so many nodes are searched for any angle."""
+
 
 @dataclass(frozen=True, eq=False)
 class TautPath:
@@ -58,10 +62,13 @@ class TautPath:
 
 
 def taut(graph: Graph, obstacles: Obstacles, margin: float, path: SearchResult) -> TautPath:
-    """Pull ``path`` taut, and others that go by the obstacles' edges; the shortest is returned.
+    """Pull ``path`` taut, and others beside it; the shortest is returned.
 
-    The others are short ways in a visibility graph of places on those edges, no two by the same
-    edges (:mod:`abi.shortest.waypoints`): ``path`` may go round an obstacle on its longer side.
+    ``path`` may go round an obstacle on its longer side. One of the others is found for any angle,
+    by Lazy Theta* (Nash, Koenig and Tovey, 2010) over the nodes of the mesh, or every few of them
+    where it is fine. The rest are short ways in a visibility graph of places on the obstacles'
+    edges, no two by the same edges (:mod:`abi.shortest.waypoints`).
+
     Each is tightened: vertices that are not needed are dropped, the others moved towards the chord
     of their neighbours and along the surfaces that their legs touch, until the length stops
     improving. Of the shortest the corners are cut, too, where that wins. The result is a local
@@ -83,7 +90,7 @@ def taut(graph: Graph, obstacles: Obstacles, margin: float, path: SearchResult) 
     solids = tuple(_in_its_bounds(obstacle) for obstacle in obstacles)
     own = _levels(solids, ends)
     margins = _margins(own, margin)
-    strings = _pulled(path.points, solids, margins, graph.mesh.box)
+    strings = _pulled(graph, path, solids, margins)
     if solids != obstacles:
         own = np.stack([obstacle.signed_distance(ends) for obstacle in obstacles], axis=1)
         margins = _margins(own, margin)
@@ -125,25 +132,49 @@ def _margins(own: FloatArray, margin: float) -> FloatArray:
 
 
 def _pulled(
-    path: FloatArray,
-    solids: tuple[Solid, ...],
-    margins: FloatArray,
-    box: tuple[FloatArray, FloatArray],
+    graph: Graph, path: SearchResult, solids: tuple[Solid, ...], margins: FloatArray
 ) -> list[FloatArray]:
-    """The path and those by the obstacles' edges, tightened; first the best, its corners cut."""
-    bounds = read_only(np.concatenate(box))
+    """All the paths, tightened; first the best, its corners cut."""
+    bounds = read_only(np.concatenate(graph.mesh.box))
     rows = packed(solids)
     limits = read_only((margins + _PAD * float(np.abs(bounds).max())).ravel())
+    found = [path.points, _any_angle(graph, path, rows, limits)]
+    begins = np.cumsum([0, *(len(points) for points in found if len(points))], dtype=np.int32)
 
-    x, y, z = (path[-1] - path[0]).tolist()
+    x, y, z = (path.points[-1] - path.points[0]).tolist()
     by = edges(solids, float(margins[0].max(initial=0)), (x, y, z))
     *coordinates, ends, lengths = call(
         kernels.ready,
         kernels.pull,
-        *(*columns(path), by, rows, limits, bounds, _SAMPLES, _SLACK, _WAYS, _WORTH),
+        *(*columns(np.concatenate(found)), read_only(begins), by, rows, limits, bounds),
+        *(_SAMPLES, _SLACK, _WAYS, _WORTH),
     )
     points = np.stack(coordinates, axis=1)
     return [points[ends[k] : ends[k + 1]] for k in np.argsort(lengths)]
+
+
+def _any_angle(
+    graph: Graph, path: SearchResult, rows: FloatArray, limits: FloatArray
+) -> FloatArray:
+    """A path for any angle (m, 3), [unit], world, shorter than the one given; or none, m = 0.
+
+    Args:
+        graph, path: as above.
+        rows: the solids.
+        limits: distances from them that a segment keeps, see ``abi.kernels.any_angle``.
+    """
+    whole = graph.mesh
+    stride = 1 if whole.stencil is None else max(1, round((len(whole.points) / _NODES) ** (1 / 3)))
+    shape, _, steps, places, indptr, indices = whole.net
+    start, goal = path.points[[0, -1]].tolist()
+    found = call(
+        any_angles.ready,
+        any_angles.any_angle,
+        *(shape, steps, places, indptr, indices, graph.excluded),
+        *(stride, stride * REACH * whole.longest_edge, tuple(start), tuple(goal)),
+        *(rows, limits, path.length),
+    )
+    return np.asarray(found).reshape(-1, 3)
 
 
 def _shortest_clear(

@@ -12,6 +12,7 @@ def warm() -> None:
     """Compile all kernels, or load what was compiled before: seconds, or a few tenths of one."""
     # here, since numba takes long to import
     from abi.kernels import (
+        any_angle,
         arc_length,
         arm,
         around,
@@ -28,6 +29,7 @@ def warm() -> None:
         mask,
         sight,
         search,
+        any_angle,
         pull,
         around,
         clearance,

@@ -24,6 +24,7 @@ def pull(
     x: FloatArray,
     y: FloatArray,
     z: FloatArray,
+    begins: IntArray,
     edges: FloatArray,
     solids: FloatArray,
     margins: FloatArray,
@@ -33,40 +34,46 @@ def pull(
     count: int,
     worth: float,
 ) -> tuple[FloatArray, FloatArray, FloatArray, IntArray, FloatArray]:
-    """Tighten a path, and the shortest ways by places on the edges; cut the corners of the best.
+    """Tighten paths, and the shortest ways by places on the edges; cut the corners of the best.
 
     Args:
-        x, y, z: (n,) the path, n >= 2, its segments clear, [unit], world.
+        x, y, z: (n,) the paths, one after the other, all between the same ends, of two points or
+            more, their segments clear, [unit], world.
+        begins: where each begins, and where the last ends (q + 1,), q >= 1.
         edges: (6 e,) both ends of each edge, one after the other, [unit], world.
         solids, margins, bounds, worth: see ``abi.kernels.tighten``.
         samples: places evenly apart on each edge.
-        slack: how many times as long as the tightened path a way by places may be.
+        slack: how many times as long as the shortest so far a way by places may be.
         count: how many of these are looked at.
 
     Returns:
-        Coordinates of the paths, one after the other, (m,) each; where each begins, and where the
-        last ends (p + 1,); and their lengths (p,), [unit].
+        Coordinates of the new paths, one after the other, (m,) each; where each begins, and where
+        the last ends (p + 1,); and their lengths (p,), [unit].
     """
-    px, py, pz = list(x), list(y), list(z)
-    first, last = 0, len(x) - 1
+    given, first, last = len(begins) - 1, 0, len(x) - 1
     between = [x[0], y[0], z[0], x[last], y[last], z[last]]
     margin = 0.0
     for k in range(len(margins) // 4):
         margin = max(margin, margins[k])
-    xs, ys, zs = px[:0], py[:0], pz[:0]
-    qx, qy, qz = px[:0], py[:0], pz[:0]
+    xs, ys, zs = [0.0] * 0, [0.0] * 0, [0.0] * 0
+    qx, qy, qz = xs[:0], ys[:0], zs[:0]
     nodes, ends, lengths = [0] * 0, [0], [0.0] * 0
     shortest, best = math.inf, 0
     final = False
     while not final:
-        final = len(ends) > 1 and first == len(nodes)
+        done = len(ends) - 1
+        final = done >= given and first == len(nodes)
         if final:
             px, py, pz = (
                 xs[ends[best] : ends[best + 1]],
                 ys[ends[best] : ends[best + 1]],
                 zs[ends[best] : ends[best + 1]],
             )
-        elif len(ends) > 1:
+        elif done < given:
+            px = list(x[begins[done] : begins[done + 1]])
+            py = list(y[begins[done] : begins[done + 1]])
+            pz = list(z[begins[done] : begins[done + 1]])
+        else:
             end = first + 1
             while nodes[end] != 1:
                 end += 1
@@ -80,14 +87,14 @@ def pull(
         px, py, pz = tighten(px, py, pz, solids, margins, bounds, worth if final else math.inf)
         length = length_of(px, py, pz)
         if length < shortest:
-            shortest, best = length, len(ends) - 1
+            shortest, best = length, done
         xs.extend(px)
         ys.extend(py)
         zs.extend(pz)
         ends.append(len(xs))
         lengths.append(length)
-        if len(ends) == 2:
-            most = slack * length
+        if done == given - 1:
+            most = slack * shortest
             qx, qy, qz, labels = places(edges, between, samples, most, margin, bounds, solids)
             nodes = ways(qx, qy, qz, labels, solids, margins, most, count)
     return np.array(xs), np.array(ys), np.array(zs), np.array(ends), np.array(lengths)
@@ -96,5 +103,6 @@ def pull(
 def warm() -> None:
     """Compile the kernel, or load it from numba's cache."""
     ones, none, box = read_only(np.ones(2)), read_only(np.zeros(0)), read_only(np.zeros(6))
-    pull(ones, ones, ones, none, none, none, box, 1, 1.0, 1, 1e-6)
+    begins = read_only(np.array([0, 2], dtype=np.int32))
+    pull(ones, ones, ones, begins, none, none, none, box, 1, 1.0, 1, 1e-6)
     ready.set()

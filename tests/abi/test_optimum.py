@@ -32,9 +32,11 @@ def _tightened(path: FloatArray, solids: tuple[Solid, ...]) -> float:
     room = read_only(np.array([-20.0] * 3 + [20.0] * 3))
     limits = read_only(np.full(4 * len(solids), CLEARANCE))
     length = math.inf
+    pulled: Any = pull.pull
     for _ in range(20):
-        *found, begins, lengths = pull.pull(
-            *(*columns(path), by, packed(solids), limits, room, 21, 1.5, 30, 1e-7)
+        begins = read_only(np.array([0, len(path)], dtype=np.int32))
+        *found, begins, lengths = pulled(
+            *columns(path), begins, by, packed(solids), limits, room, 21, 1.5, 30, 1e-7
         )
         best = int(np.argmin(lengths))
         path = np.stack(found, axis=1)[begins[best] : begins[best + 1]]

@@ -13,7 +13,7 @@ from abi.arrays import FloatArray
 from abi.clearance import measure_polyline
 from abi.errors import StageError
 from abi.graph import Graph
-from abi.kernels import clearance, pull
+from abi.kernels import any_angle, clearance, pull
 from abi.kernels.around import around_ball
 from abi.plan import plan
 from abi.scene import Scene, load_scene
@@ -221,10 +221,10 @@ def test_compiled_and_plain_give_the_same(monkeypatch: pytest.MonkeyPatch) -> No
         pitch=0.8,
     )
     nodes, path = made(scene, 0.1, 0.1)
-    for kernels in (clearance, pull):
+    for kernels in (any_angle, clearance, pull):
         kernels.warm()
     compiled = taut(nodes, scene.obstacles, 0.1, path)
-    for kernels in (clearance, pull):
+    for kernels in (any_angle, clearance, pull):
         monkeypatch.setattr(kernels.ready, "is_set", lambda: False)
     plain = taut(nodes, scene.obstacles, 0.1, path)
 
