@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from abi.arrays import BoolArray, FloatArray, IntArray, read_only
 from abi.graph import Graph
@@ -110,7 +110,7 @@ def _near(
     place = np.minimum(((points - low) / side).astype(np.int32), counts - 1)
     cell = np.ravel_multi_index(tuple(place.T), tuple(counts))
     centres = low + side * (np.indices(tuple(counts)).reshape(3, -1).T + 0.5)
-    away = cKDTree(_along(path_points, side)).query(centres)[0]
+    away = scipy.spatial.cKDTree(_along(path_points, side)).query(centres)[0]
     for obstacle in obstacles:
         a, b = obstacle.bounds()
         beyond = np.linalg.norm(np.maximum(np.maximum(a - centres, centres - b), 0), axis=1)

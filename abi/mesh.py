@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-from scipy.spatial import Delaunay
+import scipy
 
 from abi import lattice, net
 from abi.arrays import BoolArray, FloatArray, IntArray, read_only
@@ -261,7 +261,9 @@ def _irregular(workspace: Workspace, cells: Cells, cube: FloatArray, seed: int) 
 def _delaunay(points: FloatArray, cells: Cells) -> IntArray:
     """Delaunay tetrahedra of positive volume, (m, 4), positively oriented."""
     # relative to the box: Delaunay works with squares, which lose digits far from the origin
-    tetrahedra: IntArray = Delaunay(points - points.min(axis=0)).simplices.astype(np.int32)
+    tetrahedra: IntArray = scipy.spatial.Delaunay(points - points.min(axis=0)).simplices.astype(
+        np.int32
+    )
     volume = volumes(points, tetrahedra)
     tetrahedra[volume < 0] = tetrahedra[volume < 0][:, [0, 1, 3, 2]]
     cube = np.prod(np.ptp(points, axis=0) / cells)

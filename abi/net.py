@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from scipy.sparse import coo_array
+import scipy
 
 from abi.arrays import FloatArray, IntArray, read_only
 from abi.kernels.metric import Metric
@@ -66,7 +66,9 @@ def rows(edges: IntArray, lengths: FloatArray, nodes: int) -> tuple[IntArray, In
     """
     tail = np.concatenate([edges[:, 1], edges[:, 0]])
     head = np.concatenate([edges[:, 0], edges[:, 1]])
-    entries = coo_array((np.concatenate([lengths, lengths]), (tail, head)), shape=(nodes, nodes))
+    entries = scipy.sparse.coo_array(
+        (np.concatenate([lengths, lengths]), (tail, head)), shape=(nodes, nodes)
+    )
     entries.has_canonical_format = True  # no edge occurs twice: spares a search for duplicates
     found = entries.tocsr()
     found.sort_indices()

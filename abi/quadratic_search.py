@@ -12,9 +12,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+import scipy
 from numpy.polynomial import legendre
-from scipy import optimize
-from scipy.interpolate import BSpline as Basis
 
 from abi.arrays import FloatArray, IntArray, read_only
 from abi.clearance import ROUNDING, measure
@@ -236,7 +235,7 @@ def _least_distance(a: FloatArray, b: FloatArray) -> tuple[FloatArray, IntArray]
     system = np.concatenate([a.T, b[None] / size])
     ahead = np.append(np.zeros(a.shape[1]), 1.0)
     try:
-        weights, residual = optimize.nnls(system, ahead)
+        weights, residual = scipy.optimize.nnls(system, ahead)
     except RuntimeError:  # too many iterations
         return None
     if residual < _INFEASIBLE:
@@ -265,7 +264,7 @@ def _short_pieces(wanted: Target, cuts: FloatArray) -> _Pieces:
 
 def _basis(breaks: FloatArray, parameters: FloatArray) -> FloatArray:
     knots = np.concatenate([breaks[:1], breaks[:1], breaks, breaks[-1:], breaks[-1:]])
-    return np.asarray(Basis.design_matrix(parameters, knots, 2).toarray())
+    return np.asarray(scipy.interpolate.BSpline.design_matrix(parameters, knots, 2).toarray())
 
 
 def _quadrature(breaks: FloatArray) -> tuple[FloatArray, FloatArray]:

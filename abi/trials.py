@@ -8,8 +8,7 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import connected_components
+import scipy
 
 from abi import graph, mesh
 from abi.arrays import IntArray
@@ -117,8 +116,10 @@ class Trials:
 def parts(nodes: Graph) -> IntArray:
     """Number (n,) of the connected part of the graph that each node is in."""
     size = len(nodes.points)
-    matrix = csr_array((np.ones(len(nodes.indices)), nodes.indices, nodes.indptr), (size, size))
-    found: IntArray = connected_components(matrix, directed=False)[1]
+    matrix = scipy.sparse.csr_array(
+        (np.ones(len(nodes.indices)), nodes.indices, nodes.indptr), (size, size)
+    )
+    found: IntArray = scipy.sparse.csgraph.connected_components(matrix, directed=False)[1]
     return found
 
 

@@ -146,7 +146,7 @@ class Session:
         with view:
             self.view = ViewPanel(client, self.wake, dark)
         with lesson:
-            gui.add_markdown(_lesson())
+            self._lesson = gui.add_markdown("")
         self._dark = dark
         self._theme()
 
@@ -308,10 +308,14 @@ class Session:
             self.paths.draw(plan)
             self.reached.draw(plan, self.search_panel.share())
             self.curves.draw(plan)
-            self.arm.draw(plan)
             self.numbers.draw(plan, self.mesh.note, self._planner.coarse, self._planner.partial)
             self.plots.draw(plan)
             self._switch()
+        # by themselves: the first time the arm and the lesson take longer than all the rest
+        with self.client.atomic():
+            self.arm.draw(plan)
+            if self.plans == 0:
+                self._lesson.content = _lesson()
         self.plans += 1
 
     def _switch(self) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import threading
 
 import viser
@@ -37,6 +38,8 @@ class WarmUp:
                 self._tell(client)
 
     def _work(self) -> None:
+        # what draws the arm, while the page loads
+        importlib.import_module("yourdfpy")
         self.planned.wait(PATIENCE)
         late = threading.Timer(LONG, self._tell_all)
         late.daemon = True

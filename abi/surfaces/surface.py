@@ -11,9 +11,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
-from scipy.spatial import ConvexHull, QhullError
+import scipy
 
 from abi.arrays import BoolArray, FloatArray, IntArray, read_only
 from abi.errors import SceneError
@@ -63,8 +61,8 @@ class Surface:
     def hull(self) -> FloatArray:
         """The vertices (k, 3) that are corners of the convex hull; all where it is flat."""
         try:
-            return read_only(self.vertices[ConvexHull(self.vertices).vertices])
-        except QhullError:
+            return read_only(self.vertices[scipy.spatial.ConvexHull(self.vertices).vertices])
+        except scipy.spatial.QhullError:
             return self.vertices
 
 
@@ -130,7 +128,9 @@ def _shells(vertices: FloatArray, faces: IntArray) -> _Shells:
         faces[flipped] = faces[flipped, ::-1]
         edges = _Edges.of(faces)
         notes.append(f"{flipped.sum()} triangles faced the other way than their neighbours.")
-    count, label = connected_components(edges.neighbours(edges.all_pairs()), directed=False)
+    count, label = scipy.sparse.csgraph.connected_components(
+        edges.neighbours(edges.all_pairs()), directed=False
+    )
     # a shell without a boundary winds a whole number of times around every point
     loose = edges.balance != 0
     closed = np.bincount(label[edges.face[loose[edges.edge]]], minlength=count) == 0
@@ -191,10 +191,12 @@ class _Edges:
         place = np.flatnonzero(self.edge[1:] == self.edge[:-1])
         return np.stack([place, place + 1], axis=1)
 
-    def neighbours(self, pairs: IntArray) -> coo_array:
+    def neighbours(self, pairs: IntArray) -> scipy.sparse.coo_array:
         """Matrix (m, m) that joins the faces of these pairs of sides."""
         a, b = self.face[pairs].T
-        return coo_array((np.ones(len(a), dtype=np.int8), (a, b)), shape=(self.faces, self.faces))
+        return scipy.sparse.coo_array(
+            (np.ones(len(a), dtype=np.int8), (a, b)), shape=(self.faces, self.faces)
+        )
 
     def flipped(self) -> BoolArray:
         """Faces (m,) to turn so that neighbours agree over every edge of two sides.
@@ -209,8 +211,10 @@ class _Edges:
         m = self.faces
         tails = np.concatenate([a, a + m])
         heads = np.concatenate([b + m * disagree, b + m * ~disagree])
-        joined = coo_array((np.ones(len(tails), dtype=np.int8), (tails, heads)), (2 * m, 2 * m))
-        count, half = connected_components(joined, directed=False)
+        joined = scipy.sparse.coo_array(
+            (np.ones(len(tails), dtype=np.int8), (tails, heads)), (2 * m, 2 * m)
+        )
+        count, half = scipy.sparse.csgraph.connected_components(joined, directed=False)
         kept = np.bincount(half[:m], minlength=count)
         as_is, turned = kept[half[:m]], kept[half[m:]]
         # on a tie the half of the patch's first face stays

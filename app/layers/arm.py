@@ -1,16 +1,17 @@
-"""The arm, drawn from its URDF, and the trace its tool leaves."""
+"""The arm, drawn from its URDF, and the trace its tool leaves.
+
+What reads a URDF takes long to import; it is imported when there is an arm to draw.
+"""
 
 from __future__ import annotations
 
 import io
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import trimesh
 import viser
 import viser.transforms
-import yourdfpy
 
 from abi import assets
 from abi.arm import JOINTS, Arm, urdf
@@ -19,6 +20,10 @@ from abi.plan import Plan
 from abi.trajectory import rest
 from app import style
 from app.layers.lines import segments
+
+if TYPE_CHECKING:
+    import trimesh
+    import yourdfpy
 
 _SHIPPED = assets.path("urdf", "abi.urdf")
 _TRACE_SAMPLES = 100
@@ -135,6 +140,8 @@ class ArmLayer:
 
 def _load(text: str) -> yourdfpy.URDF:
     """The shipped file where it fits, the same text made for other link lengths otherwise."""
+    import yourdfpy
+
     if text == _SHIPPED.read_text(encoding="utf-8"):
         return yourdfpy.URDF.load(str(_SHIPPED))
     return yourdfpy.URDF.load(io.BytesIO(text.encode()))
@@ -142,6 +149,8 @@ def _load(text: str) -> yourdfpy.URDF:
 
 def _link_meshes(robot: yourdfpy.URDF, scale: float) -> dict[str, trimesh.Trimesh]:
     """One mesh a link, in the link's frame; all solids of a link in one go."""
+    import trimesh
+
     parts: dict[str, list[Any]] = {}
     graph = robot.scene.graph
     for node in graph.nodes_geometry:

@@ -9,7 +9,6 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-import trimesh
 import viser
 
 from abi.arrays import FloatArray
@@ -18,7 +17,10 @@ from abi.shapes import Box, Cylinder, MeshShape, Obstacle, Sphere
 from app import style
 from app.panels.stages import Wake
 
+_Body = viser.BoxHandle | viser.IcosphereHandle | viser.MeshHandle
+
 _OPACITY = 0.62
+_FACETS = 8
 _POSE = {"position", "wxyz"}
 _ROUNDING = 1e-9
 
@@ -37,7 +39,7 @@ class ObstaclesPanel:
         self._size = 1.0
         self.data: list[dict[str, Any]] = []
         self.gizmos: list[viser.TransformControlsHandle] = []
-        self._bodies: list[viser.MeshHandle] = []
+        self._bodies: list[_Body] = []
         self._drawn: list[dict[str, Any]] = []
         self._added = 0
         self._visible = True
@@ -75,18 +77,8 @@ class ObstaclesPanel:
             self._drawn[number] = dict(self.data[number])
             gizmo = self.gizmos[number]
             gizmo.scale = min(1.35 * _radius(shape), 0.4 * self._size) + 0.03 * self._size
-            mesh = _mesh(shape)
-            body = self._scene.add_mesh_simple(
-                f"{gizmo.name}/body",
-                mesh.vertices.astype(np.float32),
-                mesh.faces.astype(np.uint32),
-                color=style.OBSTACLE,
-                opacity=_OPACITY,
-                flat_shading=isinstance(shape, Box | MeshShape),
-                side="double",
-            )
+            self._bodies[number] = body = _body(self._scene, f"{gizmo.name}/body", shape)
             body.on_click(self._clicked)
-            self._bodies[number] = body
 
     def add(self, shape: Obstacle) -> None:
         """Put one more obstacle into the scene; :meth:`draw` gives it its body."""
@@ -214,19 +206,23 @@ def _radius(shape: Obstacle) -> float:
     return float(np.linalg.norm(high - low) / 2)
 
 
-def _mesh(shape: Obstacle) -> trimesh.Trimesh:
-    """The surface, in the obstacle's own frame."""
-    mesh: trimesh.Trimesh
+def _body(scene: viser.SceneApi, name: str, shape: Obstacle) -> _Body:
+    """Draw the surface, in the obstacle's own frame."""
+    look: dict[str, Any] = {"color": style.OBSTACLE, "opacity": _OPACITY, "side": "double"}
     if isinstance(shape, Box):
-        mesh = trimesh.creation.box(extents=shape.size)
-    elif isinstance(shape, Sphere):
-        mesh = trimesh.creation.icosphere(subdivisions=3, radius=shape.radius)
-    elif isinstance(shape, Cylinder):
-        mesh = trimesh.creation.cylinder(radius=shape.radius, height=shape.height, sections=48)
-    elif isinstance(shape, MeshShape):
-        surface = shape.surface
-        mesh = trimesh.Trimesh(surface.vertices * shape.factor, surface.faces, process=False)
+        return scene.add_box(name, dimensions=shape.size, **look)
+    if isinstance(shape, Sphere):
+        return scene.add_icosphere(name, radius=shape.radius, subdivisions=_FACETS, **look)
+    if isinstance(shape, MeshShape):
+        vertices = (shape.surface.vertices * shape.factor).astype(np.float32)
+        faces = shape.surface.faces.astype(np.uint32)
+        return scene.add_mesh_simple(name, vertices, faces, flat_shading=True, **look)
+    from trimesh import creation  # here, since it takes long to import
+
+    if isinstance(shape, Cylinder):
+        mesh = creation.cylinder(radius=shape.radius, height=shape.height, sections=48)
     else:
-        mesh = trimesh.creation.capsule(radius=shape.radius, height=shape.height, count=(24, 24))
+        mesh = creation.capsule(radius=shape.radius, height=shape.height, count=(24, 24))
         mesh.apply_translation((0, 0, -mesh.bounds.mean(axis=0)[2]))
-    return mesh
+    vertices, faces = mesh.vertices.astype(np.float32), mesh.faces.astype(np.uint32)
+    return scene.add_mesh_simple(name, vertices, faces, **look)

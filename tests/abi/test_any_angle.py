@@ -77,9 +77,9 @@ def test_it_goes_by_free_nodes_that_see_each_other(
     free = mesh.exclude(whole, scene.obstacles, MARGIN)
     nodes = {tuple(node) for node in whole.points[~free.excluded].tolist()}
     assert all(tuple(place) in nodes for place in path[1:-1].tolist())
-    shorter = found(whole, scene, MARGIN, stride, 0.99 * length(path))
-    assert not len(shorter) or length(shorter) < 0.99 * length(path)
-    np.testing.assert_array_equal(found(whole, scene, MARGIN, stride, 1.0001 * length(path)), path)
+    for bound in (0.99 * length(path), 1.01 * length(path)):
+        shorter = found(whole, scene, MARGIN, stride, bound)
+        assert not len(shorter) or length(shorter) < bound
 
 
 @pytest.mark.parametrize("lattice", ["bcc", "kuhn"])
