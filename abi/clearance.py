@@ -12,6 +12,7 @@ import numpy as np
 from abi.arrays import BoolArray, FloatArray, flat, read_only
 from abi.curve import Curve
 from abi.kernels import clearance as kernels
+from abi.kernels import curve_clearance
 from abi.kernels.calling import call
 from abi.proof.bezier import PolynomialCurve, bezier
 from abi.proof.certificate import Certificate, certify
@@ -169,8 +170,8 @@ def _measured(
     parts = -(-_FIRST_PIECES // max(len(breaks) - 1, 1))
     finest = float(breaks[-1] - breaks[0]) / _FINEST_STRETCH
     distance, at, nearest, obstacle, stretches = call(
-        kernels.ready,
-        kernels.curve,
+        curve_clearance.ready,
+        curve_clearance.curve,
         *(flat(control), flat(breaks), parts, rows(obstacles)),
         *(float(asked), tolerance, finest),
     )

@@ -20,7 +20,7 @@ import numpy as np
 
 from abi.arrays import read_only
 from abi.bspline import BSpline, clamped
-from abi.kernels import certify as kernels
+from abi.kernels import certify_solids, certify_surface
 from abi.proof.certificate import Certificate, Refutation, certify
 from abi.proof.verify import Verdict, verify
 from abi.quadratic import Quadratic
@@ -212,7 +212,8 @@ def main() -> None:
     parser.add_argument("--curves", type=int, default=20_000)
     parser.add_argument("--seed", type=int, default=0)
     given = parser.parse_args()
-    kernels.warm()
+    for kernels in (certify_solids, certify_surface):
+        kernels.warm()
     print(campaign(given.curves, given.seed))
 
 

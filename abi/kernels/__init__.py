@@ -16,8 +16,10 @@ def warm() -> None:
         arc_length,
         arm,
         around,
-        certify,
+        certify_solids,
+        certify_surface,
         clearance,
+        curve_clearance,
         mask,
         pull,
         search,
@@ -34,8 +36,10 @@ def warm() -> None:
         around,
         clearance,
         splines,
+        curve_clearance,
         arc_length,
-        certify,
+        certify_solids,
+        certify_surface,
         arm,
     )
     for kernels in in_order_of_use:

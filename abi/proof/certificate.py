@@ -31,8 +31,9 @@ from typing import Any
 import numpy as np
 
 from abi.arrays import FloatArray, IntArray, flat, read_only
-from abi.kernels import certify as kernels
+from abi.kernels import certify_solids, certify_surface
 from abi.kernels.calling import call
+from abi.kernels.separation import CERTIFIED, MOST_HALVINGS, REFUTED, Outcome
 from abi.memory import ByIdentity
 from abi.pose import rotation
 from abi.proof.bezier import Bezier, PolynomialCurve, bezier, polyline
@@ -123,8 +124,8 @@ def _certify(curve: Bezier, obstacles: Obstacles, margin: float) -> Certificate 
     planes: list[FloatArray] = []
     if len(solids):
         status, at, which, distance, found = _run_solids(curve, obstacles, margin)
-        if status != kernels.CERTIFIED:
-            decided = status == kernels.REFUTED
+        if status != CERTIFIED:
+            decided = status == REFUTED
             return Refutation(margin, at, int(solids[which]), distance, decided)
         if surfaces:
             found[:, 2] = solids[found[:, 2].astype(int)]
@@ -137,12 +138,12 @@ def _certify(curve: Bezier, obstacles: Obstacles, margin: float) -> Certificate 
     return _certificate(margin, planes)
 
 
-def _run_solids(curve: Bezier, obstacles: Obstacles, margin: float) -> kernels.Outcome:
+def _run_solids(curve: Bezier, obstacles: Obstacles, margin: float) -> Outcome:
     frames, shapes, sizes = _packed(obstacles)
     scales = read_only(sizes + curve.size)
-    outcome: kernels.Outcome = call(
-        kernels.ready,
-        kernels.solids,
+    outcome: Outcome = call(
+        certify_solids.ready,
+        certify_solids.solids,
         *(flat(curve.points), flat(curve.breaks), curve.degree, _room(curve)),
         *(frames, shapes, scales, float(margin)),
         FINEST * float(scales.max()),
@@ -164,7 +165,7 @@ def _against_mesh(
     room[: curve.points.size] = ((curve.points - position) @ axes / factor).ravel()
     scale = (curve.size + float(np.abs(position).max())) / factor + 2 * tree.size
     status, at, _, distance, found = _run(
-        kernels.surface,
+        certify_surface.surface,
         room,
         curve.breaks.copy(),
         curve.degree,
@@ -177,8 +178,8 @@ def _against_mesh(
         FINEST * scale,
         10 * _MOST_TRIES + 64 * len(curve.points),
     )
-    if status != kernels.CERTIFIED:
-        return Refutation(margin, at, index, distance * factor, status == kernels.REFUTED)
+    if status != CERTIFIED:
+        return Refutation(margin, at, index, distance * factor, status == REFUTED)
     if mesh.closed:
         inside = float(mesh.signed_distance(curve.points[0, :1])[0])
         if inside <= 0:
@@ -188,20 +189,20 @@ def _against_mesh(
     return found
 
 
-def _run(kernel: Any, *arguments: Any) -> kernels.Outcome:
+def _run(kernel: Any, *arguments: Any) -> Outcome:
     """Call a kernel: compiled when that is ready, else as plain Python on lists."""
-    if not kernels.ready.is_set():
+    if not certify_surface.ready.is_set():
         kernel = kernel.py_func
         arguments = tuple(
             value.tolist() if isinstance(value, np.ndarray) and value.flags.writeable else value
             for value in arguments
         )
-    outcome: kernels.Outcome = kernel(*arguments)
+    outcome: Outcome = kernel(*arguments)
     return outcome
 
 
 def _room(curve: Bezier) -> FloatArray:
-    pieces = len(curve.points) + 2 * kernels.MOST_HALVINGS + 2
+    pieces = len(curve.points) + 2 * MOST_HALVINGS + 2
     return np.zeros(3 * pieces * (curve.degree + 1))
 
 

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from abi.arrays import FloatArray
 from abi.bspline import BSpline, clamped
 from abi.clearance import ROUNDING, measure, measure_polyline, prove
-from abi.kernels import certify as kernels
+from abi.kernels import certify_solids, certify_surface
 from abi.proof.bezier import bezier
 from abi.proof.certificate import Certificate, Refutation, certify, certify_polyline
 from abi.quadratic import Quadratic
@@ -144,9 +144,11 @@ def test_compiled_and_plain_agree(seed: int, solid: bool) -> None:
     if not solid:
         obstacles = (mesh(meshes.sphere(2), position=(3, 3, 3)),)
     margin = max(0.0, 0.99 * true_clearance(curve, obstacles))
-    kernels.ready.clear()
+    for kernels in (certify_solids, certify_surface):
+        kernels.ready.clear()
     plain = certify(curve, obstacles, margin)
-    kernels.warm()
+    for kernels in (certify_solids, certify_surface):
+        kernels.warm()
     compiled = certify(curve, obstacles, margin)
     if isinstance(plain, Refutation):
         assert isinstance(compiled, Refutation)

@@ -18,7 +18,16 @@ from abi.arm import Arm
 from abi.arrays import FloatArray
 from abi.bspline import BSpline, _influence, clamped
 from abi.clearance import Clearance, measure, measure_polyline, outward, runs_apart
-from abi.kernels import arc_length, certify, splines, warm
+from abi.kernels import (
+    any_angle,
+    arc_length,
+    certify_solids,
+    certify_surface,
+    curve_clearance,
+    pull,
+    splines,
+    warm,
+)
 from abi.kernels import arm as arm_kernels
 from abi.kernels import clearance as clearance_kernels
 from abi.proof import bezier as pieces
@@ -30,7 +39,7 @@ from benchmarks.certificates import random_obstacle
 _T = TypeVar("_T")
 
 seeds = st.integers(0, 2**32 - 1)
-MODULES = (arm_kernels, arc_length, clearance_kernels, splines)
+MODULES = (arm_kernels, arc_length, clearance_kernels, curve_clearance, splines)
 
 
 def plain(work: Callable[[], _T]) -> _T:
@@ -195,7 +204,7 @@ def test_joints_are_the_same_compiled_and_plain(seed: int, how: str) -> None:
 
 
 def test_a_plan_compiles_nothing_that_is_not_warmed() -> None:
-    modules = (*MODULES, certify)
+    modules = (*MODULES, certify_solids, certify_surface, any_angle, pull)
     kernels = [value for module in modules for value in vars(module).values()
                if isinstance(value, Dispatcher)]  # fmt: skip
     assert len(kernels) > 10
