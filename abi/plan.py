@@ -41,6 +41,10 @@ which a smooth curve can round the corners of the path."""
 SAMPLES = 401
 """Samples of the arm's motion, uniform in time."""
 
+_BRIEF, _HASTY = 5.0, 0.3
+"""Searches that take less, [ms], are timed twice: the first finds nothing in the caches. In haste
+only those that take next to nothing."""
+
 
 @dataclass(frozen=True, eq=False)
 class Plan:
@@ -127,6 +131,8 @@ class Planner:
         """
         begin = time.perf_counter()
         reached: dict[str, Any] = {}
+        for search in self._searches.values():
+            search.again = _HASTY if chosen_only else _BRIEF
         names: list[str] = [scene.search.algorithm] if chosen_only else list(self._searches)
         try:
             self._run(scene, names, reached)
@@ -209,10 +215,16 @@ def plan(scene: Scene) -> Plan:
 
 
 class _Remembered(Generic[_P, _R]):
-    """A stage with a memory of one: equal arguments give back the same object."""
+    """A stage with a memory of one: equal arguments give back the same object.
+
+    Attributes:
+        ms: what it took.
+        again: what takes less, [ms], is timed twice, and the lesser time counts.
+    """
 
     def __init__(self, function: Callable[_P, _R]) -> None:
         self._function = function
+        self.again = 0.0
         self._arguments: tuple[object, ...] | None = None
         self._result: _R | None = None
         self._error: StageError | None = None
@@ -220,14 +232,18 @@ class _Remembered(Generic[_P, _R]):
 
     def __call__(self, *args: _P.args, **kwargs: _P.kwargs) -> _R:
         if self._arguments is None or not _same(self._arguments, args):
-            begin = time.perf_counter()
             self._result, self._error = None, None
+            begin = time.perf_counter()
             try:
                 self._result = self._function(*args, **kwargs)
             except StageError as error:
                 self._error = error
             self._arguments = args
             self.ms = 1e3 * (time.perf_counter() - begin)
+            if self.ms < self.again and self._error is None:
+                begin = time.perf_counter()
+                self._function(*args, **kwargs)
+                self.ms = min(self.ms, 1e3 * (time.perf_counter() - begin))
         if self._error is not None:
             raise self._error
         return self._result  # type: ignore[return-value]

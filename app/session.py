@@ -252,7 +252,12 @@ class Session:
         try:
             scene = self._read()
         except AbiError as error:
-            self.headings.complain(error)
+            # what is drawn is of the last good scene; it can be looked at, and saved
+            self._fade(True)
+            with self.client.atomic():
+                self.headings.complain(error)
+                self._switch()
+            self.files.save_when_asked(self._scene)
             return
         if self.plan is None or scene != self._scene:
             self._scene = scene
@@ -292,6 +297,7 @@ class Session:
         with self.client.atomic():
             for panel in self._inputs:
                 panel.write(scene)
+            self.editor.write(scene)
             if scene.workspace != self._scene.workspace:
                 look_at(self.client.camera, scene)
 

@@ -59,7 +59,7 @@ class ArmLayer:
         self._base = client.scene.add_frame("/arm", show_axes=False)
         self._hinges: list[_Hinge] = []
         self._arm: Arm | None = None
-        self._text = ""
+        self._built: tuple[str, float] | None = None
         self._posed: object = None
         self._trace = client.scene.add_line_segments(
             "/trace", np.zeros((1, 2, 3)), style.TRACE, thickness=4.0, thickness_units="screen"
@@ -72,10 +72,11 @@ class ArmLayer:
             return
         self._arm = plan.arm
         self._base.position = plan.arm.base
-        text = urdf(plan.arm)
-        if text != self._text:
-            self._text = text
-            self._build(_load(text), 1 / plan.arm.metres)
+        # the text is in metres, whatever the scene's unit
+        text, scale = urdf(plan.arm), 1 / plan.arm.metres
+        if self._built != (text, scale):
+            self._built = text, scale
+            self._build(_load(text), scale)
 
     def pose(self, plan: Plan, time: float) -> None:
         """Move the arm to where it is at ``time`` [s], and draw the trace up to there."""

@@ -4,16 +4,31 @@ from __future__ import annotations
 
 import html
 import math
+import re
 from typing import Any
 
 import viser
 
 from abi.clearance import Clearance
-from abi.errors import AbiError, SceneError, StageError
+from abi.errors import AbiError, NoPath, SceneError, StageError
 from abi.plan import Plan
 from abi.reasons import Reason
 from app import style
 from app.panels.stages import Wake
+
+_OBSTACLE = re.compile(r"obstacles\[(\d+)\]\.?")
+_LABELS = {
+    "mesh.pitch": "pitch",
+    "mesh.seed": "seed",
+    "spline.degree": "degree",
+    "spline.clearance": "clearance",
+    "motion.speed": "V",
+    "motion.acceleration": "a1",
+    "motion.deceleration": "a3",
+    "arm.base": "base",
+    "arm.q5": "q5 at start",
+}
+"""What fields are called on the page."""
 
 STAGES = ("mesh", "graph", "search", "bspline", "quadratic", "arm")
 _TITLES = {
@@ -49,7 +64,7 @@ class HeadingsLayer:
         self.folders: dict[str, viser.GuiFolderHandle] = {}
         for stage in STAGES:
             self._notes[stage] = gui.add_html("", visible=False)
-            self._buttons[stage] = gui.add_button("Do that", visible=False)
+            self._buttons[stage] = gui.add_button("", visible=False)
             self._buttons[stage].on_click(wake)
             self.folders[stage] = gui.add_folder(
                 _TITLES[stage], expand_by_default=stage not in ("graph", "arm")
@@ -82,9 +97,13 @@ class HeadingsLayer:
         for stage, note in self._notes.items():
             here = stage == where
             self._buttons[stage].visible = here and self._change is not None
+            if here and self._change is not None:
+                self._buttons[stage].label = _named(self._change)
             if here and error is not None:
                 found = error if reason is None else reason
-                note.content = _sentence(found.message, found.hint)
+                dots = " The blue dots are what the start reaches."
+                hint = found.hint + (dots if isinstance(error, NoPath) else "")
+                note.content = _sentence(_on_the_page(error, found.message), hint)
             note.visible = here
 
     def accepted(self) -> dict[str, Any] | None:
@@ -103,6 +122,35 @@ def _stage(error: AbiError | None) -> str | None:
         return _STAGE_OF_FIELD.get(error.stage, error.stage)
     field = error.field if isinstance(error, SceneError) else ""
     return _STAGE_OF_FIELD.get(field.split(".")[0].split("[")[0], "mesh")
+
+
+def _on_the_page(error: AbiError, message: str) -> str:
+    """The message with what a field is called on the page in the place of its name in a file."""
+    if not isinstance(error, SceneError):
+        return message
+    field = error.field.removesuffix("[0]").removesuffix("[1]").removesuffix("[2]")
+    label = _LABELS.get(field, error.field)
+    if found := _OBSTACLE.match(error.field):
+        part = _LABELS.get(field[found.end() :], field[found.end() :])
+        label = f"obstacle {int(found[1]) + 1}" + (f": {part}" if part else "")
+    return message.replace(error.field, label, 1)
+
+
+def _named(change: dict[str, Any]) -> str:
+    """What a button does that makes this change of the scene."""
+    parts = []
+    for section, value in change.items():
+        if section in ("start", "goal"):
+            parts.append(f"move the {section}")
+        elif isinstance(value, dict):
+            for name, number in value.items():
+                label = _LABELS.get(f"{section}.{name}", name)
+                shown = f"{number:.4g}" if isinstance(number, float) else str(number)
+                parts.append(f"set {label} to {shown}")
+        else:
+            parts.append(f"change {section}")
+    text = " and ".join(parts)
+    return text[:1].upper() + text[1:]
 
 
 def _sentence(message: str, hint: str) -> str:
@@ -134,8 +182,12 @@ def _results(plan: Plan) -> dict[str, str]:
         kept = _kept(plan.quadratic.clearance, plan.quadratic.holds)
         results["quadratic"] = f"{plan.quadratic_arc.length:.3f} {unit}, {kept}"
     if plan.motion is not None:
-        reached = "reaches all of it" if plan.motion.reachable else "out of reach"
-        results["arm"] = reached if plan.motion.within_limits else f"{reached}, joint limit passed"
+        motion = plan.motion
+        results["arm"] = "reaches all of it" if motion.reachable else "out of reach"
+        if motion.clearance <= 0:
+            results["arm"] += ", a link hits ✗"
+        elif not motion.within_limits:
+            results["arm"] += ", joint limit passed"
     return results
 
 

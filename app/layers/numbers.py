@@ -17,7 +17,7 @@ _TABLE = (
 )
 _HEAD = "padding:3px 4px;font-weight:600;border-bottom:1px solid rgba(128,128,128,.5);"
 _CELL = "padding:3px 4px;border-bottom:1px solid rgba(128,128,128,.22);"
-_BOX = '<div style="margin:0 10px 10px;line-height:1.4;font-size:12.5px">'
+_BOX = '<div style="margin:0 10px 4px;line-height:1.35;font-size:12.5px">'
 GOOD, BAD = "#12a67c", "#e03131"
 _PIECES_SHOWN = 2
 _COARSE = (
@@ -26,7 +26,7 @@ _COARSE = (
 )
 _PARTIAL = f"{_BOX}One search while you move; the others follow when your hand rests.</div>"
 _WAITING = f"{_BOX}… counted when your hand rests.</div>"
-_LEGEND = f"{_BOX}✓ proven along the whole curve, ✗ less than asked for.</div>"
+_LEGEND = f"{_BOX}✓ proven all along, ✗ too near: red in the scene.</div>"
 
 
 class NumbersLayer:
@@ -123,6 +123,8 @@ def _stages(plan: Plan) -> str:
         row = _stage(f"{style.swatch(colour)}{label}{executed}", arc.length, shortest, kept)
         # A curve that cuts through has no gap to a bound for curves that do not.
         rows.append(row if curve.holds else (*row[:2], "–", row[3]))
+    if not rows:
+        return ""
     exact = plan.optimum is not None and plan.optimum.exact
     if exact:
         rows.append(("optimum", f"{shortest:.3f}", "", ""))
@@ -147,12 +149,15 @@ def _graph(plan: Plan, mesh_note: str) -> str:
         f"Pitch {plan.mesh.pitch:.4g} {plan.scene.unit} (asked for {plan.scene.mesh.pitch:.4g}), "
         f"{plan.free.tetrahedra_kept:,} tetrahedra, {int(plan.free.excluded.sum()):,} nodes "
         "excluded.",
-        f"{graph.removed_edges:,} edges removed, {len(graph.crossing):,} of them between two free "
-        "nodes: they cross an obstacle.",
+        f"{graph.removed_edges:,} edges removed{_crossing(len(graph.crossing))}.",
     ]
     if mesh_note:
         lines.append(html.escape(mesh_note) + ".")
     return _BOX + "<br>".join(lines) + "</div>"
+
+
+def _crossing(count: int) -> str:
+    return f", {count:,} of them between two free nodes: they cross an obstacle" if count else ""
 
 
 def _control_points(plan: Plan) -> str:
@@ -183,7 +188,7 @@ def _coefficients(plan: Plan) -> str:
     if plan.quadratic.note:
         lines.append(f"✗ {html.escape(plan.quadratic.note)}")
     return (
-        '<div style="margin:2px 12px 6px;font:12px/1.45 ui-monospace,monospace">'
+        '<div style="margin:0 12px 3px;font:12px/1.4 ui-monospace,monospace">'
         + "<br>".join(lines)
         + "</div>"
     )

@@ -14,6 +14,8 @@ from app import style
 
 _GREY = "rgba(128,128,128,0.25)"
 _INK = "#868e96"
+_FLAT = 1e-9
+_NONE = '<div style="margin:8px 10px;font-size:12.5px">No motion, nothing to plot.</div>'
 _PACE = 0.08
 """Seconds between two places of the line while the arm plays: all curves are sent with it."""
 
@@ -33,9 +35,11 @@ class PlotsLayer:
         with result:
             self._speed = _plot(gui, _speed_title(unit), speed, 168)
         with plots:
+            self._none = gui.add_html(_NONE)
             self._angles = _plot(gui, "joint angles q1 q2 q3 q4 q6 [rad]", angles, 250)
             self._slide = _plot(gui, _slide_title(unit), (("q5", style.JOINTS[4]),), 170)
         self._unit = unit
+        self._plots = (self._speed, self._angles, self._slide)
         self._motion: object = None
         self._due = 0.0
         self._data: tuple[tuple[viser.GuiUplotHandle, tuple[FloatArray, ...]], ...] = ()
@@ -46,11 +50,11 @@ class PlotsLayer:
             return
         self._motion = plan.motion
         self._due = 0.0
+        self._none.visible = plan.motion is None
+        for plot in self._plots:
+            plot.visible = plan.motion is not None
         if plan.motion is None:
             self._data = ()
-            empty = np.array([0.0, 1.0])
-            for handle, count in ((self._speed, 4), (self._angles, 5), (self._slide, 1)):
-                handle.data = (empty, *(np.zeros(2) for _ in range(count + 1)))
             return
         motion = plan.motion
         keep = slice(None, None, max(1, len(motion.time) // 100))
@@ -77,6 +81,9 @@ class PlotsLayer:
         for handle, (times, *series) in self._data:
             low = min(float(np.min(line)) for line in series)
             high = max(float(np.max(line)) for line in series)
+            if high - low < _FLAT:
+                # around what stays as it is uplot finds no scale
+                low, high = low - 1, high + 1
             # Three samples at the same time make the upright line; uplot has no marker of its own.
             place = int(np.searchsorted(times, time))
             marked = np.insert(times, place, (time, time, time))
@@ -110,4 +117,5 @@ def _plot(
         scales={"x": uplot.Scale(time=False)},
         axes=(axis, axis),
         height=height,
+        visible=False,
     )

@@ -35,7 +35,7 @@ class SearchOrderLayer:
             count = 0 if reached is None else len(reached)
             state = (plan.error, count)
             order = np.zeros(0, np.int32) if reached is None else reached
-            colour = style.A_STAR
+            colour = style.A_STAR  # as the sentence says
         if state == self._drawn:
             return count
         self._drawn = state
@@ -49,7 +49,7 @@ class SearchOrderLayer:
             "/search/reached",
             plan.graph.points[nodes[::stride]].astype(np.float32),
             colour,
-            point_size=0.13 * plan.graph.pitch,
+            point_size=(0.13 if result is not None else 0.08) * plan.graph.pitch,
             point_shape="circle",
             precision="float32",
         )

@@ -17,7 +17,7 @@ from viser.transforms import SO3
 from abi.errors import SceneError
 from abi.scene import Scene
 from abi.shapes import Box, Capsule, Cylinder, MeshShape, Obstacle, Sphere
-from abi.surfaces.mesh_shape import suggest_unit
+from abi.surfaces.mesh_shape import METRES, suggest_unit
 from abi.surfaces.mesh_source import MeshSource
 from abi.surfaces.surface import Surface
 from app.panels.placed import ObstaclesPanel, PointsPanel
@@ -56,12 +56,15 @@ class NumberBox:
 
     def show(self, value: Any) -> None:
         """Show ``value``, unless it is what stands there, rounded."""
+        shown = zip(map(float, value), self._shown, strict=True)
+        if any(abs(a - b) > 1.5 * 10**-_DIGITS for a, b in shown):
+            self.write(value)
+
+    def write(self, value: Any) -> None:
+        """Show ``value``, whatever was typed."""
         x, y, z = (round(float(number), _DIGITS) for number in value)
-        if any(
-            abs(a - b) > 1.5 * 10**-_DIGITS for a, b in zip((x, y, z), self._shown, strict=True)
-        ):
-            self._shown = (x, y, z)
-            self.handle.value = self._shown
+        self._shown = (x, y, z)
+        self.handle.value = self._shown
 
 
 class EditorPanel:
@@ -135,7 +138,21 @@ class EditorPanel:
                 self._points.place(name, typed)
             box.show(self._points.gizmos[name].position)
         if self._obstacles.gizmos:
-            self._edit(self._obstacles.chosen)
+            self._edit(self._obstacles.chosen, scene)
+
+    def write(self, scene: Scene) -> None:
+        """Show ``scene``, which is placed already, whatever was typed."""
+        self._forget()
+        for name, box in self._ends.items():
+            box.write(self._points.gizmos[name].position)
+        self._follow_choice()
+        if self._obstacles.gizmos:
+            self._edit(self._obstacles.chosen, scene)
+
+    def _forget(self) -> None:
+        """What the numbers show is of another obstacle than before."""
+        self._listed = -1
+        self._shown = {}
 
     def meshes(self, scene: Scene) -> MeshSource:
         """The surfaces that obstacles can name: those of ``scene`` and those uploaded here."""
@@ -157,7 +174,7 @@ class EditorPanel:
         shape.prepare()
         self._obstacles.add(shape)
         self._obstacles.choose(len(self._obstacles.gizmos) - 1)
-        self._listed = -1
+        self._forget()
 
     def suggest(self, scene: Scene) -> None:
         """Ask when the chosen mesh is hugely out of scale, and say what was repaired in it.
@@ -201,7 +218,7 @@ class EditorPanel:
         elif what == "Delete" and obstacles.gizmos:
             obstacles.remove(obstacles.chosen)
         obstacles.choose(max(len(obstacles.gizmos) - 1, 0))
-        self._listed = -1
+        self._forget()
 
     def _follow_choice(self) -> None:
         """One obstacle is chosen, in the list and in the scene alike."""
@@ -210,6 +227,8 @@ class EditorPanel:
         if tuple(self.choice.options) != (names or (_NONE,)):
             self.choice.options = names or (_NONE,)
             self._listed = -1
+        for box in (self._position, self._angles):
+            box.handle.visible = bool(names)
         if not names:
             self._show_sizes({})
             return
@@ -222,25 +241,45 @@ class EditorPanel:
         if number != obstacles.chosen or not _has_handles(obstacles, number):
             obstacles.choose(number)
 
-    def _edit(self, number: int) -> None:
+    def _edit(self, number: int, scene: Scene) -> None:
         """The numbers of the chosen obstacle."""
         data, gizmo = self._obstacles.data[number], self._obstacles.gizmos[number]
         field = f"obstacles[{number}]"
+        if number != self._shown.get("number"):
+            self._position.write(gizmo.position)
+            self._angles.write(_degrees(gizmo.wxyz) or (0.0, 0.0, 0.0))
         if (number, data) != (self._shown.get("number"), self._shown.get("data")):
             self._show_sizes(data)
         else:
+            before = dict(data)
             for name in _SIZES:
                 if name in data:
                     data[name] = self._size(name)
+            if "file" in data and data != before:
+                self._keep_in_place(gizmo, before, data, scene)
         self._shown = {"number": number, "data": dict(data)}
         if (place := self._position.typed(f"{field}.position")) is not None:
             gizmo.position = place
         if (angles := self._angles.typed(f"{field}.wxyz")) is not None:
             gizmo.wxyz = SO3.from_rpy_radians(*np.radians(angles)).wxyz
         self._position.show(gizmo.position)
-        wxyz = np.asarray(gizmo.wxyz)
-        if angles is None and np.isfinite(wxyz).all() and wxyz.any():
-            self._angles.show(np.degrees(SO3(wxyz).normalize().as_rpy_radians()))
+        if angles is None and (turned := _degrees(gizmo.wxyz)) is not None:
+            self._angles.show(turned)
+
+    def _keep_in_place(
+        self,
+        gizmo: viser.TransformControlsHandle,
+        before: dict[str, Any],
+        data: dict[str, Any],
+        scene: Scene,
+    ) -> None:
+        """Let a mesh grow about its middle: the origin of its file may be anywhere."""
+        vertices = self.meshes(scene).surface(data["file"]).vertices
+        middle = (vertices.min(axis=0) + vertices.max(axis=0)) / 2
+        growth = _factor(data, scene) - _factor(before, scene)
+        moved = np.asarray(gizmo.position) - growth * SO3(np.asarray(gizmo.wxyz)).apply(middle)
+        if np.isfinite(moved).all():
+            gizmo.position = moved
 
     def _show_sizes(self, data: dict[str, Any]) -> None:
         """Only the sizes that this shape has."""
@@ -258,6 +297,21 @@ class EditorPanel:
         if name == "unit":
             return _UNITS[value]
         return list(value) if name == "size" else value
+
+
+def _degrees(wxyz: Any) -> Triple | None:
+    """Roll, pitch and yaw of a quaternion, [°]; None where it is no rotation."""
+    wxyz = np.asarray(wxyz)
+    if not (np.isfinite(wxyz).all() and wxyz.any()):
+        return None
+    roll, pitch, yaw = np.degrees(SO3(wxyz).normalize().as_rpy_radians()).tolist()
+    return roll, pitch, yaw
+
+
+def _factor(data: dict[str, Any], scene: Scene) -> float:
+    """The scene's [unit] per unit of a mesh file."""
+    unit = data["unit"]
+    return float(data["scale"] * (METRES[unit] / METRES[scene.unit] if unit else 1.0))
 
 
 def _unit_label(unit: str | None) -> str:

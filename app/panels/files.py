@@ -10,6 +10,9 @@ from abi.scene_file import MAX_BYTES, dump, parse_bytes
 from abi.surfaces.mesh_source import MeshSource
 from app.panels.stages import Wake
 
+_LONGEST = 40
+"""Letters of a file's name that are shown."""
+
 
 class FilesPanel:
     """Choose, open, save, reset. Everything is noticed by the worker; nothing runs here."""
@@ -17,10 +20,12 @@ class FilesPanel:
     def __init__(self, client: viser.ClientHandle, name: str, scene: Scene, wake: Wake) -> None:
         self._client = client
         gui = client.gui
-        shipped = scene_names()
-        options = shipped if name in shipped else (*shipped, name)
+        self._own: dict[str, Scene] = {} if name in scene_names() else {name: scene}
         self.choice = gui.add_dropdown(
-            "scene", options, initial_value=name, hint="The scenes that come with the visualiser."
+            "scene",
+            (*scene_names(), *self._own),
+            initial_value=name,
+            hint="The scenes that come with the visualiser, and what was opened.",
         )
         self.upload = gui.add_upload_button(
             "Open a scene file…", mime_type=".yaml,.yml,.json", hint="YAML or JSON, up to 100 kB."
@@ -49,12 +54,24 @@ class FilesPanel:
         if self.upload.value is not self._uploaded:
             self._uploaded = self.upload.value
             self._loaded = _checked(self.upload.value, meshes)
+            self._chosen = self._listed(self.upload.value.name, self._loaded)
             return self._loaded
-        if self.choice.value != self._chosen and self.choice.value in scene_names():
-            self._chosen = self.choice.value
-            self._loaded = load_scene(self._chosen)
+        name = self.choice.value
+        # a page may send anything: only what is listed is opened
+        if name != self._chosen and (name in self._own or name in scene_names()):
+            self._chosen = name
+            self._loaded = self._own.get(name) or load_scene(name)
             return self._loaded
         return None
+
+    def _listed(self, file: str, scene: Scene) -> str:
+        """Put an opened scene among the choices and choose it."""
+        name = "".join(c for c in file if c.isprintable())[-_LONGEST:]
+        name = f"{name} (opened)" if name in scene_names() else name
+        self._own[name] = scene
+        self.choice.options = (*scene_names(), *self._own)
+        self.choice.value = name
+        return name
 
     def save_when_asked(self, scene: Scene) -> None:
         """Send the scene as a file when the button was pressed."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from collections.abc import Callable
 from typing import Any
 
 import msgspec
@@ -21,6 +22,19 @@ _CAMERA = {
     "look_at": [0.0, 0.0, 0.0],
     "up_direction": [0.0, 0.0, 1.0],
 }
+
+
+WAIT = 20.0
+
+
+def until(condition: Callable[[], bool], patience: float = WAIT) -> None:
+    """Wait for another thread; fails when it takes too long."""
+    pause = threading.Event()
+    for _ in range(int(patience / 0.01)):
+        if condition():
+            return
+        pause.wait(0.01)
+    raise AssertionError("did not happen in time")
 
 
 class FakeTab:

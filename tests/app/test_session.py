@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import math
-import threading
-from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
@@ -14,39 +12,7 @@ import viser
 from abi.scene import load_scene
 from app.server import Server, start
 from app.session import Session
-from tests.app.fake_tab import FakeTab
-
-WAIT = 20.0
-
-
-def until(condition: Callable[[], bool]) -> None:
-    """Wait for another thread; fails when it takes too long."""
-    pause = threading.Event()
-    for _ in range(int(WAIT / 0.01)):
-        if condition():
-            return
-        pause.wait(0.01)
-    raise AssertionError("did not happen in time")
-
-
-@pytest.fixture(scope="module")
-def server() -> Iterator[Server]:
-    running = start(port=0, plain=True)
-    yield running
-    running.stop()
-
-
-@pytest.fixture
-def tab(server: Server) -> Iterator[tuple[FakeTab, Session]]:
-    known = set(server.sessions)
-    fake = FakeTab(server.url)
-    until(lambda: bool(set(server.sessions) - known))
-    session = server.sessions[next(iter(set(server.sessions) - known))]
-    until(lambda: session.plan is not None)
-    yield fake, session
-    number = session.client.client_id
-    fake.close()
-    until(lambda: number not in server.sessions)
+from tests.app.fake_tab import FakeTab, until
 
 
 def test_a_tab_begins_with_the_complete_plan_of_the_paper(
@@ -129,7 +95,7 @@ def test_a_bad_number_keeps_the_last_plan_and_says_why(
     until(lambda: note.visible)
 
     assert session.plan is good
-    assert "mesh.pitch" in note.content
+    assert "pitch is" in note.content
 
     fake.set(session.mesh_panel.pitch, 1.0)
     until(lambda: session.plan.scene.mesh.pitch == 1.0)  # type: ignore[union-attr]

@@ -1,0 +1,29 @@
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pytest
+
+from app.server import Server, start
+from app.session import Session
+from tests.app.fake_tab import FakeTab, until
+
+
+@pytest.fixture(scope="module")
+def server() -> Iterator[Server]:
+    running = start(port=0, plain=True)
+    yield running
+    running.stop()
+
+
+@pytest.fixture
+def tab(server: Server) -> Iterator[tuple[FakeTab, Session]]:
+    known = set(server.sessions)
+    fake = FakeTab(server.url)
+    until(lambda: bool(set(server.sessions) - known))
+    session = server.sessions[next(iter(set(server.sessions) - known))]
+    until(lambda: session.plan is not None)
+    yield fake, session
+    number = session.client.client_id
+    fake.close()
+    until(lambda: number not in server.sessions)

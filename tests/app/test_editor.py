@@ -1,0 +1,184 @@
+"""Obstacles, points and scenes by number, driven through the wire, without a browser."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import viser
+
+from abi.scene import Scene, load_scene
+from abi.scene_file import dump
+from app.server import start
+from app.session import Session
+from tests.abi import meshes
+from tests.app.fake_tab import FakeTab, until
+
+MILLIMETRES = {
+    "version": 1,
+    "unit": "mm",
+    "workspace": {"min": [0, 0, 0], "max": [60, 60, 60]},
+    "start": [0, 0, 0],
+    "goal": [60, 60, 60],
+    "obstacles": [{"shape": "sphere", "radius": 9, "position": [30, 30, 30]}],
+    "mesh": {"pitch": 12},
+    "arm": {"base": [30, -30, 0], "a1": 10, "a2": 20, "a3": 60, "a4": 30, "a5": 25},
+}
+
+
+@contextmanager
+def served(path: Path) -> Iterator[tuple[FakeTab, Session]]:
+    """A tab on a scene file."""
+    running = start(port=0, plain=True, scene=str(path))
+    fake = FakeTab(running.url)
+    until(lambda: bool(running.sessions))
+    (session,) = running.sessions.values()
+    # what measures a mesh may have to be compiled first
+    until(lambda: session.plan is not None, patience=90)
+    yield fake, session
+    fake.close()
+    until(lambda: not running.sessions)
+    running.stop()
+
+
+def shows(session: Session, scene: Scene) -> bool:
+    """Whether the tab has planned ``scene``, and nothing waits."""
+    return session.plan is not None and session.plan.scene == scene and session.resting
+
+
+def boxes(session: Session) -> dict[str, list[float]]:
+    editor = session.editor
+    numbers = {name: box.handle.value for name, box in editor._ends.items()}
+    numbers |= {"position": editor._position.handle.value, "turned": editor._angles.handle.value}
+    return {name: list(value) for name, value in numbers.items()}
+
+
+@pytest.mark.parametrize("name", ["two-boxes", "forest", "no-way"])
+def test_another_scene_is_in_the_numbers(tab: tuple[FakeTab, Session], name: str) -> None:
+    fake, session = tab
+    scene = load_scene(name)
+    fake.set(session.editor._ends["start"].handle, [0.5, 0.25, 0.0])
+    until(lambda: session.plan.scene.start == (0.5, 0.25, 0.0))  # type: ignore[union-attr]
+    fake.set(session.files.choice, name)
+    until(lambda: shows(session, scene))
+
+    assert len(session.editor.choice.options) == len(scene.obstacles)
+    found = boxes(session)
+    np.testing.assert_allclose(found["start"], scene.start, atol=1e-3)
+    np.testing.assert_allclose(found["goal"], scene.goal, atol=1e-3)
+    np.testing.assert_allclose(found["position"], scene.obstacles[0].position, atol=1e-3)
+
+    # one typed number moves one thing, along one axis
+    x, y, z = scene.start
+    fake.set(session.editor._ends["start"].handle, [x + 0.125, *found["start"][1:]])
+    until(lambda: shows(session, scene.replace(start=(x + 0.125, y, z))))
+
+
+def test_without_obstacles_there_is_nothing_to_edit(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    editor = session.editor
+    fake.set(editor.buttons, "Delete")
+    until(lambda: not session.obstacles.gizmos and session.resting)
+    assert not editor._position.handle.visible
+    assert not editor._angles.handle.visible
+    assert not editor.size.visible
+
+    fake.set(editor.buttons, "Add")
+    until(lambda: len(session.obstacles.gizmos) == 1 and session.resting)
+    assert editor._position.handle.visible
+    np.testing.assert_allclose(boxes(session)["position"], (3, 3, 4.5))
+    np.testing.assert_allclose(session.obstacles.gizmos[0].position, (3, 3, 4.5))
+
+
+def test_while_a_number_is_wrong_the_rest_goes_on(
+    tab: tuple[FakeTab, Session], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    fake, session = tab
+    sent: list[bytes] = []
+    monkeypatch.setattr(session.client, "send_file_download", lambda _, text: sent.append(text))
+    good = session.plan
+    fake.set(session.motion_panel.speed, 0.0)
+    until(lambda: session.headings._notes["quadratic"].visible)
+    sentence = session.headings._notes["quadratic"].content
+    assert "V is 0.0" in sentence
+    assert "motion.speed" not in sentence
+
+    fake.set(session.view.switches["arm"], False)
+    until(lambda: not session.arm._base.visible)
+    fake.set(session.files.save, True)
+    until(lambda: len(sent) == 1)
+    assert good is not None
+    assert sent[0].decode() == dump(good.scene.to_dict(), "scene.yaml")
+
+    fake.set(session.motion_panel.speed, 2.0)
+    until(lambda: session.plan.scene.motion.speed == 2.0)  # type: ignore[union-attr]
+    assert len(sent) == 1
+
+
+def test_the_arm_is_as_large_as_the_scenes_unit_says(tmp_path: Path) -> None:
+    path = tmp_path / "mm.yaml"
+    Scene.from_dict(MILLIMETRES).save(path)
+
+    def size(session: Session) -> float:
+        """How large the drawn arm is for its room."""
+        assert session.plan is not None
+        places = [float(np.linalg.norm(hinge.frame.position)) for hinge in session.arm._hinges]
+        return sum(places) / max(session.plan.scene.workspace.size)
+
+    with served(path) as (fake, session):
+        until(lambda: size(session) > 0)
+        same = size(session)
+        # the same arm in the same room, ten times as many of a unit a tenth as long
+        for name in ("paper", str(path)):
+            fake.set(session.files.choice, name)
+            scene = load_scene(name)
+            until(lambda scene=scene: shows(session, scene))  # type: ignore[misc]
+            until(lambda: size(session) == pytest.approx(same, rel=1e-6))
+
+
+def test_what_is_not_listed_is_not_opened(tab: tuple[FakeTab, Session], tmp_path: Path) -> None:
+    fake, session = tab
+    path = tmp_path / "other.yaml"
+    Scene.from_dict(MILLIMETRES).save(path)
+    fake.set(session.files.choice, str(path))
+    fake.set(session.spline_panel.degree, 3)
+    until(lambda: session.plan.scene.spline.degree == 3)  # type: ignore[union-attr]
+    assert session.plan is not None
+    assert session.plan.scene == load_scene("paper").replace(spline={"degree": 3})
+
+
+@pytest.mark.parametrize(("widget", "value", "factor"), [("unit", "mm", 0.1), ("scale", 0.5, 0.5)])
+def test_a_mesh_shrinks_about_its_middle(
+    tmp_path: Path, widget: str, value: Any, factor: float
+) -> None:
+    vertices, faces = meshes.box((2.0, 2.0, 2.0))
+    vertices = vertices - vertices.min(axis=0)  # a corner at the file's origin, as from CAD
+    (tmp_path / "part.stl").write_bytes(meshes.stl((vertices, faces)))
+    obstacle = {"shape": "mesh", "file": "part.stl", "unit": "cm", "position": [2, 2, 2]}
+    turned = {**obstacle, "wxyz": [1.0, 0.0, 0.0, 1.0]}
+    path = tmp_path / "part.yaml"
+    path.write_text(dump({"version": 1, "obstacles": [turned]}, path.name), encoding="utf-8")
+    with served(path) as (fake, session):
+        assert session.plan is not None
+        before = session.plan.scene.obstacles[0].bounds()
+        fake.set(getattr(session.editor, widget), value)
+        until(lambda: session.plan.scene.obstacles[0].bounds()[1][0] != before[1][0])  # type: ignore[union-attr]
+        after = session.plan.scene.obstacles[0].bounds()
+    np.testing.assert_allclose(np.add(*after), np.add(*before), atol=1e-9)
+    np.testing.assert_allclose(np.subtract(*after), factor * np.subtract(*before), atol=1e-6)
+
+
+def test_plots_are_there_when_there_is_motion(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    plots: list[viser.GuiUplotHandle] = list(session.plots._plots)
+    until(lambda: all(plot.visible for plot in plots))
+    fake.set(session.files.choice, "no-way")
+    until(lambda: not any(plot.visible for plot in plots))
+    fake.set(session.files.choice, "paper")
+    until(lambda: all(plot.visible for plot in plots))
+    # also around the joint that does not move there is a scale
+    until(lambda: all(np.ptp(np.concatenate(plot.data[1:])) > 0 for plot in plots))
