@@ -65,11 +65,11 @@ def test_a_bad_speed_says_why_and_keeps_the_plan(page: Page, session: Session) -
     good = session.plan
     for bad, said in (("-1", "-1.0"), ("10000000", "10000000.0"), ("0", "0.0")):
         page.set_number(SPEED, bad)
-        page.reads(f"motion.speed is {said}; expected ")
+        page.reads(f"V is {said}; expected ")
         (sentence,) = page.complaints()
-        assert re.search(r"motion\.speed is \S+; expected .+\.", sentence)
+        assert re.search(r"V is \S+; expected .+\.", sentence)
         assert session.plan is good
-    _lies_between(page, "motion.speed is", "4 · B-spline", "5 · Quadratic")
+    _lies_between(page, "V is", "4 · B-spline", "5 · Quadratic")
     assert drawn.shows(page, good)
 
     page.set_number(SPEED, 2.125)
