@@ -81,14 +81,17 @@ class PlotsLayer:
         for handle, (times, *series) in self._data:
             low = min(float(np.min(line)) for line in series)
             high = max(float(np.max(line)) for line in series)
-            if high - low < _FLAT:
-                # around what stays as it is uplot finds no scale
+            flat = high - low < _FLAT
+            if flat:
                 low, high = low - 1, high + 1
             # Three samples at the same time make the upright line; uplot has no marker of its own.
             place = int(np.searchsorted(times, time))
             marked = np.insert(times, place, (time, time, time))
             upright = np.full(len(marked), low)
             upright[place + 1] = high
+            if flat:
+                # around what stays as it is uplot finds no scale: over the axis it is shown one
+                marked, upright = np.insert(marked, 0, marked[0]), np.insert(upright, 0, high)
             handle.data = (marked, *(np.interp(marked, times, line) for line in series), upright)
 
 
@@ -107,7 +110,7 @@ def _plot(
     series += [uplot.Series(label=name, stroke=style.css(c), width=2) for name, c in lines]
     series += [uplot.Series(label="now", stroke=_INK, width=1)]
     axis = uplot.Axis(
-        stroke=_INK, grid=uplot.Axis_Grid(stroke=_GREY, width=1), size=34, font="11px sans-serif"
+        stroke=_INK, grid=uplot.Axis_Grid(stroke=_GREY, width=1), size=40, font="11px sans-serif"
     )
     empty = np.array([0.0, 1.0])
     return gui.add_uplot(
