@@ -130,6 +130,7 @@ def _cut(scene: Scene, plan: Plan, nodes: Graph, trials: Trials) -> Reason:
     asked, pitch = scene.spline.clearance, scene.mesh.pitch
     finer = trials.finer()
     lower = trials.largest(trials.joined)
+    both: list[float] = []
     for fine in finer:
         change: dict[str, Any] = {"mesh": {"pitch": fine}}
         if trials.joined(asked, fine) and (made := trials.passes("search", **change)):
@@ -141,6 +142,9 @@ def _cut(scene: Scene, plan: Plan, nodes: Graph, trials: Trials) -> Reason:
                 change,
                 _narrowest(made),
             )
+        # asked while its mesh is there: making that is most of the work
+        if lower is None and trials.joined(0.0, fine):
+            both.append(fine)
     if lower is not None:
         change = {"spline": {"clearance": lower}}
         if made := trials.passes("search", **change):
@@ -152,18 +156,17 @@ def _cut(scene: Scene, plan: Plan, nodes: Graph, trials: Trials) -> Reason:
                 change,
                 _narrowest(made),
             )
-    for fine in finer:
-        if lower is None and trials.joined(0.0, fine):
-            low = trials.largest(partial(trials.joined, pitch=fine)) or 0.0
-            change = {"mesh": {"pitch": fine}, "spline": {"clearance": low}}
-            if made := trials.passes("search", **change):
-                return Reason(
-                    f"The gap is too narrow for a clearance of {asked:.3g}, and the pitch of "
-                    f"{pitch:.3g} too coarse for the gap.",
-                    f"A clearance of {low:.3g} at a pitch of {fine:.3g} works{_tried(made)}.",
-                    change,
-                    _narrowest(made),
-                )
+    for fine in both:
+        low = trials.largest(partial(trials.joined, pitch=fine)) or 0.0
+        change = {"mesh": {"pitch": fine}, "spline": {"clearance": low}}
+        if made := trials.passes("search", **change):
+            return Reason(
+                f"The gap is too narrow for a clearance of {asked:.3g}, and the pitch of "
+                f"{pitch:.3g} too coarse for the gap.",
+                f"A clearance of {low:.3g} at a pitch of {fine:.3g} works{_tried(made)}.",
+                change,
+                _narrowest(made),
+            )
     return _walled_in(scene, plan, nodes, trials, finer)
 
 
@@ -177,8 +180,14 @@ def _walled_in(
     smaller, inside = min((from_start, "start"), (from_goal, "goal"), key=lambda side: len(side[0]))
     walls = _walls(scene, plan, nodes, smaller)
     names = _listed(walls)
-    sizes = f"the start reaches {len(from_start):,} of {nodes.free_nodes:,} nodes, the goal "
-    message = f"The {inside} is walled in{f' by {names}' if walls else ''}: {sizes}"
+    # start and goal, where they are no nodes of the mesh, are not counted: nor are they elsewhere
+    size = len(nodes.mesh.points)
+    free = nodes.free_nodes - len(nodes.own)
+    of_start, of_goal = ((side < size).sum() for side in (from_start, from_goal))
+    message = (
+        f"The {inside} is walled in{f' by {names}' if walls else ''}: the start reaches "
+        f"{of_start:,} of {free:,} nodes, the goal {of_goal:,}."
+    )
     tried = f"clearances down to 0{_down_to(finer)} do not help: they have been tried"
     opened = None
     for k in walls[:_NAMED]:
@@ -191,7 +200,7 @@ def _walled_in(
         if opened is not None
         else f"Move {'them' if len(walls) > 1 else 'an obstacle'} apart; {tried}."
     )
-    return Reason(f"{message}{len(from_goal):,}.", hint, None, _rows(nodes.points[smaller]))
+    return Reason(message, hint, None, _rows(nodes.points[smaller]))
 
 
 def _walls(scene: Scene, plan: Plan, nodes: Graph, inside: IntArray) -> list[int]:

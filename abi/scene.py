@@ -27,7 +27,17 @@ from pydantic_core import ErrorDetails
 from abi import assets
 from abi.errors import SceneError
 from abi.scene_file import parse, write
-from abi.shapes import Box, Capsule, Cylinder, Length, MeshShape, Obstacles, Sphere, Vec3
+from abi.shapes import (
+    LARGEST,
+    Box,
+    Capsule,
+    Cylinder,
+    Length,
+    MeshShape,
+    Obstacles,
+    Sphere,
+    Vec3,
+)
 from abi.surfaces.mesh_source import MeshSource
 
 Name = Literal["bcc", "kuhn", "delaunay"]
@@ -36,6 +46,9 @@ Count = Annotated[int, Strict()]
 Number = Annotated[float, Strict(), Field(allow_inf_nan=False, ge=-1e6, le=1e6)]
 Rate = Annotated[float, Strict(), Field(allow_inf_nan=False, ge=1e-6, le=1e6)]
 Rates = tuple[Rate, Rate, Rate]
+
+FINEST = 1e-6
+"""Smallest pitch, [unit]: the shortest side that a workspace may have."""
 
 _WORDS = {
     "a valid number": "a number",
@@ -84,7 +97,7 @@ class MeshSettings(_Settings):
     """Stage 1. ``pitch`` is the distance between neighbouring nodes, [unit]."""
 
     lattice: Name = "bcc"
-    pitch: Length = 1.2
+    pitch: Annotated[Number, Field(ge=FINEST)] = 1.2
     seed: Annotated[Count, Field(ge=0, le=2**32 - 1)] = 0
     max_nodes: Annotated[Count, Field(ge=8, le=20_000_000)] = 1_000_000
 
@@ -104,8 +117,11 @@ class MeshSettings(_Settings):
         return (x + 1) * (y + 1) * (z + 1) + (x * y * z if self.lattice == "bcc" else 0)
 
     def finest_pitch(self, workspace: Workspace) -> float:
-        """Smallest pitch, to three digits, whose mesh keeps within ``max_nodes``."""
-        low, high = 1e-6, max(workspace.size) * 2
+        """Smallest pitch, to three digits, whose mesh keeps within ``max_nodes``.
+
+        The largest there is where none does.
+        """
+        low, high = FINEST, min(max(workspace.size) * 2, LARGEST)
         for _ in range(80):
             middle = math.sqrt(low * high)
             fits = self.model_copy(update={"pitch": middle}).node_count(workspace) <= self.max_nodes
@@ -202,8 +218,9 @@ class Scene(_Settings):
                 raise SceneError(f"obstacles[{index}].file", shape.file, expected)
             try:
                 placed[index] = shape.in_unit(info.data.get("unit", "m"))
-            except ValueError as error:
-                raise SceneError(f"obstacles[{index}].scale", shape.scale, str(error)) from None
+            except SceneError as error:
+                field = f"obstacles[{index}].{error.field}"
+                raise SceneError(field, error.value, error.expected) from None
         return tuple(placed)
 
     @model_validator(mode="after")
@@ -214,6 +231,10 @@ class Scene(_Settings):
                 raise SceneError(name, getattr(self, name), expected)
         nodes = self.mesh.node_count(self.workspace)
         if nodes > self.mesh.max_nodes:
+            coarsest = self.mesh.model_copy(update={"pitch": LARGEST}).node_count(self.workspace)
+            if coarsest > self.mesh.max_nodes:
+                expected = f"at least {coarsest:,}, the nodes of the coarsest mesh"
+                raise SceneError("mesh.max_nodes", self.mesh.max_nodes, expected)
             raise SceneError(
                 "mesh.pitch",
                 self.mesh.pitch,

@@ -6,9 +6,11 @@ reader, or grows without limit.
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
-import tempfile
+import secrets
+import shutil
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -67,20 +69,27 @@ def parse_bytes(raw: bytes, name: str) -> object:
 def write(data: dict[str, Any], path: Path) -> None:
     """Write ``data`` as YAML or JSON, by the ending of ``path``, in one step.
 
+    A file that was there keeps its permissions; a new one has those of any new file.
+
     Raises:
-        SceneError: the file cannot be written.
+        SceneError: the file cannot be written; then nothing of it is left.
     """
+    # not by tempfile, whose files are for the owner alone whatever the umask says
+    beside = path.parent / f".{secrets.token_hex(8)}{path.suffix}"
     try:
-        with tempfile.NamedTemporaryFile(
-            "w", dir=path.parent, suffix=path.suffix, delete=False, encoding="utf-8"
-        ) as file:
+        with beside.open("x", encoding="utf-8") as file:
+            if path.is_file():
+                shutil.copymode(path, beside)
             file.write(dump(data, path.name))
             file.flush()
             os.fsync(file.fileno())
-        os.replace(file.name, path)
+        os.replace(beside, path)
     except OSError as error:
         reason = (error.strerror or "not writable").lower()
         raise SceneError("scene", str(path), f"a place that can be written ({reason})") from None
+    finally:
+        with contextlib.suppress(OSError):
+            beside.unlink(missing_ok=True)
 
 
 def dump(data: dict[str, Any], name: str) -> str:

@@ -16,7 +16,7 @@ from abi.errors import StageError
 from abi.graph import Graph
 from abi.mesh import TetMesh
 from abi.plan import SLACK, Plan, Planner
-from abi.scene import Scene
+from abi.scene import FINEST, Scene
 from abi.shapes import Obstacles
 
 MOST_NODES = 60_000
@@ -74,7 +74,10 @@ class Trials:
         pitches = [settings.pitch]
         while True:
             pitch = float(f"{pitches[-1] / 2:.3g}")
-            if settings.model_copy(update={"pitch": pitch}).node_count(box) > most:
+            if (
+                pitch < FINEST
+                or settings.model_copy(update={"pitch": pitch}).node_count(box) > most
+            ):
                 return pitches[1:]
             pitches.append(pitch)
 

@@ -97,16 +97,20 @@ def plan(scene: str, out: Path | None, full: bool, list_scenes: bool) -> None:
 @click.option(
     "--meshes",
     type=click.Path(file_okay=False, exists=True, path_type=Path),
-    help="Folder of the scene's mesh files.  [default: the plan's]",
+    help="Folder of the scene's mesh files.  [default: the plan's, then the shipped scenes']",
 )
 def verify(plan: Path, meshes: Path | None) -> None:
     """Check every certificate in the file PLAN, a plan's JSON, again in exact arithmetic.
 
     Exit code 0: every curve is proven; 3: one is not, and its line says why; 2: bad input.
     """
+    from abi.proof.verify import PlanMeshes
     from abi.proof.verify import verify as verify_plan
 
-    verdicts = verify_plan(_read(plan), meshes or plan.parent)
+    beside = PlanMeshes(plan.parent)
+    verdicts = verify_plan(_read(plan), meshes or beside)
+    for name in dict.fromkeys(beside.shipped):
+        click.echo(f"{name!r} is not beside the plan; the shipped scenes' is taken.", err=True)
     click.echo("\n".join(map(str, verdicts)))
     if not all(verdict.proven for verdict in verdicts):
         raise SystemExit(INCOMPLETE)

@@ -6,6 +6,7 @@ is used, so that both load at once.
 
 from __future__ import annotations
 
+import socket
 import sys
 import threading
 import warnings
@@ -22,6 +23,9 @@ if TYPE_CHECKING:
 
 PAPER = "paper"
 
+_ALL = {"0.0.0.0": "127.0.0.1", "::": "[::1]"}
+"""Addresses that mean every one of this machine's, and one that a browser can be given."""
+
 
 class Server:
     """A page that anyone on ``host`` can load, and once it shows a scene, a visualiser.
@@ -35,13 +39,15 @@ class Server:
         self._plain, self._dark = plain, dark
         self._lock = threading.Lock()
         self.sessions: dict[int, Session] = {}
-        self.viser = viser.ViserServer(host=host, port=port, label="ABI visualiser", verbose=False)
+        self.viser = viser.ViserServer(
+            host=_listening(host), port=port, label="ABI visualiser", verbose=False
+        )
         page.refuse_sharing(self.viser)
         self.viser.gui.configure_theme(dark_mode=dark, show_logo=False, show_share_button=False)
         # shadows and surroundings take a weak machine seconds: each tab has them after its plan
         self.viser.scene.configure_default_lights(cast_shadow=False)
         self.viser.scene.configure_environment_map(hdri=None)
-        self.url = f"http://{'127.0.0.1' if host == '0.0.0.0' else host}:{self.viser.get_port()}"
+        self.url = f"http://{_named(host)}:{self.viser.get_port()}"
 
     def show(self, name: str, scene: Scene) -> None:
         """Give every tab the scene, those that wait already and those to come."""
@@ -98,7 +104,7 @@ def start(
         opened: told the address as soon as there is a page to load.
 
     Raises:
-        SceneError: the scene cannot be read.
+        AbiError: the scene cannot be read, or ``host`` is no address of this machine.
     """
     # A tab that leaves in the middle of a frame is no news; its session is told right after.
     warnings.filterwarnings("ignore", "Queued a .* on a closed connection", UserWarning)
@@ -110,6 +116,44 @@ def start(
     opened(server.url)
     server.show(scene, read or _read(scene))
     return server
+
+
+def _listening(host: str) -> str:
+    """``host`` once something has listened on it, for viser would try 1,000 ports on any.
+
+    Where only some of a name's addresses are this machine's, as ``::1`` is not without IPv6, it is
+    the first that is: with all of them no port would do.
+
+    Raises:
+        AbiError: none is.
+    """
+    usable, refused = [], []
+    try:
+        found = socket.getaddrinfo(host, 0, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)
+    except (OSError, ValueError) as error:  # what can be no name at all is a ValueError
+        found, refused = [], [error]
+    for family, kind, protocol, _, address in found:
+        try:
+            with socket.socket(family, kind, protocol) as probe:
+                probe.bind(address)
+        except OSError as error:
+            refused.append(error)
+        else:
+            usable.append(str(address[0]))
+    if usable:
+        return usable[0] if refused else host
+    from abi.errors import AbiError
+
+    reason = (getattr(refused[0], "strerror", None) or "no name of a host").lower()
+    expected = "an address of this machine, such as 127.0.0.1, or 0.0.0.0 for all of them"
+    raise AbiError(f"--host is {host!r}; expected {expected} ({reason}).")
+
+
+def _named(host: str) -> str:
+    """How an address on this machine is written in a URL."""
+    if host in _ALL:
+        return _ALL[host]
+    return f"[{host}]" if ":" in host else host
 
 
 def _read(name: str) -> Scene:

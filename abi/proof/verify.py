@@ -8,6 +8,7 @@ inequality is decided exactly, and the pieces must cover the whole curve for eve
 
 from __future__ import annotations
 
+import contextlib
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -15,12 +16,14 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
+from abi import assets
 from abi.errors import SceneError
 from abi.proof.exact import Exact, Powers, Solid, Spline, Vector, dot, hull, vector
 from abi.proof.exact_mesh import Mesh
 from abi.scene import Scene
 from abi.surfaces.mesh_shape import MeshShape
 from abi.surfaces.mesh_source import MeshSource
+from abi.surfaces.surface import Surface
 
 CURVES = ("bspline", "quadratic")
 
@@ -55,6 +58,33 @@ class _Plane:
 
 class _Wrong(Exception):
     """The certificate does not prove the claim; the message says why."""
+
+
+class PlanMeshes(MeshSource):
+    """Mesh files beside a plan; those of a shipped scene, where they are not there, from that.
+
+    Attributes:
+        shipped: names of the files that were not beside the plan but with the shipped scenes.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        super().__init__(folder=folder)
+        self.shipped: list[str] = []
+        self._folder = folder
+
+    def surface(self, name: str) -> Surface:
+        """As in :class:`MeshSource`."""
+        try:
+            return super().surface(name)
+        except SceneError as error:
+            # a file that is there but is no mesh is what was meant
+            if not (self._folder / name).exists():
+                with contextlib.suppress(SceneError):
+                    found = MeshSource(folder=assets.path("scenes")).surface(name)
+                    self.shipped.append(name)
+                    return found
+            expected = f"{error.expected}, beside the plan or in the folder of --meshes"
+            raise SceneError(error.field, name, expected) from None
 
 
 def verify(plan: object, folder: Path | MeshSource | None = None) -> tuple[Verdict, ...]:

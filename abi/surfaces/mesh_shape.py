@@ -92,17 +92,17 @@ class MeshShape(Posed):
         """The shape in a scene of this unit.
 
         Raises:
-            ValueError: larger than 1e6 or smaller than 1e-6 [unit]; the message is the end of a
-                sentence "expected …".
+            SceneError: larger than 1e6 or smaller than 1e-6 [unit], or further than 1e6 [unit] from
+                the world's origin; names the field of the shape.
         """
         factor = self.scale * (METRES[self.unit] / METRES[unit] if self.unit else 1.0)
         if not 1e-6 <= factor * self.surface.extent <= LARGEST:
-            size = factor * self.surface.extent
-            raise ValueError(f"a mesh between 1e-06 and {LARGEST:g} large, it would be {size:g}")
-        if factor == self._factor:
-            return self
-        placed = self.model_copy()
-        placed._factor = factor
+            raise SceneError("scale", self.scale, _fitting(factor * self.surface.extent))
+        placed = self
+        if factor != self._factor:
+            placed = self.model_copy()
+            placed._factor = factor
+        placed._refuse_far()
         return placed
 
     def prepare(self) -> None:
@@ -156,6 +156,24 @@ class MeshShape(Posed):
         a, b = self._to_file(p), self._to_file(q)
         return self._distances.blocks(a, b, margins / self._factor)
 
+    def _refuse_far(self) -> None:
+        """Raise a SceneError where the bounds are beyond what any other obstacle may have."""
+        low, high = self.bounds()
+        size = float((high - low).max())
+        if size > LARGEST:
+            raise SceneError("scale", self.scale, f"{_fitting(size)} as it is turned")
+        reached = max(-low.min(), high.max())
+        if reached <= LARGEST:
+            return
+        limit = f"in the scene it reaches {reached:g}, and ±{LARGEST:g} is the limit"
+        # with its middle at the origin a mesh of this size is well within the limit
+        better = np.clip(np.array(self.position) - (low + high) / 2, -LARGEST, LARGEST)
+        moved = better - np.array(self.position)
+        if max(-(low + moved).min(), (high + moved).max()) <= LARGEST:
+            place = "({:g}, {:g}, {:g})".format(*better.round(6) + 0.0)  # 0, not -0
+            raise SceneError("position", self.position, f"one like {place}: {limit}")
+        raise SceneError("file", self.file, f"a mesh nearer to 0, or in a smaller unit: {limit}")
+
     @property
     def _distances(self) -> SurfaceDistance:
         return distances(self.surface)
@@ -179,6 +197,10 @@ def _triangles(shape: MeshShape) -> FloatArray:
 def _to_world(shape: MeshShape, points: FloatArray) -> FloatArray:
     turned = points * shape.factor @ rotation(shape.wxyz).T
     return np.asarray(turned + np.array(shape.position))
+
+
+def _fitting(size: float) -> str:
+    return f"a mesh between 1e-06 and {LARGEST:g} large, it would be {size:g}"
 
 
 def suggest_unit(extent: float, workspace: Sequence[float], unit: str) -> str | None:

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import math
 import os
+import re
 from pathlib import Path
 from typing import Any
 
@@ -402,6 +403,79 @@ def test_units_of_the_file_and_of_the_scene() -> None:
     metres = scene.replace(unit="m")
     np.testing.assert_allclose(np.ptp(metres.obstacles[0].bounds(), axis=0), 2)
     np.testing.assert_allclose(np.ptp(scene.obstacles[0].bounds(), axis=0), 200)
+
+
+def far(corner: tuple[float, float, float], side: float = 10.0) -> bytes:
+    vertices, faces = meshes.box((side, side, side))
+    return meshes.stl((vertices - vertices.min(axis=0) + np.array(corner), faces))
+
+
+@pytest.mark.parametrize(
+    ("corner", "change", "field"),
+    [
+        ((500_000, 540_000, 300), {"unit": "m"}, "file"),
+        ((-500_000, 0, 0), {"scale": 4.1}, "file"),
+        ((500_000, 540_000, 300), {"scale": 3.0}, "position"),
+        ((-500_000, -540_000, 300), {"scale": 3.0, "wxyz": [1, 0.2, 0, 0.1]}, "position"),
+        ((0, 0, 0), {"position": [0, 999_995, 0]}, "position"),
+        ((0, 0, 0), {"position": [0, 999_990, 0]}, None),
+        ((500_000, 540_000, 300), {}, None),
+    ],
+)
+def test_a_mesh_far_from_the_origin_is_refused_with_a_place_that_works(
+    corner: tuple[float, float, float], change: dict[str, Any], field: str | None
+) -> None:
+    entry = {"shape": "mesh", "file": "far.stl", **change}
+    data = {"version": 1, "unit": "cm", "obstacles": [entry]}
+    files = {"far.stl": far(corner)}
+    if field is None:
+        assert np.abs(Scene.from_dict(data, files).obstacles[0].bounds()).max() <= 1e6
+        return
+    with pytest.raises(SceneError) as caught:
+        Scene.from_dict(data, files)
+    assert caught.value.field == f"obstacles[0].{field}"
+    assert "±1e+06 is the limit" in caught.value.message
+    if field == "position":
+        told = re.search(r"like \((.*?)\)", caught.value.expected)
+        assert told is not None
+        place = [float(number) for number in told[1].split(",")]
+        nearer = {**data, "obstacles": [{**entry, "position": place}]}
+        assert np.abs(Scene.from_dict(nearer, files).obstacles[0].bounds()).max() <= 1e6
+
+
+def test_a_mesh_too_large_only_as_it_is_turned_is_refused() -> None:
+    half = {"shape": "mesh", "file": "cube.stl", "position": [0, 0, 600_000]}
+    turned = {**half, "wxyz": [math.cos(math.pi / 8), 0, 0, math.sin(math.pi / 8)]}
+    files = {"cube.stl": far((-480_000, -480_000, 0), 960_000)}
+    data: dict[str, Any] = {"version": 1, "obstacles": [{**half, "position": [0, 0, 0]}]}
+    assert Scene.from_dict(data, files).obstacles
+    with pytest.raises(SceneError, match="as it is turned") as caught:
+        Scene.from_dict({**data, "obstacles": [turned]}, files)
+    assert caught.value.field == "obstacles[0].scale"
+
+    fitting = {**turned, "scale": 0.7, "position": [0, 0, 300_000]}
+    scene = Scene.from_dict({**data, "obstacles": [fitting]}, files)
+    assert np.ptp(scene.obstacles[0].bounds(), axis=0).max() <= 1e6
+
+
+@settings(max_examples=25, deadline=None)
+@given(seeds)
+def test_what_a_scene_accepts_can_be_planned_however_far_or_large(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    entry = {
+        "shape": "mesh",
+        "file": "far.stl",
+        "scale": float(10 ** rng.uniform(-1, 5)),
+        "position": rng.uniform(-1e6, 1e6, 3).tolist(),
+        "wxyz": rng.normal(size=4).tolist(),
+    }
+    files = {"far.stl": far(tuple(rng.uniform(-1e5, 1e5, 3).tolist()))}
+    try:
+        scene = Scene.from_dict({"version": 1, "obstacles": [entry]}, files)
+    except SceneError:
+        return
+    made = Planner()(scene)
+    assert made.path is None or made.taut is not None
 
 
 @pytest.mark.parametrize(

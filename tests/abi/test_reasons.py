@@ -11,12 +11,13 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from scipy import ndimage
 
-from abi import Scene, load_scene, plan
+from abi import Scene, load_scene, mesh, plan
 from abi.errors import NoPath, PointBlocked
 from abi.nearest_free import nearest_free, rounded
 from abi.plan import SLACK, Plan
 from abi.plan_json import reason as plain
 from abi.reasons import Reason, explain
+from abi.scene import MeshSettings, Workspace
 from abi.shapes import nearest
 from abi.trials import MOST_NODES, Trials, rounded_down
 from tests.abi.test_scene import obstacles, points
@@ -152,32 +153,68 @@ def test_a_gap_too_narrow_for_both_gets_both() -> None:
     assert not passes(plan(scene.replace(spline=found.change["spline"])), "search")
 
 
-def test_walled_in_agrees_with_networkx_and_with_a_flood() -> None:
-    scene = load_scene("no-way")
+@pytest.mark.parametrize("start", [[0.6, 0.6, 3.0], [0.0, 0.0, 0.0], [0.61, 0.57, 2.93]])
+def test_walled_in_agrees_with_networkx_and_with_a_flood(start: list[float]) -> None:
+    scene = load_scene("no-way").replace(start=start)
     made, found = reason_of(scene)
     assert made.graph is not None
+    assert made.free is not None
 
     graph = made.graph.to_networkx()
-    sizes = [
-        len(networkx.node_connected_component(graph, node))
+    sides = [
+        networkx.node_connected_component(graph, node)
         for node in (made.graph.start, made.graph.goal)
     ]
+    # start and goal are among the nodes only where the mesh has a node there
+    sizes = [sum(node < len(made.free.mesh.points) for node in side) for side in sides]
     told = [int(number.replace(",", "")) for number in re.findall(r"[\d,]*\d", found.message)]
-    assert told[-3:] == [sizes[0], made.graph.free_nodes, sizes[1]]
+    assert told[-3:] == [sizes[0], made.free.nodes, sizes[1]]
     assert "The goal is walled in by obstacles 1, 2, 3, 4, 5 and 6" in found.message
     assert found.change is None
-    assert len(found.points) == min(sizes)
+    assert len(found.points) == min(map(len, sides))
 
     count = 121
     axes = np.linspace(0, 6, count)
     grid = np.stack(np.meshgrid(axes, axes, axes, indexing="ij"), axis=-1).reshape(-1, 3)
     free = (nearest(scene.obstacles, grid)[0] > 0).reshape((count,) * 3)
     labels, _ = ndimage.label(free)
-    start, goal = (
+    parts = [
         labels[tuple(np.round(np.array(end) / 6 * (count - 1)).astype(int))]
         for end in (scene.start, scene.goal)
+    ]
+    assert 0 not in parts
+    assert parts[0] != parts[1]
+
+
+def test_no_mesh_of_a_trial_is_made_twice(monkeypatch: pytest.MonkeyPatch) -> None:
+    made: list[float] = []
+    original = mesh.tetrahedralise
+
+    def counted(workspace: Workspace, settings: MeshSettings) -> mesh.TetMesh:
+        made.append(settings.pitch)
+        return original(workspace, settings)
+
+    scene = load_scene("no-way").replace(mesh={"pitch": 1.5})
+    without = plan(scene)
+    monkeypatch.setattr(mesh, "tetrahedralise", counted)
+    found = explain(scene, without)
+
+    assert found is not None
+    assert "walled in" in found.message
+    finer = [pitch for pitch in made if pitch != scene.mesh.pitch]
+    assert finer == Trials(scene, never).finer()
+    assert len(finer) > 1
+
+
+def test_no_finer_pitch_is_tried_than_a_scene_may_have() -> None:
+    side = [1e-6, 1e-6, 1e-6]
+    scene = Scene.from_dict(
+        {"version": 1, "workspace": {"max": side}, "goal": side, "mesh": {"pitch": 3e-6}}
     )
-    assert 0 != start != goal != 0
+    finer = Trials(scene, never).finer()
+
+    assert finer == [1.5e-6]
+    assert scene.replace(mesh={"pitch": finer[-1]}).mesh.pitch == finer[-1]
 
 
 def test_the_obstacle_that_shuts_the_way_is_named() -> None:

@@ -1,7 +1,10 @@
 from __future__ import annotations
 
+import errno
 import itertools
 import math
+import os
+import re
 from pathlib import Path
 from typing import Any
 
@@ -70,7 +73,12 @@ def test_a_saved_scene_loads_equal_to_itself(data: dict[str, Any], name: str) ->
         ({"version": True}, "version", "True"),
         ({"pitch": 2}, "pitch", "mesh"),
         ({"mesh": {"pich": 1}}, "mesh.pich", "did you mean pitch"),
-        ({"mesh": {"pitch": -1}}, "mesh.pitch", "greater than 0"),
+        ({"mesh": {"pitch": -1}}, "mesh.pitch", "greater than or equal to 0.000001"),
+        ({"mesh": {"pitch": 0}}, "mesh.pitch", "greater than or equal to 0.000001"),
+        ({"mesh": {"pitch": 5e-324}}, "mesh.pitch", "greater than or equal to 0.000001"),
+        ({"mesh": {"pitch": 0.99e-6}}, "mesh.pitch", "greater than or equal to 0.000001"),
+        ({"mesh": {"pitch": 1e-6}}, "mesh.pitch", "at least"),
+        ({"mesh": {"pitch": 2e6}}, "mesh.pitch", "1000000"),
         ({"mesh": {"pitch": math.nan}}, "mesh.pitch", "finite"),
         ({"mesh": {"pitch": math.inf}}, "mesh.pitch", "finite"),
         ({"mesh": {"pitch": "1"}}, "mesh.pitch", "a number"),
@@ -149,6 +157,46 @@ def test_save_and_load_a_file(tmp_path: Path) -> None:
     assert sorted(path.name for path in tmp_path.iterdir()) == ["scene.json", "scene.yaml"]
 
 
+@pytest.mark.parametrize("mask", [0o022, 0o077, 0o002])
+def test_a_saved_file_has_the_permissions_of_any_other(tmp_path: Path, mask: int) -> None:
+    scene, before = load_scene("paper"), os.umask(mask)
+    try:
+        (tmp_path / "other").touch()
+        scene.save(tmp_path / "scene.yaml")
+    finally:
+        os.umask(before)
+    assert (tmp_path / "scene.yaml").stat().st_mode == (tmp_path / "other").stat().st_mode
+
+    for mode in (0o600, 0o644, 0o640):
+        (tmp_path / "scene.yaml").chmod(mode)
+        scene.replace(goal=[6.0, 6.0, 5.0]).save(tmp_path / "scene.yaml")
+        assert (tmp_path / "scene.yaml").stat().st_mode & 0o777 == mode
+
+
+def test_what_cannot_be_saved_leaves_nothing_behind(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    scene = load_scene("paper")
+    (tmp_path / "folder.yaml").mkdir()
+    for path in (tmp_path / "folder.yaml", tmp_path / "none" / "scene.yaml"):
+        with pytest.raises(SceneError, match="can be written") as caught:
+            scene.save(path)
+        assert str(path) in caught.value.message
+    assert [path.name for path in tmp_path.iterdir()] == ["folder.yaml"]
+
+    scene.save(tmp_path / "scene.yaml")
+    content = (tmp_path / "scene.yaml").read_bytes()
+
+    def full(descriptor: int) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(os, "fsync", full)
+    with pytest.raises(SceneError, match="no space left"):
+        scene.replace(goal=[6.0, 6.0, 5.0]).save(tmp_path / "scene.yaml")
+    assert (tmp_path / "scene.yaml").read_bytes() == content
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["folder.yaml", "scene.yaml"]
+
+
 def test_the_shipped_scenes_are_there() -> None:
     assert scene_names()[0] == "paper"
     assert {"two-boxes", "wall-with-window", "thin-plate", "no-way"} <= set(scene_names())
@@ -193,3 +241,54 @@ def test_a_pitch_over_the_budget_is_refused_with_one_that_fits() -> None:
     assert caught.value.field == "mesh.pitch"
     finest = float(caught.value.expected.split("at least ")[1].split(":")[0])
     Scene.from_dict({"version": 1, "mesh": {"pitch": finest}})
+
+
+@pytest.mark.parametrize("lattice", ["bcc", "kuhn", "delaunay"])
+@settings(max_examples=60, deadline=None)
+@given(
+    low=st.floats(-1e6, 0),
+    size=st.tuples(*[st.floats(-6, 6).map(lambda power: 10.0**power)] * 3),
+    pitch=st.floats(-6, 6).map(lambda power: 10.0**power),
+    budget=st.integers(8, 60),
+)
+def test_what_is_advised_for_too_many_nodes_is_no_longer_refused(
+    lattice: str, low: float, size: tuple[float, float, float], pitch: float, budget: int
+) -> None:
+    high = [min(low + side, 1e6) for side in size]
+    if min(high) - low < 1e-6:
+        return
+    data: dict[str, Any] = {
+        "version": 1,
+        "workspace": {"min": [low] * 3, "max": high},
+        "start": [low] * 3,
+        "goal": high,
+        "mesh": {"lattice": lattice, "pitch": pitch, "max_nodes": budget},
+    }
+    try:
+        Scene.from_dict(data)
+    except SceneError as error:
+        told = re.match(r"at least ([\d.e+-]+)", error.expected)
+        assert told is not None
+        name = error.field.removeprefix("mesh.")
+        advised = float(told[1]) if name == "pitch" else int(told[1])
+        assert advised > data["mesh"][name]
+        data["mesh"][name] = advised
+        if name == "max_nodes":
+            # it was the budget alone: with it the coarsest mesh is accepted
+            data["mesh"]["pitch"] = 1e6
+        Scene.from_dict(data)
+
+
+def test_no_pitch_is_advised_that_is_itself_refused() -> None:
+    largest = Workspace(min=(-1e6, -1e6, -1e6), max=(1e6, 1e6, 1e6))
+    assert MeshSettings(lattice="kuhn", max_nodes=8).finest_pitch(largest) == 1e6
+    assert MeshSettings(lattice="kuhn", max_nodes=27).finest_pitch(largest) < 1e6
+
+
+@pytest.mark.parametrize("pitch", [1.2, 12.0, 1e6])
+def test_a_budget_below_one_cell_is_blamed_itself(pitch: float) -> None:
+    with pytest.raises(SceneError) as caught:
+        Scene.from_dict({"version": 1, "mesh": {"pitch": pitch, "max_nodes": 8}})
+
+    assert caught.value.field == "mesh.max_nodes"
+    assert "at least 9" in caught.value.message

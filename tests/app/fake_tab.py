@@ -24,7 +24,7 @@ _CAMERA = {
 }
 
 
-WAIT = 20.0
+WAIT = 60.0
 
 
 def until(condition: Callable[[], bool], patience: float = WAIT) -> None:

@@ -1,14 +1,19 @@
 from __future__ import annotations
 
 import json
+import socket
 import subprocess
 import sys
+import urllib.request
 from pathlib import Path
 
 import pytest
 
+from abi import assets
+from abi.errors import AbiError
 from abi.scene import scene_names
-from app.__main__ import main
+from app.__main__ import INCOMPLETE, main
+from app.server import Server
 
 
 def run(
@@ -64,6 +69,11 @@ def test_no_plan_still_writes_the_json_and_exits_3(
         (("serve", "--port", "99999"), "port"),
         (("serve", "nowhere", "--no-open"), "nowhere"),
         (("--port", "x"), "port"),
+        (("serve", "--host", "256.1.1.1", "--no-open"), "--host is '256.1.1.1'"),
+        (("serve", "--host", "example.invalid", "--no-open"), "--host is 'example.invalid'"),
+        (("serve", "--host", "192.0.2.7", "--no-open"), "--host is '192.0.2.7'"),
+        (("serve", "--host", "x" * 70, "--no-open"), "127.0.0.1"),
+        (("serve", "--host", "", "--no-open"), "--host is ''"),
     ],
 )
 def test_bad_input_is_one_line_and_exit_2(
@@ -89,6 +99,106 @@ def test_a_broken_scene_file_names_the_field(
     assert code == 2
     assert "mesh.pitch" in err
     assert "-3" in err
+
+
+@pytest.mark.parametrize("name", scene_names())
+def test_the_plan_of_a_shipped_scene_can_be_verified_wherever_it_is(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path, name: str
+) -> None:
+    target = tmp_path / "plan.json"
+    run(monkeypatch, capsys, "plan", name, "--out", str(target))
+    data = json.loads(target.read_text())
+    if data["error"] is not None:
+        assert name == "no-way"
+        return
+    proven = all(data[curve]["certified"] for curve in ("bspline", "quadratic"))
+    code, out, err = run(monkeypatch, capsys, "verify", str(target))
+
+    assert code == (0 if proven else INCOMPLETE)
+    assert out.startswith("bspline: proven")
+    # which file a proof is about is said where it is not the one beside the plan
+    files = {body["file"] for body in data["scene"]["obstacles"] if body["shape"] == "mesh"}
+    assert len(err.splitlines()) == len(files)
+    assert all(file in err for file in files)
+
+
+def test_verify_looks_beside_the_plan_first_and_names_the_option(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    target, folder = tmp_path / "plan.json", tmp_path / "meshes"
+    run(monkeypatch, capsys, "plan", "sculpture", "--out", str(target))
+    folder.mkdir()
+    mesh = folder / "knot.obj"
+    mesh.write_bytes(assets.path("scenes", "meshes", "knot.obj").read_bytes())
+    code, out, err = run(monkeypatch, capsys, "verify", str(target))
+    assert (code, err) == (0, "")
+    assert "NOT" not in out
+
+    # another mesh beside the plan is the one that counts, even where it is none
+    corners = ("99 99 99", "-99 -99 99", "-99 99 -99", "99 -99 -99")
+    faces = ("1 2 3", "1 4 2", "1 3 4", "2 4 3")
+    lines = [f"v {corner}" for corner in corners] + [f"f {face}" for face in faces]
+    mesh.write_text("\n".join(lines))
+    code, out, err = run(monkeypatch, capsys, "verify", str(target))
+    assert (code, err) == (INCOMPLETE, "")
+    mesh.write_text("")
+    code, out, err = run(monkeypatch, capsys, "verify", str(target))
+    assert (code, out) == (2, "")
+    assert "meshes/knot.obj" in err
+
+    target.write_text(target.read_text().replace("knot.obj", "not-there.obj"))
+    for name in ("not-there.obj", "../not-there.obj", "/etc/not-there.obj"):
+        target.write_text(target.read_text().replace("meshes/not-there.obj", name))
+        code, out, err = run(monkeypatch, capsys, "verify", str(target))
+        assert (code, out) == (2, "")
+        assert "--meshes" in err
+        assert len(err.strip().splitlines()) == 1
+        target.write_text(target.read_text().replace(name, "meshes/not-there.obj"))
+
+
+@pytest.mark.parametrize(
+    ("host", "shown"),
+    [
+        ("127.0.0.1", "127.0.0.1"),
+        ("0.0.0.0", "127.0.0.1"),
+        ("localhost", "localhost"),
+        ("::1", "[::1]"),
+        ("::", "[::1]"),
+    ],
+)
+def test_the_address_shown_is_one_that_answers(host: str, shown: str) -> None:
+    try:
+        server = Server(host, 0, plain=True, dark=False)
+    except AbiError:
+        assert ":" in host, "every machine has IPv4"
+        pytest.skip("no IPv6 here")
+    try:
+        assert server.url.startswith(f"http://{shown}:")
+        with urllib.request.urlopen(server.url, timeout=10) as page:
+            assert page.status == 200
+    finally:
+        server.stop()
+
+
+@pytest.mark.parametrize(
+    ("addresses", "listening"),
+    [(["192.0.2.7", "127.0.0.1"], "127.0.0.1"), (["127.0.0.1"], "name.invalid")],
+)
+def test_a_name_with_an_address_elsewhere_is_served_on_the_one_here(
+    monkeypatch: pytest.MonkeyPatch, addresses: list[str], listening: str
+) -> None:
+    def found(host: str | None, port: int, *_: object, **__: object) -> list[tuple[object, ...]]:
+        hosts = addresses if host == "name.invalid" else [host]
+        kind = (socket.AF_INET, socket.SOCK_STREAM, socket.IPPROTO_TCP, "")
+        return [(*kind, (host, port)) for host in hosts]
+
+    monkeypatch.setattr(socket, "getaddrinfo", found)
+    server = Server("name.invalid", 0, plain=True, dark=False)
+    try:
+        assert server.viser.get_host() == listening
+        assert server.url == f"http://name.invalid:{server.viser.get_port()}"
+    finally:
+        server.stop()
 
 
 def test_the_installed_command_answers() -> None:
