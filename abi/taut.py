@@ -45,6 +45,12 @@ _WAYS = 6
 _NODES = 4_000
 """Of a lattice about so many nodes are searched for any angle."""
 
+_MOST_NODES = 30_000
+"""More nodes that are no lattice are not searched for any angle.
+
+Of these none can be passed over, and uncompiled, in a first plan, so many take a tenth of a second.
+"""
+
 
 @dataclass(frozen=True, eq=False)
 class TautPath:
@@ -65,15 +71,17 @@ def taut(graph: Graph, obstacles: Obstacles, margin: float, path: SearchResult) 
     """Pull ``path`` taut, and others beside it; the shortest is returned.
 
     ``path`` may go round an obstacle on its longer side. One of the others is found for any angle,
-    by Lazy Theta* (Nash, Koenig and Tovey, 2010) over the nodes of the mesh, or every few of them
-    where it is fine. The rest are short ways in a visibility graph of places on the obstacles'
-    edges, no two by the same edges (:mod:`abi.shortest.waypoints`).
+    by Lazy Theta* (Nash, Koenig and Tovey, 2010) over the nodes of the mesh: every few of them
+    where it is a fine lattice, and none where it is a fine mesh of another kind. The rest are short
+    ways in a visibility graph of places on the obstacles' edges, no two by the same edges
+    (:mod:`abi.shortest.waypoints`).
 
     Each is tightened: vertices that are not needed are dropped, the others moved towards the chord
     of their neighbours and along the surfaces that their legs touch, until the length stops
-    improving. Of the shortest the corners are cut, too, where that wins. The result is a local
-    optimum. A triangle mesh is first taken for its bounding box; then ``path`` and the best found
-    are tightened by the mesh's own distance, :mod:`abi.shortest.tightening`.
+    improving. Of the shortest, and of one nearly as short, the corners are cut, too, where that
+    wins. The result is a local optimum. A triangle mesh is first taken for its bounding box; then
+    ``path`` and the best found are tightened by the mesh's own distance,
+    :mod:`abi.shortest.tightening`.
 
     Args:
         graph: the graph of the path.
@@ -134,7 +142,7 @@ def _margins(own: FloatArray, margin: float) -> FloatArray:
 def _pulled(
     graph: Graph, path: SearchResult, solids: tuple[Solid, ...], margins: FloatArray
 ) -> list[FloatArray]:
-    """All the paths, tightened; first the best, its corners cut."""
+    """All the paths, tightened; first the best."""
     bounds = read_only(np.concatenate(graph.mesh.box))
     rows = packed(solids)
     limits = read_only((margins + _PAD * float(np.abs(bounds).max())).ravel())
@@ -158,13 +166,18 @@ def _any_angle(
 ) -> FloatArray:
     """A path for any angle (m, 3), [unit], world, shorter than the one given; or none, m = 0.
 
+    None, too, where the nodes are no lattice and too many.
+
     Args:
         graph, path: as above.
         rows: the solids.
         limits: distances from them that a segment keeps, see ``abi.kernels.any_angle``.
     """
     whole = graph.mesh
-    stride = 1 if whole.stencil is None else max(1, round((len(whole.points) / _NODES) ** (1 / 3)))
+    nodes = len(whole.points)
+    if whole.stencil is None and nodes > _MOST_NODES:
+        return np.empty((0, 3))
+    stride = 1 if whole.stencil is None else max(1, round((nodes / _NODES) ** (1 / 3)))
     shape, _, steps, places, indptr, indices = whole.net
     start, goal = path.points[[0, -1]].tolist()
     found = call(

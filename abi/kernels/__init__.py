@@ -9,7 +9,7 @@ ready = threading.Event()
 
 
 def warm() -> None:
-    """Compile all kernels, or load what was compiled before: seconds, or a few tenths of one."""
+    """Compile all kernels, or load what was compiled before: half a minute, or about a second."""
     # here, since numba takes long to import
     from abi.kernels import (
         any_angle,
@@ -21,10 +21,13 @@ def warm() -> None:
         clearance,
         curve_clearance,
         mask,
+        nearest,
         pull,
         search,
         sight,
         splines,
+        triangles,
+        winding,
     )
 
     in_order_of_use = (
@@ -41,6 +44,10 @@ def warm() -> None:
         certify_solids,
         certify_surface,
         arm,
+        # for triangle meshes only
+        triangles,
+        nearest,
+        winding,
     )
     for kernels in in_order_of_use:
         kernels.warm()

@@ -12,11 +12,11 @@ from __future__ import annotations
 import heapq
 import threading
 
-import numba
 import numpy as np
 from numba.extending import register_jitable
 
 from abi.arrays import BoolArray, FloatArray, IntArray, read_only
+from abi.kernels.compiling import compiled
 from abi.kernels.net import BCC, ROWS, SIDES, Shape, cell, node_at
 from abi.kernels.solids import WIDTH, Point, blocked, gap
 
@@ -65,7 +65,7 @@ def _neighbours(
             near.append(node_at(coarse, i, j, h))
 
 
-@numba.njit(cache=True, nogil=True)
+@compiled()
 def any_angle(
     shape: Shape,
     steps: IntArray,

@@ -8,11 +8,11 @@ from __future__ import annotations
 import math
 import threading
 
-import numba
 import numpy as np
 from numba.extending import register_jitable
 
 from abi.arrays import FloatArray, read_only
+from abi.kernels.compiling import compiled
 
 ready = threading.Event()
 """Set once the kernels are compiled."""
@@ -32,7 +32,7 @@ def _speed(derivative: FloatArray, first: int, width: int, v: float, work: list[
     return math.sqrt(work[0] * work[0] + work[1] * work[1] + work[2] * work[2])
 
 
-@numba.njit(cache=True, nogil=True)
+@compiled()
 def pieces(
     breaks: FloatArray,
     derivative: FloatArray,
@@ -144,7 +144,7 @@ def _derive(series: FloatArray, start: int, terms: int, found: list[float]) -> N
         found[n - 1] = (2 * n - 1) * (series[start + n] + passed_on)
 
 
-@numba.njit(cache=True, nogil=True)
+@compiled()
 def distances(
     edges: FloatArray,
     travelled: FloatArray,
@@ -172,7 +172,7 @@ def distances(
             found[i] = min(max(travelled[k] + value, 0.0), travelled[last])
 
 
-@numba.njit(cache=True, nogil=True)
+@compiled()
 def parameters(
     edges: FloatArray,
     travelled: FloatArray,

@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 import threading
 
-import numba
 import numpy as np
 from numba.extending import register_jitable
 
 from abi.arrays import FloatArray, read_only
+from abi.kernels.compiling import compiled
 
 ready = threading.Event()
 """Set once the kernels are compiled."""
@@ -45,7 +45,7 @@ def _nearest_to_axis(points: FloatArray, tangents: FloatArray, i: int) -> float:
     return math.sqrt(least)
 
 
-@numba.njit(cache=True, nogil=True)
+@compiled()
 def turn(
     points: FloatArray,
     tangents: FloatArray,
@@ -102,7 +102,7 @@ def turn(
             q1[i] = heading + math.pi * halves
 
 
-@numba.njit(cache=True, nogil=True)
+@compiled()
 def bend(
     across: FloatArray,
     height: FloatArray,
@@ -148,7 +148,7 @@ def bend(
         q2[i] = angle + turned - lead
 
 
-@numba.njit(cache=True, nogil=True)
+@compiled()
 def skeleton(
     joints: FloatArray,
     base: FloatArray,

@@ -15,11 +15,11 @@ from __future__ import annotations
 import math
 import threading
 
-import numba
 import numpy as np
 from numba.extending import register_jitable
 
 from abi.arrays import BoolArray, FloatArray, read_only
+from abi.kernels.compiling import compiled
 from abi.kernels.solids import (
     WIDTH,
     Axes,
@@ -392,7 +392,7 @@ def _around(core: Core, clearance: float, start: Point, goal: Point) -> Way:
     return max(length, other), exact
 
 
-@numba.njit(cache=True, nogil=True)
+@compiled()
 def around(
     solids: FloatArray,
     clearance: float,

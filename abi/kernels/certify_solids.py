@@ -9,11 +9,11 @@ from __future__ import annotations
 import math
 import threading
 
-import numba
 import numpy as np
 from numba.extending import register_jitable
 
 from abi.arrays import FloatArray, read_only
+from abi.kernels.compiling import compiled
 from abi.kernels.separation import (
     CERTIFIED,
     MOST_HALVINGS,
@@ -71,7 +71,7 @@ def _solid_support(
     return box + disc * math.sqrt(x * x + y * y) + ball
 
 
-@numba.njit(cache=True, nogil=True)
+@compiled()
 def solids(
     world: FloatArray,
     breaks: FloatArray,

@@ -10,11 +10,11 @@ from __future__ import annotations
 import math
 import threading
 
-import numba
 import numpy as np
 from numba.extending import register_jitable
 
 from abi.arrays import FloatArray, IntArray, read_only
+from abi.kernels.compiling import compiled
 from abi.kernels.separation import (
     CERTIFIED,
     MOST_HALVINGS,
@@ -96,7 +96,7 @@ def _triangle_support(x: float, y: float, z: float, corners: FloatArray, t: int)
     return float(max(a, b, c))
 
 
-@numba.njit(cache=True, nogil=True)
+@compiled()
 def surface(
     points: FloatArray,
     breaks: FloatArray,

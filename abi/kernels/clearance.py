@@ -9,11 +9,11 @@ from __future__ import annotations
 import math
 import threading
 
-import numba
 import numpy as np
 from numba.extending import register_jitable
 
 from abi.arrays import FloatArray, read_only
+from abi.kernels.compiling import compiled
 from abi.kernels.solids import (
     WIDTH,
     Core,
@@ -87,7 +87,7 @@ def _along(solids: FloatArray, s: int, best: float, a: Point, b: Point) -> float
     return _lowest(core_of(solids, s), best, p, d)
 
 
-@numba.njit(cache=True, nogil=True)
+@compiled()
 def polylines(points: FloatArray, size: int, solids: FloatArray, found: FloatArray) -> None:
     """Least signed distances from polylines to all solids.
 
@@ -107,7 +107,7 @@ def polylines(points: FloatArray, size: int, solids: FloatArray, found: FloatArr
         found[run] = best
 
 
-@numba.njit(cache=True, nogil=True)
+@compiled()
 def skeletons(points: FloatArray, size: int, solids: FloatArray) -> tuple[float, int, int]:
     """Least signed distance from polylines to all solids; of which polyline, and to which solid.
 
@@ -130,7 +130,7 @@ def skeletons(points: FloatArray, size: int, solids: FloatArray) -> tuple[float,
     return best, which, whose
 
 
-@numba.njit(cache=True, nogil=True)
+@compiled()
 def nearest(
     points: FloatArray,
     solids: FloatArray,
@@ -166,7 +166,7 @@ def nearest(
             outward[3 * i], outward[3 * i + 1], outward[3 * i + 2] = way
 
 
-@numba.njit(cache=True, nogil=True)
+@compiled()
 def levels(points: FloatArray, solids: FloatArray, found: FloatArray) -> None:
     """Signed distance of each point to each solid.
 

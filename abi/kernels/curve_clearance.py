@@ -9,11 +9,11 @@ from __future__ import annotations
 import math
 import threading
 
-import numba
 import numpy as np
 from numba.extending import register_jitable
 
 from abi.arrays import FloatArray, read_only
+from abi.kernels.compiling import compiled
 from abi.kernels.solids import (
     WIDTH,
     Point,
@@ -99,7 +99,7 @@ def _bounded(
     return best, whose, bound
 
 
-@numba.njit(cache=True, nogil=True)
+@compiled()
 def curve(
     control: FloatArray,
     breaks: FloatArray,

@@ -8,11 +8,11 @@ from __future__ import annotations
 
 import threading
 
-import numba
 import numpy as np
 from numba.extending import register_jitable
 
 from abi.arrays import BoolArray, FloatArray, IntArray, read_only
+from abi.kernels.compiling import compiled
 from abi.kernels.faces import LONG, beside, stretch_along, stretch_in
 from abi.kernels.net import BCC, ROWS, SIDES, Shape, across, cell, half_cells, node_at
 from abi.kernels.solids import (
@@ -33,7 +33,7 @@ ready = threading.Event()
 _ROUNDING = 1e-9  # of a step: what is nearer to a limit than this is looked at
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy")
+@compiled(error_model="numpy")
 def take(
     shape: Shape,
     offsets: IntArray,
@@ -221,7 +221,7 @@ def take(
     return starts[:runs], lengths[:runs], losers[:count], losses[:count]
 
 
-@numba.njit(cache=True, nogil=True)
+@compiled()
 def mark(starts: IntArray, lengths: IntArray, excluded: BoolArray) -> int:
     """Mark the nodes of runs; how many were not marked before.
 
@@ -238,7 +238,7 @@ def mark(starts: IntArray, lengths: IntArray, excluded: BoolArray) -> int:
     return count
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy")
+@compiled(error_model="numpy")
 def shut(
     shape: Shape,
     offsets: IntArray,

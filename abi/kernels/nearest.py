@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import math
 
-import numba
 import numpy as np
+from numba.extending import register_jitable
 
-from abi.arrays import FloatArray, IntArray
+from abi.arrays import FloatArray, IntArray, read_only
+from abi.kernels.compiling import compiled
 from abi.kernels.triangles import over
 from abi.kernels.vectors import Vector, along, cross, dot, less, point
 
 
-@numba.njit(cache=True, nogil=True)
+@register_jitable
 def _shorter(way: Vector, side: Vector, best: Vector) -> Vector:
     """Of ``best`` and the way to x from the nearest place on a side, which starts ``way`` from x.
 
@@ -24,7 +25,7 @@ def _shorter(way: Vector, side: Vector, best: Vector) -> Vector:
     return found if dot(found, found) < dot(best, best) else best
 
 
-@numba.njit(cache=True, nogil=True)
+@register_jitable
 def _way(x: Vector, a: Vector, b: Vector, c: Vector) -> Vector:
     """From the nearest place on a triangle, which may be degenerate, to x."""
     ab, bc, ca = less(b, a), less(c, b), less(a, c)
@@ -37,7 +38,7 @@ def _way(x: Vector, a: Vector, b: Vector, c: Vector) -> Vector:
     return _shorter(less(x, c), ca, way)
 
 
-@numba.njit(cache=True, nogil=True)
+@register_jitable
 def _to_box(x: Vector, low: FloatArray, high: FloatArray, i: int) -> float:
     """Squared distance of x to a box, 0 inside."""
     squared = 0.0
@@ -47,7 +48,7 @@ def _to_box(x: Vector, low: FloatArray, high: FloatArray, i: int) -> float:
     return squared
 
 
-@numba.njit(cache=True, nogil=True)
+@compiled()
 def nearest_places(
     low: FloatArray,
     high: FloatArray,
@@ -109,3 +110,10 @@ def nearest_places(
         ways[i, 0], ways[i, 1], ways[i, 2] = way
         triangles[i] = chosen // 9
     return distances, ways, triangles
+
+
+def warm() -> None:
+    """Compile the kernel, or load it from numba's cache."""
+    leaves, corners = read_only(np.array([0, 1], dtype=np.int32)), read_only(np.zeros(9))
+    box = read_only(np.zeros(3))
+    nearest_places(box, box, leaves, corners, np.ones((1, 3)))

@@ -8,18 +8,38 @@ from __future__ import annotations
 import math
 import threading
 
-import numba
 import numpy as np
+from numba.extending import register_jitable
 
 from abi.arrays import FloatArray, IntArray, read_only
+from abi.kernels.compiling import compiled
 from abi.kernels.tighten import length_of, tighten
 from abi.kernels.visibility import places, ways
 
 ready = threading.Event()
 """Set once the kernel is compiled."""
 
+_SAME = 1e-6  # parts of the length: nearer than this two strings are one,
+_CLOSE = 2e-4  # and as near as this either may be the shorter one once its corners are cut
 
-@numba.njit(cache=True, nogil=True)
+
+@register_jitable
+def _shortest(lengths: list[float]) -> list[int]:
+    """The shortest path, and of the others that which is close behind, if there is one."""
+    best, second = 0, -1
+    for k in range(len(lengths)):
+        if lengths[k] < lengths[best]:
+            best = k
+    for k in range(len(lengths)):
+        behind = lengths[k] - lengths[best]
+        if _SAME * lengths[best] < behind < _CLOSE * lengths[best] and (
+            second < 0 or lengths[k] < lengths[second]
+        ):
+            second = k
+    return [best, second] if second >= 0 else [best]
+
+
+@compiled()
 def pull(
     x: FloatArray,
     y: FloatArray,
@@ -35,6 +55,8 @@ def pull(
     worth: float,
 ) -> tuple[FloatArray, FloatArray, FloatArray, IntArray, FloatArray]:
     """Tighten paths, and the shortest ways by places on the edges; cut the corners of the best.
+
+    Where two are nearly as short, those of both are cut.
 
     Args:
         x, y, z: (n,) the paths, one after the other, all between the same ends, of two points or
@@ -58,16 +80,18 @@ def pull(
     xs, ys, zs = [0.0] * 0, [0.0] * 0, [0.0] * 0
     qx, qy, qz = xs[:0], ys[:0], zs[:0]
     nodes, ends, lengths = [0] * 0, [0], [0.0] * 0
-    shortest, best = math.inf, 0
-    final = False
-    while not final:
+    shortest = math.inf
+    final, chosen = False, [0] * 0
+    while not final or len(chosen) > 0:
         done = len(ends) - 1
-        final = done >= given and first == len(nodes)
+        if not final and done >= given and first == len(nodes):
+            final, chosen = True, _shortest(lengths)
         if final:
+            k = chosen.pop()
             px, py, pz = (
-                xs[ends[best] : ends[best + 1]],
-                ys[ends[best] : ends[best + 1]],
-                zs[ends[best] : ends[best + 1]],
+                xs[ends[k] : ends[k + 1]],
+                ys[ends[k] : ends[k + 1]],
+                zs[ends[k] : ends[k + 1]],
             )
         elif done < given:
             px = list(x[begins[done] : begins[done + 1]])
@@ -86,8 +110,7 @@ def pull(
         # called from one place, for what is called is compiled where it is called
         px, py, pz = tighten(px, py, pz, solids, margins, bounds, worth if final else math.inf)
         length = length_of(px, py, pz)
-        if length < shortest:
-            shortest, best = length, done
+        shortest = min(shortest, length)
         xs.extend(px)
         ys.extend(py)
         zs.extend(pz)

@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import threading
 
-import numba
 import numpy as np
 
 from abi.arrays import FloatArray, IntArray, read_only
+from abi.kernels.compiling import compiled
 from abi.kernels.metric import NO_METRIC, Metric, to_go
 from abi.kernels.net import LINKED, ROWS, SIDES, Shape, across, cell, ones
 
@@ -26,7 +26,7 @@ _ALL_SIDES = (1 << SIDES) - 1
 _LITTLE = 1e-11  # part of the largest weight by which a cost must fall to be worth it
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy")
+@compiled(error_model="numpy")
 def best_first(
     shape: Shape,
     offsets: IntArray,
@@ -218,7 +218,7 @@ def best_first(
     return cost, parent, order[:expanded], relaxed
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy")
+@compiled(error_model="numpy")
 def bellman_ford(
     shape: Shape,
     offsets: IntArray,
@@ -320,7 +320,7 @@ def bellman_ford(
     return cost, parent, order[:expanded], relaxed
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy")
+@compiled(error_model="numpy")
 def walked(parent: IntArray, goal: int) -> IntArray:
     """Nodes (k,) from the start, whose parent is -1, to the goal; by their parents (n,)."""
     count = 1

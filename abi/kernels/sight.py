@@ -9,10 +9,10 @@ from __future__ import annotations
 import math
 import threading
 
-import numba
 import numpy as np
 
 from abi.arrays import BoolArray, FloatArray, IntArray, read_only
+from abi.kernels.compiling import compiled
 from abi.kernels.net import BCC, ROWS, Shape, half_cells, node_at
 from abi.kernels.solids import WIDTH, axes_of, blocked, core_of, in_body, level
 
@@ -20,7 +20,7 @@ ready = threading.Event()
 """Set once the kernels are compiled."""
 
 
-@numba.njit(cache=True, nogil=True)
+@compiled()
 def seen(
     shape: Shape,
     places: FloatArray,
@@ -81,7 +81,7 @@ def seen(
     return nodes[:found], distances[:found]
 
 
-@numba.njit(cache=True, nogil=True)
+@compiled()
 def nearest(solids: FloatArray, x: float, y: float, z: float) -> float:
     """Least signed distance of a place to the solids, [unit]; inf without any."""
     least = math.inf

@@ -7,16 +7,16 @@ from __future__ import annotations
 
 import threading
 
-import numba
 import numpy as np
 
 from abi.arrays import FloatArray, read_only
+from abi.kernels.compiling import compiled
 
 ready = threading.Event()
 """Set once the kernels are compiled."""
 
 
-@numba.njit(cache=True, nogil=True)
+@compiled()
 def spline(
     knots: FloatArray,
     control: FloatArray,
@@ -62,7 +62,7 @@ def spline(
             found[3 * number + i] = local[3 * degree + i]
 
 
-@numba.njit(cache=True, nogil=True)
+@compiled()
 def bezier(
     knots: FloatArray, control: FloatArray, degree: int, breaks: FloatArray, found: FloatArray
 ) -> int:
@@ -102,7 +102,7 @@ def bezier(
     return k
 
 
-@numba.njit(cache=True, nogil=True)
+@compiled()
 def basis(knots: FloatArray, degree: int, parameters: FloatArray, found: FloatArray) -> None:
     """Values of all basis functions of a spline (Piegl and Tiller, The NURBS Book, A2.2).
 

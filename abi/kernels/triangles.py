@@ -7,19 +7,20 @@ from __future__ import annotations
 
 import math
 
-import numba
 import numpy as np
+from numba.extending import register_jitable
 
-from abi.arrays import FloatArray, IntArray
+from abi.arrays import FloatArray, IntArray, read_only
+from abi.kernels.compiling import compiled
 from abi.kernels.vectors import Vector, along, cross, dot, less, point
 
 
-@numba.njit(cache=True, nogil=True)
+@register_jitable
 def _clamp(t: float) -> float:
     return min(max(t, 0.0), 1.0)
 
 
-@numba.njit(cache=True, nogil=True)
+@register_jitable
 def _between(p: Vector, d: Vector, a: Vector, e: Vector) -> float:
     """Squared distance of the segments p + s d and a + t e, s and t in [0, 1]."""
     r = less(p, a)
@@ -47,7 +48,7 @@ def _between(p: Vector, d: Vector, a: Vector, e: Vector) -> float:
     return dot(gap, gap)
 
 
-@numba.njit(cache=True, nogil=True)
+@register_jitable
 def over(x: Vector, a: Vector, b: Vector, c: Vector, n: Vector) -> bool:
     """Whether x lies over the triangle, seen along its normal n."""
     return (
@@ -57,7 +58,7 @@ def over(x: Vector, a: Vector, b: Vector, c: Vector, n: Vector) -> bool:
     )
 
 
-@numba.njit(cache=True, nogil=True)
+@register_jitable
 def _to_triangle(p: Vector, q: Vector, a: Vector, b: Vector, c: Vector) -> float:
     """Squared distance of the segment from p to q and a triangle, which may be degenerate.
 
@@ -81,7 +82,7 @@ def _to_triangle(p: Vector, q: Vector, a: Vector, b: Vector, c: Vector) -> float
     return min(best, _between(p, d, c, less(a, c)))
 
 
-@numba.njit(cache=True, nogil=True)
+@register_jitable
 def _to_box(p: Vector, q: Vector, low: Vector, high: Vector) -> float:
     """A bound from below of the squared distance of the segment from p to q and a box.
 
@@ -100,7 +101,7 @@ def _to_box(p: Vector, q: Vector, low: Vector, high: Vector) -> float:
     return max(apart, ball * ball)
 
 
-@numba.njit(cache=True, nogil=True)
+@compiled()
 def segment_distances(
     low: FloatArray,
     high: FloatArray,
@@ -157,3 +158,10 @@ def segment_distances(
             waiting += 2
         found[i] = math.sqrt(best)
     return found
+
+
+def warm() -> None:
+    """Compile the kernel, or load it from numba's cache."""
+    leaves, corners = read_only(np.array([0, 1], dtype=np.int32)), read_only(np.zeros(9))
+    box, points, limit = read_only(np.zeros(3)), np.ones((1, 3)), np.ones(1)
+    segment_distances(box, box, leaves, corners, points, points, limit, limit)

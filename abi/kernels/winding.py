@@ -9,10 +9,11 @@ from __future__ import annotations
 
 import math
 
-import numba
 import numpy as np
+from numba.extending import register_jitable
 
-from abi.arrays import BoolArray, FloatArray, IntArray
+from abi.arrays import BoolArray, FloatArray, IntArray, read_only
+from abi.kernels.compiling import compiled
 from abi.kernels.vectors import Vector, cross, dot, less, point
 
 OPENING = 2.5
@@ -32,7 +33,7 @@ _DOUBLINGS = 3
 """How often to look closer before all triangles are taken one by one."""
 
 
-@numba.njit(cache=True, nogil=True)
+@register_jitable
 def _half_solid_angle(a: Vector, b: Vector, c: Vector) -> float:
     """Half the solid angle of a triangle seen from the origin; positive seen from behind."""
     la, lb, lc = math.sqrt(dot(a, a)), math.sqrt(dot(b, b)), math.sqrt(dot(c, c))
@@ -40,7 +41,7 @@ def _half_solid_angle(a: Vector, b: Vector, c: Vector) -> float:
     return math.atan2(dot(a, cross(b, c)), below)
 
 
-@numba.njit(cache=True, nogil=True)
+@register_jitable
 def _number(
     x: Vector,
     leaves: IntArray,
@@ -79,7 +80,7 @@ def _number(
     return halves / (2 * math.pi) + dipoles / (4 * math.pi), strain / (4 * math.pi)
 
 
-@numba.njit(cache=True, nogil=True)
+@compiled()
 def winding_numbers(
     leaves: IntArray,
     corners: FloatArray,
@@ -110,7 +111,7 @@ def winding_numbers(
     return numbers
 
 
-@numba.njit(cache=True, nogil=True)
+@compiled()
 def inside(
     leaves: IntArray,
     corners: FloatArray,
@@ -169,3 +170,13 @@ def inside(
                     break
                 opening, most = 2.0 * opening, 4.0 * most
     return found
+
+
+def warm() -> None:
+    """Compile the kernels, or load them from numba's cache."""
+    leaves, corners = read_only(np.array([0, 1], dtype=np.int32)), read_only(np.zeros(9))
+    zero, zeros, box = read_only(np.zeros(1)), read_only(np.zeros(3)), read_only(np.zeros(6))
+    tree = (leaves, corners, zeros, zero, zeros, zero)
+    points = np.ones((1, 3))
+    winding_numbers(*tree, points, OPENING)
+    inside(*tree, box, points, np.ones(1), 0.0)

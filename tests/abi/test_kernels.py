@@ -10,24 +10,14 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from numba.core.dispatcher import Dispatcher
 from scipy import interpolate
 
-from abi import curve, ik, load_scene, plan
+from abi import curve, ik
 from abi.arm import Arm
 from abi.arrays import FloatArray
 from abi.bspline import BSpline, _influence, clamped
 from abi.clearance import Clearance, measure, measure_polyline, outward, runs_apart
-from abi.kernels import (
-    any_angle,
-    arc_length,
-    certify_solids,
-    certify_surface,
-    curve_clearance,
-    pull,
-    splines,
-    warm,
-)
+from abi.kernels import arc_length, curve_clearance, splines, warm
 from abi.kernels import arm as arm_kernels
 from abi.kernels import clearance as clearance_kernels
 from abi.proof import bezier as pieces
@@ -201,17 +191,3 @@ def test_joints_are_the_same_compiled_and_plain(seed: int, how: str) -> None:
     )
     for name in ("q1", "q2", "q3", "shortfall"):
         assert getattr(first, name) == pytest.approx(getattr(second, name), abs=1e-9)
-
-
-def test_a_plan_compiles_nothing_that_is_not_warmed() -> None:
-    modules = (*MODULES, certify_solids, certify_surface, any_angle, pull)
-    kernels = [value for module in modules for value in vars(module).values()
-               if isinstance(value, Dispatcher)]  # fmt: skip
-    assert len(kernels) > 10
-    warm()
-    before = [set(kernel.signatures) for kernel in kernels]
-    assert all(before)
-    for name in ("paper", "forest", "sculpture", "thin-plate", "wall-with-window"):
-        for mode in ("least_squares", "pieces"):
-            assert plan(load_scene(name).replace(quadratic={"mode": mode})).motion
-    assert [set(kernel.signatures) for kernel in kernels] == before

@@ -9,19 +9,21 @@ from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
 from abi import graph, mesh
+from abi import taut as stage
 from abi.arrays import FloatArray
 from abi.clearance import measure_polyline
 from abi.errors import StageError
 from abi.graph import Graph
-from abi.kernels import any_angle, clearance, pull
+from abi.kernels import any_angle, calling, clearance, pull
 from abi.kernels.around import around_ball
-from abi.plan import plan
+from abi.plan import SLACK, plan
 from abi.scene import Scene, load_scene
 from abi.search import SearchResult, a_star
 from abi.shapes import Box, MeshShape, Obstacles
 from abi.shortest.optimum import lower_bound
 from abi.surfaces.surface import Surface, clean
 from abi.taut import TautPath, taut
+from benchmarks.quality import CLEARANCE, box_scene
 from tests.abi.test_scene import obstacles, points
 
 CUBE = {"shape": "box", "size": [3, 3, 3], "position": [3, 3, 3]}
@@ -229,6 +231,63 @@ def test_compiled_and_plain_give_the_same(monkeypatch: pytest.MonkeyPatch) -> No
     plain = taut(nodes, scene.obstacles, 0.1, path)
 
     np.testing.assert_allclose(compiled.points, plain.points, atol=1e-12)
+
+
+def with_and_without_any_angle(
+    scene: Scene, margin: float, monkeypatch: pytest.MonkeyPatch
+) -> tuple[float, float]:
+    nodes, path = made(scene, margin, CLEARANCE)
+    whole = taut(nodes, scene.obstacles, margin, path).length
+    with monkeypatch.context() as patch:
+        patch.setattr(stage, "_any_angle", lambda *_: np.empty((0, 3)))
+        return whole, taut(nodes, scene.obstacles, margin, path).length
+
+
+def test_the_path_for_any_angle_finds_a_shorter_way_round(monkeypatch: pytest.MonkeyPatch) -> None:
+    scene = box_scene(59, 0.25)
+    margin = CLEARANCE + SLACK * max(scene.workspace.size)
+
+    whole, without = with_and_without_any_angle(scene, margin, monkeypatch)
+
+    assert whole < 10.856
+    assert without > 10.866
+
+
+@pytest.mark.parametrize("seed", [28, 40])
+def test_the_path_for_any_angle_hides_no_way_nearly_as_short(
+    seed: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    scene = box_scene(seed, 0.5)
+    margin = CLEARANCE + SLACK * max(scene.workspace.size)
+
+    whole, without = with_and_without_any_angle(scene, margin, monkeypatch)
+
+    assert whole <= without * (1 + 1e-5)
+
+
+@pytest.mark.parametrize("lattice", ["bcc", "kuhn", "delaunay"])
+def test_how_many_nodes_are_searched_for_any_angle_is_bounded(
+    lattice: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    scene = scene_of([CUBE], pitch=0.6, lattice=lattice)
+    nodes, path = made(scene, 0.1, 0.1)
+    count = len(nodes.mesh.points)
+    strides = []
+
+    def call(ready: Any, kernel: Any, *arguments: Any) -> Any:
+        if kernel is any_angle.any_angle:
+            strides.append(arguments[6])
+        return calling.call(ready, kernel, *arguments)
+
+    monkeypatch.setattr(stage, "call", call)
+    monkeypatch.setattr(stage, "_NODES", count // 8)
+    for most in (count, count - 1):
+        monkeypatch.setattr(stage, "_MOST_NODES", most)
+        found = taut(nodes, scene.obstacles, 0.1, path)
+        assert found.length < path.length
+
+    # every second node along each axis; where that has no meaning all of them, or none
+    assert strides == ([1] if lattice == "delaunay" else [2, 2])
 
 
 def test_a_mesh_is_passed_as_the_box_that_it_is() -> None:
