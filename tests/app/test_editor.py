@@ -130,7 +130,7 @@ def test_the_arm_is_as_large_as_the_scenes_unit_says(tmp_path: Path) -> None:
         return sum(places) / max(session.plan.scene.workspace.size)
 
     with served(path) as (fake, session):
-        until(lambda: size(session) > 0)
+        until(lambda: session.arm._posed is not None)  # all of it is there
         same = size(session)
         # the same arm in the same room, ten times as many of a unit a tenth as long
         for name in ("paper", str(path)):
