@@ -12,6 +12,8 @@ from app.panels.stages import Wake
 SPEEDS = {"¼ ×": 0.25, "½ ×": 0.5, "real time": 1.0, "2 ×": 2.0}
 FRAME = 1 / 30
 _REST = 0.8
+_ON_ITS_WAY = 3.0
+"""Seconds that a frame may take to a page on a weak machine."""
 
 
 class PlaybackPanel:
@@ -26,7 +28,7 @@ class PlaybackPanel:
         self._wake = wake
         self._written = 0.0
         self._time = 0.0
-        self._last = time.monotonic()
+        self._last = self._sent = time.monotonic()
         self.slider.on_update(wake)
         self.speed.on_update(wake)
         self.button.on_click(self._toggle)
@@ -47,7 +49,7 @@ class PlaybackPanel:
             self.slider.value = self._written
         scrubbed = self.slider.value
         if scrubbed != self._written:
-            if self.playing:
+            if now - self._sent < _ON_ITS_WAY:
                 # A frame on its way to the page may have taken the hand's number away. Said again,
                 # by a last bit since an equal one is not sent.
                 scrubbed = math.nextafter(scrubbed, 0.0)
@@ -61,6 +63,7 @@ class PlaybackPanel:
         if (self.playing and abs(shown - self._written) >= 0.05) or shown < self._written:
             self._written = round(shown, 2)
             self.slider.value = self._written
+            self._sent = now
         self.button.label = "Pause" if self.playing else "Play"
         self.button.disabled = duration == 0.0
         return shown

@@ -166,6 +166,17 @@ def test_play_moves_the_arm_and_pause_holds_it(tab: tuple[FakeTab, Session]) -> 
     until(traced)
 
 
+def test_a_time_set_right_after_a_pause_is_said_again(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    until(lambda: session.playback.slider.value > 0)
+    fake.set(session.playback.button, True)
+    until(lambda: not session.playback.playing)
+    fake.set(session.playback.slider, 1.25)
+    # by a last bit, since a frame still on its way may have taken it from the page
+    until(lambda: session.playback.slider.value == math.nextafter(1.25, 0.0))
+    until(lambda: session.playback._time == session.playback.slider.value)
+
+
 def test_two_tabs_share_nothing(server: Server, tab: tuple[FakeTab, Session]) -> None:
     fake, session = tab
     other = FakeTab(server.url)
