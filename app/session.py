@@ -71,6 +71,7 @@ class Session:
         self._wished = 0.0
         self._reason: Reason | None = None
         self._explained: Plan | None = None
+        self._refused: AbiError | None = None
         self._changed = threading.Event()
         self._planned = planned
         self._closing = False
@@ -244,8 +245,15 @@ class Session:
             return
         self._explained, self._reason = plan, reason
         with self.client.atomic():
-            self.headings.complain(plan.error, reason)
+            self._complain()
             self.marks.draw(reason, plan.scene)
+
+    def _complain(self) -> None:
+        """Say what is wrong: with what was typed last, or else with the plan."""
+        if self._refused is not None:
+            self.headings.complain(self._refused)
+        elif self.plan is not None:
+            self.headings.complain(self.plan.error, self._reason)
 
     def _follow(self) -> None:
         """Bring plan and picture up to the panels."""
@@ -253,12 +261,14 @@ class Session:
             scene = self._read()
         except AbiError as error:
             # what is drawn is of the last good scene; it can be looked at, and saved
+            self._refused = error
             self._fade(True)
             with self.client.atomic():
-                self.headings.complain(error)
+                self._complain()
                 self._switch()
             self.files.save_when_asked(self._scene)
             return
+        self._refused = None
         if self.plan is None or scene != self._scene:
             self._scene = scene
             self._fade(self.plan is not None and self.plan.total_ms > SLOW_MS)
@@ -304,7 +314,7 @@ class Session:
     def _draw(self, plan: Plan, hasty: bool) -> None:
         with self.client.atomic():
             self.headings.draw(plan, self._planner.coarse)
-            self.headings.complain(plan.error, self._reason)
+            self._complain()
             self.marks.draw(self._reason, plan.scene)
             self.points.label(plan.scene)
             self.obstacles.draw(plan.scene.obstacles)
@@ -344,6 +354,7 @@ class Session:
 
     def _fade(self, faded: bool) -> None:
         """Grey the curves while they are older than the hand."""
+        faded = faded or self._refused is not None
         if faded != self._faded:
             self._faded = faded
             with self.client.atomic():

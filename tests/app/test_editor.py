@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 import viser
 
+from abi.kernels import warm
 from abi.scene import Scene, load_scene
 from abi.scene_file import dump
 from app.server import start
@@ -117,6 +118,26 @@ def test_while_a_number_is_wrong_the_rest_goes_on(
     fake.set(session.motion_panel.speed, 2.0)
     until(lambda: session.plan.scene.motion.speed == 2.0)  # type: ignore[union-attr]
     assert len(sent) == 1
+
+
+def test_a_wrong_number_is_told_of_until_it_is_mended(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    note = session.headings._notes["quadratic"]
+    until(lambda: session.resting)
+    fake.set(session.motion_panel.speed, 0.0)
+    until(lambda: note.visible and session._faded)
+
+    # at rest the good scene is planned anew, as it is once everything is compiled
+    plans = session.plans
+    warm()
+    session._compiled = False
+    until(lambda: session.plans > plans and session._compiled)
+    assert note.visible
+    assert "V is 0.0" in note.content
+    assert session._faded
+
+    fake.set(session.motion_panel.speed, 4.0)
+    until(lambda: not note.visible and not session._faded)
 
 
 def test_the_arm_is_as_large_as_the_scenes_unit_says(tmp_path: Path) -> None:
