@@ -228,7 +228,7 @@ class EditorPanel:
             self.choice.options = names or (_NONE,)
             self._listed = -1
         for box in (self._position, self._angles):
-            box.handle.visible = bool(names)
+            box.handle.disabled = not names
         if not names:
             self._show_sizes({})
             return

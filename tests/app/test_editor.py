@@ -84,13 +84,14 @@ def test_without_obstacles_there_is_nothing_to_edit(tab: tuple[FakeTab, Session]
     editor = session.editor
     fake.set(editor.buttons, "Delete")
     until(lambda: not session.obstacles.gizmos and session.resting)
-    assert not editor._position.handle.visible
-    assert not editor._angles.handle.visible
+    assert editor._position.handle.disabled
+    assert editor._angles.handle.disabled
     assert not editor.size.visible
 
     fake.set(editor.buttons, "Add")
     until(lambda: len(session.obstacles.gizmos) == 1 and session.resting)
-    assert editor._position.handle.visible
+    assert not editor._position.handle.disabled
+    assert not editor._angles.handle.disabled
     np.testing.assert_allclose(boxes(session)["position"], (3, 3, 4.5))
     np.testing.assert_allclose(session.obstacles.gizmos[0].position, (3, 3, 4.5))
 

@@ -24,8 +24,7 @@ KINDS = {
 def _add(page: Page, session: Session, name: str, mesh: meshes.Mesh) -> str:
     """Upload a mesh in the place of the cube; the name of its gizmo."""
     page.click("Scene")
-    page.choose("change", "Delete")
-    page.until(lambda: session.plan.scene.obstacles == (), "the cube to go")  # type: ignore[union-attr]
+    _delete(page, session)
     page.upload(ADD, f"{name}.stl", meshes.stl(mesh))
     page.until(lambda: len(session.plan.scene.obstacles) == 1, "the mesh")  # type: ignore[union-attr]
     page.until(lambda: len(drawn.obstacles(page)) == 1, "its gizmo")
@@ -33,6 +32,15 @@ def _add(page: Page, session: Session, name: str, mesh: meshes.Mesh) -> str:
     page.node(f"{gizmo}/body")
     assert page.triangles(f"{gizmo}/body") == len(mesh[1])
     return gizmo
+
+
+def _delete(page: Page, session: Session) -> None:
+    """Delete the cube."""
+    page.choose("change", "Delete")
+    page.until(lambda: session.plan.scene.obstacles == (), "the cube to go")  # type: ignore[union-attr]
+    # its size goes, too, and what is below moves up: a press on its way would miss
+    page.until(lambda: drawn.obstacles(page) == [], "its gizmo to go")
+    page.settle()
 
 
 def _is_planned_here(page: Page, session: Session, gizmo: str) -> None:
@@ -113,8 +121,7 @@ def test_what_is_no_mesh_is_refused_and_one_in_millimetres_is_asked_about(
     assert session.plan is good
     assert len(drawn.obstacles(page)) == 1
 
-    page.choose("change", "Delete")
-    page.until(lambda: session.plan.scene.obstacles == (), "the cube to go")  # type: ignore[union-attr]
+    _delete(page, session)
     page.upload(ADD, "far too large.stl", meshes.stl(meshes.box((200, 200, 200))))
     page.reads("is the file in mm?")
     page.click("Yes, read it in mm")
