@@ -83,13 +83,13 @@ def test_without_obstacles_there_is_nothing_to_edit(tab: tuple[FakeTab, Session]
     fake, session = tab
     editor = session.editor
     fake.set(editor.buttons, "Delete")
-    until(lambda: not session.obstacles.gizmos and session.resting)
+    until(lambda: session.plan.scene.obstacles == ())  # type: ignore[union-attr]
     assert editor._position.handle.disabled
     assert editor._angles.handle.disabled
     assert not editor.size.visible
 
     fake.set(editor.buttons, "Add")
-    until(lambda: len(session.obstacles.gizmos) == 1 and session.resting)
+    until(lambda: len(session.plan.scene.obstacles) == 1)  # type: ignore[union-attr]
     assert not editor._position.handle.disabled
     assert not editor._angles.handle.disabled
     np.testing.assert_allclose(boxes(session)["position"], (3, 3, 4.5))
