@@ -14,6 +14,7 @@ from pathlib import Path
 import click
 
 INCOMPLETE, BAD_INPUT = 3, 2
+_WIDE = 150  # characters of a table that is written to a file
 
 
 class _Group(click.Group):
@@ -114,6 +115,30 @@ def verify(plan: Path, meshes: Path | None) -> None:
     click.echo("\n".join(map(str, verdicts)))
     if not all(verdict.proven for verdict in verdicts):
         raise SystemExit(INCOMPLETE)
+
+
+@cli.command()
+def reproduce() -> None:
+    """Set the paper's figures and Table I beside ours, computed anew, as a table."""
+    from rich.console import Console
+    from rich.table import Table
+
+    from abi.reproduction import compare
+
+    signs = {"holds": "✓", "depends on the mesh": "≈", "does not hold": "✗"}
+    table = Table("where", "what", "printed", "ours", "")
+    before = ""
+    for one in compare():
+        if one.where != before:
+            table.add_section()
+        shown = "" if one.where == before else one.where
+        table.add_row(shown, one.what, one.printed, one.ours, signs[one.verdict])
+        before = one.where
+    console = Console()
+    if not console.is_terminal:
+        console.width = max(console.width, _WIDE)
+    console.print(table)
+    console.print("   ".join(f"{sign} {verdict}" for verdict, sign in signs.items()))
 
 
 @cli.command()

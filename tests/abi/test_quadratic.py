@@ -6,12 +6,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from abi import curve as curves
+from abi import printed
 from abi.arrays import FloatArray
 from abi.bspline import BSpline, clamped
 from abi.quadratic import Quadratic, fit
 from abi.shapes import Box, Sphere, nearest
-
-PAPER = np.array([[0, 0, 0], [12.397, 1.145, 7.892], [-6.397, 4.855, -1.892]])
 
 
 @st.composite
@@ -105,7 +104,7 @@ def test_derivatives_are_differences(spline: BSpline, t: float) -> None:
 
 @pytest.mark.parametrize("order", [0, 1, 2, 3])
 def test_numbers_give_points_and_arrays_give_rows(order: int) -> None:
-    quadratic = Quadratic(PAPER)
+    quadratic = Quadratic(printed.QUADRATIC.coefficients)
     t = np.linspace(-0.5, 1.5, 9)
     rows = quadratic(t, order)
     assert rows.shape == (9, 3)
@@ -116,13 +115,13 @@ def test_numbers_give_points_and_arrays_give_rows(order: int) -> None:
 
 def test_clearance_agrees_with_dense_samples() -> None:
     obstacles = (Box(size=(2.5, 2.5, 2.5), position=(3, 3, 3)), Sphere(radius=0.5))
-    points = Quadratic(PAPER)(np.linspace(0, 1, 20_001))
+    points = Quadratic(printed.QUADRATIC.coefficients)(np.linspace(0, 1, 20_001))
     seen = float(nearest(obstacles[:1], points)[0].min())
     for asked, holds in ((seen - 1e-4, True), (seen + 1e-4, False)):
-        quadratic = Quadratic(PAPER, obstacles[:1], asked)
+        quadratic = Quadratic(printed.QUADRATIC.coefficients, obstacles[:1], asked)
         assert quadratic.holds is holds
         assert quadratic.clearance.distance == pytest.approx(seen, abs=2e-5)
-    assert not Quadratic(PAPER, obstacles, 0.0).holds
+    assert not Quadratic(printed.QUADRATIC.coefficients, obstacles, 0.0).holds
 
 
 def test_fit_reports_an_obstacle_it_enters() -> None:

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from numpy.typing import ArrayLike
 from scipy.integrate import solve_ivp
 
+from abi import printed
 from abi.arm import JOINTS, Arm, skeleton
 from abi.arrays import FloatArray
 from abi.curve import measure
@@ -56,7 +57,7 @@ def straight(start: ArrayLike, end: ArrayLike) -> Polynomial:
 
 
 def printed_quadratic() -> Polynomial:
-    return Polynomial(np.array([[0, 0, 0], [12.397, 1.145, 7.892], [-6.397, 4.855, -1.892]]))
+    return Polynomial(printed.QUADRATIC.coefficients)
 
 
 def run(

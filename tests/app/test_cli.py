@@ -48,6 +48,22 @@ def test_plan_list_names_the_scenes(
     assert tuple(out.split()) == scene_names()
 
 
+def test_reproduce_sets_the_papers_figures_beside_ours(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    code, out, err = run(monkeypatch, capsys, "reproduce")
+
+    assert (code, err) == (0, "")
+    lines = out.splitlines()
+    for sign, *said in (
+        ("≈", "Dijkstra", "13.695"),
+        ("✓", "printed polynomials", "11.358", "11.3581"),
+        ("✗", "q1 by arccos", "24 %"),
+    ):
+        (line,) = (line for line in lines if all(word in line for word in said))
+        assert sign in line
+
+
 def test_no_plan_still_writes_the_json_and_exits_3(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
