@@ -42,7 +42,7 @@ def _half_solid_angle(a: Vector, b: Vector, c: Vector) -> float:
 
 
 @register_jitable
-def _number(
+def winding_number(
     x: Vector,
     leaves: IntArray,
     corners: FloatArray,
@@ -53,9 +53,21 @@ def _number(
     opening: float,
     stack: IntArray,
 ) -> tuple[float, float]:
-    """Winding number around x, and the area seen as dipoles, over its distances squared by 4 pi.
+    """Generalised winding number around x, 1 inside a surface that faces outward.
 
-    The triangles are taken one by one where ``opening`` is inf.
+    Args:
+        x: a point.
+        leaves: where the triangles of each leaf begin, see :mod:`abi.surfaces.triangle_tree`.
+        corners: of the triangles, flat.
+        centres: of the dipoles, flat, see :class:`abi.surfaces.dipoles.Dipoles`.
+        radii: around the centres.
+        normals: of the dipoles, flat.
+        areas: of the nodes.
+        opening: distance, in radii, from which a node is a dipole; exact where it is inf.
+        stack: room for 128 nodes.
+
+    Returns:
+        The number, and the area seen as dipoles, over its distances squared by 4 pi.
     """
     inner = len(leaves) - 2
     halves, dipoles, strain = 0.0, 0.0, 0.0
@@ -81,37 +93,6 @@ def _number(
 
 
 @compiled()
-def winding_numbers(
-    leaves: IntArray,
-    corners: FloatArray,
-    centres: FloatArray,
-    radii: FloatArray,
-    normals: FloatArray,
-    areas: FloatArray,
-    points: FloatArray,
-    opening: float,
-) -> FloatArray:
-    """Generalised winding numbers (n,), 1 inside a surface that faces outward.
-
-    Args:
-        leaves: where the triangles of each leaf begin, see :mod:`abi.surfaces.triangle_tree`.
-        corners: of the triangles, flat.
-        centres: of the dipoles, flat, see :class:`abi.surfaces.dipoles.Dipoles`.
-        radii: around the centres.
-        normals: of the dipoles, flat.
-        areas: of the nodes.
-        points: (n, 3).
-        opening: distance, in radii, from which a node is a dipole; exact where it is inf.
-    """
-    numbers = np.empty(len(points))
-    stack = np.empty(128, np.int32)
-    for i in range(len(points)):
-        x = point(points[i], 0)
-        numbers[i] = _number(x, leaves, corners, centres, radii, normals, areas, opening, stack)[0]
-    return numbers
-
-
-@compiled()
 def inside(
     leaves: IntArray,
     corners: FloatArray,
@@ -129,7 +110,7 @@ def inside(
     A point that is nearer to the one before it than the surface is on the same side: order helps.
 
     Args:
-        leaves: as in :func:`winding_numbers`, like the next five.
+        leaves: as in :func:`winding_number`, like the next five.
         corners: of the triangles.
         centres: of the dipoles.
         radii: around the centres.
@@ -162,7 +143,7 @@ def inside(
             for attempt in range(_DOUBLINGS + 2):
                 if attempt > _DOUBLINGS:
                     opening = math.inf
-                number, strain = _number(
+                number, strain = winding_number(
                     x, leaves, corners, centres, radii, normals, areas, opening, stack
                 )
                 if strain <= most and abs(number - round(number)) <= _FRACTION:
@@ -177,6 +158,4 @@ def warm() -> None:
     leaves, corners = read_only(np.array([0, 1], dtype=np.int32)), read_only(np.zeros(9))
     zero, zeros, box = read_only(np.zeros(1)), read_only(np.zeros(3)), read_only(np.zeros(6))
     tree = (leaves, corners, zeros, zero, zeros, zero)
-    points = np.ones((1, 3))
-    winding_numbers(*tree, points, OPENING)
-    inside(*tree, box, points, np.ones(1), 0.0)
+    inside(*tree, box, np.ones((1, 3)), np.ones(1), 0.0)

@@ -1,5 +1,8 @@
 from __future__ import annotations
 
+from typing import Any
+
+import numba
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -37,6 +40,7 @@ OPEN = {
     "half-blob": (BLOB[0], BLOB[1][: len(BLOB[1]) // 2]),
     "triangle": (np.eye(3), np.array([[0, 1, 2]], dtype=np.int32)),
 }
+_number: Any = numba.njit(winding.winding_number)
 names = st.sampled_from(sorted({**CLOSED, **OPEN}))
 
 
@@ -69,10 +73,10 @@ def _chord(p: FloatArray, q: FloatArray) -> FloatArray:
 
 def numbers(mesh: Mesh, points: FloatArray, opening: float) -> FloatArray:
     tree, far = _far(mesh)
-    found = winding.winding_numbers(
-        tree.leaves, tree.corners, far.centres, far.radii, far.normals, far.areas, points, opening
-    )
-    return np.asarray(found)
+    surface = (tree.leaves, tree.corners, far.centres, far.radii, far.normals, far.areas)
+    stack = np.empty(128, np.int32)
+    found = [_number(tuple(x), *surface, opening, stack)[0] for x in points.tolist()]
+    return np.array(found)
 
 
 def inside(mesh: Mesh, points: FloatArray) -> np.ndarray:
