@@ -12,7 +12,7 @@ The six stages, in order; :mod:`abi.plan` runs them, :mod:`abi.scene` holds what
 Below them: :mod:`abi.shapes` and :mod:`abi.surfaces` are the obstacles, :mod:`abi.clearance` and
 :mod:`abi.proof` the distance to them and its proof, :mod:`abi.shortest` the optimum, and
 :mod:`abi.kernels` the compiled inner loops. :mod:`abi.reasons` says why there is no plan,
-:mod:`abi.reproduction` what the paper prints beside what we find.
+:mod:`abi.paper` what the paper prints beside what we find.
 """
 
 from abi.errors import AbiError, SceneError, StageError

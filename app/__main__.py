@@ -123,7 +123,7 @@ def reproduce() -> None:
     from rich.console import Console
     from rich.table import Table
 
-    from abi.reproduction import compare
+    from abi.paper.reproduction import compare
 
     signs = {"holds": "✓", "depends on the mesh": "≈", "does not hold": "✗"}
     table = Table("where", "what", "printed", "ours", "")

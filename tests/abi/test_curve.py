@@ -11,10 +11,10 @@ from hypothesis import strategies as st
 from numpy.typing import ArrayLike
 from scipy.integrate import quad
 
-from abi import printed
 from abi.arrays import FloatArray
 from abi.bspline import clamped
 from abi.curve import Curve, measure
+from abi.paper import printed
 
 
 @dataclass(frozen=True)

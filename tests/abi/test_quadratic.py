@@ -6,9 +6,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from abi import curve as curves
-from abi import printed
 from abi.arrays import FloatArray
 from abi.bspline import BSpline, clamped
+from abi.paper import printed
 from abi.quadratic import Quadratic, fit
 from abi.shapes import Box, Sphere, nearest
 

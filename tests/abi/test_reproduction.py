@@ -5,10 +5,11 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from abi import printed
 from abi.arm import Arm, forward
 from abi.curve import measure
-from abi.reproduction import Comparison, compare
+from abi.paper import printed
+from abi.paper.comparison import Comparison
+from abi.paper.reproduction import compare
 from abi.scene import Scene
 
 

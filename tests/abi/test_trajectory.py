@@ -11,12 +11,12 @@ from hypothesis import strategies as st
 from numpy.typing import ArrayLike
 from scipy.integrate import solve_ivp
 
-from abi import printed
 from abi.arm import JOINTS, Arm, skeleton
 from abi.arrays import FloatArray
 from abi.curve import measure
 from abi.drives import driven
 from abi.errors import OutOfReach
+from abi.paper import printed
 from abi.scene import ArmSettings
 from abi.shapes import Box, Obstacles, Sphere
 from abi.timing import three_phase

@@ -1,6 +1,6 @@
 """What the paper prints: its numbers, and its formulas word by word, misprints included.
 
-Nothing is planned by these; :mod:`abi.reproduction` sets them beside what the method gives.
+Nothing is planned by these; :mod:`abi.paper.reproduction` sets them beside what the method gives.
 """
 
 from __future__ import annotations

@@ -1,0 +1,1 @@
+"""The paper beside the method: what it prints, and what we find."""
