@@ -10,7 +10,7 @@ import numpy as np
 from abi.arrays import FloatArray
 from abi.clearance import ROUNDING
 from abi.kernels import around as kernels
-from abi.kernels.around import around_ball
+from abi.kernels.around_round import around_ball
 from abi.kernels.calling import call
 from abi.kernels.solids import WIDTH
 from abi.pose import Vec3

@@ -15,7 +15,7 @@ from abi.clearance import measure_polyline
 from abi.errors import StageError
 from abi.graph import Graph
 from abi.kernels import any_angle, calling, clearance, pull
-from abi.kernels.around import around_ball
+from abi.kernels.around_round import around_ball
 from abi.plan import SLACK, plan
 from abi.scene import Scene, load_scene
 from abi.search import SearchResult, a_star
