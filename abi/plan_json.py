@@ -146,11 +146,14 @@ def _quadratic(plan: Plan) -> dict[str, Any] | None:
 
 
 def _clear(curve: BSpline | Quadratic | Quadratics) -> dict[str, Any]:
-    """Proven where ``certified``, else measured; a distance is None where nothing is in the way."""
+    """``certified`` where the distance asked for is proven; None where nothing is in the way.
+
+    With a certificate the clearance is proven, be it as much as asked for or less.
+    """
     found = curve.clearance
     return {
         "clearance": _finite(found.distance),
-        "certified": found.certified,
+        "certified": curve.holds,
         "certificate": None if found.certificate is None else _certificate(found.certificate),
     }
 
@@ -181,13 +184,18 @@ def _optimum(plan: Plan) -> dict[str, Any] | None:
     """A proven bound, ``exact`` where it is the optimum; best known is the best of this plan."""
     if plan.optimum is None:
         return None
-    followed = {"bspline": plan.bspline_arc, "quadratic": plan.quadratic_arc}
-    arc = followed.get(plan.followed or "")
+    curves = {
+        "bspline": (plan.bspline, plan.bspline_arc),
+        "quadratic": (plan.quadratic, plan.quadratic_arc),
+    }
+    curve, arc = curves.get(plan.followed or "", (None, None))
+    # what cuts through an obstacle has no ratio to a bound for what does not
+    kept = curve is not None and curve.holds
     return {
         "lower_bound": plan.optimum.length,
         "exact": plan.optimum.exact,
         "best_known": plan.best_known,
-        "ratio": None if arc is None else arc.length / plan.optimum.length,
+        "ratio": arc.length / plan.optimum.length if arc is not None and kept else None,
     }
 
 

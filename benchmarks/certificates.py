@@ -174,7 +174,7 @@ def name_of(curve: BSpline | Quadratic) -> str:
 def as_plan(
     curve: BSpline | Quadratic, obstacles: Obstacles, result: Certificate
 ) -> dict[str, Any]:
-    """A plan with nothing but the obstacles, this curve and its certificate."""
+    """A plan with nothing but the obstacles, this curve and its certificate, which is enough."""
     columns = (result.pieces.tolist(), result.obstacle.tolist(), result.directions.tolist())
     section: dict[str, Any] = {
         "clearance": result.margin,
@@ -196,7 +196,9 @@ def as_plan(
             {"t0": t0, "t1": t1, "coefficients": rows.tolist()} for t0, t1, rows in curve.pieces
         ]
     shapes = [obstacle.model_dump(mode="json") for obstacle in obstacles]
-    plan: dict[str, Any] = {"scene": {"version": 1, "obstacles": shapes}}
+    asked = max(result.margin, 0.0)
+    scene = {"version": 1, "obstacles": shapes, "spline": {"clearance": asked}}
+    plan: dict[str, Any] = {"scene": scene}
     return {**plan, "bspline": None, "quadratic": None, name_of(curve): section}
 
 

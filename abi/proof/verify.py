@@ -2,8 +2,9 @@
 
 What is checked is the plan as written down: its curves' knots, control points and coefficients, its
 scene's obstacles and its certificates' planes, each number taken for exactly what it says. Nothing
-that made the certificates is used. The proof is the one in :mod:`abi.proof.certificate`; here every
-inequality is decided exactly, and the pieces must cover the whole curve for every obstacle.
+that made the certificates is used; mesh files are read and repaired as for planning. The proof is
+the one in :mod:`abi.proof.certificate`; here every inequality is decided exactly, and the pieces
+must cover the whole curve for every obstacle.
 """
 
 from __future__ import annotations
@@ -116,7 +117,7 @@ def _verdict(name: str, section: Any, obstacles: list[Solid | Mesh], asked: Frac
     field = f"{name}.certificate"
     margin, planes = _certificate(field, _mapping(field, certificate), len(obstacles))
     try:
-        _check_claim(section, margin)
+        _check_claim(section, margin, asked)
         _check_margin(margin, obstacles)
         for k, obstacle in enumerate(obstacles):
             assert margin is not None
@@ -136,12 +137,14 @@ def _verdict(name: str, section: Any, obstacles: list[Solid | Mesh], asked: Frac
     return Verdict(name, True, f"it keeps {distance} from {number}, by {count} planes")
 
 
-def _check_claim(section: dict[str, Any], margin: Fraction | None) -> None:
-    if section.get("certified") is not True:
-        raise _Wrong("as the curve is not said to be certified")
+def _check_claim(section: dict[str, Any], margin: Fraction | None, asked: Fraction) -> None:
     stated = section.get("clearance")
     if (stated is None) != (margin is None) or (margin is not None and _number(stated) != margin):
         raise _Wrong("its margin is not the clearance stated")
+    enough = margin is None or margin >= asked - _TOUCH
+    if section.get("certified") is not enough:
+        said = "said to be certified" if not enough else "not said to be certified"
+        raise _Wrong(f"as the curve is {said}")
 
 
 def _check_margin(margin: Fraction | None, obstacles: list[Solid | Mesh]) -> None:
