@@ -51,12 +51,20 @@ FINEST = 1e-6
 """Smallest pitch, [unit]: the shortest side that a workspace may have."""
 
 _WORDS = {
-    "a valid number": "a number",
-    "a valid integer": "a whole number",
-    "a valid tuple": "a list",
-    "a valid dictionary": "a mapping",
-    "Keys should be strings": "names of fields as text",
+    "bool_parsing": "true or false",
+    "bool_type": "true or false",
+    "dict_type": "a mapping",
+    "finite_number": "a finite number",
+    "float_type": "a number",
+    "int_type": "a whole number",
+    "invalid_key": "names of fields as text",
+    "list_type": "a list",
+    "model_attributes_type": "a mapping",
+    "model_type": "a mapping",
+    "string_type": "text",
+    "tuple_type": "a list",
 }
+"""What the checker's kinds of error expect."""
 _SHAPES: dict[str, type[BaseModel]] = {
     "box": Box,
     "sphere": Sphere,
@@ -288,12 +296,19 @@ class Scene(_Settings):
         """
         data = self.to_dict()
         for name, change in changes.items():
-            data[name] = {**data[name], **change} if isinstance(change, dict) else change
+            section = data.get(name)
+            if isinstance(section, dict) and isinstance(change, dict):
+                change = {**section, **change}
+            data[name] = change
         return self.from_dict(data, MeshSource({**self.meshes.files, **(files or {})}))
 
-    def save(self, path: Path) -> None:
-        """Write a scene file, YAML or JSON by its ending; the old file stays whole on failure."""
-        write(self.to_dict(), path)
+    def save(self, path: str | Path) -> None:
+        """Write a scene file, YAML or JSON by its ending; the old file stays whole on failure.
+
+        Raises:
+            SceneError: it cannot be written, or :func:`load_scene` would refuse it.
+        """
+        write(self.to_dict(), Path(path))
 
 
 def load_scene(name_or_path: str | Path) -> Scene:
@@ -307,7 +322,7 @@ def load_scene(name_or_path: str | Path) -> Scene:
         path = assets.path("scenes", f"{name_or_path}.yaml")
         return Scene.from_dict(parse(path), path.parent)
     path = Path(name_or_path)
-    if not path.suffix and not path.exists():
+    if not path.suffix:
         raise SceneError("scene", str(name_or_path), f"a file or one of {', '.join(shipped)}")
     return Scene.from_dict(parse(path), path.parent)
 
@@ -356,12 +371,14 @@ def _expected(detail: ErrorDetails, place: list[int | str]) -> str:
         return "shape: box, sphere, cylinder, capsule or mesh"
     if kind == "union_tag_invalid":
         return "box, sphere, cylinder, capsule or mesh"
+    if kind in _WORDS:
+        return _WORDS[kind]
+    if kind == "too_long":
+        return f"a list of {detail['ctx']['max_length']}"
     message = detail["msg"]
     for prefix in ("Input should be ", "Value error, "):
         message = message.removeprefix(prefix)
-    for theirs, ours in _WORDS.items():
-        message = message.replace(theirs, ours)
-    return message.partition(" or instance of ")[0]
+    return message
 
 
 def _fields_at(place: tuple[int | str, ...]) -> list[str]:

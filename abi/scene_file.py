@@ -7,6 +7,7 @@ reader, or grows without limit.
 from __future__ import annotations
 
 import contextlib
+import io
 import json
 import os
 import secrets
@@ -20,23 +21,25 @@ from ruamel.yaml.events import AliasEvent, CollectionStartEvent, ScalarEvent
 
 from abi.errors import SceneError
 
-MAX_BYTES = 100_000
+MAX_BYTES = 400_000
+"""Of a scene file: some 3,000 obstacles, and a few seconds to read as YAML."""
 MAX_DEPTH = 16
+
+_ENDINGS = (".yaml", ".yml", ".json")
 
 
 def parse(path: Path) -> object:
-    """Plain data of the scene file at ``path``, at most 100 kB.
+    """Plain data of the scene file at ``path``, at most ``MAX_BYTES``.
 
     Raises:
         SceneError: missing, unreadable, too large, or not YAML or JSON; names the file and line.
     """
-    if path.suffix.lower() not in (".yaml", ".yml", ".json"):
-        raise SceneError("scene", str(path), "a file that ends in .yaml, .yml or .json")
+    _refuse_ending(path)
     try:
         with path.open("rb") as file:
             raw = file.read(MAX_BYTES + 1)
-    except OSError as error:
-        reason = (error.strerror or "unreadable").lower()
+    except (OSError, ValueError) as error:  # what can be no path at all is a ValueError
+        reason = (getattr(error, "strerror", None) or "no path").lower()
         raise SceneError("scene", str(path), f"a file that can be read ({reason})") from None
     return parse_bytes(raw, path.name)
 
@@ -72,38 +75,54 @@ def write(data: dict[str, Any], path: Path) -> None:
     A file that was there keeps its permissions; a new one has those of any new file.
 
     Raises:
-        SceneError: the file cannot be written; then nothing of it is left.
+        SceneError: the file cannot be written, or could not be read again; nothing of it is left.
     """
+    _refuse_ending(path)
+    text = dump(data, path.name)
     # not by tempfile, whose files are for the owner alone whatever the umask says
     beside = path.parent / f".{secrets.token_hex(8)}{path.suffix}"
     try:
         with beside.open("x", encoding="utf-8") as file:
             if path.is_file():
                 shutil.copymode(path, beside)
-            file.write(dump(data, path.name))
+            file.write(text)
             file.flush()
             os.fsync(file.fileno())
         os.replace(beside, path)
-    except OSError as error:
-        reason = (error.strerror or "not writable").lower()
+    except (OSError, ValueError) as error:
+        reason = (getattr(error, "strerror", None) or "not writable").lower()
         raise SceneError("scene", str(path), f"a place that can be written ({reason})") from None
     finally:
-        with contextlib.suppress(OSError):
+        with contextlib.suppress(OSError, ValueError):
             beside.unlink(missing_ok=True)
 
 
 def dump(data: dict[str, Any], name: str) -> str:
-    """``data`` as text, YAML or JSON by the ending of ``name``."""
-    if name.lower().endswith(".json"):
-        return json.dumps(data, indent=2) + "\n"
-    from io import StringIO
+    """``data`` as text, YAML or JSON by the ending of ``name``.
 
-    stream = StringIO()
-    yaml = YAML(typ="safe", pure=True)
-    yaml.default_flow_style = None
-    yaml.sort_base_mapping_type_on_output = False  # type: ignore[assignment]
-    yaml.dump(data, stream)
-    return stream.getvalue()
+    Raises:
+        SceneError: it is too long to be read again.
+    """
+    if name.lower().endswith(".json"):
+        text = json.dumps(data, indent=2) + "\n"
+    else:
+        stream = io.StringIO()
+        yaml = YAML(typ="safe", pure=True)
+        yaml.default_flow_style = None
+        yaml.sort_base_mapping_type_on_output = False  # type: ignore[assignment]
+        yaml.dump(data, stream)
+        text = stream.getvalue()
+    if len(text.encode()) > MAX_BYTES:
+        kilobytes = f"{len(text.encode()) // 1000} kB"
+        raise SceneError(
+            "scene", kilobytes, f"at most {MAX_BYTES // 1000} kB, with fewer obstacles"
+        )
+    return text
+
+
+def _refuse_ending(path: Path) -> None:
+    if path.suffix.lower() not in _ENDINGS:
+        raise SceneError("scene", str(path), "a file that ends in .yaml, .yml or .json")
 
 
 def _refuse_traps(text: str) -> None:

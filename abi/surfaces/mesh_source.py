@@ -28,11 +28,11 @@ class MeshSource:
         self.folder = folder
 
     @classmethod
-    def of(cls, where: Path | Mapping[str, bytes] | MeshSource | None) -> MeshSource:
+    def of(cls, where: str | Path | Mapping[str, bytes] | MeshSource | None) -> MeshSource:
         """A source from a scene's folder, from uploaded files by name, or from nothing."""
         if isinstance(where, MeshSource):
             return where
-        return cls(folder=where) if isinstance(where, Path) else cls(where)
+        return cls(folder=Path(where)) if isinstance(where, str | Path) else cls(where)
 
     def surface(self, name: str) -> Surface:
         """The cleaned surface of the mesh file ``name``.

@@ -10,6 +10,7 @@ from abi.scene_file import MAX_BYTES, dump, parse_bytes
 from abi.surfaces.mesh_source import MeshSource
 from app.panels.stages import Wake
 
+_MOST = f"{MAX_BYTES // 1000} kB"
 _LONGEST = 40
 """Letters of a file's name that are shown."""
 
@@ -28,7 +29,7 @@ class FilesPanel:
             hint="The scenes that come with the visualiser, and what was opened.",
         )
         self.upload = gui.add_upload_button(
-            "Open a scene file…", mime_type=".yaml,.yml,.json", hint="YAML or JSON, up to 100 kB."
+            "Open a scene file…", mime_type=".yaml,.yml,.json", hint=f"YAML or JSON, up to {_MOST}."
         )
         self.save = gui.add_button("Save this scene", hint="Downloads scene.yaml.")
         self.reset = gui.add_button("Back to the scene as loaded")
@@ -66,7 +67,7 @@ class FilesPanel:
 
     def _listed(self, file: str, scene: Scene) -> str:
         """Put an opened scene among the choices and choose it."""
-        name = "".join(c for c in file if c.isprintable())[-_LONGEST:]
+        name = "".join(c for c in file if c.isprintable())[-_LONGEST:].strip() or "a scene"
         name = f"{name} (opened)" if name in scene_names() else name
         self._own[name] = scene
         self.choice.options = (*scene_names(), *self._own)
@@ -75,14 +76,19 @@ class FilesPanel:
 
     def save_when_asked(self, scene: Scene) -> None:
         """Send the scene as a file when the button was pressed."""
-        if self.save.value:
-            self.save.value = False
+        if not self.save.value:
+            return
+        self.save.value = False
+        try:
             text = dump(scene.to_dict(), "scene.yaml")
+        except SceneError as error:
+            self._client.add_notification("Not saved", error.message, color="red")
+        else:
             self._client.send_file_download("scene.yaml", text.encode())
 
 
 def _checked(file: viser.UploadedFile, meshes: MeshSource) -> Scene:
     if len(file.content) > MAX_BYTES:
-        raise SceneError("scene", "the file", f"at most {MAX_BYTES // 1000} kB")
+        raise SceneError("scene", "the file", f"at most {_MOST}")
     name = "scene.json" if file.name.lower().endswith(".json") else "scene.yaml"
     return Scene.from_dict(parse_bytes(file.content, name), meshes)
