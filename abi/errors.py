@@ -15,6 +15,9 @@ import numpy as np
 
 from abi.arrays import FloatArray, IntArray
 
+UNIT = " [unit]"
+"""Follows every length in a sentence, until the unit is known."""
+
 
 class AbiError(Exception):
     """Base of every error of this package; ``str(error)`` is one sentence for a person."""
@@ -54,9 +57,15 @@ class StageError(AbiError):
     """
 
     def __init__(self, stage: str, kind: str, message: str, hint: str) -> None:
-        super().__init__(message, hint)
+        self._words = message, hint
+        super().__init__(*in_unit(self._words, ""))
         self.stage = stage
         self.kind = kind
+
+    def tell(self, unit: str) -> None:
+        """Name the unit of the lengths in its sentences."""
+        self.message, self.hint = in_unit(self._words, unit)
+        self.args = (self.message,)
 
 
 class PointBlocked(StageError):
@@ -80,9 +89,9 @@ class PointBlocked(StageError):
     ) -> None:
         name = f"obstacle {obstacle + 1}"
         place = (
-            f"{-distance:.3g} inside {name}"
+            f"{said(-distance)} inside {name}"
             if distance < 0
-            else f"only {distance:.3g} from {name}, the clearance is {clearance:.3g}"
+            else f"only {said(distance)} from {name}, the clearance is {said(clearance)}"
         )
         hint = "Move it out of the obstacle" + (", or lower the clearance" if clearance else "")
         if nearest is not None:
@@ -110,7 +119,7 @@ class NoPath(StageError):
             f"No path: the start reaches {len(reached)} of {total} free nodes, and the goal is not "
             "among them.",
             "Move an obstacle out of the way, lower the clearance, or try a finer pitch than "
-            f"{pitch:.3g} if there is a gap.",
+            f"{said(pitch)} if there is a gap.",
         )
         self.reached = np.asarray(reached)
         self.total = total
@@ -130,7 +139,7 @@ class ClearanceNotHeld(StageError):
         super().__init__(
             "bspline",
             "clearance_not_held",
-            f"The B-spline is not proven to keep the clearance of {clearance:.3g}: it {place}.",
+            f"The B-spline is not proven to keep the clearance of {said(clearance)}: it {place}.",
             "Lower the clearance or the degree, or try a finer pitch.",
         )
         self.clearance = clearance
@@ -145,22 +154,48 @@ class OutOfReach(StageError):
         last: time of the last point out of reach, [s].
         shortfall: the largest distance missing, [unit].
         too_near: True when the worst point is too near to the shoulder rather than too far.
+        slide: how far the slide q5 is out by then and how far it can be, [unit], where it is past
+            that: then it is what makes the forearm too long, or too short.
     """
 
-    def __init__(self, first: float, last: float, shortfall: float, too_near: bool) -> None:
+    def __init__(
+        self,
+        first: float,
+        last: float,
+        shortfall: float,
+        too_near: bool,
+        slide: tuple[float, float] | None = None,
+    ) -> None:
         where = "too near to the shoulder" if too_near else "too far away"
         what = (
             "Move the base away from the curve or make a3 and a4 + a5 more alike."
             if too_near
             else "Move the base nearer or lengthen a3, a4 or a5."
         )
+        if slide is not None:
+            out, limit = slide
+            what = (
+                f"The drive pushes the slide q5 to {said(out)}, and it ends at "
+                f"{said(limit)}: make Q5 smaller, m5 and m6 larger or the motion shorter."
+            )
         super().__init__(
             "arm",
             "out_of_reach",
             f"From t = {first:.2f} s to {last:.2f} s the curve is {where} for the arm, "
-            f"by up to {shortfall:.3g}.",
+            f"by up to {said(shortfall)}.",
             what,
         )
         self.first = first
         self.last = last
         self.shortfall = shortfall
+
+
+def said(length: float) -> str:
+    """A length in a sentence, to be followed by its unit once that is known."""
+    return f"{length:.3g}{UNIT}" if abs(length) < 1000 else f"{length:.0f}{UNIT}"
+
+
+def in_unit(words: tuple[str, str], unit: str) -> tuple[str, str]:
+    """A message and a hint with ``unit`` after every length; without any where it is empty."""
+    message, hint = (text.replace(UNIT, f" {unit}" if unit else "") for text in words)
+    return message, hint

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
 import numpy as np
 
 from abi.arrays import FloatArray, IntArray, read_only
-from abi.errors import ClearanceNotHeld, NoPath, PointBlocked, StageError
+from abi.errors import ClearanceNotHeld, NoPath, PointBlocked, StageError, in_unit, said
 from abi.graph import Graph
 from abi.nearest_free import nearest_free, rounded
 from abi.plan import SLACK, Plan
@@ -66,14 +66,22 @@ def explain(
     """
     trials = Trials(scene, cancelled)
     try:
-        if isinstance(plan.error, PointBlocked):
-            return _blocked(scene, plan, trials)
-        if isinstance(plan.error, NoPath) and plan.graph is not None:
-            return _cut(scene, plan, plan.graph, trials)
-        if isinstance(plan.error, ClearanceNotHeld):
-            return _not_held(scene, plan, plan.error, trials)
+        found = _reason(scene, plan, trials)
     except CancelledError:
         return None
+    if found is None:
+        return None
+    message, hint = in_unit((found.message, found.hint), scene.unit)
+    return replace(found, message=message, hint=hint)
+
+
+def _reason(scene: Scene, plan: Plan, trials: Trials) -> Reason | None:
+    if isinstance(plan.error, PointBlocked):
+        return _blocked(scene, plan, trials)
+    if isinstance(plan.error, NoPath) and plan.graph is not None:
+        return _cut(scene, plan, plan.graph, trials)
+    if isinstance(plan.error, ClearanceNotHeld):
+        return _not_held(scene, plan, plan.error, trials)
     return None
 
 
@@ -92,9 +100,10 @@ def _blocked(scene: Scene, plan: Plan, trials: Trials) -> Reason:
             continue
         name = f"obstacle {k + 1}"
         places.append(
-            f"the {which} is {-depth:.3g} inside {name}"
+            f"the {which} is {said(-depth)} inside {name}"
             if depth < 0
-            else f"the {which} is {depth:.3g} from {name}, nearer than the clearance of {asked:.3g}"
+            else f"the {which} is {said(depth)} from {name}, nearer than the clearance of "
+            f"{said(asked)}"
         )
         seeds = known[np.linalg.norm(known - point, axis=1).argsort()[:_SEEDS]]
         found = nearest_free(scene.obstacles, scene.workspace, point, asked + slack, seeds)
@@ -115,9 +124,9 @@ def _blocked(scene: Scene, plan: Plan, trials: Trials) -> Reason:
     if moved is not None:
         targets = [f"the {which} to {_place(np.array(point))}" for which, point in move.items()]
         ways.append((moved, move, f"move {' and '.join(targets)}, the nearest free point found"))
-    if lowered is not None:
+    if lowered is not None and lower is not None:
         change: dict[str, Any] = {"spline": {"clearance": lower}}
-        ways.append((lowered, change, f"lower the clearance to {lower:.3g}"))
+        ways.append((lowered, change, f"lower the clearance to {said(lower)}"))
     if not ways:
         return Reason(message, "No free point was found near it: move an obstacle.", None, points)
     whole = [way for way in ways if way[0].error is None] or ways[:1]
@@ -134,11 +143,11 @@ def _cut(scene: Scene, plan: Plan, nodes: Graph, trials: Trials) -> Reason:
     for fine in finer:
         change: dict[str, Any] = {"mesh": {"pitch": fine}}
         if trials.joined(asked, fine) and (made := trials.passes("search", **change)):
-            also = "" if lower is None else f", or at this pitch a clearance of {lower:.3g}"
+            also = "" if lower is None else f", or at this pitch a clearance of {said(lower)}"
             return Reason(
-                f"The mesh is too coarse for the gap: no way of edges at a pitch of {pitch:.3g} "
-                f"keeps a clearance of {asked:.3g}.",
-                f"A pitch of {fine:.3g} works{also}{_tried(made)}.",
+                f"The mesh is too coarse for the gap: no way of edges at a pitch of {said(pitch)} "
+                f"keeps a clearance of {said(asked)}.",
+                f"A pitch of {said(fine)} works{also}{_tried(made)}.",
                 change,
                 _narrowest(made),
             )
@@ -150,8 +159,8 @@ def _cut(scene: Scene, plan: Plan, nodes: Graph, trials: Trials) -> Reason:
         if made := trials.passes("search", **change):
             return Reason(
                 f"The clearance is too large for the gap: nothing joins start and goal with a "
-                f"clearance of {asked:.3g}{_down_to(finer)}.",
-                f"A clearance of {lower:.3g} works, the largest that does at this pitch"
+                f"clearance of {said(asked)}{_down_to(finer)}.",
+                f"A clearance of {said(lower)} works, the largest that does at this pitch"
                 f"{_tried(made)}.",
                 change,
                 _narrowest(made),
@@ -161,9 +170,9 @@ def _cut(scene: Scene, plan: Plan, nodes: Graph, trials: Trials) -> Reason:
         change = {"mesh": {"pitch": fine}, "spline": {"clearance": low}}
         if made := trials.passes("search", **change):
             return Reason(
-                f"The gap is too narrow for a clearance of {asked:.3g}, and the pitch of "
-                f"{pitch:.3g} too coarse for the gap.",
-                f"A clearance of {low:.3g} at a pitch of {fine:.3g} works{_tried(made)}.",
+                f"The gap is too narrow for a clearance of {said(asked)}, and the pitch of "
+                f"{said(pitch)} too coarse for the gap.",
+                f"A clearance of {said(low)} at a pitch of {said(fine)} works{_tried(made)}.",
                 change,
                 _narrowest(made),
             )
@@ -232,17 +241,17 @@ def _not_held(scene: Scene, plan: Plan, error: ClearanceNotHeld, trials: Trials)
         points = plan.bspline(np.array([plan.bspline.clearance.at]))
     asked = scene.spline.clearance
     message = (
-        f"No curve along the path is proven to keep the clearance of {asked:.3g}: the B-spline "
-        f"lacks {max(asked - error.found, 0.0):.2g}."
+        f"No curve along the path is proven to keep the clearance of {said(asked)}: the B-spline "
+        f"lacks {said(max(asked - error.found, 0.0))}."
     )
     lower = trials.largest(
         lambda value: trials.passes("bspline", spline={"clearance": value}) is not None
     )
     changes: list[tuple[str, dict[str, Any]]] = []
     if lower is not None:
-        changes.append((f"A clearance of {lower:.3g} works", {"spline": {"clearance": lower}}))
+        changes.append((f"A clearance of {said(lower)} works", {"spline": {"clearance": lower}}))
     for fine in trials.finer():
-        changes.append((f"A pitch of {fine:.3g} works", {"mesh": {"pitch": fine}}))
+        changes.append((f"A pitch of {said(fine)} works", {"mesh": {"pitch": fine}}))
     for words, change in changes:
         made = trials.passes("bspline", **change)
         if made is not None:
@@ -272,7 +281,7 @@ def _tried(plan: Plan) -> str:
 
 
 def _down_to(finer: list[float]) -> str:
-    return f" at pitches down to {finer[-1]:.3g}" if finer else ""
+    return f" at pitches down to {said(finer[-1])}" if finer else ""
 
 
 def _listed(obstacles: list[int]) -> str:

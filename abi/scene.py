@@ -12,6 +12,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
+import numpy as np
 from pydantic import (
     BaseModel,
     ConfigDict,
@@ -65,6 +66,13 @@ _WORDS = {
     "tuple_type": "a list",
 }
 """What the checker's kinds of error expect."""
+_LIMITS = {
+    "greater_than": ("gt", "more than"),
+    "greater_than_equal": ("ge", "at least"),
+    "less_than": ("lt", "less than"),
+    "less_than_equal": ("le", "at most"),
+}
+"""Where such a kind keeps its limit, and what that is."""
 _SHAPES: dict[str, type[BaseModel]] = {
     "box": Box,
     "sphere": Sphere,
@@ -360,7 +368,7 @@ def _expected(detail: ErrorDetails, place: list[int | str]) -> str:
     """What would have worked, as the end of "expected …"."""
     kind = detail["type"]
     if kind == "missing":
-        return "a value, it has no default"
+        return "version: 1" if place == ["version"] else "a value"
     if kind == "extra_forbidden":
         names = _fields_at(detail["loc"][:-1])
         close = difflib.get_close_matches(str(place[-1]), names, 1)
@@ -375,6 +383,9 @@ def _expected(detail: ErrorDetails, place: list[int | str]) -> str:
         return _WORDS[kind]
     if kind == "too_long":
         return f"a list of {detail['ctx']['max_length']}"
+    if kind in _LIMITS:
+        name, words = _LIMITS[kind]
+        return f"{words} {np.format_float_positional(detail['ctx'][name], trim='-')}"
     message = detail["msg"]
     for prefix in ("Input should be ", "Value error, "):
         message = message.removeprefix(prefix)

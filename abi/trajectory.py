@@ -29,11 +29,16 @@ from abi.timing import Profile
 
 
 class Violation(NamedTuple):
-    """A joint past its limit: its name, and when [s] and where [rad or unit] it is farthest."""
+    """A joint past its limit.
+
+    Its name, when [s] and where [rad or unit] it is farthest, the limit, and when it passes that.
+    """
 
     joint: str
     time: float
     value: float
+    limit: float
+    since: float
 
 
 class Stretch(NamedTuple):
@@ -167,7 +172,15 @@ class ArmMotion:
         if not self.unreachable:
             return None
         worst = max(self.unreachable, key=lambda stretch: abs(stretch.shortfall))
-        return OutOfReach(worst.first, worst.last, abs(worst.shortfall), worst.shortfall < 0)
+        slide = next(
+            (
+                (one.value, one.limit)
+                for one in self.limit_violations
+                if one.joint == "q5" and one.since <= worst.last
+            ),
+            None,
+        )
+        return OutOfReach(worst.first, worst.last, abs(worst.shortfall), worst.shortfall < 0, slide)
 
 
 def follow(
@@ -253,9 +266,11 @@ def _violations(time: FloatArray, joints: FloatArray, limits: FloatArray) -> tup
     low, high = limits[:, 0] - joints.min(axis=1), joints.max(axis=1) - limits[:, 1]
     found = []
     for joint in np.flatnonzero(np.maximum(low, high) > most):
-        row = joints[joint]
-        worst = int(row.argmin() if low[joint] > high[joint] else row.argmax())
-        found.append(Violation(JOINTS[joint], float(time[worst]), float(row[worst])))
+        side = 0 if low[joint] > high[joint] else 1
+        beyond = (joints[joint] - limits[joint, side]) * (-1 if side == 0 else 1)
+        worst, first = int(beyond.argmax()), int((beyond > most[joint]).argmax())
+        values = (time[worst], joints[joint, worst], limits[joint, side], time[first])
+        found.append(Violation(JOINTS[joint], *map(float, values)))
     return tuple(found)
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import html
 import math
-import re
 from typing import Any
 
 import viser
@@ -14,21 +13,8 @@ from abi.errors import AbiError, NoPath, SceneError, StageError
 from abi.plan import Plan
 from abi.reasons import Reason
 from app import style
+from app.labels import LABELS, as_labelled
 from app.panels.stages import Wake
-
-_OBSTACLE = re.compile(r"obstacles\[(\d+)\]\.?")
-_LABELS = {
-    "mesh.pitch": "pitch",
-    "mesh.seed": "seed",
-    "spline.degree": "degree",
-    "spline.clearance": "clearance",
-    "motion.speed": "V",
-    "motion.acceleration": "a1",
-    "motion.deceleration": "a3",
-    "arm.base": "base",
-    "arm.q5": "q5 at start",
-}
-"""What fields are called on the page."""
 
 STAGES = ("mesh", "graph", "search", "bspline", "quadratic", "arm")
 _TITLES = {
@@ -103,7 +89,7 @@ class HeadingsLayer:
                 found = error if reason is None else reason
                 dots = " The blue dots are what the start reaches."
                 hint = found.hint + (dots if isinstance(error, NoPath) else "")
-                note.content = _sentence(_on_the_page(error, found.message), hint)
+                note.content = _sentence(as_labelled(error, found.message), hint)
             note.visible = here
 
     def accepted(self) -> dict[str, Any] | None:
@@ -124,18 +110,6 @@ def _stage(error: AbiError | None) -> str | None:
     return _STAGE_OF_FIELD.get(field.split(".")[0].split("[")[0], "mesh")
 
 
-def _on_the_page(error: AbiError, message: str) -> str:
-    """The message with what a field is called on the page in the place of its name in a file."""
-    if not isinstance(error, SceneError):
-        return message
-    field = error.field.removesuffix("[0]").removesuffix("[1]").removesuffix("[2]")
-    label = _LABELS.get(field, error.field)
-    if found := _OBSTACLE.match(error.field):
-        part = _LABELS.get(field[found.end() :], field[found.end() :])
-        label = f"obstacle {int(found[1]) + 1}" + (f": {part}" if part else "")
-    return message.replace(error.field, label, 1)
-
-
 def _named(change: dict[str, Any]) -> str:
     """What a button does that makes this change of the scene."""
     parts = []
@@ -144,7 +118,7 @@ def _named(change: dict[str, Any]) -> str:
             parts.append(f"move the {section}")
         elif isinstance(value, dict):
             for name, number in value.items():
-                label = _LABELS.get(f"{section}.{name}", name)
+                label = LABELS.get(f"{section}.{name}", name)
                 shown = f"{number:.4g}" if isinstance(number, float) else str(number)
                 parts.append(f"set {label} to {shown}")
         else:
@@ -163,7 +137,7 @@ def _sentence(message: str, hint: str) -> str:
 
 
 def _results(plan: Plan) -> dict[str, str]:
-    unit = plan.scene.unit
+    unit, asked = plan.scene.unit, plan.scene.spline.clearance
     results = dict.fromkeys(STAGES, "")
     if plan.mesh is not None and plan.free is not None:
         results["mesh"] = f"{plan.free.nodes:,} of {len(plan.mesh.points):,} nodes"
@@ -176,24 +150,29 @@ def _results(plan: Plan) -> dict[str, str]:
     elif plan.error is not None and plan.error.stage == "search":
         results["search"] = "no path"
     if plan.bspline is not None and plan.bspline_arc is not None:
-        kept = _kept(plan.bspline.clearance, plan.bspline.holds)
+        kept = _kept(plan.bspline.clearance, plan.bspline.holds, asked)
         results["bspline"] = f"{plan.bspline_arc.length:.3f} {unit}, {kept}"
     if plan.quadratic is not None and plan.quadratic_arc is not None:
-        kept = _kept(plan.quadratic.clearance, plan.quadratic.holds)
+        kept = _kept(plan.quadratic.clearance, plan.quadratic.holds, asked)
         results["quadratic"] = f"{plan.quadratic_arc.length:.3f} {unit}, {kept}"
     if plan.motion is not None:
         motion = plan.motion
         results["arm"] = "reaches all of it" if motion.reachable else "out of reach"
-        if motion.clearance <= 0:
+        if plan.followed_curve is not None and not plan.followed_curve.holds:
+            results["arm"] += ", curve not clear ✗"
+        elif motion.clearance <= 0:
             results["arm"] += ", a link hits ✗"
         elif not motion.within_limits:
             results["arm"] += ", joint limit passed"
     return results
 
 
-def _kept(clearance: Clearance, holds: bool) -> str:
+def _kept(clearance: Clearance, holds: bool, asked: float) -> str:
     if math.isinf(clearance.distance):
         return "free ✓"
     if clearance.nearest < 0:
         return f"enters by {-clearance.nearest:.2f} ✗"
-    return f"clear by {clearance.distance:.2f} {'✓' if holds else '✗'}"
+    if holds:
+        return f"clear by {max(clearance.distance, 0.0):.2f} ✓"
+    # rounded down, for it is less than what it stands beside
+    return f"{math.floor(1000 * clearance.distance) / 1000:.3f} of {asked:g} ✗"

@@ -9,6 +9,7 @@ from collections.abc import Iterable
 import viser
 
 from abi.plan import Plan
+from abi.trajectory import Violation
 from app import style
 
 _TABLE = (
@@ -26,7 +27,7 @@ _COARSE = (
 )
 _PARTIAL = f"{_BOX}One search while you move; the others follow when your hand rests.</div>"
 _WAITING = f"{_BOX}… counted when your hand rests.</div>"
-_LEGEND = f"{_BOX}✓ proven all along, ✗ too near: red in the scene.</div>"
+_LEGEND = f"{_BOX}✓ clear (curves: proven), ✗ too near: red in the scene.</div>"
 
 
 class NumbersLayer:
@@ -133,8 +134,9 @@ def _stages(plan: Plan) -> str:
     else:
         # from a proven bound to the best length known
         rows.append(("optimum, in", f"{shortest:.3f}–{plan.best_known:.3f}", "", ""))
-    head = ("stage", "length", "gap" if exact else "gap ≤", "clearance")
-    return _table(head, rows) + (_LEGEND if plan.bspline is not None else "")
+    head = ("stage", f"length [{plan.scene.unit}]", "gap" if exact else "gap ≤", "clearance")
+    told = plan.bspline is not None and plan.scene.obstacles
+    return _table(head, rows) + (_LEGEND if told else "")
 
 
 def _stage(title: str, length: float, shortest: float, kept: str) -> tuple[str, ...]:
@@ -198,7 +200,8 @@ def _motion(plan: Plan) -> str:
     if plan.profile is None:
         return ""
     profile = plan.profile
-    shape = f", V not reached: {profile.peak_speed:.3g}" if profile.triangular else ""
+    peak = f"{profile.peak_speed:.3g} {plan.scene.unit}/s"
+    shape = f", V not reached: {peak}" if profile.triangular else ""
     return (
         f"{_BOX}t1 {profile.t1:.3f} + t2 {profile.t2:.3f} + t3 {profile.t3:.3f} = "
         f"{profile.duration:.2f} s{shape}.<br>"
@@ -210,20 +213,33 @@ def _motion(plan: Plan) -> str:
 def _arm(plan: Plan) -> str:
     if plan.motion is None:
         return ""
-    motion = plan.motion
+    motion, unit, curve = plan.motion, plan.scene.unit, plan.followed_curve
     lines = []
+    if curve is not None and not curve.holds and plan.followed is not None:
+        label = style.CURVES[plan.followed][0]
+        lines.append(f"<b>✗ The {label}, which the arm follows, is too near an obstacle.</b>")
     if motion.clearance < math.inf:
+        where = f"obstacle {motion.clearance_obstacle + 1}, at {motion.clearance_time:.2f} s"
         lines.append(
-            f"The centre lines of the links keep {motion.clearance:.3f} {plan.scene.unit}."
+            f"The links' centre lines come nearest to {where}: {motion.clearance:.3f} {unit}."
             if motion.clearance > 0
-            else "<b>✗ A link passes through an obstacle</b>: only the tool is kept clear."
+            else f"<b>✗ A link passes through {where}.</b> Only the tool's path is planned clear."
         )
-    for violation in motion.limit_violations[:2]:
-        lines.append(
-            f"✗ {violation.joint} passes its limit at {violation.time:.2f} s "
-            f"({violation.value:.2f})."
-        )
+    lines += [_passed(violation, unit) for violation in motion.limit_violations]
     return _BOX + "<br>".join(lines) + "</div>" if lines else ""
+
+
+def _passed(violation: Violation, unit: str) -> str:
+    """When a joint passes its limit, and by how much in the end."""
+    slides = violation.joint == "q5"
+    value, limit = (
+        f"{number:.2f} {unit}" if slides else f"{math.degrees(number):.0f}°"
+        for number in (violation.value, violation.limit)
+    )
+    return (
+        f"✗ {violation.joint} passes its limit of {limit} at {violation.since:.2f} s: "
+        f"{value} at {violation.time:.2f} s."
+    )
 
 
 def _table(head: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> str:
@@ -249,7 +265,8 @@ def _distance(distance: float, asked: float, proven: bool) -> str:
         return "–"
     kept = distance >= asked - 1e-9
     colour, sign = (GOOD, "✓" if proven else "?") if kept else (BAD, "✗")
-    return f'<span style="color:{colour}">{distance:.3f} {sign}</span>'
+    shown = max(distance, 0.0) if kept else distance
+    return f'<span style="color:{colour}">{shown:.3f} {sign}</span>'
 
 
 def _polynomial(*coefficients: float) -> str:

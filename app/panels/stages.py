@@ -84,8 +84,12 @@ class MeshPanel:
         self.lattice.value = _label(LATTICES, scene.mesh.lattice)
         self.pitch.value = scene.mesh.pitch
         self.seed.value = scene.mesh.seed
-        self.seed.visible = scene.mesh.lattice == "delaunay"
         self._max_nodes = scene.mesh.max_nodes
+        self.offer(scene)
+
+    def offer(self, scene: Scene) -> None:
+        """Show what there is to choose for the lattice of ``scene``."""
+        self.seed.visible = scene.mesh.lattice == "delaunay"
 
 
 class SearchPanel:
@@ -226,7 +230,7 @@ class ArmPanel:
         self.elbow = gui.add_dropdown(
             "elbow", ("up", "down"), hint="Which of the two solutions; kept along the whole path."
         )
-        self.base = gui.add_vector3("base [unit]", arm.base, step=0.1, hint="Where the arm stands.")
+        self.base = gui.add_vector3("base", arm.base, step=0.1, hint="Where the arm stands.")
         self.columns = gui.add_vector2(
             "a1, a2", (arm.a1, arm.a2), step=0.1, hint="Pedestal and column: the shoulder's height."
         )
@@ -245,7 +249,7 @@ class ArmPanel:
         self.forces = gui.add_vector3(
             "Q4, Q5, Q6", arm.forces, step=0.1, hint="Generalised forces of wrist, slide, gripper."
         )
-        self.masses = gui.add_vector3("m4, m5, m6", arm.masses, step=0.1, hint="Masses [kg].")
+        self.masses = gui.add_vector3("m4, m5, m6 [kg]", arm.masses, step=0.1, hint="Masses.")
         self.radii = gui.add_vector3("i4, i5, i6", arm.radii, step=0.1, hint="Radii of inertia.")
         for box in (
             self.base,
@@ -286,7 +290,14 @@ class ArmPanel:
     def write(self, scene: Scene) -> None:
         """Show ``scene``."""
         arm = scene.arm
-        self.base.label = f"base [{scene.unit}]"
+        for handle, name in (
+            (self.base, "base"),
+            (self.columns, "a1, a2"),
+            (self.links, "a3, a4, a5"),
+            (self.extension, "q5 at start"),
+            (self.radii, "i4, i5, i6"),
+        ):
+            handle.label = f"{name} [{scene.unit}]"
         self.elbow.value = arm.elbow
         self.base.value = arm.base
         self.columns.value = (arm.a1, arm.a2)
