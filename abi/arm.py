@@ -19,6 +19,7 @@ from abi import arm_links
 from abi.arrays import FloatArray, flat, read_only
 from abi.kernels import arm as kernels
 from abi.kernels.calling import call
+from abi.pose import METRES
 from abi.scene import ArmSettings
 from abi.urdf import Joint, write
 
@@ -27,8 +28,6 @@ JOINTS = ("q1", "q2", "q3", "q4", "q5", "q6")
 
 STROKE = 0.8
 """Longest extension q5, as a part of a4: the rest of the rod stays in its sleeve."""
-
-_METRES = {"m": 1.0, "cm": 0.01, "mm": 0.001}
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,7 +78,7 @@ class Arm:
     @property
     def metres(self) -> float:
         """One [unit] in metres."""
-        return _METRES[self.unit]
+        return METRES[self.unit]
 
     def forearm(self, extension: ArrayLike) -> FloatArray:
         """Length from elbow to tool, the paper's a6 = a4 + a5 + q5, [unit]."""

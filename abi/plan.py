@@ -15,7 +15,17 @@ from typing import Any, Generic, ParamSpec, TypeVar
 
 import numpy as np
 
-from abi import bspline, clearance, curve, graph, mesh, quadratic_modes, timing, trajectory
+from abi import (
+    bspline,
+    clearance,
+    curve,
+    graph,
+    kernels,
+    mesh,
+    quadratic_modes,
+    timing,
+    trajectory,
+)
 from abi.arm import Arm
 from abi.bspline import BSpline
 from abi.curve import ArcLength
@@ -41,9 +51,12 @@ which a smooth curve can round the corners of the path."""
 SAMPLES = 401
 """Samples of the arm's motion, uniform in time."""
 
-_BRIEF, _HASTY = 5.0, 0.3
-"""Searches that take less, [ms], are timed twice: the first finds nothing in the caches. In haste
-only those that take next to nothing."""
+_MANY = 300
+"""Obstacles from which waiting for the compiler takes less time than running without it."""
+
+_BRIEF, _HASTY = 50.0, 0.3
+"""Searches that take less, [ms], are timed twice: the first finds nothing in the caches, and may be
+held up by something else. In haste only those that take next to nothing."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,12 +150,15 @@ class Planner:
         try:
             self._run(scene, names, reached)
         except StageError as error:
+            error.tell(scene.unit)
             reached["error"] = error
         total = 1e3 * (time.perf_counter() - begin)
         return Plan(scene, **reached, ms=MappingProxyType(self._ms()), total_ms=total)
 
     def _run(self, scene: Scene, algorithms: list[str], reached: dict[str, Any]) -> None:
         """The method: each stage puts its result into ``reached`` or raises."""
+        if len(scene.obstacles) > _MANY and not kernels.ready.is_set():
+            kernels.warm()
         asked = scene.spline.clearance
         margin = asked + SLACK * max(scene.workspace.size)
 
@@ -232,7 +248,7 @@ class _Remembered(Generic[_P, _R]):
 
     def __call__(self, *args: _P.args, **kwargs: _P.kwargs) -> _R:
         if self._arguments is None or not _same(self._arguments, args):
-            self._result, self._error = None, None
+            self._arguments, self._result, self._error = None, None, None
             begin = time.perf_counter()
             try:
                 self._result = self._function(*args, **kwargs)

@@ -6,6 +6,7 @@ Lengths are in the scene's [unit].
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from functools import lru_cache
 from typing import Annotated
 
@@ -15,6 +16,8 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 from abi.arrays import FloatArray, read_only
 
 LARGEST = 1e6
+METRES: Mapping[str, float] = {"m": 1.0, "cm": 0.01, "mm": 0.001}
+"""What one of each unit is in metres."""
 
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 Length = Annotated[Number, Field(gt=0, le=LARGEST)]

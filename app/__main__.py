@@ -5,7 +5,9 @@ Each command imports what it needs: the method takes a second, and the page can 
 
 from __future__ import annotations
 
+import functools
 import json
+import os
 import sys
 import threading
 import webbrowser
@@ -45,11 +47,7 @@ def serve(scene: str, host: str, port: int, open_tab: bool, dark: bool) -> None:
     """Start the visualiser on SCENE (a shipped scene's name or a file) and print its URL."""
     from app.server import start
 
-    def opened(url: str) -> None:
-        click.echo(f"The ABI visualiser is at {url} (Ctrl+C ends it)")
-        if open_tab:
-            webbrowser.open(url)
-
+    opened = functools.partial(_opened, open_tab)
     server = start(host=host, port=port, scene=scene, dark=dark, opened=opened)
     try:
         threading.Event().wait()
@@ -84,7 +82,7 @@ def plan(scene: str, out: Path | None, full: bool, list_scenes: bool) -> None:
         data["error"]["reason"] = reason(found)
     text = json.dumps(data, indent=1, allow_nan=False)
     if out is None:
-        click.echo(text)
+        _print(text)
     else:
         _write(out, text)
     if result.error is not None:
@@ -163,7 +161,18 @@ def bench(parts: tuple[str, ...], nodes: tuple[int, ...], scenes: int, out: Path
         raise click.ClickException(
             f"{unknown[0]!r} is no benchmark. There are {', '.join(run.PARTS)}."
         )
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        reason = (error.strerror or "not writable").lower()
+        raise click.ClickException(f"--out: no folder {str(out)!r} ({reason}).") from None
     run.run(parts, nodes or run.SIZES, scenes, out)
+
+
+def _opened(open_tab: bool, url: str) -> None:
+    click.echo(f"The ABI visualiser is at {url} (Ctrl+C ends it)")
+    if open_tab:
+        webbrowser.open(url)
 
 
 def _read(path: Path) -> object:
@@ -181,6 +190,18 @@ def _read(path: Path) -> object:
 
 def _refuse(constant: str) -> object:
     raise ValueError(constant)
+
+
+def _print(text: str) -> None:
+    try:
+        click.echo(text)
+        sys.stdout.flush()
+    except BrokenPipeError:
+        # who read it has enough, as head has; Python must not try once more at its end
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    except OSError as error:
+        reason = (error.strerror or "not writable").lower()
+        raise click.ClickException(f"The plan cannot be printed ({reason}).") from None
 
 
 def _write(path: Path, text: str) -> None:

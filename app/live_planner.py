@@ -35,8 +35,10 @@ class LivePlanner:
             made = self._whole(scene, chosen_only=self.partial)
         else:
             made = self._hasty(coarser, chosen_only=True)
-        if made.mesh is not None:
-            self.pace.took(len(made.mesh.points), made.total_ms - made.ms["arm"])
+        if made.mesh is not None and made.path is not None:
+            # of a plan that ended before it, the arm's time is an earlier plan's
+            arm = made.ms["arm"] if made.motion is not None else 0.0
+            self.pace.took(len(made.mesh.points), made.total_ms - arm)
         return made
 
     def finish(self, scene: Scene) -> Plan:

@@ -21,6 +21,11 @@ def set_title(client: viser.ClientHandle, title: str) -> None:
     )
 
 
+def refuse(client: viser.ClientHandle, title: str, reason: str) -> None:
+    """Say what was not done and why; all else stays as it is."""
+    client.add_notification(title, reason, color="red", auto_close_seconds=12)
+
+
 def swatch_style(colours: Iterable[tuple[viser.GuiCheckboxHandle, Colour]]) -> str:
     """A style sheet that puts a line of its colour before each checkbox's label."""
     rules = [

@@ -6,6 +6,7 @@ is used, so that both load at once.
 
 from __future__ import annotations
 
+import functools
 import socket
 import sys
 import threading
@@ -20,6 +21,7 @@ from app import page
 if TYPE_CHECKING:
     from abi.scene import Scene
     from app.session import Session
+    from app.warm_up import WarmUp
 
 PAPER = "paper"
 
@@ -51,24 +53,12 @@ class Server:
 
     def show(self, name: str, scene: Scene) -> None:
         """Give every tab the scene, those that wait already and those to come."""
-        from app.session import Session, look_at
+        from app.session import look_at
         from app.warm_up import WarmUp
-
-        warm_up = WarmUp()
-
-        def connected(client: viser.ClientHandle) -> None:
-            look_at(client.camera, scene)
-            session = Session(client, name, scene, self._plain, self._dark, warm_up.planned)
-            warm_up.greet(client)
-            with self._lock:
-                if client.client_id in self.viser.get_clients():
-                    self.sessions[client.client_id] = session
-                    return
-            session.close()
 
         look_at(self.viser.initial_camera, scene)
         self.viser.on_client_disconnect(self._left)
-        self.viser.on_client_connect(connected)
+        self.viser.on_client_connect(functools.partial(self._came, name, scene, WarmUp()))
 
     def stop(self) -> None:
         """End every session and close the port."""
@@ -77,6 +67,18 @@ class Server:
         for session in sessions:
             session.close()
         self.viser.stop()
+
+    def _came(self, name: str, scene: Scene, warm_up: WarmUp, client: viser.ClientHandle) -> None:
+        from app.session import Session, look_at
+
+        look_at(client.camera, scene)
+        session = Session(client, name, scene, self._plain, self._dark, warm_up.planned)
+        warm_up.greet(client)
+        with self._lock:
+            if client.client_id in self.viser.get_clients():
+                self.sessions[client.client_id] = session
+                return
+        session.close()
 
     def _left(self, client: viser.ClientHandle) -> None:
         with self._lock:

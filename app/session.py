@@ -22,6 +22,7 @@ from abi.reasons import Reason, explain
 from abi.scene import Scene
 from app import page, style
 from app.formulas import with_formulas
+from app.labels import as_labelled
 from app.layers.arm import ArmLayer
 from app.layers.curves import CurvesLayer
 from app.layers.headings import HeadingsLayer
@@ -33,7 +34,7 @@ from app.layers.plots import PlotsLayer
 from app.layers.search_order import SearchOrderLayer
 from app.layers.workspace import WorkspaceLayer
 from app.live_planner import LivePlanner
-from app.panels.editor import EditorPanel
+from app.panels.editor import FIELDS, EditorPanel
 from app.panels.files import FilesPanel
 from app.panels.placed import ObstaclesPanel, PointsPanel
 from app.panels.playback import PlaybackPanel
@@ -46,6 +47,8 @@ SLOW_MS = 120.0
 """A plan that takes longer than this is awaited with the old one in grey."""
 REST = 0.3
 """Seconds without a wish after which the hand rests: time to plan in full, and to explain."""
+_ROOM = 0.8
+"""Of the picture's height: how wide the room between the panels must be to see all from near."""
 LIGHT = 1.5
 """Seconds after the first plan in which it is drawn, however weak the graphics."""
 
@@ -261,7 +264,10 @@ class Session:
             scene = self._read()
         except AbiError as error:
             # what is drawn is of the last good scene; it can be looked at, and saved
-            self._refused = error
+            before, self._refused = self._refused, error
+            if str(error) != str(before) and getattr(error, "field", "").startswith(FIELDS):
+                # typed far from the heading that complains
+                page.refuse(self.client, "Not taken over", as_labelled(error, error.message))
             self._fade(True)
             with self.client.atomic():
                 self._complain()
@@ -316,6 +322,7 @@ class Session:
             self.headings.draw(plan, self._planner.coarse)
             self._complain()
             self.marks.draw(self._reason, plan.scene)
+            self.mesh_panel.offer(plan.scene)
             self.points.label(plan.scene)
             self.obstacles.draw(plan.scene.obstacles)
             self.editor.suggest(plan.scene)
@@ -379,12 +386,16 @@ def _lesson() -> str:
 
 
 def look_at(camera: viser.CameraHandle | viser.InitialCameraConfig, scene: Scene) -> None:
-    """Place ``camera`` so that workspace and arm are in the picture."""
+    """Place ``camera`` so that workspace and arm are in the picture, between the panels."""
     low, high = np.array(scene.workspace.min), np.array(scene.workspace.max)
     corners = np.array([low, high, scene.arm.base])
     low, high = corners.min(axis=0), corners.max(axis=0)
     centre = (low + high) / 2
     size = float(np.linalg.norm(high - low))
-    camera.position = centre + size * np.array([0.82, -0.42, 0.38])
+    away = 1.0
+    if isinstance(camera, viser.CameraHandle):
+        between = camera.image_width - style.LEFT_WIDTH - style.RIGHT_WIDTH
+        away = min(max(_ROOM * camera.image_height / max(between, 1), 1.0), 2.5)
+    camera.position = centre + away * size * np.array([0.82, -0.42, 0.38])
     camera.look_at = centre
     camera.near, camera.far = size / 500, size * 50

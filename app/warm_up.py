@@ -27,12 +27,14 @@ class WarmUp:
         self._lock = threading.Lock()
         self._tabs: list[viser.ClientHandle] = []
         self._notes: list[viser.NotificationHandle] = []
-        self._long = False
+        self._long, self._done = False, False
         threading.Thread(target=self._work, name="warm-up", daemon=True).start()
 
     def greet(self, client: viser.ClientHandle) -> None:
         """A tab came; tell it what is going on, now or when it takes long."""
         with self._lock:
+            if self._done:
+                return
             self._tabs.append(client)
             if self._long:
                 self._tell(client)
@@ -49,7 +51,7 @@ class WarmUp:
         finally:
             late.cancel()
             with self._lock:
-                self._long = False
+                self._long, self._done = False, True
                 self._tabs.clear()
                 for note in self._notes:
                     note.remove()

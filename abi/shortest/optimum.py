@@ -18,6 +18,7 @@ from abi.scene import Workspace
 from abi.shapes import MeshShape, Obstacles
 from abi.solids import packed, parted
 
+_DOWN = 1 - 1e-15  # for what is rounded to nearest is no bound
 _SAMPLES = 65  # of the straight line, for balls that bound
 
 
@@ -62,7 +63,7 @@ def lower_bound(
     """
     asked = max(clearance - ROUNDING, 0.0)
     ends = np.array([start, goal])
-    straight = math.dist(start, goal)
+    straight = _DOWN * math.dist(start, goal)
     solids, surfaces = parted(obstacles)
     rows = packed(solids)
     lengths, exact = call(kernels.ready, kernels.around, rows, asked, *map(float, (*start, *goal)))
@@ -71,7 +72,7 @@ def lower_bound(
     longest = max((length for length, _ in ways), default=0.0)
     if longest == 0:
         return Bound(straight, True)
-    length = max(longest, straight)
+    length = max(_DOWN * longest, straight)
     best = next(k for k, way in enumerate(ways) if way[0] == longest)
     if not ways[best][1]:
         return Bound(length, False)

@@ -7,7 +7,7 @@ passes through, with a distance that is nowhere negative. Neither need be convex
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from functools import lru_cache
 from typing import Annotated, Any, ClassVar, Literal, Self
 
@@ -17,12 +17,10 @@ from pydantic_core import PydanticCustomError
 
 from abi.arrays import BoolArray, FloatArray, read_only
 from abi.errors import SceneError
-from abi.pose import LARGEST, Length, Posed, rotation
+from abi.pose import LARGEST, METRES, Length, Posed, rotation
 from abi.surfaces.mesh_source import MeshSource
 from abi.surfaces.surface import Surface
 from abi.surfaces.surface_distance import SurfaceDistance, distances
-
-METRES: Mapping[str, float] = {"m": 1.0, "cm": 0.01, "mm": 0.001}
 
 TOO_LARGE = 20.0
 TOO_SMALL = 1 / 500

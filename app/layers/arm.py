@@ -5,6 +5,7 @@ What reads a URDF takes long to import; it is imported when there is an arm to d
 
 from __future__ import annotations
 
+import functools
 import io
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
 
 _SHIPPED = assets.path("urdf", "abi.urdf")
 _TRACE_SAMPLES = 100
+_LONG = 100.0  # [m], so that no face of a short arm is small enough to be taken for none
 
 
 @dataclass
@@ -70,13 +72,16 @@ class ArmLayer:
         """Build the arm anew when its links changed, and put it on its base."""
         if plan.arm is None or plan.arm is self._arm:
             return
-        self._arm = plan.arm
-        self._base.position = plan.arm.base
-        # the text is in metres, whatever the scene's unit
-        text, scale = urdf(plan.arm), 1 / plan.arm.metres
+        arm = plan.arm
+        self._base.position = arm.base
+        text, scale = urdf(arm), 1 / arm.metres
+        if text != _shipped():
+            enlarged = _LONG / (arm.a1 + arm.a2 + arm.a3 + arm.a4 + arm.a5)
+            text, scale = urdf(arm, enlarged), 1 / enlarged
         if self._built != (text, scale):
-            self._built = text, scale
             self._build(_load(text), scale)
+            self._built = text, scale
+        self._arm = arm
 
     def pose(self, plan: Plan, time: float) -> None:
         """Move the arm to where it is at ``time`` [s], and draw the trace up to there."""
@@ -139,11 +144,16 @@ class ArmLayer:
             self._scene.add_mesh_trimesh(f"{name}/mesh", mesh)
 
 
+@functools.cache
+def _shipped() -> str:
+    return _SHIPPED.read_text(encoding="utf-8")
+
+
 def _load(text: str) -> yourdfpy.URDF:
     """The shipped file where it fits, the same text made for other link lengths otherwise."""
     import yourdfpy
 
-    if text == _SHIPPED.read_text(encoding="utf-8"):
+    if text == _shipped():
         return yourdfpy.URDF.load(str(_SHIPPED))
     return yourdfpy.URDF.load(io.BytesIO(text.encode()))
 

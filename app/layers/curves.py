@@ -69,6 +69,8 @@ class CurvesLayer:
         """Grey while a newer plan is on its way."""
         for name, line in self._lines.items():
             line.colors = np.array(style.FADED if faded else style.CURVES[name][1], np.uint8)
+        self._polygon.colors = np.array(style.FADED if faded else style.BSPLINE, np.uint8)
+        self._entering.colors = np.array(style.FADED if faded else style.ENTERS, np.uint8)
 
     def show(self, bspline: bool, quadratic: bool, control: bool) -> None:
         """Switch the curves and the control points."""

@@ -163,7 +163,7 @@ def _results(plan: Plan) -> dict[str, str]:
         elif motion.clearance <= 0:
             results["arm"] += ", a link hits ✗"
         elif not motion.within_limits:
-            results["arm"] += ", joint limit passed"
+            results["arm"] += ", joint limit passed ✗"
     return results
 
 

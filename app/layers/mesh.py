@@ -35,7 +35,7 @@ class MeshLayer:
         self._edges: viser.GlbHandle | None = None
         self._clouds: dict[str, viser.PointCloudHandle] = {}
         self._visible = {"edges": True, "nodes": True, "excluded": True}
-        self._drawn: tuple[object, str] = (None, "")
+        self._drawn: tuple[object, ...] = ()
         self.note = ""
         self.behind = False
 
@@ -48,14 +48,17 @@ class MeshLayer:
             hasty: whether the hand may still move: then a mesh that is more than the tab is sent
                 at once waits, and what it excludes is not shown meanwhile.
         """
-        if plan.free is None or (plan.free, view) == self._drawn:
+        whole = plan.free is None or fits(plan.free, EDGE_BUDGET)
+        # where not all is shown, what is near the path
+        state = (plan.free, plan.graph, view, None if whole else plan.path)
+        if plan.free is None or state == self._drawn:
             self.behind = False
             return
-        self.behind = hasty and self._edges is not None and not fits(plan.free, EDGE_BUDGET)
+        self.behind = hasty and self._edges is not None and not whole
         if self.behind:
             self._hide("excluded")
             return
-        self._drawn = (plan.free, view)
+        self._drawn = state
         near = plan.path.points if plan.path is not None else np.array([plan.scene.start])
         part = excerpt(plan.free, plan.graph, plan.scene.obstacles, near, view, EDGE_BUDGET)
         self.note = ""

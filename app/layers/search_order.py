@@ -19,8 +19,8 @@ class SearchOrderLayer:
         self._cloud: viser.PointCloudHandle | None = None
         self._drawn: object = None
 
-    def draw(self, plan: Plan, share: float) -> int:
-        """Draw the first ``share`` (0 to 1) of the expansions; returns how many that is.
+    def draw(self, plan: Plan, share: float) -> None:
+        """Draw the first ``share`` (0 to 1) of the expansions.
 
         Without a path and with nothing asked for, what the start can reach is shown instead.
         """
@@ -37,12 +37,12 @@ class SearchOrderLayer:
             order = np.zeros(0, np.int32) if reached is None else reached
             colour = style.A_STAR  # as the sentence says
         if state == self._drawn:
-            return count
+            return
         self._drawn = state
         if plan.graph is None or len(order) == 0:
             if self._cloud is not None:
                 self._cloud.visible = False
-            return count
+            return
         nodes = np.unique(order)
         stride = -(-len(nodes) // NODE_BUDGET)
         self._cloud = self._scene.add_point_cloud(
@@ -53,4 +53,3 @@ class SearchOrderLayer:
             point_shape="circle",
             precision="float32",
         )
-        return count

@@ -1,4 +1,4 @@
-"""The workspace box, the ground grid, and start and goal labels' surroundings."""
+"""The workspace box and the ground."""
 
 from __future__ import annotations
 
@@ -27,13 +27,13 @@ class WorkspaceLayer:
             thickness_units="screen",
         )
         self._grid: viser.GridHandle | None = None
-        self._drawn: Workspace | None = None
+        self._drawn: tuple[Workspace, float] | None = None
 
     def draw(self, workspace: Workspace, base: tuple[float, float, float]) -> None:
         """Draw the box, and a faint ground below it and the arm's base."""
-        if workspace == self._drawn:
+        if (workspace, base[2]) == self._drawn:
             return
-        self._drawn = workspace
+        self._drawn = workspace, base[2]
         corners = np.array(workspace.min) + _CORNERS * workspace.size
         self._box.points = corners[_EDGES].astype(np.float32)
         longest = max(workspace.size)

@@ -15,9 +15,10 @@ import viser
 from viser.transforms import SO3
 
 from abi.errors import SceneError
+from abi.pose import METRES
 from abi.scene import Scene
 from abi.shapes import Box, Capsule, Cylinder, MeshShape, Obstacle, Sphere
-from abi.surfaces.mesh_shape import METRES, suggest_unit
+from abi.surfaces.mesh_shape import suggest_unit
 from abi.surfaces.mesh_source import MeshSource
 from abi.surfaces.surface import Surface
 from app.panels.placed import ObstaclesPanel, PointsPanel
@@ -65,6 +66,10 @@ class NumberBox:
         x, y, z = (round(float(number), _DIGITS) for number in value)
         self._shown = (x, y, z)
         self.handle.value = self._shown
+
+
+FIELDS = ("obstacles", "start", "goal", "file")
+"""What fields of a scene are typed here, or uploaded."""
 
 
 class EditorPanel:

@@ -8,6 +8,7 @@ from abi.errors import SceneError
 from abi.scene import Scene, load_scene, scene_names
 from abi.scene_file import MAX_BYTES, dump, parse_bytes
 from abi.surfaces.mesh_source import MeshSource
+from app import page
 from app.panels.stages import Wake
 
 _MOST = f"{MAX_BYTES // 1000} kB"
@@ -46,16 +47,19 @@ class FilesPanel:
         Args:
             meshes: what an opened scene file may name besides.
 
-        Raises:
-            SceneError: the file is not a scene; the present scene stays.
         """
         if self.reset.value:
             self.reset.value = False
             return self._loaded
         if self.upload.value is not self._uploaded:
             self._uploaded = self.upload.value
-            self._loaded = _checked(self.upload.value, meshes)
-            self._chosen = self._listed(self.upload.value.name, self._loaded)
+            name = _plain(self.upload.value.name)
+            try:
+                self._loaded = _checked(self.upload.value, name, meshes)
+            except SceneError as error:
+                page.refuse(self._client, f"{name} is not opened", error.message)
+                return None
+            self._chosen = self._listed(name, self._loaded)
             return self._loaded
         name = self.choice.value
         # a page may send anything: only what is listed is opened
@@ -65,9 +69,8 @@ class FilesPanel:
             return self._loaded
         return None
 
-    def _listed(self, file: str, scene: Scene) -> str:
+    def _listed(self, name: str, scene: Scene) -> str:
         """Put an opened scene among the choices and choose it."""
-        name = "".join(c for c in file if c.isprintable())[-_LONGEST:].strip() or "a scene"
         name = f"{name} (opened)" if name in scene_names() else name
         self._own[name] = scene
         self.choice.options = (*scene_names(), *self._own)
@@ -82,13 +85,18 @@ class FilesPanel:
         try:
             text = dump(scene.to_dict(), "scene.yaml")
         except SceneError as error:
-            self._client.add_notification("Not saved", error.message, color="red")
+            page.refuse(self._client, "Not saved", error.message)
         else:
-            self._client.send_file_download("scene.yaml", text.encode())
+            name, content = "scene.yaml", text.encode()
+            self._client.send_file_download(name, content, save_immediately=True)
 
 
-def _checked(file: viser.UploadedFile, meshes: MeshSource) -> Scene:
+def _plain(name: str) -> str:
+    """The name of a file as it can be shown."""
+    return "".join(c for c in name if c.isprintable())[-_LONGEST:].strip() or "a file"
+
+
+def _checked(file: viser.UploadedFile, name: str, meshes: MeshSource) -> Scene:
     if len(file.content) > MAX_BYTES:
-        raise SceneError("scene", "the file", f"at most {_MOST}")
-    name = "scene.json" if file.name.lower().endswith(".json") else "scene.yaml"
+        raise SceneError("scene", name, f"a file of at most {_MOST}")
     return Scene.from_dict(parse_bytes(file.content, name), meshes)

@@ -56,11 +56,13 @@ class PlaybackPanel:
                 self.slider.value = scrubbed
             self._time, self._written, self.playing = scrubbed, scrubbed, False
         elif self.playing:
-            self._time += passed * SPEEDS[self.speed.value]
-            if self._time > duration + _REST * SPEEDS[self.speed.value]:
+            rate = SPEEDS.get(self.speed.value, 1.0)
+            self._time += passed * rate
+            if self._time > duration + _REST * rate:
                 self._time = 0.0
         shown = min(max(self._time, 0.0), duration)
-        if (self.playing and abs(shown - self._written) >= 0.05) or shown < self._written:
+        behind = abs(shown - self._written)
+        if behind >= 0.05 or (shown < self._written and self.playing):
             self._written = round(shown, 2)
             self.slider.value = self._written
             self._sent = now

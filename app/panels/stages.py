@@ -69,7 +69,7 @@ class MeshPanel:
         """The ``mesh`` section."""
         return {
             "mesh": {
-                "lattice": LATTICES[self.lattice.value],
+                "lattice": LATTICES.get(self.lattice.value, self.lattice.value),
                 "pitch": self.pitch.value,
                 "seed": self.seed.value,
                 "max_nodes": self._max_nodes,
@@ -128,8 +128,8 @@ class SearchPanel:
         """The ``search`` section."""
         return {
             "search": {
-                "algorithm": ALGORITHMS[self.algorithm.value],
-                "weight": WEIGHTS[self.weight.value],
+                "algorithm": ALGORITHMS.get(self.algorithm.value, self.algorithm.value),
+                "weight": WEIGHTS.get(self.weight.value, self.weight.value),
                 "taut": self.taut.value,
             }
         }
@@ -203,9 +203,9 @@ class MotionPanel:
     def read(self) -> dict[str, Any]:
         """The ``quadratic`` and ``motion`` sections."""
         return {
-            "quadratic": {"mode": FITS[self.fit.value]},
+            "quadratic": {"mode": FITS.get(self.fit.value, self.fit.value)},
             "motion": {
-                "curve": FOLLOWED[self.curve.value],
+                "curve": FOLLOWED.get(self.curve.value, self.curve.value),
                 "speed": self.speed.value,
                 "acceleration": self.rates.value[0],
                 "deceleration": self.rates.value[1],
@@ -280,7 +280,7 @@ class ArmPanel:
                 "a4": a4,
                 "a5": a5,
                 "q5": self.extension.value,
-                "dynamics": DYNAMICS[self.dynamics.value],
+                "dynamics": DYNAMICS.get(self.dynamics.value, self.dynamics.value),
                 "forces": self.forces.value,
                 "masses": self.masses.value,
                 "radii": self.radii.value,

@@ -57,7 +57,7 @@ class ViewPanel:
 
     def mesh_part(self) -> str:
         """Which part of the mesh to draw, of :data:`abi.excerpt.VIEWS`."""
-        return MESH_VIEWS[self.mesh_view.value]
+        return MESH_VIEWS.get(self.mesh_view.value, "near")
 
     def read(self) -> dict[str, bool]:
         """Which layers are to be seen."""

@@ -197,6 +197,52 @@ def test_what_cannot_be_saved_leaves_nothing_behind(
     assert sorted(path.name for path in tmp_path.iterdir()) == ["folder.yaml", "scene.yaml"]
 
 
+def test_what_could_not_be_read_again_is_not_saved(tmp_path: Path) -> None:
+    scene = load_scene("paper")
+    with pytest.raises(SceneError, match="ends in"):
+        scene.save(tmp_path / "scene.txt")
+    box = {"shape": "box", "size": [0.0123456, 0.0234567, 0.0345678], "position": [1, 1, 1]}
+    crowd = scene.replace(obstacles=4_000 * [box])
+    with pytest.raises(SceneError, match="400 kB"):
+        crowd.save(tmp_path / "scene.yaml")
+    assert list(tmp_path.iterdir()) == []
+
+    scene.replace(obstacles=1_000 * [box]).save(str(tmp_path / "scene.json"))
+    assert len(load_scene(tmp_path / "scene.json").obstacles) == 1_000
+
+
+@pytest.mark.parametrize("name", [300 * "x", 300 * "x" + ".yaml", "a\0b.yaml", "a\0b"])
+def test_a_name_that_can_be_no_files_is_refused(name: str) -> None:
+    with pytest.raises(SceneError):
+        load_scene(name)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [{"start": {"x": 1}}, {"unit": {"a": 1}}, {"foo": {"a": 1}}, {"mesh": 3}, {"obstacles": {}}],
+)
+def test_a_change_of_another_kind_names_the_field(change: dict[str, object]) -> None:
+    with pytest.raises(SceneError) as caught:
+        load_scene("paper").replace(None, **change)
+    assert caught.value.field == next(iter(change))
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"start": [0, 0, 0, 0]}, "start is [0, 0, 0, 0]; expected a list of 3."),
+        ({"obstacles": [5]}, "obstacles[0] is 5; expected a mapping."),
+        ({"search": {"taut": "yes"}}, "search.taut is 'yes'; expected true or false."),
+        ({"mesh": {"pitch": "1"}}, "mesh.pitch is '1'; expected a number."),
+        ({(1, 2): 3}, "expected names of fields as text."),
+    ],
+)
+def test_what_would_work_is_said_in_plain_words(change: dict[object, object], words: str) -> None:
+    with pytest.raises(SceneError) as caught:
+        Scene.from_dict({"version": 1, **change})
+    assert caught.value.message.endswith(words)
+
+
 def test_the_shipped_scenes_are_there() -> None:
     assert scene_names()[0] == "paper"
     assert {"two-boxes", "wall-with-window", "thin-plate", "no-way"} <= set(scene_names())

@@ -39,6 +39,14 @@ def test_plan_prints_a_complete_plan(
     assert json.loads(out)["error"] is None
 
 
+def test_who_reads_only_the_beginning_gets_it_without_complaints() -> None:
+    command = f"{sys.executable} -m app plan | head -n 1"
+    done = subprocess.run(["bash", "-c", command], capture_output=True, text=True, check=True)
+
+    assert done.stdout.strip() == "{"
+    assert done.stderr == ""
+
+
 def test_plan_list_names_the_scenes(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

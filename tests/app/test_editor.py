@@ -101,7 +101,11 @@ def test_while_a_number_is_wrong_the_rest_goes_on(
 ) -> None:
     fake, session = tab
     sent: list[bytes] = []
-    monkeypatch.setattr(session.client, "send_file_download", lambda _, text: sent.append(text))
+
+    def keep(name: str, content: bytes, save_immediately: bool) -> None:
+        sent.append(content)
+
+    monkeypatch.setattr(session.client, "send_file_download", keep)
     good = session.plan
     fake.set(session.motion_panel.speed, 0.0)
     until(lambda: session.headings._notes["quadratic"].visible)
@@ -160,6 +164,30 @@ def test_the_arm_is_as_large_as_the_scenes_unit_says(tmp_path: Path) -> None:
             scene = load_scene(name)
             until(lambda scene=scene: shows(session, scene))  # type: ignore[misc]
             until(lambda: size(session) == pytest.approx(same, rel=1e-6))
+
+
+def test_a_file_that_is_no_scene_is_named_and_changes_nothing(
+    tab: tuple[FakeTab, Session], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    fake, session = tab
+    told: list[tuple[str, str]] = []
+    monkeypatch.setattr(
+        session.client,
+        "add_notification",
+        lambda title, body, **_: told.append((title, body)),
+    )
+    good = session.plan
+    file = viser.UploadedFile("my scene.yaml", b"version: 1\nworkspace: [1, 2]")
+    session.files.upload._impl.value = file
+    fake.set(session.search_panel.shown, 10)
+    until(lambda: bool(told))
+
+    assert told == [
+        ("my scene.yaml is not opened", "workspace is [1, 2]; expected a mapping."),
+    ]
+    assert session.plan is good
+    assert not session._faded
+    assert not any(note.visible for note in session.headings._notes.values())
 
 
 def test_what_is_not_listed_is_not_opened(tab: tuple[FakeTab, Session], tmp_path: Path) -> None:

@@ -60,6 +60,17 @@ def test_a_small_mesh_says_nothing_of_large_ones() -> None:
     assert pace.nodes == before
 
 
+def test_a_plan_without_a_path_says_nothing() -> None:
+    scene = scene_of(0.25)
+    live = LivePlanner()
+    live(scene)
+    before = live.pace.nodes
+    for k in range(10):
+        blocked = live(scene.replace(start=[3.0, 3.0, 2.5 + 0.01 * k]))
+        assert blocked.error is not None
+    assert live.pace.nodes == before
+
+
 def test_in_haste_one_search_runs_on_a_coarser_mesh_and_then_all_on_the_whole() -> None:
     planner, scene = LivePlanner(), scene_of(0.3)
     planner.pace.nodes = LEAST_NODES

@@ -54,7 +54,8 @@ def test_what_was_overtaken_is_not_planned(tab: tuple[FakeTab, Session]) -> None
         lambda: math.isclose(session.plan.scene.obstacles[0].position[2], 1.01)  # type: ignore[union-attr]
     )
 
-    assert session.plans - before < 200
+    # one or two sufficed for a quick plan, and a slow one is overtaken all the more
+    assert session.plans - before < 100
 
 
 def test_a_fine_mesh_is_coarser_while_the_hand_moves_and_whole_once_it_rests(

@@ -1,0 +1,130 @@
+"""What is drawn follows what it is drawn from, whatever that is."""
+
+from __future__ import annotations
+
+import gc
+import weakref
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from abi.scene import Scene
+from app.server import Server, start
+from app.session import Session
+from tests.app.fake_tab import FakeTab, until
+
+
+def test_the_mesh_shown_has_the_start_where_it_is(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    place = [5.7, 0.35, 0.1]
+    fake.drag(session.points.gizmos["start"], place)
+    until(lambda: np.allclose(session.plan.scene.start, place))  # type: ignore[union-attr]
+    until(lambda: session.resting and not session._changed.is_set())
+
+    nodes = np.asarray(session.mesh._clouds["nodes"].points, dtype=float)
+    assert np.linalg.norm(nodes - np.array(place), axis=1).min() < 1e-4
+
+
+def test_the_part_of_a_fine_mesh_that_is_shown_goes_with_the_path(
+    tab: tuple[FakeTab, Session],
+) -> None:
+    fake, session = tab
+    fake.set(session.mesh_panel.pitch, 0.2)
+    until(lambda: session.plan.scene.mesh.pitch == 0.2 and session.resting)  # type: ignore[union-attr]
+    fake.drag(session.points.gizmos["start"], [5.7, 0.35, 0.1])
+
+    def is_shown() -> bool:
+        plan = session.plan
+        assert plan is not None
+        if plan.path is None or plan.mesh is None or plan.scene.start[0] < 5:
+            return False
+        nodes = np.asarray(session.mesh._clouds["nodes"].points, dtype=float)
+        away = [np.linalg.norm(nodes - vertex, axis=1).min() for vertex in plan.path.points]
+        return bool(max(away) < plan.mesh.pitch)
+
+    until(is_shown)
+    assert session.mesh.note
+
+
+def test_the_ground_is_below_the_arm(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    for height in (-4.0, 0.0):
+        fake.set(session.arm_panel.base, (3.0, -3.0, height))
+        until(lambda z=height: session.plan.scene.arm.base[2] == z)  # type: ignore[misc, union-attr]
+        until(lambda z=height: z - 0.1 < session.workspace._grid.position[2] < z)  # type: ignore[misc, union-attr]
+
+
+@pytest.mark.parametrize(
+    "scene",
+    [
+        {"unit": "mm"},
+        {"arm": {"a1": 0.1, "a2": 0.2, "a3": 0.6, "a4": 0.3, "a5": 0.25}},
+        {"arm": {"a3": 0.1}},
+        {"arm": {"a1": 100, "a2": 200, "a3": 600, "a4": 300, "a5": 250}, "unit": "m"},
+    ],
+)
+def test_an_arm_of_any_size_is_drawn_whole(tmp_path: Path, scene: dict[str, object]) -> None:
+    path = tmp_path / "scene.yaml"
+    made = Scene.from_dict({"version": 1, **scene})
+    made.save(path)
+    server = start(port=0, plain=True, scene=str(path))
+    try:
+        fake = FakeTab(server.url)
+        until(lambda: any(session.plans for session in server.sessions.values()))
+        (session,) = server.sessions.values()
+        until(lambda: session.arm._built is not None)
+        drawn = {node.frame.name.rpartition("/")[2] for node in session.arm._hinges}
+        assert {"turret", "upper_arm", "forearm", "rod", "gripper", "tool"} <= drawn
+        arm = made.arm
+        reach = sum(
+            float(np.linalg.norm(hinge.origin.translation())) for hinge in session.arm._hinges
+        )
+        assert reach == pytest.approx(arm.a1 + arm.a2 + arm.a3 + arm.a4 + arm.a5, rel=1e-6)
+        fake.close()
+    finally:
+        server.stop()
+
+
+def test_the_seed_is_offered_where_it_counts(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    assert not session.mesh_panel.seed.visible
+    fake.set(session.mesh_panel.lattice, "Delaunay: jittered")
+    until(lambda: session.mesh_panel.seed.visible)
+    fake.set(session.mesh_panel.lattice, "Kuhn: six per cube")
+    until(lambda: not session.mesh_panel.seed.visible)
+
+
+def test_the_time_shown_is_the_arms(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    playback = session.playback
+    fake.set(playback.slider, 2.0)
+    until(lambda: playback._time == pytest.approx(2.0) and not playback.playing)
+    inside, outside = [3.0, 3.0, 3.0], [6.0, 6.0, 6.0]
+    fake.drag(session.points.gizmos["goal"], inside)
+    until(lambda: session.plan.error is not None)  # type: ignore[union-attr]
+    fake.drag(session.points.gizmos["goal"], outside)
+    until(lambda: session.plan.error is None)  # type: ignore[union-attr]
+
+    assert playback._time == pytest.approx(2.0)
+    until(lambda: playback.slider.value == pytest.approx(2.0))
+
+
+def test_a_tab_that_has_gone_leaves_nothing_behind(server: Server) -> None:
+    gone = []
+    for _ in range(3):
+        fake = FakeTab(server.url)
+        until(lambda: len(server.sessions) == 1)
+        (session,) = server.sessions.values()
+        until(lambda one=session: one.plan is not None)  # type: ignore[misc]
+        gone.append(weakref.ref(session))
+        del session
+        fake.close()
+        until(lambda: not server.sessions)
+
+    # the last one's frames may still be on a thread's way out
+    def left() -> int:
+        gc.collect()
+        return sum(one() is not None for one in gone)
+
+    until(lambda: left() <= 1)
