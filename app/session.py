@@ -47,8 +47,6 @@ SLOW_MS = 120.0
 """A plan that takes longer than this is awaited with the old one in grey."""
 REST = 0.3
 """Seconds without a wish after which the hand rests: time to plan in full, and to explain."""
-_ROOM = 0.8
-"""Of the picture's height: how wide the room between the panels must be to see all from near."""
 LIGHT = 1.5
 """Seconds after the first plan in which it is drawn, however weak the graphics."""
 
@@ -386,16 +384,12 @@ def _lesson() -> str:
 
 
 def look_at(camera: viser.CameraHandle | viser.InitialCameraConfig, scene: Scene) -> None:
-    """Place ``camera`` so that workspace and arm are in the picture, between the panels."""
+    """Place ``camera`` so that workspace and arm are in the picture."""
     low, high = np.array(scene.workspace.min), np.array(scene.workspace.max)
     corners = np.array([low, high, scene.arm.base])
     low, high = corners.min(axis=0), corners.max(axis=0)
     centre = (low + high) / 2
     size = float(np.linalg.norm(high - low))
-    away = 1.0
-    if isinstance(camera, viser.CameraHandle):
-        between = camera.image_width - style.LEFT_WIDTH - style.RIGHT_WIDTH
-        away = min(max(_ROOM * camera.image_height / max(between, 1), 1.0), 2.5)
-    camera.position = centre + away * size * np.array([0.82, -0.42, 0.38])
+    camera.position = centre + size * np.array([0.82, -0.42, 0.38])
     camera.look_at = centre
     camera.near, camera.far = size / 500, size * 50

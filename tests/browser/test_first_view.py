@@ -139,7 +139,7 @@ def test_headings_carry_the_results(page: Page, session: Session) -> None:
         f"2 · Graph — {plan.graph.edge_count} edges",
         f"3 · Search — A* {plan.path.length:.3f}",
         f"4 · B-spline — {plan.bspline_arc.length:.3f} cm, clear by ",
-        f"5 · Quadratic — {plan.quadratic_arc.length:.3f} cm, clear by ",
+        f"5 · Quadratic — {plan.quadratic_arc.length:.3f} cm, 0.012 of 0.2 ✗",
         "6 · Arm — reaches all of it",
     ):
         assert heading in text
