@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,7 +13,9 @@ from scipy.interpolate import BSpline
 
 from abi.arrays import FloatArray
 from abi.clearance import measure, measure_polyline
-from abi.shapes import Box, Capsule, Cylinder, Obstacle, Obstacles, Sphere, nearest
+from abi.shapes import Box, Capsule, Cylinder, MeshShape, Obstacle, Obstacles, Sphere, nearest
+from abi.surfaces.surface import clean
+from tests.abi import meshes
 
 
 @dataclass(frozen=True, eq=False)
@@ -245,3 +248,44 @@ def test_a_curve_through_the_heart_of_an_obstacle_ends(tolerance: float) -> None
     ((start, end),) = found.violations
     assert start == pytest.approx(0.5 - 1.1 / 6, abs=1 / 400)
     assert end == pytest.approx(0.5 + 1.1 / 6, abs=1 / 400)
+
+
+@given(curves, st.floats(0.0, 1.5))
+@settings(max_examples=40, deadline=None)
+def test_where_a_mesh_is_too_near_is_told_as_finely_as_of_a_solid(
+    curve: Spline, asked: float
+) -> None:
+    size = (1.0, 2.0, 1.5)
+    pose: Any = {"position": (1.0, 0.5, 0.0), "wxyz": (0.8, -0.3, 0.4, 0.2)}
+    solid, mesh = (
+        measure(curve, (body,), asked)
+        for body in (Box(size=size, **pose), MeshShape.of(clean(*meshes.box(size)), **pose))
+    )
+    first, last = curve.interval
+    fine = (last - first) / 512
+
+    assert mesh.nearest == pytest.approx(solid.nearest, abs=2e-3)
+    parameters, distances = dense(curve, (Box(size=size, **pose),))
+    speed = np.linalg.norm(curve(parameters, order=1), axis=1).max()
+    for found in (solid, mesh):
+        told = np.zeros(len(parameters), dtype=bool)
+        for start, end in found.violations:
+            told |= (parameters >= start) & (parameters <= end)
+            inner = (parameters > start + fine * (start > first)) & (
+                parameters < end - fine * (end < last)
+            )
+            # a rise so short that it fits between two samples is not told apart
+            assert (distances[inner] < asked + 2.1 * speed * fine).all()
+        assert told[distances < asked - 1e-3 - 1e-9].all()
+
+
+def test_a_needle_between_two_samples_is_found_beside_what_is_far_nearer() -> None:
+    needle = MeshShape.of(clean(*meshes.box((0.02, 1, 1))), position=(1.075, 0, 0))
+    block = MeshShape.of(clean(*meshes.box((1, 1, 1))), position=(4, 0, 0))
+    found = measure(spline([(0, 0, 0), (6.4, 0, 0)], 1), (needle, block))
+
+    assert found.obstacle == 1
+    assert found.nearest == pytest.approx(-0.5, abs=1e-3)
+    (first, last), (start, end) = found.violations
+    assert first <= 1.066 / 6.4 < 1.084 / 6.4 <= last <= first + 1 / 64
+    assert start <= 3.501 / 6.4 < 4.499 / 6.4 <= end <= start + 1 / 6.4 + 1 / 64

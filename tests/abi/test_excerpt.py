@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 from abi.excerpt import VIEWS, excerpt, fits
 from abi.plan import Plan, plan
 from abi.scene import load_scene
+from abi.shapes import Box, Obstacles, Sphere
 
 
 def planned(pitch: float, lattice: str = "bcc", name: str = "paper") -> Plan:
@@ -68,6 +69,46 @@ def test_near_shows_the_path_and_leaves_out_what_is_farthest() -> None:
     assert 10_000 < len(part.edges) < part.edges_in_all
     corner = np.array([0.0, 6.0, 6.0])
     assert np.linalg.norm(part.points - corner, axis=1).min() > 1
+
+
+@pytest.mark.parametrize("budget", [2_000, 10_000, 30_000])
+@pytest.mark.parametrize(
+    "obstacles",
+    [
+        (),
+        (Box(size=(1.2, 0.6, 0.8), position=(4.8, 4.5, 5)),),
+        (Sphere(radius=0.5, position=(1, 5, 1)), Box(size=(0.5, 2, 0.5), position=(5, 1, 5))),
+    ],
+    ids=len,
+)
+def test_near_shows_what_is_nearest_to_path_and_obstacles(
+    obstacles: Obstacles, budget: int
+) -> None:
+    """Nothing shown is farther from both than what is left out, but for the size of a cell."""
+    path = np.array([[0.5, 0.5, 0.5], [2.0, 1.0, 0.5]])
+    made = plan(
+        load_scene("paper").replace(
+            obstacles=[obstacle.model_dump(mode="json") for obstacle in obstacles],
+            mesh={"pitch": 0.3},
+        )
+    )
+    assert made.free is not None
+    assert made.graph is not None
+    part = excerpt(made.free, made.graph, obstacles, path, "near", budget)
+
+    samples = path[0] + np.linspace(0, 1, 200)[:, None] * (path[1] - path[0])
+    free = made.graph.points[: len(made.free.excluded)][~made.free.excluded]
+    away = np.linalg.norm(free[:, None] - samples, axis=2).min(axis=1)
+    for obstacle in obstacles:
+        low, high = obstacle.bounds()
+        beyond = np.maximum(np.maximum(low - free, free - high), 0)
+        away = np.minimum(away, np.linalg.norm(beyond, axis=1))
+    drawn = rows(part.points)
+    shown = np.array([tuple(point) in drawn for point in free.tolist()])
+    cell = 6 / 40 * np.sqrt(3)
+
+    assert 0 < shown.sum() < len(free)
+    assert away[shown].max() <= away[~shown].min() + 1.5 * cell
 
 
 @pytest.mark.parametrize("axis", [0, 1, 2])

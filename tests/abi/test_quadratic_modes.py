@@ -7,16 +7,19 @@ from hypothesis import strategies as st
 
 from abi import curve as curves
 from abi import quadratic
+from abi.arrays import FloatArray, read_only
 from abi.bspline import BSpline
 from abi.bspline import fit as fit_spline
 from abi.plan import plan
 from abi.quadratic import Quadratic
 from abi.quadratic_modes import MOST_PIECES, Mode, fewest_pieces, fit
-from abi.quadratic_search import ByLength, target
+from abi.quadratic_search import ByLength, Target, nearest_clear, target
 from abi.quadratics import Quadratics, join
 from abi.scene import Scene
-from abi.shapes import Box, Obstacle, Obstacles, Sphere, nearest
+from abi.shapes import Box, MeshShape, Obstacle, Obstacles, Sphere, nearest
+from abi.surfaces.surface import clean
 from benchmarks.quadratics import scattered, slalom
+from tests.abi import meshes
 
 CLEARANCE = 0.1
 seeds = st.integers(0, 2**32 - 1)
@@ -219,6 +222,31 @@ def test_around_a_sphere_in_the_way_the_move_is_the_least() -> None:
     sideways = bend(made)[1:]
     assert np.linalg.norm(bend(made)) == pytest.approx(least, rel=0.01)
     assert np.linalg.norm(sideways) <= np.linalg.norm(bend(made)) * (1 + 1e-12)
+
+
+@pytest.mark.parametrize("half", [0.6, 0.9])
+@pytest.mark.parametrize("over", [0.005, 0.01, 0.02])
+def test_over_a_ridge_that_no_half_space_shows_it_aims_higher(half: float, over: float) -> None:
+    # A block, and on it a ridge as thin as a knife: the middles of the short pieces to its left and
+    # right are nearer to the block, so that their half spaces know nothing of it.
+    asked = 0.02
+    t = (3 - half) / 6
+    least = (0.5 + asked) / (4 * t * (1 - t))  # how high the curve goes past the block's edges
+    ridge = least - asked + over
+    block = meshes.box((2 * half, 1, 1), (3, 0, 0))
+    knife = meshes.box((0.02, 0.5 + ridge, 1), (3, (ridge - 0.5) / 2, 0))
+    shape = MeshShape.of(clean(*meshes.joined(block, knife)))
+    line = np.array([[0.0, 0, 0], [3, 0.1, 0], [6, 0, 0]])
+    wanted = Target(read_only(np.array([0.0, 1.0])), read_only(line), (shape,), asked)
+
+    def over_the_block(part: FloatArray) -> FloatArray:
+        return np.stack([6 * part, 4.08 * least * part * (1 - part), 0 * part], axis=1)
+
+    made = nearest_clear(wanted, [over_the_block])
+
+    assert made is not None
+    assert dense((shape,), made) >= asked - 1e-9
+    assert ridge + asked <= made(0.5)[1] < ridge + 4 * asked
 
 
 def test_the_mode_of_a_scene_is_the_mode_of_its_plan() -> None:

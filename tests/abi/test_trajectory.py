@@ -3,10 +3,11 @@ from __future__ import annotations
 import itertools
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from numpy.typing import ArrayLike
 from scipy.integrate import solve_ivp
@@ -18,9 +19,11 @@ from abi.drives import driven
 from abi.errors import OutOfReach
 from abi.paper import printed
 from abi.scene import ArmSettings
-from abi.shapes import Box, Obstacles, Sphere
+from abi.shapes import Box, MeshShape, Obstacles, Sphere
+from abi.surfaces.surface import clean
 from abi.timing import three_phase
 from abi.trajectory import ArmMotion, Trajectory, follow
+from tests.abi import meshes
 
 POSITIVE = st.floats(-1, 1).map(lambda power: 10.0**power)
 SEED = st.integers(0, 2**32 - 1)
@@ -304,6 +307,35 @@ def test_link_clearance_is_the_least_distance_of_dense_samples(seed: int, count:
     row = int(np.flatnonzero(motion.time == motion.clearance_time)[0])
     there = distances[motion.clearance_obstacle][:, row].min()
     assert there == pytest.approx(float(distances.min()), abs=0.02)
+
+
+@settings(max_examples=40, deadline=None)
+@given(SEED, st.integers(0, 2))
+def test_the_links_are_as_far_from_a_mesh_as_from_the_solid_it_bounds(
+    seed: int, others: int
+) -> None:
+    """The least distance, when it is, and of which obstacle: a box's, whichever way it is given."""
+    rng = np.random.default_rng(seed)
+    size = tuple(rng.uniform(0.3, 2, 3).tolist())
+    turned = tuple(rng.normal(size=4).tolist())
+    pose: Any = {"position": tuple(rng.uniform(-2, 8, 3).tolist()), "wxyz": turned}
+    balls: Obstacles = tuple(
+        Sphere(radius=float(rng.uniform(0.2, 1)), position=tuple(rng.uniform(-2, 8, 3).tolist()))
+        for _ in range(others)
+    )
+    box = Box(size=size, **pose)
+    solids: Obstacles = (*balls[:1], box, *balls[1:])
+    shape = MeshShape.of(clean(*meshes.box(size)), **pose)
+    solid = run(printed_quadratic(), obstacles=solids, samples=60)
+    mesh = run(printed_quadratic(), obstacles=(*balls[:1], shape, *balls[1:]), samples=60)
+    assume(solid.clearance > 0)  # within a mesh there is only a bound
+
+    assert mesh.clearance == pytest.approx(solid.clearance, abs=1e-9)
+    # there and then it is as near, be it one of several times
+    points = skeleton(Arm.from_settings(ArmSettings()), mesh.positions)
+    links = points[int(np.flatnonzero(mesh.time == mesh.clearance_time)[0])]
+    away = solids[mesh.clearance_obstacle].segment_distance(links[:-1], links[1:])
+    assert away.min() == pytest.approx(mesh.clearance, abs=1e-9)
 
 
 def test_results_cannot_be_changed() -> None:

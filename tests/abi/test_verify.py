@@ -71,6 +71,18 @@ def test_every_certificate_of_a_plan_is_accepted(name: str) -> None:
         assert ("less than" in one.reason) == (not enough)
 
 
+def test_of_a_plan_without_curves_nothing_is_proven() -> None:
+    scene = load_scene("no-way")
+    data = json.loads(json.dumps(plan(scene).to_dict(), allow_nan=False))
+    found = verify(data, scene.meshes)
+
+    assert [one.curve for one in found] == ["bspline", "quadratic"]
+    for one in found:
+        assert not one.proven
+        assert one.reason == "the plan has no such curve"
+        assert "NOT proven" in str(one)
+
+
 @settings(max_examples=60, deadline=None)
 @given(seeds, st.sampled_from([0.5, 0.999, 1 - 1e-7]))
 def test_honest_certificates_are_accepted(seed: int, part: float) -> None:
@@ -278,6 +290,62 @@ def test_a_margin_that_is_too_large_by_next_to_nothing_is_refused() -> None:
         data = as_plan(curve, (Sphere(radius=1),), proof)
         data["bspline"]["clearance"] = data["bspline"]["certificate"]["margin"] = margin
         assert verdict(data).proven == proven
+
+
+def down(obstacles: Obstacles, planes: list[list[float]], margin: float = -0.9e-9) -> Verdict:
+    """Of a line from 1 to -1 along z, by planes of two parameters, an obstacle and a normal."""
+    line = clamped(np.array([[0.0, 0, 1], [0, 0, 0], [0, 0, -1]]), 1)
+    first, last, whose, *normals = np.array(planes).T
+    proof = Certificate(
+        margin, np.stack([first, last], axis=1), whose.astype(np.int32), np.stack(normals, axis=1)
+    )
+    data = as_plan(line, obstacles, proof)
+    data["scene"]["spline"] = {"clearance": 0.0}
+    data["bspline"]["certified"] = margin >= -1e-9
+    files = {one.file: one.surface for one in obstacles if isinstance(one, MeshShape)}
+    return verdict(data, folder=MeshSource(files))
+
+
+THIN: list[Box | MeshShape] = [
+    Box(size=(2, 2, 1e-9)),
+    MeshShape.of(clean(np.array([[-1.0, -1, 0], [1, -1, 0], [0, 1, 0]]), np.array([[0, 1, 2]]))),
+]
+
+
+@pytest.mark.parametrize("thin", THIN, ids=["box", "triangle"])
+def test_a_line_right_through_what_is_thin_is_not_proven_by_a_negative_margin(
+    thin: Box | MeshShape,
+) -> None:
+    # Onto either side it goes in by less than rounding, so two planes prove as much: that it
+    # touches. What is thick beside it does not make that mean anything.
+    thick = Sphere(radius=1, position=(4, 0, 0))
+    planes: list[list[float]] = [[0, 0.5, 0, 0, 0, 1], [0.5, 1, 0, 0, 0, -1], [0, 1, 1, -1, 0, 0]]
+
+    found = down((thin, thick), planes)
+
+    assert not found.proven
+    assert "negative" in found.reason
+
+
+@pytest.mark.parametrize(
+    ("thickness", "proven"), [(1.0, True), (9e-9, True), (7e-9, False), (1e-9, False)]
+)
+def test_a_line_may_touch_what_is_thick(thickness: float, proven: bool) -> None:
+    # along its face, in by half of what counts as rounding
+    box = Box(size=(thickness, 2, 2), position=(thickness / 2 - 0.5e-9, 0, 0))
+    found = down((box,), [[0, 1, 0, -1, 0, 0]])
+
+    assert found.proven == proven
+    assert proven or "negative" in found.reason
+
+
+def test_that_a_line_goes_no_deeper_is_nothing_that_a_plan_may_claim() -> None:
+    box = Box(size=(2, 2, 2), position=(0.75, 0, 0))
+
+    found = down((box,), [[0, 1, 0, -1, 0, 0]], -0.3)
+
+    assert not found.proven
+    assert "negative" in found.reason
 
 
 def test_without_obstacles_there_is_nothing_to_prove(honest: Data) -> None:
