@@ -228,6 +228,10 @@ def _arm(plan: Plan, full: bool) -> dict[str, Any] | None:
         "tool": motion.tool[keep].tolist(),
         "reachable": motion.reachable,
         "clearance": _finite(motion.clearance),
+        "clearance_time": motion.clearance_time if motion.clearance_obstacle >= 0 else None,
+        "clearance_obstacle": motion.clearance_obstacle if motion.clearance_obstacle >= 0 else None,
+        "peak_joint_speed": motion.peak_joint_speed.tolist(),
+        "limits_passed": [violation._asdict() for violation in motion.limit_violations],
         "within_limits": motion.within_limits,
         "ms": plan.ms["arm"],
     }

@@ -64,10 +64,8 @@ def fit(
     several = fewest_pieces(spline, shape, obstacles, clearance)
     if several is not None:
         return several
-    return replace(
-        square,
-        note="No quadratic pieces were found that keep the clearance: the B-spline does not.",
-    )
+    does = "; the B-spline does" if spline.holds else ": the B-spline does not"
+    return replace(square, note=f"No quadratic pieces were found that keep the clearance{does}.")
 
 
 def nearest_single(square: Quadratic, shape: ByLength) -> Quadratic | None:

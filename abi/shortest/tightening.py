@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from abi.arrays import BoolArray, FloatArray
-from abi.shapes import Obstacles, nearest, segments_blocked
+from abi.clearance import outward
+from abi.shapes import Obstacles, segments_blocked
 
 _LOOK_BACK = 32
 _ROUNDS = 6
@@ -75,7 +76,7 @@ def _moved(path: FloatArray, obstacles: Obstacles, limits: FloatArray, parity: i
     legs = _sum_of_legs(before, here, after)
     share = np.linalg.norm(here - before, axis=1, keepdims=True) / np.maximum(legs, 1e-300)[:, None]
     pull = before + share * (after - before) - here
-    normal = _gradient(obstacles, here)
+    normal = outward(here, obstacles)[1]
     across = pull - np.einsum("ni,ni->n", pull, normal)[:, None] * normal
     # (vertex, way, step) -> places to try
     ways = np.stack([pull, across], axis=1)
@@ -123,15 +124,6 @@ def _cut(path: FloatArray, obstacles: Obstacles, limits: FloatArray) -> FloatArr
         corner = np.stack([p[k, step[k]], q[k, step[k]]])
         pieces.append(corner if worth[k].any() else here[k : k + 1])
     return np.concatenate([*pieces, path[-1:]])
-
-
-def _gradient(obstacles: Obstacles, points: FloatArray) -> FloatArray:
-    """Unit gradient (n, 3) of the distance to the nearest obstacle."""
-    _, index = nearest(obstacles, points)
-    gradient = np.zeros_like(points)
-    for k in np.unique(index):
-        gradient[index == k] = obstacles[k].gradient(points[index == k])
-    return gradient
 
 
 def _sum_of_legs(a: FloatArray, x: FloatArray, b: FloatArray) -> FloatArray:

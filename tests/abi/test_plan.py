@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from scipy.interpolate import BSpline
 
 from abi import Plan, Planner, Scene, load_scene, plan, scene_names
-from abi.arm import forward, skeleton
+from abi.arm import JOINTS, forward, skeleton
 from abi.arrays import FloatArray
 from abi.errors import StageError
 from abi.plan import SLACK
@@ -67,6 +67,10 @@ TOP = {
         "tool",
         "reachable",
         "clearance",
+        "clearance_time",
+        "clearance_obstacle",
+        "peak_joint_speed",
+        "limits_passed",
         "within_limits",
         "ms",
     },
@@ -406,9 +410,21 @@ def test_the_json_tells_the_motion_along_the_curve(variant: str) -> None:
     low, high = made.arm.limits.T
     inside = (positions >= low - 1e-6) & (positions <= high + 1e-6)
     assert arm["within_limits"] == inside.all()
+    passed = {JOINTS.index(one["joint"]): one for one in arm["limits_passed"]}
+    assert set(passed) == set(np.flatnonzero(~inside.all(axis=0)))
+    for joint, one in passed.items():
+        first = int((~inside[:, joint]).argmax())
+        assert one["since"] <= time[first] + 1e-9
+        assert one["limit"] in made.arm.limits[joint]
+        beyond = np.maximum(low[joint] - positions[:, joint], positions[:, joint] - high[joint])
+        assert abs(one["value"] - one["limit"]) >= beyond.max() - 1e-9
+    speeds = np.abs(np.diff(positions, axis=0)).max(axis=0) / (time[1] - time[0])
+    assert (speeds <= np.array(arm["peak_joint_speed"]) * (1 + 1e-9)).all()
     if not made.scene.obstacles:
-        assert arm["clearance"] is None
+        assert arm["clearance"] is arm["clearance_obstacle"] is arm["clearance_time"] is None
         return
+    assert 0 <= arm["clearance_obstacle"] < len(made.scene.obstacles)
+    assert 0 <= arm["clearance_time"] <= time[-1]
     joints = skeleton(made.arm, positions)
     shares = np.linspace(0, 1, 60)[:, None, None, None]
     links = joints[:, :-1] + shares * np.diff(joints, axis=1)

@@ -15,7 +15,7 @@ from abi.quadratic import Quadratic
 from abi.quadratic_modes import MOST_PIECES, Mode, fewest_pieces, fit
 from abi.quadratic_search import ByLength, Target, nearest_clear, target
 from abi.quadratics import Quadratics, join
-from abi.scene import Scene
+from abi.scene import Scene, load_scene
 from abi.shapes import Box, MeshShape, Obstacle, Obstacles, Sphere, nearest
 from abi.surfaces.surface import clean
 from benchmarks.quadratics import scattered, slalom
@@ -265,3 +265,23 @@ def test_the_mode_of_a_scene_is_the_mode_of_its_plan() -> None:
     ):
         assert (part["t0"], part["t1"]) == (start, end)
         np.testing.assert_array_equal(part["coefficients"], rows)
+
+
+def test_a_note_blames_the_spline_only_where_it_does_not_hold() -> None:
+    """From a start at the very clearance no piece leads away that bends enough."""
+    outward = np.array([0.18, -0.94, 0.28]) / np.linalg.norm([0.18, -0.94, 0.28])
+    scene = load_scene("paper").replace(
+        obstacles=[{"shape": "sphere", "radius": 0.3, "position": [3, 3, 3]}],
+        start=(3 + 0.4 * outward).tolist(),
+        goal=[3.2, 3.8, 0.5],
+        search={"taut": True},
+        spline={"clearance": 0.1, "degree": 3},
+        quadratic={"mode": "pieces"},
+    )
+    made = plan(scene)
+    assert made.bspline is not None
+    assert made.quadratic is not None
+    assert made.bspline.holds
+    assert not made.quadratic.holds
+    assert made.quadratic.note.endswith("; the B-spline does.")
+    assert made.followed == "bspline"
