@@ -379,6 +379,8 @@ def _expected(detail: ErrorDetails, place: list[int | str]) -> str:
         return "shape: box, sphere, cylinder, capsule or mesh"
     if kind == "union_tag_invalid":
         return "box, sphere, cylinder, capsule or mesh"
+    if kind in ("model_type", "model_attributes_type") and isinstance(place[-1], str):
+        return f"the fields {', '.join(_fields_at(detail['loc']))}"
     if kind in _WORDS:
         return _WORDS[kind]
     if kind == "too_long":

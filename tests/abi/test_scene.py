@@ -84,7 +84,7 @@ def test_a_saved_scene_loads_equal_to_itself(data: dict[str, Any], name: str) ->
         ({"mesh": {"pitch": "1"}}, "mesh.pitch", "a number"),
         ({"mesh": {"pitch": True}}, "mesh.pitch", "a number"),
         ({"mesh": {"seed": 1.5}}, "mesh.seed", "a whole number"),
-        ({"mesh": []}, "mesh", "a mapping"),
+        ({"mesh": []}, "mesh", "the fields lattice"),
         ({"spline": {"degree": 6}}, "spline.degree", "5"),
         ({"spline": {"clearance": -0.1}}, "spline.clearance", "0"),
         ({"motion": {"speed": 0}}, "motion.speed", "at least"),
@@ -232,6 +232,7 @@ def test_a_change_of_another_kind_names_the_field(change: dict[str, object]) -> 
     [
         ({"start": [0, 0, 0, 0]}, "start is [0, 0, 0, 0]; expected a list of 3."),
         ({"obstacles": [5]}, "obstacles[0] is 5; expected a mapping."),
+        ({"mesh": 5}, "mesh is 5; expected the fields lattice, pitch, seed, max_nodes."),
         ({"search": {"taut": "yes"}}, "search.taut is 'yes'; expected true or false."),
         ({"mesh": {"pitch": "1"}}, "mesh.pitch is '1'; expected a number."),
         ({(1, 2): 3}, "expected names of fields as text."),

@@ -183,7 +183,7 @@ def test_a_file_that_is_no_scene_is_named_and_changes_nothing(
     until(lambda: bool(told))
 
     assert told == [
-        ("my scene.yaml is not opened", "workspace is [1, 2]; expected a mapping."),
+        ("my scene.yaml is not opened", "workspace is [1, 2]; expected the fields min, max."),
     ]
     assert session.plan is good
     assert not session._faded
