@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser, sync_playwright
 
+from abi import kernels
 from abi.scene import load_scene
 from app.panels.view import LAYERS
 from app.server import Server, start
@@ -52,6 +53,8 @@ def chromium() -> Iterator[Browser]:
 
 @pytest.fixture(scope="session")
 def server() -> Iterator[Server]:
+    # when it is ready the tabs plan anew: in the middle of whatever a test looks at
+    kernels.warm()
     server = start(host="127.0.0.1", port=0, plain=True)
     yield server
     server.stop()
