@@ -184,13 +184,9 @@ def _optimum(plan: Plan) -> dict[str, Any] | None:
     """A proven bound, ``exact`` where it is the optimum; best known is the best of this plan."""
     if plan.optimum is None:
         return None
-    curves = {
-        "bspline": (plan.bspline, plan.bspline_arc),
-        "quadratic": (plan.quadratic, plan.quadratic_arc),
-    }
-    curve, arc = curves.get(plan.followed or "", (None, None))
+    arc = {"bspline": plan.bspline_arc, "quadratic": plan.quadratic_arc}.get(plan.followed or "")
     # what cuts through an obstacle has no ratio to a bound for what does not
-    kept = curve is not None and curve.holds
+    kept = plan.followed_curve is not None and plan.followed_curve.holds
     return {
         "lower_bound": plan.optimum.length,
         "exact": plan.optimum.exact,

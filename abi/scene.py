@@ -4,15 +4,12 @@ A scene is frozen, hashable and compares by value. It is what a scene file holds
 of the visualiser read, and the only input of a plan.
 """
 
-import difflib
-import itertools
 import json
 import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
-import numpy as np
 from pydantic import (
     BaseModel,
     ConfigDict,
@@ -23,20 +20,16 @@ from pydantic import (
     field_validator,
     model_validator,
 )
-from pydantic_core import ErrorDetails
 
 from abi import assets
 from abi.errors import SceneError
+from abi.field_errors import first_error
 from abi.scene_file import parse, write
 from abi.shapes import (
     LARGEST,
-    Box,
-    Capsule,
-    Cylinder,
     Length,
     MeshShape,
     Obstacles,
-    Sphere,
     Vec3,
 )
 from abi.surfaces.mesh_source import MeshSource
@@ -50,36 +43,6 @@ Rates = tuple[Rate, Rate, Rate]
 
 FINEST = 1e-6
 """Smallest pitch, [unit]: the shortest side that a workspace may have."""
-
-_WORDS = {
-    "bool_parsing": "true or false",
-    "bool_type": "true or false",
-    "dict_type": "a mapping",
-    "finite_number": "a finite number",
-    "float_type": "a number",
-    "int_type": "a whole number",
-    "invalid_key": "names of fields as text",
-    "list_type": "a list",
-    "model_attributes_type": "a mapping",
-    "model_type": "a mapping",
-    "string_type": "text",
-    "tuple_type": "a list",
-}
-"""What the checker's kinds of error expect."""
-_LIMITS = {
-    "greater_than": ("gt", "more than"),
-    "greater_than_equal": ("ge", "at least"),
-    "less_than": ("lt", "less than"),
-    "less_than_equal": ("le", "at most"),
-}
-"""Where such a kind keeps its limit, and what that is."""
-_SHAPES: dict[str, type[BaseModel]] = {
-    "box": Box,
-    "sphere": Sphere,
-    "cylinder": Cylinder,
-    "capsule": Capsule,
-    "mesh": MeshShape,
-}
 
 
 class _Settings(BaseModel):
@@ -278,7 +241,7 @@ class Scene(_Settings):
         try:
             return cls.model_validate(data, context={"meshes": MeshSource.of(folder)})
         except ValidationError as error:
-            raise _first_error(error) from None
+            raise first_error(error, cls) from None
 
     def to_dict(self) -> dict[str, Any]:
         """Plain data, defaults filled in: what :meth:`from_dict` reads."""
@@ -339,66 +302,3 @@ def scene_names() -> tuple[str, ...]:
     """Names of the shipped scenes, ``paper`` first."""
     names = sorted(path.stem for path in assets.path("scenes").glob("*.yaml"))
     return tuple(sorted(names, key=lambda name: name != "paper"))
-
-
-def _first_error(error: ValidationError) -> SceneError:
-    """The first complaint of the checker, in this package's words."""
-    detail = error.errors(include_url=False)[0]
-    # below a list the checker adds the name of the kind it chose
-    loc = ("", *detail["loc"])
-    place = [b for a, b in itertools.pairwise(loc) if not (isinstance(a, int) and b in _SHAPES)]
-    if detail["type"] == "mesh_file":
-        place.append("file")
-        detail["input"] = detail["ctx"]["file"]
-    field = "".join(f"[{p}]" if isinstance(p, int) else f".{p}" for p in place).lstrip(".")
-    missing = detail["type"] == "missing"
-    return SceneError(
-        field or "scene", _Missing() if missing else detail["input"], _expected(detail, place)
-    )
-
-
-class _Missing:
-    """Stands in an error for a value that was not given."""
-
-    def __repr__(self) -> str:
-        return "missing"
-
-
-def _expected(detail: ErrorDetails, place: list[int | str]) -> str:
-    """What would have worked, as the end of "expected …"."""
-    kind = detail["type"]
-    if kind == "missing":
-        return "version: 1" if place == ["version"] else "a value"
-    if kind == "extra_forbidden":
-        names = _fields_at(detail["loc"][:-1])
-        close = difflib.get_close_matches(str(place[-1]), names, 1)
-        return f"one of the fields {', '.join(names)}" + (
-            f"; did you mean {close[0]}?" if close else ""
-        )
-    if kind == "union_tag_not_found":
-        return "shape: box, sphere, cylinder, capsule or mesh"
-    if kind == "union_tag_invalid":
-        return "box, sphere, cylinder, capsule or mesh"
-    if kind in ("model_type", "model_attributes_type") and isinstance(place[-1], str):
-        return f"the fields {', '.join(_fields_at(detail['loc']))}"
-    if kind in _WORDS:
-        return _WORDS[kind]
-    if kind == "too_long":
-        return f"a list of {detail['ctx']['max_length']}"
-    if kind in _LIMITS:
-        name, words = _LIMITS[kind]
-        return f"{words} {np.format_float_positional(detail['ctx'][name], trim='-')}"
-    message = detail["msg"]
-    for prefix in ("Input should be ", "Value error, "):
-        message = message.removeprefix(prefix)
-    return message
-
-
-def _fields_at(place: tuple[int | str, ...]) -> list[str]:
-    """Names of the fields of the section at ``place``."""
-    if "obstacles" in place:
-        return list(_SHAPES[str(place[-1])].model_fields)
-    model: Any = Scene
-    for part in place:
-        model = model.model_fields[part].annotation
-    return list(model.model_fields)

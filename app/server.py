@@ -53,7 +53,7 @@ class Server:
 
     def show(self, name: str, scene: Scene) -> None:
         """Give every tab the scene, those that wait already and those to come."""
-        from app.session import look_at
+        from app.camera import look_at
         from app.warm_up import WarmUp
 
         look_at(self.viser.initial_camera, scene)
@@ -69,9 +69,8 @@ class Server:
         self.viser.stop()
 
     def _came(self, name: str, scene: Scene, warm_up: WarmUp, client: viser.ClientHandle) -> None:
-        from app.session import Session, look_at
+        from app.session import Session
 
-        look_at(client.camera, scene)
         session = Session(client, name, scene, self._plain, self._dark, warm_up.planned)
         warm_up.greet(client)
         with self._lock:

@@ -12,7 +12,6 @@ import threading
 import time
 from typing import Any
 
-import numpy as np
 import viser
 
 from abi import assets, kernels
@@ -21,6 +20,7 @@ from abi.plan import Plan
 from abi.reasons import Reason, explain
 from abi.scene import Scene
 from app import page, style
+from app.camera import Viewpoint
 from app.formulas import with_formulas
 from app.labels import as_labelled
 from app.layers.arm import ArmLayer
@@ -78,6 +78,7 @@ class Session:
         self._closing = False
         self._faded = False
         self._lit = plain
+        self._viewpoint = Viewpoint(client.camera, scene)
         self._compiled = kernels.ready.is_set()
         with client.atomic():
             self._build(name, scene, dark)
@@ -313,7 +314,7 @@ class Session:
                 panel.write(scene)
             self.editor.write(scene)
             if scene.workspace != self._scene.workspace:
-                look_at(self.client.camera, scene)
+                self._viewpoint.show(scene)
 
     def _draw(self, plan: Plan, hasty: bool) -> None:
         with self.client.atomic():
@@ -368,6 +369,7 @@ class Session:
 
     def _play(self) -> None:
         """One frame of the motion."""
+        self._viewpoint.fit()
         if self.plan is None:
             return
         duration = self.plan.profile.duration if self.plan.motion and self.plan.profile else 0.0
@@ -381,15 +383,3 @@ class Session:
 def _lesson() -> str:
     """The method and the paper's misprints, ready for the page."""
     return with_formulas(assets.path("lessons", "paper.md").read_text(encoding="utf-8"))
-
-
-def look_at(camera: viser.CameraHandle | viser.InitialCameraConfig, scene: Scene) -> None:
-    """Place ``camera`` so that workspace and arm are in the picture."""
-    low, high = np.array(scene.workspace.min), np.array(scene.workspace.max)
-    corners = np.array([low, high, scene.arm.base])
-    low, high = corners.min(axis=0), corners.max(axis=0)
-    centre = (low + high) / 2
-    size = float(np.linalg.norm(high - low))
-    camera.position = centre + size * np.array([0.82, -0.42, 0.38])
-    camera.look_at = centre
-    camera.near, camera.far = size / 500, size * 50

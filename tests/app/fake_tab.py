@@ -73,6 +73,16 @@ class FakeTab:
             }
         )
 
+    def look(self, camera: Any, width: int, position: Any = None) -> None:
+        """Say where the camera is, by default where it was put, in a picture of such a width."""
+        where = camera.position if position is None else position
+        place = {
+            "position": [float(x) for x in where],
+            "look_at": [float(x) for x in camera.look_at],
+            "image_width": width,
+        }
+        self.send({**_CAMERA, **place})
+
     def close(self) -> None:
         """Leave."""
         self._socket.close()

@@ -1,0 +1,34 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from app.session import Session
+from tests.app.fake_tab import FakeTab, until
+
+
+def distance(session: Session) -> float:
+    camera = session.client.camera
+    return float(np.linalg.norm(camera.position - camera.look_at))
+
+
+@pytest.mark.parametrize("width", [300, 200])
+def test_in_a_narrow_picture_the_camera_steps_back_and_near_again(
+    tab: tuple[FakeTab, Session], width: int
+) -> None:
+    fake, session = tab
+    session.playback.playing = True
+    near = distance(session)
+    fake.look(session.client.camera, width)
+    until(lambda: distance(session) > 1.2 * near)
+    fake.look(session.client.camera, 900)
+    until(lambda: distance(session) == pytest.approx(near))
+
+
+def test_a_camera_that_the_hand_has_moved_stays(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    session.playback.playing = True
+    fake.look(session.client.camera, 300, position=[1.0, -9.0, 2.0])
+    until(lambda: session._viewpoint._away > 1)
+
+    np.testing.assert_allclose(session.client.camera.position, [1.0, -9.0, 2.0])
