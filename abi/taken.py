@@ -132,7 +132,7 @@ def _taken_by_surface(
     reach = margin + mesh.longest_edge
     low, high = surface.bounds()
     near = within(mesh.points, low - reach, high + reach)
-    near = near[surface.closer(mesh.points[near], reach)]
+    near = near[surface.distance_bounds(mesh.points[near])[0] < reach]
     gone = surface.closer(mesh.points[near], margin)
     is_near = np.zeros(len(mesh.points), dtype=np.bool_)
     is_gone = is_near.copy()

@@ -285,11 +285,12 @@ def _link_clearance(points: FloatArray, obstacles: Obstacles) -> tuple[float, in
         whose = [k for k, obstacle in enumerate(obstacles) if obstacle.convex][solid]
     starts, ends = points[:, :-1].reshape(-1, 3), points[:, 1:].reshape(-1, 3)
     for mesh in meshes(obstacles):
-        distances = mesh.signed_distance(points.reshape(-1, 3)).reshape(-1, 4)
+        lower, upper = mesh.distance_bounds(points.reshape(-1, 3))
+        lower = lower.reshape(-1, points.shape[1])
         lengths = np.linalg.norm(ends - starts, axis=1)
         # The distance is 1-Lipschitz: only segments that could be nearest are looked at closely.
-        bound = (distances[:, :-1].ravel() + distances[:, 1:].ravel() - lengths) / 2
-        near = np.flatnonzero(bound <= min(best, float(distances.min())))
+        bound = (lower[:, :-1].ravel() + lower[:, 1:].ravel() - lengths) / 2
+        near = np.flatnonzero(bound <= min(best, float(upper.min())))
         if not len(near):
             continue
         found = mesh.segment_distance(starts[near], ends[near])

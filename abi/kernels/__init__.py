@@ -21,7 +21,6 @@ def warm() -> None:
         clearance,
         curve_clearance,
         mask,
-        nearest,
         pull,
         search,
         sight,
@@ -46,7 +45,6 @@ def warm() -> None:
         arm,
         # for triangle meshes only
         triangles,
-        nearest,
         winding,
     )
     for kernels in in_order_of_use:

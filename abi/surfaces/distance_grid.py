@@ -25,9 +25,9 @@ class DistanceGrid:
     Attributes:
         low: (3,) first node.
         step: distance between neighbouring nodes, the same along each axis.
-        values: (a, b, c) exact signed distances.
+        values: (a, b, c) signed distances.
         box: (2, 3) bounding box of the surface; outside it s is at least the distance to it.
-        slack: what rounding may have cost the values.
+        slack: what the values may be off by.
     """
 
     low: FloatArray
@@ -37,8 +37,10 @@ class DistanceGrid:
     slack: float
 
     @classmethod
-    def of(cls, vertices: FloatArray, signed: Callable[[FloatArray], FloatArray]) -> DistanceGrid:
-        """Sample ``signed`` around the box of the vertices (n, 3)."""
+    def of(
+        cls, vertices: FloatArray, signed: Callable[[FloatArray], FloatArray], error: float
+    ) -> DistanceGrid:
+        """Sample ``signed``, off by up to ``error``, around the box of the vertices (n, 3)."""
         box = np.stack([vertices.min(axis=0), vertices.max(axis=0)])
         border = _BORDER * float(np.ptp(box, axis=0).max())
         size = np.ptp(box, axis=0) + 2 * border
@@ -47,7 +49,9 @@ class DistanceGrid:
         low = box.mean(axis=0) - (counts - 1) * step / 2
         nodes = np.indices(tuple(counts)).reshape(3, -1).T * step + low
         values = signed(nodes).reshape(tuple(counts))
-        return cls(read_only(low), step, read_only(values), read_only(box), 1e-12 * size.max())
+        return cls(
+            read_only(low), step, read_only(values), read_only(box), error + 1e-12 * size.max()
+        )
 
     def bounds(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
         """A bound from below and one from above of the signed distance at points (n, 3)."""

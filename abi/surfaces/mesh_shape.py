@@ -121,7 +121,8 @@ class MeshShape(Posed):
     def signed_distance(self, points: FloatArray) -> FloatArray:
         """Distance (n,) of points (n, 3) to the surface, [unit]; negative inside a closed mesh.
 
-        Exact up to rounding. Inside a shell that crosses itself, the surface is all of it.
+        Up to rounding, and by less than 1e-7 of the mesh's size where it has triangles without a
+        width, it is exact or less. Inside a shell that crosses itself, the surface is all of it.
         """
         return self._distances.signed(self._to_file(points)) * self._factor
 
@@ -141,6 +142,14 @@ class MeshShape(Posed):
         """
         found = self._distances.along(self._to_file(p), self._to_file(q))
         return found * self._factor
+
+    def distance_bounds(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """A bound from below and one from above (n,) of the signed distance, [unit].
+
+        They cost next to nothing, and are apart by some hundredths of the mesh's size.
+        """
+        lower, upper = self._distances.bounds(self._to_file(points))
+        return lower * self._factor, upper * self._factor
 
     def closer(self, points: FloatArray, margin: float) -> BoolArray:
         """Which of the points (n, 3) have a signed distance under ``margin``, [unit], (n,)."""

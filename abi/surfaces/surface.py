@@ -92,8 +92,8 @@ def clean(vertices: FloatArray, faces: IntArray, name: str = "mesh") -> Surface:
     if not shells.closed.all():
         joined, joined_faces = _joined(vertices, faces, _WELD * size)
         joined_faces = _without_doubles(joined_faces, [])
-        retried = _shells(joined, joined_faces)
-        if len(joined_faces) and retried.closed.all():
+        retried = _shells(joined, joined_faces) if len(joined_faces) else shells
+        if retried.closed.all():
             vertices, shells = joined, retried
             notes.append("Corners that nearly met were joined, which closed the surface.")
     notes += shells.notes

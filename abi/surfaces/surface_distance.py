@@ -1,4 +1,4 @@
-"""Distances to a surface: exact ones by trees, and bounds that spare most of them.
+"""Distances to a surface: of points by a library, of segments by a tree, and bounds for most.
 
 Inside is where the surface winds around a point (Jacobson, Kavan and Sorkine-Hornung, Robust
 inside-outside segmentation using generalized winding numbers, 2013). Around a closed surface that
@@ -12,12 +12,12 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from abi.arrays import BoolArray, FloatArray, IntArray, read_only
+from abi.arrays import BoolArray, FloatArray, read_only
 from abi.kernels import winding
-from abi.kernels.nearest import nearest_places
 from abi.kernels.triangles import segment_distances
 from abi.surfaces.dipoles import Dipoles, dipoles
 from abi.surfaces.distance_grid import DistanceGrid
+from abi.surfaces.nearest_places import NearestPlaces
 from abi.surfaces.surface import Surface
 from abi.surfaces.triangle_tree import TriangleTree, build
 
@@ -51,11 +51,16 @@ class SurfaceDistance:
     @cached_property
     def grid(self) -> DistanceGrid:
         """Signed distances around the surface, sampled when first asked for."""
-        return DistanceGrid.of(self._vertices, self._signed)
+        return DistanceGrid.of(self._vertices, self._signed, 2 * self.places.error)
+
+    @cached_property
+    def places(self) -> NearestPlaces:
+        """The triangles, for distances of points; sorted when first asked for."""
+        return NearestPlaces(self._vertices, self._faces)
 
     @cached_property
     def tree(self) -> TriangleTree:
-        """The triangles, for distances; built when first asked for."""
+        """The triangles, for distances of segments; built when first asked for."""
         return build(self._vertices[self._faces])
 
     @cached_property
@@ -66,6 +71,10 @@ class SurfaceDistance:
     def signed(self, points: FloatArray) -> FloatArray:
         """Signed distance (n,) of points (n, 3); nowhere negative around an open surface."""
         return self._signed(points - self._centre)
+
+    def bounds(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """A bound from below and one from above (n,) of the signed distance, by the grid."""
+        return self.grid.bounds(points - self._centre)
 
     def closer(self, points: FloatArray, margin: float) -> BoolArray:
         """Which points (n, 3) have a signed distance under ``margin``, (n,).
@@ -80,13 +89,16 @@ class SurfaceDistance:
         return found
 
     def outward(self, points: FloatArray) -> FloatArray:
-        """Unit vectors (n, 3) away from the nearest place, towards it inside a solid."""
+        """Unit vectors (n, 3) away from the nearest place, towards it inside a solid.
+
+        On the surface itself they are along the normal of a triangle there.
+        """
         x = points - self._centre
-        distance, way, triangle = self._nearest(x)
-        a, b, c = self.tree.corners.reshape(-1, 3, 3)[triangle].transpose(1, 0, 2)
-        normal = np.cross(b - a, c - a)
+        way, triangle = self.places.to(x)
+        distance = np.linalg.norm(way, axis=1)
+        a, b, c = self._vertices[self._faces[triangle]].transpose(1, 0, 2)
         touching = distance <= 1e-12 * self._extent
-        way = np.where(touching[:, None], normal, way)
+        way = np.where(touching[:, None], np.cross(b - a, c - a), way)
         way[~touching] *= np.where(self._inside(x, distance), -1.0, 1.0)[~touching, None]
         return np.asarray(way / np.linalg.norm(way, axis=1)[:, None])
 
@@ -135,15 +147,13 @@ class SurfaceDistance:
         )
 
     def _signed(self, x: FloatArray) -> FloatArray:
-        distance, _, _ = self._nearest(x)
-        return np.where(self._inside(x, distance), -distance, distance)
-
-    def _nearest(self, x: FloatArray) -> tuple[FloatArray, FloatArray, IntArray]:
-        """Distance (n,), way (n, 3) from the nearest place, and its triangle (n,) in the tree."""
-        tree = self.tree
-        x = np.ascontiguousarray(x)
-        distance, way, triangle = nearest_places(tree.low, tree.high, tree.leaves, tree.corners, x)
-        return distance, way, triangle
+        """Signed distance (n,), shortened by what the library may be off by."""
+        way, _ = self.places.to(x)
+        distance: FloatArray = np.linalg.norm(way, axis=1)
+        if not self._closed:
+            return np.asarray(np.maximum(distance - self.places.error, 0.0))
+        inside = self._inside(x, distance - self.places.error)
+        return np.where(inside, -distance, distance) - self.places.error
 
     def _inside(self, x: FloatArray, distance: FloatArray) -> BoolArray:
         """Which points (n, 3) the surface winds around, given their distance (n,) or less.

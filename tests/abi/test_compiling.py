@@ -37,15 +37,16 @@ def test_a_plan_compiles_nothing_that_is_not_warmed() -> None:
 
 DISTANCE = """
 import numpy as np
-from abi.kernels import nearest
-nearest.warm()
-places = nearest.nearest_places
+from abi.kernels import triangles
+triangles.warm()
+distances = triangles.segment_distances
 low, leaves, corners = np.zeros(3), np.array([0, 1], dtype=np.int32), np.zeros(9)
 for array in (low, leaves, corners):
     array.setflags(write=False)
-(distance,), _, _ = places(low, low, leaves, corners, np.array([[2.0, 3.0, 6.0]]))
-print(distance, *(sum(count.values()) for count in (places.stats.cache_hits,
-                                                    places.stats.cache_misses)))
+point, most = np.array([[2.0, 3.0, 6.0]]), np.full(1, np.inf)
+(distance,) = distances(low, low, leaves, corners, point, point, np.zeros(1), most)
+print(distance, *(sum(count.values()) for count in (distances.stats.cache_hits,
+                                                    distances.stats.cache_misses)))
 """
 
 

@@ -124,6 +124,17 @@ def test_a_flat_shell_is_a_surface_not_a_solid_of_nothing() -> None:
     assert distances(surface).signed(np.zeros((1, 3)))[0] == pytest.approx(0, abs=1e-12)
 
 
+@pytest.mark.parametrize("width", [1e-3, 1e-8, 1e-15])
+def test_needles_keep_what_touches_them_away(width: float) -> None:
+    """Joined where they nearly meet, their corners would leave nothing."""
+    vertices = np.array([[0.0, 0, 0], [2, 1, 0], [0, width, 0], [0, 0, 3], [2, 1, 3], [0, width, 3]])
+    surface = clean(vertices, np.array([[0, 1, 2], [3, 5, 4]], dtype=np.int32))
+    assert not surface.closed
+    assert len(surface.faces) == 2
+    beside = np.array([[1.0, 0.5, 0.25], [0, 0, 2]])
+    np.testing.assert_allclose(distances(surface).signed(beside), [0.25, 1], atol=1e-6)
+
+
 def test_corners_that_nearly_meet_are_joined_where_that_closes_it() -> None:
     vertices, faces = SOUP_OF_BOX
     shaken = vertices + RNG.uniform(-1e-8, 1e-8, vertices.shape)

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 from abi.arrays import FloatArray
 from abi.kernels import winding
-from abi.kernels.nearest import nearest_places
 from abi.surfaces.dipoles import Dipoles, dipoles
+from abi.surfaces.nearest_places import NearestPlaces
 from abi.surfaces.surface import clean
 from abi.surfaces.surface_distance import SurfaceDistance
 from abi.surfaces.triangle_tree import TriangleTree, build
@@ -241,7 +241,8 @@ def test_the_order_of_points_changes_no_side(name: str, seed: int) -> None:
     steps = rng.normal(size=(300, 3)) * 10.0 ** rng.uniform(-3, -0.5, (300, 1))
     points = np.clip(np.cumsum(steps, axis=0), -1.4, 1.4)
     box = np.concatenate([tree.low[:3], tree.high[:3]])
-    distances, _, _ = nearest_places(tree.low, tree.high, tree.leaves, tree.corners, points)
+    ways, _ = NearestPlaces(*mesh).to(points)
+    distances = np.linalg.norm(ways, axis=1)
     box.setflags(write=False)
     found = winding.inside(
         tree.leaves,
@@ -256,32 +257,6 @@ def test_the_order_of_points_changes_no_side(name: str, seed: int) -> None:
         0.0,
     )
     np.testing.assert_array_equal(found, np.abs(numbers(mesh, points, np.inf)) > 0.5)
-
-
-@settings(max_examples=15, deadline=None)
-@given(names, seeds)
-def test_ways_lead_from_the_nearest_place(name: str, seed: int) -> None:
-    mesh = {**CLOSED, **OPEN}[name]
-    rng = np.random.default_rng(seed)
-    on, outward = beside(mesh, rng, 10, 10.0 ** rng.uniform(-10, -1))
-    points = np.concatenate([somewhere(mesh, rng, 10), on + outward])
-    triangles = corners(mesh)
-    tree = build(triangles)
-    distance, way, triangle = nearest_places(tree.low, tree.high, tree.leaves, tree.corners, points)
-    expected = [_nearest(triangles, x) for x in points]
-    np.testing.assert_allclose(distance, expected, atol=1e-9)
-    np.testing.assert_allclose(np.linalg.norm(way, axis=1), distance, rtol=1e-12)
-    ordered = tree.corners.reshape(-1, 3, 3)[triangle]
-    for place, one in zip(points - way, ordered, strict=True):
-        assert _nearest(one[None], place) < 1e-12
-
-
-def test_degenerate_triangles_have_a_distance() -> None:
-    line = np.array([[[0, 0, 0], [1, 0, 0], [3, 0, 0]], [[5, 5, 5], [5, 5, 5], [5, 5, 5]]], float)
-    tree = build(line)
-    points = np.array([[2.0, 1, 0], [-3, 4, 0], [5, 5, 7], [1, 0, 0]])
-    distance, _, _ = nearest_places(tree.low, tree.high, tree.leaves, tree.corners, points)
-    np.testing.assert_allclose(distance, [1, 5, 2, 0], atol=1e-15)
 
 
 def test_the_dipoles_hold_their_triangles() -> None:
