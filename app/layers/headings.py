@@ -173,6 +173,10 @@ def _kept(clearance: Clearance, holds: bool, asked: float) -> str:
     if clearance.nearest < 0:
         return f"enters by {-clearance.nearest:.2f} ✗"
     if holds:
-        return f"clear by {max(clearance.distance, 0.0):.2f} ✓"
-    # rounded down, for it is less than what it stands beside
-    return f"{math.floor(1000 * clearance.distance) / 1000:.3f} of {asked:g} ✗"
+        return f"clear by {at_least(max(clearance.distance, 0.0))} ✓"
+    return f"{at_least(clearance.distance)} of {asked:g} ✗"
+
+
+def at_least(distance: float) -> str:
+    """A distance in three decimals, rounded down: it is a bound, and less than it is also one."""
+    return f"{math.floor(1000 * distance + 1e-6) / 1000:.3f}"

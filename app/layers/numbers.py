@@ -11,6 +11,7 @@ import viser
 from abi.plan import Plan
 from abi.trajectory import Violation
 from app import style
+from app.layers.headings import at_least
 
 _TABLE = (
     '<table style="width:100%;border-collapse:collapse;font-size:12.5px;'
@@ -266,7 +267,7 @@ def _distance(distance: float, asked: float, proven: bool) -> str:
     kept = distance >= asked - 1e-9
     colour, sign = (GOOD, "✓" if proven else "?") if kept else (BAD, "✗")
     shown = max(distance, 0.0) if kept else distance
-    return f'<span style="color:{colour}">{shown:.3f} {sign}</span>'
+    return f'<span style="color:{colour}">{at_least(shown)} {sign}</span>'
 
 
 def _polynomial(*coefficients: float) -> str:

@@ -51,10 +51,10 @@ class PlotsLayer:
         self._motion = plan.motion
         self._due = 0.0
         self._none.visible = plan.motion is None
-        for plot in self._plots:
-            plot.visible = plan.motion is not None
         if plan.motion is None:
             self._data = ()
+            for plot in self._plots:
+                plot.visible = False
             return
         motion = plan.motion
         keep = slice(None, None, max(1, len(motion.time) // 100))
@@ -93,6 +93,9 @@ class PlotsLayer:
                 # around what stays as it is uplot finds no scale: over the axis it is shown one
                 marked, upright = np.insert(marked, 0, marked[0]), np.insert(upright, 0, high)
             handle.data = (marked, *(np.interp(marked, times, line) for line in series), upright)
+            # Never shown before it has its data: a chart that is new when they come, and not yet
+            # drawn, stays without a time axis.
+            handle.visible = True
 
 
 def _speed_title(unit: str) -> str:

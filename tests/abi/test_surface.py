@@ -127,7 +127,9 @@ def test_a_flat_shell_is_a_surface_not_a_solid_of_nothing() -> None:
 @pytest.mark.parametrize("width", [1e-3, 1e-8, 1e-15])
 def test_needles_keep_what_touches_them_away(width: float) -> None:
     """Joined where they nearly meet, their corners would leave nothing."""
-    vertices = np.array([[0.0, 0, 0], [2, 1, 0], [0, width, 0], [0, 0, 3], [2, 1, 3], [0, width, 3]])
+    vertices = np.array(
+        [[0.0, 0, 0], [2, 1, 0], [0, width, 0], [0, 0, 3], [2, 1, 3], [0, width, 3]]
+    )
     surface = clean(vertices, np.array([[0, 1, 2], [3, 5, 4]], dtype=np.int32))
     assert not surface.closed
     assert len(surface.faces) == 2

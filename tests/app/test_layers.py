@@ -9,7 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from abi import load_scene, plan
 from abi.scene import Scene
+from app.layers.plots import PlotsLayer
 from app.server import Server, start
 from app.session import Session
 from tests.app.fake_tab import FakeTab, until
@@ -93,6 +95,26 @@ def test_the_seed_is_offered_where_it_counts(tab: tuple[FakeTab, Session]) -> No
     until(lambda: session.mesh_panel.seed.visible)
     fake.set(session.mesh_panel.lattice, "Kuhn: six per cube")
     until(lambda: not session.mesh_panel.seed.visible)
+
+
+def test_a_plot_has_its_data_before_it_is_shown(server: Server) -> None:
+    """A chart that is shown first and gets its data at once after stays without a time axis."""
+    gui = server.viser.gui
+    tabs = gui.add_tab_group()
+    layer = PlotsLayer(gui, tabs.add_tab("Result"), tabs.add_tab("Joints"), "cm")
+    told: list[tuple[object, str]] = []
+    for plot in layer._plots:
+        object.__setattr__(plot, "_queue_update", lambda name, _, of=plot: told.append((of, name)))
+    found = plan(load_scene("paper"))
+    assert found.motion is not None
+    layer.draw(found)
+    layer.cursor(0.0, playing=False)
+    layer.cursor(0.5, playing=False)
+    for plot in layer._plots:
+        assert [name for of, name in told if of is plot] == ["data", "visible", "data"]
+        assert plot.visible
+        assert plot.data[0][-1] == found.motion.time[-1]
+    tabs.remove()
 
 
 def test_the_time_shown_is_the_arms(tab: tuple[FakeTab, Session]) -> None:
