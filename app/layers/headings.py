@@ -171,7 +171,7 @@ def _kept(clearance: Clearance, holds: bool, asked: float) -> str:
     if math.isinf(clearance.distance):
         return "free ✓"
     if clearance.nearest < 0:
-        return f"enters by {-clearance.nearest:.2f} ✗"
+        return f"enters by {-clearance.nearest:.3f} ✗"
     if holds:
         return f"clear by {at_least(max(clearance.distance, 0.0))} ✓"
     return f"{at_least(clearance.distance)} of {asked:g} ✗"
