@@ -9,11 +9,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from abi.arrays import BoolArray, FloatArray, flat, read_only
-from abi.clearance import ROUNDING, Clearance, measure, measure_polyline, outward, prove
+from abi.clearance import ROUNDING, Clearance, measure, outward, prove
 from abi.curve import measure as arc_length
 from abi.grading import graded
 from abi.kernels import splines as kernels
 from abi.kernels.calling import call
+from abi.polyline import measure_polyline
 from abi.shapes import Obstacles
 from abi.solids import meshes
 

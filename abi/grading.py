@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from abi.arrays import BoolArray, FloatArray
-from abi.clearance import runs_apart
+from abi.polyline import runs_apart
 from abi.shapes import Obstacles
 
 _FINEST = 1e-3  # part of a leg: the nearest a point is put to a bend

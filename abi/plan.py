@@ -17,11 +17,11 @@ import numpy as np
 
 from abi import (
     bspline,
-    clearance,
     curve,
     graph,
     kernels,
     mesh,
+    polyline,
     quadratic_modes,
     timing,
     trajectory,
@@ -124,7 +124,7 @@ class Planner:
         self._free = _Remembered(mesh.exclude)
         self._graph = _Remembered(graph.build)
         self._searches = {name: _Remembered(search) for name, search in SEARCHES.items()}
-        self._path_clearance = _Remembered(clearance.measure_polyline)
+        self._path_clearance = _Remembered(polyline.measure_polyline)
         self._taut = _Remembered(taut)
         self._optimum = _Remembered(lower_bound)
         self._bspline = _Remembered(bspline.fit)

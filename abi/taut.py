@@ -12,12 +12,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from abi.arrays import FloatArray, columns, flat, read_only
-from abi.clearance import measure_polyline, segment_clearances
 from abi.graph import REACH, Graph
 from abi.kernels import any_angle as any_angles
 from abi.kernels import clearance as distances
 from abi.kernels import pull as kernels
 from abi.kernels.calling import call
+from abi.polyline import measure_polyline, segment_clearances
 from abi.search import SearchResult
 from abi.shapes import Box, MeshShape, Obstacle, Obstacles
 from abi.shortest.tightening import tightened

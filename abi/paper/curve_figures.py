@@ -7,11 +7,11 @@ from collections.abc import Iterator
 import numpy as np
 
 from abi import bspline, quadratic, timing
-from abi.clearance import measure_polyline
 from abi.curve import measure
 from abi.paper import printed
 from abi.paper.comparison import Comparison
 from abi.plan import Plan, plan
+from abi.polyline import measure_polyline
 from abi.scene import Scene
 
 _MESHES = 9

@@ -8,11 +8,11 @@ import numpy as np
 import scipy
 
 from abi import graph, mesh, net
-from abi.clearance import measure_polyline
 from abi.errors import StageError
 from abi.paper import printed
 from abi.paper.comparison import Comparison
 from abi.plan import Plan, plan
+from abi.polyline import measure_polyline
 from abi.scene import Scene
 from abi.search import a_star
 

@@ -9,7 +9,7 @@ from scipy.sparse.csgraph import dijkstra
 from abi import curve
 from abi.arrays import FloatArray
 from abi.bspline import BSpline, clamped, fit
-from abi.clearance import measure_polyline
+from abi.polyline import measure_polyline
 from abi.shapes import (
     Box,
     Capsule,

@@ -10,8 +10,9 @@ from hypothesis import strategies as st
 
 from abi.arrays import FloatArray
 from abi.bspline import BSpline, clamped
-from abi.clearance import ROUNDING, measure, measure_polyline, prove
+from abi.clearance import ROUNDING, measure, prove
 from abi.kernels import certify_solids, certify_surface
+from abi.polyline import measure_polyline
 from abi.proof.bezier import bezier
 from abi.proof.certificate import Certificate, Refutation, certify, certify_polyline
 from abi.quadratic import Quadratic

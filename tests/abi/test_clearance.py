@@ -12,7 +12,8 @@ from numpy.typing import ArrayLike
 from scipy.interpolate import BSpline
 
 from abi.arrays import FloatArray
-from abi.clearance import measure, measure_polyline
+from abi.clearance import measure
+from abi.polyline import measure_polyline
 from abi.shapes import Box, Capsule, Cylinder, MeshShape, Obstacle, Obstacles, Sphere, nearest
 from abi.surfaces.surface import clean
 from tests.abi import meshes

@@ -16,10 +16,11 @@ from abi import curve, ik
 from abi.arm import Arm
 from abi.arrays import FloatArray
 from abi.bspline import BSpline, _influence, clamped
-from abi.clearance import Clearance, measure, measure_polyline, outward, runs_apart
+from abi.clearance import Clearance, measure, outward
 from abi.kernels import arc_length, curve_clearance, splines, warm
 from abi.kernels import arm as arm_kernels
 from abi.kernels import clearance as clearance_kernels
+from abi.polyline import measure_polyline, runs_apart
 from abi.proof import bezier as pieces
 from abi.scene import ArmSettings
 from abi.shapes import Obstacles, nearest

@@ -14,9 +14,9 @@ from hypothesis import strategies as st
 from abi import Planner, Scene, load_scene
 from abi.arrays import FloatArray
 from abi.bspline import fit
-from abi.clearance import measure_polyline
 from abi.errors import SceneError
 from abi.mesh import exclude, tetrahedralise
+from abi.polyline import measure_polyline
 from abi.scene import MeshSettings, Workspace
 from abi.shapes import Box, Sphere, nearest, segments_blocked
 from abi.surfaces.mesh_shape import MeshShape, suggest_unit

@@ -9,9 +9,9 @@ from hypothesis import HealthCheck, assume, example, given, settings
 from hypothesis import strategies as st
 
 from abi.arrays import FloatArray, columns, read_only
-from abi.clearance import segment_clearances
 from abi.kernels import around, pull
 from abi.plan import Planner
+from abi.polyline import segment_clearances
 from abi.proof.certificate import Certificate, certify_polyline
 from abi.scene import Scene, Workspace
 from abi.shapes import Box, Capsule, Cylinder, MeshShape, Obstacle, Sphere

@@ -11,12 +11,12 @@ from hypothesis import strategies as st
 from abi import graph, mesh
 from abi import taut as stage
 from abi.arrays import FloatArray
-from abi.clearance import measure_polyline
 from abi.errors import StageError
 from abi.graph import Graph
 from abi.kernels import any_angle, calling, clearance, pull
 from abi.kernels.around_round import around_ball
 from abi.plan import SLACK, plan
+from abi.polyline import measure_polyline
 from abi.scene import Scene, load_scene
 from abi.search import SearchResult, a_star
 from abi.shapes import Box, MeshShape, Obstacles

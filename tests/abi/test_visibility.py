@@ -8,9 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from abi.arrays import FloatArray
-from abi.clearance import segment_clearances
 from abi.kernels import solids as sight
 from abi.kernels import visibility
+from abi.polyline import segment_clearances
 from abi.scene import Scene
 from abi.shapes import MeshShape
 from abi.solids import Solid, packed
