@@ -10,9 +10,10 @@ The six stages, in order; :mod:`abi.plan` runs them, :mod:`abi.scene` holds what
 6. :mod:`abi.ik` and :mod:`abi.trajectory`, for the arm of :mod:`abi.arm`
 
 Below them: :mod:`abi.shapes` and :mod:`abi.surfaces` are the obstacles, :mod:`abi.clearance` and
-:mod:`abi.proof` the distance to them and its proof, :mod:`abi.shortest` the optimum, and
-:mod:`abi.kernels` the compiled inner loops. :mod:`abi.reasons` says why there is no plan,
-:mod:`abi.paper` what the paper prints beside what we find.
+:mod:`abi.polyline` how far curves and paths are from them, :mod:`abi.proof` the proof of it,
+:mod:`abi.shortest` the optimum, and :mod:`abi.kernels` the compiled inner loops.
+:mod:`abi.reasons` says why there is no plan, :mod:`abi.paper` what the paper prints beside what we
+find.
 """
 
 from abi.errors import AbiError, SceneError, StageError
