@@ -1,24 +1,22 @@
 """The hybrid ABI method: an optimal, smooth path for a robot's tool around obstacles.
 
-The six stages, in order; :mod:`abi.plan` runs them, :mod:`abi.scene` holds what each is told:
+The six stages, in order; :mod:`abi.planner` runs them, :mod:`abi.scene` holds what each is told:
 
-1. :mod:`abi.mesh`, on the points of :mod:`abi.lattice`
-2. :mod:`abi.graph`
-3. :mod:`abi.search`, and :mod:`abi.taut` pulls what it finds tight
-4. :mod:`abi.bspline`
-5. :mod:`abi.quadratic` or one of :mod:`abi.quadratic_modes`, and :mod:`abi.timing`
-6. :mod:`abi.ik` and :mod:`abi.trajectory`, for the arm of :mod:`abi.arm`
+1. :mod:`abi.tet_mesh`: tetrahedral mesh of the workspace, without the nodes in obstacles
+2. :mod:`abi.search`: graph of the free mesh
+3. :mod:`abi.search`: A*, Dijkstra and Bellman-Ford; :mod:`abi.taut` pulls what they find tight
+4. :mod:`abi.curves`: B-spline, kept clear of the obstacles
+5. :mod:`abi.curves`: quadratic with exact ends, and a motion in three phases
+6. :mod:`abi.arm`: inverse kinematics of the arm, and its motion
 
-Below them: :mod:`abi.shapes` and :mod:`abi.surfaces` are the obstacles, :mod:`abi.clearance` and
-:mod:`abi.polyline` how far curves and paths are from them, :mod:`abi.proof` the proof of it,
-:mod:`abi.shortest` the optimum, and :mod:`abi.kernels` the compiled inner loops.
-:mod:`abi.reasons` says why there is no plan, :mod:`abi.paper` what the paper prints beside what we
-find.
+Below them: :mod:`abi.obstacles` and how far they are, :mod:`abi.clearance` of curves and the proof
+of it. Beside them: :mod:`abi.verify` checks such proofs again in exact numbers, and
+:mod:`abi.paper` sets what the paper prints beside what we find.
 """
 
 from abi.errors import AbiError, SceneError, StageError
-from abi.plan import Plan, Planner, plan
-from abi.scene import Scene, load_scene, scene_names
+from abi.planner.plan import Plan, Planner, plan
+from abi.scene.scene import Scene, load_scene, scene_names
 
 __all__ = [
     "AbiError",

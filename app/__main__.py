@@ -67,10 +67,10 @@ def plan(scene: str, out: Path | None, full: bool, list_scenes: bool) -> None:
 
     Exit code 0: a complete plan; 3: the scene has none, and the JSON says why; 2: bad input.
     """
-    from abi.plan import plan as plan_scene
-    from abi.plan_json import reason
-    from abi.reasons import explain
-    from abi.scene import load_scene, scene_names
+    from abi.planner.diagnosis import explain
+    from abi.planner.plan import plan as plan_scene
+    from abi.planner.plan_json import reason
+    from abi.scene.scene import load_scene, scene_names
 
     if list_scenes:
         click.echo("\n".join(scene_names()))
@@ -103,8 +103,8 @@ def verify(plan: Path, meshes: Path | None) -> None:
 
     Exit code 0: every curve is proven; 3: one is not, and its line says why; 2: bad input.
     """
-    from abi.proof.verify import PlanMeshes
-    from abi.proof.verify import verify as verify_plan
+    from abi.verify.verify import PlanMeshes
+    from abi.verify.verify import verify as verify_plan
 
     beside = PlanMeshes(plan.parent)
     verdicts = verify_plan(_read(plan), meshes or beside)

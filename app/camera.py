@@ -6,7 +6,7 @@ import numpy as np
 import viser
 
 from abi.arrays import FloatArray
-from abi.scene import Scene
+from abi.scene.scene import Scene
 
 _ASPECT = 0.8
 """Of the picture between the panels: what is narrower is seen from farther away."""

@@ -19,7 +19,7 @@ import viser
 from app import page
 
 if TYPE_CHECKING:
-    from abi.scene import Scene
+    from abi.scene.scene import Scene
     from app.session import Session
     from app.warm_up import WarmUp
 
@@ -158,6 +158,6 @@ def _named(host: str) -> str:
 
 
 def _read(name: str) -> Scene:
-    from abi.scene import load_scene
+    from abi.scene.scene import load_scene
 
     return load_scene(name)

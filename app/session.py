@@ -16,9 +16,10 @@ import viser
 
 from abi import assets, kernels
 from abi.errors import AbiError
-from abi.plan import Plan
-from abi.reasons import Reason, explain
-from abi.scene import Scene
+from abi.planner.diagnosis import Reason, explain
+from abi.planner.live_planner import LivePlanner
+from abi.planner.plan import Plan
+from abi.scene.scene import Scene
 from app import page, style
 from app.camera import Viewpoint
 from app.formulas import with_formulas
@@ -33,7 +34,6 @@ from app.layers.paths import PathsLayer
 from app.layers.plots import PlotsLayer
 from app.layers.search_order import SearchOrderLayer
 from app.layers.workspace import WorkspaceLayer
-from app.live_planner import LivePlanner
 from app.panels.editor import FIELDS, EditorPanel
 from app.panels.files import FilesPanel
 from app.panels.placed import ObstaclesPanel, PointsPanel

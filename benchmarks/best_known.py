@@ -11,11 +11,11 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 
 from abi.arrays import BoolArray, FloatArray, IntArray, columns, read_only
-from abi.kernels import solids as sight
-from abi.kernels.tighten import tighten
-from abi.scene import Scene
-from abi.shapes import Box, nearest, segments_blocked
-from abi.solids import packed
+from abi.obstacles import primitive_kernels as sight
+from abi.obstacles.obstacle_set import packed
+from abi.obstacles.primitives import Box, nearest, segments_blocked
+from abi.scene.scene import Scene
+from abi.taut.tighten_kernels import tighten
 
 SAMPLES = 21  # places on each edge
 SEQUENCES = 40  # that are refined

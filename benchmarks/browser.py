@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 from playwright.sync_api import Browser, sync_playwright
 
-from abi.scene import Scene, load_scene
+from abi.scene.scene import Scene, load_scene
 from app.server import start
 from app.session import Session
 from tests.browser.page import FLAGS, Page

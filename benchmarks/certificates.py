@@ -19,12 +19,13 @@ from typing import Any
 import numpy as np
 
 from abi.arrays import read_only
-from abi.bspline import BSpline, clamped
-from abi.kernels import certify_solids, certify_surface
-from abi.proof.certificate import Certificate, Refutation, certify
-from abi.proof.verify import Verdict, verify
-from abi.quadratic import Quadratic
-from abi.shapes import Box, Capsule, Cylinder, Obstacle, Obstacles, Sphere, nearest
+from abi.clearance import certify_mesh_kernels as certify_surface
+from abi.clearance import certify_primitives_kernels as certify_solids
+from abi.clearance.certificate import Certificate, Refutation, certify
+from abi.curves.bspline import BSpline, clamped
+from abi.curves.quadratic import Quadratic
+from abi.obstacles.primitives import Box, Capsule, Cylinder, Obstacle, Obstacles, Sphere, nearest
+from abi.verify.verify import Verdict, verify
 
 SIZE = 6.0
 DENSE = 2001

@@ -3,8 +3,8 @@
     python -m benchmarks.frames --nodes 200 2000 20000 200000 1000000
 
 An obstacle moves a little from frame to frame. A frame is all that a user pays for: the mask
-(nodes and edges that the obstacles take) and a search. Ours is :func:`abi.mesh.exclude`,
-:func:`abi.graph.build` and one of the searches. Libraries store their edges, and search with what
+(nodes and edges that the obstacles take) and a search. Ours is ``tet_mesh.exclude``,
+``graph.build`` and one of the searches. Libraries store their edges, and search with what
 they do best. Their frame is a compiled mask over these edges, the weights or rows that the library
 takes, and its search. That mask tests every node and every edge exactly as ours does, leaves an
 edge alone as soon as both its ends lie on one side of the obstacle's bounds, and looks again only
@@ -41,17 +41,19 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 
-from abi import graph, mesh, net
 from abi.arrays import BoolArray, FloatArray, IntArray
-from abi.graph import Graph
 from abi.kernels import warm
-from abi.kernels.solids import Axes, Core, axes_of, core_of, in_body, level, near
-from abi.plan import SLACK, Planner
-from abi.scene import Scene
-from abi.search import SEARCHES
-from abi.shapes import MeshShape, Obstacle, Obstacles
-from abi.solids import packed
-from abi.taut import taut
+from abi.obstacles.obstacle_set import packed
+from abi.obstacles.primitive_kernels import Axes, Core, axes_of, core_of, in_body, level, near
+from abi.obstacles.primitives import MeshShape, Obstacle, Obstacles
+from abi.planner.plan import SLACK, Planner
+from abi.scene.scene import Scene
+from abi.search import graph
+from abi.search.graph import Graph
+from abi.search.search import SEARCHES
+from abi.taut.taut_path import taut
+from abi.tet_mesh import adjacency as net
+from abi.tet_mesh import tet_mesh as mesh
 from benchmarks.quality import box_scene
 from benchmarks.report import table
 

@@ -12,10 +12,10 @@ import numpy as np
 from ompl import base, geometric, util
 
 from abi.arrays import FloatArray
-from abi.kernels import solids as sight
-from abi.scene import Scene
-from abi.shapes import MeshShape
-from abi.solids import packed
+from abi.obstacles import primitive_kernels as sight
+from abi.obstacles.obstacle_set import packed
+from abi.obstacles.primitives import MeshShape
+from abi.scene.scene import Scene
 
 SIMPLIFYING = 0.3  # part of the budget that is left for simplification
 

@@ -13,9 +13,9 @@ from typing import Any
 
 import numpy as np
 
-from abi.plan import plan
-from abi.quadratic_modes import Mode, fit
-from abi.scene import Scene
+from abi.curves.fit_quadratic import Mode, fit
+from abi.planner.plan import plan
+from abi.scene.scene import Scene
 
 MODES: tuple[Mode, ...] = ("least_squares", "clear", "pieces")
 

@@ -29,14 +29,15 @@ from typing import Any
 
 import numpy as np
 
-from abi import graph, mesh
 from abi.kernels import warm
-from abi.mesh import TetMesh
-from abi.plan import SLACK, Plan, Planner
-from abi.scene import Scene
-from abi.search import SEARCHES
-from abi.shapes import segments_blocked
-from abi.taut import taut
+from abi.obstacles.primitives import segments_blocked
+from abi.planner.plan import SLACK, Plan, Planner
+from abi.scene.scene import Scene
+from abi.search import graph
+from abi.search.search import SEARCHES
+from abi.taut.taut_path import taut
+from abi.tet_mesh import tet_mesh as mesh
+from abi.tet_mesh.tet_mesh import TetMesh
 from benchmarks.best_known import best_known
 
 _TIMES = 5

@@ -24,11 +24,11 @@ import numpy as np
 import trimesh
 
 from abi.kernels import warm
-from abi.plan import Plan, plan
-from abi.scene import Scene
-from abi.shapes import nearest
-from abi.surfaces.mesh_source import MeshSource
-from abi.surfaces.surface import Surface, clean
+from abi.obstacles.primitives import nearest
+from abi.obstacles.triangle_mesh.mesh_source import MeshSource
+from abi.obstacles.triangle_mesh.repair import Surface, clean
+from abi.planner.plan import Plan, plan
+from abi.scene.scene import Scene
 
 DENSE = 2000
 FAULTS = ("exception", "refuted", "no tie", "refused")

@@ -41,7 +41,7 @@ def compiled(**options: Any) -> Callable[[Callable[..., Any]], Any]:
 def stamp() -> str:
     """A hash of all sources that kernels are compiled from; empty where they cannot be read."""
     here = Path(__file__).parent
-    sources = sorted(here.glob("*.py"))
+    sources = sorted(here.parent.rglob("*_kernels.py"))
     if not sources:  # in an archive, or left out of an application that is one file
         return ""
     whole = hashlib.sha256()

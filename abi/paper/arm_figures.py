@@ -6,13 +6,13 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from abi import ik
-from abi.arm import Arm, forward
+from abi.arm import inverse_kinematics as ik
+from abi.arm.arm import Arm, forward
+from abi.arm.wrist_drives import driven
 from abi.arrays import FloatArray
-from abi.drives import driven
 from abi.paper import printed
 from abi.paper.comparison import Comparison
-from abi.scene import Scene
+from abi.scene.scene import Scene
 
 _POSES = 10_000
 

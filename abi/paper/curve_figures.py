@@ -6,13 +6,14 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from abi import bspline, quadratic, timing
-from abi.curve import measure
+from abi.curves import bspline, quadratic
+from abi.curves import speed_profile as timing
+from abi.curves.curve import measure
+from abi.obstacles.polyline import measure_polyline
 from abi.paper import printed
 from abi.paper.comparison import Comparison
-from abi.plan import Plan, plan
-from abi.polyline import measure_polyline
-from abi.scene import Scene
+from abi.planner.plan import Plan, plan
+from abi.scene.scene import Scene
 
 _MESHES = 9
 

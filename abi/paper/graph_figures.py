@@ -7,14 +7,16 @@ from collections.abc import Iterator
 import numpy as np
 import scipy
 
-from abi import graph, mesh, net
 from abi.errors import StageError
+from abi.obstacles.polyline import measure_polyline
 from abi.paper import printed
 from abi.paper.comparison import Comparison
-from abi.plan import Plan, plan
-from abi.polyline import measure_polyline
-from abi.scene import Scene
-from abi.search import a_star
+from abi.planner.plan import Plan, plan
+from abi.scene.scene import Scene
+from abi.search import graph
+from abi.search.search import a_star
+from abi.tet_mesh import adjacency as net
+from abi.tet_mesh import tet_mesh as mesh
 
 _NAMES = {"dijkstra": "Dijkstra", "bellman_ford": "Bellman-Ford", "a_star": "A*"}
 _SCENES = 100

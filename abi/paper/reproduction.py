@@ -7,8 +7,8 @@ from __future__ import annotations
 
 from abi.paper import arm_figures, curve_figures, graph_figures
 from abi.paper.comparison import Comparison
-from abi.plan import plan
-from abi.scene import load_scene
+from abi.planner.plan import plan
+from abi.scene.scene import load_scene
 
 
 def compare() -> tuple[Comparison, ...]:

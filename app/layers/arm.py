@@ -15,10 +15,10 @@ import viser
 import viser.transforms
 
 from abi import assets
-from abi.arm import JOINTS, Arm, urdf
+from abi.arm.arm import JOINTS, Arm, urdf
+from abi.arm.trajectory import rest
 from abi.arrays import FloatArray
-from abi.plan import Plan
-from abi.trajectory import rest
+from abi.planner.plan import Plan
 from app import style
 from app.layers.lines import segments
 
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     import trimesh
     import yourdfpy
 
-_SHIPPED = assets.path("urdf", "abi.urdf")
+_SHIPPED = assets.path("urdf", "abi.arm.urdf")
 _TRACE_SAMPLES = 100
 _LONG = 100.0  # [m], so that no face of a short arm is small enough to be taken for none
 

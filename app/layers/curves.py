@@ -6,8 +6,8 @@ import numpy as np
 import viser
 
 from abi.arrays import FloatArray
-from abi.curve import Curve
-from abi.plan import Plan
+from abi.curves.curve import Curve
+from abi.planner.plan import Plan
 from app import style
 from app.layers.lines import segments
 

@@ -8,10 +8,10 @@ from typing import Any
 
 import viser
 
-from abi.clearance import Clearance
+from abi.clearance.curve_clearance import Clearance
 from abi.errors import AbiError, NoPath, SceneError, StageError
-from abi.plan import Plan
-from abi.reasons import Reason
+from abi.planner.diagnosis import Reason
+from abi.planner.plan import Plan
 from app import style
 from app.labels import LABELS, as_labelled
 from app.panels.stages import Wake

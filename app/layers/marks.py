@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import viser
 
-from abi.reasons import Reason
-from abi.scene import Scene
+from abi.planner.diagnosis import Reason
+from abi.scene.scene import Scene
 from app import style
 
 

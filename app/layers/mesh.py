@@ -6,8 +6,8 @@ import numpy as np
 import viser
 
 from abi.arrays import FloatArray, IntArray
-from abi.excerpt import excerpt, fits
-from abi.plan import Plan
+from abi.planner.plan import Plan
+from abi.tet_mesh.subset import excerpt, fits
 from app import glb, style
 
 EDGE_BUDGET = 30_000
@@ -44,7 +44,7 @@ class MeshLayer:
 
         Args:
             plan: what was planned last.
-            view: which part of the mesh to draw, of :data:`abi.excerpt.VIEWS`.
+            view: which part of the mesh to draw, of :data:`abi.tet_mesh.subset.VIEWS`.
             hasty: whether the hand may still move: then a mesh that is more than the tab is sent
                 at once waits, and what it excludes is not shown meanwhile.
         """

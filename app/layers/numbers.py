@@ -8,8 +8,8 @@ from collections.abc import Iterable
 
 import viser
 
-from abi.plan import Plan
-from abi.trajectory import Violation
+from abi.arm.trajectory import Violation
+from abi.planner.plan import Plan
 from app import style
 from app.layers.headings import at_least
 

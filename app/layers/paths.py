@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import viser
 
-from abi.plan import Plan
+from abi.planner.plan import Plan
 from app import style
 from app.layers.lines import dashes, segments
 

@@ -9,7 +9,7 @@ import viser
 from viser import uplot
 
 from abi.arrays import FloatArray
-from abi.plan import Plan
+from abi.planner.plan import Plan
 from app import style
 
 _GREY = "rgba(128,128,128,0.25)"

@@ -7,7 +7,7 @@ import itertools
 import numpy as np
 import viser
 
-from abi.scene import Workspace
+from abi.scene.scene import Workspace
 from app import style
 
 _CORNERS = np.array(list(itertools.product((0.0, 1.0), repeat=3)))

@@ -15,12 +15,12 @@ import viser
 from viser.transforms import SO3
 
 from abi.errors import SceneError
-from abi.pose import METRES
-from abi.scene import Scene
-from abi.shapes import Box, Capsule, Cylinder, MeshShape, Obstacle, Sphere
-from abi.surfaces.mesh_shape import suggest_unit
-from abi.surfaces.mesh_source import MeshSource
-from abi.surfaces.surface import Surface
+from abi.obstacles.mesh_shape import suggest_unit
+from abi.obstacles.pose import METRES
+from abi.obstacles.primitives import Box, Capsule, Cylinder, MeshShape, Obstacle, Sphere
+from abi.obstacles.triangle_mesh.mesh_source import MeshSource
+from abi.obstacles.triangle_mesh.repair import Surface
+from abi.scene.scene import Scene
 from app.panels.placed import ObstaclesPanel, PointsPanel
 from app.panels.stages import DIGITS, Wake
 

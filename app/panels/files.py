@@ -5,9 +5,9 @@ from __future__ import annotations
 import viser
 
 from abi.errors import SceneError
-from abi.scene import Scene, load_scene, scene_names
-from abi.scene_file import MAX_BYTES, dump, parse_bytes
-from abi.surfaces.mesh_source import MeshSource
+from abi.obstacles.triangle_mesh.mesh_source import MeshSource
+from abi.scene.scene import Scene, load_scene, scene_names
+from abi.scene.scene_file import MAX_BYTES, dump, parse_bytes
 from app import page
 from app.panels.stages import Wake
 

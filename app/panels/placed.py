@@ -12,8 +12,8 @@ import numpy as np
 import viser
 
 from abi.arrays import FloatArray
-from abi.scene import Scene
-from abi.shapes import Box, Cylinder, MeshShape, Obstacle, Sphere
+from abi.obstacles.primitives import Box, Cylinder, MeshShape, Obstacle, Sphere
+from abi.scene.scene import Scene
 from app import style
 from app.panels.stages import Wake
 

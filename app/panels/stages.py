@@ -12,7 +12,7 @@ from typing import Any
 
 import viser
 
-from abi.scene import Scene
+from abi.scene.scene import Scene
 from app import style
 
 Wake = Callable[[Any], None]

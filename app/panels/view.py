@@ -56,7 +56,7 @@ class ViewPanel:
             handle.on_update(wake)
 
     def mesh_part(self) -> str:
-        """Which part of the mesh to draw, of :data:`abi.excerpt.VIEWS`."""
+        """Which part of the mesh to draw, of :data:`abi.tet_mesh.subset.VIEWS`."""
         return MESH_VIEWS.get(self.mesh_view.value, "near")
 
     def read(self) -> dict[str, bool]:

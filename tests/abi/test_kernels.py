@@ -12,19 +12,23 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import interpolate
 
-from abi import curve, ik
-from abi.arm import Arm
+from abi.arm import arm_kernels
+from abi.arm import inverse_kinematics as ik
+from abi.arm.arm import Arm
+from abi.arm.trajectory import _link_clearance
 from abi.arrays import FloatArray
-from abi.bspline import BSpline, _influence, clamped
-from abi.clearance import Clearance, measure, outward
-from abi.kernels import arc_length, curve_clearance, splines, warm
-from abi.kernels import arm as arm_kernels
-from abi.kernels import clearance as clearance_kernels
-from abi.polyline import measure_polyline, runs_apart
-from abi.proof import bezier as pieces
-from abi.scene import ArmSettings
-from abi.shapes import Obstacles, nearest
-from abi.trajectory import _link_clearance
+from abi.clearance import bezier as pieces
+from abi.clearance import curve_clearance_kernels as curve_clearance
+from abi.clearance.curve_clearance import Clearance, measure, outward
+from abi.curves import arc_length_kernels as arc_length
+from abi.curves import bspline_kernels as splines
+from abi.curves import curve
+from abi.curves.bspline import BSpline, _influence, clamped
+from abi.kernels import warm
+from abi.obstacles import obstacle_set_kernels as clearance_kernels
+from abi.obstacles.polyline import measure_polyline, runs_apart
+from abi.obstacles.primitives import Obstacles, nearest
+from abi.scene.scene import ArmSettings
 from benchmarks.certificates import random_obstacle
 
 _T = TypeVar("_T")

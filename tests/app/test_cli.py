@@ -11,7 +11,7 @@ import pytest
 
 from abi import assets
 from abi.errors import AbiError
-from abi.scene import scene_names
+from abi.scene.scene import scene_names
 from app.__main__ import INCOMPLETE, main
 from app.server import Server
 

@@ -12,8 +12,8 @@ import pytest
 import viser
 
 from abi.kernels import warm
-from abi.scene import Scene, load_scene
-from abi.scene_file import dump
+from abi.scene.scene import Scene, load_scene
+from abi.scene.scene_file import dump
 from app.server import start
 from app.session import Session
 from tests.abi import meshes

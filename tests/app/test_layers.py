@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from abi import load_scene, plan
-from abi.scene import Scene
+from abi.scene.scene import Scene
 from app.layers.plots import PlotsLayer
 from app.server import Server, start
 from app.session import Session

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import viser
 
-from abi.scene import load_scene
+from abi.scene.scene import load_scene
 from app.server import Server, start
 from app.session import Session
 from tests.app.fake_tab import FakeTab, until

@@ -9,7 +9,7 @@ import pytest
 from playwright.sync_api import Browser, sync_playwright
 
 from abi import kernels
-from abi.scene import load_scene
+from abi.scene.scene import load_scene
 from app.panels.view import LAYERS
 from app.server import Server, start
 from app.session import Session

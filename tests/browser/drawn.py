@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from abi.curve import Curve
-from abi.plan import Plan
+from abi.curves.curve import Curve
+from abi.planner.plan import Plan
 from tests.browser.page import Page
 
 Points = NDArray[np.float64]

@@ -1,0 +1,1 @@
+"""Stage 6: arm, its inverse kinematics, and its motion along the curve."""

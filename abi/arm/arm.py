@@ -1,0 +1,162 @@
+"""Stage 6, the arm: link lengths, joint limits, forward kinematics, URDF.
+
+The paper's manipulator (stage 6, Fig. 9): five revolute joints and one prismatic. It stands at
+``base``, z up; q1 turns it about the base axis, q2 and q3 move upper arm and forearm in the plane
+through that axis, q5 extends the forearm, q4 and q6 turn forearm and gripper about its own axis
+and do not move the tool.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal, Self
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from abi.arm import arm_kernels as kernels
+from abi.arm import arm_links
+from abi.arm.urdf import Joint, write
+from abi.arrays import FloatArray, flat, read_only
+from abi.kernels.calling import call
+from abi.obstacles.pose import METRES
+from abi.scene.scene import ArmSettings
+
+JOINTS = ("q1", "q2", "q3", "q4", "q5", "q6")
+"""Names of the joints, in the order of every array of positions."""
+
+STROKE = 0.8
+"""Longest extension q5, as a part of a4: the rest of the rod stays in its sleeve."""
+
+
+@dataclass(frozen=True, eq=False)
+class Arm:
+    """Geometry and limits of an arm.
+
+    Attributes:
+        base: where it stands, shape (3,), [unit], world.
+        a1: height of q1 above the base, [unit].
+        a2: height of the shoulder above q1, [unit].
+        a3: length of the upper arm, [unit].
+        a4: length of the forearm, [unit].
+        a5: length from the forearm's end to the tool at q5 = 0, [unit].
+        limits: lowest and highest position of each joint, shape (6, 2), [rad], q5 [unit].
+        unit: the unit of all lengths.
+    """
+
+    base: FloatArray
+    a1: float
+    a2: float
+    a3: float
+    a4: float
+    a5: float
+    limits: FloatArray
+    unit: Literal["m", "cm", "mm"] = "cm"
+
+    @classmethod
+    def from_settings(cls, settings: ArmSettings, unit: Literal["m", "cm", "mm"] = "cm") -> Self:
+        """The arm of a scene's settings; lengths in the scene's unit."""
+        turn = (-2 * math.pi, 2 * math.pi)
+        limits = [turn, (-2.8, 2.8), (-2.9, 2.9), turn, (0.0, STROKE * settings.a4), turn]
+        return cls(
+            base=read_only(np.array(settings.base, dtype=float)),
+            a1=settings.a1,
+            a2=settings.a2,
+            a3=settings.a3,
+            a4=settings.a4,
+            a5=settings.a5,
+            limits=read_only(np.array(limits)),
+            unit=unit,
+        )
+
+    @property
+    def shoulder(self) -> FloatArray:
+        """Where q2 turns, shape (3,), [unit], world; it never moves."""
+        return np.asarray(self.base + np.array([0.0, 0.0, self.a1 + self.a2]))
+
+    @property
+    def metres(self) -> float:
+        """One [unit] in metres."""
+        return METRES[self.unit]
+
+    def forearm(self, extension: ArrayLike) -> FloatArray:
+        """Length from elbow to tool, the paper's a6 = a4 + a5 + q5, [unit]."""
+        return np.asarray(self.a4 + self.a5 + np.asarray(extension, dtype=float))
+
+
+def forward(arm: Arm, positions: FloatArray) -> FloatArray:
+    """Forward kinematics: where the tool is.
+
+    Paper, stage 6: x6 = sin q1·r, y6 = −cos q1·r, z6 = a1 + a2 + a3·cos q2 + a6·cos(q2 + q3),
+    with r = a3·sin q2 + a6·sin(q2 + q3), a6 = a4 + a5 + q5; the base is added.
+
+    Args:
+        arm: the arm.
+        positions: joint positions, shape (n, 6), [rad], q5 [unit].
+
+    Returns:
+        Tool positions, shape (n, 3), [unit], world.
+    """
+    return skeleton(arm, positions)[:, 3]
+
+
+def skeleton(arm: Arm, positions: FloatArray) -> FloatArray:
+    """Points whose connecting lines are the centre lines of the links.
+
+    Args:
+        arm: the arm.
+        positions: joint positions, shape (n, 6), [rad], q5 [unit].
+
+    Returns:
+        Base, shoulder, elbow and tool, shape (n, 4, 3), [unit], world.
+    """
+    joints = np.asarray(positions, dtype=float)
+    points = np.empty(12 * len(joints))
+    lengths = float(arm.a1 + arm.a2), float(arm.a3), flat(arm.forearm(joints[:, 4]))
+    call(kernels.ready, kernels.skeleton, flat(joints), flat(arm.base), *lengths, points)
+    return points.reshape(-1, 4, 3)
+
+
+def urdf(arm: Arm, scale: float | None = None) -> str:
+    """The arm as URDF text, standing at the origin of its root link ``base_link``.
+
+    Joints q1 to q6 in that order; the last link is the frame ``tool``. Where the arm stands is the
+    business of who draws it: ``arm.base`` moves the root link.
+
+    Args:
+        arm: the arm.
+        scale: what one [unit] is in the text; ``arm.metres`` when not given, as the format asks.
+            1 gives a text for a viewer that draws in the scene's unit.
+
+    Returns:
+        The text; equal link lengths give equal text.
+    """
+    metres = arm.metres if scale is None else scale
+    a1, a2, a3, a4, a5 = (
+        float(length * metres) for length in (arm.a1, arm.a2, arm.a3, arm.a4, arm.a5)
+    )
+    size = arm_links.proportions(a1, a2, a3, a4, a5)
+    links = arm_links.links(a1, a2, a3, a4, a5)
+    heights = (a1, a2, a3, size.turn, a4 - size.turn, size.wrist)
+    axes = [(1.0, 0.0, 0.0) if name in ("q2", "q3") else (0.0, 0.0, 1.0) for name in JOINTS]
+    joints = []
+    for k, name in enumerate(JOINTS):
+        sliding = name == "q5"
+        low, high = arm.limits[k] * (metres if sliding else 1.0)
+        joints.append(
+            Joint(
+                name,
+                "prismatic" if sliding else "revolute",
+                links[k].name,
+                links[k + 1].name,
+                (0.0, 0.0, heights[k]),
+                axes[k],
+                (float(low), float(high)),
+                speed=float(high - low) if sliding else math.pi,
+                effort=1000.0,
+            )
+        )
+    end = Joint("tool_mount", "fixed", links[6].name, links[7].name, (0.0, 0.0, a5 - size.wrist))
+    comment = "Generated by abi.arm.arm.urdf. Masses, speeds and efforts are nominal."
+    return write("abi", arm_links.COLOURS, links, [*joints, end], comment)

@@ -1,0 +1,191 @@
+"""The arm's kinematics along a path, both ways, compiled by numba; runs uncompiled too."""
+
+from __future__ import annotations
+
+import math
+import threading
+
+import numpy as np
+from numba.extending import register_jitable
+
+from abi.arrays import FloatArray, read_only
+from abi.kernels.compiling import compiled
+
+ready = threading.Event()
+"""Set once the kernels are compiled."""
+
+
+@register_jitable
+def _nearest_to_axis(points: FloatArray, tangents: FloatArray, i: int) -> float:
+    """Smallest distance from the z axis of the cubic that joins points i and i + 1 as directed."""
+    k = 3 * i
+    chord, product = 0.0, 0.0
+    for j in range(k, k + 3):
+        chord += (points[j + 3] - points[j]) ** 2
+        product += tangents[j] * tangents[j + 3]
+    half = math.acos(min(1.0, max(-1.0, product))) / 2
+    # The length of the circular arc with these end tangents: the cubic is then exact to 4th order.
+    length = math.sqrt(chord) * (half / math.sin(half) if half > 1e-6 else 1.0)
+    low, high, least = 0.0, 1.0, math.inf
+    for _ in range(14):
+        # Zoom in on the best of 17 places; each round is 8 times closer.
+        best, least = 0, math.inf
+        for place in range(17):
+            t = low + (high - low) * place / 16
+            away = 0.0
+            for j in (k, k + 1):
+                step, start, end = points[j + 3] - points[j], tangents[j], tangents[j + 3]
+                bent = 3 * step - length * (2 * start + end)
+                turned = length * (start + end) - 2 * step
+                away += (points[j] + t * (length * start + t * (bent + t * turned))) ** 2
+            if away < least:
+                best, least = place, away
+        step = (high - low) / 16
+        low, high = low + step * max(best - 1, 0), low + step * min(best + 1, 16)
+    return math.sqrt(least)
+
+
+@compiled()
+def turn(
+    points: FloatArray,
+    tangents: FloatArray,
+    rounding: float,
+    through: float,
+    q1: FloatArray,
+    across: FloatArray,
+) -> None:
+    """The turn about the base axis along a path, and the distance from it (``inverse_kinematics``).
+
+    Args:
+        points: from the shoulder, flat (3 n,), [unit].
+        tangents: directions of the path, flat (3 n,), unit vectors or zero.
+        rounding: points nearer to the axis are on it, [unit].
+        through: a path that passes it nearer than this goes through it, [unit].
+        q1: unwrapped along the path (n,), [rad]; written.
+        across: signed distance from the axis (n,), [unit]; written.
+    """
+    count, last = len(q1), -1
+    behind, turns, before = 0, 0, 0.0
+    for i in range(count):
+        x, y = points[3 * i], points[3 * i + 1]
+        distance = math.hypot(x, y)
+        across[i] = 0.0
+        if distance <= rounding:
+            continue
+        angle = math.atan2(x, -y)
+        if last >= 0:
+            step = angle - before
+            flips = abs(step - 2 * math.pi * round(step / (2 * math.pi))) > math.pi / 2
+            if flips and i == last + 1:
+                flips = _nearest_to_axis(points, tangents, last) <= through
+            if flips:
+                behind += 1
+                step += math.pi
+            turns += round(step / (2 * math.pi))
+        before = angle
+        q1[i] = angle + math.pi * behind - 2 * math.pi * turns
+        across[i] = distance if behind % 2 == 0 else -distance
+        for j in range(last + 1, i):
+            share = (j - last) / (i - last) if last >= 0 else 1.0
+            q1[j] = (1 - share) * q1[max(last, 0)] + share * q1[i]
+        last = i
+    for j in range(last + 1, count):
+        q1[j] = q1[last] if last >= 0 else 0.0
+    for i in range(count):
+        x, y = tangents[3 * i], tangents[3 * i + 1]
+        # All on the axis: a single point may still know where it is going.
+        known = last >= 0 or count == 1
+        if known and across[i] == 0 and math.hypot(x, y) > 1e-9:
+            # On the axis the direction gives q1 up to half turns; its neighbours give those.
+            heading = math.atan2(x, -y)
+            halves = round((q1[i] - heading) / math.pi) if last >= 0 else 0
+            q1[i] = heading + math.pi * halves
+
+
+@compiled()
+def bend(
+    across: FloatArray,
+    height: FloatArray,
+    forearm: FloatArray,
+    upper: float,
+    side: float,
+    rounding: float,
+    q2: FloatArray,
+    q3: FloatArray,
+    shortfall: FloatArray,
+) -> None:
+    """Elbow and shoulder that put the tool at places of the arm's plane (``inverse_kinematics``).
+
+    Args:
+        across: the tool's signed distance from the base axis (n,), [unit].
+        height: of the tool above the shoulder (n,), [unit].
+        forearm: a6 (n,), [unit].
+        upper: a3, [unit].
+        side: the sign of q3.
+        rounding: shortfalls up to this are none, [unit].
+        q2: unwrapped along the path (n,), [rad]; written.
+        q3: (n,), [rad]; written.
+        shortfall: (n,), [unit]; written.
+    """
+    turned, last = 0.0, 0.0
+    for i in range(len(across)):
+        a6 = forearm[i]
+        distance = math.hypot(across[i], height[i])
+        short = max(distance - (upper + abs(a6)), 0.0) - max(abs(upper - abs(a6)) - distance, 0.0)
+        shortfall[i] = short if abs(short) > rounding else 0.0
+        stretch, fold = upper + a6, upper - a6
+        # A force that pulls can make a6 negative: the tool is then behind the elbow.
+        sign = 1.0 if a6 > 0 else -1.0 if a6 < 0 else 0.0
+        folded = sign * (stretch - distance) * (stretch + distance)
+        stretched = sign * (distance - fold) * (distance + fold)
+        half = math.atan2(math.sqrt(max(folded, 0.0)), math.sqrt(max(stretched, 0.0)))
+        q3[i] = 2 * side * half
+        angle = math.atan2(across[i], height[i])
+        if i > 0 and abs(angle - last) > math.pi:
+            turned += -2 * math.pi if angle > last else 2 * math.pi
+        last = angle
+        lead = math.atan2(a6 * math.sin(q3[i]), upper + a6 * math.cos(q3[i]))
+        q2[i] = angle + turned - lead
+
+
+@compiled()
+def skeleton(
+    joints: FloatArray,
+    base: FloatArray,
+    height: float,
+    upper: float,
+    forearm: FloatArray,
+    points: FloatArray,
+) -> None:
+    """Forward kinematics: the ends of the links; see ``abi.arm.arm``.
+
+    Args:
+        joints: of each pose q1 to q6, flat (6 n,), [rad], q5 [unit].
+        base: where the arm stands (3,), [unit], world.
+        height: of the shoulder above the base, a1 + a2, [unit].
+        upper: a3, [unit].
+        forearm: a6 (n,), [unit].
+        points: base, shoulder, elbow and tool, flat (12 n,), [unit], world; written.
+    """
+    for i in range(len(forearm)):
+        q1, q2, q3 = joints[6 * i], joints[6 * i + 1], joints[6 * i + 2]
+        right, ahead = math.sin(q1), math.cos(q1)
+        across, up = 0.0, base[2] + height
+        for k in range(4):
+            if k == 2:
+                across, up = upper * math.sin(q2), up + upper * math.cos(q2)
+            elif k == 3:
+                across += forearm[i] * math.sin(q2 + q3)
+                up += forearm[i] * math.cos(q2 + q3)
+            points[12 * i + 3 * k] = base[0] + right * across
+            points[12 * i + 3 * k + 1] = base[1] - ahead * across
+            points[12 * i + 3 * k + 2] = up if k > 0 else base[2]
+
+
+def warm() -> None:
+    """Compile the kernels, or load what was compiled before."""
+    one, point = read_only(np.ones(1)), read_only(np.ones(3))
+    turn(point, point, 0.0, 0.0, np.zeros(1), np.zeros(1))
+    bend(one, one, one, 1.0, 1.0, 0.0, np.zeros(1), np.zeros(1), np.zeros(1))
+    skeleton(read_only(np.ones(6)), point, 1.0, 1.0, one, np.zeros(12))
+    ready.set()

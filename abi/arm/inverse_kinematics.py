@@ -1,0 +1,162 @@
+"""Stage 6, inverse kinematics: q1, q2 and q3 that put the tool on given points.
+
+The arm is a planar two-link arm (a3, a6) in a vertical plane that q1 turns about the base axis.
+In that plane the tool is at (r, z) from the shoulder, D² = r² + z², and
+
+    q1 = atan2(x, −y)
+    tan²(q3/2) = ((a3 + a6)² − D²) / (D² − (a3 − a6)²)
+    q2 = atan2(r, z) − atan2(a6·sin q3, a3 + a6·cos q3)
+
+which is the cosine rule cos q3 = (D² − a3² − a6²) / (2·a3·a6) in the form that stays exact at
+full stretch and full fold. The paper's own q1, q2 and q3 (stage 6) have misprints: its q1 is right
+in one quadrant only.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from abi.arm import arm_kernels as kernels
+from abi.arm.arm import Arm
+from abi.arrays import BoolArray, FloatArray, flat, read_only
+from abi.kernels.calling import call
+
+THROUGH = 1e-6
+"""A path that passes the base axis nearer than this part of the arm's reach passes through it."""
+
+
+@dataclass(frozen=True, eq=False)
+class Solution:
+    """Joint positions along a path.
+
+    Attributes:
+        q1: about the base axis, unwrapped along the path, shape (n,), [rad].
+        q2: shoulder, unwrapped along the path, shape (n,), [rad].
+        q3: elbow, of one sign along the path, shape (n,), [rad].
+        shortfall: how far the point is out of reach, shape (n,), [unit]: > 0 too far from the
+            shoulder by that much, < 0 too near, 0 within reach. Out of reach the joints are those
+            of the stretched or folded arm that points at the point.
+    """
+
+    q1: FloatArray
+    q2: FloatArray
+    q3: FloatArray
+    shortfall: FloatArray
+
+    @property
+    def reachable(self) -> BoolArray:
+        """Where the tool is on the point, shape (n,)."""
+        return np.asarray(self.shortfall == 0)
+
+
+def solve(
+    arm: Arm,
+    points: FloatArray,
+    q5: FloatArray,
+    elbow: Literal["up", "down"],
+    tangents: FloatArray,
+) -> Solution:
+    """Joint positions that lead the tool along a path, on one elbow branch.
+
+    q1 is continuous: where the path goes through the base axis, r changes its sign and q1 does not
+    jump by π; on the axis q1 is its limit along the path, 0 when the whole path is on the axis.
+    Passing the axis at a small distance d turns q1 by nearly π at the speed v/d, as it must.
+    A path through the shoulder itself (possible only when a3 = a6) has no continuous q2.
+
+    Args:
+        arm: the arm.
+        points: the path in the order it is followed, shape (n, 3), [unit], world; n >= 1.
+        q5: extension at each point, shape (n,), [unit].
+        elbow: ``up`` for q3 >= 0, the upper arm more upright; ``down`` for q3 <= 0.
+        tangents: direction of the path at each point, shape (n, 3), unit vectors or zero.
+
+    Returns:
+        The joint positions; nothing is raised for points out of reach.
+    """
+    offset = np.asarray(points, dtype=float) - arm.shoulder
+    forearm = arm.forearm(q5)
+    rounding = 1e-13 * (
+        float(np.abs(offset).max())
+        + float(np.abs(arm.base).max())
+        + arm.a3
+        + float(np.abs(forearm).max())
+    )
+    q1, across = _turn(arm, offset, tangents, rounding)
+    side = 1.0 if elbow == "up" else -1.0
+    q2, q3, shortfall = _bend(arm, across, offset[:, 2], forearm, side, rounding)
+    return Solution(
+        q1=read_only(_centred(q1)),
+        q2=read_only(_centred(q2)),
+        q3=read_only(q3),
+        shortfall=read_only(shortfall),
+    )
+
+
+def branches(arm: Arm, point: ArrayLike, q5: float = 0.0) -> FloatArray:
+    """All q1, q2, q3 that reach one point: facing it or turned away, elbow up or down.
+
+    Args:
+        arm: the arm.
+        point: shape (3,), [unit], world.
+        q5: extension, [unit].
+
+    Returns:
+        Shape (k, 3), [rad], each within (−π, π]: four in general, two at full stretch or fold,
+        none out of reach. On the base axis, where any q1 will do, those with q1 = 0 and π.
+    """
+    x, y, z = np.asarray(point, dtype=float) - arm.shoulder
+    forearm = arm.forearm(q5)
+    across = math.hypot(x, y)
+    rounding = 1e-13 * (math.hypot(across, z) + float(np.abs(arm.base).max()) + arm.a3)
+    found = []
+    for facing, turn in ((1, 0.0), (-1, math.pi)):
+        place = np.array([facing * across]), np.array([z]), forearm.reshape(1)
+        for side in (1.0, -1.0):
+            q2, q3, shortfall = _bend(arm, *place, side, rounding)
+            if shortfall[0]:
+                return np.empty((0, 3))
+            found.append((math.atan2(x, -y) + turn, float(q2[0]), float(q3[0])))
+            if math.sin(q3[0]) == 0 or abs(q3[0]) == math.pi:
+                break
+    angles = np.array(found)
+    return np.asarray(angles - 2 * np.pi * np.ceil((angles - np.pi) / (2 * np.pi)))
+
+
+def _reach(arm: Arm) -> float:
+    return arm.a3 + arm.a4 + arm.a5
+
+
+def _bend(
+    arm: Arm,
+    across: FloatArray,
+    height: FloatArray,
+    forearm: FloatArray,
+    side: float,
+    rounding: float,
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """q2, q3 and the shortfall for tools in the arm's plane, as seen from the shoulder, (n,)."""
+    q2, q3, shortfall = np.empty((3, len(across)))
+    places = flat(across), flat(height), flat(forearm)
+    call(kernels.ready, kernels.bend, *places, float(arm.a3), side, rounding, q2, q3, shortfall)
+    return q2, q3, shortfall
+
+
+def _turn(
+    arm: Arm, offset: FloatArray, tangents: FloatArray, rounding: float
+) -> tuple[FloatArray, FloatArray]:
+    """q1 and the signed distance r from the base axis along a path, shapes (n,)."""
+    q1, across = np.empty((2, len(offset)))
+    path = flat(offset), flat(np.asarray(tangents, dtype=float))
+    call(kernels.ready, kernels.turn, *path, rounding, THROUGH * _reach(arm), q1, across)
+    return q1, across
+
+
+def _centred(angle: FloatArray) -> FloatArray:
+    """The same angles, shifted by whole turns so that their range is as near to 0 as can be."""
+    middle = (angle.max() + angle.min()) / 2
+    return np.asarray(angle - 2 * np.pi * np.ceil((middle - np.pi) / (2 * np.pi)))

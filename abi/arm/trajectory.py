@@ -1,0 +1,304 @@
+"""Stage 6, the motion of the arm: a curve, a motion along it and the joints that follow it.
+
+q1, q2 and q3 come from the inverse kinematics of the tool's position; q4, q5 and q6 from the
+constant generalised forces of their drives.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from abi.arm.arm import JOINTS, Arm, skeleton
+from abi.arm.inverse_kinematics import solve
+from abi.arm.wrist_drives import driven
+from abi.arrays import FloatArray, flat, read_only
+from abi.curves.curve import ArcLength, Curve
+from abi.curves.speed_profile import Profile
+from abi.errors import OutOfReach
+from abi.kernels.calling import call
+from abi.obstacles import obstacle_set_kernels as kernels
+from abi.obstacles.obstacle_set import meshes, rows
+from abi.obstacles.primitives import Obstacles, Vec3
+from abi.scene.scene import ArmSettings
+
+
+class Violation(NamedTuple):
+    """A joint past its limit.
+
+    Its name, when [s] and where [rad or unit] it is farthest, the limit, and when it passes that.
+    """
+
+    joint: str
+    time: float
+    value: float
+    limit: float
+    since: float
+
+
+class Stretch(NamedTuple):
+    """A time out of reach: first and last sample [s], and the worst shortfall [unit].
+
+    The shortfall is > 0 where the curve is too far from the shoulder, < 0 where it is too near.
+    """
+
+    first: float
+    last: float
+    shortfall: float
+
+
+@dataclass(frozen=True, eq=False)
+class Trajectory:
+    """Where the tool should be at a time: a curve run through by arc length."""
+
+    curve: Curve
+    arc: ArcLength
+    profile: Profile
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """First and last time, [s]."""
+        return 0.0, self.profile.duration
+
+    def __call__(self, time: ArrayLike, order: int = 0) -> FloatArray:
+        """Position, velocity or acceleration of the tool.
+
+        With the unit tangent T and the curvature vector κN of the curve P(u) at the travelled
+        distance s(t): velocity = T·s', acceleration = T·s'' + κN·s'². Where the curve rests
+        (P' = 0) T is the direction in which it goes on, or by which it came, and κN is taken as 0.
+
+        Args:
+            time: [s], a number or shape (n,); clamped to the motion.
+            order: 0, 1 or 2.
+
+        Returns:
+            Shape (3,) for a number, (n, 3) for an array; [unit/s**order], world.
+
+        Raises:
+            ValueError: an order above 2.
+        """
+        if order not in (0, 1, 2):
+            raise ValueError(f"order {order}: a trajectory has derivatives up to the second")
+        at = np.asarray(time, dtype=float)
+        parameter = self.arc.parameter(self.profile(at))
+        if order == 0:
+            return self.curve(parameter)
+        tangent = self._tangent(np.atleast_1d(parameter)).reshape(*at.shape, 3)
+        along: FloatArray = tangent * self.profile(at, order)[..., None]
+        if order == 1:
+            return along
+        first, second = self.curve(parameter, 1), self.curve(parameter, 2)
+        squared = np.sum(first**2, axis=-1, keepdims=True)
+        low, high = self.curve.interval
+        moving = squared * (high - low) ** 2 > (1e-6 * self.arc.length) ** 2
+        across = second - tangent * np.sum(tangent * second, axis=-1, keepdims=True)
+        bend = np.divide(across, squared, out=np.zeros_like(across), where=moving)
+        return np.asarray(along + bend * self.profile(at, 1)[..., None] ** 2)
+
+    def sampled(self, time: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Positions, unit tangents and velocities at times (n,) [s], at the cost of one of them.
+
+        Returns:
+            Each of shape (n, 3); [unit], 1 and [unit/s], world; the tangents are 0 for a point.
+        """
+        parameter = self.arc.parameter(self.profile(time))
+        tangent = self._tangent(parameter)
+        return self.curve(parameter), tangent, tangent * self.profile(time, 1)[:, None]
+
+    def _tangent(self, parameter: FloatArray) -> FloatArray:
+        direction = self.curve(parameter, 1)
+        size = _lengths(direction)
+        low, high = self.curve.interval
+        resting = size * (high - low) <= 1e-6 * self.arc.length
+        if resting.any():
+            # A chord of a thousandth of the interval, forwards unless the curve ends before.
+            start = np.minimum(parameter[resting], high - 1e-3 * (high - low))
+            direction = np.array(direction)
+            direction[resting] = self.curve(start + 1e-3 * (high - low)) - self.curve(start)
+            size = _lengths(direction)
+        return np.asarray(direction / np.where(size > 0, size, 1)[:, None])
+
+
+@dataclass(frozen=True, eq=False)
+class ArmMotion:
+    """The arm's motion, sampled uniformly in time.
+
+    Attributes:
+        time: shape (m,), [s].
+        positions: joint positions, shape (m, 6), [rad], q5 [unit].
+        target: where the tool should be, shape (m, 3), [unit], world.
+        tool: where the arm has it, shape (m, 3), [unit], world; off the target only out of reach.
+        velocity: the target's velocity, shape (m, 3), [unit/s], world.
+        unreachable: the times out of reach; empty when the arm follows the curve all the way.
+        limit_violations: one for each joint that passes a limit, where it is farthest past it.
+        peak_joint_speed: largest mean speed between two samples, shape (6,), [rad/s], q5 [unit/s].
+        clearance: smallest distance of the links' centre lines (base, shoulder, elbow, tool) to an
+            obstacle at the samples, [unit], inf without obstacles. The links' thickness is not in
+            it, nor what happens between samples.
+        clearance_time: when it is smallest, [s].
+        clearance_obstacle: to which obstacle, -1 without obstacles.
+    """
+
+    time: FloatArray
+    positions: FloatArray
+    target: FloatArray
+    tool: FloatArray
+    velocity: FloatArray
+    unreachable: tuple[Stretch, ...]
+    limit_violations: tuple[Violation, ...]
+    peak_joint_speed: FloatArray
+    clearance: float
+    clearance_time: float
+    clearance_obstacle: int
+
+    @property
+    def reachable(self) -> bool:
+        """Whether every sample is within reach."""
+        return not self.unreachable
+
+    @property
+    def within_limits(self) -> bool:
+        """Whether no joint passes a limit."""
+        return not self.limit_violations
+
+    @property
+    def error(self) -> OutOfReach | None:
+        """The worst stretch out of reach as an error to raise; None when there is none."""
+        if not self.unreachable:
+            return None
+        worst = max(self.unreachable, key=lambda stretch: abs(stretch.shortfall))
+        slide = next(
+            (
+                (one.value, one.limit)
+                for one in self.limit_violations
+                if one.joint == "q5" and one.since <= worst.last
+            ),
+            None,
+        )
+        return OutOfReach(worst.first, worst.last, abs(worst.shortfall), worst.shortfall < 0, slide)
+
+
+def follow(
+    curve: Curve,
+    arc: ArcLength,
+    profile: Profile,
+    arm: Arm,
+    settings: ArmSettings,
+    obstacles: Obstacles,
+    samples: int = 200,
+) -> ArmMotion:
+    """Move the arm's tool along a curve.
+
+    Args:
+        curve: the path of the tool, [unit], world.
+        arc: the curve's arc length.
+        profile: the motion along it.
+        arm: the arm.
+        settings: elbow branch and drives of the arm.
+        obstacles: what its links may hit.
+        samples: number of samples m, at least 2.
+
+    Returns:
+        The motion; out of reach, past a limit and hitting an obstacle are told, not raised.
+    """
+    trajectory = Trajectory(curve, arc, profile)
+    time = np.linspace(0.0, profile.duration, samples)
+    target, tangent, velocity = trajectory.sampled(time)
+    drives = driven(settings, time)
+    found = solve(arm, target, drives[:, 1], settings.elbow, tangent)
+    joints = np.concatenate([[found.q1, found.q2, found.q3], drives.T])
+    positions = np.ascontiguousarray(joints.T)
+    points = skeleton(arm, positions)
+    distance, when, whose = _link_clearance(points, obstacles)
+    step = profile.duration / (samples - 1)
+    largest = np.abs(np.diff(joints)).max(axis=1)
+    return ArmMotion(
+        time=read_only(time),
+        positions=read_only(positions),
+        target=read_only(target),
+        tool=read_only(points[:, 3].copy()),
+        velocity=read_only(velocity),
+        unreachable=_stretches(time, found.shortfall),
+        limit_violations=_violations(time, joints, arm.limits),
+        peak_joint_speed=read_only(largest / step if step > 0 else np.zeros(6)),
+        clearance=distance,
+        clearance_time=float(time[when]),
+        clearance_obstacle=whose,
+    )
+
+
+def rest(arm: Arm, settings: ArmSettings, point: Vec3) -> FloatArray:
+    """Joint positions with the tool at ``point``, or as near as can be: a pose without a plan.
+
+    Returns:
+        Shape (6,), [rad], q5 [unit].
+    """
+    q5 = np.array([settings.q5])
+    found = solve(arm, np.array([point]), q5, settings.elbow, np.zeros((1, 3)))
+    return read_only(np.array([found.q1[0], found.q2[0], found.q3[0], 0.0, settings.q5, 0.0]))
+
+
+def _lengths(vectors: FloatArray) -> FloatArray:
+    return np.asarray(np.sqrt(np.einsum("ni,ni->n", vectors, vectors)))
+
+
+def _stretches(time: FloatArray, shortfall: FloatArray) -> tuple[Stretch, ...]:
+    """Runs of samples out of reach on the same side."""
+    if not shortfall.any():
+        return ()
+    side = np.sign(shortfall)
+    edges = np.flatnonzero(np.diff(side, prepend=0.0, append=0.0))
+    return tuple(
+        Stretch(float(time[a]), float(time[b - 1]), float(max(shortfall[a:b], key=abs)))
+        for a, b in itertools.pairwise(edges)
+        if side[a] != 0
+    )
+
+
+def _violations(time: FloatArray, joints: FloatArray, limits: FloatArray) -> tuple[Violation, ...]:
+    """Where each of the ``joints`` (6, m) that passes a limit is farthest past it."""
+    most = 1e-9 * (1 + np.abs(limits).max(axis=1))
+    low, high = limits[:, 0] - joints.min(axis=1), joints.max(axis=1) - limits[:, 1]
+    found = []
+    for joint in np.flatnonzero(np.maximum(low, high) > most):
+        side = 0 if low[joint] > high[joint] else 1
+        beyond = (joints[joint] - limits[joint, side]) * (-1 if side == 0 else 1)
+        worst, first = int(beyond.argmax()), int((beyond > most[joint]).argmax())
+        values = (time[worst], joints[joint, worst], limits[joint, side], time[first])
+        found.append(Violation(JOINTS[joint], *map(float, values)))
+    return tuple(found)
+
+
+def _link_clearance(points: FloatArray, obstacles: Obstacles) -> tuple[float, int, int]:
+    """Least distance of the centre lines to the obstacles, the sample and the obstacle."""
+    best, sample, whose = math.inf, 0, -1
+    solids = rows(obstacles)
+    if len(solids):
+        best, sample, solid = call(
+            kernels.ready, kernels.skeletons, flat(points), points.shape[1], solids
+        )
+        whose = [k for k, obstacle in enumerate(obstacles) if obstacle.convex][solid]
+    starts, ends = points[:, :-1].reshape(-1, 3), points[:, 1:].reshape(-1, 3)
+    for mesh in meshes(obstacles):
+        lower, upper = mesh.distance_bounds(points.reshape(-1, 3))
+        lower = lower.reshape(-1, points.shape[1])
+        lengths = np.linalg.norm(ends - starts, axis=1)
+        # The distance is 1-Lipschitz: only segments that could be nearest are looked at closely.
+        bound = (lower[:, :-1].ravel() + lower[:, 1:].ravel() - lengths) / 2
+        near = np.flatnonzero(bound <= min(best, float(upper.min())))
+        if not len(near):
+            continue
+        found = mesh.segment_distance(starts[near], ends[near])
+        nearest = int(found.argmin())
+        if found[nearest] < best:
+            best, sample, whose = (
+                float(found[nearest]),
+                int(near[nearest]) // 3,
+                obstacles.index(mesh),
+            )
+    return best, sample, whose

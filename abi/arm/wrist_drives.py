@@ -1,0 +1,38 @@
+"""Stage 6, the drives: the joints that do not move the tool about, under constant forces."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from abi.arrays import FloatArray
+from abi.scene.scene import ArmSettings
+
+
+def driven(settings: ArmSettings, time: ArrayLike) -> FloatArray:
+    """q4, q5 and q6 under constant generalised forces from rest.
+
+    The paper (end of stage 6) prints q = t²·Q / I with I4 = i4²m4 + i5²m5 + i6²m6,
+    I5 = i5²m5 + i6²m6, I6 = i6²m6. Lagrange's equation I·q'' = Q has the solution t²·Q / (2·I),
+    and what a sliding joint moves is the mass m5 + m6: these are the ``corrected`` functions.
+    q5 starts at ``settings.q5``, as if its force pushed from there.
+
+    Args:
+        settings: forces, masses > 0, radii > 0, ``dynamics`` and ``q5``.
+        time: [s], shape (n,).
+
+    Returns:
+        Shape (n, 3): q4 [rad], q5 [unit], q6 [rad].
+    """
+    _, m5, m6 = settings.masses
+    i4, i5, i6 = (mass * i**2 for mass, i in zip(settings.masses, settings.radii, strict=True))
+    # I4, I5, I6: each drive moves its own link and those after it.
+    effective = [i4 + i5 + i6, i5 + i6, i6]
+    if settings.dynamics == "corrected":
+        effective = [2 * effective[0], 2 * (m5 + m6), 2 * effective[2]]
+    rates = np.array(
+        [force / inertia for force, inertia in zip(settings.forces, effective, strict=True)]
+    )
+    found = np.asarray(time, dtype=float)[:, None] ** 2 * rates
+    found[:, 1] += settings.q5
+    return np.asarray(found)

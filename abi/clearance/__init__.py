@@ -1,0 +1,1 @@
+"""Clearance of curves, measured and proven."""

@@ -1,0 +1,261 @@
+"""Proofs that a whole curve keeps its distance from every obstacle.
+
+Theorem. Let P_0 … P_p be points whose convex hull holds a piece of a curve, let O be a compact
+convex set with the support function h(n) = max n·x over O, and let abs(n) = 1. If
+min n·P_i - h(n) > m, then the piece's signed distance to O is above m.
+
+Proof. Points B of the piece are convex combinations of the P_i, so n·B >= min n·P_i > h(n) + m,
+and for x in O abs(B - x) >= n·(B - x) > m. (The signed distance to a convex set is the greatest
+n·B - h(n) over all n, so this holds for m < 0 too.)
+
+Nothing is asked of n, so any guess may choose it: here the direction from the obstacle to a point
+in the middle of the piece. A piece that it does not separate is halved. When the clearance is
+above m + e, pieces smaller than e are separated, so this ends; halving stops at 2^-36 of the
+largest coordinate, and what is then left is undecided, which counts as not certified.
+
+Rounding. With u = 2^-53, S the sum of the largest coordinates of curve and obstacle, p the degree
+and k the halvings: turning into the body frame and the direction back take at most 200 u S, the
+Bézier points 16 p u S, each halving 12 p u S, the products and the support 20 u S, and abs(n) is
+within 60 u of 1. A piece is separated when that much more than m is found: so the claim holds for
+the curve, the obstacles and the directions as the numbers say, in exact arithmetic.
+:mod:`abi.verify.verify` checks that.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from abi.arrays import FloatArray, IntArray, flat, read_only
+from abi.clearance import certify_mesh_kernels as certify_surface
+from abi.clearance import certify_primitives_kernels as certify_solids
+from abi.clearance.bezier import Bezier, PolynomialCurve, bezier, polyline
+from abi.clearance.separation_kernels import CERTIFIED, MOST_HALVINGS, REFUTED, Outcome
+from abi.kernels.calling import call
+from abi.obstacles.memory import ByIdentity
+from abi.obstacles.mesh_shape import MeshShape
+from abi.obstacles.pose import rotation
+from abi.obstacles.primitives import Box, Capsule, Cylinder, Obstacles, Sphere
+from abi.obstacles.triangle_mesh.bvh import TriangleTree, build
+from abi.obstacles.triangle_mesh.repair import Surface
+
+FINEST = 2.0**-36
+"""Pieces smaller than this part of the largest coordinate are not halved."""
+
+_MOST_TRIES = 20_000  # for each obstacle, and 64 for each polynomial
+
+
+@dataclass(frozen=True, eq=False)
+class Certificate:
+    """Planes that separate every piece of a curve from every obstacle.
+
+    Attributes:
+        margin: the curve's distance to every obstacle is above this, [unit]; inf when there are
+            no obstacles.
+        pieces: first and last parameter of the piece each plane separates, shape (k, 2).
+        obstacle: which obstacle each plane separates it from, shape (k,). From a mesh it
+            separates only some triangles; the planes of a mesh together leave out none.
+        directions: unit normals of the planes, from the obstacle to the curve, shape (k, 3), world.
+    """
+
+    margin: float
+    pieces: FloatArray
+    obstacle: IntArray
+    directions: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Refutation:
+    """A place of a curve that keeps it from being certified.
+
+    Attributes:
+        margin: the distance that was to be proven, [unit].
+        parameter: where on the curve.
+        obstacle: index of the obstacle that is too near there.
+        distance: signed distance to it, [unit].
+        decided: whether the curve is really nearer than the margin there; otherwise its distance
+            is so close to the margin that halving did not decide.
+    """
+
+    margin: float
+    parameter: float
+    obstacle: int
+    distance: float
+    decided: bool
+
+
+def certify(
+    curve: PolynomialCurve | Bezier, obstacles: Obstacles, margin: float
+) -> Certificate | Refutation:
+    """Prove that a curve keeps more than ``margin`` from every obstacle, or find where it does not.
+
+    A closed mesh is a solid: its surface is kept clear of, and the curve's start is outside, so
+    the rest is. Other meshes are surfaces. From a solid a negative margin can be proven: the curve
+    goes no deeper than that. A mesh needs a margin of at least 0.
+
+    Args:
+        curve: has ``knots`` and ``control_points``, or quadratic ``pieces``; or its Bézier pieces.
+        obstacles: the solids and meshes.
+        margin: finite, [unit].
+    """
+    pieces = curve if isinstance(curve, Bezier) else bezier(curve)
+    return _certify(pieces, obstacles, margin)
+
+
+def certify_polyline(
+    points: FloatArray, obstacles: Obstacles, margin: float
+) -> Certificate | Refutation:
+    """:func:`certify` for a polyline with the vertices (k, 3), k >= 1, [unit].
+
+    The parameter runs from 0 to k - 1 and is whole at the vertices. Of two points: an edge.
+    """
+    return _certify(polyline(points), obstacles, margin)
+
+
+def _certify(curve: Bezier, obstacles: Obstacles, margin: float) -> Certificate | Refutation:
+    assert np.isfinite(curve.points).all()
+    if not obstacles:
+        return _certificate(math.inf, [])
+    assert math.isfinite(margin)
+    solids, surfaces = _numbers(obstacles)
+    planes: list[FloatArray] = []
+    if len(solids):
+        status, at, which, distance, found = _run_solids(curve, obstacles, margin)
+        if status != CERTIFIED:
+            decided = status == REFUTED
+            return Refutation(margin, at, int(solids[which]), distance, decided)
+        if surfaces:
+            found[:, 2] = solids[found[:, 2].astype(int)]
+        planes.append(found)
+    for k, surface in surfaces:
+        result = _against_mesh(curve, surface, k, margin)
+        if isinstance(result, Refutation):
+            return result
+        planes.append(result)
+    return _certificate(margin, planes)
+
+
+def _run_solids(curve: Bezier, obstacles: Obstacles, margin: float) -> Outcome:
+    frames, shapes, sizes = _packed(obstacles)
+    scales = read_only(sizes + curve.size)
+    outcome: Outcome = call(
+        certify_solids.ready,
+        certify_solids.solids,
+        *(flat(curve.points), flat(curve.breaks), curve.degree, _room(curve)),
+        *(frames, shapes, scales, float(margin)),
+        FINEST * float(scales.max()),
+        _MOST_TRIES + 64 * len(curve.points),
+    )
+    return outcome
+
+
+def _against_mesh(
+    curve: Bezier, mesh: MeshShape, index: int, margin: float
+) -> FloatArray | Refutation:
+    """Planes that separate the curve from all triangles of one mesh."""
+    first = float(curve.breaks[0])
+    if margin < 0:
+        return Refutation(margin, first, index, math.nan, False)
+    tree = _tree(mesh.surface)
+    axes, position, factor = rotation(mesh.wxyz), np.array(mesh.position), mesh.factor
+    room = _room(curve)
+    room[: curve.points.size] = ((curve.points - position) @ axes / factor).ravel()
+    scale = (curve.size + float(np.abs(position).max())) / factor + 2 * tree.size
+    status, at, _, distance, found = _run(
+        certify_surface.surface,
+        room,
+        curve.breaks.copy(),
+        curve.degree,
+        tree.low,
+        tree.high,
+        tree.leaves,
+        tree.corners,
+        scale,
+        margin / factor,
+        FINEST * scale,
+        10 * _MOST_TRIES + 64 * len(curve.points),
+    )
+    if status != CERTIFIED:
+        return Refutation(margin, at, index, distance * factor, status == REFUTED)
+    if mesh.closed:
+        inside = float(mesh.signed_distance(curve.points[0, :1])[0])
+        if inside <= 0:
+            return Refutation(margin, first, index, inside, True)
+    found[:, 2] = index
+    found[:, 3:6] = found[:, 3:6] @ axes.T
+    return found
+
+
+def _run(kernel: Any, *arguments: Any) -> Outcome:
+    """Call a kernel: compiled when that is ready, else as plain Python on lists."""
+    if not certify_surface.ready.is_set():
+        kernel = kernel.py_func
+        arguments = tuple(
+            value.tolist() if isinstance(value, np.ndarray) and value.flags.writeable else value
+            for value in arguments
+        )
+    outcome: Outcome = kernel(*arguments)
+    return outcome
+
+
+def _room(curve: Bezier) -> FloatArray:
+    pieces = len(curve.points) + 2 * MOST_HALVINGS + 2
+    return np.zeros(3 * pieces * (curve.degree + 1))
+
+
+@lru_cache(maxsize=16)
+def _tree(surface: Surface) -> TriangleTree:
+    """Tree over the triangles in the file's coordinates: moving or scaling a mesh keeps it."""
+    return build(surface.vertices[surface.faces])
+
+
+@ByIdentity
+def _numbers(obstacles: Obstacles) -> tuple[IntArray, tuple[tuple[int, MeshShape], ...]]:
+    """The indices of the solids among the obstacles, and the meshes with theirs."""
+    surfaces = tuple((k, one) for k, one in enumerate(obstacles) if isinstance(one, MeshShape))
+    solids = set(range(len(obstacles))) - {k for k, _ in surfaces}
+    return read_only(np.array(sorted(solids), dtype=np.int32)), surfaces
+
+
+@ByIdentity
+def _packed(obstacles: Obstacles) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Frames (12 m,), shapes (5 m,) and sizes (m,) of the solids for the kernel."""
+    frames, shapes, sizes = [], [], []
+    for obstacle in obstacles:
+        if isinstance(obstacle, MeshShape):
+            continue
+        frames.append(np.append(rotation(obstacle.wxyz), obstacle.position))
+        shape = _shape(obstacle)
+        shapes.append(shape)
+        sizes.append(max(map(abs, obstacle.position)) + sum(shape))
+    return (
+        read_only(np.concatenate(frames)),
+        read_only(np.array(shapes).ravel()),
+        read_only(np.array(sizes)),
+    )
+
+
+def _shape(solid: Box | Sphere | Cylinder | Capsule) -> tuple[float, float, float, float, float]:
+    """Box half sizes x, y, z, disc radius and ball radius whose Minkowski sum the solid is."""
+    if isinstance(solid, Box):
+        x, y, z = solid.size
+        return x / 2, y / 2, z / 2, 0.0, 0.0
+    if isinstance(solid, Sphere):
+        return 0.0, 0.0, 0.0, 0.0, solid.radius
+    if isinstance(solid, Cylinder):
+        return 0.0, 0.0, solid.height / 2, solid.radius, 0.0
+    return 0.0, 0.0, solid.height / 2, 0.0, solid.radius
+
+
+def _certificate(margin: float, planes: list[FloatArray]) -> Certificate:
+    table = planes[0] if len(planes) == 1 else np.concatenate([np.empty((0, 7)), *planes])
+    return Certificate(
+        margin=margin,
+        pieces=read_only(table[:, :2].copy()),
+        obstacle=read_only(table[:, 2].astype(np.int32)),
+        directions=read_only(table[:, 3:6].copy()),
+    )

@@ -1,0 +1,273 @@
+"""The clear quadratic spline that is nearest to a given one: the search behind stage 5's modes.
+
+A C¹ curve of m quadratic pieces is a quadratic B-spline with m + 2 control points; its ends are
+fixed, so m of them are free. Among the curves that keep the clearance the one is wanted that is
+nearest to the least-squares curve in L2, which is a quadratic function of the free points.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import scipy
+from numpy.polynomial import legendre
+
+from abi.arrays import FloatArray, IntArray, read_only
+from abi.clearance.curve_clearance import ROUNDING, measure
+from abi.curves.curve import ArcLength, Curve
+from abi.curves.quadratics import Quadratics, join
+from abi.obstacles.primitives import Obstacles, nearest
+
+Points = Callable[[FloatArray], FloatArray]
+"""Points (n, 3) of a curve at parameters (n,) in [0, 1], [unit]."""
+
+_NODES, _WEIGHTS = legendre.leggauss(8)
+_PARTS = 32  # short pieces of the whole curve at first, at least …
+_FEWEST_PARTS = 8  # … and of each polynomial
+_SHORTEST = 1e-3  # short piece, of the whole curve
+_ROUNDS = 16
+_SETTLED = 1e-3  # of the curve's extent: the move of a round that is no longer worth another
+_ALLOWANCE = 1e-5  # of the curve's extent, kept beyond the clearance
+_INFEASIBLE = 1e-6  # distance of (0, 1) to the cone of the rows, over which they can be kept
+
+
+@dataclass(frozen=True, eq=False)
+class ByLength:
+    """A curve as a function of the part of its arc length travelled."""
+
+    curve: Curve
+    arc: ArcLength
+
+    def __call__(self, part: FloatArray) -> FloatArray:
+        """Points (n, 3) at parts (n,) in [0, 1], [unit]."""
+        return self.curve(self.arc.parameter(part * self.arc.length))
+
+
+@dataclass(frozen=True, eq=False)
+class Target:
+    """The least-squares curve on some breaks, and what to keep clear of.
+
+    Attributes:
+        breaks: from 0 to 1, shape (m + 1,).
+        control_points: of the least-squares curve, shape (m + 2, 3), [unit], world.
+        obstacles: what to keep clear of.
+        asked: distance to keep from every obstacle, [unit].
+    """
+
+    breaks: FloatArray
+    control_points: FloatArray
+    obstacles: Obstacles
+    asked: float
+
+    def basis(self, parameters: FloatArray) -> FloatArray:
+        """Weight of each control point in the points at ``parameters`` (n,), shape (n, m + 2)."""
+        return _basis(self.breaks, parameters)
+
+    @cached_property
+    def extent(self) -> float:
+        """Diagonal of the control points' bounding box, [unit]."""
+        return float(np.linalg.norm(np.ptp(self.control_points, axis=0)))
+
+    @cached_property
+    def aim(self) -> float:
+        """Distance to aim at, [unit]: the clearance and an allowance, if the ends have that."""
+        ends, _ = nearest(self.obstacles, self.control_points[[0, -1]])
+        room = max(0.0, float(ends.min()) - self.asked)
+        return self.asked + min(_ALLOWANCE * self.extent + ROUNDING, room / 2)
+
+    @cached_property
+    def norm(self) -> FloatArray:
+        """Matrix L (m, m) with abs(Lᵀx)² the squared L2 norm of the curve of free points x."""
+        t, weights = _quadrature(self.breaks)
+        inner = self.basis(t)[:, 1:-1]
+        return np.asarray(np.linalg.cholesky(inner.T @ (weights[:, None] * inner)))
+
+    def distance(self, control_points: FloatArray) -> float:
+        """L2 distance of another curve on the same breaks, [unit]."""
+        move = (control_points - self.control_points)[1:-1]
+        return float(np.linalg.norm(self.norm.T @ move))
+
+
+@dataclass(frozen=True, eq=False)
+class _Pieces:
+    """Short Bézier pieces of every curve on some breaks, as weights of its m + 2 control points.
+
+    Attributes:
+        middles: parameters (n,).
+        through: of the points there (n, m + 2).
+        control: of the pieces' control points (n, 3, m + 2).
+        free: the same for free points measured in L2 (n, 3, m).
+    """
+
+    middles: FloatArray
+    through: FloatArray
+    control: FloatArray
+    free: FloatArray
+
+
+def target(shape: ByLength, breaks: FloatArray, obstacles: Obstacles, clearance: float) -> Target:
+    """The curve on ``breaks`` with the ends of ``shape`` that is nearest to it in L2.
+
+    With one piece that is :func:`abi.curves.quadratic.fit`.
+
+    Args:
+        shape: the curve to approximate, of a length above 0.
+        breaks: from 0 to 1, increasing, shape (m + 1,).
+        obstacles: what to keep clear of.
+        clearance: distance to keep from every obstacle, [unit].
+    """
+    t, weights = _quadrature(_even_cuts(breaks))
+    basis = _basis(breaks, t)
+    ends = shape(np.array([0.0, 1.0]))
+    rest = shape(t) - basis[:, [0, -1]] @ ends
+    root = np.sqrt(weights)[:, None]
+    inner = np.linalg.lstsq(basis[:, 1:-1] * root, rest * root, rcond=None)[0]
+    points = np.concatenate([ends[:1], inner, ends[1:]])
+    return Target(breaks, read_only(points), obstacles, clearance)
+
+
+def nearest_clear(wanted: Target, starts: Sequence[Points]) -> Quadratics | None:
+    """The clear curve nearest to ``wanted``, from starts that pass the obstacles in several ways.
+
+    A convex obstacle's signed distance is a convex function of the point: it is nowhere below its
+    tangent. So with y a point of the start and g the gradient of d there, the half space
+
+        d(y) + g·(x - y) >= clearance
+
+    holds no point x nearer than the clearance. The curve is halved into short Bézier pieces, each
+    to lie with its control points in the half space of the start's point in its middle. The
+    nearest such curve is a least-distance problem (Lawson and Hanson, Solving Least Squares
+    Problems, chapter 23). It takes the place of the start, and so on until it settles: each round
+    is no farther from ``wanted`` than the one before (the convex-concave procedure, Yuille and
+    Rangarajan 2003). A mesh need not be convex; where the curve comes too near it aims higher.
+
+    Args:
+        wanted: what to be near to.
+        starts: points (n, 3) at parameters (n,) in [0, 1], [unit]; they need not be clear, but
+            a clear one leads to a clear curve if there are pieces enough. The one that is nearest
+            after two rounds goes on; the next only when that does not become clear.
+
+    Returns:
+        The curve, clear as far as measured, or None.
+    """
+    pieces = _short_pieces(wanted, _even_cuts(wanted.breaks))
+    pilots: list[tuple[float, int, FloatArray]] = []
+    for start in starts:
+        found = _within_half_spaces(wanted, pieces, start(pieces.middles), wanted.aim)
+        if found is not None:
+            found = _within_half_spaces(wanted, pieces, pieces.through @ found[0], wanted.aim)
+        if found is not None:
+            pilots.append((wanted.distance(found[0]), len(pilots), found[0]))
+    settled = (_settled(wanted, points) for *_, points in sorted(pilots))
+    return next((curve for curve in settled if curve is not None), None)
+
+
+def _settled(wanted: Target, control_points: FloatArray) -> Quadratics | None:
+    """Go on from control points (m + 2, 3) until they settle and the curve is clear.
+
+    The short pieces that touch their half space are halved, so that in the end it costs nothing
+    that a piece lies in its half space with its control points.
+    """
+    points, aim = control_points, wanted.aim
+    cuts = _even_cuts(wanted.breaks)
+    tolerance = (wanted.aim - wanted.asked) / 2 + ROUNDING
+    step = np.inf
+    for number in range(1, _ROUNDS + 1):
+        pieces = _short_pieces(wanted, cuts)
+        found = _within_half_spaces(wanted, pieces, pieces.through @ points, aim)
+        if found is not None:
+            step = float(np.abs(found[0] - points).max())
+            points = found[0]
+            halved = found[1][np.diff(cuts)[found[1]] > _SHORTEST]
+            cuts = np.sort(np.append(cuts, pieces.middles[halved]))
+        if (
+            found is None
+            or number == _ROUNDS
+            or (step <= _SETTLED * wanted.extent and not len(halved))
+        ):
+            curve = join(points, wanted.breaks, wanted.obstacles, wanted.asked)
+            seen = measure(curve, wanted.obstacles, wanted.asked, tolerance)
+            if seen.distance >= wanted.asked:
+                return curve
+            if found is None:
+                return None
+            aim += 1.5 * (wanted.asked - seen.distance)
+    return None
+
+
+def _within_half_spaces(
+    wanted: Target, pieces: _Pieces, near: FloatArray, aim: float
+) -> tuple[FloatArray, IntArray] | None:
+    """The nearest curve in the half spaces of ``near`` (n, 3), and which pieces touch theirs.
+
+    Returns:
+        Control points (m + 2, 3), [unit], and numbers of pieces; None when there is no such curve.
+    """
+    passed = pieces.control @ wanted.control_points
+    rows, bounds = [], []
+    for obstacle in wanted.obstacles:
+        gradient = obstacle.gradient(near)
+        ahead = np.einsum("nkj,nj->nk", passed - near[:, None], gradient)
+        bounds.append(aim - obstacle.signed_distance(near)[:, None] - ahead)
+        rows.append(np.einsum("nkm,nj->nkmj", pieces.free, gradient))
+    b = np.concatenate(bounds).ravel()
+    a = np.concatenate(rows).reshape(len(b), -1)
+    movable = np.flatnonzero((a != 0).any(axis=1))  # all but the curve's ends
+    found = _least_distance(a[movable], b[movable])
+    if found is None:
+        return None
+    move, touching = found
+    points = wanted.control_points.copy()
+    points[1:-1] += np.linalg.solve(wanted.norm.T, move.reshape(-1, 3))
+    return points, np.unique(movable[touching] // 3 % len(near))
+
+
+def _least_distance(a: FloatArray, b: FloatArray) -> tuple[FloatArray, IntArray] | None:
+    """The shortest y with a·y >= b, and the rows that hold it (Lawson and Hanson, 23.27)."""
+    if (b <= 0).all():
+        return np.zeros(a.shape[1]), np.zeros(0, dtype=np.int32)
+    scale = np.linalg.norm(a, axis=1)
+    a, b = a / scale[:, None], b / scale
+    size = float(b.max())
+    system = np.concatenate([a.T, b[None] / size])
+    ahead = np.append(np.zeros(a.shape[1]), 1.0)
+    try:
+        weights, residual = scipy.optimize.nnls(system, ahead)
+    except RuntimeError:  # too many iterations
+        return None
+    if residual < _INFEASIBLE:
+        return None
+    rest = system @ weights - ahead
+    return -rest[:-1] / rest[-1] * size, np.flatnonzero(weights).astype(np.int32)
+
+
+def _even_cuts(breaks: FloatArray) -> FloatArray:
+    parts = max(_FEWEST_PARTS, -(-_PARTS // (len(breaks) - 1)))
+    cuts = np.linspace(breaks[:-1], breaks[1:], parts, endpoint=False, axis=1)
+    return np.append(cuts, breaks[-1])
+
+
+def _short_pieces(wanted: Target, cuts: FloatArray) -> _Pieces:
+    breaks = wanted.breaks
+    middles = (cuts[:-1] + cuts[1:]) / 2
+    through = _basis(breaks, middles)
+    ends = _basis(breaks, cuts)
+    # a quadratic's middle is a quarter of its ends and half of its middle control point
+    control = np.stack([ends[:-1], 2 * through - (ends[:-1] + ends[1:]) / 2, ends[1:]], axis=1)
+    weights = control[:, :, 1:-1].reshape(-1, len(breaks) - 1)
+    free = np.asarray(np.linalg.solve(wanted.norm, weights.T).T, dtype=float)
+    return _Pieces(middles, through, control, free.reshape(len(middles), 3, -1))
+
+
+def _basis(breaks: FloatArray, parameters: FloatArray) -> FloatArray:
+    knots = np.concatenate([breaks[:1], breaks[:1], breaks, breaks[-1:], breaks[-1:]])
+    return np.asarray(scipy.interpolate.BSpline.design_matrix(parameters, knots, 2).toarray())
+
+
+def _quadrature(breaks: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Gauss points and weights on each piece, both (8 m,)."""
+    middle, half = (breaks[:-1] + breaks[1:]) / 2, np.diff(breaks) / 2
+    return (middle[:, None] + half[:, None] * _NODES).ravel(), np.outer(half, _WEIGHTS).ravel()

@@ -1,0 +1,86 @@
+"""Control points for a spline that rounds a path's bends and stays on its straight stretches."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from abi.arrays import BoolArray, FloatArray
+from abi.obstacles.polyline import runs_apart
+from abi.obstacles.primitives import Obstacles
+
+_FINEST = 1e-3  # part of a leg: the nearest a point is put to a bend
+_SHARE = 0.5  # part of the room at a bend that the spline may take
+
+
+def graded(
+    points: FloatArray, degree: int, obstacles: Obstacles, clearance: float
+) -> tuple[FloatArray, BoolArray]:
+    """Put control points on the legs of a path: dense at the bends, ever wider away from them.
+
+    Where control points a distance h apart bend by an angle φ, a uniform spline of degree p cuts
+    the corner by about h·φ·√((p + 1) / 24π): its basis functions are nearly normal distributions
+    of variance (p + 1) / 12 (Unser, Aldroubi and Eden, IEEE Trans. Information Theory 38, 1992).
+    That gives the h for which the cut takes half the room there is. From a bend the points stand
+    at h, 2h, 4h, and so on up to the middle of the leg.
+
+    Args:
+        points: (k, 3) the path, k >= 2, [unit], world.
+        degree: p, at least 1.
+        obstacles: what the path keeps clear of.
+        clearance: distance that the spline should keep from them, [unit].
+
+    Returns:
+        At least p + 1 points (n, 3), those of the path among them, and which are not (n,).
+    """
+    legs = np.diff(points, axis=0)
+    lengths = np.sqrt((legs**2).sum(axis=1))
+    unit = legs / np.maximum(lengths, 1e-300)[:, None]
+    turns = np.sqrt((np.diff(unit, axis=0) ** 2).sum(axis=1)).tolist()
+    room = _room(points, obstacles, clearance).tolist()
+    cut = math.sqrt((degree + 1) / (24 * math.pi))
+    apart = [
+        math.inf,
+        *(
+            _SHARE * max(gap, 0.0) / (cut * turn) if turn > 0 else math.inf
+            for gap, turn in zip(room, turns, strict=True)
+        ),
+        math.inf,
+    ]
+    shares = [
+        _shares(first / length, last / length) if length > 0 else []
+        for first, last, length in zip(apart[:-1], apart[1:], lengths.tolist(), strict=True)
+    ]
+    while len(points) + sum(map(len, shares)) <= degree:
+        widest = int(np.argmax(lengths / [1 + len(inner) for inner in shares]))
+        count = len(shares[widest]) + 1
+        shares[widest] = [k / (count + 1) for k in range(1, count + 1)]
+    # place k + share on leg k; the vertices are at the whole places
+    places = np.array([k + share for k, inner in enumerate(shares) for share in (0.0, *inner)])
+    leg = places.astype(int)
+    inner = points[leg] + (places - leg)[:, None] * legs[leg]
+    added = np.append(places != leg, False)
+    return np.concatenate([inner, points[-1:]]), added
+
+
+def _room(points: FloatArray, obstacles: Obstacles, clearance: float) -> FloatArray:
+    """What the inner vertices, with half of each leg, keep beyond the clearance, (k - 2,)."""
+    middles = (points[1:] + points[:-1]) / 2
+    bends = np.stack([middles[:-1], points[1:-1], middles[1:]], axis=1)
+    return runs_apart(bends, obstacles) - clearance
+
+
+def _shares(first: float, last: float) -> list[float]:
+    """Where on a leg, in (0, 1), points stand that begin ``first`` and ``last`` from its ends."""
+    inner = []
+    at = max(first, _FINEST)
+    while at < 0.5:
+        inner.append(at)
+        at *= 2
+    other = []
+    at = max(last, _FINEST)
+    while at < 0.5:
+        other.append(1 - at)
+        at *= 2
+    return inner + other[::-1]

@@ -1,0 +1,235 @@
+"""A triangle mesh as an obstacle.
+
+A closed mesh is a solid, with a negative distance inside; an open one is a surface that nothing
+passes through, with a distance that is nowhere negative. Neither need be convex.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from functools import lru_cache
+from typing import Annotated, Any, ClassVar, Literal, Self
+
+import numpy as np
+from pydantic import PrivateAttr, StringConstraints, ValidationInfo, model_validator
+from pydantic_core import PydanticCustomError
+
+from abi.arrays import BoolArray, FloatArray, read_only
+from abi.errors import SceneError
+from abi.obstacles.pose import LARGEST, METRES, Length, Posed, rotation
+from abi.obstacles.triangle_mesh.mesh_source import MeshSource
+from abi.obstacles.triangle_mesh.repair import Surface
+from abi.obstacles.triangle_mesh.signed_distance import SurfaceDistance, distances
+
+TOO_LARGE = 20.0
+TOO_SMALL = 1 / 500
+"""A mesh beyond these parts of the workspace's longest side is likely in another unit."""
+
+
+class MeshShape(Posed):
+    """A triangle mesh from a file; ``file`` is relative to the scene's folder, with "/".
+
+    Coordinates in the file count in ``unit`` (None: the scene's unit), times ``scale``. Two shapes
+    are equal when their fields, the scene's unit and the content of their files are.
+
+    Every distance rests on the signed distance being 1-Lipschitz: over a way l it changes by no
+    more than l. That holds for any shape, for the open ones too.
+    """
+
+    convex: ClassVar[bool] = False
+
+    shape: Literal["mesh"] = "mesh"
+    file: Annotated[str, StringConstraints(strict=True, min_length=1, max_length=200)]
+    unit: Literal["m", "cm", "mm"] | None = None
+    scale: Length = 1.0
+
+    _surface: Surface | None = PrivateAttr(None)
+    _factor: float = PrivateAttr(1.0)
+
+    @model_validator(mode="after")
+    def _load(self, info: ValidationInfo) -> Self:
+        if self._surface is not None:  # a shape taken over from another scene
+            return self
+        source = (info.context or {}).get("meshes") or MeshSource()
+        try:
+            self._surface = source.surface(self.file)
+        except SceneError as error:
+            why = {"file": self.file, "expected": error.expected}
+            raise PydanticCustomError("mesh_file", "{expected}", why) from None
+        self._factor = self.scale
+        return self
+
+    @classmethod
+    def of(cls, surface: Surface, file: str = "mesh.stl", **fields: Any) -> Self:
+        """A shape with ``surface`` in the place of the content of ``file``."""
+        context = {"meshes": MeshSource({file: surface})}
+        return cls.model_validate({"file": file, **fields}, context=context)
+
+    def __hash__(self) -> int:
+        fields = (self.file, self.unit, self.scale, self.position, self.wxyz)
+        return hash((fields, self.surface, self._factor))
+
+    @property
+    def surface(self) -> Surface:
+        """The cleaned surface, in the file's coordinates."""
+        assert self._surface is not None
+        return self._surface
+
+    @property
+    def factor(self) -> float:
+        """Scene's [unit] per unit of the file, ``scale`` included."""
+        return self._factor
+
+    @property
+    def closed(self) -> bool:
+        """Whether the mesh has an inside."""
+        return self.surface.closed
+
+    def in_unit(self, unit: str) -> Self:
+        """The shape in a scene of this unit.
+
+        Raises:
+            SceneError: larger than 1e6 or smaller than 1e-6 [unit], or further than 1e6 [unit] from
+                the world's origin; names the field of the shape.
+        """
+        factor = self.scale * (METRES[self.unit] / METRES[unit] if self.unit else 1.0)
+        if not 1e-6 <= factor * self.surface.extent <= LARGEST:
+            raise SceneError("scale", self.scale, _fitting(factor * self.surface.extent))
+        placed = self
+        if factor != self._factor:
+            placed = self.model_copy()
+            placed._factor = factor
+        placed._refuse_far()
+        return placed
+
+    def prepare(self) -> None:
+        """Build what distances rest on, about a second for 80,000 triangles, once for a surface.
+
+        Otherwise the first distance asked for waits for it.
+        """
+        self._distances.prepare()
+
+    def bounds(self) -> tuple[FloatArray, FloatArray]:
+        """Low and high corner, each (3,), of the tightest axis-parallel box, [unit], world."""
+        return _bounds(self)
+
+    def triangles(self) -> FloatArray:
+        """Corners (m, 3, 3) of the triangles, [unit], world."""
+        return _triangles(self)
+
+    def signed_distance(self, points: FloatArray) -> FloatArray:
+        """Distance (n,) of points (n, 3) to the surface, [unit]; negative inside a closed mesh.
+
+        Up to rounding, and by less than 1e-7 of the mesh's size where it has triangles without a
+        width, it is exact or less. Inside a shell that crosses itself, the surface is all of it.
+        """
+        return self._distances.signed(self._to_file(points)) * self._factor
+
+    def gradient(self, points: FloatArray) -> FloatArray:
+        """Unit vectors (n, 3) along which the signed distance of points (n, 3) grows fastest.
+
+        Where that direction is not unique it is one of those towards the nearest points, on the
+        surface itself the normal of a triangle there. A mesh is not convex: no subgradient.
+        """
+        return self._distances.outward(self._to_file(points)) @ rotation(self.wxyz).T
+
+    def segment_distance(self, p: FloatArray, q: FloatArray) -> FloatArray:
+        """Least signed distance (n,) along the segments from p (n, 3) to q (n, 3), [unit].
+
+        Exact up to rounding where a segment stays outside; p may equal q. Rounding is least at
+        triangles that are not thin, and below 1e-8 of the mesh's size at any. Where a segment
+        enters a closed mesh, the value is a bound from below, under the true one by at most 1/64 of
+        its length.
+        """
+        found = self._distances.along(self._to_file(p), self._to_file(q))
+        return found * self._factor
+
+    def distance_bounds(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """A bound from below and one from above (n,) of the signed distance, [unit].
+
+        They cost next to nothing, and are apart by some hundredths of the mesh's size.
+        """
+        lower, upper = self._distances.bounds(self._to_file(points))
+        return lower * self._factor, upper * self._factor
+
+    def closer(self, points: FloatArray, margin: float) -> BoolArray:
+        """Which of the points (n, 3) have a signed distance under ``margin``, [unit], (n,)."""
+        return self._distances.closer(self._to_file(points), margin / self._factor)
+
+    def blocks(self, p: FloatArray, q: FloatArray, margins: FloatArray) -> BoolArray:
+        """Which segments from p (n, 3) to q (n, 3) come nearer than ``margins`` (n,), [unit].
+
+        Touching the surface blocks even where the margin is not above 0.
+        """
+        a, b = self._to_file(p), self._to_file(q)
+        return self._distances.blocks(a, b, margins / self._factor)
+
+    def _refuse_far(self) -> None:
+        """Raise a SceneError where the bounds are beyond what any other obstacle may have."""
+        low, high = self.bounds()
+        size = float((high - low).max())
+        if size > LARGEST:
+            raise SceneError("scale", self.scale, f"{_fitting(size)} as it is turned")
+        reached = max(-low.min(), high.max())
+        if reached <= LARGEST:
+            return
+        limit = f"in the scene it reaches {reached:g}, and ±{LARGEST:g} is the limit"
+        # with its middle at the origin a mesh of this size is well within the limit
+        better = np.clip(np.array(self.position) - (low + high) / 2, -LARGEST, LARGEST)
+        moved = better - np.array(self.position)
+        if max(-(low + moved).min(), (high + moved).max()) <= LARGEST:
+            place = "({:g}, {:g}, {:g})".format(*better.round(6) + 0.0)  # 0, not -0
+            raise SceneError("position", self.position, f"one like {place}: {limit}")
+        raise SceneError("file", self.file, f"a mesh nearer to 0, or in a smaller unit: {limit}")
+
+    @property
+    def _distances(self) -> SurfaceDistance:
+        return distances(self.surface)
+
+    def _to_file(self, points: FloatArray) -> FloatArray:
+        return self._to_body(points) / self._factor
+
+
+@lru_cache(maxsize=256)
+def _bounds(shape: MeshShape) -> tuple[FloatArray, FloatArray]:
+    corners = _to_world(shape, shape.surface.hull)
+    return read_only(corners.min(axis=0)), read_only(corners.max(axis=0))
+
+
+@lru_cache(maxsize=8)
+def _triangles(shape: MeshShape) -> FloatArray:
+    surface = shape.surface
+    return read_only(_to_world(shape, surface.vertices)[surface.faces])
+
+
+def _to_world(shape: MeshShape, points: FloatArray) -> FloatArray:
+    turned = points * shape.factor @ rotation(shape.wxyz).T
+    return np.asarray(turned + np.array(shape.position))
+
+
+def _fitting(size: float) -> str:
+    return f"a mesh between 1e-06 and {LARGEST:g} large, it would be {size:g}"
+
+
+def suggest_unit(extent: float, workspace: Sequence[float], unit: str) -> str | None:
+    """The unit a mesh was likely drawn in, when as it is it cannot be meant for this workspace.
+
+    Args:
+        extent: longest side of the mesh's bounding box, read in ``unit``.
+        workspace: edge lengths of the workspace, [unit].
+        unit: the scene's unit, or the one given for the mesh.
+
+    Returns:
+        The unit that brings the mesh nearest to the workspace's size, where the mesh is over 20
+        times as large or under 1/500 as large; None where it is not, or where no unit would help.
+    """
+    ratio = extent / max(workspace)
+    if TOO_SMALL <= ratio <= TOO_LARGE:
+        return None
+    fitting = {
+        other: abs(math.log(ratio * METRES[other] / METRES[unit]))
+        for other in METRES
+        if TOO_SMALL <= ratio * METRES[other] / METRES[unit] <= TOO_LARGE
+    }
+    return min(fitting, key=lambda other: fitting[other], default=None)

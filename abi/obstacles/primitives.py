@@ -1,0 +1,367 @@
+"""Obstacles: solids placed in the world, their signed distance and their distance to segments.
+
+Every solid written down here is convex, so its signed distance is a convex function of the point
+(Boyd and Vandenberghe, Convex Optimization, 2004, section 3.2.5 and exercise 8.5). Two things rest
+on that: the distance along a segment has one lowest stretch, and every tangent bounds it from
+below. Triangle meshes (:mod:`abi.obstacles.mesh_shape`) need not be convex: ``convex`` tells.
+Lengths are in the scene's [unit]; arrays of points are in the world frame unless named body.
+"""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from typing import Annotated, ClassVar, Literal
+
+import numpy as np
+from pydantic import Field
+
+from abi.arrays import BoolArray, FloatArray, IntArray, read_only
+from abi.obstacles.mesh_shape import MeshShape
+from abi.obstacles.pose import LARGEST, Length, Posed, Quaternion, Vec3, rotation
+
+__all__ = [
+    "LARGEST",
+    "Box",
+    "Capsule",
+    "Cylinder",
+    "Length",
+    "MeshShape",
+    "Obstacle",
+    "Obstacles",
+    "Quaternion",
+    "Sphere",
+    "Vec3",
+    "nearest",
+    "segments_blocked",
+]
+
+
+def _dot(a: FloatArray, b: FloatArray) -> FloatArray:
+    return np.asarray(np.einsum("...i,...i->...", a, b))
+
+
+def _unit(vectors: FloatArray, otherwise: FloatArray) -> FloatArray:
+    """Unit vectors (n, k) along ``vectors``; ``otherwise``, unit too, where these are zero."""
+    largest = np.abs(vectors).max(axis=1, keepdims=True)
+    # Scaling first keeps the squares of the smallest vectors from vanishing.
+    scaled = np.where(largest > 0, vectors / np.where(largest > 0, largest, 1), otherwise)
+    return np.asarray(scaled / np.sqrt(_dot(scaled, scaled))[:, None])
+
+
+def _excess_distance(excess: FloatArray) -> FloatArray:
+    """Signed distance (n,) from the coordinates' excess (n, k) over the solid's half sizes."""
+    outside = np.maximum(excess, 0)
+    return np.asarray(np.sqrt(_dot(outside, outside)) + np.minimum(excess.max(axis=1), 0))
+
+
+def _excess_direction(excess: FloatArray) -> FloatArray:
+    """Unit vectors (n, k) along which ``_excess_distance`` grows fastest."""
+    nearest_face = np.eye(excess.shape[1])[excess.argmax(axis=1)]
+    return _unit(np.maximum(excess, 0), nearest_face)
+
+
+def _nearest_to_box(p: FloatArray, d: FloatArray, half: FloatArray) -> FloatArray:
+    """Parameter (n,) in [0, 1] at which p + t d is nearest to the box of half sizes ``half``.
+
+    Half the derivative of the squared distance, sum (x_i - clip x_i) d_i, is continuous, never
+    falls and is linear between the crossings of the six face planes: its zero is exact.
+    """
+    t = np.zeros((len(p), 8))
+    for column, faces in ((1, -half), (4, half)):
+        with np.errstate(over="ignore"):
+            np.divide(faces - p, d, out=t[:, column : column + 3], where=d != 0)
+    t[:, 7] = 1
+    t = np.sort(np.clip(t, 0, 1), axis=1)
+    x = p[:, None] + t[..., None] * d[:, None]
+    slope = _dot(x - np.clip(x, -half, half), d[:, None])
+    rows = np.arange(len(p))
+    k = np.clip((slope <= 0).sum(axis=1) - 1, 0, 6)
+    a, b = slope[rows, k], slope[rows, k + 1]
+    share = np.clip(-a / np.where(b > a, b - a, 1), 0, 1)
+    return np.asarray(t[rows, k] + share * (t[rows, k + 1] - t[rows, k]))
+
+
+def _deepest_in_box(p: FloatArray, d: FloatArray, half: FloatArray) -> FloatArray:
+    """Parameter (n,) in [0, 1] at which p + t d, which meets the box, lies deepest in it.
+
+    Inside, the signed distance is the greatest of six functions linear in t, one for each face.
+    The lowest point of such an envelope is an end or where two of them are equal.
+    """
+    level = np.concatenate([p - half, -p - half], axis=1)
+    slope = np.concatenate([d, -d], axis=1)
+    i, j = np.triu_indices(6, 1)
+    turn = slope[:, i] - slope[:, j]
+    t = np.zeros((len(p), len(i) + 2))
+    t[:, 1] = 1
+    with np.errstate(over="ignore"):
+        np.divide(level[:, j] - level[:, i], turn, out=t[:, 2:], where=turn != 0)
+    t = np.clip(t, 0, 1)
+    depth = (level[:, None] + t[..., None] * slope[:, None]).max(axis=2)
+    return np.asarray(t[np.arange(len(p)), depth.argmin(axis=1)])
+
+
+class _Solid(Posed):
+    """A convex solid and its pose. Children answer in the body frame, this class in the world."""
+
+    convex: ClassVar[bool] = True
+
+    @abstractmethod
+    def _distance(self, x: FloatArray) -> FloatArray:
+        """Signed distance (n,) of body points (n, 3)."""
+
+    @abstractmethod
+    def _outward(self, x: FloatArray) -> FloatArray:
+        """A unit subgradient (n, 3) of the signed distance at body points (n, 3)."""
+
+    @abstractmethod
+    def _lowest(self, p: FloatArray, d: FloatArray) -> FloatArray:
+        """Parameter (n,) in [0, 1] of the least signed distance along p + t d, body (n, 3)."""
+
+    @abstractmethod
+    def _reach(self, rotation: FloatArray) -> FloatArray:
+        """Half extents (3,) of the solid along the world's axes."""
+
+    @abstractmethod
+    def _support(self, n: FloatArray) -> FloatArray:
+        """Greatest n·x (k,) over the solid for body directions n (k, 3)."""
+
+    @abstractmethod
+    def _nearest(self, x: FloatArray) -> FloatArray:
+        """Points (n, 3) of the solid nearest to body points (n, 3)."""
+
+    def support(self, directions: FloatArray) -> FloatArray:
+        """Greatest n·x (k,) over the solid for unit directions n (k, 3), world, [unit]."""
+        turned = self._support(directions @ rotation(self.wxyz))
+        return np.asarray(turned + directions @ np.array(self.position))
+
+    def nearest_points(self, points: FloatArray) -> FloatArray:
+        """Points (n, 3) of the solid nearest to points (n, 3), [unit], world; itself inside."""
+        found = self._nearest(self._to_body(points)) @ rotation(self.wxyz).T
+        return np.asarray(found + np.array(self.position))
+
+    def bounds(self) -> tuple[FloatArray, FloatArray]:
+        """Low and high corner, each (3,), of the tightest axis-parallel box, [unit], world."""
+        reach = self._reach(rotation(self.wxyz))
+        return read_only(self.position - reach), read_only(self.position + reach)
+
+    def signed_distance(self, points: FloatArray) -> FloatArray:
+        """Euclidean distance (n,) of points (n, 3) to the surface, [unit]; negative inside."""
+        return self._distance(self._to_body(points))
+
+    def gradient(self, points: FloatArray) -> FloatArray:
+        """Unit vectors (n, 3) along which the signed distance of points (n, 3) grows fastest.
+
+        Where that direction is not unique (on the medial axis, at edges) it is one of the valid
+        ones, hence always a subgradient: d(x) >= d(p) + gradient(p) . (x - p) for all x.
+        """
+        return np.asarray(self._outward(self._to_body(points)) @ rotation(self.wxyz).T)
+
+    def segment_distance(self, p: FloatArray, q: FloatArray) -> FloatArray:
+        """Least signed distance (n,) along the segments from p (n, 3) to q (n, 3), [unit].
+
+        Exact up to rounding (cylinder: the place to 2^-50 of the segment); p may equal q.
+        """
+        a, b = self._to_body(p), self._to_body(q)
+        d = b - a
+        lowest = self._distance(a + self._lowest(a, d)[:, None] * d)
+        return np.minimum(lowest, np.minimum(self._distance(a), self._distance(b)))
+
+    def closer(self, points: FloatArray, margin: float) -> BoolArray:
+        """Which of the points (n, 3) have a signed distance under ``margin``, [unit], (n,)."""
+        return self.signed_distance(points) < margin
+
+    def blocks(self, p: FloatArray, q: FloatArray, margins: FloatArray) -> BoolArray:
+        """Which segments from p (n, 3) to q (n, 3) come nearer than ``margins`` (n,), [unit].
+
+        Only the segments that their ends leave open are measured along their whole length.
+        """
+        at_p, at_q = self.signed_distance(p), self.signed_distance(q)
+        length = np.sqrt(_dot(q - p, q - p))
+        blocked = np.minimum(at_p, at_q) < margins
+        # The distance changes by no more than the way gone; the pad leaves ties to the exact test.
+        pad = 1e-12 * (length + np.abs(at_p) + np.abs(at_q))
+        rows = np.flatnonzero(~blocked & ((at_p + at_q - length) / 2 < margins + pad))
+        p, q, at_p, at_q, pad, margins = (v[rows] for v in (p, q, at_p, at_q, pad, margins))
+        # The tangents at both ends bound a convex function from below where they meet.
+        slope_p = _dot(self.gradient(p), q - p)
+        slope_q = _dot(self.gradient(q), q - p)
+        turn = slope_q - slope_p
+        t = np.clip((at_p - at_q + slope_q) / np.where(turn > 0, turn, 1), 0, 1)
+        floor = np.maximum(at_p + slope_p * t, at_q + slope_q * (t - 1))
+        open_ = (turn > 0) & (slope_p < 0) & (slope_q > 0) & (floor < margins + pad)
+        left = rows[open_]
+        blocked[left] = self.segment_distance(p[open_], q[open_]) < margins[open_]
+        return blocked
+
+
+class Box(_Solid):
+    """A box; ``size`` is its full extent along the body's x, y, z, [unit]."""
+
+    shape: Literal["box"] = "box"
+    size: tuple[Length, Length, Length]
+
+    def _distance(self, x: FloatArray) -> FloatArray:
+        return _excess_distance(np.abs(x) - np.array(self.size) / 2)
+
+    def _outward(self, x: FloatArray) -> FloatArray:
+        direction = _excess_direction(np.abs(x) - np.array(self.size) / 2)
+        return np.copysign(direction, x)
+
+    def _lowest(self, p: FloatArray, d: FloatArray) -> FloatArray:
+        half = np.array(self.size) / 2
+        t = _nearest_to_box(p, d, half)
+        inside = np.flatnonzero(self._distance(p + t[:, None] * d) <= 0)
+        t[inside] = _deepest_in_box(p[inside], d[inside], half)
+        return t
+
+    def _reach(self, rotation: FloatArray) -> FloatArray:
+        return np.asarray(np.abs(rotation) @ (np.array(self.size) / 2))
+
+    def _support(self, n: FloatArray) -> FloatArray:
+        return np.asarray(np.abs(n) @ (np.array(self.size) / 2))
+
+    def _nearest(self, x: FloatArray) -> FloatArray:
+        half = np.array(self.size) / 2
+        return np.clip(x, -half, half)
+
+
+class _Rounded(_Solid):
+    """All points within ``radius`` of a core, which is a point or a segment of the z axis."""
+
+    radius: Length
+
+    @abstractmethod
+    def _core(self) -> FloatArray:
+        """Half sizes (3,) of the core."""
+
+    def _distance(self, x: FloatArray) -> FloatArray:
+        return _excess_distance(np.abs(x) - self._core()) - self.radius
+
+    def _outward(self, x: FloatArray) -> FloatArray:
+        core = self._core()
+        return _unit(x - np.clip(x, -core, core), np.array([1.0, 0.0, 0.0]))
+
+    def _lowest(self, p: FloatArray, d: FloatArray) -> FloatArray:
+        return _nearest_to_box(p, d, self._core())
+
+    def _reach(self, rotation: FloatArray) -> FloatArray:
+        return np.asarray(np.abs(rotation) @ self._core() + self.radius)
+
+    def _support(self, n: FloatArray) -> FloatArray:
+        return np.asarray(np.abs(n) @ self._core() + self.radius * np.sqrt(_dot(n, n)))
+
+    def _nearest(self, x: FloatArray) -> FloatArray:
+        core = self._core()
+        on_core = np.clip(x, -core, core)
+        away = np.linalg.norm(x - on_core, axis=1, keepdims=True)
+        share = np.where(away > self.radius, self.radius / np.where(away > 0, away, 1), 1)
+        return np.asarray(on_core + share * (x - on_core))
+
+
+class Sphere(_Rounded):
+    """A ball; ``radius`` in [unit]."""
+
+    shape: Literal["sphere"] = "sphere"
+
+    def _core(self) -> FloatArray:
+        return np.zeros(3)
+
+
+class Capsule(_Rounded):
+    """A cylinder with round caps along the body's z; ``height`` between the cap centres, [unit]."""
+
+    shape: Literal["capsule"] = "capsule"
+    height: Length
+
+    def _core(self) -> FloatArray:
+        return np.array([0.0, 0.0, self.height / 2])
+
+
+class Cylinder(_Solid):
+    """A cylinder with flat ends along the body's z, centred; ``radius``, ``height`` in [unit]."""
+
+    shape: Literal["cylinder"] = "cylinder"
+    radius: Length
+    height: Length
+
+    def _excess(self, x: FloatArray) -> FloatArray:
+        radial = np.hypot(x[:, 0], x[:, 1]) - self.radius
+        return np.stack([radial, np.abs(x[:, 2]) - self.height / 2], axis=1)
+
+    def _distance(self, x: FloatArray) -> FloatArray:
+        return _excess_distance(self._excess(x))
+
+    def _outward(self, x: FloatArray) -> FloatArray:
+        direction = _excess_direction(self._excess(x))
+        radial = _unit(x[:, :2], np.array([1.0, 0.0])) * direction[:, :1]
+        return np.concatenate([radial, np.copysign(direction[:, 1:], x[:, 2:])], axis=1)
+
+    def _lowest(self, p: FloatArray, d: FloatArray) -> FloatArray:
+        # Past the rim the minimum is the root of a quartic; halving on the slope's sign is as exact
+        # and needs no case.
+        low, high = np.zeros(len(p)), np.ones(len(p))
+        for _ in range(50):
+            t = (low + high) / 2
+            rising = _dot(self._outward(p + t[:, None] * d), d) > 0
+            low, high = np.where(rising, low, t), np.where(rising, t, high)
+        return np.asarray((low + high) / 2)
+
+    def _reach(self, rotation: FloatArray) -> FloatArray:
+        across = np.hypot(rotation[:, 0], rotation[:, 1])
+        return np.asarray(np.abs(rotation[:, 2]) * self.height / 2 + across * self.radius)
+
+    def _support(self, n: FloatArray) -> FloatArray:
+        across = np.hypot(n[:, 0], n[:, 1])
+        return np.asarray(np.abs(n[:, 2]) * self.height / 2 + across * self.radius)
+
+    def _nearest(self, x: FloatArray) -> FloatArray:
+        across = np.hypot(x[:, 0], x[:, 1])[:, None]
+        share = np.where(across > self.radius, self.radius / np.where(across > 0, across, 1), 1)
+        z = np.clip(x[:, 2:], -self.height / 2, self.height / 2)
+        return np.concatenate([share * x[:, :2], z], axis=1)
+
+
+Obstacle = Annotated[Box | Sphere | Cylinder | Capsule | MeshShape, Field(discriminator="shape")]
+Obstacles = tuple[Obstacle, ...]
+
+
+def nearest(obstacles: Obstacles, points: FloatArray) -> tuple[FloatArray, IntArray]:
+    """Least signed distance (n,) of points (n, 3) to the obstacles, [unit], and whose it is (n,).
+
+    The index is the first obstacle's on a tie; without obstacles the distance is inf, the index -1.
+    """
+    distance = np.full(len(points), np.inf)
+    index = np.full(len(points), -1, dtype=np.int32)
+    for k, obstacle in enumerate(obstacles):
+        found = obstacle.signed_distance(points)
+        nearer = found < distance
+        distance[nearer] = found[nearer]
+        index[nearer] = k
+    return distance, index
+
+
+def segments_blocked(
+    obstacles: Obstacles, p: FloatArray, q: FloatArray, margin: float | FloatArray
+) -> BoolArray:
+    """Which segments from p (n, 3) to q (n, 3) come nearer than ``margin`` to an obstacle, (n,).
+
+    Args:
+        obstacles: the solids; none block nothing.
+        p: first ends, [unit], world.
+        q: second ends, [unit], world.
+        margin: distance asked for, [unit], one for all or one for each segment (n,).
+
+    Only the segments that the obstacle's bounding box leaves open are looked at any closer.
+    """
+    margins = np.broadcast_to(np.asarray(margin, dtype=float), (len(p),))
+    blocked = np.zeros(len(p), dtype=bool)
+    low_ends, high_ends = np.minimum(p, q), np.maximum(p, q)
+    for obstacle in obstacles:
+        low, high = obstacle.bounds()
+        near = ~blocked
+        for axis in range(3):
+            near &= high_ends[:, axis] + margins > low[axis]
+            near &= low_ends[:, axis] - margins < high[axis]
+        rows = np.flatnonzero(near)
+        blocked[rows] = obstacle.blocks(p[rows], q[rows], margins[rows])
+    return blocked

@@ -1,0 +1,1 @@
+"""Triangle meshes: files read and repaired, and exact distances to them."""

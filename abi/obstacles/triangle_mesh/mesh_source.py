@@ -1,0 +1,81 @@
+"""Where the mesh files of a scene come from: its folder, an upload, or a scene already loaded."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import lru_cache
+from pathlib import Path, PurePosixPath
+
+from abi.errors import SceneError
+from abi.obstacles.triangle_mesh.repair import Surface, clean
+from abi.obstacles.triangle_mesh.stl_obj import MAX_BYTES, SUFFIXES, read
+
+
+class MeshSource:
+    """Finds the surface of a mesh by the name that stands in the scene.
+
+    Args:
+        files: content or surface of each file by its name, looked at first.
+        folder: the folder that holds the scene file; nothing outside it is opened.
+    """
+
+    def __init__(
+        self,
+        files: Mapping[str, bytes | Surface] | Mapping[str, bytes] | None = None,
+        folder: Path | None = None,
+    ) -> None:
+        self.files: dict[str, bytes | Surface] = dict(files or {})
+        self.folder = folder
+
+    @classmethod
+    def of(cls, where: str | Path | Mapping[str, bytes] | MeshSource | None) -> MeshSource:
+        """A source from a scene's folder, from uploaded files by name, or from nothing."""
+        if isinstance(where, MeshSource):
+            return where
+        return cls(folder=Path(where)) if isinstance(where, str | Path) else cls(where)
+
+    def surface(self, name: str) -> Surface:
+        """The cleaned surface of the mesh file ``name``.
+
+        Raises:
+            SceneError: no such name, a name outside the folder, or not a mesh.
+        """
+        _refuse_strange(name)
+        found = self.files.get(name)
+        if isinstance(found, Surface):
+            return found
+        return _surface(found if found is not None else self._content(name), name)
+
+    def _content(self, name: str) -> bytes:
+        if self.folder is None:
+            known = ", ".join(sorted(self.files)[:5])
+            expected = f"one of the files given: {known}" if known else "its file to be given too"
+            raise SceneError("file", name, expected)
+        try:
+            folder = self.folder.resolve(strict=True)
+            path = (folder / name).resolve(strict=True)
+            if not path.is_relative_to(folder):
+                raise SceneError("file", name, "a file in the scene's folder, not a link out of it")
+            if not path.is_file():
+                raise SceneError("file", name, "a file, not a folder")
+            with path.open("rb") as file:
+                return file.read(MAX_BYTES + 1)
+        except (OSError, RuntimeError) as error:
+            reason = (getattr(error, "strerror", None) or "unreadable").lower()
+            raise SceneError("file", name, f"a file that can be read ({reason})") from None
+
+
+def _refuse_strange(name: str) -> None:
+    """Refuse what is not a plain relative path on every system."""
+    parts = name.split("/")
+    if not name.isprintable() or any(c in name for c in '\\:*?"<>|'):
+        raise SceneError("file", name, 'a plain name with "/" between folders')
+    if name.startswith("/") or any(part in ("", ".", "..") for part in parts):
+        raise SceneError("file", name, "a path inside the scene's folder, without .. or a root")
+    if PurePosixPath(name).suffix.lower() not in SUFFIXES:
+        raise SceneError("file", name, f"a file that ends in {', '.join(SUFFIXES)}")
+
+
+@lru_cache(maxsize=8)
+def _surface(content: bytes, name: str) -> Surface:
+    return clean(*read(content, name), name)

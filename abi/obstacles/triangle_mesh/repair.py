@@ -1,0 +1,250 @@
+"""The surface of an obstacle: triangles, cleaned so that inside and outside mean something.
+
+The steps follow what printing and simulation tools do before they trust a mesh (Attene, A
+lightweight approach to repairing digitized polygon meshes, The Visual Computer 26, 2010).
+"""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+import scipy
+
+from abi.arrays import BoolArray, FloatArray, IntArray, read_only
+from abi.errors import SceneError
+from abi.obstacles.triangle_mesh.union import united
+
+_WELD = 1e-6
+"""Corners this near, as a part of the mesh's size, are joined where that closes the surface."""
+
+_FLAT = 1e-9
+"""A shell whose volume is below this part of its area to the power 3/2 has no inside."""
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """Triangles in the coordinates of their file; compares and hashes by its content.
+
+    Attributes:
+        vertices: (n, 3), each used by a triangle.
+        faces: (m, 3) ids of the corners; counter-clockwise seen from outside where closed.
+        closed: whether it bounds a solid: a point is inside where it winds around it.
+        notes: sentences that say what was repaired, or what it cannot be.
+    """
+
+    vertices: FloatArray
+    faces: IntArray
+    closed: bool
+    notes: tuple[str, ...] = ()
+    digest: str = field(init=False)
+
+    def __post_init__(self) -> None:
+        content = hashlib.sha256(self.vertices.tobytes() + self.faces.tobytes())
+        content.update(bytes([self.closed]))
+        object.__setattr__(self, "digest", content.hexdigest())
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Surface) and self.digest == other.digest
+
+    def __hash__(self) -> int:
+        return hash(self.digest)
+
+    @cached_property
+    def extent(self) -> float:
+        """Longest side of the bounding box."""
+        return float(np.ptp(self.vertices, axis=0).max())
+
+    @cached_property
+    def hull(self) -> FloatArray:
+        """The vertices (k, 3) that are corners of the convex hull; all where it is flat."""
+        try:
+            return read_only(self.vertices[scipy.spatial.ConvexHull(self.vertices).vertices])
+        except scipy.spatial.QhullError:
+            return self.vertices
+
+
+def clean(vertices: FloatArray, faces: IntArray, name: str = "mesh") -> Surface:
+    """Repair what can be repaired without a guess, and say what was done.
+
+    Equal corners are joined, triangles without area and doubles left out. Each shell whose edges
+    all have two sides is turned one way throughout and outward; overlapping, touching and nested
+    shells are united, which makes cavities solid: nothing could get into them. Where a shell stays
+    open the whole surface counts as one that nothing passes through, without an inside.
+
+    Args:
+        vertices: (n, 3) finite coordinates.
+        faces: (m, 3) ids of the corners.
+        name: the file's name, for errors.
+
+    Raises:
+        SceneError: no triangle has an area.
+    """
+    notes: list[str] = []
+    vertices, faces = _joined(vertices, faces, 0.0)
+    faces = _without_doubles(faces, notes)
+    size = float(np.ptp(vertices, axis=0).max(initial=0.0)) if len(faces) else 0.0
+    if size == 0 or not _areas(vertices, faces).any():
+        raise SceneError("file", name, "a mesh, none of its triangles has an area")
+    shells = _shells(vertices, faces)
+    if not shells.closed.all():
+        joined, joined_faces = _joined(vertices, faces, _WELD * size)
+        joined_faces = _without_doubles(joined_faces, [])
+        retried = _shells(joined, joined_faces) if len(joined_faces) else shells
+        if retried.closed.all():
+            vertices, shells = joined, retried
+            notes.append("Corners that nearly met were joined, which closed the surface.")
+    notes += shells.notes
+    faces, closed = shells.faces, bool(shells.closed.all())
+    if closed and len(shells.closed) > 1:
+        merged = united(vertices, faces, shells.label)
+        if merged is not None:
+            vertices, faces = merged
+            notes.append(f"Its {len(shells.closed)} shells count as one solid.")
+    if not closed:
+        notes.append("It is not closed: nothing passes through it, but it has no inside.")
+    vertices, faces = _compact(vertices, faces[_areas(vertices, faces) > 0])
+    return Surface(read_only(vertices), read_only(faces), closed, tuple(notes))
+
+
+@dataclass(frozen=True, eq=False)
+class _Shells:
+    """Faces (m, 3) turned outward, the shell (m,) of each, which shells are closed (k,)."""
+
+    faces: IntArray
+    label: IntArray
+    closed: BoolArray
+    notes: tuple[str, ...]
+
+
+def _shells(vertices: FloatArray, faces: IntArray) -> _Shells:
+    """Split the faces where they share no edge, and turn each closed shell outward."""
+    edges = _Edges.of(faces)
+    faces, notes = faces.copy(), []
+    flipped = edges.flipped()
+    if flipped.any():
+        faces[flipped] = faces[flipped, ::-1]
+        edges = _Edges.of(faces)
+        notes.append(f"{flipped.sum()} triangles faced the other way than their neighbours.")
+    count, label = scipy.sparse.csgraph.connected_components(
+        edges.neighbours(edges.all_pairs()), directed=False
+    )
+    # a shell without a boundary winds a whole number of times around every point
+    loose = edges.balance != 0
+    closed = np.bincount(label[edges.face[loose[edges.edge]]], minlength=count) == 0
+    middle = (vertices.min(axis=0) + vertices.max(axis=0)) / 2
+    a, b, c = (vertices[faces[:, corner]] - middle for corner in range(3))
+    volume = np.bincount(label, np.einsum("ij,ij->i", np.cross(a, b), c) / 6, count)
+    area = np.bincount(label, _areas(vertices, faces), count)
+    closed &= np.abs(volume) > _FLAT * area**1.5
+    inward = closed & (volume < 0)
+    if inward.any():
+        turned = inward[label]
+        faces[turned] = faces[turned, ::-1]
+        notes.append(
+            f"{inward.sum()} of {count} shells faced inward and were turned; cavities are solid."
+        )
+    return _Shells(faces, label.astype(np.int32), closed, tuple(notes))
+
+
+@dataclass(frozen=True, eq=False)
+class _Edges:
+    """The sides of the faces, grouped into undirected edges.
+
+    Attributes:
+        face: (3m,) face of each side, in the order of ``edge``.
+        edge: (3m,) edge of each side, ascending.
+        forward: (3m,) whether the side runs from the lower to the higher vertex.
+        balance: (e,) sides of the edge that run forward less those that run back.
+        first: (e,) place of the edge's first side.
+        sides: (e,) number of sides.
+        faces: number of faces.
+    """
+
+    face: IntArray
+    edge: IntArray
+    forward: BoolArray
+    balance: IntArray
+    first: IntArray
+    sides: IntArray
+    faces: int
+
+    @classmethod
+    def of(cls, faces: IntArray) -> _Edges:
+        tail = faces[:, [0, 1, 2]].ravel().astype(np.int64)
+        head = faces[:, [1, 2, 0]].ravel().astype(np.int64)
+        keys = np.minimum(tail, head) * (int(faces.max()) + 1) + np.maximum(tail, head)
+        order = np.argsort(keys, kind="stable")
+        _, *found = np.unique(
+            keys[order], return_index=True, return_inverse=True, return_counts=True
+        )
+        first, edge, sides = (part.astype(np.int32) for part in found)
+        forward = (tail < head)[order]
+        balance = np.bincount(edge, np.where(forward, 1, -1)).astype(np.int32)
+        face = (order // 3).astype(np.int32)
+        return cls(face, edge, forward, balance, first, sides, len(faces))
+
+    def all_pairs(self) -> IntArray:
+        """Places (k, 2) of sides that follow each other at the same edge."""
+        place = np.flatnonzero(self.edge[1:] == self.edge[:-1])
+        return np.stack([place, place + 1], axis=1)
+
+    def neighbours(self, pairs: IntArray) -> scipy.sparse.coo_array:
+        """Matrix (m, m) that joins the faces of these pairs of sides."""
+        a, b = self.face[pairs].T
+        return scipy.sparse.coo_array(
+            (np.ones(len(a), dtype=np.int8), (a, b)), shape=(self.faces, self.faces)
+        )
+
+    def flipped(self) -> BoolArray:
+        """Faces (m,) to turn so that neighbours agree over every edge of two sides.
+
+        Each face is there twice, as it is and turned, and joined to those it agrees with: a patch
+        that can be turned one way falls into two mirrored halves, of which the one that turns
+        fewer faces is taken. A patch that cannot, like Möbius's, is left as it is.
+        """
+        first = self.first[self.sides == 2]
+        a, b = self.face[first], self.face[first + 1]
+        disagree = self.forward[first] == self.forward[first + 1]
+        m = self.faces
+        tails = np.concatenate([a, a + m])
+        heads = np.concatenate([b + m * disagree, b + m * ~disagree])
+        joined = scipy.sparse.coo_array(
+            (np.ones(len(tails), dtype=np.int8), (tails, heads)), (2 * m, 2 * m)
+        )
+        count, half = scipy.sparse.csgraph.connected_components(joined, directed=False)
+        kept = np.bincount(half[:m], minlength=count)
+        as_is, turned = kept[half[:m]], kept[half[m:]]
+        # on a tie the half of the patch's first face stays
+        return np.asarray((turned > as_is) | ((turned == as_is) & (half[m:] < half[:m])))
+
+
+def _joined(vertices: FloatArray, faces: IntArray, near: float) -> tuple[FloatArray, IntArray]:
+    """Join equal vertices, or those in the same cube of side ``near``; drop faces that fold up."""
+    places = np.round(vertices / near) if near else vertices + 0.0  # -0.0 is 0.0
+    _, first, of = np.unique(places, axis=0, return_index=True, return_inverse=True)
+    joined = of.ravel()[faces]
+    a, b, c = joined.T
+    joined = joined[(a != b) & (b != c) & (c != a)]
+    return _compact(vertices[first], joined.astype(np.int32))
+
+
+def _without_doubles(faces: IntArray, notes: list[str]) -> IntArray:
+    """Each triangle once, whichever way it faces, in the order of the file."""
+    _, first = np.unique(np.sort(faces, axis=1), axis=0, return_index=True)
+    if len(first) < len(faces):
+        notes.append(f"{len(faces) - len(first)} triangles were there more than once.")
+    return faces[np.sort(first)]
+
+
+def _compact(vertices: FloatArray, faces: IntArray) -> tuple[FloatArray, IntArray]:
+    """Without the vertices that no face uses."""
+    used, ids = np.unique(faces, return_inverse=True)
+    return np.ascontiguousarray(vertices[used]), ids.reshape(-1, 3).astype(np.int32)
+
+
+def _areas(vertices: FloatArray, faces: IntArray) -> FloatArray:
+    a, b, c = (vertices[faces[:, corner]] for corner in range(3))
+    return np.asarray(np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2)

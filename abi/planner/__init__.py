@@ -1,0 +1,1 @@
+"""Planner: the stages in order, and why there is no plan."""

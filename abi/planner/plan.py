@@ -1,0 +1,285 @@
+"""The stages in order: a scene in, a plan out.
+
+A :class:`Planner` remembers the last result of each stage, so that a change runs only what lies
+downstream of it.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import Any, Generic, ParamSpec, TypeVar
+
+import numpy as np
+
+from abi import kernels
+from abi.arm import trajectory
+from abi.arm.arm import Arm
+from abi.arm.trajectory import ArmMotion
+from abi.curves import bspline, curve
+from abi.curves import fit_quadratic as quadratic_modes
+from abi.curves import speed_profile as timing
+from abi.curves.bspline import BSpline
+from abi.curves.curve import ArcLength
+from abi.curves.quadratic import Quadratic
+from abi.curves.quadratics import Quadratics
+from abi.curves.speed_profile import Profile
+from abi.errors import ClearanceNotHeld, StageError
+from abi.obstacles import polyline
+from abi.scene.scene import Scene
+from abi.search import graph
+from abi.search.graph import Graph
+from abi.search.search import SEARCHES, SearchResult
+from abi.taut.lower_bound import Bound, lower_bound
+from abi.taut.taut_path import TautPath, taut
+from abi.tet_mesh import tet_mesh as mesh
+from abi.tet_mesh.tet_mesh import FreeMesh, TetMesh
+
+_P = ParamSpec("_P")
+_R = TypeVar("_R")
+
+SLACK = 1e-3
+"""What mesh edges keep beyond the clearance, as a part of the workspace's longest side: room in
+which a smooth curve can round the corners of the path."""
+
+SAMPLES = 401
+"""Samples of the arm's motion, uniform in time."""
+
+_MANY = 300
+"""Obstacles from which waiting for the compiler takes less time than running without it."""
+
+_BRIEF, _HASTY = 50.0, 0.3
+"""Searches that take less, [ms], are timed twice: the first finds nothing in the caches, and may be
+held up by something else. In haste only those that take next to nothing."""
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """What the stages made of a scene; a stage that was not reached is None.
+
+    ``ms`` is what each stage took when it last ran, [ms]; ``total_ms`` is this call alone.
+    """
+
+    scene: Scene
+    mesh: TetMesh | None = None
+    free: FreeMesh | None = None
+    graph: Graph | None = None
+    searches: tuple[SearchResult, ...] = ()
+    path: SearchResult | None = None
+    path_clearance: float = math.inf
+    taut: TautPath | None = None
+    optimum: Bound | None = None
+    bspline: BSpline | None = None
+    bspline_arc: ArcLength | None = None
+    quadratic: Quadratic | Quadratics | None = None
+    quadratic_arc: ArcLength | None = None
+    followed: str | None = None
+    profile: Profile | None = None
+    arm: Arm | None = None
+    motion: ArmMotion | None = None
+    error: StageError | None = None
+    ms: Mapping[str, float] = field(default_factory=dict)
+    total_ms: float = 0.0
+
+    @property
+    def followed_curve(self) -> BSpline | Quadratic | Quadratics | None:
+        """The curve the arm executes."""
+        return {"bspline": self.bspline, "quadratic": self.quadratic}.get(self.followed or "")
+
+    @property
+    def lower_bound(self) -> float:
+        """No curve from start to goal is shorter than this, [unit]: the straight line."""
+        return float(np.linalg.norm(np.subtract(self.scene.goal, self.scene.start)))
+
+    @property
+    def best_known(self) -> float | None:
+        """Length of the shortest of this plan's curves that keep the clearance, [unit]."""
+        lengths = [found.length for found in (self.path, self.taut) if found is not None]
+        for fitted, arc in (
+            (self.bspline, self.bspline_arc),
+            (self.quadratic, self.quadratic_arc),
+        ):
+            if fitted is not None and arc is not None and fitted.holds:
+                lengths.append(arc.length)
+        return min(lengths, default=None)
+
+    def to_dict(self, full: bool = False) -> dict[str, Any]:
+        """Plain data, as in ``docs/scene-and-plan.md``; ``full`` adds the mesh and all samples."""
+        from abi.planner.plan_json import to_dict
+
+        return to_dict(self, full)
+
+
+class Planner:
+    """Runs the stages; remembers the last result of each."""
+
+    def __init__(self) -> None:
+        self._mesh = _Remembered(mesh.tetrahedralise)
+        self._free = _Remembered(mesh.exclude)
+        self._graph = _Remembered(graph.build)
+        self._searches = {name: _Remembered(search) for name, search in SEARCHES.items()}
+        self._path_clearance = _Remembered(polyline.measure_polyline)
+        self._taut = _Remembered(taut)
+        self._optimum = _Remembered(lower_bound)
+        self._bspline = _Remembered(bspline.fit)
+        self._bspline_arc = _Remembered(curve.measure)
+        self._quadratic = _Remembered(quadratic_modes.fit)
+        self._quadratic_arc = _Remembered(curve.measure)
+        self._profile = _Remembered(timing.three_phase)
+        self._arm = _Remembered(Arm.from_settings)
+        self._motion = _Remembered(trajectory.follow)
+
+    def __call__(self, scene: Scene, chosen_only: bool = False) -> Plan:
+        """Plan ``scene``; a scene without a plan returns a plan whose ``error`` is set.
+
+        Args:
+            scene: what to plan.
+            chosen_only: run only the search whose path goes on, for a plan in haste.
+        """
+        begin = time.perf_counter()
+        reached: dict[str, Any] = {}
+        for search in self._searches.values():
+            search.again = _HASTY if chosen_only else _BRIEF
+        names: list[str] = [scene.search.algorithm] if chosen_only else list(self._searches)
+        try:
+            self._run(scene, names, reached)
+        except StageError as error:
+            error.tell(scene.unit)
+            reached["error"] = error
+        total = 1e3 * (time.perf_counter() - begin)
+        return Plan(scene, **reached, ms=MappingProxyType(self._ms()), total_ms=total)
+
+    def _run(self, scene: Scene, algorithms: list[str], reached: dict[str, Any]) -> None:
+        """The method: each stage puts its result into ``reached`` or raises."""
+        if len(scene.obstacles) > _MANY and not kernels.ready.is_set():
+            kernels.warm()
+        asked = scene.spline.clearance
+        margin = asked + SLACK * max(scene.workspace.size)
+
+        # The arm stands there even when no path is found.
+        reached["arm"] = arm = self._arm(scene.arm, scene.unit)
+        # 1 tetrahedral mesh of the workspace without the obstacles
+        reached["mesh"] = tets = self._mesh(scene.workspace, scene.mesh)
+        reached["free"] = free = self._free(tets, scene.obstacles, margin)
+        # 2 graph
+        reached["graph"] = nodes = self._graph(
+            free, scene.obstacles, margin, scene.start, scene.goal, asked
+        )
+        # 3 A*, Dijkstra, Bellman-Ford
+        reached["searches"] = found = tuple(
+            self._searches[name](nodes, scene.search.weight) for name in algorithms
+        )
+        reached["path"] = path = next(
+            result for result in found if result.algorithm == scene.search.algorithm
+        )
+        reached["path_clearance"] = self._path_clearance(path.points, scene.obstacles)
+        # 3½ the path pulled taut, and how short any curve can be
+        way_points = path.points
+        if scene.search.taut:
+            reached["taut"] = string = self._taut(nodes, scene.obstacles, margin, path)
+            way_points = string.points
+        reached["optimum"] = self._optimum(
+            scene.start, scene.goal, scene.obstacles, asked, scene.workspace
+        )
+        # 4 B-spline, kept clear of the obstacles
+        reached["bspline"] = spline = self._bspline(
+            way_points, scene.spline.degree, scene.obstacles, asked, scene.search.taut
+        )
+        reached["bspline_arc"] = spline_arc = self._bspline_arc(spline)
+        # 5 quadratic curve with exact ends, and a motion in three phases
+        reached["quadratic"] = square = self._quadratic(
+            spline, spline_arc, scene.obstacles, asked, scene.quadratic.mode
+        )
+        reached["quadratic_arc"] = square_arc = self._quadratic_arc(square)
+        reached["followed"] = followed = _followed(scene, spline, square)
+        way, arc = (spline, spline_arc) if followed == "bspline" else (square, square_arc)
+        motion = scene.motion
+        reached["profile"] = profile = self._profile(
+            arc.length, motion.speed, motion.acceleration, motion.deceleration
+        )
+        # 6 inverse kinematics
+        reached["motion"] = moved = self._motion(
+            way, arc, profile, arm, scene.arm, scene.obstacles, SAMPLES
+        )
+        if moved.error is not None:
+            raise moved.error
+
+    def _ms(self) -> dict[str, float]:
+        return {
+            "mesh": self._mesh.ms + self._free.ms,
+            "graph": self._graph.ms,
+            **{name: search.ms for name, search in self._searches.items()},
+            "path_clearance": self._path_clearance.ms,
+            "taut": self._taut.ms,
+            "optimum": self._optimum.ms,
+            "bspline": self._bspline.ms + self._bspline_arc.ms,
+            "quadratic": self._quadratic.ms + self._quadratic_arc.ms,
+            "timing": self._profile.ms,
+            "arm": self._arm.ms + self._motion.ms,
+        }
+
+
+def plan(scene: Scene) -> Plan:
+    """Plan ``scene`` once; see :class:`Planner` to plan many that differ little."""
+    return Planner()(scene)
+
+
+class _Remembered(Generic[_P, _R]):
+    """A stage with a memory of one: equal arguments give back the same object.
+
+    Attributes:
+        ms: what it took.
+        again: what takes less, [ms], is timed twice, and the lesser time counts.
+    """
+
+    def __init__(self, function: Callable[_P, _R]) -> None:
+        self._function = function
+        self.again = 0.0
+        self._arguments: tuple[object, ...] | None = None
+        self._result: _R | None = None
+        self._error: StageError | None = None
+        self.ms = 0.0
+
+    def __call__(self, *args: _P.args, **kwargs: _P.kwargs) -> _R:
+        if self._arguments is None or not _same(self._arguments, args):
+            self._arguments, self._result, self._error = None, None, None
+            begin = time.perf_counter()
+            try:
+                self._result = self._function(*args, **kwargs)
+            except StageError as error:
+                self._error = error
+            self._arguments = args
+            self.ms = 1e3 * (time.perf_counter() - begin)
+            if self.ms < self.again and self._error is None:
+                begin = time.perf_counter()
+                self._function(*args, **kwargs)
+                self.ms = min(self.ms, 1e3 * (time.perf_counter() - begin))
+        if self._error is not None:
+            raise self._error
+        return self._result  # type: ignore[return-value]
+
+
+def _same(before: tuple[object, ...], now: tuple[object, ...]) -> bool:
+    """Settings compare by value, results and their arrays by identity."""
+    return len(before) == len(now) and all(
+        a is b or (not isinstance(a, np.ndarray) and a == b)
+        for a, b in zip(before, now, strict=True)
+    )
+
+
+def _followed(scene: Scene, spline: BSpline, square: Quadratic | Quadratics) -> str:
+    """Which curve the arm executes.
+
+    Raises:
+        ClearanceNotHeld: neither curve keeps the clearance and the scene leaves the choice to us.
+    """
+    if scene.motion.curve != "auto":
+        return scene.motion.curve
+    if square.holds:
+        return "quadratic"
+    if spline.holds:
+        return "bspline"
+    raise ClearanceNotHeld(scene.spline.clearance, spline.clearance.distance)

@@ -1,0 +1,136 @@
+"""What would become of a scene if one thing were different: tried, not guessed."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+import scipy
+
+from abi.arrays import IntArray
+from abi.errors import StageError
+from abi.obstacles.primitives import Obstacles
+from abi.planner.plan import SLACK, Plan, Planner
+from abi.scene.scene import FINEST, Scene
+from abi.search import graph
+from abi.search.graph import Graph
+from abi.tet_mesh import tet_mesh as mesh
+from abi.tet_mesh.tet_mesh import TetMesh
+
+MOST_NODES = 60_000
+
+_STAGES = ("mesh", "graph", "search", "bspline", "quadratic", "timing", "arm")
+_COARSEST = 1e-3  # of what is asked: below this a clearance counts as none
+_FINE = 1e-2  # of itself: how closely the largest clearance is found
+
+
+class CancelledError(Exception):
+    """The caller no longer wants to know."""
+
+
+class Trials:
+    """Plans changed scenes, and answers quickly whether start and goal are joined at all."""
+
+    def __init__(self, scene: Scene, cancelled: Callable[[], bool]) -> None:
+        self.scene = scene
+        self._cancelled = cancelled
+        self._planner = Planner()
+        self._mesh = lru_cache(maxsize=1)(self._tetrahedralised)
+
+    def passes(self, stage: str, **change: Any) -> Plan | None:
+        """The plan of the changed scene when it gets past ``stage``, else None.
+
+        Raises:
+            CancelledError: as in every method.
+        """
+        self._go_on()
+        made = self._planner(self.scene.replace(**change))
+        if made.error is None or _STAGES.index(made.error.stage) > _STAGES.index(stage):
+            return made
+        return None
+
+    def joined(
+        self, clearance: float, pitch: float | None = None, obstacles: Obstacles | None = None
+    ) -> bool:
+        """Whether the graph joins start and goal; None is what the scene has."""
+        self._go_on()
+        scene = self.scene
+        blocking = scene.obstacles if obstacles is None else obstacles
+        margin = clearance + SLACK * max(scene.workspace.size)
+        free = mesh.exclude(self._mesh(pitch or scene.mesh.pitch), blocking, margin)
+        try:
+            nodes = graph.build(free, blocking, margin, scene.start, scene.goal, clearance)
+        except StageError:
+            return False
+        part = parts(nodes)
+        return bool(part[nodes.start] == part[nodes.goal])
+
+    def finer(self) -> list[float]:
+        """Finer pitches to try, halved again and again, [unit]; none when the mesh is fine."""
+        settings, box = self.scene.mesh, self.scene.workspace
+        most = min(settings.max_nodes, MOST_NODES)
+        pitches = [settings.pitch]
+        while True:
+            pitch = float(f"{pitches[-1] / 2:.3g}")
+            if (
+                pitch < FINEST
+                or settings.model_copy(update={"pitch": pitch}).node_count(box) > most
+            ):
+                return pitches[1:]
+            pitches.append(pitch)
+
+    def largest(self, works: Callable[[float], bool]) -> float | None:
+        """The largest clearance below the scene's that works, or None; found by bisection.
+
+        It has two digits, or three where five per cent more than the two would work too.
+
+        Args:
+            works: whether a clearance works; if one does, so should every smaller one.
+        """
+        asked = self.scene.spline.clearance
+        if asked <= 0:
+            return None
+        little_less = rounded_down(asked * (1 - _FINE), 2)
+        if 1.05 * little_less >= asked and works(little_less):
+            return little_less
+        if not works(0.0):
+            return None
+        low, high = 0.0, asked
+        while high > _COARSEST * asked and high - low > _FINE * low:
+            middle = (low + high) / 2
+            low, high = (middle, high) if works(middle) else (low, middle)
+        for digits in (2, 3):
+            shorter = rounded_down(low, digits)
+            if 1.05 * shorter >= high and works(shorter):
+                return shorter
+        return low
+
+    def _go_on(self) -> None:
+        if self._cancelled():
+            raise CancelledError
+
+    def _tetrahedralised(self, pitch: float) -> TetMesh:
+        settings = self.scene.mesh.model_copy(update={"pitch": pitch})
+        return mesh.tetrahedralise(self.scene.workspace, settings)
+
+
+def parts(nodes: Graph) -> IntArray:
+    """Number (n,) of the connected part of the graph that each node is in."""
+    size = len(nodes.points)
+    matrix = scipy.sparse.csr_array(
+        (np.ones(len(nodes.indices)), nodes.indices, nodes.indptr), (size, size)
+    )
+    found: IntArray = scipy.sparse.csgraph.connected_components(matrix, directed=False)[1]
+    return found
+
+
+def rounded_down(value: float, digits: int) -> float:
+    """``value`` with so many significant digits, not above it."""
+    if value <= 0:
+        return 0.0
+    place = digits - 1 - math.floor(math.log10(value))
+    # a float that is a little below its own decimals stays what it reads
+    return float(f"{math.floor(value * 10.0**place * (1 + 1e-12)) / 10.0**place:.{digits}g}")

@@ -1,1 +1,0 @@
-"""Certificates that a curve keeps clear, and the checker that re-does them in rationals."""

@@ -1,0 +1,1 @@
+"""Scene: all that the method is told, checked, with its file."""

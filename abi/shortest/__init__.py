@@ -1,1 +1,0 @@
-"""Short ways past obstacles: proven bounds, and what pulls a path taut."""

@@ -1,1 +1,0 @@
-"""Obstacles given as triangle meshes: files, repair, distance."""

@@ -1,0 +1,229 @@
+"""Shortest ways around a box with round edges, by unrolling its faces and edges into a plane.
+
+Plain Python that numba compiles with its caller. Points are triples of numbers, [unit]. A way is
+its length, below which there is none, [unit], and whether there is one of that length.
+"""
+
+from __future__ import annotations
+
+import math
+
+from numba.extending import register_jitable
+
+from abi.obstacles.primitive_kernels import Point, gap
+from abi.taut.geodesic_round_kernels import Way
+
+_QUARTER = math.pi / 2
+_ANGLE = 1e-9  # by which an angle may miss its range, for rounding
+
+
+@register_jitable
+def around_box(half: Point, radius: float, start: Point, goal: Point) -> Way:
+    """Shortest way around a box of half sizes ``half``, widened by ``radius`` >= 0.
+
+    Tries every order in which the way can cross faces: a shortest way crosses none twice, since
+    the surface between two points of a face is flat. The way unrolled is straight, so it either
+    stays between the ends of the edges that it rounds, and is a way indeed, or its order can be
+    left out. Ways that touch a corner are bounded by the nearest such point. (Sharir and Schorr,
+    On Shortest Paths in Polyhedral Spaces, SIAM J. Comput. 15, 1986, for the polyhedron.)
+    """
+    best, corners = math.inf, math.inf
+    for first in range(6):
+        for second in range(6):
+            if first >> 1 == second >> 1:
+                continue
+            touch, arc = _tangent(half, radius, start, first, second)
+            if touch < 0:
+                continue
+            best = min(best, _over_edge(half, radius, start, goal, first, second, touch, arc))
+            best = min(best, _rolled(half, radius, start, goal, first, second, touch, arc))
+    for x in (-1.0, 1.0):
+        for y in (-1.0, 1.0):
+            for z in (-1.0, 1.0):
+                a = (x * start[0] - half[0], y * start[1] - half[1], z * start[2] - half[2])
+                b = (x * goal[0] - half[0], y * goal[1] - half[1], z * goal[2] - half[2])
+                corners = min(corners, _by_corner(radius, a, b))
+    return max(min(best, corners), gap(*start, *goal)), best <= corners
+
+
+@register_jitable
+def _by_corner(radius: float, a: Point, b: Point) -> float:
+    """No way that touches the rounded corner at 0 is shorter; inf where a shortest one does not.
+
+    A shortest way touches a point in its tangent plane, so an end that lies beyond the tangent
+    planes of all of the corner's points sees them all, but not along one of them.
+
+    Args:
+        radius: of the ball around the corner, [unit].
+        a, b: start and goal from the corner; the box is where all coordinates are negative.
+    """
+    if _lowest(a) > radius or _lowest(b) > radius:
+        return math.inf
+    # The sum of the distances to the ends is convex: each tangent bounds it.
+    third = 1 / math.sqrt(3)
+    bound = 0.0
+    for y in ((third, third, third), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)):
+        p, q, r = radius * y[0], radius * y[1], radius * y[2]
+        to_a, to_b = gap(p, q, r, *a), gap(p, q, r, *b)
+        u = 1 / to_a if to_a > 0 else 0.0
+        v = 1 / to_b if to_b > 0 else 0.0
+        slope = (
+            (p - a[0]) * u + (p - b[0]) * v,
+            (q - a[1]) * u + (q - b[1]) * v,
+            (r - a[2]) * u + (r - b[2]) * v,
+        )
+        along = slope[0] * y[0] + slope[1] * y[1] + slope[2] * y[2]
+        bound = max(bound, to_a + to_b + radius * (_lowest(slope) - along))
+    return bound
+
+
+@register_jitable
+def _lowest(slope: Point) -> float:
+    """Least value of slope . y over the unit vectors y >= 0."""
+    least = min(slope[0], min(slope[1], slope[2]))
+    if least >= 0:
+        return least
+    x, y, z = min(slope[0], 0.0), min(slope[1], 0.0), min(slope[2], 0.0)
+    return -math.sqrt(x * x + y * y + z * z)
+
+
+@register_jitable
+def _tangent(
+    half: Point, radius: float, point: Point, near_face: int, far_face: int
+) -> tuple[float, float]:
+    """Tangent from a point beyond one face to the round edge, towards another.
+
+    A face is twice its axis, and one more on the positive side.
+
+    Returns:
+        Its length across the edge, -1 where no tangent touches the arc, and the angle of the edge's
+        arc from there to the far face, in [0, π/2].
+    """
+    u = (2 * (near_face & 1) - 1) * point[near_face >> 1] - half[near_face >> 1]
+    v = (2 * (far_face & 1) - 1) * point[far_face >> 1] - half[far_face >> 1]
+    length = math.sqrt(max(u * u + v * v - radius * radius, 0.0))
+    angle = math.atan2(v, u) + math.atan2(length, radius)
+    if not -_ANGLE <= angle <= _QUARTER + _ANGLE:
+        return -1.0, 0.0
+    return length, min(max(_QUARTER - angle, 0.0), _QUARTER)
+
+
+@register_jitable
+def _over_edge(
+    half: Point,
+    radius: float,
+    start: Point,
+    goal: Point,
+    first: int,
+    second: int,
+    touch: float,
+    angle: float,
+) -> float:
+    """Length of the way over one edge alone, a helix between two tangents; inf if there is none."""
+    leave, other_angle = _tangent(half, radius, goal, second, first)
+    arc = angle + other_angle - _QUARTER
+    if leave < 0 or arc < -_ANGLE:
+        return math.inf
+    axis = 3 - (first >> 1) - (second >> 1)
+    across = touch + leave + radius * max(arc, 0.0)
+    rise = goal[axis] - start[axis]
+    share = touch / across if across > 0 else 0.0
+    other = leave / across if across > 0 else 0.0
+    if max(abs(start[axis] + rise * share), abs(goal[axis] - rise * other)) > half[axis]:
+        return math.inf
+    return math.hypot(across, rise)
+
+
+@register_jitable
+def _rolled(
+    half: Point,
+    radius: float,
+    start: Point,
+    goal: Point,
+    first: int,
+    second: int,
+    touch: float,
+    angle: float,
+) -> float:
+    """Length of the shortest way over ``second`` and further faces; inf if there is none.
+
+    The box is rolled from face to face over a plane, in which places are complex numbers. A gate is
+    a line across an edge, which the way crosses between the edge's ends: a place on it, its unit
+    normal, the edge's direction and half length. Depth first: each depth has the face that the box
+    lies on, the place of its centre, the plane's directions of the box's axes, and two gates.
+    """
+    best = math.inf
+    axis = 3 - (first >> 1) - (second >> 1)
+    away = complex(0.0, -1.0)
+    edge = half[first >> 1] * away
+    origin = edge + (radius * angle + touch) * away + start[axis]
+    place, normal = [0j] * 14, [0j] * 14
+    along, width = [0j] * 14, [0.0] * 14
+    place[0], place[1] = edge + radius * angle * away, edge
+    for k in range(2):
+        normal[k], along[k], width[k] = -away, complex(1.0, 0.0), half[axis]
+    face, turn = [0] * 7, [0] * 7
+    centre, directions = [0j] * 7, [0j] * 21
+    face[0] = second
+    directions[first >> 1], directions[axis] = (2 * (first & 1) - 1) * away, complex(1.0, 0.0)
+    crossed = (1 << first) | (1 << second)
+    depth = 0
+    while depth >= 0:
+        if turn[depth] == 6:
+            crossed &= ~(1 << face[depth])
+            depth -= 1
+            continue
+        following = turn[depth]
+        turn[depth] += 1
+        here = face[depth]
+        if crossed >> following & 1 == 1 or following >> 1 == here >> 1:
+            continue
+        axis = following >> 1
+        other = 3 - axis - (here >> 1)
+        ahead = (2 * (following & 1) - 1) * directions[3 * depth + axis]
+        across = directions[3 * depth + other]
+        edge = centre[depth] + half[axis] * ahead
+        gates = 2 * depth + 2
+        for k in range(gates, gates + 2):
+            normal[k], along[k], width[k] = ahead, across, half[other]
+        place[gates] = edge
+        leave, arc = _tangent(half, radius, goal, following, here)
+        if leave >= 0:
+            end = edge + (radius * arc + leave) * ahead + goal[other] * across
+            place[gates + 1] = edge + radius * arc * ahead
+            if _passes(origin, end, place, normal, along, width, gates + 2):
+                best = min(best, abs(end - origin))
+        if depth < 4:
+            over = edge + radius * _QUARTER * ahead
+            place[gates + 1] = over
+            depth += 1
+            face[depth], turn[depth] = following, 0
+            centre[depth] = over + half[here >> 1] * ahead
+            directions[3 * depth + (here >> 1)] = (1 - 2 * (here & 1)) * ahead
+            directions[3 * depth + other] = across
+            crossed |= 1 << following
+    return best
+
+
+@register_jitable
+def _passes(
+    origin: complex,
+    end: complex,
+    place: list[complex],
+    normal: list[complex],
+    along: list[complex],
+    width: list[float],
+    gates: int,
+) -> bool:
+    """Whether the straight line crosses the gates forwards, in order and between their ends."""
+    way = end - origin
+    before = 0.0
+    for k in range(gates):
+        speed = (way * normal[k].conjugate()).real
+        gone = ((place[k] - origin) * normal[k].conjugate()).real
+        if speed <= 0 or gone < before * speed - _ANGLE or gone > speed + _ANGLE:
+            return False
+        before = gone / speed
+        if abs(((origin + before * way - place[k]) * along[k].conjugate()).real) > width[k]:
+            return False
+    return True

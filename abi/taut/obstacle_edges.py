@@ -1,0 +1,99 @@
+"""Edges of obstacles by which a short path may go round them.
+
+A shortest path among polyhedra bends only at their edges (Sharir and Schorr, On Shortest Paths in
+Polyhedral Spaces, SIAM J. Comput. 15, 1986), wherever the nodes of the mesh are.
+"""
+
+from __future__ import annotations
+
+import math
+from functools import lru_cache
+from itertools import product
+
+import numpy as np
+
+from abi.arrays import FloatArray, read_only
+from abi.obstacles.obstacle_set import Solid
+from abi.obstacles.pose import Vec3, rotation
+from abi.obstacles.primitives import Box, Cylinder, Sphere
+
+_SIDES = 8  # of the prism around what is round
+_WIDER = 1e-6  # part of the margin that the edges keep beyond it
+_APART = 1e-9  # and [unit]
+_NONE = read_only(np.zeros(0))
+
+
+def edges(obstacles: tuple[Solid, ...], margin: float, ahead: Vec3) -> FloatArray:
+    """The edges of the widened obstacles. What is round is taken for a prism of 8 sides.
+
+    Args:
+        obstacles: convex solids.
+        margin: distance to keep, [unit].
+        ahead: from start to goal, [unit], world: along it stands the prism around a ball.
+
+    Returns:
+        Both ends of each edge, one after the other, (6 n,), [unit], world.
+    """
+    wider = margin * (1 + _WIDER) + _APART
+    found = [
+        _edges(solid, wider, ahead if isinstance(solid, Sphere) else None) for solid in obstacles
+    ]
+    return read_only(np.concatenate(found)) if found else _NONE
+
+
+@lru_cache(maxsize=1024)
+def _edges(solid: Solid, margin: float, ahead: Vec3 | None) -> FloatArray:
+    axes = rotation(solid.wxyz).T if ahead is None else _along(np.array(ahead))
+    ends = _box_edges(solid, margin) if isinstance(solid, Box) else _prism_edges(solid, margin)
+    return read_only((ends @ axes + solid.position).ravel())
+
+
+def _along(ahead: FloatArray) -> FloatArray:
+    """Axes as rows (3, 3), the last of them along ``ahead``."""
+    ahead = ahead / np.linalg.norm(ahead)
+    side = np.cross(ahead, np.eye(3)[np.abs(ahead).argmin()])
+    side /= np.linalg.norm(side)
+    return np.stack([side, np.cross(ahead, side), ahead])
+
+
+def _corners() -> FloatArray:
+    """Both ends (12, 2, 3) of the edges of a cube of half size 1, the ends along z last."""
+    ends = np.empty((12, 2, 3))
+    for axis in range(3):
+        rows = slice(4 * axis, 4 * axis + 4)
+        ends[rows, :, axis] = (-1, 1)
+        ends[rows, :, axis - 1], ends[rows, :, axis - 2] = np.array(
+            [(u, v) for u, v in product((-1, 1), repeat=2)]
+        ).T[..., None]
+    return read_only(ends)
+
+
+_CORNERS = _corners()
+_ACROSS = read_only(np.where(np.diff(_CORNERS, axis=1, prepend=0)[:, 1:] == 0, _CORNERS, 0.0))
+"""The same without what lies along the edge."""
+
+
+def _box_edges(solid: Box, margin: float) -> FloatArray:
+    """Ends (12, 2, 3) of the edges of a box, moved outwards along both their faces, body."""
+    return np.asarray(_CORNERS * (np.array(solid.size) / 2) + _ACROSS * margin)
+
+
+def _prism_edges(solid: Solid, margin: float) -> FloatArray:
+    """Ends (n, 2, 3) of the edges of a prism around a widened solid, body."""
+    assert not isinstance(solid, Box)
+    radius, turn = solid.radius + margin, math.pi / _SIDES
+    half_height = 0.0 if isinstance(solid, Sphere) else solid.height / 2
+    angle = 2 * turn * np.arange(_SIDES)
+    ring = np.stack([np.cos(angle), np.sin(angle), np.zeros(_SIDES)], axis=1) / math.cos(turn)
+    up = np.array([0.0, 0.0, 1.0])
+    sides = np.stack([radius * ring - half_height * up, radius * ring + half_height * up], axis=1)
+    if isinstance(solid, Sphere):
+        return sides
+    # over an end: a cylinder's rim, or the second corner of an octagon around a cap
+    if isinstance(solid, Cylinder):
+        rim, height = radius * ring, half_height + margin
+    else:
+        rim, height = radius * math.tan(turn) * ring, half_height + radius
+    rims = np.stack([rim - height * up, rim + height * up])
+    following = np.roll(rims, -1, axis=1)
+    return np.concatenate([sides, np.stack([rims, following], axis=2).reshape(-1, 2, 3)])

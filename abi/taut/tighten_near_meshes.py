@@ -1,0 +1,135 @@
+"""Tightening of a path among obstacles of any shape, by the distance and its gradient alone."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from abi.arrays import BoolArray, FloatArray
+from abi.clearance.curve_clearance import outward
+from abi.obstacles.primitives import Obstacles, segments_blocked
+
+_LOOK_BACK = 32
+_ROUNDS = 6
+_SWEEPS = 12
+_MOST_POINTS = 64
+_SETTLED = 1e-4  # part of the length by which a sweep must shorten the path to be followed by one
+_STEPS = 0.5 ** np.arange(9)
+
+
+def tightened(points: FloatArray, obstacles: Obstacles, limits: FloatArray) -> FloatArray:
+    """Pull a path taut: never longer, and every new segment clear.
+
+    Skips vertices that it can do without, then moves each in turn towards the chord of its
+    neighbours, straight and in the plane across the gradient of the distance, then cuts corners.
+
+    Args:
+        points: (k, 3) the path, [unit], world.
+        obstacles: the solids, convex or not.
+        limits: (4,) distance that a segment keeps, [unit]: in general, from the first point, to the
+            last, from the first to the last.
+
+    Returns:
+        (m, 3) the new path; the ends stay.
+    """
+    path = _shortcut(points, obstacles, limits)
+    for _ in range(_ROUNDS):
+        for _ in range(_SWEEPS):
+            before = _length(path)
+            for parity in (1, 0):
+                path = _moved(path, obstacles, limits, parity)
+            path = _shortcut(path, obstacles, limits)
+            if before - _length(path) <= _SETTLED * before:
+                break
+        cut = _cut(path, obstacles, limits)
+        if len(cut) == len(path) or len(cut) > _MOST_POINTS:
+            break
+        path = cut
+    return path
+
+
+def _shortcut(path: FloatArray, obstacles: Obstacles, limits: FloatArray) -> FloatArray:
+    """The shortest way from first to last by vertices that see each other."""
+    n = len(path)
+    i, j = np.triu_indices(n, 1)
+    i, j = i[j - i <= _LOOK_BACK], j[j - i <= _LOOK_BACK]
+    kind = (i == 0) + 2 * (j == n - 1)
+    clear = (j == i + 1) | ~segments_blocked(obstacles, path[i], path[j], limits[kind])
+    i, j = i[clear], j[clear]
+    way = np.linalg.norm(path[j] - path[i], axis=1)
+    cost, parent = np.zeros(n), np.zeros(n, dtype=int)
+    for k in range(1, n):
+        into = np.flatnonzero(j == k)
+        through = cost[i[into]] + way[into]
+        cost[k], parent[k] = through.min(), i[into[through.argmin()]]
+    kept = [n - 1]
+    while kept[-1]:
+        kept.append(int(parent[kept[-1]]))
+    return path[kept[::-1]]
+
+
+def _moved(path: FloatArray, obstacles: Obstacles, limits: FloatArray, parity: int) -> FloatArray:
+    """Move every other inner vertex to the best place found; its neighbours stay."""
+    rows = np.arange(2 - parity, len(path) - 1, 2)
+    if not len(rows):
+        return path
+    before, here, after = path[rows - 1], path[rows], path[rows + 1]
+    legs = _sum_of_legs(before, here, after)
+    share = np.linalg.norm(here - before, axis=1, keepdims=True) / np.maximum(legs, 1e-300)[:, None]
+    pull = before + share * (after - before) - here
+    normal = outward(here, obstacles)[1]
+    across = pull - np.einsum("ni,ni->n", pull, normal)[:, None] * normal
+    # (vertex, way, step) -> places to try
+    ways = np.stack([pull, across], axis=1)
+    places = here[:, None, None] + ways[:, :, None] * _STEPS[:, None]
+    places = places.reshape(len(rows), -1, 3)
+    tries = places.shape[1]
+    first, middle, last = (
+        np.repeat(before, tries, axis=0),
+        places.reshape(-1, 3),
+        np.repeat(after, tries, axis=0),
+    )
+    length = _sum_of_legs(first, middle, last)
+    shorter = np.flatnonzero(length < np.repeat(legs, tries))
+    row = np.repeat(rows, tries)[shorter]
+    ends = (row == 1) * 1, (row == len(path) - 2) * 2
+    blocked = segments_blocked(obstacles, first[shorter], middle[shorter], limits[ends[0]])
+    blocked |= segments_blocked(obstacles, middle[shorter], last[shorter], limits[ends[1]])
+    length[shorter[blocked]] = np.inf
+    length = np.where(length < np.repeat(legs, tries), length, np.inf).reshape(len(rows), tries)
+    best = length.argmin(axis=1)
+    found = np.isfinite(length[np.arange(len(rows)), best])
+    moved = path.copy()
+    moved[rows[found]] = places[found, best[found]]
+    return moved
+
+
+def _cut(path: FloatArray, obstacles: Obstacles, limits: FloatArray) -> FloatArray:
+    """Put two vertices in the place of each corner that can be cut."""
+    if len(path) < 3:
+        return path
+    before, here, after = path[:-2], path[1:-1], path[2:]
+    to_a, to_b = before - here, after - here
+    a, b = (np.linalg.norm(leg, axis=1) for leg in (to_a, to_b))
+    size = np.minimum(a, b) / 2
+    steps = size[:, None] * _STEPS
+    p = here[:, None] + (to_a / np.maximum(a, 1e-300)[:, None])[:, None] * steps[..., None]
+    q = here[:, None] + (to_b / np.maximum(b, 1e-300)[:, None])[:, None] * steps[..., None]
+    flat = p.reshape(-1, 3), q.reshape(-1, 3)
+    clear = ~segments_blocked(obstacles, *flat, float(limits[0])).reshape(steps.shape)
+    won = 2 * steps - np.linalg.norm(q - p, axis=2)
+    worth: BoolArray = clear & (won > _SETTLED / 4 * _length(path))
+    step = worth.argmax(axis=1)  # the first is the largest
+    pieces = [path[:1]]
+    for k in range(len(here)):
+        corner = np.stack([p[k, step[k]], q[k, step[k]]])
+        pieces.append(corner if worth[k].any() else here[k : k + 1])
+    return np.concatenate([*pieces, path[-1:]])
+
+
+def _sum_of_legs(a: FloatArray, x: FloatArray, b: FloatArray) -> FloatArray:
+    legs = np.linalg.norm(x - a, axis=1) + np.linalg.norm(b - x, axis=1)
+    return np.asarray(legs)
+
+
+def _length(points: FloatArray) -> float:
+    return float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())

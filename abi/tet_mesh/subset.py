@@ -1,0 +1,139 @@
+"""The part of a mesh that is worth drawing when all of it is too much for eye and browser."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy
+from numpy.typing import NDArray
+
+from abi.arrays import BoolArray, FloatArray, IntArray, read_only
+from abi.obstacles.primitives import Obstacles
+from abi.search.graph import Graph
+from abi.tet_mesh.tet_mesh import FreeMesh
+
+VIEWS = ("near", "slice_x", "slice_y", "slice_z", "surface")
+
+_CELLS = 40  # along the longest side: how finely "near" is told
+_EDGES_A_NODE = 7
+_SLICE = 0.75  # of the longest edge: half the thickness of a slice
+
+
+@dataclass(frozen=True, eq=False)
+class Excerpt:
+    """Nodes and edges to draw.
+
+    Attributes:
+        points: (k, 3) the free nodes, [unit], world.
+        edges: (e, 2) indices into ``points``.
+        excluded: (m, 3) nodes that the obstacles took, [unit], world.
+        edges_in_all: number of edges of the whole graph.
+    """
+
+    points: FloatArray
+    edges: IntArray
+    excluded: FloatArray
+    edges_in_all: int
+
+
+def fits(free: FreeMesh, budget: int) -> bool:
+    """Whether the whole mesh has no more than about ``budget`` edges."""
+    return _EDGES_A_NODE * free.nodes <= budget
+
+
+def excerpt(
+    free: FreeMesh,
+    graph: Graph | None,
+    obstacles: Obstacles,
+    path_points: FloatArray,
+    view: str,
+    budget: int,
+) -> Excerpt:
+    """Choose at most ``budget`` edges, those nearest to path and obstacles first.
+
+    Args:
+        free: the mesh and what is excluded of it.
+        graph: its graph; None while there is none, then edges are not tested.
+        obstacles: those that the mesh was freed of.
+        path_points: (n, 3), n >= 1, what should be seen best, [unit], world.
+        view: ``near``: all, or what is near; ``slice_x`` and the like: one layer of nodes across
+            that axis, through the first obstacle; ``surface``: nodes at the sides of the workspace
+            and at the obstacles.
+        budget: most edges.
+    """
+    points = free.mesh.points if graph is None else graph.points
+    edges = free.mesh.edges if graph is None else graph.edges
+    gone = np.zeros(len(points), dtype=np.bool_)
+    gone[: len(free.excluded)] = free.excluded
+    if graph is None:
+        edges = edges[~gone[edges].any(axis=1)]
+    seen = _seen(view, free, points, obstacles)
+    if np.count_nonzero(seen & ~gone) * _EDGES_A_NODE > budget:
+        seen &= _near(points, seen & ~gone, path_points, obstacles, budget // _EDGES_A_NODE)
+    shown = edges[seen[edges].all(axis=1)][:budget]
+    used = np.flatnonzero(seen & ~gone)
+    place = np.zeros(len(points), dtype=np.int32)
+    place[used] = np.arange(len(used))
+    return Excerpt(
+        points=read_only(points[used]),
+        edges=read_only(place[shown]),
+        excluded=read_only(points[_evenly(np.flatnonzero(seen & gone), budget // _EDGES_A_NODE)]),
+        edges_in_all=len(edges),
+    )
+
+
+def _seen(view: str, free: FreeMesh, points: FloatArray, obstacles: Obstacles) -> BoolArray:
+    """Which nodes the view shows, however many."""
+    low, high = free.mesh.points.min(axis=0), free.mesh.points.max(axis=0)
+    if view == "near":
+        return np.ones(len(points), dtype=np.bool_)
+    if view == "surface":
+        seen = ((points == low) | (points == high)).any(axis=1)
+        across = free.mesh.edges[free.excluded[free.mesh.edges].sum(axis=1) == 1]
+        seen[across] = True
+        return np.asarray(seen)
+    axis = VIEWS.index(view) - 1
+    box = obstacles[0].bounds() if obstacles else (low, high)
+    middle = (box[0][axis] + box[1][axis]) / 2
+    half = _SLICE * float(free.mesh.lengths.max(initial=0.0))
+    return np.asarray(np.abs(points[:, axis] - middle) <= half)
+
+
+def _near(
+    points: FloatArray, seen: BoolArray, path_points: FloatArray, obstacles: Obstacles, most: int
+) -> BoolArray:
+    """Which nodes are in the cells nearest to path and obstacles, about ``most`` of those seen."""
+    low, high = points.min(axis=0), points.max(axis=0)
+    side = float((high - low).max()) / _CELLS
+    counts = np.maximum(np.ceil((high - low) / side).astype(int), 1)
+    place = np.minimum(((points - low) / side).astype(np.int32), counts - 1)
+    cell = np.ravel_multi_index(tuple(place.T), tuple(counts))
+    centres = low + side * (np.indices(tuple(counts)).reshape(3, -1).T + 0.5)
+    away = scipy.spatial.cKDTree(_along(path_points, side)).query(centres)[0]
+    for obstacle in obstacles:
+        a, b = obstacle.bounds()
+        beyond = np.linalg.norm(np.maximum(np.maximum(a - centres, centres - b), 0), axis=1)
+        np.minimum(away, beyond, out=away)
+    order = away.argsort(kind="stable")
+    filled = np.cumsum(np.bincount(cell[seen], minlength=len(centres))[order])
+    chosen = np.zeros(len(centres), dtype=np.bool_)
+    chosen[order[: max(int(np.searchsorted(filled, most, side="right")), 1)]] = True
+    return np.asarray(chosen[cell])
+
+
+def _evenly(ids: NDArray[np.intp], most: int) -> NDArray[np.intp]:
+    """At most ``most`` of the ids, left out evenly."""
+    return ids if len(ids) <= most else ids[:: -(-len(ids) // most)]
+
+
+def _along(points: FloatArray, step: float) -> FloatArray:
+    """Places (m, 3) along a polyline (n, 3), no farther apart than ``step``, [unit]."""
+    if len(points) < 2:
+        return points
+    legs = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    parts = [
+        np.linspace(a, b, int(leg / step) + 2)
+        for a, b, leg in zip(points[:-1], points[1:], legs, strict=True)
+    ]
+    return np.concatenate(parts)

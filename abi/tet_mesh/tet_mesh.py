@@ -1,0 +1,271 @@
+"""Stage 1: a tetrahedral mesh of the workspace, and what obstacles leave of it.
+
+The paper (section III) asks for "a uniform mesh model with the same finite-element geometric
+primitives in the form of a tetrahedron" and excludes the nodes inside the obstacle.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+import scipy
+
+from abi.arrays import BoolArray, FloatArray, IntArray, read_only
+from abi.obstacles.primitives import Obstacles
+from abi.scene.scene import MeshSettings, Workspace
+from abi.search.heuristic_kernels import Metric
+from abi.tet_mesh import adjacency as net
+from abi.tet_mesh import exclusion_kernels as kernels
+from abi.tet_mesh import lattice
+from abi.tet_mesh.adjacency import Net
+from abi.tet_mesh.exclusion import NOTHING_KNOWN, Known, leave
+from abi.tet_mesh.lattice import Cells
+from abi.tet_mesh.stencil import Stencil
+
+_CORNER_PAIRS = np.array([(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)])
+
+_JITTER = 0.3
+"""Largest displacement of a node along each axis, in cells; below 0.5 nodes keep their order."""
+
+_FLAT = 1e-9
+"""Tetrahedra below this part of a cell's volume are flat: Delaunay's way to fill nothing where more
+than four nodes lie on one sphere."""
+
+COMPILE_FROM = 30_000
+"""Nodes from which waiting for the compiler takes less time than running without it."""
+
+
+@dataclass(frozen=True, eq=False)
+class TetMesh:
+    """Tetrahedra that fill the workspace. Tables are made when they are first asked for.
+
+    Attributes:
+        lattice: ``bcc``, ``kuhn`` or ``delaunay``.
+        cells: cubes along each axis.
+        pitch: shortest edge of the lattice, [unit]; of the undisturbed grid for ``delaunay``.
+        points: (n, 3), [unit], world.
+        stencil: the directions of the lattice; None for ``delaunay``.
+        irregular: tetrahedra of ``delaunay``; None for a lattice, where they follow from ``cells``.
+
+    It remembers what each obstacle took of it when :func:`exclude` was last called: those that did
+    not move need no second look.
+    """
+
+    lattice: str
+    cells: Cells
+    pitch: float
+    points: FloatArray
+    stencil: Stencil | None = None
+    irregular: IntArray | None = None
+    _memory: list[Known] = field(default_factory=lambda: [NOTHING_KNOWN])
+
+    @cached_property
+    def tetrahedra(self) -> IntArray:
+        """Node ids of the tetrahedra, shape (m, 4), positively oriented."""
+        if self.irregular is not None:
+            return self.irregular
+        ids = np.arange(len(self.points), dtype=np.int32)
+        families = [
+            np.stack([corner.ravel() for corner in corners], axis=1)
+            for corners in lattice.tetrahedra(self.lattice, ids, self.cells)
+        ]
+        return read_only(np.concatenate(families))
+
+    @cached_property
+    def edges(self) -> IntArray:
+        """Node ids of the edges, shape (e, 2), lower id first, each edge once."""
+        if self.irregular is not None:
+            return read_only(edges_of(self.irregular, len(self.points)))
+        ids = np.arange(len(self.points), dtype=np.int32)
+        families = lattice.edges(self.lattice, ids, self.cells)
+        return read_only(
+            np.concatenate([np.stack([a.ravel(), b.ravel()], axis=1) for a, b, _ in families])
+        )
+
+    @cached_property
+    def lengths(self) -> FloatArray:
+        """Lengths (e,) of the edges, [unit]."""
+        if self.stencil is None:
+            tail, head = self.edges.T
+            return read_only(np.linalg.norm(self.points[head] - self.points[tail], axis=1))
+        ids = np.empty(len(self.points), dtype=np.bool_)
+        return read_only(
+            np.concatenate(
+                [
+                    np.full(a.size, self.stencil.lengths[self.stencil.ends(step)[0]])
+                    for a, _, step in lattice.edges(self.lattice, ids, self.cells)
+                ]
+            )
+        )
+
+    @cached_property
+    def box(self) -> tuple[FloatArray, FloatArray]:
+        """Low and high corner (3,) of the workspace, [unit], world."""
+        return read_only(self.points.min(axis=0)), read_only(self.points.max(axis=0))
+
+    @cached_property
+    def longest_edge(self) -> float:
+        """Length of the longest edge, [unit]."""
+        return float((self.lengths if self.stencil is None else self.stencil.lengths).max())
+
+    @cached_property
+    def edge_count(self) -> int:
+        """Number of edges."""
+        if self.stencil is None:
+            return len(self.edges)
+        return int(np.bitwise_count(self.exits).sum(dtype=np.int64)) // 2
+
+    @cached_property
+    def net(self) -> Net:
+        """The mesh as the kernels take it."""
+        if self.stencil is not None:
+            return net.of_lattice(self.stencil, len(self.points))
+        indptr, indices, _ = self._rows
+        return net.of_rows(self.points, indptr, indices)
+
+    @cached_property
+    def exits(self) -> IntArray:
+        """Directions in which each node of a lattice has a neighbour, as bits (n,); else 0."""
+        if self.stencil is None:
+            return read_only(np.zeros(len(self.points), dtype=np.int32))
+        return self.stencil.exits(len(self.points))
+
+    @property
+    def weights(self) -> FloatArray:
+        """Lengths of the directions (d,), or of the edges of the rows (2e,), [unit]."""
+        return self._rows[2] if self.stencil is None else self.stencil.lengths
+
+    @cached_property
+    def norm(self) -> Metric:
+        """How long ways are where nothing is in them; see :func:`abi.tet_mesh.adjacency.norm`."""
+        if self.stencil is None:
+            return (1.0, *(len(net.hop_norm()) - 1) * [0.0])
+        x, y, z = self.stencil.cell
+        return net.norm((x, y, z))
+
+    @cached_property
+    def _rows(self) -> tuple[IntArray, IntArray, FloatArray]:
+        return net.rows(self.edges, self.lengths, len(self.points))
+
+
+@dataclass(frozen=True, eq=False)
+class FreeMesh:
+    """A mesh without the nodes that are in an obstacle or nearer to it than the margin.
+
+    Attributes:
+        mesh: the whole mesh.
+        excluded: (n,) True where a node is excluded.
+        nodes: number of nodes kept.
+        exits: (n,) open directions of the nodes that are not excluded, as bits; of rows 0.
+        weights: lengths of the directions, or of the edges of the rows, inf where shut, [unit].
+    """
+
+    mesh: TetMesh
+    excluded: BoolArray
+    nodes: int
+    exits: IntArray
+    weights: FloatArray
+
+    @cached_property
+    def tetrahedra_kept(self) -> int:
+        """Number of tetrahedra without an excluded corner."""
+        free = ~self.excluded
+        if self.mesh.irregular is not None:
+            return int(np.count_nonzero(free[self.mesh.irregular].all(axis=1)))
+        families = lattice.tetrahedra(self.mesh.lattice, free, self.mesh.cells)
+        return sum(int(np.count_nonzero(a & b & c & d)) for a, b, c, d in families)
+
+
+def tetrahedralise(workspace: Workspace, settings: MeshSettings) -> TetMesh:
+    """Fill the workspace with tetrahedra.
+
+    The box is divided into cubes, as nearly as it allows.
+
+    - ``bcc``: nodes at the corners and centres of the cubes. Around each face between two cubes
+      the two centres and the face's corners make four tetrahedra; in cubic cells all of these are
+      congruent, with edges h and h·√3/2. Between a face of the box and the centre behind it stands
+      a pyramid, which a diagonal of the face splits into two of the same volume as the others.
+    - ``kuhn``: nodes at the corners; six tetrahedra around the diagonal of each cube.
+    - ``delaunay``: the corners displaced at random, repeatably by ``settings.seed``, and
+      triangulated by Delaunay. Nodes on a face, edge or corner of the box stay on it.
+
+    Args:
+        workspace: the box.
+        settings: lattice, pitch and seed; the number of nodes was checked with the scene.
+    """
+    cells = settings.cells(workspace)
+    cube = np.asarray(workspace.size) / cells
+    if settings.lattice == "delaunay":
+        return _irregular(workspace, cells, cube, settings.seed)
+    low, high = np.array(workspace.min), np.array(workspace.max)
+    stencil = Stencil.of(settings.lattice, low, high, cells)
+    return TetMesh(
+        lattice=settings.lattice,
+        cells=cells,
+        pitch=float(stencil.lengths.min()),
+        points=read_only(lattice.points(settings.lattice, low, high, cells)),
+        stencil=stencil,
+    )
+
+
+def exclude(mesh: TetMesh, obstacles: Obstacles, margin: float) -> FreeMesh:
+    """Exclude the nodes whose signed distance to an obstacle is less than ``margin``, [unit].
+
+    Removing nodes alone is not enough: an edge between two free nodes can still cross an obstacle.
+    So each edge is tested along its whole length.
+    """
+    if len(mesh.points) > COMPILE_FROM and not kernels.ready.is_set():
+        kernels.warm()
+    left, mesh._memory[0] = leave(mesh, obstacles, margin, mesh._memory[0])
+    return FreeMesh(mesh, left.excluded, left.nodes, left.exits, left.weights)
+
+
+def edges_of(tetrahedra: IntArray, nodes: int) -> IntArray:
+    """Edges of tetrahedra, each once, lower id first, sorted.
+
+    Args:
+        tetrahedra: (m, 4) node ids.
+        nodes: number of nodes, larger than every id.
+
+    Returns:
+        edges: (e, 2) node ids.
+    """
+    ends = tetrahedra[:, _CORNER_PAIRS].reshape(-1, 2)
+    keys = np.unique(ends.min(axis=1).astype(np.int64) * nodes + ends.max(axis=1))
+    return np.stack(np.divmod(keys, nodes), axis=1).astype(np.int32)
+
+
+def volumes(points: FloatArray, tetrahedra: IntArray) -> FloatArray:
+    """Signed volumes of tetrahedra, shape (m,), [unit³]: (b - a) × (c - a) · (d - a) / 6."""
+    a, b, c, d = (points[tetrahedra[:, corner]] for corner in range(4))
+    return np.asarray(np.einsum("ij,ij->i", np.cross(b - a, c - a), d - a) / 6)
+
+
+def _irregular(workspace: Workspace, cells: Cells, cube: FloatArray, seed: int) -> TetMesh:
+    """The grid with displaced nodes; a node on a face of the box is not moved out of its plane."""
+    points = lattice.grid(workspace.min, workspace.max, cells)
+    inside = (points > np.asarray(workspace.min)) & (points < np.asarray(workspace.max))
+    displacement = np.random.default_rng(seed).uniform(-_JITTER, _JITTER, points.shape)
+    points += np.where(inside, displacement * cube, 0.0)
+    tetrahedra = _delaunay(points, cells)
+    return TetMesh(
+        lattice="delaunay",
+        cells=cells,
+        pitch=float(cube.min()),
+        points=read_only(points),
+        irregular=read_only(tetrahedra),
+    )
+
+
+def _delaunay(points: FloatArray, cells: Cells) -> IntArray:
+    """Delaunay tetrahedra of positive volume, (m, 4), positively oriented."""
+    # relative to the box: Delaunay works with squares, which lose digits far from the origin
+    tetrahedra: IntArray = scipy.spatial.Delaunay(points - points.min(axis=0)).simplices.astype(
+        np.int32
+    )
+    volume = volumes(points, tetrahedra)
+    tetrahedra[volume < 0] = tetrahedra[volume < 0][:, [0, 1, 3, 2]]
+    cube = np.prod(np.ptp(points, axis=0) / cells)
+    return np.asarray(tetrahedra[np.abs(volume) > _FLAT * cube])

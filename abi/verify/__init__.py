@@ -1,0 +1,1 @@
+"""Verification of certificates in exact numbers; knows nothing of how they are made."""

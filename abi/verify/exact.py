@@ -1,0 +1,195 @@
+"""Curves, solids and directions in exact rational numbers, for :mod:`abi.verify.verify`.
+
+Shares no arithmetic with the rest of the package, on purpose. Square roots, which are not rational,
+are bounded from both sides.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import lru_cache
+
+Vector = tuple[Fraction, Fraction, Fraction]
+
+_DIGITS = 100
+"""Binary digits to which roots are bounded."""
+
+
+def vector(numbers: Sequence[float]) -> Vector:
+    """The three floating-point numbers, exactly."""
+    x, y, z = map(Fraction, numbers)
+    return x, y, z
+
+
+def dot(a: Vector, b: Vector) -> Fraction:
+    """a·b."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def minus(a: Vector, b: Vector) -> Vector:
+    """a - b."""
+    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
+
+
+def root(square: Fraction) -> tuple[Fraction, Fraction]:
+    """Bounds of the square root of a number that is not negative, 2^-100 of it apart or less."""
+    whole = square.numerator * square.denominator  # the root of p / q is the root of p q, over q
+    shift = max(0, _DIGITS + 1 - whole.bit_length() // 2)
+    below = math.isqrt(whole << 2 * shift)
+    above = below + (below * below != whole << 2 * shift)
+    scale = square.denominator << shift
+    return Fraction(below, scale), Fraction(above, scale)
+
+
+def into_body(v: Vector, wxyz: Sequence[float]) -> Vector:
+    """Turn a vector back by a quaternion of any length but zero: exact, as it is not normalised."""
+    w, x, y, z = map(Fraction, wxyz)
+    a, b, c = v
+    scale = 1 / (w * w + x * x + y * y + z * z)
+    return (
+        scale * ((w * w + x * x - y * y - z * z) * a + 2 * (x * y + w * z) * b)
+        + scale * 2 * (x * z - w * y) * c,
+        scale * (2 * (x * y - w * z) * a + (w * w - x * x + y * y - z * z) * b)
+        + scale * 2 * (y * z + w * x) * c,
+        scale * (2 * (x * z + w * y) * a + 2 * (y * z - w * x) * b)
+        + scale * (w * w - x * x - y * y + z * z) * c,
+    )
+
+
+@dataclass(frozen=True)
+class Solid:
+    """A box, a disc across the body's z and a ball, added up (Minkowski), then placed.
+
+    Attributes:
+        half: half sizes of the box, [unit].
+        disc: radius of the disc, [unit].
+        ball: radius of the ball, [unit].
+        position: of the centre, [unit], world.
+        wxyz: rotation as a quaternion of any length but zero.
+    """
+
+    half: Vector
+    disc: Fraction
+    ball: Fraction
+    position: Vector
+    wxyz: tuple[float, float, float, float]
+
+    @property
+    def depth(self) -> Fraction:
+        """Distance from the centre to the surface, [unit]."""
+        across = min(self.half[:2]) + self.disc
+        return min(across, self.half[2]) + self.ball
+
+    def separated(self, normal: Vector, least: Fraction, margin: Fraction) -> bool:
+        """Whether all x with normal·x >= ``least`` are farther than ``margin`` from the solid.
+
+        The normal need not be of length 1.
+        """
+        x, y, z = into_body(normal, self.wxyz)
+        support = dot(normal, self.position)
+        support += abs(x) * self.half[0] + abs(y) * self.half[1] + abs(z) * self.half[2]
+        support += self.disc * root(x * x + y * y)[1] if self.disc else 0
+        return least - support > times_length(self.ball + margin, normal)
+
+
+def times_length(factor: Fraction, normal: Vector) -> Fraction:
+    """Upper bound of the factor times the length of the normal."""
+    below, above = root(dot(normal, normal))
+    return factor * (above if factor > 0 else below)
+
+
+@dataclass(frozen=True, eq=False)
+class Spline:
+    """A B-spline as polynomials.
+
+    Attributes:
+        degree: of the polynomials.
+        knots: not decreasing.
+        control_points: one fewer than ``knots`` less the degree.
+    """
+
+    degree: int
+    knots: tuple[Fraction, ...]
+    control_points: tuple[Vector, ...]
+
+    @property
+    def spans(self) -> list[tuple[Fraction, Fraction, int]]:
+        """First and last parameter of each polynomial, and the knot it begins at."""
+        inside = range(self.degree, len(self.control_points))
+        ends = ((self.knots[k], self.knots[k + 1], k) for k in inside)
+        return [(start, end, k) for start, end, k in ends if start < end]
+
+    def points(self, span: int, start: Fraction, end: Fraction) -> list[Vector]:
+        """Bézier points of the span's polynomial on [start, end]."""
+        p = self.degree
+        return [self._blossom(span, [start] * (p - j) + [end] * j) for j in range(p + 1)]
+
+    def _blossom(self, span: int, arguments: list[Fraction]) -> Vector:
+        p, u = self.degree, self.knots
+        found = list(self.control_points[span - p : span + 1])
+        for level, at in enumerate(arguments, start=1):
+            for i in range(p, level - 1, -1):
+                k = span - p + i
+                share = (at - u[k]) / (u[k + p + 1 - level] - u[k])
+                found[i] = _between(found[i - 1], found[i], share)
+        return found[p]
+
+
+@dataclass(frozen=True, eq=False)
+class Powers:
+    """Quadratics c0 + c1·t + c2·t² side by side.
+
+    Attributes:
+        ends: first and last parameter of each.
+        coefficients: c0, c1, c2 of each.
+    """
+
+    ends: tuple[tuple[Fraction, Fraction], ...]
+    coefficients: tuple[tuple[Vector, Vector, Vector], ...]
+
+    @property
+    def spans(self) -> list[tuple[Fraction, Fraction, int]]:
+        """First and last parameter of each polynomial, and its number."""
+        return [(start, end, k) for k, (start, end) in enumerate(self.ends)]
+
+    def points(self, span: int, start: Fraction, end: Fraction) -> list[Vector]:
+        """Bézier points of the span's polynomial on [start, end]."""
+        c0, c1, c2 = self.coefficients[span]
+        return [
+            (
+                c0[0] + c1[0] * (a + b) / 2 + c2[0] * a * b,
+                c0[1] + c1[1] * (a + b) / 2 + c2[1] * a * b,
+                c0[2] + c1[2] * (a + b) / 2 + c2[2] * a * b,
+            )
+            for a, b in ((start, start), (start, end), (end, end))
+        ]
+
+
+Exact = Spline | Powers
+
+
+def hull(curve: Exact, start: Fraction, end: Fraction) -> list[Vector]:
+    """Points in whose convex hull the curve stays from ``start`` to ``end``."""
+    found: list[Vector] = []
+    for first, last, span in curve.spans:
+        a, b = max(first, start), min(last, end)
+        if a < b:
+            found += _points(curve, span, a, b)
+    return found
+
+
+@lru_cache(maxsize=4096)
+def _points(curve: Exact, span: int, start: Fraction, end: Fraction) -> list[Vector]:
+    return curve.points(span, start, end)
+
+
+def _between(a: Vector, b: Vector, share: Fraction) -> Vector:
+    rest = 1 - share
+    return (
+        rest * a[0] + share * b[0],
+        rest * a[1] + share * b[1],
+        rest * a[2] + share * b[2],
+    )

@@ -1,0 +1,122 @@
+"""A triangle mesh in exact rational numbers: what :mod:`abi.verify.verify` asks about it.
+
+Most of its many inequalities are far from equality. Those are decided in floating point with a
+bound of the error, and only the others in rationals, so every answer is exact.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_left
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+
+import numpy as np
+from numpy.typing import NDArray
+
+from abi.arrays import BoolArray, FloatArray, IntArray
+from abi.verify.exact import Vector, dot, into_body, minus, times_length, vector
+
+_ROUNDING = 2.0**-48  # of the sum of the products' magnitudes: over ten times what can occur
+_SMALLEST = 1e-300  # and over what is lost where products are too small for their digits
+
+Side = tuple[Fraction, Fraction, Vector, Fraction]
+"""First and last parameter of a piece, a direction, and its least product with the piece."""
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """Triangles, placed.
+
+    Attributes:
+        vertices: (n, 3), body frame, in the file's unit.
+        faces: (m, 3) ids of the corners.
+        closed: whether points that it winds around are inside.
+        factor: [unit] per unit of the file.
+        position: [unit], world.
+        wxyz: rotation as a quaternion of any length but zero.
+    """
+
+    vertices: FloatArray
+    faces: IntArray
+    closed: bool
+    factor: float
+    position: Vector
+    wxyz: tuple[float, float, float, float]
+
+    def uncovered(
+        self, sides: Sequence[Side], first: Fraction, last: Fraction, margin: Fraction
+    ) -> Fraction | None:
+        """A parameter from which on some triangle is not separated; None when there is none.
+
+        Args:
+            sides: pieces, in the order of their first parameters.
+            first: where the curve begins.
+            last: where it ends.
+            margin: distance to keep, [unit].
+        """
+        ends = sorted({first, *(end for _, end, _, _ in sides)})
+        place = {end: k for k, end in enumerate(ends)}
+        reached = np.full(len(self.faces), place[first])
+        for start, end, normal, least in sides:
+            joins = bisect_left(ends, start)
+            rows = np.flatnonzero((reached >= joins) & (reached < place[end]))
+            rows = rows[self._separated(rows, normal, least, margin)]
+            reached[rows] = place[end]
+        at = ends[int(reached.min())]
+        return at if at < last else None
+
+    def _separated(
+        self, rows: NDArray[np.intp], normal: Vector, least: Fraction, margin: Fraction
+    ) -> BoolArray:
+        """Which triangles all x with normal·x >= ``least`` are farther than ``margin`` from."""
+        factor = Fraction(self.factor)
+        direction = into_body(normal, self.wxyz)
+        limit = (least - dot(normal, self.position) - times_length(margin, normal)) / factor
+        rounded = np.array([float(part) for part in direction])
+        corners = np.unique(self.faces[rows])
+        points = self.vertices[corners]
+        level = points @ rounded
+        error = _ROUNDING * (np.abs(points) @ np.abs(rounded) + abs(float(limit))) + _SMALLEST
+        below = level + error < float(limit)
+        for k in np.flatnonzero(~below & (level - error < float(limit))):
+            below[k] = dot(vector(points[k].tolist()), direction) < limit
+        of_corner = np.zeros(len(self.vertices), dtype=bool)
+        of_corner[corners] = below
+        return np.asarray(of_corner[self.faces[rows]].all(axis=1))
+
+    def inside(self, point: Vector) -> bool:
+        """Whether the mesh winds around a point that is not on its surface.
+
+        Counts the triangles that a ray along the body's x passes, by the side it comes from. A ray
+        that meets an edge counts as passing where its y and z are greater by next to nothing.
+        """
+        x, y, z = into_body(minus(point, self.position), self.wxyz)
+        factor = Fraction(self.factor)
+        x, y, z = x / factor, y / factor, z / factor
+        corners = self.vertices[self.faces]
+        low, high = corners.min(axis=1), corners.max(axis=1)
+        pad = _ROUNDING * max(abs(float(y)), abs(float(z)))
+        near = (low[:, 1] <= float(y) + pad) & (high[:, 1] >= float(y) - pad)
+        near &= (low[:, 2] <= float(z) + pad) & (high[:, 2] >= float(z) - pad)
+        winding = 0
+        for triangle in corners[near].tolist():
+            a, b, c = (minus(vector(corner), (x, y, z)) for corner in triangle)
+            if sum(_right_of_origin(*edge) for edge in ((a, b), (b, c), (c, a))) % 2:
+                area = _cross(a, b) + _cross(b, c) + _cross(c, a)
+                ahead = a[0] * _cross(b, c) + b[0] * _cross(c, a) + c[0] * _cross(a, b)
+                if (ahead > 0) == (area > 0):
+                    winding += 1 if area > 0 else -1
+        return winding != 0
+
+
+def _cross(a: Vector, b: Vector) -> Fraction:
+    """Of the y and z parts."""
+    return a[1] * b[2] - a[2] * b[1]
+
+
+def _right_of_origin(a: Vector, b: Vector) -> bool:
+    """Whether, in the plane of y and z, the ray from the origin along y passes the edge."""
+    if (a[2] > 0) == (b[2] > 0):
+        return False
+    return _cross(a, b) > 0 if b[2] > a[2] else _cross(a, b) < 0

@@ -1,0 +1,311 @@
+"""Check the certificates of a plan again, in exact rational numbers.
+
+What is checked is the plan as written down: its curves' knots, control points and coefficients, its
+scene's obstacles and its certificates' planes, each number taken for exactly what it says. Nothing
+that made the certificates is used; mesh files are read and repaired as for planning. The proof is
+the one in :mod:`abi.clearance.certificate`; here every inequality is decided exactly, and the
+pieces must cover the whole curve for every obstacle.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+from abi import assets
+from abi.errors import SceneError
+from abi.obstacles.mesh_shape import MeshShape
+from abi.obstacles.triangle_mesh.mesh_source import MeshSource
+from abi.obstacles.triangle_mesh.repair import Surface
+from abi.scene.scene import Scene
+from abi.verify.exact import Exact, Powers, Solid, Spline, Vector, dot, hull, vector
+from abi.verify.exact_mesh import Mesh
+
+CURVES = ("bspline", "quadratic")
+
+_TOUCH = Fraction(1, 10**9)
+"""By how much a curve that may touch a solid may go in, [unit], if that is 4 times as deep."""
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What was found about one curve.
+
+    Attributes:
+        curve: ``bspline`` or ``quadratic``.
+        proven: whether its certificate proves what the plan claims.
+        reason: what is proven, or why it is not, as the end of a sentence.
+    """
+
+    curve: str
+    proven: bool
+    reason: str
+
+    def __str__(self) -> str:
+        return f"{self.curve}: {'proven' if self.proven else 'NOT proven'}: {self.reason}"
+
+
+@dataclass(frozen=True)
+class _Plane:
+    start: float
+    end: float
+    normal: Vector
+
+
+class _Wrong(Exception):
+    """The certificate does not prove the claim; the message says why."""
+
+
+class PlanMeshes(MeshSource):
+    """Mesh files beside a plan; those of a shipped scene, where they are not there, from that.
+
+    Attributes:
+        shipped: names of the files that were not beside the plan but with the shipped scenes.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        super().__init__(folder=folder)
+        self.shipped: list[str] = []
+        self._folder = folder
+
+    def surface(self, name: str) -> Surface:
+        """As in :class:`MeshSource`."""
+        try:
+            return super().surface(name)
+        except SceneError as error:
+            # a file that is there but is no mesh is what was meant
+            if not (self._folder / name).exists():
+                with contextlib.suppress(SceneError):
+                    found = MeshSource(folder=assets.path("scenes")).surface(name)
+                    self.shipped.append(name)
+                    return found
+            expected = f"{error.expected}, beside the plan or in the folder of --meshes"
+            raise SceneError(error.field, name, expected) from None
+
+
+def verify(plan: object, folder: Path | MeshSource | None = None) -> tuple[Verdict, ...]:
+    """Check every curve of a plan.
+
+    Args:
+        plan: what ``Plan.to_dict`` returned, as it is or read back from JSON.
+        folder: where the files of the scene's meshes are; None for a scene without.
+
+    Raises:
+        SceneError: it is not a plan; names the field.
+    """
+    if not isinstance(plan, dict) or not all(name in plan for name in ("scene", *CURVES)):
+        raise SceneError("plan", plan, "a plan as abi plan writes it")
+    scene = Scene.from_dict(plan["scene"], folder)
+    obstacles = _obstacles(plan["scene"], scene)
+    asked = Fraction(scene.spline.clearance)
+    return tuple(_verdict(name, plan[name], obstacles, asked) for name in CURVES)
+
+
+def _verdict(name: str, section: Any, obstacles: list[Solid | Mesh], asked: Fraction) -> Verdict:
+    if section is None:
+        return Verdict(name, False, "the plan has no such curve")
+    curve = _curve(name, _mapping(name, section))
+    certificate = section.get("certificate")
+    if certificate is None:
+        claim = "it claims to be certified but" if section.get("certified") else "it"
+        return Verdict(name, False, f"{claim} carries no certificate")
+    field = f"{name}.certificate"
+    margin, planes = _certificate(field, _mapping(field, certificate), len(obstacles))
+    try:
+        _check_claim(section, margin, asked)
+        _check_margin(margin, obstacles)
+        for k, obstacle in enumerate(obstacles):
+            assert margin is not None
+            try:
+                _check_obstacle(curve, obstacle, planes[k], margin)
+            except _Wrong as wrong:
+                raise _Wrong(f"obstacle {k + 1}: {wrong}") from None
+    except _Wrong as wrong:
+        return Verdict(name, False, f"its certificate is wrong, {wrong}")
+    if margin is None:
+        return Verdict(name, True, "there is no obstacle")
+    distance = f"{float(margin):.9g}"
+    if margin < asked - _TOUCH:
+        distance += f", less than the {float(asked):g} asked for,"
+    number = "the obstacle" if len(obstacles) == 1 else f"all {len(obstacles)} obstacles"
+    count = sum(map(len, planes))
+    return Verdict(name, True, f"it keeps {distance} from {number}, by {count} planes")
+
+
+def _check_claim(section: dict[str, Any], margin: Fraction | None, asked: Fraction) -> None:
+    stated = section.get("clearance")
+    if (stated is None) != (margin is None) or (margin is not None and _number(stated) != margin):
+        raise _Wrong("its margin is not the clearance stated")
+    enough = margin is None or margin >= asked - _TOUCH
+    if section.get("certified") is not enough:
+        said = "said to be certified" if not enough else "not said to be certified"
+        raise _Wrong(f"as the curve is {said}")
+
+
+def _check_margin(margin: Fraction | None, obstacles: list[Solid | Mesh]) -> None:
+    if (margin is None) != (not obstacles):
+        raise _Wrong("a margin belongs to obstacles")
+    if margin is None or margin >= 0:
+        return
+    deep = all(isinstance(solid, Solid) and solid.depth > 4 * _TOUCH for solid in obstacles)
+    if margin < -_TOUCH or not deep:
+        raise _Wrong("its margin is negative")
+
+
+def _check_obstacle(
+    curve: Exact, obstacle: Solid | Mesh, planes: list[_Plane], margin: Fraction
+) -> None:
+    spans = curve.spans
+    first, last = spans[0][0], spans[-1][1]
+    planes = sorted(planes, key=lambda plane: plane.start)
+    sides = []
+    for plane in planes:
+        start, end = Fraction(plane.start), Fraction(plane.end)
+        points = hull(curve, start, end) if start < end else []
+        if not points:
+            raise _Wrong(f"a piece from {plane.start:g} to {plane.end:g} is not on the curve")
+        sides.append((start, end, plane.normal, min(dot(plane.normal, at) for at in points)))
+    if isinstance(obstacle, Mesh):
+        if (at := obstacle.uncovered(sides, first, last, margin)) is not None:
+            raise _Wrong(f"nothing separates a triangle from the curve at {float(at):g}")
+        if obstacle.closed and any(obstacle.inside(point) for point in _beginnings(curve)):
+            raise _Wrong("the curve begins inside")
+        return
+    reached = first
+    for start, end, normal, least in sides:
+        if start > reached:
+            break
+        if not obstacle.separated(normal, least, margin):
+            raise _Wrong(f"the piece from {float(start):g} to {float(end):g} is not separated")
+        reached = max(reached, end)
+    if reached < last:
+        raise _Wrong(f"no piece covers the curve after {float(reached):g}")
+
+
+def _beginnings(curve: Exact) -> list[Vector]:
+    """Where the curve starts, and where it goes on elsewhere than it has come to."""
+    found: list[Vector] = []
+    before = None
+    for start, end, span in curve.spans:
+        points = curve.points(span, start, end)
+        if points[0] != before:
+            found.append(points[0])
+        before = points[-1]
+    return found
+
+
+def _curve(name: str, section: dict[str, Any]) -> Exact:
+    if name == "bspline":
+        degree = section.get("degree")
+        if type(degree) is not int or not 1 <= degree <= 20:
+            raise SceneError("bspline.degree", degree, "a whole number from 1 to 20")
+        knots = _numbers("bspline.knots", section.get("knots"))
+        points = _list("bspline.control_points", section.get("control_points"))
+        control = tuple(_vector("bspline.control_points", point) for point in points)
+        if len(knots) != len(control) + degree + 1 or len(control) <= degree:
+            raise SceneError("bspline.knots", len(knots), "one for each control point and degree+1")
+        if sorted(knots) != knots or knots[degree] >= knots[len(control)]:
+            raise SceneError("bspline.knots", knots, "numbers that do not fall")
+        return Spline(degree, tuple(map(Fraction, knots)), control)
+    ends: list[tuple[Fraction, Fraction]] = []
+    coefficients: list[tuple[Vector, Vector, Vector]] = []
+    for piece in _list("quadratic.pieces", section.get("pieces")):
+        part = _mapping("quadratic.pieces", piece)
+        start, end = (_finite("quadratic.pieces.t", part.get(key)) for key in ("t0", "t1"))
+        rows = _list("quadratic.pieces.coefficients", part.get("coefficients"))
+        if len(rows) != 3 or start >= end or (ends and ends[-1][1] != start):
+            raise SceneError("quadratic.pieces", piece, "pieces of three rows, side by side")
+        ends.append((Fraction(start), Fraction(end)))
+        c0, c1, c2 = (_vector("quadratic.pieces.coefficients", row) for row in rows)
+        coefficients.append((c0, c1, c2))
+    if not ends:
+        raise SceneError("quadratic.pieces", [], "at least one piece")
+    return Powers(tuple(ends), tuple(coefficients))
+
+
+def _certificate(
+    field: str, data: dict[str, Any], obstacles: int
+) -> tuple[Fraction | None, list[list[_Plane]]]:
+    """Its margin, and its planes by obstacle."""
+    margin = data.get("margin")
+    planes: list[list[_Plane]] = [[] for _ in range(obstacles)]
+    for entry in _list(f"{field}.planes", data.get("planes")):
+        plane = _mapping(f"{field}.planes", entry)
+        which = plane.get("obstacle")
+        if type(which) is not int or not 0 <= which < obstacles:
+            raise SceneError(f"{field}.planes.obstacle", which, "the number of an obstacle")
+        start, end = (_finite(f"{field}.planes.{key}", plane.get(key)) for key in ("t0", "t1"))
+        normal = _vector(f"{field}.planes.direction", plane.get("direction"))
+        planes[which].append(_Plane(start, end, normal))
+    return None if margin is None else Fraction(_finite(f"{field}.margin", margin)), planes
+
+
+def _obstacles(data: Any, scene: Scene) -> list[Solid | Mesh]:
+    entries = _list("scene.obstacles", _mapping("scene", data).get("obstacles", []))
+    if len(entries) != len(scene.obstacles):
+        raise SceneError("scene.obstacles", len(entries), "those of the scene")
+    return [
+        _obstacle(_mapping("scene.obstacles", entry), known)
+        for entry, known in zip(entries, scene.obstacles, strict=True)
+    ]
+
+
+def _obstacle(entry: dict[str, Any], known: object) -> Solid | Mesh:
+    position = _vector("scene.obstacles.position", entry.get("position", (0.0, 0.0, 0.0)))
+    w, x, y, z = _numbers("scene.obstacles.wxyz", entry.get("wxyz", (1.0, 0.0, 0.0, 0.0)))
+    if isinstance(known, MeshShape):
+        surface = known.surface
+        return Mesh(
+            surface.vertices, surface.faces, surface.closed, known.factor, position, (w, x, y, z)
+        )
+    zero = Fraction(0)
+    half, disc, ball = (zero, zero, zero), zero, zero
+    if entry["shape"] == "box":
+        a, b, c = _vector("scene.obstacles.size", entry["size"])
+        half = (a / 2, b / 2, c / 2)
+    else:
+        radius = Fraction(entry["radius"])
+        disc, ball = (radius, zero) if entry["shape"] == "cylinder" else (zero, radius)
+        half = (zero, zero, Fraction(entry.get("height", 0)) / 2)
+    return Solid(half, disc, ball, position, (w, x, y, z))
+
+
+def _number(value: object) -> Fraction | None:
+    """The number exactly; None when it is none."""
+    if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) < math.inf:
+        return None
+    return Fraction(value)
+
+
+def _finite(field: str, value: object) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) <= 1e15:
+        raise SceneError(field, value, "a number up to 1e15")
+    return float(value)
+
+
+def _numbers(field: str, value: object) -> list[float]:
+    return [_finite(field, number) for number in _list(field, value)]
+
+
+def _vector(field: str, value: object) -> Vector:
+    numbers = _numbers(field, value)
+    if len(numbers) != 3:
+        raise SceneError(field, value, "three numbers")
+    return vector(numbers)
+
+
+def _list(field: str, value: object) -> Sequence[Any]:
+    if not isinstance(value, list | tuple):
+        raise SceneError(field, value, "a list")
+    return value
+
+
+def _mapping(field: str, value: object) -> dict[str, Any]:
+    if not isinstance(value, dict):
+        raise SceneError(field, value, "a mapping")
+    return value

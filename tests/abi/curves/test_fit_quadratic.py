@@ -1,0 +1,287 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from abi.arrays import FloatArray, read_only
+from abi.curves import curve as curves
+from abi.curves import quadratic
+from abi.curves.bspline import BSpline
+from abi.curves.bspline import fit as fit_spline
+from abi.curves.clear_quadratic import ByLength, Target, nearest_clear, target
+from abi.curves.fit_quadratic import MOST_PIECES, Mode, fewest_pieces, fit
+from abi.curves.quadratic import Quadratic
+from abi.curves.quadratics import Quadratics, join
+from abi.obstacles.primitives import Box, MeshShape, Obstacle, Obstacles, Sphere, nearest
+from abi.obstacles.triangle_mesh.repair import clean
+from abi.planner.plan import plan
+from abi.scene.scene import Scene, load_scene
+from benchmarks.quadratics import scattered, slalom
+from tests.abi import meshes
+
+CLEARANCE = 0.1
+seeds = st.integers(0, 2**32 - 1)
+
+
+def spline_through(scene: Scene) -> BSpline | None:
+    return plan(scene).bspline
+
+
+def fitted(spline: BSpline, mode: Mode) -> Quadratic | Quadratics:
+    return fit(spline, curves.measure(spline), spline.obstacles, spline.asked, mode)
+
+
+def dense(obstacles: Obstacles, curve: Quadratic | Quadratics) -> float:
+    return float(nearest(obstacles, curve(np.linspace(0, 1, 4000)))[0].min())
+
+
+def bend(curve: Quadratic | Quadratics) -> np.ndarray:
+    assert isinstance(curve, Quadratic)
+    return np.asarray(curve.coefficients[2])
+
+
+@st.composite
+def joined(draw: st.DrawFn) -> tuple[np.ndarray, np.ndarray]:
+    rng = np.random.default_rng(draw(seeds))
+    pieces = draw(st.integers(1, 9))
+    spans = rng.uniform(0.05, 1, pieces)
+    breaks = np.concatenate([[0], np.cumsum(spans) / spans.sum()])
+    breaks[-1] = 1
+    return rng.uniform(-5, 5, (pieces + 2, 3)), breaks
+
+
+@settings(max_examples=60, deadline=None)
+@given(joined(), st.sampled_from([0, 1]))
+def test_pieces_meet_with_equal_points_and_tangents(
+    given_: tuple[np.ndarray, np.ndarray], order: int
+) -> None:
+    control, breaks = given_
+    made = join(control, breaks, (), 0.0)
+
+    assert np.array_equal(made.breaks, breaks)
+    assert len(made.pieces) == len(breaks) - 1
+    for (*_, at), (start, _, after) in zip(made.pieces[:-1], made.pieces[1:], strict=True):
+        powers = [1, start, start**2] if order == 0 else [0, 1, 2 * start]
+        scale = max(1.0, float(np.abs(at).max()))
+        np.testing.assert_allclose(powers @ at, powers @ after, atol=1e-12 * scale)
+    np.testing.assert_allclose(made([0.0, 1.0]), control[[0, -1]], atol=1e-10)
+
+
+@settings(max_examples=40, deadline=None)
+@given(joined(), st.floats(0.001, 0.999))
+def test_a_joined_curve_is_its_pieces_and_its_derivatives_are_differences(
+    given_: tuple[np.ndarray, np.ndarray], t: float
+) -> None:
+    made = join(*given_, (), 0.0)
+    k = int(np.searchsorted(made.breaks[1:-1], t, side="right"))
+    first, last, rows = made.pieces[k]
+    assert first <= t <= last
+    np.testing.assert_allclose(made(t), [1, t, t * t] @ rows, atol=1e-12)
+    assert np.array_equal(made([t, t])[1], made(t))
+
+    step = 1e-6 * (last - first)
+    inside = min(max(t, first + 2 * step), last - 2 * step)
+    for order in (1, 2):
+        ahead, behind = made(inside + step, order - 1), made(inside - step, order - 1)
+        scale = float(np.abs(rows).max())
+        np.testing.assert_allclose(
+            made(inside, order), (ahead - behind) / (2 * step), atol=1e-7 * scale / step * 1e-3
+        )
+    assert not made(t, 3).any()
+
+
+@settings(max_examples=15, deadline=None)
+@given(seeds, st.integers(1, 6))
+def test_the_target_is_the_least_squares_curve(seed: int, pieces: int) -> None:
+    rng = np.random.default_rng(seed)
+    spline = fit_spline(rng.uniform(0, 6, (6, 3)), 3, (), 0.0)
+    arc = curves.measure(spline)
+    shape = ByLength(spline, arc)
+    breaks = np.linspace(0, 1, pieces + 1)
+    wanted = target(shape, breaks, (), 0.0)
+    if pieces == 1:
+        square = quadratic.fit(spline, arc, (), 0.0)
+        made = join(wanted.control_points, breaks, (), 0.0)
+        np.testing.assert_allclose(made.coefficients[0], square.coefficients, atol=1e-3)
+    t = (np.arange(4000) + 0.5) / 4000
+    aim = shape(t)
+    least = np.mean((join(wanted.control_points, breaks, (), 0.0)(t) - aim) ** 2)
+    for _ in range(5):
+        other = wanted.control_points.copy()
+        other[1:-1] += rng.normal(size=(pieces, 3)) * 0.3
+        curve = join(other, breaks, (), 0.0)
+        assert np.mean((curve(t) - aim) ** 2) >= least * (1 - 1e-3)
+        gap = curve(t) - join(wanted.control_points, breaks, (), 0.0)(t)
+        assert wanted.distance(other) == pytest.approx(
+            np.sqrt(np.mean((gap**2).sum(axis=1))), rel=1e-3
+        )
+
+
+@settings(max_examples=25, deadline=None)
+@given(seeds, st.sampled_from([4, 12]), st.sampled_from(["clear", "pieces"]))
+def test_a_moved_curve_is_clear_with_exact_ends(seed: int, most: int, mode: Mode) -> None:
+    spline = spline_through(scattered(np.random.default_rng(seed), most))
+    if spline is None:
+        return
+    made = fitted(spline, mode)
+
+    ends = spline.control_points[[0, -1]]
+    np.testing.assert_allclose(made([0.0, 1.0]), ends, atol=1e-9)
+    if made.holds:
+        assert made.note == ""
+        assert dense(spline.obstacles, made) >= spline.asked - 1e-9
+    square = fitted(spline, "least_squares")
+    if square.holds:
+        assert np.array_equal(bend(made), bend(square))
+    if mode == "pieces":
+        assert made.holds >= spline.holds
+        assert (len(made.pieces) == 1) >= fitted(spline, "clear").holds
+
+
+@settings(max_examples=12, deadline=None)
+@given(seeds)
+def test_pieces_hold_where_the_spline_holds(seed: int) -> None:
+    spline = spline_through(slalom(np.random.default_rng(seed)))
+    if spline is None or not spline.holds:
+        return
+    made = fitted(spline, "pieces")
+    single = fitted(spline, "clear")
+
+    assert made.holds
+    assert dense(spline.obstacles, made) >= spline.asked - 1e-9
+    assert (len(made.pieces) == 1) == single.holds
+    joints = made.breaks[1:-1]
+    for order in (0, 1):
+        before, after = made(joints - 1e-12, order), made(joints + 1e-12, order)
+        np.testing.assert_allclose(before, after, atol=1e-6)
+    if not single.holds:
+        assert "pieces" in single.note
+
+
+def test_past_the_most_pieces_the_control_polygon_decides() -> None:
+    # teeth of a comb from below and above, too many for few pieces
+    teeth: tuple[Obstacle, ...] = tuple(
+        Box(size=(0.1, 40.0, 40.0), position=(0.5 + 0.5 * k, 22.2 if k % 2 else -17.2, 0.0))
+        for k in range(2 * MOST_PIECES)
+    )
+    xs = 0.5 + 0.5 * np.arange(2 * MOST_PIECES)
+    turns = [[x, 1.8 if k % 2 else 3.2, 0.0] for k, x in enumerate(xs)]
+    corners = [[x + dx, y, 0.0] for x, y, _ in turns for dx in (-0.2, 0.0, 0.2)]
+    path = np.array([[0.0, 2.5, 0.0], *corners, [xs[-1] + 1, 2.5, 0.0]])
+    spline = fit_spline(path, 4, teeth, CLEARANCE)
+    assert spline.holds
+    made = fewest_pieces(spline, ByLength(spline, curves.measure(spline)), teeth, CLEARANCE)
+
+    assert made is not None
+    assert made.holds
+    assert len(made.pieces) > MOST_PIECES
+    assert dense(teeth, made) >= CLEARANCE - 1e-9
+
+
+@settings(max_examples=8, deadline=None)
+@given(seeds)
+def test_no_clear_quadratic_on_a_grid_is_nearer(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    spline = spline_through(scattered(rng))
+    if spline is None:
+        return
+    square, made = fitted(spline, "least_squares"), fitted(spline, "clear")
+    if square.holds or not made.holds:
+        return
+    moved = float(np.linalg.norm(bend(made) - bend(square)))
+    directions = rng.normal(size=(400, 3))
+    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+    t, fine = np.linspace(0, 1, 80), np.linspace(0, 1, 1500)
+    for radius in (0.5 * moved, 0.8 * moved, 0.94 * moved):
+        other = bend(square) + radius * directions
+        change = (other - bend(square))[:, None] * (t * t - t)[None, :, None]
+        distance, _ = nearest(spline.obstacles, (square(t) + change).reshape(-1, 3))
+        seemingly = distance.reshape(400, -1).min(axis=1) >= spline.asked
+        for direction in directions[seemingly]:
+            points = square(fine) + radius * direction * (fine * fine - fine)[:, None]
+            assert nearest(spline.obstacles, points)[0].min() < spline.asked
+
+
+def test_around_a_sphere_in_the_way_the_move_is_the_least() -> None:
+    # A straight line through a sphere's centre: the bend that just clears it, by symmetry.
+    sphere = (Sphere(radius=1.0, position=(3.0, 0.0, 0.0)),)
+    path = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [5.0, 0.0, 0.0], [6.0, 0.0, 0.0]])
+    straight = fit_spline(path, 3, (), 0.0)
+    made = fit(straight, curves.measure(straight), sphere, CLEARANCE, "clear")
+
+    assert made.holds
+    t = np.linspace(0, 1, 20_001)
+    x = 6 * t - 3
+    # P(t) = (6 t, s t (1 - t)): least s with x² + (s t (1 - t))² >= 1.1² wherever abs(x) < 1.1
+    inside = np.abs(x) < 1 + CLEARANCE
+    least = float(
+        np.max(np.sqrt((1 + CLEARANCE) ** 2 - x[inside] ** 2) / (t[inside] * (1 - t[inside])))
+    )
+    sideways = bend(made)[1:]
+    assert np.linalg.norm(bend(made)) == pytest.approx(least, rel=0.01)
+    assert np.linalg.norm(sideways) <= np.linalg.norm(bend(made)) * (1 + 1e-12)
+
+
+@pytest.mark.parametrize("half", [0.6, 0.9])
+@pytest.mark.parametrize("over", [0.005, 0.01, 0.02])
+def test_over_a_ridge_that_no_half_space_shows_it_aims_higher(half: float, over: float) -> None:
+    # A block, and on it a ridge as thin as a knife: the middles of the short pieces to its left and
+    # right are nearer to the block, so that their half spaces know nothing of it.
+    asked = 0.02
+    t = (3 - half) / 6
+    least = (0.5 + asked) / (4 * t * (1 - t))  # how high the curve goes past the block's edges
+    ridge = least - asked + over
+    block = meshes.box((2 * half, 1, 1), (3, 0, 0))
+    knife = meshes.box((0.02, 0.5 + ridge, 1), (3, (ridge - 0.5) / 2, 0))
+    shape = MeshShape.of(clean(*meshes.joined(block, knife)))
+    line = np.array([[0.0, 0, 0], [3, 0.1, 0], [6, 0, 0]])
+    wanted = Target(read_only(np.array([0.0, 1.0])), read_only(line), (shape,), asked)
+
+    def over_the_block(part: FloatArray) -> FloatArray:
+        return np.stack([6 * part, 4.08 * least * part * (1 - part), 0 * part], axis=1)
+
+    made = nearest_clear(wanted, [over_the_block])
+
+    assert made is not None
+    assert dense((shape,), made) >= asked - 1e-9
+    assert ridge + asked <= made(0.5)[1] < ridge + 4 * asked
+
+
+def test_the_mode_of_a_scene_is_the_mode_of_its_plan() -> None:
+    scene = slalom(np.random.default_rng(5))
+    made = {mode: plan(scene.replace(quadratic={"mode": mode})) for mode in ("clear", "pieces")}
+    if made["pieces"].quadratic is None:
+        pytest.fail("the scene has a path")
+    data = made["pieces"].to_dict()["quadratic"]
+
+    assert made["pieces"].quadratic.holds
+    assert made["pieces"].followed == "quadratic"
+    assert data["pieces"][0]["t0"] == 0.0
+    assert data["pieces"][-1]["t1"] == 1.0
+    for part, (start, end, rows) in zip(
+        data["pieces"], made["pieces"].quadratic.pieces, strict=True
+    ):
+        assert (part["t0"], part["t1"]) == (start, end)
+        np.testing.assert_array_equal(part["coefficients"], rows)
+
+
+def test_a_note_blames_the_spline_only_where_it_does_not_hold() -> None:
+    """From a start at the very clearance no piece leads away that bends enough."""
+    outward = np.array([0.18, -0.94, 0.28]) / np.linalg.norm([0.18, -0.94, 0.28])
+    scene = load_scene("paper").replace(
+        obstacles=[{"shape": "sphere", "radius": 0.3, "position": [3, 3, 3]}],
+        start=(3 + 0.4 * outward).tolist(),
+        goal=[3.2, 3.8, 0.5],
+        search={"taut": True},
+        spline={"clearance": 0.1, "degree": 3},
+        quadratic={"mode": "pieces"},
+    )
+    made = plan(scene)
+    assert made.bspline is not None
+    assert made.quadratic is not None
+    assert made.bspline.holds
+    assert not made.quadratic.holds
+    assert made.quadratic.note.endswith("; the B-spline does.")
+    assert made.followed == "bspline"

@@ -1,0 +1,130 @@
+from __future__ import annotations
+
+import math
+import subprocess
+import sys
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from abi.arrays import FloatArray
+from abi.obstacles.triangle_mesh.closest_points import NearestPlaces
+from abi.obstacles.triangle_mesh.repair import clean
+from abi.obstacles.triangle_mesh.signed_distance import SurfaceDistance
+from tests.abi import meshes
+
+Vector = list[Fraction]
+
+seeds = st.integers(0, 2**32 - 1)
+MESHES = {
+    "box": meshes.box((2, 1, 3)),
+    "blob": meshes.bumpy(3),
+    "soup": meshes.soup(100),
+    "tiny": (meshes.bumpy(2)[0] * 1e-9, meshes.bumpy(2)[1]),
+    "huge": (meshes.bumpy(2)[0] * 1e9, meshes.bumpy(2)[1]),
+    "triangle": (np.eye(3), np.array([[0, 1, 2]], dtype=np.int32)),
+}
+
+
+def minus(a: Vector, b: Vector) -> Vector:
+    return [x - y for x, y in zip(a, b, strict=True)]
+
+
+def dot(a: Vector, b: Vector) -> Fraction:
+    return sum((x * y for x, y in zip(a, b, strict=True)), Fraction(0))
+
+
+def cross(a: Vector, b: Vector) -> Vector:
+    return [a[i - 2] * b[i - 1] - a[i - 1] * b[i - 2] for i in range(3)]
+
+
+def exactly(point: FloatArray, triangle: FloatArray) -> float:
+    """Distance of a point to a triangle, in rationals up to the root."""
+    x, *corners = ([Fraction(v) for v in row] for row in [point.tolist(), *triangle.tolist()])
+    sides = [(corners[k - 1], minus(corners[k], corners[k - 1])) for k in range(3)]
+    normal = cross(sides[1][1], sides[2][1])
+    if any(normal) and all(dot(cross(d, minus(x, a)), normal) >= 0 for a, d in sides):
+        height = dot(minus(x, corners[0]), normal)
+        return math.sqrt(height * height / dot(normal, normal))
+    ways = []
+    for a, d in sides:
+        t = min(max(dot(minus(x, a), d) / dot(d, d), Fraction(0)), Fraction(1))
+        way = minus(minus(x, a), [t * v for v in d])
+        ways.append(dot(way, way))
+    return math.sqrt(min(ways))
+
+
+@settings(max_examples=20, deadline=None)
+@given(st.sampled_from(sorted(MESHES)), seeds)
+def test_ways_lead_from_the_nearest_place(name: str, seed: int) -> None:
+    vertices, faces = MESHES[name]
+    rng = np.random.default_rng(seed)
+    low, size = vertices.min(axis=0), np.ptp(vertices, axis=0)
+    on = vertices[faces[rng.integers(len(faces), size=4)]].mean(axis=1)
+    points = np.concatenate([low + rng.uniform(-0.3, 1.3, (4, 3)) * size, on, vertices[:1]])
+    places = NearestPlaces(vertices, faces)
+    assert places.error < 1e-12 * size.max()
+    ways, triangles = places.to(points)
+    for x, way, triangle in zip(points, ways, triangles, strict=True):
+        best = min(exactly(x, corners) for corners in vertices[faces])
+        assert np.linalg.norm(way) == pytest.approx(best, abs=places.error, rel=1e-14)
+        assert exactly(x - way, vertices[faces[triangle]]) <= places.error
+
+
+@settings(max_examples=300, deadline=None)
+@given(st.floats(-17, 0), st.sampled_from(["needle", "cap", "lattice"]), seeds)
+def test_no_triangle_is_too_thin(power: float, kind: str, seed: int) -> None:
+    """VTK by itself finds no place at all on triangles whose area is lost to rounding."""
+    rng = np.random.default_rng(seed)
+    triangle = rng.uniform(-1, 1, (3, 3))
+    shift = 10.0**power * rng.normal(size=3)
+    if kind == "needle":
+        triangle[2] = triangle[0] + rng.random() * (triangle[1] - triangle[0]) + shift
+    elif kind == "cap":
+        triangle[2] = triangle[0] + shift
+    else:
+        triangle[:2] = np.round(4 * triangle[:2]) / 4
+        triangle[2] = triangle[:2].mean(axis=0)
+        triangle[2, rng.integers(3)] += 10.0**power
+    triangle = rng.permutation(triangle)
+    a, b, c = triangle
+    assume(np.linalg.norm(np.cross(b - a, c - b)) and (a != b).any() and (c != a).any())
+    near = 0.3 * a + 0.7 * b + 10.0 ** rng.uniform(-14, -1) * rng.normal(size=3)
+    points = np.stack([rng.uniform(-1.5, 1.5, 3), near, triangle[rng.integers(3)]])
+    places = NearestPlaces(triangle, np.array([[0, 1, 2]], dtype=np.int32))
+    assert places.error < 1e-7
+    found = np.linalg.norm(places.to(points)[0], axis=1)
+    expected = [exactly(x, triangle) for x in points]
+    np.testing.assert_allclose(found, expected, atol=places.error, rtol=1e-14)
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.floats(-17, -2), seeds)
+def test_slivers_shorten_a_distance_but_never_lengthen_it(power: float, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    corners = rng.uniform(-1, 1, (8, 3, 3))
+    corners[:, 2] = corners[:, 0] + 10.0**power * rng.normal(size=(8, 3))
+    faces = np.arange(24, dtype=np.int32).reshape(8, 3)
+    assume(np.linalg.norm(np.cross(*np.diff(corners, axis=1).transpose(1, 0, 2)), axis=1).all())
+    surface = clean(corners.reshape(-1, 3), faces)
+    points = np.concatenate([rng.uniform(-1.5, 1.5, (6, 3)), corners[:2, 0]])
+    found = SurfaceDistance(surface).signed(points)
+    triangles = surface.vertices[surface.faces]
+    expected = np.array([min(exactly(x, t) for t in triangles) for x in points])
+    assert (found <= expected + 1e-14).all()
+    assert (found >= expected - 1e-6).all()
+
+
+def test_a_scene_without_a_mesh_does_not_load_the_library() -> None:
+    code = """
+import abi, app.server, sys
+abi.plan(abi.load_scene(sys.argv[1]))
+print("vtkmodules" in sys.modules)
+"""
+    for name, loaded in (("paper", "False"), ("sculpture", "True")):
+        run = [sys.executable, "-c", code, name]
+        out = subprocess.run(run, check=True, capture_output=True, text=True)
+        assert out.stdout.split() == [loaded]

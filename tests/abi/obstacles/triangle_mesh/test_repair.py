@@ -1,0 +1,186 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from abi.arrays import FloatArray
+from abi.errors import SceneError
+from abi.obstacles.triangle_mesh.repair import Surface, clean
+from abi.obstacles.triangle_mesh.signed_distance import distances
+from tests.abi import meshes
+from tests.abi.meshes import Mesh
+
+RNG = np.random.default_rng(5)
+PROBES = RNG.uniform(-2.5, 2.5, (4000, 3))
+
+
+def in_box(points: FloatArray, size: float, x: float = 0.0) -> np.ndarray:
+    return np.asarray((np.abs(points - (x, 0, 0)) < size / 2).all(axis=1))
+
+
+def inside(surface: Surface, points: FloatArray = PROBES) -> np.ndarray:
+    return np.asarray(distances(surface).signed(points) < 0)
+
+
+def volume(surface: Surface) -> float:
+    a, b, c = (surface.vertices[surface.faces[:, k]] for k in range(3))
+    return float(np.einsum("ij,ij->i", np.cross(a, b), c).sum() / 6)
+
+
+def every_edge_has_two_sides(surface: Surface) -> bool:
+    sides = np.concatenate([surface.faces[:, [a, b]] for a, b in ((0, 1), (1, 2), (2, 0))])
+    return {(a, b) for a, b in sides.tolist()} == {(b, a) for a, b in sides.tolist()}
+
+
+BOX = meshes.box((2, 2, 2))
+SOUP_OF_BOX = (BOX[0][BOX[1]].reshape(-1, 3), np.arange(36, dtype=np.int32).reshape(-1, 3))
+HALF_FLIPPED = (BOX[0], np.concatenate([BOX[1][:5, ::-1], BOX[1][5:]]))
+
+
+@pytest.mark.parametrize(
+    ("mesh", "boxes", "note"),
+    [
+        (BOX, [(2, 0)], None),
+        (SOUP_OF_BOX, [(2, 0)], None),
+        (meshes.inverted(BOX), [(2, 0)], "faced inward"),
+        (HALF_FLIPPED, [(2, 0)], "5 triangles faced the other way"),
+        (meshes.joined(BOX, BOX), [(2, 0)], "12 triangles were there more than once"),
+        (meshes.joined(BOX, meshes.inverted(BOX)), [(2, 0)], "more than once"),
+        (meshes.joined(BOX, meshes.box((2, 2, 2), (0.7, 0, 0))), [(2, 0), (2, 0.7)], "2 shells"),
+        (meshes.joined(BOX, meshes.box((1, 1, 1))), [(2, 0)], "one solid"),
+        (meshes.joined(BOX, meshes.inverted(meshes.box((1, 1, 1)))), [(2, 0)], "cavities"),
+        (meshes.joined(BOX, meshes.box((1, 1, 1), (-1.8, 0, 0))), [(2, 0), (1, -1.8)], "2 shells"),
+        (meshes.joined(meshes.box(), meshes.box(at=(2, 0, 0))), [(1, 0), (1, 2)], "2 shells"),
+    ],
+    ids=[
+        "box", "as-in-stl", "inside-out", "half-flipped", "twice", "twice-inverted", "overlapping",
+        "nested", "cavity", "overlapping-by-a-part", "apart",
+    ],
+)  # fmt: skip
+def test_what_is_inside_is_the_union_of_what_the_shells_enclose(
+    mesh: Mesh, boxes: list[tuple[float, float]], note: str | None
+) -> None:
+    surface = clean(*mesh)
+
+    assert surface.closed
+    assert every_edge_has_two_sides(surface)
+    expected = np.any([in_box(PROBES, size, x) for size, x in boxes], axis=0)
+    np.testing.assert_array_equal(inside(surface), expected)
+    # by Monte Carlo: the volume of what the probes found
+    assert volume(surface) == pytest.approx(expected.mean() * 125, rel=0.25)
+    assert (surface.notes == ()) if note is None else any(note in said for said in surface.notes)
+
+
+def test_the_union_has_no_faces_inside() -> None:
+    surface = clean(*meshes.joined(BOX, meshes.box((2, 2, 2), (0.7, 0, 0))))
+    assert volume(surface) == pytest.approx(2.7 * 4)
+    centre = np.array([[0.35, 0.1, 0.0]])
+    assert distances(surface).signed(centre)[0] == pytest.approx(-0.9)
+
+
+@pytest.mark.parametrize(
+    "mesh",
+    [
+        (BOX[0], BOX[1][:-2]),
+        meshes.soup(60),
+        meshes.joined(BOX, (np.eye(3) * 3, np.array([[0, 1, 2]], dtype=np.int32))),
+        (np.array([[0, 0, 0], [2, 0, 0], [0, 2, 0]], dtype=float), np.array([[0, 1, 2]])),
+        (
+            np.array([[0, 0, 0], [2, 0, 0], [0, 2, 0]], dtype=float),
+            np.array([[0, 1, 2], [2, 1, 0]]),
+        ),
+    ],
+    ids=["open-box", "soup", "box-and-a-sheet", "sheet", "sheet-of-two-sides"],
+)
+def test_an_open_surface_has_no_inside_and_says_so(mesh: Mesh) -> None:
+    surface = clean(*mesh)
+
+    assert not surface.closed
+    assert any("no inside" in note for note in surface.notes)
+    assert not inside(surface).any()
+    # nothing of it is lost
+    corners = mesh[0][mesh[1]].mean(axis=1)
+    np.testing.assert_allclose(distances(surface).signed(corners), 0, atol=1e-12)
+
+
+def test_a_moebius_strip_is_left_open() -> None:
+    turn = np.linspace(0, 2 * np.pi, 31)[:-1]
+    across = np.stack([np.cos(turn / 2) * np.cos(turn), np.cos(turn / 2) * np.sin(turn)], axis=1)
+    rim = np.stack([np.cos(turn), np.sin(turn), np.zeros(30)], axis=1)
+    half = np.concatenate([across, np.sin(turn / 2)[:, None]], axis=1) / 3
+    vertices = np.concatenate([rim + half, rim - half])
+    k = np.arange(30)
+    then = (k + 1) % 30
+    a, b, c, d = k, then, k + 30, then + 30
+    b[-1], d[-1] = 30, 0
+    faces = np.concatenate([np.stack([a, b, c], 1), np.stack([b, d, c], 1)])
+    assert not clean(vertices, faces.astype(np.int32)).closed
+
+
+def test_a_flat_shell_is_a_surface_not_a_solid_of_nothing() -> None:
+    vertices, faces = meshes.box((2, 2, 2))
+    surface = clean(vertices * (1, 1, 0), faces)
+    assert not surface.closed
+    assert distances(surface).signed(np.zeros((1, 3)))[0] == pytest.approx(0, abs=1e-12)
+
+
+@pytest.mark.parametrize("width", [1e-3, 1e-8, 1e-15])
+def test_needles_keep_what_touches_them_away(width: float) -> None:
+    """Joined where they nearly meet, their corners would leave nothing."""
+    vertices = np.array(
+        [[0.0, 0, 0], [2, 1, 0], [0, width, 0], [0, 0, 3], [2, 1, 3], [0, width, 3]]
+    )
+    surface = clean(vertices, np.array([[0, 1, 2], [3, 5, 4]], dtype=np.int32))
+    assert not surface.closed
+    assert len(surface.faces) == 2
+    beside = np.array([[1.0, 0.5, 0.25], [0, 0, 2]])
+    np.testing.assert_allclose(distances(surface).signed(beside), [0.25, 1], atol=1e-6)
+
+
+def test_corners_that_nearly_meet_are_joined_where_that_closes_it() -> None:
+    vertices, faces = SOUP_OF_BOX
+    shaken = vertices + RNG.uniform(-1e-8, 1e-8, vertices.shape)
+    assert clean(shaken, faces).closed
+    assert np.abs(np.abs(clean(shaken, faces).vertices) - 1).max() < 1e-7
+    torn = vertices + RNG.uniform(-1e-3, 1e-3, vertices.shape)
+    assert not clean(torn, faces).closed
+
+
+def test_boxes_that_share_an_edge_stay_closed() -> None:
+    mesh = meshes.joined(meshes.box(), meshes.box(at=(1, 1, 0)))
+    surface = clean(*mesh)
+    assert surface.closed
+    expected = in_box(PROBES, 1) | in_box(PROBES - (0, 1, 0), 1, 1)
+    np.testing.assert_array_equal(inside(surface), expected)
+
+
+def test_needles_and_points_are_left_out() -> None:
+    vertices = np.concatenate([BOX[0], [[0, 0, 3], [0, 0, 4], [0, 0, 5]]])
+    needles = np.array([[8, 9, 10], [8, 8, 9], [0, 0, 0]], dtype=np.int32)
+    surface = clean(vertices, np.concatenate([BOX[1], needles]))
+    assert len(surface.faces) == 12
+    with pytest.raises(SceneError, match="area"):
+        clean(vertices, needles)
+
+
+def test_surfaces_compare_by_content() -> None:
+    surface, again = clean(*BOX), clean(*SOUP_OF_BOX)
+    assert clean(*BOX) == surface
+    assert hash(clean(*BOX)) == hash(surface)
+    assert surface != clean(*meshes.box((2, 2, 2.0000001)))
+    assert surface != "surface"
+    assert again.closed
+    with pytest.raises(ValueError, match="read-only"):
+        surface.vertices[0] = 1
+
+
+def test_a_closed_mesh_of_many_faces_stays_as_it_is() -> None:
+    vertices, faces = meshes.bumpy(4)
+    surface = clean(vertices, faces)
+    assert surface.closed
+    assert surface.notes == ()
+    assert len(surface.faces) == len(faces)
+    assert volume(surface) > 0
+    assert surface.extent == np.ptp(vertices, axis=0).max()
+    low, high = surface.hull.min(axis=0), surface.hull.max(axis=0)
+    np.testing.assert_array_equal([low, high], [vertices.min(axis=0), vertices.max(axis=0)])

@@ -1,0 +1,79 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from abi.arm.arm import Arm, forward
+from abi.curves.curve import measure
+from abi.paper import printed
+from abi.paper.comparison import Comparison
+from abi.paper.reproduction import compare
+from abi.scene.scene import Scene
+
+
+@pytest.fixture(scope="module")
+def comparisons() -> dict[str, Comparison]:
+    found = compare()
+    by_what = {one.what: one for one in found}
+    assert len(by_what) == len(found)
+    return by_what
+
+
+@pytest.mark.parametrize(
+    ("what", "found"),
+    [
+        ("excluding the nodes in the obstacles", "with edges tested, too, 0"),
+        ("vertices of the paths", "9, 9, 9 by hops"),
+        ("the three lengths on one graph", "the same"),
+        ("length of the printed polynomials", "11.3581"),
+        ("speed along the printed polynomials", "14.74 → 10.39 → 11.61"),
+        ("y = cos q1·r", "right in 0 %"),
+        ("q1 by arccos", "q1 = atan2(x, −y): 100 %"),
+        ("q2 with a3²·Pza", "right in 0 % of 10,000 poses; q2 with a3³·Pza: 100 %"),
+        ("q4 = t²·Q / I under the force Q", "2.000 Q; t²·Q / (2·I) takes 1.000 Q"),
+    ],
+)
+def test_what_was_checked_by_hand_is_found(
+    comparisons: dict[str, Comparison], what: str, found: str
+) -> None:
+    assert found in comparisons[what].ours
+
+
+def test_what_does_not_hold_is_shown_to_fail(comparisons: dict[str, Comparison]) -> None:
+    wrong = {one.what for one in comparisons.values() if one.verdict == "does not hold"}
+    for what in (
+        "with the path's vertices as control points",
+        "fitted to the spline by least squares",
+        "excluding the nodes in the obstacles",
+    ):
+        assert what in wrong
+        assert not comparisons[what].ours.startswith(("0 of", "enters it in 0"))
+
+
+def test_our_path_shortens_from_stage_to_stage_as_the_papers(
+    comparisons: dict[str, Comparison],
+) -> None:
+    spline = comparisons["length of degree 4"]
+    square = comparisons["length"]
+    for said in ("printed", "ours"):
+        shares = [
+            float(getattr(one, said).split(", ")[1].split(" of")[0]) for one in (spline, square)
+        ]
+        assert 1 > shares[0] > shares[1] > 0.8
+
+
+def test_the_printed_quadratic_is_as_long_as_printed_and_ends_where_it_should() -> None:
+    assert measure(printed.QUADRATIC).length == pytest.approx(printed.QUADRATIC_LENGTH, abs=5e-4)
+    np.testing.assert_allclose(printed.QUADRATIC([0, 1]), [[0, 0, 0], [6, 6, 6]], atol=1e-12)
+
+
+@settings(max_examples=100, deadline=None)
+@given(st.floats(-np.pi, np.pi), st.floats(0.1, 1.5), st.floats(0.1, 1.5))
+def test_printed_q1_is_right_in_one_quadrant(q1: float, q2: float, q3: float) -> None:
+    assume(min(abs(q1), abs(q1 - np.pi / 2)) > 1e-5)
+    arm = Arm.from_settings(Scene(version=1).arm.model_copy(update={"base": (0.0, 0.0, 0.0)}))
+    tool = forward(arm, np.array([[q1, q2, q3, 0, 0, 0]]))
+    (found,) = printed.q1(tool)
+    assert (abs(found - q1) < 1e-6) == (0 < q1 < np.pi / 2)

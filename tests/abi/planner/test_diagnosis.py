@@ -1,0 +1,423 @@
+from __future__ import annotations
+
+import json
+import re
+from typing import Any
+
+import networkx
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from scipy import ndimage
+
+from abi import Scene, load_scene, plan
+from abi.errors import NoPath, PointBlocked
+from abi.obstacles.primitives import nearest
+from abi.planner.diagnosis import Reason, explain
+from abi.planner.nearest_free_point import nearest_free, rounded
+from abi.planner.plan import SLACK, Plan
+from abi.planner.plan_json import reason as plain
+from abi.planner.what_if import MOST_NODES, Trials, rounded_down
+from abi.scene.scene import MeshSettings, Workspace
+from abi.tet_mesh import tet_mesh as mesh
+from tests.abi.scene.test_scene import obstacles, points
+
+STAGES = ["mesh", "graph", "search", "bspline", "quadratic", "timing", "arm"]
+
+
+def passes(made: Plan, stage: str) -> bool:
+    return made.error is None or STAGES.index(made.error.stage) > STAGES.index(stage)
+
+
+def never() -> bool:
+    return False
+
+
+def reason_of(scene: Scene) -> tuple[Plan, Reason]:
+    made = plan(scene)
+    found = explain(scene, made)
+    assert found is not None
+    for sentence in (found.message, found.hint):
+        assert sentence[0].isupper()
+        assert sentence.endswith(".")
+    assert found.points.shape == (len(found.points), 3)
+    json.dumps(plain(found), allow_nan=False)
+    return made, found
+
+
+@st.composite
+def walls_with_a_gap(draw: st.DrawFn) -> Scene:
+    """Four slabs across the workspace, a window between them; start before and goal behind."""
+    y, z = draw(st.floats(1.5, 4.5)), draw(st.floats(1.5, 4.5))
+    half = draw(st.floats(0.02, 0.8))
+    thick = draw(st.floats(0.1, 0.6))
+
+    def slab(low: tuple[float, float], high: tuple[float, float]) -> dict[str, Any]:
+        size = [thick, high[0] - low[0], high[1] - low[1]]
+        return {
+            "shape": "box",
+            "size": size,
+            "position": [3.0, (low[0] + high[0]) / 2, (low[1] + high[1]) / 2],
+        }
+
+    slabs = [
+        slab((-1, -1), (y - half, 7)),
+        slab((y + half, -1), (7, 7)),
+        slab((y - half, -1), (y + half, z - half)),
+        slab((y - half, z + half), (y + half, 7)),
+    ]
+    return Scene.from_dict(
+        {
+            "version": 1,
+            "start": [draw(st.floats(0, 1.2)), draw(st.floats(0, 6)), draw(st.floats(0, 6))],
+            "goal": [draw(st.floats(4.8, 6)), draw(st.floats(0, 6)), draw(st.floats(0, 6))],
+            "obstacles": slabs,
+            "mesh": {
+                "lattice": draw(st.sampled_from(["bcc", "kuhn"])),
+                "pitch": draw(st.floats(0.5, 2)),
+                "max_nodes": 20_000,
+            },
+            "spline": {"clearance": draw(st.floats(0.05, 0.9))},
+        }
+    )
+
+
+@settings(max_examples=15, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@given(walls_with_a_gap())
+def test_a_gap_that_is_too_narrow_is_explained_with_what_works(scene: Scene) -> None:
+    made = plan(scene)
+    if not isinstance(made.error, NoPath):
+        return
+    _, found = reason_of(scene)
+
+    if found.change is None:
+        assert "walled in" in found.message
+        trials = Trials(scene, never)
+        pitches = [scene.mesh.pitch, *trials.finer()]
+        assert not any(trials.joined(0.0, pitch) for pitch in pitches)
+        return
+    changed = scene.replace(**found.change)
+    assert passes(plan(changed), "search")
+    assert len(found.points) == 1
+    lower = found.change.get("spline", {}).get("clearance")
+    finer = found.change.get("mesh", {}).get("pitch")
+    if finer is not None:
+        assert finer < scene.mesh.pitch
+        assert changed.mesh.node_count(changed.workspace) <= min(MOST_NODES, scene.mesh.max_nodes)
+    if lower is not None:
+        assert lower < scene.spline.clearance
+        if lower > 0:
+            more = changed.replace(spline={"clearance": 1.05 * lower})
+            assert not passes(plan(more), "search")
+        if finer is None:
+            # a finer pitch alone would have been the better advice
+            trials = Trials(scene, never)
+            assert not any(trials.joined(scene.spline.clearance, pitch) for pitch in trials.finer())
+
+
+@pytest.mark.parametrize(
+    ("change", "helps"),
+    [
+        ({"spline": {"clearance": 0.7}}, {"spline"}),
+        ({"mesh": {"pitch": 2.0}}, {"mesh"}),
+    ],
+)
+def test_a_window_says_whether_clearance_or_pitch_is_in_the_way(
+    change: dict[str, Any], helps: set[str]
+) -> None:
+    scene = load_scene("wall-with-window").replace(**change)
+    _, found = reason_of(scene)
+
+    assert found.change is not None
+    assert set(found.change) == helps
+    assert plan(scene.replace(**found.change)).error is None
+    assert "tried" in found.hint
+    # the mark stands in the window
+    assert abs(found.points[0][1] - 3) <= 0.3 + 0.7
+
+
+def test_a_gap_too_narrow_for_both_gets_both() -> None:
+    walls = [
+        {"shape": "box", "size": [0.2, 10, 10], "position": [3.0, y, 3.0]} for y in (-1.96, 8.16)
+    ]
+    scene = load_scene("paper").replace(
+        obstacles=walls, mesh={"pitch": 0.9}, spline={"clearance": 0.2}
+    )
+    made, found = reason_of(scene)
+
+    assert isinstance(made.error, NoPath)
+    assert found.change is not None
+    assert set(found.change) == {"mesh", "spline"}
+    assert plan(scene.replace(**found.change)).error is None
+    assert not passes(plan(scene.replace(mesh=found.change["mesh"])), "search")
+    assert not passes(plan(scene.replace(spline=found.change["spline"])), "search")
+
+
+@pytest.mark.parametrize("start", [[0.6, 0.6, 3.0], [0.0, 0.0, 0.0], [0.61, 0.57, 2.93]])
+def test_walled_in_agrees_with_networkx_and_with_a_flood(start: list[float]) -> None:
+    scene = load_scene("no-way").replace(start=start)
+    made, found = reason_of(scene)
+    assert made.graph is not None
+    assert made.free is not None
+
+    graph = made.graph.to_networkx()
+    sides = [
+        networkx.node_connected_component(graph, node)
+        for node in (made.graph.start, made.graph.goal)
+    ]
+    # start and goal are among the nodes only where the mesh has a node there
+    sizes = [sum(node < len(made.free.mesh.points) for node in side) for side in sides]
+    told = [int(number.replace(",", "")) for number in re.findall(r"[\d,]*\d", found.message)]
+    assert told[-3:] == [sizes[0], made.free.nodes, sizes[1]]
+    assert "The goal is walled in by obstacles 1, 2, 3, 4, 5 and 6" in found.message
+    assert found.change is None
+    assert len(found.points) == min(map(len, sides))
+
+    count = 121
+    axes = np.linspace(0, 6, count)
+    grid = np.stack(np.meshgrid(axes, axes, axes, indexing="ij"), axis=-1).reshape(-1, 3)
+    free = (nearest(scene.obstacles, grid)[0] > 0).reshape((count,) * 3)
+    labels, _ = ndimage.label(free)
+    parts = [
+        labels[tuple(np.round(np.array(end) / 6 * (count - 1)).astype(int))]
+        for end in (scene.start, scene.goal)
+    ]
+    assert 0 not in parts
+    assert parts[0] != parts[1]
+
+
+def test_no_mesh_of_a_trial_is_made_twice(monkeypatch: pytest.MonkeyPatch) -> None:
+    made: list[float] = []
+    original = mesh.tetrahedralise
+
+    def counted(workspace: Workspace, settings: MeshSettings) -> mesh.TetMesh:
+        made.append(settings.pitch)
+        return original(workspace, settings)
+
+    scene = load_scene("no-way").replace(mesh={"pitch": 1.5})
+    without = plan(scene)
+    monkeypatch.setattr(mesh, "tetrahedralise", counted)
+    found = explain(scene, without)
+
+    assert found is not None
+    assert "walled in" in found.message
+    finer = [pitch for pitch in made if pitch != scene.mesh.pitch]
+    assert finer == Trials(scene, never).finer()
+    assert len(finer) > 1
+
+
+def test_no_finer_pitch_is_tried_than_a_scene_may_have() -> None:
+    side = [1e-6, 1e-6, 1e-6]
+    scene = Scene.from_dict(
+        {"version": 1, "workspace": {"max": side}, "goal": side, "mesh": {"pitch": 3e-6}}
+    )
+    finer = Trials(scene, never).finer()
+
+    assert finer == [1.5e-6]
+    assert scene.replace(mesh={"pitch": finer[-1]}).mesh.pitch == finer[-1]
+
+
+def test_the_obstacle_that_shuts_the_way_is_named() -> None:
+    # a box in a corner and a far sphere; the lid alone can be taken off
+    scene = load_scene("no-way")
+    more = scene.replace(
+        obstacles=[
+            {"shape": "sphere", "radius": 0.3, "position": [1.0, 5.0, 1.0]},
+            *scene.to_dict()["obstacles"],
+        ]
+    )
+    _, found = reason_of(more)
+    assert "obstacles 2, 3, 4, 5, 6 and 7" in found.message
+    named = re.search(r"Move obstacle (\d+)", found.hint)
+    assert named is not None
+    k = int(named[1]) - 1
+    left = [body for number, body in enumerate(more.to_dict()["obstacles"]) if number != k]
+    assert passes(plan(more.replace(obstacles=left)), "search")
+
+
+@settings(max_examples=25, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@given(
+    start=points,
+    goal=points,
+    bodies=st.lists(obstacles, min_size=1, max_size=4),
+    clearance=st.floats(0, 0.4),
+    seed=st.integers(0, 2**32 - 1),
+)
+def test_a_blocked_end_is_told_the_nearest_free_point(
+    start: Any, goal: Any, bodies: Any, clearance: float, seed: int
+) -> None:
+    scene = Scene.from_dict(
+        {
+            "version": 1,
+            "start": start,
+            "goal": goal,
+            "obstacles": bodies,
+            "spline": {"clearance": clearance},
+        }
+    )
+    made = plan(scene)
+    if not isinstance(made.error, PointBlocked):
+        return
+    _, found = reason_of(scene)
+    slack = SLACK * 6
+    ends = {"start": np.array(scene.start), "goal": np.array(scene.goal)}
+    distances, _ = nearest(scene.obstacles, np.array(list(ends.values())))
+    blocked = {
+        which: point
+        for (which, point), distance in zip(ends.items(), distances, strict=True)
+        if distance < clearance - 1e-9
+    }
+    for which in blocked:
+        assert f"he {which} is " in found.message
+    if found.change is not None:
+        assert passes(plan(scene.replace(**found.change)), "graph")
+    if found.change is None or "spline" in found.change:
+        return
+    assert set(found.change) == set(blocked)
+    grid = np.random.default_rng(seed).uniform(0, 6, (4000, 3))
+    assert made.free is not None
+    known = np.concatenate([grid, made.free.mesh.points])
+    free = known[nearest(scene.obstacles, known)[0] >= clearance + slack]
+    for which, point in blocked.items():
+        place = np.array(found.change[which])
+        assert scene.workspace.contains(found.change[which])
+        assert nearest(scene.obstacles, place[None])[0][0] >= clearance
+        away = np.linalg.norm(free - point, axis=1).min()
+        assert np.linalg.norm(place - point) <= away + slack
+
+
+@settings(max_examples=60, deadline=None)
+@given(body=obstacles, place=points, margin=st.floats(0, 0.5))
+def test_next_to_one_obstacle_no_point_is_nearer(body: Any, place: Any, margin: float) -> None:
+    scene = Scene.from_dict(
+        {
+            "version": 1,
+            "workspace": {"min": [-40] * 3, "max": [40] * 3},
+            "mesh": {"pitch": 20},
+            "obstacles": [body],
+        }
+    )
+    point = np.array(place)
+    distance = float(nearest(scene.obstacles, point[None])[0][0])
+    if distance >= margin:
+        return
+    none = np.zeros((0, 3))
+    found = nearest_free(scene.obstacles, scene.workspace, point, margin, none)
+
+    assert found is not None
+    assert nearest(scene.obstacles, found[None])[0][0] >= margin
+    # the distance is 1-Lipschitz: no free point can be nearer than what it lacks
+    assert np.linalg.norm(found - point) == pytest.approx(margin - distance, abs=1e-6)
+
+
+@settings(max_examples=60, deadline=None)
+@given(place=points, error=st.floats(1e-6, 1))
+def test_rounding_moves_a_point_by_no_more_than_told(place: Any, error: float) -> None:
+    box = load_scene("paper").workspace
+    moved = rounded(np.array(place), box, error)
+
+    assert box.contains(tuple(moved.tolist()))
+    assert np.linalg.norm(moved - place) <= error * (1 + 1e-9)
+
+
+def test_too_near_by_the_clearance_alone_offers_a_clearance_that_works() -> None:
+    scene = load_scene("paper").replace(start=[1.2, 3.0, 2.5], spline={"clearance": 0.9})
+    made, found = reason_of(scene)
+    assert made.error is not None
+    assert made.error.kind == "start_blocked"
+
+    told = re.search(r"clearance to ([\d.]+)", found.hint)
+    assert told is not None
+    lower = float(told[1].rstrip("."))
+    assert plan(scene.replace(spline={"clearance": lower})).error is None
+    assert not passes(plan(scene.replace(spline={"clearance": 1.1 * lower + 0.01})), "graph")
+    assert found.change is not None
+    assert plan(scene.replace(**found.change)).error is None
+
+
+def test_a_start_at_the_clearance_itself_is_told_the_clearance_that_is_held() -> None:
+    # A taut path leaves it along the widened ball, where the curve has no room to bend.
+    told = 0
+    for radius, away, goal, degree in (
+        (0.3, [0.18, -0.94, 0.28], [3.2, 3.8, 0.5], 3),
+        (0.7, [-0.84, -0.54, -0.06], [1.1, 4.7, 1.6], 2),
+    ):
+        start = 3.0 + np.array(away) / np.linalg.norm(away) * (radius + 0.1)
+        scene = load_scene("paper").replace(
+            obstacles=[{"shape": "sphere", "radius": radius, "position": [3.0, 3.0, 3.0]}],
+            start=start.tolist(),
+            goal=goal,
+            spline={"clearance": 0.1, "degree": degree},
+            search={"taut": True},
+        )
+        made = plan(scene)
+        if made.error is None:
+            continue
+        assert made.error.kind == "clearance_not_held"
+        told += 1
+        _, found = reason_of(scene)
+        assert found.change is not None
+        assert passes(plan(scene.replace(**found.change)), "bspline")
+        lower = found.change["spline"]["clearance"]
+        assert lower < 0.1
+        assert not passes(plan(scene.replace(spline={"clearance": 1.05 * lower})), "bspline")
+    assert told
+
+
+@pytest.mark.parametrize("name", ["paper", "forest"])
+def test_a_plan_needs_no_reason(name: str) -> None:
+    scene = load_scene(name)
+    assert explain(scene, plan(scene)) is None
+
+
+def test_other_errors_have_no_reason_but_their_own() -> None:
+    for change in ({"goal": [0.0, 0.0, 0.0]}, {"arm": {"base": [3.0, -9.0, 0.0]}}):
+        scene = load_scene("paper").replace(**change)
+        made = plan(scene)
+        assert made.error is not None
+        assert explain(scene, made) is None
+
+
+def test_cancelling_ends_the_trials_at_once() -> None:
+    scene = load_scene("no-way")
+    made = plan(scene)
+    for most in range(4):
+        asked = 0
+
+        def cancelled(most: int = most) -> bool:
+            nonlocal asked
+            asked += 1
+            return asked > most
+
+        assert explain(scene, made, cancelled) is None
+        assert asked == most + 1
+
+
+@settings(max_examples=80, deadline=None)
+@given(asked=st.floats(1e-3, 1e3), part=st.floats(0, 0.999))
+def test_the_largest_clearance_works_and_five_per_cent_more_does_not(
+    asked: float, part: float
+) -> None:
+    scene = load_scene("paper").replace(spline={"clearance": asked})
+    threshold = part * asked
+    found = Trials(scene, never).largest(lambda value: value <= threshold)
+
+    assert found is not None
+    assert found <= threshold
+    if found > 0:
+        assert 1.05 * found > threshold
+        assert float(f"{found:.3g}") == found
+    else:
+        assert threshold <= 2e-3 * asked
+    assert Trials(scene, never).largest(lambda value: False) is None
+
+
+@settings(max_examples=100, deadline=None)
+@given(st.floats(1e-6, 1e6), st.integers(1, 4))
+def test_rounding_down_loses_less_than_a_last_digit(value: float, digits: int) -> None:
+    short = rounded_down(value, digits)
+
+    assert short <= value * (1 + 1e-12)
+    assert value - short <= 10.0 ** (1 - digits) * value
+    assert float(f"{short:.{digits}g}") == short

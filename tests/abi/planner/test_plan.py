@@ -1,0 +1,641 @@
+from __future__ import annotations
+
+import functools
+import importlib
+import json
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from scipy.interpolate import BSpline
+
+from abi import Plan, Planner, Scene, load_scene, plan, scene_names
+from abi.arm.arm import JOINTS, forward, skeleton
+from abi.arrays import FloatArray
+from abi.errors import StageError
+from abi.obstacles.primitives import nearest
+from abi.planner.plan import SLACK
+from abi.search.search import SEARCHES
+from benchmarks.quadratics import scattered, slalom
+from tests.abi.scene.test_scene import obstacles, points
+
+TOP = {
+    "mesh": {"lattice", "pitch", "nodes", "tetrahedra", "excluded_nodes", "ms"},
+    "graph": {"nodes", "edges", "removed_edges", "ms"},
+    "path": {"algorithm", "points", "length"},
+    "bspline": {
+        "degree",
+        "control_points",
+        "knots",
+        "inserted",
+        "moved",
+        "length",
+        "clearance",
+        "certified",
+        "certificate",
+        "ms",
+    },
+    "quadratic": {
+        "mode",
+        "pieces",
+        "note",
+        "length",
+        "clearance",
+        "certified",
+        "certificate",
+        "ms",
+    },
+    "optimum": {"lower_bound", "exact", "best_known", "ratio"},
+    "timing": {
+        "curve",
+        "t1",
+        "t2",
+        "t3",
+        "duration",
+        "peak_speed",
+        "theorem_residual",
+        "ms",
+    },
+    "arm": {
+        "joints",
+        "time",
+        "positions",
+        "tool",
+        "reachable",
+        "clearance",
+        "clearance_time",
+        "clearance_obstacle",
+        "peak_joint_speed",
+        "limits_passed",
+        "within_limits",
+        "ms",
+    },
+}
+SEARCH = {
+    "algorithm",
+    "weight",
+    "vertices",
+    "points",
+    "length",
+    "hops",
+    "cost",
+    "expanded",
+    "relaxed",
+    "ms",
+}
+TAUT = {"points", "length", "clearance", "ms"}
+
+
+@pytest.mark.parametrize("name", scene_names())
+def test_every_shipped_scene_plans_as_it_says(name: str) -> None:
+    made = plan(load_scene(name))
+    data = json.loads(json.dumps(made.to_dict(), allow_nan=False))
+
+    if name == "no-way":
+        assert made.error is not None
+        assert made.error.kind == "no_path"
+        assert data["error"]["stage"] == "search"
+        assert data["error"]["hint"]
+        assert data["graph"]["nodes"] > 0
+        assert data["searches"] is data["path"] is data["bspline"] is data["arm"] is None
+        return
+    assert made.error is None
+    for section, fields in TOP.items():
+        assert fields <= set(data[section]), section
+    assert (data["taut"] is not None) == made.scene.search.taut
+    assert data["taut"] is None or set(data["taut"]) >= TAUT
+    assert [search["algorithm"] for search in data["searches"]] == [
+        "a_star",
+        "dijkstra",
+        "bellman_ford",
+    ]
+    assert all(set(search) == SEARCH for search in data["searches"])
+    assert data["arm"]["reachable"]
+    assert data["arm"]["joints"] == ["q1", "q2", "q3", "q4", "q5", "q6"]
+    assert len(data["arm"]["time"]) <= 200
+
+
+def _shipped(name: str, **changes: Any) -> Callable[[], Scene]:
+    return lambda: load_scene(name).replace(**changes)
+
+
+def _walls(mode: str) -> Scene:
+    """Walls that one quadratic does not get past: three pieces do."""
+    return slalom(np.random.default_rng(0)).replace(quadratic={"mode": mode})
+
+
+def _pushed() -> Scene:
+    """A scene whose B-spline has control points pushed away from the obstacles."""
+    return scattered(np.random.default_rng(1), 6).replace(
+        search={"taut": False}, mesh={"pitch": 0.9}, spline={"degree": 5}
+    )
+
+
+def _from_the_clearance_itself() -> Scene:
+    """The taut path leaves along the widened ball, where no curve has room to bend."""
+    away = np.array([-0.84, -0.54, -0.06])
+    return load_scene("paper").replace(
+        obstacles=[{"shape": "sphere", "radius": 0.7, "position": [3.0, 3.0, 3.0]}],
+        start=(3.0 + 0.8 * away / np.linalg.norm(away)).tolist(),
+        goal=[1.1, 4.7, 1.6],
+        spline={"clearance": 0.1, "degree": 2},
+        search={"taut": True},
+        quadratic={"mode": "pieces"},
+        motion={"curve": "bspline"},
+    )
+
+
+VARIANTS: dict[str, tuple[Callable[[], Scene], dict[str, Any]]] = {
+    "the paper's": (
+        _shipped("paper"),
+        {"optimum.exact": True, "timing.curve": "bspline", "arm.within_limits": True},
+    ),
+    "nothing in the way": (
+        _shipped("paper", obstacles=[]),
+        {
+            "bspline.clearance": None,
+            "quadratic.certified": True,
+            "quadratic.certificate.margin": None,
+            "arm.clearance": None,
+        },
+    ),
+    "past the arm's limits": (
+        _shipped("paper", arm={"elbow": "down"}, search={"weight": "hops"}),
+        {"arm.within_limits": False, "arm.reachable": True},
+    ),
+    "out of reach": (
+        _shipped("paper", arm={"base": [3.0, -9.0, 0.0]}),
+        {"arm.reachable": False, "error.kind": "out_of_reach"},
+    ),
+    "uneven mesh": (
+        _shipped("two-boxes", mesh={"lattice": "delaunay"}, search={"algorithm": "dijkstra"}),
+        {"path.algorithm": "dijkstra", "optimum.exact": False, "quadratic.certificate": None},
+    ),
+    "in pieces": (
+        lambda: _walls("pieces"),
+        {"quadratic.note": None, "quadratic.certified": True, "timing.curve": "quadratic"},
+    ),
+    "not in one piece": (
+        lambda: _walls("clear"),
+        {
+            "quadratic.certified": False,
+            "quadratic.note": "No single quadratic with these ends was found that keeps the "
+            "clearance; mode pieces joins several.",
+        },
+    ),
+    "cuts in": (
+        _shipped("forest", motion={"curve": "quadratic"}),
+        {
+            "quadratic.certified": False,
+            "quadratic.certificate": None,
+            "quadratic.note": None,
+            "optimum.ratio": None,
+            "timing.curve": "quadratic",
+        },
+    ),
+    "nearer than asked": (
+        _shipped("paper", spline={"clearance": 0.6}, motion={"curve": "quadratic"}),
+        {"quadratic.certified": False, "optimum.ratio": None, "timing.curve": "quadratic"},
+    ),
+    "path alone": (
+        _from_the_clearance_itself,
+        {
+            "bspline.certified": False,
+            "quadratic.certified": False,
+            "optimum.ratio": None,
+            "optimum.exact": True,
+            "quadratic.note": "No quadratic pieces were found that keep the clearance: the "
+            "B-spline does not.",
+        },
+    ),
+    "pushed": (_pushed, {"bspline.moved": 4, "bspline.certified": True}),
+    "triangles": (_shipped("sculpture"), {"quadratic.certified": False}),
+}
+variants = pytest.mark.parametrize("variant", VARIANTS)
+
+
+@functools.cache
+def told(variant: str) -> tuple[Plan, dict[str, Any]]:
+    """The plan of a variant, and what its JSON says."""
+    made = plan(VARIANTS[variant][0]())
+    return made, json.loads(json.dumps(made.to_dict(full=True), allow_nan=False))
+
+
+def away(made: Plan, places: FloatArray) -> FloatArray:
+    return nearest(made.scene.obstacles, places.reshape(-1, 3))[0].reshape(places.shape[:-1])
+
+
+def along(places: Any) -> float:
+    return float(np.linalg.norm(np.diff(places, axis=0), axis=1).sum())
+
+
+def drawn(name: str, section: dict[str, Any]) -> FloatArray:
+    """Points (n, 3) of a curve, from what the JSON says of it and nothing else."""
+    if name == "bspline":
+        knots = section["knots"]
+        curve = BSpline(knots, section["control_points"], section["degree"])
+        return np.asarray(curve(np.linspace(knots[0], knots[-1], 8001)))
+    parts = []
+    for piece in section["pieces"]:
+        t = np.linspace(piece["t0"], piece["t1"], 4001)[:, None]
+        c0, c1, c2 = np.array(piece["coefficients"])
+        parts.append(c0 + c1 * t + c2 * t * t)
+    return np.concatenate(parts)
+
+
+@variants
+def test_the_json_says_what_the_variant_is(variant: str) -> None:
+    made, data = told(variant)
+
+    for place, value in VARIANTS[variant][1].items():
+        found = data
+        for part in place.split("."):
+            found = found[part]
+        assert found == value, place
+    assert Scene.from_dict(data["scene"], made.scene.meshes) == made.scene
+    assert (data["error"] is None) == (made.error is None) == data["arm"]["reachable"]
+    for name in ("mesh", "graph", "bspline", "quadratic", "timing", "arm"):
+        assert data[name]["ms"] == made.ms[name], name
+    assert data["total_ms"] == made.total_ms > 0
+
+
+@variants
+def test_the_json_counts_the_nodes_and_edges_that_are_left(variant: str) -> None:
+    made, data = told(variant)
+    scene, mesh = made.scene, data["mesh"]
+    places, edges = np.array(mesh["points"]), np.array(mesh["edges"])
+    margin = scene.spline.clearance + SLACK * max(scene.workspace.size)
+    gone = away(made, places) < margin
+    shut = gone[edges].any(axis=1)
+    for obstacle in scene.obstacles:
+        shut |= obstacle.segment_distance(places[edges[:, 0]], places[edges[:, 1]]) < margin
+    ends = np.array([scene.start, scene.goal])
+    own = [end for end in ends if not (places[~gone] == end).all(axis=1).any()]
+    assert made.mesh is not None
+    assert made.graph is not None
+
+    assert mesh["lattice"] == scene.mesh.lattice
+    lengths = np.linalg.norm(np.diff(places[edges], axis=1), axis=2)
+    cells = np.divide(scene.workspace.size, scene.mesh.cells(scene.workspace))
+    shortest = cells.min() if mesh["lattice"] == "delaunay" else lengths.min()
+    assert mesh["pitch"] == pytest.approx(shortest)
+    assert mesh["nodes"] == len(places)
+    assert mesh["excluded"] == np.flatnonzero(gone).tolist()
+    assert mesh["excluded_nodes"] == gone.sum()
+    assert mesh["tetrahedra"] == (~gone[made.mesh.tetrahedra].any(axis=1)).sum()
+    graph = data["graph"]
+    assert graph["nodes"] == (~gone).sum() + len(own)
+    assert graph["removed_edges"] == shut.sum()
+    assert graph["edges"] == (~shut).sum() + len(made.graph.tails) == len(made.graph.edges)
+
+
+@variants
+def test_the_json_measures_the_ways_it_tells(variant: str) -> None:
+    made, data = told(variant)
+    ends = [list(made.scene.start), list(made.scene.goal)]
+    places = np.array(data["mesh"]["points"])
+
+    for found, result in zip(data["searches"], made.searches, strict=True):
+        assert found["algorithm"] == result.algorithm
+        assert found["weight"] == made.scene.search.weight
+        vertices, way = np.array(found["vertices"]), np.array(found["points"])
+        of_mesh = vertices < len(places)
+        np.testing.assert_array_equal(way[of_mesh], places[vertices[of_mesh]])
+        assert way[[0, -1]].tolist() == ends
+        assert found["length"] == pytest.approx(along(way), rel=1e-12)
+        assert found["hops"] == len(vertices) - 1 == len(way) - 1
+        assert found["cost"] == pytest.approx(found[found["weight"]], rel=1e-12)
+        assert found["expanded"] == len(result.order)
+        assert found["relaxed"] == result.relaxed > found["expanded"]
+        assert found["ms"] == made.ms[found["algorithm"]]
+    chosen = {found["algorithm"]: found for found in data["searches"]}
+    best = chosen[made.scene.search.algorithm]
+    assert data["path"] == {key: best[key] for key in ("algorithm", "points", "length")}
+    string = data["taut"]
+    if string is not None:
+        way = np.array(string["points"])
+        assert way[[0, -1]].tolist() == ends
+        assert string["length"] == pytest.approx(along(way), rel=1e-12)
+        shares = np.linspace(0, 1, 2001)[:, None, None]
+        least = away(made, way[:-1] + shares * np.diff(way, axis=0)).min()
+        assert least - 5e-3 <= string["clearance"] <= least + 1e-9
+        assert string["ms"] == made.ms["taut"]
+
+
+@variants
+@pytest.mark.parametrize("name", ["bspline", "quadratic"])
+def test_the_json_measures_the_curves_it_tells(variant: str, name: str) -> None:
+    made, data = told(variant)
+    section = data[name]
+    curve = getattr(made, name)
+    places = drawn(name, section)
+    asked = made.scene.spline.clearance
+
+    np.testing.assert_allclose(places[[0, -1]], [made.scene.start, made.scene.goal], atol=1e-9)
+    assert section["length"] == pytest.approx(along(places), rel=1e-5)
+    proof = section["certificate"]
+    assert (proof is None) == (curve.clearance.certificate is None)
+    if proof is not None:
+        assert proof["margin"] == section["clearance"]
+        assert len(proof["planes"]) == len(curve.clearance.certificate.pieces)
+    if made.scene.obstacles:
+        least = float(away(made, places).min())
+        assert least - 0.02 <= section["clearance"] <= least + 1e-9
+        assert abs(least - asked) <= 1e-9 or section["certified"] == (least > asked)
+        assert section["certified"] == (proof is not None and proof["margin"] >= asked - 1e-9)
+    else:
+        assert section["clearance"] is None
+        assert section["certified"]
+    if name == "quadratic":
+        assert section["mode"] == made.scene.quadratic.mode
+        assert section["note"] == (curve.note or None)
+        assert (len(section["pieces"]) > 1) == (variant == "in pieces")
+        return
+    way = np.array((data["taut"] or data["path"])["points"])
+    assert section["degree"] == curve.degree <= made.scene.spline.degree
+    assert section["inserted"] == curve.inserted == len(section["control_points"]) - len(way)
+    assert section["moved"] == curve.moved
+
+
+@variants
+def test_the_json_sets_the_lengths_beside_the_bound(variant: str) -> None:
+    made, data = told(variant)
+    found, followed = data["optimum"], data[data["timing"]["curve"]]
+    kept = [along(data["path"]["points"])]
+    if data["taut"] is not None:
+        kept.append(along(data["taut"]["points"]))
+    for name in ("bspline", "quadratic"):
+        if data[name]["certified"]:
+            kept.append(along(drawn(name, data[name])))
+    assert made.optimum is not None
+
+    assert data["timing"]["curve"] == made.followed
+    assert found["best_known"] == pytest.approx(min(kept), rel=1e-5)
+    straight = math.dist(made.scene.start, made.scene.goal)
+    assert straight * (1 - 1e-14) <= found["lower_bound"]
+    assert found["lower_bound"] == made.optimum.length <= min(kept) * (1 + 1e-12)
+    assert found["exact"] == made.optimum.exact
+    if followed["certified"]:
+        assert found["ratio"] == pytest.approx(followed["length"] / found["lower_bound"], rel=1e-12)
+    else:
+        assert found["ratio"] is None
+
+
+@variants
+def test_the_json_tells_the_motion_along_the_curve(variant: str) -> None:
+    made, data = told(variant)
+    asked, found, arm = made.scene.motion, data["timing"], data["arm"]
+    t1, t2, t3, peak = (found[key] for key in ("t1", "t2", "t3", "peak_speed"))
+    assert made.arm is not None
+
+    assert found["duration"] == pytest.approx(t1 + t2 + t3, rel=1e-12) == arm["time"][-1]
+    length = data[found["curve"]]["length"]
+    assert peak * (t1 / 2 + t2 + t3 / 2) == pytest.approx(length, rel=1e-9)
+    assert asked.acceleration * t1 == pytest.approx(peak) == asked.deceleration * t3
+    assert peak <= asked.speed
+    assert found["theorem_residual"] == pytest.approx(0, abs=1e-9)
+
+    positions, tool = np.array(arm["positions"]), np.array(arm["tool"])
+    time = arm["time"]
+    np.testing.assert_allclose(np.diff(time), found["duration"] / (len(time) - 1), rtol=1e-9)
+    np.testing.assert_allclose(tool, forward(made.arm, positions), atol=1e-9)
+    # on the curve at every sample, between two of those drawn, unless it is out of reach
+    way = drawn(found["curve"], data[found["curve"]])
+    off = max(float(np.linalg.norm(way - at, axis=1).min()) for at in tool[::10])
+    assert arm["reachable"] == (off < 0.05)
+    low, high = made.arm.limits.T
+    inside = (positions >= low - 1e-6) & (positions <= high + 1e-6)
+    assert arm["within_limits"] == inside.all()
+    passed = {JOINTS.index(one["joint"]): one for one in arm["limits_passed"]}
+    assert set(passed) == set(np.flatnonzero(~inside.all(axis=0)))
+    for joint, one in passed.items():
+        first = int((~inside[:, joint]).argmax())
+        assert one["since"] <= time[first] + 1e-9
+        assert one["limit"] in made.arm.limits[joint]
+        beyond = np.maximum(low[joint] - positions[:, joint], positions[:, joint] - high[joint])
+        assert abs(one["value"] - one["limit"]) >= beyond.max() - 1e-9
+    speeds = np.abs(np.diff(positions, axis=0)).max(axis=0) / (time[1] - time[0])
+    assert (speeds <= np.array(arm["peak_joint_speed"]) * (1 + 1e-9)).all()
+    if not made.scene.obstacles:
+        assert arm["clearance"] is arm["clearance_obstacle"] is arm["clearance_time"] is None
+        return
+    assert 0 <= arm["clearance_obstacle"] < len(made.scene.obstacles)
+    assert 0 <= arm["clearance_time"] <= time[-1]
+    joints = skeleton(made.arm, positions)
+    shares = np.linspace(0, 1, 60)[:, None, None, None]
+    links = joints[:, :-1] + shares * np.diff(joints, axis=1)
+    least = float(away(made, links).min())
+    assert least - 0.06 <= arm["clearance"] <= least + 1e-9
+
+
+def test_the_paper_shortens_stage_by_stage() -> None:
+    made = plan(load_scene("paper"))
+    assert made.bspline_arc is not None
+    assert made.quadratic_arc is not None
+    assert made.path is not None
+    lengths = [result.length for result in made.searches]
+
+    assert max(lengths) - min(lengths) <= 1e-9 * max(lengths)
+    assert made.path.length > made.bspline_arc.length > made.quadratic_arc.length
+    assert made.quadratic_arc.length > made.lower_bound
+
+
+@pytest.mark.parametrize("name", ["paper", "two-boxes", "forest"])
+def test_forward_kinematics_of_the_plan_meet_its_tool(name: str) -> None:
+    made = plan(load_scene(name))
+    data = made.to_dict(full=True)
+    assert made.arm is not None
+
+    tool = forward(made.arm, np.array(data["arm"]["positions"]))
+
+    np.testing.assert_allclose(tool, data["arm"]["tool"], atol=1e-9)
+    np.testing.assert_allclose(data["arm"]["tool"][0], made.scene.start, atol=1e-9)
+    np.testing.assert_allclose(data["arm"]["tool"][-1], made.scene.goal, atol=1e-9)
+
+
+def test_full_adds_the_mesh_and_every_sample() -> None:
+    made = plan(load_scene("paper"))
+    brief, full = made.to_dict(), made.to_dict(full=True)
+
+    assert len(full["mesh"]["points"]) == full["mesh"]["nodes"]
+    assert np.max(full["mesh"]["edges"]) < full["mesh"]["nodes"]
+    assert "points" not in brief["mesh"]
+    assert len(full["arm"]["time"]) >= len(brief["arm"]["time"])
+
+
+@pytest.mark.parametrize(
+    ("change", "same", "new"),
+    [
+        (
+            {"motion": {"speed": 3.0}},
+            ("mesh", "free", "graph", "path", "bspline", "quadratic"),
+            ("profile", "motion"),
+        ),
+        (
+            {"spline": {"degree": 3}},
+            ("mesh", "free", "graph", "path"),
+            ("bspline", "quadratic", "motion"),
+        ),
+        (
+            {"arm": {"elbow": "down"}},
+            ("graph", "bspline", "quadratic", "profile"),
+            ("arm", "motion"),
+        ),
+        ({"search": {"algorithm": "dijkstra"}}, ("mesh", "free", "graph"), ("path",)),
+        ({"goal": [6.0, 6.0, 5.0]}, ("mesh", "free"), ("graph", "path", "bspline")),
+        ({"mesh": {"pitch": 1.0}}, (), ("mesh", "free", "graph", "path")),
+    ],
+)
+def test_only_what_lies_downstream_of_a_change_runs(
+    change: dict[str, Any], same: tuple[str, ...], new: tuple[str, ...]
+) -> None:
+    planner = Planner()
+    scene = load_scene("paper")
+    before = planner(scene)
+    after = planner(scene.replace(**change))
+
+    assert all(getattr(before, name) is getattr(after, name) for name in same)
+    assert all(getattr(before, name) is not getattr(after, name) for name in new)
+
+
+def test_a_planner_gives_what_a_fresh_one_gives() -> None:
+    scenes = [load_scene(name) for name in ("paper", "no-way", "thin-plate", "paper")]
+    planner = Planner()
+    for scene in scenes:
+        kept, fresh = planner(scene).to_dict(), plan(scene).to_dict()
+        assert _without_times(kept) == _without_times(fresh)
+
+
+class Clock:
+    """Takes the place of the clock: it goes on only by what a stage is said to take, [s]."""
+
+    def __init__(self) -> None:
+        self.now = 0.0
+
+    def perf_counter(self) -> float:
+        return self.now
+
+
+@pytest.mark.parametrize(
+    ("in_haste", "took", "counted"),
+    [
+        (False, [4.0, 1.0], 1.0),  # the first found nothing in the caches
+        (False, [1.0, 4.0], 1.0),
+        (False, [600.0], 600.0),  # too long to do twice
+        (True, [0.2, 0.1], 0.1),
+        (True, [4.0], 4.0),
+    ],
+)
+def test_a_brief_search_counts_with_the_lesser_of_two_times(
+    monkeypatch: pytest.MonkeyPatch, in_haste: bool, took: list[float], counted: float
+) -> None:
+    clock, left, search = Clock(), iter(took), SEARCHES["a_star"]
+
+    def slow(graph: Any, weight: Any) -> Any:
+        clock.now += next(left) / 1e3
+        return search(graph, weight)
+
+    stages = importlib.import_module(
+        "abi.planner.plan"
+    )  # abi.planner.plan is the function of that name
+    monkeypatch.setattr(stages, "time", clock)
+    monkeypatch.setattr(stages, "SEARCHES", {"a_star": slow})
+    planner = Planner()
+    made = planner(load_scene("paper"), in_haste)
+
+    assert made.ms["a_star"] == pytest.approx(counted)
+    assert made.ms["mesh"] == 0
+    assert list(left) == []
+    # what is remembered is neither run nor timed again
+    assert planner(load_scene("paper"), in_haste).ms["a_star"] == made.ms["a_star"]
+
+
+def test_same_start_and_goal_say_so() -> None:
+    made = plan(load_scene("paper").replace(goal=[0.0, 0.0, 0.0]))
+
+    assert made.error is not None
+    assert made.error.kind == "start_is_goal"
+
+
+def test_a_blocked_start_names_the_obstacle_and_a_way_out() -> None:
+    scene = load_scene("paper").replace(start=[3.0, 3.0, 2.0])
+    made = plan(scene)
+
+    assert made.error is not None
+    assert made.error.kind == "start_blocked"
+    assert "obstacle 1" in made.error.message
+    free = getattr(made.error, "nearest", None)
+    assert free is not None
+    assert nearest(scene.obstacles, free[None])[0][0] >= scene.spline.clearance
+
+
+def test_out_of_reach_is_said_with_times_and_the_arm_still_has_a_pose() -> None:
+    made = plan(load_scene("paper").replace(arm={"base": [3.0, -9.0, 0.0]}))
+
+    assert made.error is not None
+    assert made.error.kind == "out_of_reach"
+    assert made.motion is not None
+    assert not made.motion.reachable
+    assert np.isfinite(made.motion.positions).all()
+
+
+@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@given(
+    start=points,
+    goal=points,
+    bodies=st.lists(obstacles, max_size=5),
+    lattice=st.sampled_from(["bcc", "kuhn", "delaunay"]),
+    pitch=st.floats(0.7, 3.0),
+    degree=st.integers(2, 5),
+    clearance=st.floats(0, 0.5),
+    weight=st.sampled_from(["length", "hops"]),
+)
+def test_any_scene_has_a_plan_or_a_reason(
+    start: Any,
+    goal: Any,
+    bodies: Any,
+    lattice: str,
+    pitch: float,
+    degree: int,
+    clearance: float,
+    weight: str,
+) -> None:
+    scene = Scene.from_dict(
+        {
+            "version": 1,
+            "start": start,
+            "goal": goal,
+            "obstacles": bodies,
+            "mesh": {"lattice": lattice, "pitch": pitch},
+            "spline": {"degree": degree, "clearance": clearance},
+            "search": {"weight": weight},
+        }
+    )
+    made = plan(scene)
+    json.dumps(made.to_dict(), allow_nan=False)
+
+    if made.error is not None:
+        assert isinstance(made.error, StageError)
+        assert made.error.message.endswith(".")
+        assert made.error.hint
+    if made.path is not None:
+        key = "length" if weight == "length" else "hops"
+        values = [getattr(result, key) for result in made.searches]
+        assert max(values) - min(values) <= 1e-9 * max(values)
+    for curve in (made.bspline, made.quadratic):
+        if curve is not None and curve.holds and scene.obstacles:
+            dense = curve(np.linspace(*curve.interval, 2000))
+            assert nearest(scene.obstacles, dense)[0].min() >= clearance - 1e-9
+    if made.followed is not None and scene.motion.curve == "auto":
+        assert made.followed_curve is not None
+        assert made.followed_curve.holds
+
+
+def _without_times(data: Any) -> Any:
+    if isinstance(data, dict):
+        return {key: _without_times(value) for key, value in data.items() if not key.endswith("ms")}
+    return [_without_times(item) for item in data] if isinstance(data, list) else data

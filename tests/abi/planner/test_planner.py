@@ -1,0 +1,83 @@
+"""What a planner remembers, and what it must not."""
+
+from __future__ import annotations
+
+import importlib
+
+import pytest
+
+from abi.curves import bspline
+from abi.planner.plan import Planner
+from abi.scene.scene import load_scene
+
+
+def test_a_stage_that_broke_is_run_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Also with what it was given before it broke, and had a result for."""
+    fit = bspline.fit
+
+    def fails_at_degree_3(points: object, degree: int, *rest: object) -> object:
+        if degree == 3:
+            raise MemoryError
+        return fit(points, degree, *rest)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(bspline, "fit", fails_at_degree_3)
+    planner, scene = Planner(), load_scene("paper")
+    first = planner(scene)
+    with pytest.raises(MemoryError):
+        planner(scene.replace(spline={"degree": 3}))
+    again = planner(scene)
+
+    assert again.error is None
+    assert first.bspline_arc is not None
+    assert again.bspline_arc is not None
+    assert again.bspline_arc.length == first.bspline_arc.length
+
+
+def test_many_obstacles_wait_for_the_compiler(monkeypatch: pytest.MonkeyPatch) -> None:
+    calls = []
+
+    class Kernels:
+        class ready:
+            @staticmethod
+            def is_set() -> bool:
+                return False
+
+        @staticmethod
+        def warm() -> None:
+            calls.append(True)
+
+    # not by its name in abi, which is the function
+    monkeypatch.setattr(importlib.import_module("abi.planner.plan"), "kernels", Kernels)
+    body = {"shape": "sphere", "radius": 0.001}
+    scene = load_scene("paper")
+    few, many = (
+        [{**body, "position": [3 + 0.001 * k, 3, 3]} for k in range(count)] for count in (3, 301)
+    )
+    Planner()(scene.replace(obstacles=few))
+    assert not calls
+    Planner()(scene.replace(obstacles=many))
+    assert calls
+
+
+@pytest.mark.parametrize("unit", ["m", "cm", "mm"])
+def test_errors_name_the_unit(unit: str) -> None:
+    planner = Planner()
+    scene = load_scene("paper").replace(unit=unit, goal=[3.0, 3.0, 3.0])
+    blocked = planner(scene).error
+    assert blocked is not None
+    assert f"is 1 {unit} inside obstacle 1" in blocked.message == str(blocked)
+
+    # the same error is remembered; the unit is the scene's all the same
+    other = "m" if unit != "m" else "cm"
+    again = planner(scene.replace(unit=other)).error
+    assert again is not None
+    assert f"is 1 {other} inside" in again.message
+
+
+def test_a_slide_that_ran_out_is_named() -> None:
+    scene = load_scene("paper").replace(motion={"speed": 0.5})
+    error = Planner()(scene).error
+    assert error is not None
+    assert error.kind == "out_of_reach"
+    assert "too near to the shoulder" in error.message
+    assert "the slide q5 to 26.4 cm, and it ends at 2.4 cm" in error.hint

@@ -1,0 +1,341 @@
+from __future__ import annotations
+
+import errno
+import itertools
+import math
+import os
+import re
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from abi.errors import SceneError
+from abi.scene.scene import MeshSettings, Scene, Workspace, load_scene, scene_names
+from abi.scene.scene_file import dump, parse_bytes
+
+BOX = {"shape": "box", "size": [1, 1, 1]}
+
+numbers = st.floats(0, 6, allow_nan=False)
+points = st.tuples(numbers, numbers, numbers).map(list)
+lengths = st.floats(1e-3, 10)
+poses = {
+    "position": points,
+    "wxyz": st.tuples(*[st.floats(-1, 1)] * 4).filter(lambda q: max(map(abs, q)) > 0.1).map(list),
+}
+obstacles = st.one_of(
+    st.fixed_dictionaries(
+        {"shape": st.just("box"), "size": st.tuples(lengths, lengths, lengths).map(list), **poses}
+    ),
+    st.fixed_dictionaries({"shape": st.just("sphere"), "radius": lengths, **poses}),
+    st.fixed_dictionaries(
+        {
+            "shape": st.sampled_from(["cylinder", "capsule"]),
+            "radius": lengths,
+            "height": lengths,
+            **poses,
+        }
+    ),
+)
+scenes = st.fixed_dictionaries(
+    {"version": st.just(1), "start": points, "goal": points},
+    optional={
+        "unit": st.sampled_from(["m", "cm", "mm"]),
+        "obstacles": st.lists(obstacles, max_size=4),
+        "mesh": st.fixed_dictionaries(
+            {"lattice": st.sampled_from(["bcc", "kuhn", "delaunay"]), "pitch": st.floats(0.2, 3)}
+        ),
+        "spline": st.fixed_dictionaries({"degree": st.integers(2, 5), "clearance": numbers}),
+        "arm": st.fixed_dictionaries({"elbow": st.sampled_from(["up", "down"]), "a3": lengths}),
+    },
+)
+
+
+@settings(max_examples=100, deadline=None)
+@given(scenes, st.sampled_from(["scene.yaml", "scene.json"]))
+def test_a_saved_scene_loads_equal_to_itself(data: dict[str, Any], name: str) -> None:
+    scene = Scene.from_dict(data)
+    text = dump(scene.to_dict(), name)
+
+    loaded = Scene.from_dict(parse_bytes(text.encode(), name))
+
+    assert loaded == scene
+    assert hash(loaded) == hash(scene)
+    assert loaded.to_dict() == scene.to_dict()
+
+
+@pytest.mark.parametrize(
+    ("change", "field", "words"),
+    [
+        ({"version": 2}, "version", "2"),
+        ({"version": True}, "version", "True"),
+        ({"pitch": 2}, "pitch", "mesh"),
+        ({"mesh": {"pich": 1}}, "mesh.pich", "did you mean pitch"),
+        ({"mesh": {"pitch": -1}}, "mesh.pitch", "at least 0.000001"),
+        ({"mesh": {"pitch": 0}}, "mesh.pitch", "at least 0.000001"),
+        ({"mesh": {"pitch": 5e-324}}, "mesh.pitch", "at least 0.000001"),
+        ({"mesh": {"pitch": 0.99e-6}}, "mesh.pitch", "at least 0.000001"),
+        ({"mesh": {"pitch": 1e-6}}, "mesh.pitch", "at least"),
+        ({"mesh": {"pitch": 2e6}}, "mesh.pitch", "1000000"),
+        ({"mesh": {"pitch": math.nan}}, "mesh.pitch", "finite"),
+        ({"mesh": {"pitch": math.inf}}, "mesh.pitch", "finite"),
+        ({"mesh": {"pitch": "1"}}, "mesh.pitch", "a number"),
+        ({"mesh": {"pitch": True}}, "mesh.pitch", "a number"),
+        ({"mesh": {"seed": 1.5}}, "mesh.seed", "a whole number"),
+        ({"mesh": []}, "mesh", "the fields lattice"),
+        ({"spline": {"degree": 6}}, "spline.degree", "5"),
+        ({"spline": {"clearance": -0.1}}, "spline.clearance", "0"),
+        ({"motion": {"speed": 0}}, "motion.speed", "at least"),
+        ({"search": {"algorithm": "bfs"}}, "search.algorithm", "dijkstra"),
+        ({"arm": {"model": "x.urdf"}}, "arm.model", "abi"),
+        ({"start": [0, 0]}, "start[2]", "missing"),
+        ({"start": [0, 0, 7]}, "start", "between"),
+        ({"goal": "abc"}, "goal", "a list"),
+        ({"workspace": {"min": [0, 0, 0], "max": [0, 6, 6]}}, "workspace.max", "above"),
+        ({"obstacles": [BOX, {**BOX, "size": [1, 1, 0]}]}, "obstacles[1].size[2]", "more than 0"),
+        ({"obstacles": [{**BOX, "siez": 1}]}, "obstacles[0].siez", "did you mean size"),
+        ({"obstacles": [{"shape": "box"}]}, "obstacles[0].size", "missing"),
+        ({"obstacles": [{"shape": "blob"}]}, "obstacles[0]", "sphere"),
+        ({"obstacles": [{"size": [1, 1, 1]}]}, "obstacles[0]", "shape"),
+        ({"obstacles": [{**BOX, "wxyz": [0, 0, 0, 0]}]}, "obstacles[0].wxyz", "rotation"),
+    ],
+)
+def test_what_is_wrong_is_named(change: dict[str, Any], field: str, words: str) -> None:
+    with pytest.raises(SceneError) as caught:
+        Scene.from_dict({"version": 1, **change})
+
+    assert caught.value.field == field
+    assert field in caught.value.message
+    assert words in caught.value.message
+    assert "\n" not in caught.value.message
+
+
+@pytest.mark.parametrize("data", [None, 3, "paper", [1], [], {}])
+def test_what_is_no_scene_at_all_is_refused(data: object) -> None:
+    with pytest.raises(SceneError):
+        Scene.from_dict(data)
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "words"),
+    [
+        ("a.yaml", "version: 1\nstart: [0, 0, 0]\nstart: [1, 1, 1]", "duplicate"),
+        ("a.json", '{"version": 1, "version": 1}', "twice"),
+        ("a.yaml", "a: &x [1]\nb: *x", "anchors"),
+        ("a.yaml", "a: !!python/object/apply:os.system [x]", "tags"),
+        ("a.yaml", "a: [", "YAML"),
+        ("a.json", '{"a": NaN}', "NaN"),
+        ("a.json", '{"a": 1', "JSON"),
+        ("a.json", "[" * 90_000, "plain"),
+        ("a.yaml", "[" * 20_000, "levels"),
+        ("a.yaml", "a: " + "9" * 50_000, "plain"),
+        ("a.yaml", "#" * 400_001, "400 kB"),
+        ("a.yaml", "a: \x00", "YAML"),
+    ],
+)
+def test_hostile_files_get_one_sentence(name: str, text: str, words: str) -> None:
+    with pytest.raises(SceneError) as caught:
+        parse_bytes(text.encode(), name)
+
+    assert words in caught.value.message
+    assert "\n" not in caught.value.message
+
+
+def test_a_file_that_is_not_there_is_named(tmp_path: Path) -> None:
+    for name in ("none.yaml", "none.txt", "none"):
+        with pytest.raises(SceneError, match="none"):
+            load_scene(tmp_path / name)
+
+
+def test_save_and_load_a_file(tmp_path: Path) -> None:
+    scene = load_scene("forest")
+    for name in ("scene.yaml", "scene.json"):
+        scene.save(tmp_path / name)
+        assert load_scene(tmp_path / name) == scene
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["scene.json", "scene.yaml"]
+
+
+@pytest.mark.parametrize("mask", [0o022, 0o077, 0o002])
+def test_a_saved_file_has_the_permissions_of_any_other(tmp_path: Path, mask: int) -> None:
+    scene, before = load_scene("paper"), os.umask(mask)
+    try:
+        (tmp_path / "other").touch()
+        scene.save(tmp_path / "scene.yaml")
+    finally:
+        os.umask(before)
+    assert (tmp_path / "scene.yaml").stat().st_mode == (tmp_path / "other").stat().st_mode
+
+    for mode in (0o600, 0o644, 0o640):
+        (tmp_path / "scene.yaml").chmod(mode)
+        scene.replace(goal=[6.0, 6.0, 5.0]).save(tmp_path / "scene.yaml")
+        assert (tmp_path / "scene.yaml").stat().st_mode & 0o777 == mode
+
+
+def test_what_cannot_be_saved_leaves_nothing_behind(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    scene = load_scene("paper")
+    (tmp_path / "folder.yaml").mkdir()
+    for path in (tmp_path / "folder.yaml", tmp_path / "none" / "scene.yaml"):
+        with pytest.raises(SceneError, match="can be written") as caught:
+            scene.save(path)
+        assert str(path) in caught.value.message
+    assert [path.name for path in tmp_path.iterdir()] == ["folder.yaml"]
+
+    scene.save(tmp_path / "scene.yaml")
+    content = (tmp_path / "scene.yaml").read_bytes()
+
+    def full(descriptor: int) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(os, "fsync", full)
+    with pytest.raises(SceneError, match="no space left"):
+        scene.replace(goal=[6.0, 6.0, 5.0]).save(tmp_path / "scene.yaml")
+    assert (tmp_path / "scene.yaml").read_bytes() == content
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["folder.yaml", "scene.yaml"]
+
+
+def test_what_could_not_be_read_again_is_not_saved(tmp_path: Path) -> None:
+    scene = load_scene("paper")
+    with pytest.raises(SceneError, match="ends in"):
+        scene.save(tmp_path / "scene.txt")
+    box = {"shape": "box", "size": [0.0123456, 0.0234567, 0.0345678], "position": [1, 1, 1]}
+    crowd = scene.replace(obstacles=4_000 * [box])
+    with pytest.raises(SceneError, match="400 kB"):
+        crowd.save(tmp_path / "scene.yaml")
+    assert list(tmp_path.iterdir()) == []
+
+    scene.replace(obstacles=1_000 * [box]).save(str(tmp_path / "scene.json"))
+    assert len(load_scene(tmp_path / "scene.json").obstacles) == 1_000
+
+
+@pytest.mark.parametrize("name", [300 * "x", 300 * "x" + ".yaml", "a\0b.yaml", "a\0b"])
+def test_a_name_that_can_be_no_files_is_refused(name: str) -> None:
+    with pytest.raises(SceneError):
+        load_scene(name)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [{"start": {"x": 1}}, {"unit": {"a": 1}}, {"foo": {"a": 1}}, {"mesh": 3}, {"obstacles": {}}],
+)
+def test_a_change_of_another_kind_names_the_field(change: dict[str, object]) -> None:
+    with pytest.raises(SceneError) as caught:
+        load_scene("paper").replace(None, **change)
+    assert caught.value.field == next(iter(change))
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"start": [0, 0, 0, 0]}, "start is [0, 0, 0, 0]; expected a list of 3."),
+        ({"obstacles": [5]}, "obstacles[0] is 5; expected a mapping."),
+        ({"mesh": 5}, "mesh is 5; expected the fields lattice, pitch, seed, max_nodes."),
+        ({"search": {"taut": "yes"}}, "search.taut is 'yes'; expected true or false."),
+        ({"mesh": {"pitch": "1"}}, "mesh.pitch is '1'; expected a number."),
+        ({(1, 2): 3}, "expected names of fields as text."),
+    ],
+)
+def test_what_would_work_is_said_in_plain_words(change: dict[object, object], words: str) -> None:
+    with pytest.raises(SceneError) as caught:
+        Scene.from_dict({"version": 1, **change})
+    assert caught.value.message.endswith(words)
+
+
+def test_the_shipped_scenes_are_there() -> None:
+    assert scene_names()[0] == "paper"
+    assert {"two-boxes", "wall-with-window", "thin-plate", "no-way"} <= set(scene_names())
+    assert 180 <= load_scene("paper").mesh.node_count(load_scene("paper").workspace) <= 230
+
+
+def test_replace_checks_again() -> None:
+    scene = load_scene("paper")
+    assert scene.replace(spline={"degree": 3}).spline.degree == 3
+    assert scene.replace(spline={"degree": 3}).spline.clearance == scene.spline.clearance
+    with pytest.raises(SceneError, match=r"spline\.degree"):
+        scene.replace(spline={"degree": 1})
+
+
+@pytest.mark.parametrize("lattice", ["bcc", "kuhn", "delaunay"])
+@settings(max_examples=40, deadline=None)
+@given(
+    size=st.tuples(st.floats(0.1, 50), st.floats(0.1, 50), st.floats(0.1, 50)),
+    budget=st.integers(50, 10_000_000),
+)
+def test_the_finest_pitch_fits_and_little_finer_does_not(
+    lattice: Any, size: tuple[float, float, float], budget: int
+) -> None:
+    workspace = Workspace(min=(0, 0, 0), max=size)
+    mesh = MeshSettings(lattice=lattice, max_nodes=budget)
+    finest = mesh.finest_pitch(workspace)
+
+    counts = {
+        factor: mesh.model_copy(update={"pitch": finest * factor}).node_count(workspace)
+        for factor in (1.0, 0.95, 0.9, 0.5)
+    }
+
+    assert counts[1.0] <= budget
+    assert counts[0.5] > budget or counts[0.5] == counts[1.0]
+    assert all(a >= b for b, a in itertools.pairwise(counts.values()))
+
+
+def test_a_pitch_over_the_budget_is_refused_with_one_that_fits() -> None:
+    with pytest.raises(SceneError, match="at least") as caught:
+        Scene.from_dict({"version": 1, "mesh": {"pitch": 0.001}})
+
+    assert caught.value.field == "mesh.pitch"
+    finest = float(caught.value.expected.split("at least ")[1].split(":")[0])
+    Scene.from_dict({"version": 1, "mesh": {"pitch": finest}})
+
+
+@pytest.mark.parametrize("lattice", ["bcc", "kuhn", "delaunay"])
+@settings(max_examples=60, deadline=None)
+@given(
+    low=st.floats(-1e6, 0),
+    size=st.tuples(*[st.floats(-6, 6).map(lambda power: 10.0**power)] * 3),
+    pitch=st.floats(-6, 6).map(lambda power: 10.0**power),
+    budget=st.integers(8, 60),
+)
+def test_what_is_advised_for_too_many_nodes_is_no_longer_refused(
+    lattice: str, low: float, size: tuple[float, float, float], pitch: float, budget: int
+) -> None:
+    high = [min(low + side, 1e6) for side in size]
+    if min(high) - low < 1e-6:
+        return
+    data: dict[str, Any] = {
+        "version": 1,
+        "workspace": {"min": [low] * 3, "max": high},
+        "start": [low] * 3,
+        "goal": high,
+        "mesh": {"lattice": lattice, "pitch": pitch, "max_nodes": budget},
+    }
+    try:
+        Scene.from_dict(data)
+    except SceneError as error:
+        told = re.match(r"at least ([\d.e+-]+)", error.expected)
+        assert told is not None
+        name = error.field.removeprefix("mesh.")
+        advised = float(told[1]) if name == "pitch" else int(told[1])
+        assert advised > data["mesh"][name]
+        data["mesh"][name] = advised
+        if name == "max_nodes":
+            # it was the budget alone: with it the coarsest mesh is accepted
+            data["mesh"]["pitch"] = 1e6
+        Scene.from_dict(data)
+
+
+def test_no_pitch_is_advised_that_is_itself_refused() -> None:
+    largest = Workspace(min=(-1e6, -1e6, -1e6), max=(1e6, 1e6, 1e6))
+    assert MeshSettings(lattice="kuhn", max_nodes=8).finest_pitch(largest) == 1e6
+    assert MeshSettings(lattice="kuhn", max_nodes=27).finest_pitch(largest) < 1e6
+
+
+@pytest.mark.parametrize("pitch", [1.2, 12.0, 1e6])
+def test_a_budget_below_one_cell_is_blamed_itself(pitch: float) -> None:
+    with pytest.raises(SceneError) as caught:
+        Scene.from_dict({"version": 1, "mesh": {"pitch": pitch, "max_nodes": 8}})
+
+    assert caught.value.field == "mesh.max_nodes"
+    assert "at least 9" in caught.value.message

@@ -1,0 +1,135 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from abi.obstacles.primitives import Box, Obstacles, Sphere
+from abi.planner.plan import Plan, plan
+from abi.scene.scene import load_scene
+from abi.tet_mesh.subset import VIEWS, excerpt, fits
+
+
+def planned(pitch: float, lattice: str = "bcc", name: str = "paper") -> Plan:
+    return plan(load_scene(name).replace(mesh={"pitch": pitch, "lattice": lattice}))
+
+
+FINE = planned(0.3)
+
+
+def rows(points: np.ndarray) -> set[tuple[float, ...]]:
+    return set(map(tuple, points.tolist()))
+
+
+@settings(max_examples=30, deadline=None)
+@given(view=st.sampled_from(VIEWS), budget=st.integers(100, 60_000))
+def test_what_is_shown_is_in_the_graph_and_keeps_the_budget(view: str, budget: int) -> None:
+    made = FINE
+    assert made.free is not None
+    assert made.graph is not None
+    assert made.path is not None
+    part = excerpt(made.free, made.graph, made.scene.obstacles, made.path.points, view, budget)
+
+    assert len(part.edges) <= budget
+    assert part.edges_in_all == len(made.graph.edges)
+    points = made.graph.points
+    whole = {tuple(sorted(map(tuple, points[edge].tolist()))) for edge in made.graph.edges}
+    drawn = {tuple(sorted(map(tuple, part.points[edge].tolist()))) for edge in part.edges}
+    assert drawn <= whole
+    assert len(drawn) == len(part.edges)
+    gone = np.flatnonzero(made.free.excluded)
+    assert rows(part.excluded) <= rows(points[gone])
+    assert not rows(part.points) & rows(points[gone])
+
+
+@pytest.mark.parametrize("lattice", ["bcc", "kuhn", "delaunay"])
+def test_a_mesh_that_fits_is_shown_whole(lattice: str) -> None:
+    made = planned(1.0, lattice)
+    assert made.free is not None
+    assert made.graph is not None
+    assert fits(made.free, 30_000)
+    part = excerpt(
+        made.free, made.graph, made.scene.obstacles, made.graph.points[:1], "near", 30_000
+    )
+
+    assert len(part.edges) == part.edges_in_all == made.graph.edge_count
+    assert len(part.excluded) == made.free.excluded.sum()
+
+
+def test_near_shows_the_path_and_leaves_out_what_is_farthest() -> None:
+    made = FINE
+    assert made.free is not None
+    assert made.graph is not None
+    assert made.path is not None
+    assert not fits(made.free, 30_000)
+    part = excerpt(made.free, made.graph, made.scene.obstacles, made.path.points, "near", 30_000)
+
+    assert rows(made.path.points) <= rows(part.points)
+    assert 10_000 < len(part.edges) < part.edges_in_all
+    corner = np.array([0.0, 6.0, 6.0])
+    assert np.linalg.norm(part.points - corner, axis=1).min() > 1
+
+
+@pytest.mark.parametrize("budget", [2_000, 10_000, 30_000])
+@pytest.mark.parametrize(
+    "obstacles",
+    [
+        (),
+        (Box(size=(1.2, 0.6, 0.8), position=(4.8, 4.5, 5)),),
+        (Sphere(radius=0.5, position=(1, 5, 1)), Box(size=(0.5, 2, 0.5), position=(5, 1, 5))),
+    ],
+    ids=len,
+)
+def test_near_shows_what_is_nearest_to_path_and_obstacles(
+    obstacles: Obstacles, budget: int
+) -> None:
+    """Nothing shown is farther from both than what is left out, but for the size of a cell."""
+    path = np.array([[0.5, 0.5, 0.5], [2.0, 1.0, 0.5]])
+    made = plan(
+        load_scene("paper").replace(
+            obstacles=[obstacle.model_dump(mode="json") for obstacle in obstacles],
+            mesh={"pitch": 0.3},
+        )
+    )
+    assert made.free is not None
+    assert made.graph is not None
+    part = excerpt(made.free, made.graph, obstacles, path, "near", budget)
+
+    samples = path[0] + np.linspace(0, 1, 200)[:, None] * (path[1] - path[0])
+    free = made.graph.points[: len(made.free.excluded)][~made.free.excluded]
+    away = np.linalg.norm(free[:, None] - samples, axis=2).min(axis=1)
+    for obstacle in obstacles:
+        low, high = obstacle.bounds()
+        beyond = np.maximum(np.maximum(low - free, free - high), 0)
+        away = np.minimum(away, np.linalg.norm(beyond, axis=1))
+    drawn = rows(part.points)
+    shown = np.array([tuple(point) in drawn for point in free.tolist()])
+    cell = 6 / 40 * np.sqrt(3)
+
+    assert 0 < shown.sum() < len(free)
+    assert away[shown].max() <= away[~shown].min() + 1.5 * cell
+
+
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_a_slice_is_thin_and_runs_through_the_obstacle(axis: int) -> None:
+    made = FINE
+    assert made.free is not None
+    assert made.path is not None
+    view = VIEWS[1 + axis]
+    part = excerpt(made.free, made.graph, made.scene.obstacles, made.path.points, view, 30_000)
+
+    assert np.ptp(part.points[:, axis]) < 1.0
+    assert abs(part.points[:, axis].mean() - 3) < 0.3
+    assert len(part.excluded) > 0
+    assert np.delete(np.ptp(part.points, axis=0), axis) == pytest.approx([6, 6])
+
+
+def test_without_a_graph_no_edge_has_an_excluded_end() -> None:
+    made = planned(1.0)
+    assert made.free is not None
+    part = excerpt(made.free, None, made.scene.obstacles, np.zeros((1, 3)), "near", 30_000)
+
+    kept = ~made.free.excluded
+    assert len(part.points) == kept.sum()
+    assert len(part.edges) == kept[made.free.mesh.edges].all(axis=1).sum()
