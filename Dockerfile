@@ -17,7 +17,7 @@ ENV PATH=/opt/abi/bin:$PATH \
 RUN useradd --create-home --uid 10001 abi
 USER abi
 WORKDIR /home/abi
-RUN python -c "from abi.kernels import warm; warm()"
+RUN python -c "import abi; abi.compile()"
 EXPOSE 8080
 # The server answers GET only.
 HEALTHCHECK --interval=30s --timeout=5s --start-period=30s \

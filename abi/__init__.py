@@ -14,6 +14,7 @@ of it. Beside them: :mod:`abi.verify` checks such proofs again in exact numbers,
 :mod:`abi.paper` sets what the paper prints beside what we find.
 """
 
+from abi.compiling import compile
 from abi.errors import AbiError, SceneError, StageError
 from abi.planner.plan import Plan, Planner, plan
 from abi.scene.scene import Scene, load_scene, scene_names
@@ -25,6 +26,7 @@ __all__ = [
     "Scene",
     "SceneError",
     "StageError",
+    "compile",
     "load_scene",
     "plan",
     "scene_names",

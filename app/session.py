@@ -14,7 +14,7 @@ from typing import Any
 
 import viser
 
-from abi import assets, kernels
+from abi import assets, compiling
 from abi.errors import AbiError
 from abi.planner.diagnosis import Reason, explain
 from abi.planner.live_planner import LivePlanner
@@ -68,7 +68,7 @@ class Session:
         self.plan: Plan | None = None
         self.plans = 0
         self._scene = scene
-        self._planner = LivePlanner()
+        self._planner = LivePlanner(compile=False)
         self._wished = 0.0
         self._reason: Reason | None = None
         self._explained: Plan | None = None
@@ -79,7 +79,7 @@ class Session:
         self._faded = False
         self._lit = plain
         self._viewpoint = Viewpoint(client.camera, scene)
-        self._compiled = kernels.ready.is_set()
+        self._compiled = compiling.is_done()
         with client.atomic():
             self._build(name, scene, dark)
         self._changed.set()
@@ -220,10 +220,10 @@ class Session:
             self._explain()
         elif not self._lit and time.monotonic() - self._wished >= LIGHT:
             self._light()
-        elif not self._compiled and kernels.ready.is_set():
+        elif not self._compiled and compiling.is_done():
             self._compiled = True
             if self.plan is not None and self.plan.error is None:
-                self._planner = LivePlanner()  # for times that do not mislead
+                self._planner = LivePlanner(compile=False)  # for times that do not mislead
                 self.plan = self._planner.finish(self._scene)
                 self._show_plan(self.plan)
 

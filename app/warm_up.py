@@ -7,7 +7,7 @@ import threading
 
 import viser
 
-from abi.kernels import warm
+from abi import compiling
 
 PATIENCE = 10.0
 """Seconds after which the compiler no longer waits for a first plan."""
@@ -47,7 +47,7 @@ class WarmUp:
         late.daemon = True
         late.start()
         try:
-            warm()
+            compiling.compile()
         finally:
             late.cancel()
             with self._lock:

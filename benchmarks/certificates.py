@@ -18,9 +18,8 @@ from typing import Any
 
 import numpy as np
 
+import abi
 from abi.arrays import read_only
-from abi.clearance import certify_mesh_kernels as certify_surface
-from abi.clearance import certify_primitives_kernels as certify_solids
 from abi.clearance.certificate import Certificate, Refutation, certify
 from abi.curves.bspline import BSpline, clamped
 from abi.curves.quadratic import Quadratic
@@ -215,8 +214,7 @@ def main() -> None:
     parser.add_argument("--curves", type=int, default=20_000)
     parser.add_argument("--seed", type=int, default=0)
     given = parser.parse_args()
-    for kernels in (certify_solids, certify_surface):
-        kernels.warm()
+    abi.compile()
     print(campaign(given.curves, given.seed))
 
 

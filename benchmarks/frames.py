@@ -41,8 +41,8 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 
+from abi import compiling
 from abi.arrays import BoolArray, FloatArray, IntArray
-from abi.kernels import warm
 from abi.obstacles.obstacle_set import packed
 from abi.obstacles.primitive_kernels import Axes, Core, axes_of, core_of, in_body, level, near
 from abi.obstacles.primitives import MeshShape, Obstacle, Obstacles
@@ -86,7 +86,7 @@ def measure(sizes: Sequence[int] = SIZES) -> list[Row]:
         library's frame over ours, and ``than_networkx``. Methods named "frame" are whole frames,
         and "library mask" is what libraries pay of it for the mask and the open rows.
     """
-    warm()
+    compiling.compile()
     return [row for size in sizes for name in _SCENES for row in _measure(name, size)]
 
 

@@ -29,7 +29,7 @@ from typing import Any
 
 import numpy as np
 
-from abi.kernels import warm
+from abi import compiling
 from abi.obstacles.primitives import segments_blocked
 from abi.planner.plan import SLACK, Plan, Planner
 from abi.scene.scene import Scene
@@ -91,7 +91,7 @@ def measure(
         budgets: what the rivals get besides the time that ours took, [s].
         rivals: whether they run at all.
     """
-    warm()
+    compiling.compile()
     Planner()(box_scene(seeds.start, 1.0))
     first = box_scene(seeds.start, pitch)
     whole = mesh.tetrahedralise(first.workspace, first.mesh)

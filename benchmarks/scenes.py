@@ -23,7 +23,7 @@ import networkx
 import numpy as np
 import trimesh
 
-from abi.kernels import warm
+from abi import compiling
 from abi.obstacles.primitives import nearest
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.obstacles.triangle_mesh.repair import Surface, clean
@@ -86,7 +86,7 @@ def main() -> None:
     options = parser.parse_args()
     begin = time.perf_counter()
     seeds = range(options.first, options.first + options.scenes)
-    with multiprocessing.Pool(options.workers, initializer=warm) as pool:
+    with multiprocessing.Pool(options.workers, initializer=compiling.compile) as pool:
         results = list(pool.imap_unordered(check, seeds, chunksize=20))
     figures = _figures(results, time.perf_counter() - begin)
     if options.json:

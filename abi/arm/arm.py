@@ -19,7 +19,6 @@ from abi.arm import arm_kernels as kernels
 from abi.arm import arm_links
 from abi.arm.urdf import Joint, write
 from abi.arrays import FloatArray, flat, read_only
-from abi.kernels.calling import call
 from abi.obstacles.pose import METRES
 from abi.scene.scene import ArmSettings
 
@@ -114,7 +113,7 @@ def skeleton(arm: Arm, positions: FloatArray) -> FloatArray:
     joints = np.asarray(positions, dtype=float)
     points = np.empty(12 * len(joints))
     lengths = float(arm.a1 + arm.a2), float(arm.a3), flat(arm.forearm(joints[:, 4]))
-    call(kernels.ready, kernels.skeleton, flat(joints), flat(arm.base), *lengths, points)
+    kernels.skeleton(flat(joints), flat(arm.base), *lengths, points)
     return points.reshape(-1, 4, 3)
 
 

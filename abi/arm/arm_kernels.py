@@ -3,16 +3,11 @@
 from __future__ import annotations
 
 import math
-import threading
 
-import numpy as np
 from numba.extending import register_jitable
 
-from abi.arrays import FloatArray, read_only
-from abi.kernels.compiling import compiled
-
-ready = threading.Event()
-"""Set once the kernels are compiled."""
+from abi.arrays import FloatArray
+from abi.compiled import FLOATS, NEW_FLOATS, compiled
 
 
 @register_jitable
@@ -45,7 +40,7 @@ def _nearest_to_axis(points: FloatArray, tangents: FloatArray, i: int) -> float:
     return math.sqrt(least)
 
 
-@compiled()
+@compiled(example=(FLOATS, FLOATS, 0.0, 0.0, NEW_FLOATS, NEW_FLOATS))
 def turn(
     points: FloatArray,
     tangents: FloatArray,
@@ -102,7 +97,7 @@ def turn(
             q1[i] = heading + math.pi * halves
 
 
-@compiled()
+@compiled(example=(FLOATS, FLOATS, FLOATS, 1.0, 1.0, 0.0, NEW_FLOATS, NEW_FLOATS, NEW_FLOATS))
 def bend(
     across: FloatArray,
     height: FloatArray,
@@ -148,7 +143,7 @@ def bend(
         q2[i] = angle + turned - lead
 
 
-@compiled()
+@compiled(example=(FLOATS, FLOATS, 1.0, 1.0, FLOATS, NEW_FLOATS))
 def skeleton(
     joints: FloatArray,
     base: FloatArray,
@@ -180,12 +175,3 @@ def skeleton(
             points[12 * i + 3 * k] = base[0] + right * across
             points[12 * i + 3 * k + 1] = base[1] - ahead * across
             points[12 * i + 3 * k + 2] = up if k > 0 else base[2]
-
-
-def warm() -> None:
-    """Compile the kernels, or load what was compiled before."""
-    one, point = read_only(np.ones(1)), read_only(np.ones(3))
-    turn(point, point, 0.0, 0.0, np.zeros(1), np.zeros(1))
-    bend(one, one, one, 1.0, 1.0, 0.0, np.zeros(1), np.zeros(1), np.zeros(1))
-    skeleton(read_only(np.ones(6)), point, 1.0, 1.0, one, np.zeros(12))
-    ready.set()

@@ -24,7 +24,6 @@ from numpy.typing import ArrayLike
 from abi.arm import arm_kernels as kernels
 from abi.arm.arm import Arm
 from abi.arrays import BoolArray, FloatArray, flat, read_only
-from abi.kernels.calling import call
 
 THROUGH = 1e-6
 """A path that passes the base axis nearer than this part of the arm's reach passes through it."""
@@ -142,7 +141,7 @@ def _bend(
     """q2, q3 and the shortfall for tools in the arm's plane, as seen from the shoulder, (n,)."""
     q2, q3, shortfall = np.empty((3, len(across)))
     places = flat(across), flat(height), flat(forearm)
-    call(kernels.ready, kernels.bend, *places, float(arm.a3), side, rounding, q2, q3, shortfall)
+    kernels.bend(*places, float(arm.a3), side, rounding, q2, q3, shortfall)
     return q2, q3, shortfall
 
 
@@ -152,7 +151,7 @@ def _turn(
     """q1 and the signed distance r from the base axis along a path, shapes (n,)."""
     q1, across = np.empty((2, len(offset)))
     path = flat(offset), flat(np.asarray(tangents, dtype=float))
-    call(kernels.ready, kernels.turn, *path, rounding, THROUGH * _reach(arm), q1, across)
+    kernels.turn(*path, rounding, THROUGH * _reach(arm), q1, across)
     return q1, across
 
 

@@ -21,7 +21,6 @@ from abi.arrays import FloatArray, flat, read_only
 from abi.curves.curve import ArcLength, Curve
 from abi.curves.speed_profile import Profile
 from abi.errors import OutOfReach
-from abi.kernels.calling import call
 from abi.obstacles import obstacle_set_kernels as kernels
 from abi.obstacles.obstacle_set import meshes, rows
 from abi.obstacles.primitives import Obstacles, Vec3
@@ -279,9 +278,7 @@ def _link_clearance(points: FloatArray, obstacles: Obstacles) -> tuple[float, in
     best, sample, whose = math.inf, 0, -1
     solids = rows(obstacles)
     if len(solids):
-        best, sample, solid = call(
-            kernels.ready, kernels.skeletons, flat(points), points.shape[1], solids
-        )
+        best, sample, solid = kernels.skeletons(flat(points), points.shape[1], solids)
         whose = [k for k, obstacle in enumerate(obstacles) if obstacle.convex][solid]
     starts, ends = points[:, :-1].reshape(-1, 3), points[:, 1:].reshape(-1, 3)
     for mesh in meshes(obstacles):

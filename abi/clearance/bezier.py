@@ -11,7 +11,6 @@ import numpy as np
 from abi.arrays import FloatArray, flat, read_only
 from abi.curves import bspline_kernels as kernels
 from abi.curves.curve import Curve
-from abi.kernels.calling import call
 from abi.obstacles.memory import ByIdentity
 
 
@@ -91,7 +90,7 @@ def _from_spline(knots: FloatArray, control_points: FloatArray, degree: int) -> 
     most = len(control_points) - degree
     breaks, points = np.empty(most + 1), np.empty(3 * most * (degree + 1))
     spline = flat(knots), flat(control_points), degree
-    count = call(kernels.ready, kernels.bezier, *spline, breaks, points)
+    count = kernels.bezier(*spline, breaks, points)
     pieces = points.reshape(most, degree + 1, 3)[:count]
     size = float(np.abs(control_points).max())
     return Bezier(read_only(breaks[: count + 1]), read_only(pieces), size)

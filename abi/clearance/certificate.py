@@ -26,7 +26,6 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
 
 import numpy as np
 
@@ -35,7 +34,6 @@ from abi.clearance import certify_mesh_kernels as certify_surface
 from abi.clearance import certify_primitives_kernels as certify_solids
 from abi.clearance.bezier import Bezier, PolynomialCurve, bezier, polyline
 from abi.clearance.separation_kernels import CERTIFIED, MOST_HALVINGS, REFUTED, Outcome
-from abi.kernels.calling import call
 from abi.obstacles.memory import ByIdentity
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.pose import rotation
@@ -142,9 +140,7 @@ def _certify(curve: Bezier, obstacles: Obstacles, margin: float) -> Certificate 
 def _run_solids(curve: Bezier, obstacles: Obstacles, margin: float) -> Outcome:
     frames, shapes, sizes = _packed(obstacles)
     scales = read_only(sizes + curve.size)
-    outcome: Outcome = call(
-        certify_solids.ready,
-        certify_solids.solids,
+    outcome: Outcome = certify_solids.solids(
         *(flat(curve.points), flat(curve.breaks), curve.degree, _room(curve)),
         *(frames, shapes, scales, float(margin)),
         FINEST * float(scales.max()),
@@ -165,8 +161,7 @@ def _against_mesh(
     room = _room(curve)
     room[: curve.points.size] = ((curve.points - position) @ axes / factor).ravel()
     scale = (curve.size + float(np.abs(position).max())) / factor + 2 * tree.size
-    status, at, _, distance, found = _run(
-        certify_surface.surface,
+    status, at, _, distance, found = certify_surface.surface(
         room,
         curve.breaks.copy(),
         curve.degree,
@@ -188,18 +183,6 @@ def _against_mesh(
     found[:, 2] = index
     found[:, 3:6] = found[:, 3:6] @ axes.T
     return found
-
-
-def _run(kernel: Any, *arguments: Any) -> Outcome:
-    """Call a kernel: compiled when that is ready, else as plain Python on lists."""
-    if not certify_surface.ready.is_set():
-        kernel = kernel.py_func
-        arguments = tuple(
-            value.tolist() if isinstance(value, np.ndarray) and value.flags.writeable else value
-            for value in arguments
-        )
-    outcome: Outcome = kernel(*arguments)
-    return outcome
 
 
 def _room(curve: Bezier) -> FloatArray:

@@ -8,12 +8,10 @@ small arrays. Geometry is in the surface's own coordinates; for pieces and plane
 from __future__ import annotations
 
 import math
-import threading
 
-import numpy as np
 from numba.extending import register_jitable
 
-from abi.arrays import FloatArray, IntArray, read_only
+from abi.arrays import FloatArray, IntArray
 from abi.clearance.separation_kernels import (
     CERTIFIED,
     MOST_HALVINGS,
@@ -27,10 +25,7 @@ from abi.clearance.separation_kernels import (
     least_product,
     table_of,
 )
-from abi.kernels.compiling import compiled
-
-ready = threading.Event()
-"""Set once the kernel is compiled."""
+from abi.compiled import FLOATS, IDS, NEW_FLOATS, compiled
 
 _KEPT = 4  # directions of a piece that are tried again on the next node
 
@@ -96,7 +91,10 @@ def _triangle_support(x: float, y: float, z: float, corners: FloatArray, t: int)
     return float(max(a, b, c))
 
 
-@compiled()
+@compiled(
+    example=(NEW_FLOATS, NEW_FLOATS, 1, FLOATS, FLOATS, IDS, FLOATS, 1.0, 0.0, 1e-9, 9),
+    fallback=False,
+)
 def surface(
     points: FloatArray,
     breaks: FloatArray,
@@ -232,12 +230,3 @@ def surface(
         pending.append((middle, last if run else middle + width, deeper, at, end, highest, total))
         pending.append((left, middle, deeper, start, at, highest, total))
     return CERTIFIED, 0.0, -1, math.inf, table_of(planes)
-
-
-def warm() -> None:
-    """Compile the kernel, or load it from numba's cache."""
-    room, breaks = np.zeros(3 * (1 + 2 * MOST_HALVINGS + 2) * 2), np.array([0.0, 1.0])
-    low, high = read_only(np.ones(3)), read_only(np.full(3, 2.0))
-    leaves, corners = read_only(np.array([0, 1], dtype=np.int32)), read_only(np.ones(9))
-    surface(room, breaks, 1, low, high, leaves, corners, 6.0, 0.0, 1e-9, 9)
-    ready.set()

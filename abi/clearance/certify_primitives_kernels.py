@@ -7,12 +7,10 @@ the body frame of one obstacle; for pieces and planes see ``abi.clearance.separa
 from __future__ import annotations
 
 import math
-import threading
 
-import numpy as np
 from numba.extending import register_jitable
 
-from abi.arrays import FloatArray, read_only
+from abi.arrays import FloatArray
 from abi.clearance.separation_kernels import (
     CERTIFIED,
     MOST_HALVINGS,
@@ -26,10 +24,7 @@ from abi.clearance.separation_kernels import (
     least_product,
     table_of,
 )
-from abi.kernels.compiling import compiled
-
-ready = threading.Event()
-"""Set once the kernel is compiled."""
+from abi.compiled import FLOATS, NEW_FLOATS, compiled
 
 
 @register_jitable
@@ -71,7 +66,7 @@ def _solid_support(
     return box + disc * math.sqrt(x * x + y * y) + ball
 
 
-@compiled()
+@compiled(example=(FLOATS, FLOATS, 1, NEW_FLOATS, FLOATS, FLOATS, FLOATS, 0.0, 1e-9, 9))
 def solids(
     world: FloatArray,
     breaks: FloatArray,
@@ -169,13 +164,3 @@ def solids(
             pending.append(behind)
             pending.append(ahead)
     return CERTIFIED, 0.0, -1, math.inf, table_of(planes)
-
-
-def warm() -> None:
-    """Compile the kernel, or load it from numba's cache."""
-    world, breaks = read_only(np.zeros(6)), read_only(np.array([0.0, 1.0]))
-    room = np.zeros(3 * (1 + 2 * MOST_HALVINGS + 2) * 2)
-    frames = read_only(np.array([1.0, 0, 0, 0, 1, 0, 0, 0, 1, 5, 5, 5]))
-    shapes, scales = read_only(np.array([1.0, 1, 1, 0, 0])), read_only(np.array([6.0]))
-    solids(world, breaks, 1, room, frames, shapes, scales, 0.0, 1e-9, 9)
-    ready.set()

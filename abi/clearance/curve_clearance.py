@@ -14,7 +14,6 @@ from abi.clearance import curve_clearance_kernels as curve_clearance
 from abi.clearance.bezier import PolynomialCurve, bezier
 from abi.clearance.certificate import Certificate, certify
 from abi.curves.curve import Curve
-from abi.kernels.calling import call
 from abi.obstacles import obstacle_set_kernels as kernels
 from abi.obstacles.obstacle_set import meshes, rows
 from abi.obstacles.primitives import Obstacles
@@ -169,9 +168,7 @@ def _measured(
     """:func:`measure` of Bézier pieces (s, degree + 1, 3) among convex solids alone."""
     parts = -(-_FIRST_PIECES // max(len(breaks) - 1, 1))
     finest = float(breaks[-1] - breaks[0]) / _FINEST_STRETCH
-    distance, at, nearest, obstacle, stretches = call(
-        curve_clearance.ready,
-        curve_clearance.curve,
+    distance, at, nearest, obstacle, stretches = curve_clearance.curve(
         *(flat(control), flat(breaks), parts, rows(obstacles)),
         *(float(asked), tolerance, finest),
     )
@@ -250,7 +247,7 @@ def outward(points: FloatArray, obstacles: Obstacles) -> tuple[FloatArray, Float
         The distances, inf without obstacles, and their unit subgradients (n, 3), world.
     """
     away, found = np.empty(len(points)), np.zeros(3 * len(points))
-    call(kernels.ready, kernels.nearest, flat(points), rows(obstacles), away, found)
+    kernels.nearest(flat(points), rows(obstacles), away, found)
     gradient = found.reshape(-1, 3)
     for mesh in meshes(obstacles):
         to_mesh = mesh.signed_distance(points)

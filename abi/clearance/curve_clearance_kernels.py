@@ -7,13 +7,11 @@ numbers that describe solids see ``primitive_kernels``. A point is three success
 from __future__ import annotations
 
 import math
-import threading
 
-import numpy as np
 from numba.extending import register_jitable
 
-from abi.arrays import FloatArray, read_only
-from abi.kernels.compiling import compiled
+from abi.arrays import FloatArray
+from abi.compiled import FLOATS, compiled
 from abi.obstacles.primitive_kernels import (
     WIDTH,
     Point,
@@ -25,9 +23,6 @@ from abi.obstacles.primitive_kernels import (
     in_world,
     level,
 )
-
-ready = threading.Event()
-"""Set once the kernel is compiled."""
 
 MOST_HALVINGS = 40
 MOST_PIECES = 200_000
@@ -99,7 +94,7 @@ def _bounded(
     return best, whose, bound
 
 
-@compiled()
+@compiled(example=(FLOATS, FLOATS, 1, FLOATS, 1.0, 0.1, 0.1))
 def curve(
     control: FloatArray,
     breaks: FloatArray,
@@ -207,12 +202,3 @@ def curve(
         points, count = halves, number
         starts, ends, at_starts, at_ends = froms, tos, at_froms, at_tos
     return min(bottom, nearest), at, nearest, whose, stretches
-
-
-def warm() -> None:
-    """Compile the kernel, or load what was compiled before."""
-    points, breaks = read_only(np.array([0.0, 0, 0, 1, 0, 0])), read_only(np.array([0.0, 1.0]))
-    row = np.zeros(WIDTH)
-    row[[3, 7, 11]] = 1.0
-    curve(points, breaks, 1, read_only(row), 1.0, 0.1, 0.1)
-    ready.set()

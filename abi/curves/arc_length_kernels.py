@@ -6,16 +6,12 @@ Compiled by numba; each runs uncompiled too, by its ``py_func`` on plain lists.
 from __future__ import annotations
 
 import math
-import threading
 
 import numpy as np
 from numba.extending import register_jitable
 
-from abi.arrays import FloatArray, read_only
-from abi.kernels.compiling import compiled
-
-ready = threading.Event()
-"""Set once the kernels are compiled."""
+from abi.arrays import FloatArray
+from abi.compiled import FLOATS, NEW_FLOATS, compiled
 
 _MOST_HALVINGS = 40
 _MOST_STEPS = 60
@@ -32,7 +28,7 @@ def _speed(derivative: FloatArray, first: int, width: int, v: float, work: list[
     return math.sqrt(work[0] * work[0] + work[1] * work[1] + work[2] * work[2])
 
 
-@compiled()
+@compiled(example=(FLOATS, FLOATS, FLOATS, FLOATS, FLOATS, FLOATS, 1.0))
 def pieces(
     breaks: FloatArray,
     derivative: FloatArray,
@@ -144,7 +140,7 @@ def _derive(series: FloatArray, start: int, terms: int, found: list[float]) -> N
         found[n - 1] = (2 * n - 1) * (series[start + n] + passed_on)
 
 
-@compiled()
+@compiled(example=(FLOATS, FLOATS, FLOATS, FLOATS, NEW_FLOATS))
 def distances(
     edges: FloatArray,
     travelled: FloatArray,
@@ -172,7 +168,7 @@ def distances(
             found[i] = min(max(travelled[k] + value, 0.0), travelled[last])
 
 
-@compiled()
+@compiled(example=(FLOATS, FLOATS, FLOATS, FLOATS, FLOATS, FLOATS, NEW_FLOATS))
 def parameters(
     edges: FloatArray,
     travelled: FloatArray,
@@ -258,13 +254,3 @@ def parameters(
                 place = step if low < step < high else (low + high) / 2
         place = min(max(place, -1.0), 1.0)
         found[i] = min(left + (right - left) * (place + 1) / 2, right)
-
-
-def warm() -> None:
-    """Compile all kernels, or load what was compiled before."""
-    ends, point = read_only(np.array([0.0, 1.0])), read_only(np.array([1.0, 0, 0]))
-    one, zeros = read_only(np.ones(1)), read_only(np.zeros(1))
-    pieces(ends, point, zeros, one, ends, ends, 1.0)
-    distances(ends, ends, ends, one, np.zeros(1))
-    parameters(ends, ends, ends, one, one, one, np.zeros(1))
-    ready.set()

@@ -13,7 +13,6 @@ from abi.clearance.curve_clearance import ROUNDING, Clearance, measure, outward,
 from abi.curves import bspline_kernels as kernels
 from abi.curves.control_points import graded
 from abi.curves.curve import measure as arc_length
-from abi.kernels.calling import call
 from abi.obstacles.obstacle_set import meshes
 from abi.obstacles.polyline import measure_polyline
 from abi.obstacles.primitives import Obstacles
@@ -94,7 +93,7 @@ class BSpline:
             return np.zeros((*inside.shape, 3))
         found = np.empty(3 * inside.size)
         shape = (flat(self.knots), flat(self.control_points), self.degree)
-        call(kernels.ready, kernels.spline, *shape, flat(inside), order, found)
+        kernels.spline(*shape, flat(inside), order, found)
         return found.reshape(*inside.shape, 3)
 
 
@@ -243,7 +242,7 @@ def _pushed(
 def _influence(spline: BSpline, parameters: FloatArray) -> FloatArray:
     """Weights of the control points in the points at ``parameters`` (m,), shape (m, n)."""
     found = np.zeros(len(parameters) * len(spline.control_points))
-    call(kernels.ready, kernels.basis, flat(spline.knots), spline.degree, flat(parameters), found)
+    kernels.basis(flat(spline.knots), spline.degree, flat(parameters), found)
     return found.reshape(len(parameters), -1)
 
 

@@ -5,18 +5,11 @@ Compiled by numba; each runs uncompiled too, by its ``py_func`` on plain lists.
 
 from __future__ import annotations
 
-import threading
-
-import numpy as np
-
-from abi.arrays import FloatArray, read_only
-from abi.kernels.compiling import compiled
-
-ready = threading.Event()
-"""Set once the kernels are compiled."""
+from abi.arrays import FloatArray
+from abi.compiled import FLOATS, NEW_FLOATS, compiled
 
 
-@compiled()
+@compiled(example=(FLOATS, FLOATS, 1, FLOATS, 0, NEW_FLOATS))
 def spline(
     knots: FloatArray,
     control: FloatArray,
@@ -62,7 +55,7 @@ def spline(
             found[3 * number + i] = local[3 * degree + i]
 
 
-@compiled()
+@compiled(example=(FLOATS, FLOATS, 1, NEW_FLOATS, NEW_FLOATS))
 def bezier(
     knots: FloatArray, control: FloatArray, degree: int, breaks: FloatArray, found: FloatArray
 ) -> int:
@@ -102,7 +95,7 @@ def bezier(
     return k
 
 
-@compiled()
+@compiled(example=(FLOATS, 1, FLOATS, NEW_FLOATS))
 def basis(knots: FloatArray, degree: int, parameters: FloatArray, found: FloatArray) -> None:
     """Values of all basis functions of a spline (Piegl and Tiller, The NURBS Book, A2.2).
 
@@ -128,14 +121,3 @@ def basis(knots: FloatArray, degree: int, parameters: FloatArray, found: FloatAr
                 found[at + r] = saved + (right - u) * share
                 saved = (u - left) * share
             found[at + step] = saved
-
-
-def warm() -> None:
-    """Compile all kernels, or load what was compiled before."""
-    ends = read_only(np.array([0.0, 1.0]))
-    knots = read_only(np.array([0.0, 0, 1, 1]))
-    points = read_only(np.array([0.0, 0, 0, 1, 0, 0]))
-    spline(knots, points, 1, ends, 0, np.zeros(6))
-    bezier(knots, points, 1, np.zeros(2), np.zeros(6))
-    basis(knots, 1, ends, np.zeros(4))
-    ready.set()

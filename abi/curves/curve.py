@@ -13,7 +13,6 @@ from numpy.typing import ArrayLike
 
 from abi.arrays import FloatArray, flat, read_only
 from abi.curves import arc_length_kernels as kernels
-from abi.kernels.calling import call
 
 _GAUSS = 16
 _NODES, _WEIGHTS = legendre.leggauss(_GAUSS)
@@ -93,7 +92,7 @@ class ArcLength:
         """
         asked = np.asarray(parameter, dtype=float)
         found = np.empty(asked.size)
-        call(kernels.ready, kernels.distances, *self._table, flat(asked), found)
+        kernels.distances(*self._table, flat(asked), found)
         return found.reshape(asked.shape)
 
     def parameter(self, distance: ArrayLike) -> FloatArray:
@@ -111,7 +110,7 @@ class ArcLength:
         asked = np.asarray(distance, dtype=float)
         found = np.empty(asked.size)
         gauss = (self.nodes, self.weights)
-        call(kernels.ready, kernels.parameters, *self._table, *gauss, flat(asked), found)
+        kernels.parameters(*self._table, *gauss, flat(asked), found)
         return found.reshape(asked.shape)
 
     @property
@@ -137,8 +136,8 @@ def measure(curve: Curve) -> ArcLength:
     places, to_bezier = _interpolation(max(curve.degree - 1, 0))
     derivative = curve((breaks[:-1, None] + np.diff(breaks)[:, None] * places).ravel(), 1)
     control = to_bezier @ derivative.reshape(len(breaks) - 1, -1, 3)
-    edges, travelled, series, nodes, weights = call(
-        kernels.ready, kernels.pieces, flat(breaks), flat(control), *_RULE, rounding
+    edges, travelled, series, nodes, weights = kernels.pieces(
+        flat(breaks), flat(control), *_RULE, rounding
     )
     return ArcLength(
         length=float(travelled[-1]),

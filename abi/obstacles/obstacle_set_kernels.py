@@ -7,13 +7,11 @@ numbers that describe solids see ``primitive_kernels``. A point is three success
 from __future__ import annotations
 
 import math
-import threading
 
-import numpy as np
 from numba.extending import register_jitable
 
-from abi.arrays import FloatArray, read_only
-from abi.kernels.compiling import compiled
+from abi.arrays import FloatArray
+from abi.compiled import FLOATS, NEW_FLOATS, compiled
 from abi.obstacles.primitive_kernels import (
     WIDTH,
     Core,
@@ -26,9 +24,6 @@ from abi.obstacles.primitive_kernels import (
     in_world,
     level,
 )
-
-ready = threading.Event()
-"""Set once the kernels are compiled."""
 
 _STEPS = 100  # far more than it takes to find a lowest point to the last bit
 _STRIDE = 20
@@ -87,7 +82,7 @@ def _along(solids: FloatArray, s: int, best: float, a: Point, b: Point) -> float
     return _lowest(core_of(solids, s), best, p, d)
 
 
-@compiled()
+@compiled(example=(FLOATS, 2, FLOATS, NEW_FLOATS))
 def polylines(points: FloatArray, size: int, solids: FloatArray, found: FloatArray) -> None:
     """Least signed distances from polylines to all solids.
 
@@ -107,7 +102,7 @@ def polylines(points: FloatArray, size: int, solids: FloatArray, found: FloatArr
         found[run] = best
 
 
-@compiled()
+@compiled(example=(FLOATS, 2, FLOATS))
 def skeletons(points: FloatArray, size: int, solids: FloatArray) -> tuple[float, int, int]:
     """Least signed distance from polylines to all solids; of which polyline, and to which solid.
 
@@ -130,7 +125,7 @@ def skeletons(points: FloatArray, size: int, solids: FloatArray) -> tuple[float,
     return best, which, whose
 
 
-@compiled()
+@compiled(example=(FLOATS, FLOATS, NEW_FLOATS, NEW_FLOATS))
 def nearest(
     points: FloatArray,
     solids: FloatArray,
@@ -166,7 +161,7 @@ def nearest(
             outward[3 * i], outward[3 * i + 1], outward[3 * i + 2] = way
 
 
-@compiled()
+@compiled(example=(FLOATS, FLOATS, NEW_FLOATS))
 def levels(points: FloatArray, solids: FloatArray, found: FloatArray) -> None:
     """Signed distance of each point to each solid.
 
@@ -183,16 +178,3 @@ def levels(points: FloatArray, solids: FloatArray, found: FloatArray) -> None:
             axes = axes_of(solids, s)
             p = in_body(axes, x - solids[k], y - solids[k + 1], z - solids[k + 2])
             found[i * count + s] = level(core_of(solids, s), p[0], p[1], p[2])
-
-
-def warm() -> None:
-    """Compile all kernels, or load what was compiled before."""
-    points = read_only(np.array([0.0, 0, 0, 1, 0, 0]))
-    row = np.zeros(WIDTH)
-    row[[3, 7, 11]] = 1.0
-    solids, found = read_only(row), np.zeros(1)
-    polylines(points, 2, solids, found)
-    skeletons(points, 2, solids)
-    nearest(points, solids, np.zeros(2), np.zeros(6))
-    levels(points, solids, np.zeros(2))
-    ready.set()

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from abi.arrays import FloatArray, flat
-from abi.kernels.calling import call
 from abi.obstacles import obstacle_set_kernels as kernels
 from abi.obstacles.obstacle_set import meshes, rows
 from abi.obstacles.primitives import Obstacles
@@ -25,7 +24,7 @@ def measure_polyline(points: FloatArray, obstacles: Obstacles) -> float:
 def runs_apart(points: FloatArray, obstacles: Obstacles) -> FloatArray:
     """:func:`measure_polyline` of polylines of equally many vertices (n, k, 3), k >= 2, (n,)."""
     found = np.empty(len(points))
-    call(kernels.ready, kernels.polylines, flat(points), points.shape[1], rows(obstacles), found)
+    kernels.polylines(flat(points), points.shape[1], rows(obstacles), found)
     for mesh in meshes(obstacles):
         starts, ends = points[:, :-1].reshape(-1, 3), points[:, 1:].reshape(-1, 3)
         legs = mesh.segment_distance(starts, ends).reshape(len(points), points.shape[1] - 1)

@@ -16,10 +16,11 @@ class LivePlanner:
         partial: whether it was, or had one search alone.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, compile: bool = True) -> None:
+        """Begin with nothing remembered; ``compile`` as for :class:`Planner`."""
         self.pace = Pace()
         self.coarse = self.partial = False
-        self._whole, self._hasty = Planner(), Planner()
+        self._whole, self._hasty = Planner(compile), Planner(compile)
         self._routed: tuple[object, ...] = ()
 
     def __call__(self, scene: Scene) -> Plan:

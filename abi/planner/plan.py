@@ -15,7 +15,7 @@ from typing import Any, Generic, ParamSpec, TypeVar
 
 import numpy as np
 
-from abi import kernels
+from abi import compiling
 from abi.arm import trajectory
 from abi.arm.arm import Arm
 from abi.arm.trajectory import ArmMotion
@@ -48,8 +48,8 @@ which a smooth curve can round the corners of the path."""
 SAMPLES = 401
 """Samples of the arm's motion, uniform in time."""
 
-_MANY = 300
-"""Obstacles from which waiting for the compiler takes less time than running without it."""
+_MANY_NODES, _MANY_OBSTACLES = 30_000, 300
+"""From so many on, waiting for the compiler takes less time than running without it."""
 
 _BRIEF, _HASTY = 50.0, 0.3
 """Searches that take less, [ms], are timed twice: the first finds nothing in the caches, and may be
@@ -116,7 +116,13 @@ class Plan:
 class Planner:
     """Runs the stages; remembers the last result of each."""
 
-    def __init__(self) -> None:
+    def __init__(self, compile: bool = True) -> None:
+        """Begin with nothing remembered.
+
+        Args:
+            compile: whether to compile the inner loops in the background from the first plan on.
+        """
+        self._compile, self._planned = compile, False
         self._mesh = _Remembered(mesh.tetrahedralise)
         self._free = _Remembered(mesh.exclude)
         self._graph = _Remembered(graph.build)
@@ -139,6 +145,8 @@ class Planner:
             scene: what to plan.
             chosen_only: run only the search whose path goes on, for a plan in haste.
         """
+        if self._planned:
+            compiling.wait_for_loading()
         begin = time.perf_counter()
         reached: dict[str, Any] = {}
         for search in self._searches.values():
@@ -150,12 +158,14 @@ class Planner:
             error.tell(scene.unit)
             reached["error"] = error
         total = 1e3 * (time.perf_counter() - begin)
+        self._planned = True
+        if self._compile:
+            compiling.begin()
         return Plan(scene, **reached, ms=MappingProxyType(self._ms()), total_ms=total)
 
     def _run(self, scene: Scene, algorithms: list[str], reached: dict[str, Any]) -> None:
         """The method: each stage puts its result into ``reached`` or raises."""
-        if len(scene.obstacles) > _MANY and not kernels.ready.is_set():
-            kernels.warm()
+        _wait_for_the_compiler(scene)
         asked = scene.spline.clearance
         margin = asked + SLACK * max(scene.workspace.size)
 
@@ -220,6 +230,15 @@ class Planner:
             "timing": self._profile.ms,
             "arm": self._arm.ms + self._motion.ms,
         }
+
+
+def _wait_for_the_compiler(scene: Scene) -> None:
+    """Compile before planning where that is quicker than to plan without."""
+    if compiling.is_done():
+        return
+    many = scene.mesh.node_count(scene.workspace) > _MANY_NODES
+    if many or len(scene.obstacles) > _MANY_OBSTACLES:
+        compiling.compile()
 
 
 def plan(scene: Scene) -> Plan:

@@ -15,7 +15,6 @@ import numpy as np
 
 from abi.arrays import BoolArray, FloatArray, IntArray, read_only
 from abi.errors import PointBlocked, StageError
-from abi.kernels.calling import call
 from abi.obstacles.obstacle_set import packed, parted
 from abi.obstacles.primitives import MeshShape, Obstacles, Vec3, nearest, segments_blocked
 from abi.search import graph_kernels as kernels
@@ -289,7 +288,7 @@ def _room(
     if surfaces:
         distances: list[float] = nearest(obstacles, np.array(ends))[0].tolist()
     else:
-        distances = [call(kernels.ready, kernels.nearest, rows, *map(float, end)) for end in ends]
+        distances = [kernels.nearest(rows, *map(float, end)) for end in ends]
     for which, end, distance in zip(("start", "goal"), ends, distances, strict=True):
         if distance < clearance - _ROUNDING:
             index = int(nearest(obstacles, np.array([end]))[1][0])
@@ -331,12 +330,9 @@ def _seen_from(
     Looks within ``reach``, [unit], and twice and four times as far while it sees none.
     """
     shape, _, _, places, _, _ = free.mesh.net
+    x, y, z = map(float, point)
     for radius in (reach, 2 * reach, 4 * reach):
-        ids, away = call(
-            kernels.ready,
-            kernels.seen,
-            *(shape, places, rows, margins, free.excluded, *map(float, point), radius),
-        )
+        ids, away = kernels.seen(shape, places, rows, margins, free.excluded, x, y, z, radius)
         if surfaces:
             nodes = free.mesh.points[ids]
             from_point = np.broadcast_to(np.array(point), nodes.shape)

@@ -7,20 +7,16 @@ Compiled by numba; each runs uncompiled too, by its ``py_func``. A solid is a ro
 from __future__ import annotations
 
 import math
-import threading
 
 import numpy as np
 
-from abi.arrays import BoolArray, FloatArray, IntArray, read_only
-from abi.kernels.compiling import compiled
+from abi.arrays import BoolArray, FloatArray, IntArray
+from abi.compiled import FLAGS, FLOATS, compiled
 from abi.obstacles.primitive_kernels import WIDTH, axes_of, blocked, core_of, in_body, level
-from abi.tet_mesh.adjacency_kernels import BCC, ROWS, Shape, half_cells, node_at
-
-ready = threading.Event()
-"""Set once the kernels are compiled."""
+from abi.tet_mesh.adjacency_kernels import BCC, NO_SHAPE, ROWS, Shape, half_cells, node_at
 
 
-@compiled()
+@compiled(example=(NO_SHAPE, FLOATS, FLOATS, FLOATS, FLAGS, 0.0, 0.0, 0.0, 0.0))
 def seen(
     shape: Shape,
     places: FloatArray,
@@ -81,7 +77,7 @@ def seen(
     return nodes[:found], distances[:found]
 
 
-@compiled()
+@compiled(example=(FLOATS, 0.0, 0.0, 0.0))
 def nearest(solids: FloatArray, x: float, y: float, z: float) -> float:
     """Least signed distance of a place to the solids, [unit]; inf without any."""
     least = math.inf
@@ -92,12 +88,3 @@ def nearest(solids: FloatArray, x: float, y: float, z: float) -> float:
         )
         least = min(least, level(core_of(solids, s), px, py, pz))
     return least
-
-
-def warm() -> None:
-    """Compile the kernels, or load them from numba's cache: one version for lattices and rows."""
-    shape = (ROWS, 0, 0, 0, 0, 0, 0, 0, 0)
-    numbers, empty = read_only(np.zeros(3)), read_only(np.zeros(0))
-    seen(shape, numbers, empty, empty, read_only(np.zeros(1, np.bool_)), 0.0, 0.0, 0.0, 0.0)
-    nearest(empty, 0.0, 0.0, 0.0)
-    ready.set()

@@ -17,12 +17,10 @@ import numpy as np
 
 from abi.arrays import FloatArray, IntArray, read_only
 from abi.errors import NoPath
-from abi.kernels.calling import call
 from abi.search import search_kernels as kernels
 from abi.search.graph import Graph
 from abi.search.heuristic_kernels import NO_METRIC, ON_A_FACE, Metric
 from abi.tet_mesh.adjacency import hop_norm
-from abi.tet_mesh.tet_mesh import COMPILE_FROM
 
 Weight = Literal["length", "hops"]
 
@@ -110,17 +108,13 @@ def metric(graph: Graph, weight: Weight) -> Metric:
 def _search(
     algorithm: str, kernel: Any, graph: Graph, weight: Weight, towards: Metric
 ) -> SearchResult:
-    """Call a kernel: compiled when that is ready or worth waiting for, else as plain Python."""
-    if len(graph.excluded) > COMPILE_FROM and not kernels.ready.is_set():
-        kernels.warm()
+    """Search the graph by one of the kernels."""
     weights, link_weights, largest = graph.weights, graph.link_lengths, graph.longest_edge
     if weight == "hops":
         largest = _most_hops(graph)
         weights = read_only(np.where(np.isfinite(weights), 1.0, np.inf))
         link_weights = read_only(np.ones(len(link_weights)))
-    found = call(
-        kernels.ready,
-        kernel,
+    found = kernel(
         *graph.mesh.net,
         *(graph.exits, weights, graph.tails, graph.heads, link_weights, len(graph.own)),
         *(graph.start, graph.goal, largest, towards),
@@ -152,7 +146,7 @@ def _result(
     if math.isinf(least):
         reached = np.flatnonzero(np.isfinite(cost)).astype(np.int32)
         raise NoPath(reached, graph.free_nodes, graph.pitch)
-    vertices = call(kernels.ready, kernels.walked, parent, graph.goal)
+    vertices = kernels.walked(parent, graph.goal)
     points = graph.places(vertices)
     return SearchResult(
         algorithm=algorithm,

@@ -6,17 +6,12 @@ the compiler. Ties are broken the same way each time, so both ways give the same
 
 from __future__ import annotations
 
-import threading
-
 import numpy as np
 
-from abi.arrays import FloatArray, IntArray, read_only
-from abi.kernels.compiling import compiled
+from abi.arrays import FloatArray, IntArray
+from abi.compiled import FLOATS, IDS, NEW_IDS, compiled
 from abi.search.heuristic_kernels import NO_METRIC, Metric, to_go
-from abi.tet_mesh.adjacency_kernels import LINKED, ROWS, SIDES, Shape, across, cell, ones
-
-ready = threading.Event()
-"""Set once the kernels are compiled."""
+from abi.tet_mesh.adjacency_kernels import LINKED, NO_SHAPE, ROWS, SIDES, Shape, across, cell, ones
 
 BUCKETS = 2048
 WIDTH = 4 / (BUCKETS - 4)
@@ -26,7 +21,13 @@ _ALL_SIDES = (1 << SIDES) - 1
 _LITTLE = 1e-11  # part of the largest weight by which a cost must fall to be worth it
 
 
-@compiled(error_model="numpy")
+_EXAMPLE = (
+    *(NO_SHAPE, IDS, IDS, FLOATS, IDS, IDS, IDS, FLOATS, IDS, IDS, FLOATS),
+    *(0, 0, 1, 1.0, NO_METRIC),
+)
+
+
+@compiled(example=_EXAMPLE, error_model="numpy")
 def best_first(
     shape: Shape,
     offsets: IntArray,
@@ -218,7 +219,7 @@ def best_first(
     return cost, parent, order[:expanded], relaxed
 
 
-@compiled(error_model="numpy")
+@compiled(example=_EXAMPLE, error_model="numpy")
 def bellman_ford(
     shape: Shape,
     offsets: IntArray,
@@ -320,7 +321,7 @@ def bellman_ford(
     return cost, parent, order[:expanded], relaxed
 
 
-@compiled(error_model="numpy")
+@compiled(example=(NEW_IDS, 1), error_model="numpy")
 def walked(parent: IntArray, goal: int) -> IntArray:
     """Nodes (k,) from the start, whose parent is -1, to the goal; by their parents (n,)."""
     count = 1
@@ -334,18 +335,3 @@ def walked(parent: IntArray, goal: int) -> IntArray:
         found[k] = node
         node = parent[node]
     return found
-
-
-def warm() -> None:
-    """Compile both kernels, or load them from numba's cache: one version for all meshes."""
-    shape = (ROWS, 0, 0, 0, 0, 2, 0, 0, 1)
-    ids = read_only(np.array([0, 1, 2], dtype=np.int32))
-    indices = read_only(np.array([1, 0], dtype=np.int32))
-    numbers, empty = read_only(np.ones(6)), read_only(np.ones(0))
-    none = read_only(np.zeros(0, np.int32))
-    mesh = (shape, none, none, numbers, ids, indices)
-    ways = (read_only(np.zeros(2, np.int32)), read_only(np.ones(2)), none, none, empty)
-    for kernel in (best_first, bellman_ford):
-        found = kernel(*mesh, *ways, 0, 0, 1, 1.0, NO_METRIC)
-    walked(found[1], 1)
-    ready.set()

@@ -13,13 +13,12 @@ length, below which there is none, [unit], and whether there is one of that leng
 from __future__ import annotations
 
 import math
-import threading
 
 import numpy as np
 from numba.extending import register_jitable
 
-from abi.arrays import BoolArray, FloatArray, read_only
-from abi.kernels.compiling import compiled
+from abi.arrays import BoolArray, FloatArray
+from abi.compiled import FLOATS, compiled
 from abi.obstacles.primitive_kernels import (
     WIDTH,
     Axes,
@@ -34,9 +33,6 @@ from abi.obstacles.primitive_kernels import (
 )
 from abi.taut.geodesic_box_kernels import around_box
 from abi.taut.geodesic_round_kernels import Way, around_ball, around_bar
-
-ready = threading.Event()
-"""Set once the kernel is compiled."""
 
 _SAMPLES = 65  # of the straight line and of a bar's axis, for balls that bound
 _PRISMS = 4  # square prisms inscribed in a cylinder, turned evenly
@@ -120,7 +116,7 @@ def _around(core: Core, clearance: float, start: Point, goal: Point) -> Way:
     return max(length, other), exact
 
 
-@compiled()
+@compiled(example=(FLOATS, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0))
 def around(
     solids: FloatArray,
     clearance: float,
@@ -155,9 +151,3 @@ def around(
         if near(core, clearance, *start, dx, dy, dz):
             lengths[s], exact[s] = _around(core, clearance, start, goal)
     return lengths, exact
-
-
-def warm() -> None:
-    """Compile the kernel, or load it from numba's cache."""
-    around(read_only(np.zeros(0)), 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0)
-    ready.set()

@@ -9,7 +9,6 @@ import numpy as np
 
 from abi.arrays import FloatArray
 from abi.clearance.curve_clearance import ROUNDING
-from abi.kernels.calling import call
 from abi.obstacles.obstacle_set import packed, parted
 from abi.obstacles.pose import Vec3
 from abi.obstacles.primitive_kernels import WIDTH
@@ -66,7 +65,7 @@ def lower_bound(
     straight = _DOWN * math.dist(start, goal)
     solids, surfaces = parted(obstacles)
     rows = packed(solids)
-    lengths, exact = call(kernels.ready, kernels.around, rows, asked, *map(float, (*start, *goal)))
+    lengths, exact = kernels.around(rows, asked, *map(float, (*start, *goal)))
     ways = [(float(length), bool(whether)) for length, whether in zip(lengths, exact, strict=True)]
     ways += [(_past(surface, ends, asked), False) for surface in surfaces]
     longest = max((length for length, _ in ways), default=0.0)

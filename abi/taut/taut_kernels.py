@@ -6,18 +6,14 @@ Compiled by numba; ``pull`` runs uncompiled too, by its ``py_func`` on plain lis
 from __future__ import annotations
 
 import math
-import threading
 
 import numpy as np
 from numba.extending import register_jitable
 
-from abi.arrays import FloatArray, IntArray, read_only
-from abi.kernels.compiling import compiled
+from abi.arrays import FloatArray, IntArray
+from abi.compiled import FLOATS, IDS, compiled
 from abi.taut.tighten_kernels import length_of, tighten
 from abi.taut.visibility_graph_kernels import places, ways
-
-ready = threading.Event()
-"""Set once the kernel is compiled."""
 
 _SAME = 1e-6  # parts of the length: nearer than this two strings are one,
 _CLOSE = 2e-4  # and as near as this either may be the shorter one once its corners are cut
@@ -39,7 +35,7 @@ def _shortest(lengths: list[float]) -> list[int]:
     return [best, second] if second >= 0 else [best]
 
 
-@compiled()
+@compiled(example=(FLOATS, FLOATS, FLOATS, IDS, FLOATS, FLOATS, FLOATS, FLOATS, 1, 1.0, 1, 1e-6))
 def pull(
     x: FloatArray,
     y: FloatArray,
@@ -121,11 +117,3 @@ def pull(
             qx, qy, qz, labels = places(edges, between, samples, most, margin, bounds, solids)
             nodes = ways(qx, qy, qz, labels, solids, margins, most, count)
     return np.array(xs), np.array(ys), np.array(zs), np.array(ends), np.array(lengths)
-
-
-def warm() -> None:
-    """Compile the kernel, or load it from numba's cache."""
-    ones, none, box = read_only(np.ones(2)), read_only(np.zeros(0)), read_only(np.zeros(6))
-    begins = read_only(np.array([0, 2], dtype=np.int32))
-    pull(ones, ones, ones, begins, none, none, none, box, 1, 1.0, 1, 1e-6)
-    ready.set()

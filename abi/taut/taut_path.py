@@ -12,7 +12,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from abi.arrays import FloatArray, columns, flat, read_only
-from abi.kernels.calling import call
 from abi.obstacles import obstacle_set_kernels as distances
 from abi.obstacles.obstacle_set import Solid, packed
 from abi.obstacles.polyline import measure_polyline, segment_clearances
@@ -124,7 +123,7 @@ def _in_its_bounds(obstacle: Obstacle) -> Solid:
 def _levels(solids: tuple[Solid, ...], points: FloatArray) -> FloatArray:
     """Signed distance (n, k) of points (n, 3), [unit], world, to each solid, [unit]."""
     found = np.empty(len(points) * len(solids))
-    call(distances.ready, distances.levels, flat(points), packed(solids), found)
+    distances.levels(flat(points), packed(solids), found)
     return found.reshape(len(points), len(solids))
 
 
@@ -151,9 +150,7 @@ def _pulled(
 
     x, y, z = (path.points[-1] - path.points[0]).tolist()
     by = edges(solids, float(margins[0].max(initial=0)), (x, y, z))
-    *coordinates, ends, lengths = call(
-        kernels.ready,
-        kernels.pull,
+    *coordinates, ends, lengths = kernels.pull(
         *(*columns(np.concatenate(found)), read_only(begins), by, rows, limits, bounds),
         *(_SAMPLES, _SLACK, _WAYS, _WORTH),
     )
@@ -180,9 +177,7 @@ def _any_angle(
     stride = 1 if whole.stencil is None else max(1, round((nodes / _NODES) ** (1 / 3)))
     shape, _, steps, places, indptr, indices = whole.net
     start, goal = path.points[[0, -1]].tolist()
-    found = call(
-        any_angles.ready,
-        any_angles.any_angle,
+    found = any_angles.any_angle(
         *(shape, steps, places, indptr, indices, graph.excluded),
         *(stride, stride * REACH * whole.longest_edge, tuple(start), tuple(goal)),
         *(rows, limits, path.length),

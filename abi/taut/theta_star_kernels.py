@@ -10,18 +10,14 @@ Start and goal are its last two nodes.
 from __future__ import annotations
 
 import heapq
-import threading
 
 import numpy as np
 from numba.extending import register_jitable
 
-from abi.arrays import BoolArray, FloatArray, IntArray, read_only
-from abi.kernels.compiling import compiled
+from abi.arrays import BoolArray, FloatArray, IntArray
+from abi.compiled import FLAGS, FLOATS, IDS, compiled
 from abi.obstacles.primitive_kernels import WIDTH, Point, blocked, gap
-from abi.tet_mesh.adjacency_kernels import BCC, ROWS, SIDES, Shape, cell, node_at
-
-ready = threading.Event()
-"""Set once the kernel is compiled."""
+from abi.tet_mesh.adjacency_kernels import BCC, NO_SHAPE, ROWS, SIDES, Shape, cell, node_at
 
 
 @register_jitable
@@ -65,7 +61,12 @@ def _neighbours(
             near.append(node_at(coarse, i, j, h))
 
 
-@compiled()
+_POINT = (0.0, 0.0, 0.0)
+
+
+@compiled(
+    example=(NO_SHAPE, IDS, FLOATS, IDS, IDS, FLAGS, 1, 1.0, _POINT, _POINT, FLOATS, FLOATS, 2.0)
+)
 def any_angle(
     shape: Shape,
     steps: IntArray,
@@ -182,12 +183,3 @@ def any_angle(
             break
         node = int(parent[node])
     return np.array(found[::-1])
-
-
-def warm() -> None:
-    """Compile the kernel, or load it from numba's cache: one version for lattices and rows."""
-    shape = (ROWS, 0, 0, 0, 0, 0, 0, 0, 0)
-    none, numbers = read_only(np.zeros(0, np.int32)), read_only(np.zeros(0))
-    mesh = (shape, none, numbers, none, none, read_only(np.zeros(0, np.bool_)))
-    any_angle(*mesh, 1, 1.0, (0.0, 0.0, 0.0), (1.0, 1.0, 1.0), numbers, numbers, 2.0)
-    ready.set()

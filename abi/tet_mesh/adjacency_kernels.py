@@ -31,6 +31,9 @@ Shape = tuple[int, int, int, int, int, int, int, int, int]
 
 ROWS, KUHN, BCC = 0, 1, 2
 
+NO_SHAPE: Shape = (ROWS, 0, 0, 0, 0, 0, 0, 0, 0)
+"""That of a mesh without nodes."""
+
 LINKED = 30
 """The bit of a node that has an edge to start or goal beside those of the mesh."""
 

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from abi.arrays import BoolArray, FloatArray, IntArray, read_only
-from abi.kernels.calling import call
 from abi.obstacles.obstacle_set import packed
 from abi.obstacles.primitives import MeshShape, Obstacle, Obstacles, segments_blocked
 from abi.tet_mesh import exclusion_kernels as kernels
@@ -104,12 +103,12 @@ def _without(mesh: TetMesh, left: Left, taken: list[Taken]) -> Left:
     else:
         exits = exits.copy()
     for one in taken:
-        nodes -= call(kernels.ready, kernels.mark, one.starts, one.lengths, excluded)
+        nodes -= kernels.mark(one.starts, one.lengths, excluded)
         if rows:
             weights[one.losers] = np.inf
         else:
             lost = (one.starts, one.lengths, one.losers, one.losses)
-            call(kernels.ready, kernels.shut, *mesh.net[:3], *lost, exits)
+            kernels.shut(*mesh.net[:3], *lost, exits)
     return Left(read_only(excluded), nodes, read_only(exits), read_only(weights))
 
 
@@ -122,7 +121,7 @@ def take(mesh: TetMesh, obstacle: Obstacle, margin: float) -> Taken:
         parts = _taken_by_surface(mesh, obstacle, margin)
     else:
         row, reach = packed((obstacle,)), mesh.longest_edge
-        parts = call(kernels.ready, kernels.take, *mesh.net, mesh.exits, row, margin, reach)
+        parts = kernels.take(*mesh.net, mesh.exits, row, margin, reach)
     return Taken(*(read_only(part) for part in parts))
 
 

@@ -6,15 +6,12 @@ Compiled by numba; each runs uncompiled too, by its ``py_func``. A solid is a ro
 
 from __future__ import annotations
 
-import threading
-
 import numpy as np
 from numba.extending import register_jitable
 
-from abi.arrays import BoolArray, FloatArray, IntArray, read_only
-from abi.kernels.compiling import compiled
+from abi.arrays import BoolArray, FloatArray, IntArray
+from abi.compiled import FLOATS, IDS, NEW_FLAGS, NEW_IDS, compiled
 from abi.obstacles.primitive_kernels import (
-    WIDTH,
     Axes,
     Core,
     axes_of,
@@ -26,6 +23,7 @@ from abi.obstacles.primitive_kernels import (
 )
 from abi.tet_mesh.adjacency_kernels import (
     BCC,
+    NO_SHAPE,
     ROWS,
     SIDES,
     Shape,
@@ -36,13 +34,12 @@ from abi.tet_mesh.adjacency_kernels import (
 )
 from abi.tet_mesh.face_kernels import LONG, beside, stretch_along, stretch_in
 
-ready = threading.Event()
-"""Set once the kernels are compiled."""
-
 _ROUNDING = 1e-9  # of a step: what is nearer to a limit than this is looked at
 
 
-@compiled(error_model="numpy")
+@compiled(
+    example=(NO_SHAPE, IDS, IDS, FLOATS, IDS, IDS, IDS, FLOATS, 0.0, 1.0), error_model="numpy"
+)
 def take(
     shape: Shape,
     offsets: IntArray,
@@ -230,7 +227,7 @@ def take(
     return starts[:runs], lengths[:runs], losers[:count], losses[:count]
 
 
-@compiled()
+@compiled(example=(IDS, IDS, NEW_FLAGS))
 def mark(starts: IntArray, lengths: IntArray, excluded: BoolArray) -> int:
     """Mark the nodes of runs; how many were not marked before.
 
@@ -247,7 +244,7 @@ def mark(starts: IntArray, lengths: IntArray, excluded: BoolArray) -> int:
     return count
 
 
-@compiled(error_model="numpy")
+@compiled(example=(NO_SHAPE, IDS, IDS, IDS, IDS, IDS, IDS, NEW_IDS), error_model="numpy")
 def shut(
     shape: Shape,
     offsets: IntArray,
@@ -297,17 +294,3 @@ def _level_at(
 ) -> float:
     px, py, pz = in_body(axes, x - cx, y - cy, z - cz)
     return level(core, px, py, pz)
-
-
-def warm() -> None:
-    """Compile the kernels, or load them from numba's cache: one version for lattices and rows."""
-    shape = (ROWS, 0, 0, 0, 0, 0, 0, 0, 0)
-    ids, numbers = read_only(np.zeros(3, np.int32)), read_only(np.zeros(3))
-    solid = read_only(np.zeros(WIDTH))
-    flags = np.zeros(1, np.bool_)
-    starts, lengths, losers, losses = (
-        read_only(part) for part in take(shape, ids, ids, numbers, ids, ids, ids, solid, 0.0, 1.0)
-    )
-    mark(starts, lengths, flags)
-    shut(shape, ids, ids, starts, lengths, losers, losses, np.zeros(1, np.int32))
-    ready.set()

@@ -17,7 +17,6 @@ from abi.obstacles.primitives import Obstacles
 from abi.scene.scene import MeshSettings, Workspace
 from abi.search.heuristic_kernels import Metric
 from abi.tet_mesh import adjacency as net
-from abi.tet_mesh import exclusion_kernels as kernels
 from abi.tet_mesh import lattice
 from abi.tet_mesh.adjacency import Net
 from abi.tet_mesh.exclusion import NOTHING_KNOWN, Known, leave
@@ -32,9 +31,6 @@ _JITTER = 0.3
 _FLAT = 1e-9
 """Tetrahedra below this part of a cell's volume are flat: Delaunay's way to fill nothing where more
 than four nodes lie on one sphere."""
-
-COMPILE_FROM = 30_000
-"""Nodes from which waiting for the compiler takes less time than running without it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -216,8 +212,6 @@ def exclude(mesh: TetMesh, obstacles: Obstacles, margin: float) -> FreeMesh:
     Removing nodes alone is not enough: an edge between two free nodes can still cross an obstacle.
     So each edge is tested along its whole length.
     """
-    if len(mesh.points) > COMPILE_FROM and not kernels.ready.is_set():
-        kernels.warm()
     left, mesh._memory[0] = leave(mesh, obstacles, margin, mesh._memory[0])
     return FreeMesh(mesh, left.excluded, left.nodes, left.exits, left.weights)
 

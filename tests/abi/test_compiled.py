@@ -1,85 +1,157 @@
+"""Kernels: which are compiled, when, and what is kept from one run to the next."""
+
 from __future__ import annotations
 
-import importlib
+import math
 import os
-import pkgutil
-import shutil
 import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
-from numba.core.dispatcher import Dispatcher
+import numba
+import numpy as np
+import pytest
 
 import abi
-from abi import kernels, load_scene, plan
-from abi.kernels import warm
+from abi import compiling, load_scene, plan
+from abi.compiled import FLOATS, KERNELS, NEW_FLOATS, Kernel, compiled
+from abi.kernel_stamp import stamp
+from tests.kernel_forms import kernels_as
 
 
-def all_kernels() -> Iterator[Dispatcher]:
-    for entry in pkgutil.iter_modules(kernels.__path__, f"{kernels.__name__}."):
-        module = importlib.import_module(entry.name)
-        for value in vars(module).values():
-            if isinstance(value, Dispatcher) and value.py_func.__module__ == module.__name__:
-                yield value
+def test_every_kernel_is_compiled_for_one_signature() -> None:
+    abi.compile()
+    kernels = compiling.all_kernels()
+    assert len(kernels) > 25
+    with kernels_as(compiled=True):
+        for name in ("paper", "forest", "sculpture", "thin-plate", "wall-with-window"):
+            for mode in ("least_squares", "pieces"):
+                assert plan(load_scene(name).replace(quadratic={"mode": mode})).motion
+    assert {kernel.name: len(kernel._dispatcher.signatures) for kernel in kernels} == {
+        kernel.name: 1 for kernel in kernels
+    }
 
 
-def test_a_plan_compiles_nothing_that_is_not_warmed() -> None:
-    warm()
-    before = {kernel: set(kernel.signatures) for kernel in all_kernels()}
-    assert len(before) > 25
-    assert [kernel.py_func.__name__ for kernel, versions in before.items() if not versions] == []
-    for name in ("paper", "forest", "sculpture", "thin-plate", "wall-with-window"):
-        for mode in ("least_squares", "pieces"):
-            assert plan(load_scene(name).replace(quadratic={"mode": mode})).motion
-    assert {kernel: set(kernel.signatures) for kernel in all_kernels()} == before
+def helper(a: float) -> float:
+    return 2 * a
 
 
-DISTANCE = """
-import numpy as np
-from abi.obstacles.triangle_mesh import segment_kernels as triangles
-triangles.warm()
-distances = triangles.segment_distances
-low, leaves, corners = np.zeros(3), np.array([0, 1], dtype=np.int32), np.zeros(9)
-for array in (low, leaves, corners):
-    array.setflags(write=False)
-point, most = np.array([[2.0, 3.0, 6.0]]), np.full(1, np.inf)
-(distance,) = distances(low, low, leaves, corners, point, point, np.zeros(1), most)
-print(distance, *(sum(count.values()) for count in (distances.stats.cache_hits,
-                                                    distances.stats.cache_misses)))
+def other_helper(a: float) -> float:
+    """Docstrings do not count."""
+
+    return 2 * a  # nor do comments
+
+
+def doubled(numbers: Any, found: Any) -> float:
+    for i in range(len(numbers)):
+        found[i] = helper(numbers[i])
+    return float(len(numbers))
+
+
+@pytest.fixture
+def kernel() -> Iterator[Kernel[..., float]]:
+    made = compiled(example=(FLOATS, NEW_FLOATS))(doubled)
+    yield made
+    del KERNELS[made.name]
+
+
+def test_a_kernel_does_the_same_as_python_and_compiled(
+    kernel: Kernel[..., float], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(globals(), "helper", numba.njit(helper))
+    numbers = np.array([1.0, 2.0, math.inf])
+    numbers.setflags(write=False)
+    for form in (False, True):
+        if form:
+            kernel.compile()
+        assert kernel.compiled == form
+        found = np.zeros(3)
+        assert kernel(numbers, found) == 3
+        np.testing.assert_array_equal(found, [2, 4, math.inf])
+
+
+def test_another_type_is_an_error_and_not_compiled_for(
+    kernel: Kernel[..., float], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(globals(), "helper", numba.njit(helper))
+    kernel.compile()
+    with pytest.raises(TypeError):
+        kernel(np.zeros((2, 2)), np.zeros(2))
+
+
+def test_a_stamp_changes_with_what_is_compiled_and_with_nothing_else(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    before = stamp(doubled)
+    assert stamp(doubled, "error_model") != before
+
+    renamed = other_helper
+    monkeypatch.setattr(renamed, "__qualname__", "helper")
+    monkeypatch.setattr(renamed, "__name__", "helper")
+    monkeypatch.setitem(globals(), "helper", renamed)
+    assert stamp(doubled) == before
+
+    monkeypatch.setitem(globals(), "helper", lambda a: 3 * a)
+    assert stamp(doubled) != before
+
+
+PLANS = """
+import abi, sys, time
+planner = abi.Planner()
+scene = abi.load_scene("paper")
+x = 0.0
+used = []
+for _ in range(int(sys.argv[1])):
+    x += 1e-3
+    planner(scene.replace(goal=[6 - x, 6, 6]))
+    from abi.compiled import KERNELS
+    used.append(sum(kernel.compiled for kernel in KERNELS.values()) / len(KERNELS))
+print(*used)
 """
 
 
-def test_what_was_compiled_is_used_until_a_source_changes(tmp_path: Path) -> None:
-    ours = shutil.copytree(
-        Path(abi.__file__).parent, tmp_path / "abi", ignore=shutil.ignore_patterns("__pycache__")
+def run(code: str, *arguments: str, **environment: str) -> str:
+    there = {"PYTHONPATH": str(Path(abi.__file__).parents[1])} | environment
+    out = subprocess.run(
+        [sys.executable, "-c", code, *arguments],
+        env=os.environ | there,
+        check=True,
+        capture_output=True,
+        text=True,
+        timeout=100,
     )
-    cache = tmp_path / "cache"
+    assert out.stderr == ""
+    return out.stdout
 
-    def run() -> list[float]:
-        there = {"PYTHONPATH": str(tmp_path), "NUMBA_CACHE_DIR": str(cache)}
-        out = subprocess.run(
-            [sys.executable, "-c", DISTANCE],
-            env=os.environ | there,
-            cwd=tmp_path,
-            check=True,
-            capture_output=True,
-        )
-        return [float(word) for word in out.stdout.split()]
 
-    assert run() == [7, 0, 1]
-    assert list(cache.rglob("*.nbi"))
-    assert not list(ours.rglob("*.nbi"))
+def test_the_second_plan_of_a_script_runs_compiled() -> None:
+    abi.compile()
+    first, second = map(float, run(PLANS, "3").split()[:2])
+    assert first < second == 1
 
-    # unchanged, if newer
-    for source in ours.rglob("*.py"):
-        os.utime(source, (1e9, 1e9))
-    assert run() == [7, 1, 0]
 
-    # in a file that the kernel takes a function from
-    helper = ours / "kernels" / "vectors.py"
-    product = "a[0] * b[0] + a[1] * b[1] + a[2] * b[2]"
-    before = helper.read_text()
-    assert product in before
-    helper.write_text(before.replace(product, f"4 * ({product})"))
-    assert run() == [14, 0, 1]
+def test_a_script_ends_well_while_kernels_are_compiled(tmp_path: Path) -> None:
+    used = run(PLANS, "1", NUMBA_CACHE_DIR=str(tmp_path))
+    assert float(used) == 0
+    # another that has compiled for a moment has kept something, or nothing, and ends as well
+    late = PLANS + "\nfrom threading import Event\nEvent().wait(1.5)"
+    run(late, "1", NUMBA_CACHE_DIR=str(tmp_path))
+
+
+def test_without_a_compiler_all_runs_as_python() -> None:
+    code = "import abi; abi.compile(); print(abi.plan(abi.load_scene('paper')).error)"
+    assert run(code, NUMBA_DISABLE_JIT="1").strip() == "None"
+
+
+def test_where_nothing_can_be_kept_one_kernel_is_compiled_where_it_is(tmp_path: Path) -> None:
+    code = """
+from abi.search import graph_kernels
+kernel = graph_kernels.nearest
+kernel.compile()
+print(kernel.compiled, kernel.cached)
+"""
+    blocked = tmp_path / "file"
+    blocked.write_text("")
+    assert run(code, NUMBA_CACHE_DIR=str(blocked / "no")).split()[0] == "True"

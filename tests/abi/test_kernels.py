@@ -2,53 +2,27 @@
 
 from __future__ import annotations
 
-import threading
-from collections.abc import Callable
-from typing import TypeVar
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import interpolate
 
-from abi.arm import arm_kernels
 from abi.arm import inverse_kinematics as ik
 from abi.arm.arm import Arm
 from abi.arm.trajectory import _link_clearance
 from abi.arrays import FloatArray
 from abi.clearance import bezier as pieces
-from abi.clearance import curve_clearance_kernels as curve_clearance
 from abi.clearance.curve_clearance import Clearance, measure, outward
-from abi.curves import arc_length_kernels as arc_length
-from abi.curves import bspline_kernels as splines
 from abi.curves import curve
 from abi.curves.bspline import BSpline, _influence, clamped
-from abi.kernels import warm
-from abi.obstacles import obstacle_set_kernels as clearance_kernels
 from abi.obstacles.polyline import measure_polyline, runs_apart
 from abi.obstacles.primitives import Obstacles, nearest
 from abi.scene.scene import ArmSettings
 from benchmarks.certificates import random_obstacle
-
-_T = TypeVar("_T")
+from tests.kernel_forms import compiled, plain
 
 seeds = st.integers(0, 2**32 - 1)
-MODULES = (arm_kernels, arc_length, clearance_kernels, curve_clearance, splines)
-
-
-def plain(work: Callable[[], _T]) -> _T:
-    """What ``work`` gives before anything is compiled."""
-    with pytest.MonkeyPatch.context() as patch:
-        for module in MODULES:
-            patch.setattr(module, "ready", threading.Event())
-        return work()
-
-
-def compiled(work: Callable[[], _T]) -> _T:
-    """What ``work`` gives once all is compiled."""
-    warm()
-    return work()
 
 
 def some_obstacles(random: np.random.Generator, least: int = 1) -> Obstacles:

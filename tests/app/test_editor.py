@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 import viser
 
-from abi.kernels import warm
+from abi import compiling
 from abi.scene.scene import Scene, load_scene
 from abi.scene.scene_file import dump
 from app.server import start
@@ -134,7 +134,7 @@ def test_a_wrong_number_is_told_of_until_it_is_mended(tab: tuple[FakeTab, Sessio
 
     # at rest the good scene is planned anew, as it is once everything is compiled
     plans = session.plans
-    warm()
+    compiling.compile()
     session._compiled = False
     until(lambda: session.plans > plans and session._compiled)
     assert note.visible

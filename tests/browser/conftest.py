@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser, sync_playwright
 
-from abi import kernels
+import abi
 from abi.scene.scene import load_scene
 from app.panels.view import LAYERS
 from app.server import Server, start
@@ -54,7 +54,7 @@ def chromium() -> Iterator[Browser]:
 @pytest.fixture(scope="session")
 def server() -> Iterator[Server]:
     # when it is ready the tabs plan anew: in the middle of whatever a test looks at
-    kernels.warm()
+    abi.compile()
     server = start(host="127.0.0.1", port=0, plain=True)
     yield server
     server.stop()

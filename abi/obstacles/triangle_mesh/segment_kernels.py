@@ -10,8 +10,8 @@ import math
 import numpy as np
 from numba.extending import register_jitable
 
-from abi.arrays import FloatArray, IntArray, read_only
-from abi.kernels.compiling import compiled
+from abi.arrays import FloatArray, IntArray
+from abi.compiled import FLOATS, IDS, NEW_FLOATS, PLACES, compiled
 from abi.obstacles.vector_kernels import Vector, along, cross, dot, less, point
 
 
@@ -101,7 +101,9 @@ def _to_box(p: Vector, q: Vector, low: Vector, high: Vector) -> float:
     return max(apart, ball * ball)
 
 
-@compiled()
+@compiled(
+    example=(FLOATS, FLOATS, IDS, FLOATS, PLACES, PLACES, NEW_FLOATS, NEW_FLOATS), fallback=False
+)
 def segment_distances(
     low: FloatArray,
     high: FloatArray,
@@ -158,10 +160,3 @@ def segment_distances(
             waiting += 2
         found[i] = math.sqrt(best)
     return found
-
-
-def warm() -> None:
-    """Compile the kernel, or load it from numba's cache."""
-    leaves, corners = read_only(np.array([0, 1], dtype=np.int32)), read_only(np.zeros(9))
-    box, points, limit = read_only(np.zeros(3)), np.ones((1, 3)), np.ones(1)
-    segment_distances(box, box, leaves, corners, points, points, limit, limit)

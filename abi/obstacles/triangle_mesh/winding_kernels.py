@@ -12,8 +12,8 @@ import math
 import numpy as np
 from numba.extending import register_jitable
 
-from abi.arrays import BoolArray, FloatArray, IntArray, read_only
-from abi.kernels.compiling import compiled
+from abi.arrays import BoolArray, FloatArray, IntArray
+from abi.compiled import FLOATS, IDS, NEW_FLOATS, PLACES, compiled
 from abi.obstacles.vector_kernels import Vector, cross, dot, less, point
 
 OPENING = 2.5
@@ -92,7 +92,10 @@ def winding_number(
     return halves / (2 * math.pi) + dipoles / (4 * math.pi), strain / (4 * math.pi)
 
 
-@compiled()
+@compiled(
+    example=(IDS, FLOATS, FLOATS, FLOATS, FLOATS, FLOATS, FLOATS, PLACES, NEW_FLOATS, 0.0),
+    fallback=False,
+)
 def inside(
     leaves: IntArray,
     corners: FloatArray,
@@ -151,11 +154,3 @@ def inside(
                     break
                 opening, most = 2.0 * opening, 4.0 * most
     return found
-
-
-def warm() -> None:
-    """Compile the kernels, or load them from numba's cache."""
-    leaves, corners = read_only(np.array([0, 1], dtype=np.int32)), read_only(np.zeros(9))
-    zero, zeros, box = read_only(np.zeros(1)), read_only(np.zeros(3)), read_only(np.zeros(6))
-    tree = (leaves, corners, zeros, zero, zeros, zero)
-    inside(*tree, box, np.ones((1, 3)), np.ones(1), 0.0)

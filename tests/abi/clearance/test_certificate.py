@@ -9,8 +9,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from abi.arrays import FloatArray
-from abi.clearance import certify_mesh_kernels as certify_surface
-from abi.clearance import certify_primitives_kernels as certify_solids
 from abi.clearance.bezier import bezier
 from abi.clearance.certificate import Certificate, Refutation, certify, certify_polyline
 from abi.clearance.curve_clearance import ROUNDING, measure, prove
@@ -29,6 +27,7 @@ from benchmarks.certificates import (
     true_clearance,
 )
 from tests.abi import meshes
+from tests.kernel_forms import kernels_as
 
 seeds = st.integers(0, 2**32 - 1)
 
@@ -146,12 +145,10 @@ def test_compiled_and_plain_agree(seed: int, solid: bool) -> None:
     if not solid:
         obstacles = (mesh(meshes.sphere(2), position=(3, 3, 3)),)
     margin = max(0.0, 0.99 * true_clearance(curve, obstacles))
-    for kernels in (certify_solids, certify_surface):
-        kernels.ready.clear()
-    plain = certify(curve, obstacles, margin)
-    for kernels in (certify_solids, certify_surface):
-        kernels.warm()
-    compiled = certify(curve, obstacles, margin)
+    with kernels_as(compiled=False):
+        plain = certify(curve, obstacles, margin)
+    with kernels_as(compiled=True):
+        compiled = certify(curve, obstacles, margin)
     if isinstance(plain, Refutation):
         assert isinstance(compiled, Refutation)
         assert plain.decided == compiled.decided

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import importlib
-
 import pytest
 
+from abi import compiling
 from abi.curves import bspline
 from abi.planner.plan import Planner
 from abi.scene.scene import load_scene
@@ -36,18 +35,8 @@ def test_a_stage_that_broke_is_run_again(monkeypatch: pytest.MonkeyPatch) -> Non
 def test_many_obstacles_wait_for_the_compiler(monkeypatch: pytest.MonkeyPatch) -> None:
     calls = []
 
-    class Kernels:
-        class ready:
-            @staticmethod
-            def is_set() -> bool:
-                return False
-
-        @staticmethod
-        def warm() -> None:
-            calls.append(True)
-
-    # not by its name in abi, which is the function
-    monkeypatch.setattr(importlib.import_module("abi.planner.plan"), "kernels", Kernels)
+    monkeypatch.setattr(compiling, "is_done", lambda: False)
+    monkeypatch.setattr(compiling, "compile", lambda: calls.append(True))
     body = {"shape": "sphere", "radius": 0.001}
     scene = load_scene("paper")
     few, many = (

@@ -1,6 +1,5 @@
 from __future__ import annotations
 
-import threading
 from collections.abc import Iterable, Iterator
 from itertools import pairwise, permutations
 from typing import Any, Literal
@@ -25,6 +24,7 @@ from abi.tet_mesh import adjacency as net
 from abi.tet_mesh.adjacency import NO_IDS, NO_NUMBERS, of_rows
 from abi.tet_mesh.adjacency_kernels import BCC, KUHN, cell, node_at
 from abi.tet_mesh.tet_mesh import exclude, tetrahedralise
+from tests.kernel_forms import compiled, kernels_as, plain
 
 Lattice = Literal["bcc", "kuhn", "delaunay"]
 LATTICES: tuple[Lattice, ...] = ("bcc", "kuhn", "delaunay")
@@ -102,14 +102,10 @@ def degrees(graph: Graph) -> Any:
 
 
 @pytest.fixture(params=["plain", "compiled"])
-def way(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> Iterator[str]:
+def way(request: pytest.FixtureRequest) -> Iterator[str]:
     """Run the test's searches as plain Python and compiled."""
-    if request.param == "plain":
-        monkeypatch.setattr(kernels, "ready", threading.Event())
-    else:
-        kernels.warm()
-    yield request.param
-    assert kernels.ready.is_set() == (request.param == "compiled")
+    with kernels_as(compiled=request.param == "compiled"):
+        yield request.param
 
 
 @pytest.mark.parametrize("block", range(10))
@@ -302,37 +298,14 @@ def test_with_nothing_in_the_way_the_heuristic_is_almost_the_cost(
 
 @pytest.mark.parametrize("weight", WEIGHTS)
 @pytest.mark.parametrize("algorithm", SEARCHES)
-def test_compiled_and_plain_give_the_same(
-    algorithm: str, weight: Weight, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    kernels.warm()
-    graphs = [random_graph(seed) for seed in range(10)]
-    compiled = [SEARCHES[algorithm](graph, weight) for graph in graphs]
-    monkeypatch.setattr(kernels, "ready", threading.Event())
-    for graph, one in zip(graphs, compiled, strict=True):
-        other = SEARCHES[algorithm](graph, weight)
+def test_compiled_and_plain_give_the_same(algorithm: str, weight: Weight) -> None:
+    for seed in range(10):
+        graph = random_graph(seed)
+        one = compiled(lambda graph=graph: SEARCHES[algorithm](graph, weight))  # type: ignore[misc]
+        other = plain(lambda graph=graph: SEARCHES[algorithm](graph, weight))  # type: ignore[misc]
         assert np.array_equal(one.order, other.order)
         assert np.array_equal(one.vertices, other.vertices)
         assert (one.cost, one.relaxed) == (other.cost, other.relaxed)
-
-
-def test_one_compilation_serves_all_graphs() -> None:
-    kernels.warm()
-    for seed in range(3):
-        for find in SEARCHES.values():
-            find(random_graph(seed), "length")
-            find(random_graph(seed), "hops")
-    assert len(kernels.best_first.signatures) == len(kernels.bellman_ford.signatures) == 1
-
-
-def test_a_large_graph_waits_for_the_compiler(monkeypatch: pytest.MonkeyPatch) -> None:
-    graph = random_graph(1)
-    monkeypatch.setattr(kernels, "ready", threading.Event())
-    search.a_star(graph, "length")
-    assert not kernels.ready.is_set()
-    monkeypatch.setattr(search, "COMPILE_FROM", len(graph.mesh.points) - 1)
-    search.a_star(graph, "length")
-    assert kernels.ready.is_set()
 
 
 @pytest.mark.parametrize("algorithm", SEARCHES)

@@ -10,8 +10,6 @@ from hypothesis import strategies as st
 
 from abi.arrays import FloatArray
 from abi.errors import StageError
-from abi.kernels import calling
-from abi.obstacles import obstacle_set_kernels as clearance
 from abi.obstacles.polyline import measure_polyline
 from abi.obstacles.primitives import Box, MeshShape, Obstacles
 from abi.obstacles.triangle_mesh.repair import Surface, clean
@@ -20,7 +18,6 @@ from abi.scene.scene import Scene, load_scene
 from abi.search import graph
 from abi.search.graph import Graph
 from abi.search.search import SearchResult, a_star
-from abi.taut import taut_kernels as pull
 from abi.taut import taut_path as stage
 from abi.taut import theta_star_kernels as any_angle
 from abi.taut.geodesic_round_kernels import around_ball
@@ -29,6 +26,7 @@ from abi.taut.taut_path import TautPath, taut
 from abi.tet_mesh import tet_mesh as mesh
 from benchmarks.quality import CLEARANCE, box_scene
 from tests.abi.scene.test_scene import obstacles, points
+from tests.kernel_forms import kernels_as
 
 CUBE = {"shape": "box", "size": [3, 3, 3], "position": [3, 3, 3]}
 
@@ -227,12 +225,10 @@ def test_compiled_and_plain_give_the_same(monkeypatch: pytest.MonkeyPatch) -> No
         pitch=0.8,
     )
     nodes, path = made(scene, 0.1, 0.1)
-    for kernels in (any_angle, clearance, pull):
-        kernels.warm()
-    compiled = taut(nodes, scene.obstacles, 0.1, path)
-    for kernels in (any_angle, clearance, pull):
-        monkeypatch.setattr(kernels.ready, "is_set", lambda: False)
-    plain = taut(nodes, scene.obstacles, 0.1, path)
+    with kernels_as(compiled=True):
+        compiled = taut(nodes, scene.obstacles, 0.1, path)
+    with kernels_as(compiled=False):
+        plain = taut(nodes, scene.obstacles, 0.1, path)
 
     np.testing.assert_allclose(compiled.points, plain.points, atol=1e-12)
 
@@ -278,12 +274,12 @@ def test_how_many_nodes_are_searched_for_any_angle_is_bounded(
     count = len(nodes.mesh.points)
     strides = []
 
-    def call(ready: Any, kernel: Any, *arguments: Any) -> Any:
-        if kernel is any_angle.any_angle:
-            strides.append(arguments[6])
-        return calling.call(ready, kernel, *arguments)
+    def any_angle_of(*arguments: Any) -> Any:
+        strides.append(arguments[6])
+        return search(*arguments)
 
-    monkeypatch.setattr(stage, "call", call)
+    search = any_angle.any_angle
+    monkeypatch.setattr(any_angle, "any_angle", any_angle_of)
     monkeypatch.setattr(stage, "_NODES", count // 8)
     for most in (count, count - 1):
         monkeypatch.setattr(stage, "_MOST_NODES", most)

@@ -1,7 +1,6 @@
 from __future__ import annotations
 
 import math
-import threading
 from itertools import pairwise
 from typing import Any
 
@@ -11,7 +10,6 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from abi.arrays import FloatArray, read_only
-from abi.kernels.calling import call
 from abi.obstacles.obstacle_set import Solid, packed
 from abi.obstacles.primitives import MeshShape
 from abi.scene.scene import Scene
@@ -53,7 +51,6 @@ def found(
 
 
 def searched(given: tuple[Any, ...]) -> FloatArray:
-    kernels.warm()
     return np.asarray(kernels.any_angle(*given)).reshape(-1, 3)
 
 
@@ -168,7 +165,7 @@ def test_compiled_and_plain_find_the_same(
     whole = mesh.tetrahedralise(scene.workspace, scene.mesh)
     given = arguments(whole, scene, own_margins(scene, MARGIN), stride)
 
-    plain = call(threading.Event(), kernels.any_angle, *given)
+    plain = kernels.any_angle.interpret(*given)
 
     np.testing.assert_allclose(plain.reshape(-1, 3), searched(given), rtol=0, atol=1e-12)
 

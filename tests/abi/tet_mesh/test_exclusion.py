@@ -1,6 +1,5 @@
 from __future__ import annotations
 
-import threading
 from typing import Any, Literal
 
 import numpy as np
@@ -25,15 +24,14 @@ from abi.obstacles.primitives import (
 )
 from abi.obstacles.triangle_mesh.repair import clean
 from abi.scene.scene import MeshSettings, Workspace
-from abi.search import graph, search, search_kernels
-from abi.search import graph_kernels as sight
+from abi.search import graph, search
 from abi.search.graph import Graph
 from abi.search.search import SEARCHES, Weight
-from abi.tet_mesh import exclusion_kernels as kernels
 from abi.tet_mesh import tet_mesh as mesh
 from abi.tet_mesh.tet_mesh import TetMesh
 from tests.abi.meshes import sphere
 from tests.abi.scene.test_scene import obstacles
+from tests.kernel_forms import kernels_as
 
 Lattice = Literal["bcc", "kuhn", "delaunay"]
 LATTICES: tuple[Lattice, ...] = ("bcc", "kuhn", "delaunay")
@@ -112,7 +110,7 @@ def explicit(
 @given(cases(), st.booleans())
 def test_the_graph_is_what_its_definition_says(case: Any, compiled: bool) -> None:
     made, solids, margin, clearance, start, goal = case
-    with ready(compiled):
+    with kernels_as(compiled):
         free = mesh.exclude(made, solids, margin)
         try:
             found = graph.build(free, solids, margin, start, goal, clearance)
@@ -170,7 +168,7 @@ def test_what_is_passed_over_in_a_fine_lattice_is_clear(
             Capsule(radius=radius, height=height, **pose),
         )
         for solid in shapes:
-            with ready(True):
+            with kernels_as(compiled=True):
                 free = mesh.exclude(made, (solid,), 0.05)
             away = solid.signed_distance(made.points)
             assert np.array_equal(free.excluded, away < 0.05) or np.abs(away - 0.05).min() < TIE
@@ -185,7 +183,7 @@ def test_the_searches_find_what_scipy_finds_in_the_table(
     case: Any, weight: Weight, compiled: bool
 ) -> None:
     made, solids, margin, clearance, start, goal = case
-    with ready(compiled):
+    with kernels_as(compiled):
         free = mesh.exclude(made, solids, margin)
         try:
             found = graph.build(free, solids, margin, start, goal, clearance)
@@ -214,28 +212,6 @@ def shortest(found: Graph, weight: Weight) -> float:
     n = len(found.points)
     table = coo_array((weights, (tail, head)), shape=(n, n)).tocsr()
     return float(dijkstra(table, directed=False, indices=found.start)[found.goal])
-
-
-_MODULES: tuple[Any, ...] = (kernels, sight, search_kernels)
-
-
-class ready:
-    """The kernels compiled, or not."""
-
-    def __init__(self, compiled: bool) -> None:
-        self._compiled = compiled
-
-    def __enter__(self) -> None:
-        self._before = [module.ready for module in _MODULES]
-        for module in _MODULES:
-            if self._compiled:
-                module.warm()
-            else:
-                module.ready = threading.Event()
-
-    def __exit__(self, *_: object) -> None:
-        for module, before in zip(_MODULES, self._before, strict=True):
-            module.ready = before
 
 
 @pytest.mark.parametrize("lattice", LATTICES)

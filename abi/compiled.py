@@ -1,0 +1,160 @@
+"""Kernels: inner loops that run as plain Python until they are compiled.
+
+A kernel is written as one file's function, ``@compiled(example=…)``. That registers it, and a call
+goes to whichever form there is. :mod:`abi.compiling` compiles all of them behind the first plan.
+Helpers that kernels share are decorated with numba's ``register_jitable``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from typing import Any, Generic, ParamSpec, TypeVar
+
+import numba
+import numpy as np
+from numba.core import caching
+
+from abi.arrays import read_only
+from abi.kernel_stamp import stamp
+
+_P = ParamSpec("_P")
+_R = TypeVar("_R")
+
+FLOATS = read_only(np.zeros(1))
+"""In an example: a row of numbers that is read."""
+IDS = read_only(np.zeros(1, np.int32))
+"""In an example: a row of ids or of bits that is read."""
+FLAGS = read_only(np.zeros(1, np.bool_))
+"""In an example: a row of flags that is read."""
+PLACES = np.zeros((1, 3))
+"""In an example: points, that may or may not be written."""
+NEW_FLOATS = np.zeros(1)
+"""In an example: a row of numbers that the kernel fills or changes."""
+NEW_IDS = np.zeros(1, np.int32)
+"""In an example: a row of ids or of bits that the kernel fills or changes."""
+NEW_FLAGS = np.zeros(1, np.bool_)
+"""In an example: a row of flags that the kernel fills or changes."""
+
+
+class Kernel(Generic[_P, _R]):
+    """A function that numba compiles, callable before and after.
+
+    What is compiled is kept where numba keeps it (``NUMBA_CACHE_DIR``), until the function changes
+    or one that it is compiled with; see :func:`abi.kernel_stamp.stamp`. It releases the
+    interpreter's lock.
+
+    Attributes:
+        name: module and name of the function.
+        py_func: the function as written.
+        example: arguments of the types that it is compiled for, and of no others.
+    """
+
+    def __init__(
+        self,
+        function: Callable[_P, _R],
+        example: tuple[Any, ...],
+        fallback: bool,
+        options: dict[str, Any],
+    ) -> None:
+        self.name = f"{function.__module__}.{function.__qualname__}"
+        self.py_func = function
+        self.example = example
+        self.__doc__ = function.__doc__
+        self._options = {"nogil": True, **options}
+        self._dispatcher: Any = None
+        self._run: Callable[..., Any] = self.interpret if fallback else self._compile_and_run
+        KERNELS[self.name] = self
+
+    def __call__(self, *arguments: _P.args, **_: _P.kwargs) -> _R:
+        """Run the function: compiled when that is done, else as Python."""
+        result: _R = self._run(*arguments)
+        return result
+
+    @property
+    def compiled(self) -> bool:
+        """Whether calls run compiled."""
+        return self._run is self._dispatcher
+
+    @property
+    def cached(self) -> bool:
+        """Whether the compiled form was kept by an earlier run; False where numba does not tell."""
+        dispatcher = self._prepared()
+        try:
+            key = dispatcher._cache._index_key(self._signature(), dispatcher.targetctx.codegen())
+            return key in dispatcher._cache._cache_file._load_index()
+        except (AttributeError, OSError):
+            return False
+
+    def compile(self) -> None:
+        """Compile the function, or load what was kept; calls run compiled from then on."""
+        if self.compiled or numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
+            return
+        dispatcher = self._prepared()
+        dispatcher.compile(self._signature())
+        dispatcher.disable_compile()
+        self._run = dispatcher
+
+    def interpret(self, *arguments: Any) -> Any:
+        """Run the function as Python: on lists, which are quicker there than arrays."""
+        plain = tuple(map(_plain, arguments))
+        with np.errstate(all="ignore"):  # as compiled
+            result = self.py_func(*plain)  # type: ignore[call-arg]
+        for array, values in zip(arguments, plain, strict=True):
+            if isinstance(array, np.ndarray) and array.flags.writeable:
+                array[:] = values
+        return result
+
+    def _compile_and_run(self, *arguments: Any) -> Any:
+        self.compile()
+        return self._run(*arguments) if self.compiled else self.interpret(*arguments)
+
+    def _signature(self) -> tuple[Any, ...]:
+        return tuple(map(numba.typeof, self.example))
+
+    def _prepared(self) -> Any:
+        """numba's dispatcher, with a cache that knows what the function depends on."""
+        if self._dispatcher is None:
+            try:
+                dispatcher = numba.njit(cache=True, **self._options)(self.py_func)
+            except RuntimeError:  # there is no folder that can be written
+                dispatcher = numba.njit(**self._options)(self.py_func)
+            cache: Any = getattr(dispatcher, "_cache", None)
+            line = f"-{self.py_func.__code__.co_firstlineno}."
+            if hasattr(cache, "_cache_file") and hasattr(cache, "_impl"):
+                # a numba without these private names stamps as it likes
+                cache._cache_file = caching.IndexDataCacheFile(  # type: ignore[no-untyped-call]
+                    cache_path=cache._cache_path,
+                    filename_base=cache._impl.filename_base.replace(line, "."),
+                    source_stamp=stamp(self.py_func, repr(sorted(self._options.items()))),
+                )
+            self._dispatcher = dispatcher
+        return self._dispatcher
+
+
+KERNELS: dict[str, Kernel[..., Any]] = {}
+"""All kernels of the modules imported so far, by name, in the order of import."""
+
+
+def compiled(
+    example: tuple[Any, ...], fallback: bool = True, **options: Any
+) -> Callable[[Callable[_P, _R]], Kernel[_P, _R]]:
+    """Make a kernel of a function.
+
+    Args:
+        example: arguments of the types that it will be called with; their values do not matter.
+        fallback: whether it runs as Python until it is compiled. Without, the first call waits for
+            the compiler: for what takes longer than that as Python.
+        options: what else ``numba.njit`` is given.
+    """
+    return partial(Kernel, example=example, fallback=fallback, options=options)
+
+
+def _plain(value: Any) -> Any:
+    """Arrays as lists, inside of tuples too."""
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    if isinstance(value, tuple):
+        inner = map(_plain, value)
+        return type(value)(*inner) if hasattr(value, "_fields") else tuple(inner)
+    return value
