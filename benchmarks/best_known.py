@@ -14,6 +14,7 @@ from abi.arrays import BoolArray, FloatArray, IntArray, columns, read_only
 from abi.obstacles import primitive_kernels as sight
 from abi.obstacles.obstacle_set import packed
 from abi.obstacles.primitives import Box, nearest, segments_blocked
+from abi.obstacles.vector_kernels import vec3_at
 from abi.scene.scene import Scene
 from abi.taut.tighten_kernels import tighten
 
@@ -94,10 +95,9 @@ def _sight(places: FloatArray, solids: FloatArray, margins: FloatArray) -> BoolA
     n = len(places)
     seen = np.zeros((n, n), np.bool_)
     for i in range(n):
-        a = places[i]
+        a = vec3_at(places[i], 0)
         for j in range(i + 1, n):
-            b = places[j]
-            seen[i, j] = not sight.blocked(solids, margins, 0, a[0], a[1], a[2], b[0], b[1], b[2])
+            seen[i, j] = not sight.blocked(solids, margins, 0, a, vec3_at(places[j], 0))
     return seen
 
 

@@ -44,7 +44,15 @@ from scipy.sparse.csgraph import dijkstra
 from abi import compiling
 from abi.arrays import BoolArray, FloatArray, IntArray
 from abi.obstacles.obstacle_set import packed
-from abi.obstacles.primitive_kernels import Axes, Core, axes_of, core_of, in_body, level, near
+from abi.obstacles.primitive_kernels import (
+    Axes,
+    Core,
+    axes_of,
+    core_of,
+    in_body,
+    segment_within,
+    signed_distance,
+)
 from abi.obstacles.primitives import MeshShape, Obstacle, Obstacles
 from abi.planner.plan import SLACK, Planner
 from abi.scene.scene import Scene
@@ -402,8 +410,8 @@ def _side(
         | (32 if z >= solid[22] + margin else 0)
     )
     if side == 0:
-        px, py, pz = in_body(axes, x - solid[0], y - solid[1], z - solid[2])
-        side = _GONE if level(core, px, py, pz) < margin else 0
+        p = in_body(axes, (x - solid[0], y - solid[1], z - solid[2]))
+        side = _GONE if signed_distance(core, p) < margin else 0
     return side
 
 
@@ -421,9 +429,8 @@ def _comes_near(
     bz: float,
 ) -> bool:
     """Whether an edge between two free nodes comes nearer to a solid than the margin."""
-    px, py, pz = in_body(axes, ax - solid[0], ay - solid[1], az - solid[2])
-    dx, dy, dz = in_body(axes, bx - ax, by - ay, bz - az)
-    return near(core, margin, px, py, pz, dx, dy, dz)
+    p = in_body(axes, (ax - solid[0], ay - solid[1], az - solid[2]))
+    return segment_within(core, margin, p, in_body(axes, (bx - ax, by - ay, bz - az)))
 
 
 @numba.njit(cache=True, error_model="numpy")

@@ -124,4 +124,4 @@ def _blocked(
     by: float,
     bz: float,
 ) -> bool:
-    return sight.blocked(solids, margins, 0, ax, ay, az, bx, by, bz)
+    return sight.blocked(solids, margins, 0, (ax, ay, az), (bx, by, bz))

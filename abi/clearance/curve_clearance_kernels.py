@@ -14,15 +14,16 @@ from abi.arrays import FloatArray
 from abi.compiled import FLOATS, compiled
 from abi.obstacles.primitive_kernels import (
     WIDTH,
-    Point,
-    apart,
     axes_of,
+    bounds_apart,
+    centre_of,
     core_of,
-    distance,
     in_body,
     in_world,
-    level,
+    signed_distance,
+    signed_distance_gradient,
 )
+from abi.obstacles.vector_kernels import Vec3, sub, vec3_at
 
 MOST_HALVINGS = 40
 MOST_PIECES = 200_000
@@ -47,14 +48,13 @@ def _divided(
 
 
 @register_jitable
-def _sampled(solids: FloatArray, enough: float, x: float, y: float, z: float) -> tuple[float, int]:
+def _sampled(solids: FloatArray, enough: float, p: Vec3) -> tuple[float, int]:
     """Least signed distance of a point and whose it is; ``enough`` and -1 if it is not below."""
     best, whose = enough, -1
     for s in range(len(solids) // WIDTH):
-        if not apart(solids, s, best, x, y, z, x, y, z):
-            k = WIDTH * s
-            p = in_body(axes_of(solids, s), x - solids[k], y - solids[k + 1], z - solids[k + 2])
-            found = level(core_of(solids, s), p[0], p[1], p[2])
+        if not bounds_apart(solids, s, best, p, p):
+            q = in_body(axes_of(solids, s), sub(p, centre_of(solids, s)))
+            found = signed_distance(core_of(solids, s), q)
             if found < best:
                 best, whose = found, s
     return best, whose
@@ -62,7 +62,7 @@ def _sampled(solids: FloatArray, enough: float, x: float, y: float, z: float) ->
 
 @register_jitable
 def _bounded(
-    solids: FloatArray, enough: float, points: list[float], piece: int, width: int, x: Point
+    solids: FloatArray, enough: float, points: list[float], piece: int, width: int, x: Vec3
 ) -> tuple[float, int, float]:
     """Of a piece: the least signed distance at its point x, whose it is, and a lower bound.
 
@@ -77,13 +77,12 @@ def _bounded(
         lz, hz = min(lz, points[i + 2]), max(hz, points[i + 2])
     best, whose, bound = math.inf, -1, math.inf
     for s in range(len(solids) // WIDTH):
-        if apart(solids, s, enough, lx, ly, lz, hx, hy, hz):
+        if bounds_apart(solids, s, enough, (lx, ly, lz), (hx, hy, hz)):
             continue
-        k = WIDTH * s
         axes = axes_of(solids, s)
-        p = in_body(axes, x[0] - solids[k], x[1] - solids[k + 1], x[2] - solids[k + 2])
-        away, gx, gy, gz = distance(core_of(solids, s), p[0], p[1], p[2])
-        gx, gy, gz = in_world(axes, gx, gy, gz)
+        p = in_body(axes, sub(x, centre_of(solids, s)))
+        away, outward = signed_distance_gradient(core_of(solids, s), p)
+        gx, gy, gz = in_world(axes, outward)
         rise = 0.0
         for i in range(piece, piece + 3 * width, 3):
             ahead = gx * (points[i] - x[0]) + gy * (points[i + 1] - x[1])
@@ -143,7 +142,7 @@ def curve(
         last = piece == count
         i = count * size - 3 if last else piece * size
         enough = max(nearest, asked)
-        away, solid = _sampled(solids, enough, points[i], points[i + 1], points[i + 2])
+        away, solid = _sampled(solids, enough, vec3_at(points, i))
         if piece > 0:
             at_ends[piece - 1] = away
         if not last:

@@ -15,15 +15,16 @@ from abi.compiled import FLOATS, NEW_FLOATS, compiled
 from abi.obstacles.primitive_kernels import (
     WIDTH,
     Core,
-    Point,
-    apart,
     axes_of,
+    bounds_apart,
+    centre_of,
     core_of,
-    distance,
     in_body,
     in_world,
-    level,
+    signed_distance,
+    signed_distance_gradient,
 )
+from abi.obstacles.vector_kernels import Vec3, add, axpy, dot, sub, vec3_at
 
 _STEPS = 100  # far more than it takes to find a lowest point to the last bit
 _STRIDE = 20
@@ -31,20 +32,20 @@ _ROUNDING = 4 * 2.0**-52
 
 
 @register_jitable
-def _lowest(core: Core, best: float, p: Point, d: Point) -> float:
+def _lowest(core: Core, best: float, p: Vec3, d: Vec3) -> float:
     """Least signed distance along the segment from p to p + d, body frame; ``best`` if above.
 
     Tangents bound a convex function from below. The next place is where those at both ends of the
     bracket meet, in turn with its middle.
     """
     low, high = 0.0, 1.0
-    at_low, gx, gy, gz = distance(core, p[0], p[1], p[2])
-    fall = gx * d[0] + gy * d[1] + gz * d[2]
+    at_low, outward = signed_distance_gradient(core, p)
+    fall = dot(outward, d)
     best = min(best, at_low)
     if fall >= 0 or at_low + fall >= best:
         return best
-    at_high, gx, gy, gz = distance(core, p[0] + d[0], p[1] + d[1], p[2] + d[2])
-    rise = gx * d[0] + gy * d[1] + gz * d[2]
+    at_high, outward = signed_distance_gradient(core, add(p, d))
+    rise = dot(outward, d)
     best = min(best, at_high)
     if rise <= 0:
         return best
@@ -58,8 +59,8 @@ def _lowest(core: Core, best: float, p: Point, d: Point) -> float:
             t = (low + high) / 2
             if not low < t < high:
                 break
-        away, gx, gy, gz = distance(core, p[0] + t * d[0], p[1] + t * d[1], p[2] + t * d[2])
-        slope = gx * d[0] + gy * d[1] + gz * d[2]
+        away, outward = signed_distance_gradient(core, axpy(t, d, p))
+        slope = dot(outward, d)
         best = min(best, away)
         if slope < 0:
             low, at_low, fall = t, away, slope
@@ -71,15 +72,13 @@ def _lowest(core: Core, best: float, p: Point, d: Point) -> float:
 
 
 @register_jitable
-def _along(solids: FloatArray, s: int, best: float, a: Point, b: Point) -> float:
+def _along(solids: FloatArray, s: int, best: float, a: Vec3, b: Vec3) -> float:
     """Least signed distance from the segment a..b, world, to a solid; ``best`` if above."""
-    if apart(solids, s, best, a[0], a[1], a[2], b[0], b[1], b[2]):
+    if bounds_apart(solids, s, best, a, b):
         return best
-    k = WIDTH * s
     axes = axes_of(solids, s)
-    p = in_body(axes, a[0] - solids[k], a[1] - solids[k + 1], a[2] - solids[k + 2])
-    d = in_body(axes, b[0] - a[0], b[1] - a[1], b[2] - a[2])
-    return _lowest(core_of(solids, s), best, p, d)
+    p = in_body(axes, sub(a, centre_of(solids, s)))
+    return _lowest(core_of(solids, s), best, p, in_body(axes, sub(b, a)))
 
 
 @compiled(example=(FLOATS, 2, FLOATS, NEW_FLOATS))
@@ -96,8 +95,8 @@ def polylines(points: FloatArray, size: int, solids: FloatArray, found: FloatArr
         best = math.inf
         for s in range(len(solids) // WIDTH):
             for i in range(3 * run * size, 3 * (run * size + size - 1), 3):
-                a = (points[i], points[i + 1], points[i + 2])
-                b = (points[i + 3], points[i + 4], points[i + 5])
+                a = vec3_at(points, i)
+                b = vec3_at(points, i + 3)
                 best = _along(solids, s, best, a, b)
         found[run] = best
 
@@ -116,8 +115,8 @@ def skeletons(points: FloatArray, size: int, solids: FloatArray) -> tuple[float,
     for stride in (_STRIDE, 1):
         for run in range(0, len(points) // (3 * size), stride):
             for i in range(3 * run * size, 3 * (run * size + size - 1), 3):
-                a = (points[i], points[i + 1], points[i + 2])
-                b = (points[i + 3], points[i + 4], points[i + 5])
+                a = vec3_at(points, i)
+                b = vec3_at(points, i + 3)
                 for s in range(len(solids) // WIDTH):
                     found = _along(solids, s, best, a, b)
                     if found < best:
@@ -142,22 +141,19 @@ def nearest(
     """
     for i in range(len(away)):
         best, chosen = math.inf, -1
-        x, y, z = points[3 * i], points[3 * i + 1], points[3 * i + 2]
+        x = vec3_at(points, 3 * i)
         for s in range(len(solids) // WIDTH):
-            if apart(solids, s, best, x, y, z, x, y, z):
+            if bounds_apart(solids, s, best, x, x):
                 continue
-            k = WIDTH * s
-            p = in_body(axes_of(solids, s), x - solids[k], y - solids[k + 1], z - solids[k + 2])
-            found = level(core_of(solids, s), p[0], p[1], p[2])
+            p = in_body(axes_of(solids, s), sub(x, centre_of(solids, s)))
+            found = signed_distance(core_of(solids, s), p)
             if found < best:
                 best, chosen = found, s
         away[i] = best
         if chosen >= 0:
-            k = WIDTH * chosen
             axes = axes_of(solids, chosen)
-            p = in_body(axes, x - solids[k], y - solids[k + 1], z - solids[k + 2])
-            _, gx, gy, gz = distance(core_of(solids, chosen), p[0], p[1], p[2])
-            way = in_world(axes, gx, gy, gz)
+            p = in_body(axes, sub(x, centre_of(solids, chosen)))
+            way = in_world(axes, signed_distance_gradient(core_of(solids, chosen), p)[1])
             outward[3 * i], outward[3 * i + 1], outward[3 * i + 2] = way
 
 
@@ -172,9 +168,7 @@ def levels(points: FloatArray, solids: FloatArray, found: FloatArray) -> None:
     """
     count = len(solids) // WIDTH
     for i in range(len(points) // 3):
-        x, y, z = points[3 * i], points[3 * i + 1], points[3 * i + 2]
+        x = vec3_at(points, 3 * i)
         for s in range(count):
-            k = WIDTH * s
-            axes = axes_of(solids, s)
-            p = in_body(axes, x - solids[k], y - solids[k + 1], z - solids[k + 2])
-            found[i * count + s] = level(core_of(solids, s), p[0], p[1], p[2])
+            p = in_body(axes_of(solids, s), sub(x, centre_of(solids, s)))
+            found[i * count + s] = signed_distance(core_of(solids, s), p)

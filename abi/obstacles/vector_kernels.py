@@ -1,39 +1,63 @@
-"""Vectors of three for the compiled kernels."""
+"""Vectors of three for the kernels: triples of numbers, which cost nothing to hand over.
+
+Plain Python that numba compiles with its caller.
+"""
 
 from __future__ import annotations
+
+import math
 
 from numba.extending import register_jitable
 
 from abi.arrays import FloatArray
 
-Vector = tuple[float, float, float]
+Vec3 = tuple[float, float, float]
+"""A point or a direction."""
 
 
 @register_jitable
-def point(flat: FloatArray, i: int) -> Vector:
+def vec3_at(flat: FloatArray | list[float], i: int) -> Vec3:
     """The three entries of ``flat`` from i."""
     return (flat[i], flat[i + 1], flat[i + 2])
 
 
 @register_jitable
-def less(a: Vector, b: Vector) -> Vector:
+def add(a: Vec3, b: Vec3) -> Vec3:
+    """a + b."""
+    return (a[0] + b[0], a[1] + b[1], a[2] + b[2])
+
+
+@register_jitable
+def sub(a: Vec3, b: Vec3) -> Vec3:
     """a - b."""
     return (a[0] - b[0], a[1] - b[1], a[2] - b[2])
 
 
 @register_jitable
-def along(a: Vector, b: Vector, t: float) -> Vector:
-    """a + t b."""
-    return (a[0] + t * b[0], a[1] + t * b[1], a[2] + t * b[2])
+def axpy(t: float, x: Vec3, y: Vec3) -> Vec3:
+    """t x + y."""
+    return (y[0] + t * x[0], y[1] + t * x[1], y[2] + t * x[2])
 
 
 @register_jitable
-def dot(a: Vector, b: Vector) -> float:
+def dot(a: Vec3, b: Vec3) -> float:
     """Scalar product."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 @register_jitable
-def cross(a: Vector, b: Vector) -> Vector:
+def cross(a: Vec3, b: Vec3) -> Vec3:
     """Vector product."""
     return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+
+
+@register_jitable
+def norm(a: Vec3) -> float:
+    """Length."""
+    return math.sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2])
+
+
+@register_jitable
+def distance(a: Vec3, b: Vec3) -> float:
+    """Distance of two points."""
+    return math.sqrt((a[0] - b[0]) ** 2 + (a[1] - b[1]) ** 2 + (a[2] - b[2]) ** 2)

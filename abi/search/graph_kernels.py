@@ -12,7 +12,16 @@ import numpy as np
 
 from abi.arrays import BoolArray, FloatArray, IntArray
 from abi.compiled import FLAGS, FLOATS, compiled
-from abi.obstacles.primitive_kernels import WIDTH, axes_of, blocked, core_of, in_body, level
+from abi.obstacles.primitive_kernels import (
+    WIDTH,
+    axes_of,
+    blocked,
+    centre_of,
+    core_of,
+    in_body,
+    signed_distance,
+)
+from abi.obstacles.vector_kernels import sub
 from abi.tet_mesh.adjacency_kernels import BCC, NO_SHAPE, ROWS, Shape, half_cells, node_at
 
 
@@ -66,7 +75,7 @@ def seen(
                     away = math.sqrt((px - x) ** 2 + (py - y) ** 2 + (pz - z) ** 2)
                     if away > reach or excluded[node]:
                         continue
-                    if blocked(solids, margins, 0, x, y, z, px, py, pz):
+                    if blocked(solids, margins, 0, (x, y, z), (px, py, pz)):
                         continue
                     if found == len(nodes):
                         nodes = np.concatenate((nodes, np.empty_like(nodes)))
@@ -82,9 +91,6 @@ def nearest(solids: FloatArray, x: float, y: float, z: float) -> float:
     """Least signed distance of a place to the solids, [unit]; inf without any."""
     least = math.inf
     for s in range(len(solids) // WIDTH):
-        k = WIDTH * s
-        px, py, pz = in_body(
-            axes_of(solids, s), x - solids[k], y - solids[k + 1], z - solids[k + 2]
-        )
-        least = min(least, level(core_of(solids, s), px, py, pz))
+        p = in_body(axes_of(solids, s), sub((x, y, z), centre_of(solids, s)))
+        least = min(least, signed_distance(core_of(solids, s), p))
     return least

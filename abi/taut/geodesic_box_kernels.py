@@ -10,7 +10,7 @@ import math
 
 from numba.extending import register_jitable
 
-from abi.obstacles.primitive_kernels import Point, gap
+from abi.obstacles.vector_kernels import Vec3, distance
 from abi.taut.geodesic_round_kernels import Way
 
 _QUARTER = math.pi / 2
@@ -18,7 +18,7 @@ _ANGLE = 1e-9  # by which an angle may miss its range, for rounding
 
 
 @register_jitable
-def around_box(half: Point, radius: float, start: Point, goal: Point) -> Way:
+def around_box(half: Vec3, radius: float, start: Vec3, goal: Vec3) -> Way:
     """Shortest way around a box of half sizes ``half``, widened by ``radius`` >= 0.
 
     Tries every order in which the way can cross faces: a shortest way crosses none twice, since
@@ -43,11 +43,11 @@ def around_box(half: Point, radius: float, start: Point, goal: Point) -> Way:
                 a = (x * start[0] - half[0], y * start[1] - half[1], z * start[2] - half[2])
                 b = (x * goal[0] - half[0], y * goal[1] - half[1], z * goal[2] - half[2])
                 corners = min(corners, _by_corner(radius, a, b))
-    return max(min(best, corners), gap(*start, *goal)), best <= corners
+    return max(min(best, corners), distance(start, goal)), best <= corners
 
 
 @register_jitable
-def _by_corner(radius: float, a: Point, b: Point) -> float:
+def _by_corner(radius: float, a: Vec3, b: Vec3) -> float:
     """No way that touches the rounded corner at 0 is shorter; inf where a shortest one does not.
 
     A shortest way touches a point in its tangent plane, so an end that lies beyond the tangent
@@ -64,7 +64,7 @@ def _by_corner(radius: float, a: Point, b: Point) -> float:
     bound = 0.0
     for y in ((third, third, third), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)):
         p, q, r = radius * y[0], radius * y[1], radius * y[2]
-        to_a, to_b = gap(p, q, r, *a), gap(p, q, r, *b)
+        to_a, to_b = distance((p, q, r), a), distance((p, q, r), b)
         u = 1 / to_a if to_a > 0 else 0.0
         v = 1 / to_b if to_b > 0 else 0.0
         slope = (
@@ -78,7 +78,7 @@ def _by_corner(radius: float, a: Point, b: Point) -> float:
 
 
 @register_jitable
-def _lowest(slope: Point) -> float:
+def _lowest(slope: Vec3) -> float:
     """Least value of slope . y over the unit vectors y >= 0."""
     least = min(slope[0], min(slope[1], slope[2]))
     if least >= 0:
@@ -89,7 +89,7 @@ def _lowest(slope: Point) -> float:
 
 @register_jitable
 def _tangent(
-    half: Point, radius: float, point: Point, near_face: int, far_face: int
+    half: Vec3, radius: float, point: Vec3, near_face: int, far_face: int
 ) -> tuple[float, float]:
     """Tangent from a point beyond one face to the round edge, towards another.
 
@@ -110,10 +110,10 @@ def _tangent(
 
 @register_jitable
 def _over_edge(
-    half: Point,
+    half: Vec3,
     radius: float,
-    start: Point,
-    goal: Point,
+    start: Vec3,
+    goal: Vec3,
     first: int,
     second: int,
     touch: float,
@@ -136,10 +136,10 @@ def _over_edge(
 
 @register_jitable
 def _rolled(
-    half: Point,
+    half: Vec3,
     radius: float,
-    start: Point,
-    goal: Point,
+    start: Vec3,
+    goal: Vec3,
     first: int,
     second: int,
     touch: float,

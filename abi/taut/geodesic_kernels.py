@@ -23,14 +23,14 @@ from abi.obstacles.primitive_kernels import (
     WIDTH,
     Axes,
     Core,
-    Point,
     axes_of,
+    centre_of,
     core_of,
-    gap,
     in_body,
-    level,
-    near,
+    segment_within,
+    signed_distance,
 )
+from abi.obstacles.vector_kernels import Vec3, distance, sub
 from abi.taut.geodesic_box_kernels import around_box
 from abi.taut.geodesic_round_kernels import Way, around_ball, around_bar
 
@@ -39,7 +39,7 @@ _PRISMS = 4  # square prisms inscribed in a cylinder, turned evenly
 
 
 @register_jitable
-def _by_balls(core: Core, clearance: float, start: Point, goal: Point) -> float:
+def _by_balls(core: Core, clearance: float, start: Vec3, goal: Vec3) -> float:
     """Bound by the largest ball in the widened solid around a place of the straight line."""
     radius, place = -math.inf, start
     for k in range(_SAMPLES):
@@ -47,7 +47,7 @@ def _by_balls(core: Core, clearance: float, start: Point, goal: Point) -> float:
         x = start[0] + t * (goal[0] - start[0])
         y = start[1] + t * (goal[1] - start[1])
         z = start[2] + t * (goal[2] - start[2])
-        room = clearance - level(core, x, y, z)
+        room = clearance - signed_distance(core, (x, y, z))
         if room > radius:
             radius, place = room, (x, y, z)
     x, y, z = place
@@ -59,7 +59,7 @@ def _by_balls(core: Core, clearance: float, start: Point, goal: Point) -> float:
 
 
 @register_jitable
-def _by_balls_on_axis(radius: float, half: float, start: Point, goal: Point) -> float:
+def _by_balls_on_axis(radius: float, half: float, start: Vec3, goal: Vec3) -> float:
     """Bound by balls around places of the z axis up to ``half``."""
     bound = 0.0
     for k in range(_SAMPLES):
@@ -76,7 +76,7 @@ def _by_balls_on_axis(radius: float, half: float, start: Point, goal: Point) -> 
 
 
 @register_jitable
-def _by_prisms(radius: float, half: float, clearance: float, start: Point, goal: Point) -> float:
+def _by_prisms(radius: float, half: float, clearance: float, start: Vec3, goal: Vec3) -> float:
     """Bound by square prisms within a cylinder."""
     side = radius / math.sqrt(2)
     bound = 0.0
@@ -85,16 +85,16 @@ def _by_prisms(radius: float, half: float, clearance: float, start: Point, goal:
         a = (c * start[0] + s * start[1], c * start[1] - s * start[0], start[2])
         b = (c * goal[0] + s * goal[1], c * goal[1] - s * goal[0], goal[2])
         core = (side, side, half, 0.0, 0.0)
-        if near(core, clearance, *a, b[0] - a[0], b[1] - a[1], b[2] - a[2]):
+        if segment_within(core, clearance, a, sub(b, a)):
             bound = max(bound, around_box((side, side, half), clearance, a, b)[0])
     return bound
 
 
 @register_jitable
-def _around(core: Core, clearance: float, start: Point, goal: Point) -> Way:
+def _around(core: Core, clearance: float, start: Vec3, goal: Vec3) -> Way:
     """Way around a solid that is in the way, see ``abi.obstacles.primitive_kernels``."""
-    if min(level(core, *start), level(core, *goal)) < clearance:
-        return gap(*start, *goal), False
+    if min(signed_distance(core, start), signed_distance(core, goal)) < clearance:
+        return distance(start, goal), False
     radius, half = core[3], core[2]
     if core[4] == 0 and radius == 0:
         length, exact = around_box((core[0], core[1], half), clearance, start, goal)
@@ -142,12 +142,10 @@ def around(
     count = len(solids) // WIDTH
     lengths, exact = np.zeros(count), np.zeros(count, np.bool_)
     for s in range(count):
-        k = WIDTH * s
         axes: Axes = axes_of(solids, s)
         core = core_of(solids, s)
-        start = in_body(axes, ax - solids[k], ay - solids[k + 1], az - solids[k + 2])
-        goal = in_body(axes, bx - solids[k], by - solids[k + 1], bz - solids[k + 2])
-        dx, dy, dz = goal[0] - start[0], goal[1] - start[1], goal[2] - start[2]
-        if near(core, clearance, *start, dx, dy, dz):
+        start = in_body(axes, sub((ax, ay, az), centre_of(solids, s)))
+        goal = in_body(axes, sub((bx, by, bz), centre_of(solids, s)))
+        if segment_within(core, clearance, start, sub(goal, start)):
             lengths[s], exact[s] = _around(core, clearance, start, goal)
     return lengths, exact

@@ -10,13 +10,13 @@ import math
 
 from numba.extending import register_jitable
 
-from abi.obstacles.primitive_kernels import Point, gap
+from abi.obstacles.vector_kernels import Vec3, distance, norm
 
 Way = tuple[float, bool]
 
 
 @register_jitable
-def around_ball(radius: float, start: Point, goal: Point) -> float:
+def around_ball(radius: float, start: Vec3, goal: Vec3) -> float:
     """Exact length of the shortest way around a ball at the origin, by two tangents and an arc.
 
     Args:
@@ -24,8 +24,8 @@ def around_ball(radius: float, start: Point, goal: Point) -> float:
         start: not inside the ball.
         goal: not inside the ball.
     """
-    a, b = gap(*start, 0.0, 0.0, 0.0), gap(*goal, 0.0, 0.0, 0.0)
-    straight = gap(*start, *goal)
+    a, b = norm(start), norm(goal)
+    straight = distance(start, goal)
     if radius <= 0 or a <= radius or b <= radius:
         return straight
     cosine = (start[0] * goal[0] + start[1] * goal[1] + start[2] * goal[2]) / (a * b)
@@ -36,14 +36,14 @@ def around_ball(radius: float, start: Point, goal: Point) -> float:
 
 
 @register_jitable
-def around_bar(radius: float, half: float, start: Point, goal: Point) -> Way:
+def around_bar(radius: float, half: float, start: Vec3, goal: Vec3) -> Way:
     """Shortest way around a bar along z: round in section, its ends beyond |z| = ``half``.
 
     The bar widened is the cylinder |z| <= half with anything beyond that lies in the cylinder's
     extension, as a capsule's caps do. A way that meets it only on the cylinder unrolls; any other
     crosses a plane |z| = half, so mirroring about that plane bounds its length.
     """
-    straight = gap(*start, *goal)
+    straight = distance(start, goal)
     ends = min(_by_plane(half, 1.0, start, goal), _by_plane(half, -1.0, start, goal))
     a, b = math.hypot(start[0], start[1]), math.hypot(goal[0], goal[1])
     if a < radius or b < radius:
@@ -65,9 +65,9 @@ def around_bar(radius: float, half: float, start: Point, goal: Point) -> Way:
 
 
 @register_jitable
-def _by_plane(height: float, sign: float, start: Point, goal: Point) -> float:
+def _by_plane(height: float, sign: float, start: Vec3, goal: Vec3) -> float:
     """Length of the shortest way from start to goal by z = sign height, on the side away from 0."""
     a, b = max(height - sign * start[2], 0.0), max(height - sign * goal[2], 0.0)
     if a == 0 or b == 0:
-        return gap(*start, *goal)
-    return gap(start[0], start[1], 0.0, goal[0], goal[1], a + b)
+        return distance(start, goal)
+    return distance((start[0], start[1], 0.0), (goal[0], goal[1], a + b))

@@ -16,7 +16,8 @@ from numba.extending import register_jitable
 
 from abi.arrays import BoolArray, FloatArray, IntArray
 from abi.compiled import FLAGS, FLOATS, IDS, compiled
-from abi.obstacles.primitive_kernels import WIDTH, Point, blocked, gap
+from abi.obstacles.primitive_kernels import WIDTH, blocked
+from abi.obstacles.vector_kernels import Vec3, distance
 from abi.tet_mesh.adjacency_kernels import BCC, NO_SHAPE, ROWS, SIDES, Shape, cell, node_at
 
 
@@ -76,8 +77,8 @@ def any_angle(
     excluded: BoolArray,
     stride: int,
     reach: float,
-    start: Point,
-    goal: Point,
+    start: Vec3,
+    goal: Vec3,
     solids: FloatArray,
     margins: FloatArray,
     most: float,
@@ -116,14 +117,13 @@ def any_angle(
             a, b, c = _fine(shape, coarse, stride, node)
             x[node], y[node], z[node] = places[a], places[y0 + b], places[z0 + c]
             closed[node] = excluded[node_at(shape, a, b, c)]
-    gx, gy, gz = goal
     x[first], y[first], z[first] = start
     x[last], y[last], z[last] = goal
     cost = np.full(nodes + 2, np.inf)
     parent = np.full(nodes + 2, first, np.int32)
     near = [0] * 0
     cost[first] = 0.0
-    to_go = gap(start[0], start[1], start[2], gx, gy, gz)
+    to_go = distance(start, goal)
     queue = [(to_go, to_go, first)]
     while len(queue) > 0 and closed[last] == 0:
         node = heapq.heappop(queue)[2]
@@ -135,27 +135,27 @@ def any_angle(
             _neighbours(coarse, steps, indptr, indices, node, near)
         else:
             for other in range(nodes):
-                if gap(px, py, pz, x[other], y[other], z[other]) <= reach:
+                if distance((px, py, pz), (x[other], y[other], z[other])) <= reach:
                     near.append(other)
-        if node == first or gap(px, py, pz, gx, gy, gz) <= reach:
+        if node == first or distance((px, py, pz), goal) <= reach:
             near.append(last)
-        if node == last or gap(px, py, pz, x[first], y[first], z[first]) <= reach:
+        if node == last or distance((px, py, pz), (x[first], y[first], z[first])) <= reach:
             near.append(first)
         origin = int(parent[node])
         to_last = 2 if node == last else 0
         limits = ((1 if origin == first else 0) + to_last) * solid_count
         if node != first and blocked(
-            solids, margins, limits, x[origin], y[origin], z[origin], px, py, pz
+            solids, margins, limits, (x[origin], y[origin], z[origin]), (px, py, pz)
         ):
             # what is longer is not wanted
-            cost[node] = most - gap(px, py, pz, gx, gy, gz)
+            cost[node] = most - distance((px, py, pz), goal)
             origin = -1
             for other in near:
                 ox, oy, oz = x[other], y[other], z[other]
-                through = cost[other] + gap(ox, oy, oz, px, py, pz)
+                through = cost[other] + distance((ox, oy, oz), (px, py, pz))
                 if closed[other] == 1 and through < cost[node]:
                     limits = ((1 if other == first else 0) + to_last) * solid_count
-                    if not blocked(solids, margins, limits, ox, oy, oz, px, py, pz):
+                    if not blocked(solids, margins, limits, (ox, oy, oz), (px, py, pz)):
                         cost[node] = through
                         origin = other
             if origin < 0:
@@ -168,9 +168,9 @@ def any_angle(
             if closed[other] == 1:
                 continue
             qx, qy, qz = x[other], y[other], z[other]
-            through = so_far + gap(px, py, pz, qx, qy, qz)
+            through = so_far + distance((px, py, pz), (qx, qy, qz))
             if through < cost[other]:
-                to_go = gap(qx, qy, qz, gx, gy, gz)
+                to_go = distance((qx, qy, qz), goal)
                 if through + to_go < most:
                     cost[other] = through
                     parent[other] = origin

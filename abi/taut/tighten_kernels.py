@@ -13,16 +13,17 @@ from numba.extending import register_jitable
 from abi.arrays import FloatArray
 from abi.obstacles.primitive_kernels import (
     WIDTH,
-    apart,
     axes_of,
     blocked,
+    bounds_apart,
+    centre_of,
     core_of,
-    distance,
-    gap,
     in_body,
     in_world,
-    near,
+    segment_within,
+    signed_distance_gradient,
 )
+from abi.obstacles.vector_kernels import Vec3, axpy, distance, dot, sub
 
 _STEPS = 14  # halvings when a corner is cut: to 1/16,000 of the leg
 _HALVINGS = 24  # when the place is looked for that touches a solid
@@ -44,41 +45,34 @@ def _touch(
     margins: FloatArray,
     first: int,
     reach: float,
-    ax: float,
-    ay: float,
-    az: float,
-    bx: float,
-    by: float,
-    bz: float,
-) -> tuple[float, float, float]:
+    a: Vec3,
+    b: Vec3,
+) -> Vec3:
     """Unit normal, in the world, of the solid that the segment a..b touches first from a.
 
     Zero where none is within ``reach`` of its margin.
     """
-    earliest, nx, ny, nz = 2.0, 0.0, 0.0, 0.0
+    earliest, normal = 2.0, (0.0, 0.0, 0.0)
     for s in range(len(solids) // WIDTH):
         limit = margins[first + s] + reach
-        if apart(solids, s, limit, ax, ay, az, bx, by, bz):
+        if bounds_apart(solids, s, limit, a, b):
             continue
-        k = WIDTH * s
         axes, core = axes_of(solids, s), core_of(solids, s)
-        px, py, pz = in_body(axes, ax - solids[k], ay - solids[k + 1], az - solids[k + 2])
-        dx, dy, dz = in_body(axes, bx - ax, by - ay, bz - az)
-        if not near(core, limit, px, py, pz, dx, dy, dz):
+        p = in_body(axes, sub(a, centre_of(solids, s)))
+        d = in_body(axes, sub(b, a))
+        if not segment_within(core, limit, p, d):
             continue
         low, high = 0.0, 1.0
         for _ in range(_HALVINGS):
             t = (low + high) / 2
-            _, gx, gy, gz = distance(core, px + t * dx, py + t * dy, pz + t * dz)
-            if gx * dx + gy * dy + gz * dz > 0:
+            if dot(signed_distance_gradient(core, axpy(t, d, p))[1], d) > 0:
                 high = t
             else:
                 low = t
         if low < earliest:
             earliest = low
-            _, gx, gy, gz = distance(core, px + low * dx, py + low * dy, pz + low * dz)
-            nx, ny, nz = in_world(axes, gx, gy, gz)
-    return nx, ny, nz
+            normal = in_world(axes, signed_distance_gradient(core, axpy(low, d, p))[1])
+    return normal
 
 
 @register_jitable
@@ -86,8 +80,8 @@ def _legs(
     x: list[float], y: list[float], z: list[float], i: int, px: float, py: float, pz: float
 ) -> float:
     """Length of the path from point i - 1 by p to point i + 1."""
-    return gap(x[i - 1], y[i - 1], z[i - 1], px, py, pz) + gap(
-        px, py, pz, x[i + 1], y[i + 1], z[i + 1]
+    return distance((x[i - 1], y[i - 1], z[i - 1]), (px, py, pz)) + distance(
+        (px, py, pz), (x[i + 1], y[i + 1], z[i + 1])
     )
 
 
@@ -108,8 +102,8 @@ def _fits(
     before = count if i == 1 else 0
     after = 2 * count if i == len(x) - 2 else 0
     return not blocked(
-        solids, margins, before, x[i - 1], y[i - 1], z[i - 1], px, py, pz
-    ) and not blocked(solids, margins, after, px, py, pz, x[i + 1], y[i + 1], z[i + 1])
+        solids, margins, before, (x[i - 1], y[i - 1], z[i - 1]), (px, py, pz)
+    ) and not blocked(solids, margins, after, (px, py, pz), (x[i + 1], y[i + 1], z[i + 1]))
 
 
 @register_jitable
@@ -122,8 +116,8 @@ def _straightened(
     margins: FloatArray,
 ) -> None:
     """Move point i towards the chord of its neighbours as far as its legs stay clear."""
-    before = gap(x[i - 1], y[i - 1], z[i - 1], x[i], y[i], z[i])
-    after = gap(x[i], y[i], z[i], x[i + 1], y[i + 1], z[i + 1])
+    before = distance((x[i - 1], y[i - 1], z[i - 1]), (x[i], y[i], z[i]))
+    after = distance((x[i], y[i], z[i]), (x[i + 1], y[i + 1], z[i + 1]))
     if before + after == 0:
         return
     share = before / (before + after)
@@ -172,10 +166,10 @@ def _slid(
     if to_a == 0 or to_b == 0:
         return
     mx, my, mz = _touch(
-        solids, margins, before, reach, x[i], y[i], z[i], x[i - 1], y[i - 1], z[i - 1]
+        solids, margins, before, reach, (x[i], y[i], z[i]), (x[i - 1], y[i - 1], z[i - 1])
     )
     nx, ny, nz = _touch(
-        solids, margins, after, reach, x[i], y[i], z[i], x[i + 1], y[i + 1], z[i + 1]
+        solids, margins, after, reach, (x[i], y[i], z[i]), (x[i + 1], y[i + 1], z[i + 1])
     )
     wx, wy, wz = my * nz - mz * ny, mz * nx - mx * nz, mx * ny - my * nx
     if wx * wx + wy * wy + wz * wz < 1e-8:
@@ -232,7 +226,11 @@ def _settled(
         while i < len(x) - 1:
             first = ((1 if i == 1 else 0) + (2 if i == len(x) - 2 else 0)) * count
             if not blocked(
-                solids, margins, first, x[i - 1], y[i - 1], z[i - 1], x[i + 1], y[i + 1], z[i + 1]
+                solids,
+                margins,
+                first,
+                (x[i - 1], y[i - 1], z[i - 1]),
+                (x[i + 1], y[i + 1], z[i + 1]),
             ):
                 x.pop(i)
                 y.pop(i)
@@ -260,8 +258,8 @@ def _split(
     any_cut = False
     i = 1
     while i < len(x) - 1 and len(x) < _MOST_POINTS:
-        before = gap(x[i - 1], y[i - 1], z[i - 1], x[i], y[i], z[i])
-        after = gap(x[i], y[i], z[i], x[i + 1], y[i + 1], z[i + 1])
+        before = distance((x[i - 1], y[i - 1], z[i - 1]), (x[i], y[i], z[i]))
+        after = distance((x[i], y[i], z[i]), (x[i + 1], y[i + 1], z[i + 1]))
         if before == 0 or after == 0:
             i += 1
             continue
@@ -273,7 +271,7 @@ def _split(
         bx, by, bz = (x[i + 1] - x[i]) / after, (y[i + 1] - y[i]) / after, (z[i + 1] - z[i]) / after
         # between two bends each takes half of the leg
         high = min(before if i == 1 else before / 2, after if i == len(x) - 2 else after / 2)
-        won = 2 - gap(ax, ay, az, bx, by, bz)
+        won = 2 - distance((ax, ay, az), (bx, by, bz))
         low, cut = 0.0, worth / max(won, 1e-12)
         if cut < high:
             for _ in range(_STEPS):
@@ -281,12 +279,8 @@ def _split(
                     solids,
                     margins,
                     0,
-                    x[i] + cut * ax,
-                    y[i] + cut * ay,
-                    z[i] + cut * az,
-                    x[i] + cut * bx,
-                    y[i] + cut * by,
-                    z[i] + cut * bz,
+                    (x[i] + cut * ax, y[i] + cut * ay, z[i] + cut * az),
+                    (x[i] + cut * bx, y[i] + cut * by, z[i] + cut * bz),
                 ):
                     low = cut
                 elif low == 0:
@@ -321,11 +315,11 @@ def _shortcut(
         for i in range(max(0, j - _LOOK_BACK), j):
             if j - i > _CLOSELY and i % _STRIDE != 0:
                 continue
-            through = cost[i] + gap(x[i], y[i], z[i], x[j], y[j], z[j])
+            through = cost[i] + distance((x[i], y[i], z[i]), (x[j], y[j], z[j]))
             first = ((1 if i == 0 else 0) + (2 if j == last else 0)) * count
             if through < best and (
                 i == j - 1
-                or not blocked(solids, margins, first, x[i], y[i], z[i], x[j], y[j], z[j])
+                or not blocked(solids, margins, first, (x[i], y[i], z[i]), (x[j], y[j], z[j]))
             ):
                 best, by = through, i
         cost.append(best)
@@ -341,7 +335,7 @@ def length_of(x: list[float], y: list[float], z: list[float]) -> float:
     """Length of a path."""
     length = 0.0
     for i in range(1, len(x)):
-        length += gap(x[i - 1], y[i - 1], z[i - 1], x[i], y[i], z[i])
+        length += distance((x[i - 1], y[i - 1], z[i - 1]), (x[i], y[i], z[i]))
     return length
 
 

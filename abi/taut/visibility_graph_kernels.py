@@ -11,7 +11,8 @@ import math
 from numba.extending import register_jitable
 
 from abi.arrays import FloatArray
-from abi.obstacles.primitive_kernels import WIDTH, blocked, blocker, gap, within
+from abi.obstacles.primitive_kernels import WIDTH, any_within, blocked, blocker
+from abi.obstacles.vector_kernels import distance
 
 
 @register_jitable
@@ -52,13 +53,13 @@ def places(
         if square > 0:
             foot_a = ((ax - px) * dx + (ay - py) * dy + (az - pz) * dz) / square
             foot_b = ((bx - px) * dx + (by - py) * dy + (bz - pz) * dz) / square
-            off_a = gap(ax, ay, az, px + foot_a * dx, py + foot_a * dy, pz + foot_a * dz)
-            off_b = gap(bx, by, bz, px + foot_b * dx, py + foot_b * dy, pz + foot_b * dz)
+            off_a = distance((ax, ay, az), (px + foot_a * dx, py + foot_a * dy, pz + foot_a * dz))
+            off_b = distance((bx, by, bz), (px + foot_b * dx, py + foot_b * dy, pz + foot_b * dz))
             if off_a + off_b > 0:
                 best = (foot_a * off_b + foot_b * off_a) / (off_a + off_b)
                 best = min(max(best, 0.0), 1.0)
         qx, qy, qz = px + best * dx, py + best * dy, pz + best * dz
-        if gap(qx, qy, qz, ax, ay, az) + gap(qx, qy, qz, bx, by, bz) >= most:
+        if distance((qx, qy, qz), (ax, ay, az)) + distance((qx, qy, qz), (bx, by, bz)) >= most:
             continue
         for k in range(samples + 1 if square > 0 else 1):
             share = best if k == 0 else k / (samples + 1)
@@ -67,8 +68,9 @@ def places(
                 bounds[0] <= qx <= bounds[3]
                 and bounds[1] <= qy <= bounds[4]
                 and bounds[2] <= qz <= bounds[5]
-                and gap(qx, qy, qz, ax, ay, az) + gap(qx, qy, qz, bx, by, bz) < most
-                and not within(solids, margin, qx, qy, qz)
+                and distance((qx, qy, qz), (ax, ay, az)) + distance((qx, qy, qz), (bx, by, bz))
+                < most
+                and not any_within(solids, margin, (qx, qy, qz))
             ):
                 x.append(qx)
                 y.append(qy)
@@ -124,7 +126,7 @@ def ways(
     solid_count = len(solids) // WIDTH
     cost = [math.inf] * total
     parent = [0] * total
-    to_go = [gap(x[i], y[i], z[i], x[1], y[1], z[1]) for i in range(total)]
+    to_go = [distance((x[i], y[i], z[i]), (x[1], y[1], z[1])) for i in range(total)]
     left = list(range(2, total))
     lasts = [0] * count
     found, guess = 0, 0
@@ -132,7 +134,7 @@ def ways(
     while node >= 0 and found < count:
         px, py, pz, so_far = x[node], y[node], z[node], cost[node]
         first = solid_count if node == 0 else 0
-        if not blocked(solids, margins, first + 2 * solid_count, px, py, pz, x[1], y[1], z[1]):
+        if not blocked(solids, margins, first + 2 * solid_count, (px, py, pz), (x[1], y[1], z[1])):
             new = True
             for k in range(found):
                 if _same_way(parent, labels, node, lasts[k]):
@@ -142,10 +144,12 @@ def ways(
         last, node, at, least = node, -1, 0, most
         for k in range(len(left)):
             i = left[k]
-            through = so_far + gap(px, py, pz, x[i], y[i], z[i])
+            through = so_far + distance((px, py, pz), (x[i], y[i], z[i]))
             if through < cost[i] and through + to_go[i] < most:
                 # what was in the way is likely to be in the way of the next place too
-                in_the_way = blocker(solids, margins, first, guess, px, py, pz, x[i], y[i], z[i])
+                in_the_way = blocker(
+                    solids, margins, first, guess, (px, py, pz), (x[i], y[i], z[i])
+                )
                 if in_the_way >= 0:
                     guess = in_the_way
                 else:

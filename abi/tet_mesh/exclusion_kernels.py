@@ -16,10 +16,10 @@ from abi.obstacles.primitive_kernels import (
     Core,
     axes_of,
     core_of,
-    distance,
     in_body,
-    level,
-    near,
+    segment_within,
+    signed_distance,
+    signed_distance_gradient,
 )
 from abi.tet_mesh.adjacency_kernels import (
     BCC,
@@ -95,13 +95,13 @@ def take(
                         continue
                     # from the same end both times, for rounding
                     if node < head:
-                        px, py, pz = in_body(axes, x - cx, y - cy, z - cz)
-                        dx, dy, dz = in_body(axes, qx - x, qy - y, qz - z)
+                        p = in_body(axes, (x - cx, y - cy, z - cz))
+                        d = in_body(axes, (qx - x, qy - y, qz - z))
                     else:
-                        px, py, pz = in_body(axes, qx - cx, qy - cy, qz - cz)
-                        dx, dy, dz = in_body(axes, x - qx, y - qy, z - qz)
+                        p = in_body(axes, (qx - cx, qy - cy, qz - cz))
+                        d = in_body(axes, (x - qx, y - qy, z - qz))
                     gone[shut] = k
-                    shut += 1 if near(core, margin, px, py, pz, dx, dy, dz) else 0
+                    shut += 1 if segment_within(core, margin, p, d) else 0
         lengths = np.ones(runs, np.int32)
         return starts[:runs], lengths, gone[:shut], np.zeros(shut, np.int32)
 
@@ -109,14 +109,14 @@ def take(
     z0 = y0 + 2 * shape[2] + 1
     step = places[z0 + 2] - places[z0]
     far = reach + pad
-    rx, ry, rz = in_body(axes, 0.0, 0.0, step)
+    rx, ry, rz = in_body(axes, (0.0, 0.0, step))
     # in the body, and from the end of the edge that comes first
     turned = np.empty(3 * directions)
     for k in range(directions):
         x = steps[3 * k] * (places[1] - places[0])
         y = steps[3 * k + 1] * (places[y0 + 1] - places[y0])
         z = steps[3 * k + 2] * (places[z0 + 1] - places[z0])
-        turned[3 * k], turned[3 * k + 1], turned[3 * k + 2] = in_body(axes, x, y, z)
+        turned[3 * k], turned[3 * k + 1], turned[3 * k + 2] = in_body(axes, (x, y, z))
     # how far edges that lead towards a face lead along it; of nodes on the box any edge may
     xy, xz, yx, yz, zx, zy = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for k in range(SIDES):
@@ -166,8 +166,8 @@ def take(
                     losers = np.concatenate((losers, np.empty_like(losers)))
                     losses = np.concatenate((losses, np.empty_like(losses)))
                 while c <= c1:
-                    px, py, pz = in_body(axes, x, y, places[z0 + c] - cz)
-                    away = level(core, px, py, pz)
+                    px, py, pz = in_body(axes, (x, y, places[z0 + c] - cz))
+                    away = signed_distance(core, (px, py, pz))
                     if away < margin:
                         many = (margin - away) / step
                         if core[4] == 0:
@@ -182,7 +182,7 @@ def take(
                         lengths[runs - 1] += more
                         c += 2 * more
                         continue
-                    _, gx, gy, gz = distance(core, px, py, pz)
+                    _, (gx, gy, gz) = signed_distance_gradient(core, (px, py, pz))
                     if away >= limit:
                         # convex: along the line at least what its slope here says
                         slope = gx * rx + gy * ry + gz * rz
@@ -212,13 +212,13 @@ def take(
                             continue
                         i, j, h = a + steps[3 * k], b + steps[3 * k + 1], c + steps[3 * k + 2]
                         qx, qy, qz = in_body(
-                            axes, places[i] - cx, places[y0 + j] - cy, places[z0 + h] - cz
+                            axes, (places[i] - cx, places[y0 + j] - cy, places[z0 + h] - cz)
                         )
                         if core[4] == 0 and beside(core, margin, px, py, pz, qx, qy, qz):
                             continue
-                        if level(core, qx, qy, qz) < margin:
+                        if signed_distance(core, (qx, qy, qz)) < margin:
                             continue
-                        if near(core, margin, px, py, pz, dx, dy, dz):
+                        if segment_within(core, margin, (px, py, pz), (dx, dy, dz)):
                             losers[count], losses[count] = node, 1 << k
                             losers[count + 1] = node_at(shape, i, j, h)
                             losses[count + 1] = 1 << (k if k < cross else k + 1)
@@ -292,5 +292,5 @@ def shut(
 def _level_at(
     axes: Axes, core: Core, cx: float, cy: float, cz: float, x: float, y: float, z: float
 ) -> float:
-    px, py, pz = in_body(axes, x - cx, y - cy, z - cz)
-    return level(core, px, py, pz)
+    p = in_body(axes, (x - cx, y - cy, z - cz))
+    return signed_distance(core, p)

@@ -12,7 +12,7 @@ from numba.extending import register_jitable
 
 from abi.arrays import FloatArray, IntArray
 from abi.compiled import FLOATS, IDS, NEW_FLOATS, PLACES, compiled
-from abi.obstacles.vector_kernels import Vector, along, cross, dot, less, point
+from abi.obstacles.vector_kernels import Vec3, axpy, cross, dot, norm, sub, vec3_at
 
 
 @register_jitable
@@ -21,9 +21,9 @@ def _clamp(t: float) -> float:
 
 
 @register_jitable
-def _between(p: Vector, d: Vector, a: Vector, e: Vector) -> float:
+def _between(p: Vec3, d: Vec3, a: Vec3, e: Vec3) -> float:
     """Squared distance of the segments p + s d and a + t e, s and t in [0, 1]."""
-    r = less(p, a)
+    r = sub(p, a)
     dd, ee, er = dot(d, d), dot(e, e), dot(e, r)
     s, t = 0.0, 0.0
     if dd > 0.0:
@@ -44,46 +44,46 @@ def _between(p: Vector, d: Vector, a: Vector, e: Vector) -> float:
             s = _clamp(-dr / dd)
     elif ee > 0.0:
         t = _clamp(er / ee)
-    gap = less(along(p, d, s), along(a, e, t))
+    gap = sub(axpy(s, d, p), axpy(t, e, a))
     return dot(gap, gap)
 
 
 @register_jitable
-def over(x: Vector, a: Vector, b: Vector, c: Vector, n: Vector) -> bool:
+def over(x: Vec3, a: Vec3, b: Vec3, c: Vec3, n: Vec3) -> bool:
     """Whether x lies over the triangle, seen along its normal n."""
     return (
-        dot(cross(less(b, a), less(x, a)), n) >= 0.0
-        and dot(cross(less(c, b), less(x, b)), n) >= 0.0
-        and dot(cross(less(a, c), less(x, c)), n) >= 0.0
+        dot(cross(sub(b, a), sub(x, a)), n) >= 0.0
+        and dot(cross(sub(c, b), sub(x, b)), n) >= 0.0
+        and dot(cross(sub(a, c), sub(x, c)), n) >= 0.0
     )
 
 
 @register_jitable
-def _to_triangle(p: Vector, q: Vector, a: Vector, b: Vector, c: Vector) -> float:
+def _to_triangle(p: Vec3, q: Vec3, a: Vec3, b: Vec3, c: Vec3) -> float:
     """Squared distance of the segment from p to q and a triangle, which may be degenerate.
 
     0 where it passes through; else the nearest place is at an end of it or at a side.
     """
-    d = less(q, p)
-    n = cross(less(b, a), less(c, a))
+    d = sub(q, p)
+    n = cross(sub(b, a), sub(c, a))
     nn = dot(n, n)
     best = math.inf
     if nn > 0.0:
-        at_p, at_q = dot(n, less(p, a)), dot(n, less(q, a))
+        at_p, at_q = dot(n, sub(p, a)), dot(n, sub(q, a))
         through = at_p * at_q <= 0.0 and at_p != at_q
-        if through and over(along(p, d, at_p / (at_p - at_q)), a, b, c, n):
+        if through and over(axpy(at_p / (at_p - at_q), d, p), a, b, c, n):
             return 0.0
         if over(p, a, b, c, n):
             best = at_p * at_p / nn
         if over(q, a, b, c, n):
             best = min(best, at_q * at_q / nn)
-    best = min(best, _between(p, d, a, less(b, a)))
-    best = min(best, _between(p, d, b, less(c, b)))
-    return min(best, _between(p, d, c, less(a, c)))
+    best = min(best, _between(p, d, a, sub(b, a)))
+    best = min(best, _between(p, d, b, sub(c, b)))
+    return min(best, _between(p, d, c, sub(a, c)))
 
 
 @register_jitable
-def _to_box(p: Vector, q: Vector, low: Vector, high: Vector) -> float:
+def _to_box(p: Vec3, q: Vec3, low: Vec3, high: Vec3) -> float:
     """A bound from below of the squared distance of the segment from p to q and a box.
 
     The greater of two: from the box around the segment, and from the ball around the box.
@@ -94,10 +94,10 @@ def _to_box(p: Vector, q: Vector, low: Vector, high: Vector) -> float:
         apart += gap * gap
         radius += (high[k] - low[k]) * (high[k] - low[k]) / 4
     centre = ((low[0] + high[0]) / 2, (low[1] + high[1]) / 2, (low[2] + high[2]) / 2)
-    d, way = less(q, p), less(centre, p)
+    d, way = sub(q, p), sub(centre, p)
     dd = dot(d, d)
-    gap_to = less(way, along((0.0, 0.0, 0.0), d, _clamp(dot(way, d) / dd) if dd > 0.0 else 0.0))
-    ball = max(math.sqrt(dot(gap_to, gap_to)) - math.sqrt(radius), 0.0)
+    nearest = axpy(_clamp(dot(way, d) / dd) if dd > 0.0 else 0.0, d, (0.0, 0.0, 0.0))
+    ball = max(norm(sub(way, nearest)) - math.sqrt(radius), 0.0)
     return max(apart, ball * ball)
 
 
@@ -132,12 +132,12 @@ def segment_distances(
     stack = np.empty(128, np.int64)
     bounds = np.empty(128)
     for i in range(len(starts)):
-        p, q = point(starts[i], 0), point(ends[i], 0)
+        p, q = vec3_at(starts[i], 0), vec3_at(ends[i], 0)
         best = math.inf
         limit = most[i] * most[i]
         stop = enough[i] * enough[i]
         stack[0] = 0
-        bounds[0] = _to_box(p, q, point(low, 0), point(high, 0))
+        bounds[0] = _to_box(p, q, vec3_at(low, 0), vec3_at(high, 0))
         waiting = 1
         while waiting > 0 and best > stop:
             waiting -= 1
@@ -146,12 +146,12 @@ def segment_distances(
                 continue
             if box >= inner:
                 for t in range(9 * leaves[box - inner], 9 * leaves[box - inner + 1], 9):
-                    a, b, c = point(corners, t), point(corners, t + 3), point(corners, t + 6)
+                    a, b, c = vec3_at(corners, t), vec3_at(corners, t + 3), vec3_at(corners, t + 6)
                     best = min(best, _to_triangle(p, q, a, b, c))
                 continue
             near, far = 2 * box + 1, 2 * box + 2
-            to_near = _to_box(p, q, point(low, 3 * near), point(high, 3 * near))
-            to_far = _to_box(p, q, point(low, 3 * far), point(high, 3 * far))
+            to_near = _to_box(p, q, vec3_at(low, 3 * near), vec3_at(high, 3 * near))
+            to_far = _to_box(p, q, vec3_at(low, 3 * far), vec3_at(high, 3 * far))
             if to_far < to_near:
                 near, far = far, near
                 to_near, to_far = to_far, to_near

@@ -14,7 +14,7 @@ from numba.extending import register_jitable
 
 from abi.arrays import BoolArray, FloatArray, IntArray
 from abi.compiled import FLOATS, IDS, NEW_FLOATS, PLACES, compiled
-from abi.obstacles.vector_kernels import Vector, cross, dot, less, point
+from abi.obstacles.vector_kernels import Vec3, cross, dot, sub, vec3_at
 
 OPENING = 2.5
 """A group is a dipole from this many times its radius on."""
@@ -34,7 +34,7 @@ _DOUBLINGS = 3
 
 
 @register_jitable
-def _half_solid_angle(a: Vector, b: Vector, c: Vector) -> float:
+def _half_solid_angle(a: Vec3, b: Vec3, c: Vec3) -> float:
     """Half the solid angle of a triangle seen from the origin; positive seen from behind."""
     la, lb, lc = math.sqrt(dot(a, a)), math.sqrt(dot(b, b)), math.sqrt(dot(c, c))
     below = la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb
@@ -43,7 +43,7 @@ def _half_solid_angle(a: Vector, b: Vector, c: Vector) -> float:
 
 @register_jitable
 def winding_number(
-    x: Vector,
+    x: Vec3,
     leaves: IntArray,
     corners: FloatArray,
     centres: FloatArray,
@@ -76,16 +76,16 @@ def winding_number(
     while waiting > 0:
         waiting -= 1
         node = stack[waiting]
-        way = less(point(centres, 3 * node), x)
+        way = sub(vec3_at(centres, 3 * node), x)
         far = dot(way, way)
         reach = opening * radii[node]
         if far > reach * reach:
-            dipoles += dot(point(normals, 3 * node), way) / (far * math.sqrt(far))
+            dipoles += dot(vec3_at(normals, 3 * node), way) / (far * math.sqrt(far))
             strain += areas[node] / far
         elif node >= inner:
             for t in range(9 * leaves[node - inner], 9 * leaves[node - inner + 1], 9):
-                a, b = less(point(corners, t), x), less(point(corners, t + 3), x)
-                halves += _half_solid_angle(a, b, less(point(corners, t + 6), x))
+                a, b = sub(vec3_at(corners, t), x), sub(vec3_at(corners, t + 3), x)
+                halves += _half_solid_angle(a, b, sub(vec3_at(corners, t + 6), x))
         else:
             stack[waiting], stack[waiting + 1] = 2 * node + 1, 2 * node + 2
             waiting += 2
@@ -126,11 +126,11 @@ def inside(
     """
     found = np.empty(len(points), np.bool_)
     stack = np.empty(128, np.int32)
-    low, high = point(box, 0), point(box, 3)
+    low, high = vec3_at(box, 0), vec3_at(box, 3)
     last = (math.inf, math.inf, math.inf)
     for i in range(len(points)):
-        x = point(points[i], 0)
-        step = less(x, last)
+        x = vec3_at(points[i], 0)
+        step = sub(x, last)
         last = x
         if not (
             low[0] <= x[0] <= high[0] and low[1] <= x[1] <= high[1] and low[2] <= x[2] <= high[2]

@@ -25,7 +25,7 @@ def shapes(bodies: list[dict[str, Any]]) -> tuple[Solid, ...]:
 def blocked(obstacles: tuple[Solid, ...], margin: float, p: FloatArray, q: FloatArray) -> bool:
     solids: Any = packed(obstacles).tolist()
     margins: Any = [margin] * len(obstacles)
-    return bool(sight.blocked(solids, margins, 0, *p.tolist(), *q.tolist()))
+    return bool(sight.blocked(solids, margins, 0, tuple(p.tolist()), tuple(q.tolist())))
 
 
 @settings(max_examples=300, deadline=None)
@@ -73,7 +73,7 @@ def test_ways_by_places_are_the_shortest_there_are(bodies: list[dict[str, Any]],
     away = np.full((n, n), np.inf)
     for i in range(n):
         for j in range(n):
-            if not sight.blocked(solids, margins, 0, *places[i], *places[j]):
+            if not sight.blocked(solids, margins, 0, tuple(places[i]), tuple(places[j])):
                 away[i, j] = np.linalg.norm(places[i] - places[j])
     cost = away.copy()
     for k in [0, *range(2, n)]:  # by way of any but the second, which ends all paths
