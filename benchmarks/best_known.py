@@ -12,8 +12,9 @@ from scipy.sparse.csgraph import dijkstra
 
 from abi.arrays import BoolArray, FloatArray, IntArray, columns, read_only
 from abi.obstacles import primitive_kernels as sight
-from abi.obstacles.obstacle_set import packed
-from abi.obstacles.primitives import Box, nearest, segments_blocked
+from abi.obstacles.obstacle_set import ObstacleSet
+from abi.obstacles.packing import pack
+from abi.obstacles.primitives import Box
 from abi.obstacles.vector_kernels import vec3_at
 from abi.scene.scene import Scene
 from abi.taut.tighten_kernels import tighten
@@ -38,7 +39,7 @@ def best_known(scene: Scene) -> float:
     places, edge = _places(scene, margin)
     places, edge = np.concatenate([ends, places]), np.concatenate([[-2, -1], edge])
     boxes = tuple(solid for solid in scene.obstacles if isinstance(solid, Box))
-    solids = packed(boxes)
+    solids = pack(boxes)
     seen = _sight(places, solids, np.full(len(boxes), margin))
     i, j = np.nonzero(seen)
     lengths = np.linalg.norm(places[i] - places[j], axis=1)
@@ -50,7 +51,7 @@ def best_known(scene: Scene) -> float:
     for way in itertools.islice(_sequences(cost, parent, edge), SEQUENCES):
         path = np.stack(_tightened(*columns(places[way]), solids, margins, box), axis=1)
         length = float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum())
-        clear = not segments_blocked(scene.obstacles, path[:-1], path[1:], margin).any()
+        clear = not ObstacleSet(scene.obstacles).blocked(path[:-1], path[1:], margin).any()
         best = min(best, length if clear else np.inf)
     return best
 
@@ -70,7 +71,7 @@ def _places(scene: Scene, margin: float) -> tuple[FloatArray, IntArray]:
             edges.append(np.full(SAMPLES, 12 * k + number))
     found = np.concatenate(places)
     low, high = scene.workspace.min, scene.workspace.max
-    kept = (nearest(scene.obstacles, found)[0] >= margin) & (found >= low).all(axis=1)
+    kept = (ObstacleSet(scene.obstacles).nearest(found)[0] >= margin) & (found >= low).all(axis=1)
     kept &= (found <= high).all(axis=1)
     return found[kept], np.concatenate(edges)[kept]
 

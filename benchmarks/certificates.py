@@ -23,7 +23,8 @@ from abi.arrays import read_only
 from abi.clearance.certificate import Certificate, Refutation, certify
 from abi.curves.bspline import BSpline, clamped
 from abi.curves.quadratic import Quadratic
-from abi.obstacles.primitives import Box, Capsule, Cylinder, Obstacle, Obstacles, Sphere, nearest
+from abi.obstacles.obstacle_set import ObstacleSet
+from abi.obstacles.primitives import Box, Capsule, Cylinder, Obstacle, Obstacles, Sphere
 from abi.verify.verify import Verdict, verify
 
 SIZE = 6.0
@@ -83,7 +84,7 @@ def campaign(curves: int, seed: int = 0, check_every: int = 50) -> Figures:
         clearance = true_clearance(curve, obstacles)
         margin = _margin(random, clearance)
         begin = time.perf_counter()
-        result = certify(curve, obstacles, margin)
+        result = certify(curve, ObstacleSet(obstacles), margin)
         figures.microseconds.append(1e6 * (time.perf_counter() - begin))
         figures.curves += 1
         if isinstance(result, Refutation):
@@ -91,7 +92,7 @@ def campaign(curves: int, seed: int = 0, check_every: int = 50) -> Figures:
             figures.undecided += not result.decided
             if clearance > margin + CLOSE:
                 figures.false_rejects.append(number)
-            there = nearest(obstacles, curve(np.array([result.parameter])))[0][0]
+            there = ObstacleSet(obstacles).nearest(curve(np.array([result.parameter])))[0][0]
             if result.decided and not there < margin + 1e-12 * SIZE:
                 figures.wrong_witnesses.append(number)
             continue
@@ -147,7 +148,7 @@ def random_obstacle(random: np.random.Generator) -> Obstacle:
 def true_clearance(curve: BSpline | Quadratic, obstacles: Obstacles) -> float:
     """Least distance at 2,001 parameters, and at ever finer ones around the four least of these."""
     parameters = np.linspace(0, 1, DENSE)
-    distance = nearest(obstacles, curve(parameters))[0]
+    distance = ObstacleSet(obstacles).nearest(curve(parameters))[0]
     inner = np.pad(distance, 1, constant_values=np.inf)
     lowest = np.flatnonzero((distance <= inner[:-2]) & (distance <= inner[2:]))
     lowest = lowest[np.argsort(distance[lowest])[:4]]
@@ -155,7 +156,7 @@ def true_clearance(curve: BSpline | Quadratic, obstacles: Obstacles) -> float:
     middle, width = parameters[lowest], 1 / (DENSE - 1)
     for _ in range(6):
         around = np.clip(middle[:, None] + width * np.linspace(-1, 1, 41), 0, 1)
-        found = nearest(obstacles, curve(around.ravel()))[0].reshape(around.shape)
+        found = ObstacleSet(obstacles).nearest(curve(around.ravel()))[0].reshape(around.shape)
         least = min(least, float(found.min()))
         middle, width = around[np.arange(len(around)), found.argmin(axis=1)], width / 10
     return least

@@ -43,7 +43,8 @@ from scipy.sparse.csgraph import dijkstra
 
 from abi import compiling
 from abi.arrays import BoolArray, FloatArray, IntArray
-from abi.obstacles.obstacle_set import packed
+from abi.obstacles.obstacle_set import ObstacleSet
+from abi.obstacles.packing import pack
 from abi.obstacles.primitive_kernels import (
     Axes,
     Core,
@@ -139,8 +140,10 @@ def _turn(
     graphs, lengths = [], []
     for scene in scenes:
         with _Clock(times, "mask"):
-            free = mesh.exclude(whole, scene.obstacles, margin)
-            made = graph.build(free, scene.obstacles, margin, scene.start, scene.goal, CLEARANCE)
+            free = mesh.exclude(whole, ObstacleSet(scene.obstacles), margin)
+            made = graph.build(
+                free, ObstacleSet(scene.obstacles), margin, scene.start, scene.goal, CLEARANCE
+            )
         found = {}
         for name, search in SEARCHES.items():
             with _Clock(times, name):
@@ -161,7 +164,7 @@ def _turn(
     for same in lengths:
         assert max(same) - min(same) <= 1e-9 * same[0], same
     with _Clock(times, "taut"):
-        taut(made, scene.obstacles, margin, found["a_star"])
+        taut(made, ObstacleSet(scene.obstacles), margin, found["a_star"])
     for scene, same in zip(scenes, lengths, strict=True):
         with _Clock(times, "re-plan"):
             plan = planner(scene, chosen_only=True)
@@ -283,14 +286,14 @@ class _Stored:
 
     def _without(self, rows: Rows, one: Obstacle, margin: float, into: Rows) -> Rows:
         assert not isinstance(one, MeshShape)
-        row = packed((one,))
+        row = pack((one,))
         opened: Any = _open
         count = opened(*rows, *self.places, row, margin, self._sides, *into)
         return into[0], into[1][:count], into[2][:count]
 
     def _mark(self, one: Obstacle, margin: float, shut: BoolArray) -> None:
         assert not isinstance(one, MeshShape)
-        row = packed((one,))
+        row = pack((one,))
         marked: Any = _mark
         marked(self.indptr, self.heads, *self.places, row, margin, self._sides, shut)
 

@@ -13,7 +13,7 @@ from ompl import base, geometric, util
 
 from abi.arrays import FloatArray
 from abi.obstacles import primitive_kernels as sight
-from abi.obstacles.obstacle_set import packed
+from abi.obstacles.packing import pack
 from abi.obstacles.primitives import MeshShape
 from abi.scene.scene import Scene
 
@@ -99,7 +99,7 @@ class _Clear(base.MotionValidator):  # type: ignore[misc]
 
     def __init__(self, information: Any, scene: Scene) -> None:
         super().__init__(information)
-        self._solids = packed(
+        self._solids = pack(
             tuple(solid for solid in scene.obstacles if not isinstance(solid, MeshShape))
         )
         self._margins = np.full(len(self._solids), scene.spline.clearance)

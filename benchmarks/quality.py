@@ -30,7 +30,7 @@ from typing import Any
 import numpy as np
 
 from abi import compiling
-from abi.obstacles.primitives import segments_blocked
+from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner.plan import SLACK, Plan, Planner
 from abi.scene.scene import Scene
 from abi.search import graph
@@ -117,13 +117,15 @@ def _times(whole: TetMesh, scene: Scene, made: Plan) -> dict[str, float]:
     margin = CLEARANCE + SLACK * max(scene.workspace.size)
     searches, strings = [], []
     for _ in range(_TIMES):
-        mesh.exclude(whole, scene.obstacles[1:], margin)
+        mesh.exclude(whole, ObstacleSet(scene.obstacles[1:]), margin)
         begin = time.process_time_ns()
-        free = mesh.exclude(whole, scene.obstacles, margin)
-        nodes = graph.build(free, scene.obstacles, margin, scene.start, scene.goal, CLEARANCE)
+        free = mesh.exclude(whole, ObstacleSet(scene.obstacles), margin)
+        nodes = graph.build(
+            free, ObstacleSet(scene.obstacles), margin, scene.start, scene.goal, CLEARANCE
+        )
         path = SEARCHES["a_star"](nodes, "length")
         middle = time.process_time_ns()
-        taut(nodes, scene.obstacles, margin, path)
+        taut(nodes, ObstacleSet(scene.obstacles), margin, path)
         searches.append(1e-6 * (middle - begin))
         strings.append(1e-6 * (time.process_time_ns() - begin))
     a_star, pulled = float(np.median(searches)), float(np.median(strings))
@@ -185,7 +187,9 @@ def _rivals(scene: Scene, equal: float, budgets: Sequence[float]) -> dict[str, t
             path, took = solve(rival, scene, seconds)
             length = np.inf
             if path is not None:
-                blocked = segments_blocked(scene.obstacles, path[:-1], path[1:], CLEARANCE - 1e-9)
+                blocked = ObstacleSet(scene.obstacles).blocked(
+                    path[:-1], path[1:], CLEARANCE - 1e-9
+                )
                 if not blocked.any():
                     length = float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum())
             found[f"{rival.name}, {label}"] = length, 1e3 * took

@@ -24,7 +24,7 @@ import numpy as np
 import trimesh
 
 from abi import compiling
-from abi.obstacles.primitives import nearest
+from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.obstacles.triangle_mesh.repair import Surface, clean
 from abi.planner.plan import Plan, plan
@@ -155,13 +155,13 @@ def _fault(made: Plan) -> str:
         if found is not None and len(found.points) > 1:
             share = np.linspace(0, 1, DENSE // len(found.points))[:, None, None]
             dense = found.points[:-1] + share * np.diff(found.points, axis=0)
-            distance, _ = nearest(made.scene.obstacles, dense.reshape(-1, 3))
+            distance, _ = ObstacleSet(made.scene.obstacles).nearest(dense.reshape(-1, 3))
             if distance.min() < asked - 1e-8:
                 return "refuted"
     for curve in (made.bspline, made.quadratic):
         if curve is not None and curve.holds:
             dense = curve(np.linspace(*curve.interval, DENSE))
-            distance, _ = nearest(made.scene.obstacles, dense)
+            distance, _ = ObstacleSet(made.scene.obstacles).nearest(dense)
             if distance.min() < curve.clearance.distance - 1e-9:
                 return "refuted"
     values = [getattr(found, made.scene.search.weight) for found in made.searches]

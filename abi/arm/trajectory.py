@@ -7,7 +7,6 @@ constant generalised forces of their drives.
 from __future__ import annotations
 
 import itertools
-import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -17,13 +16,12 @@ from numpy.typing import ArrayLike
 from abi.arm.arm import JOINTS, Arm, skeleton
 from abi.arm.inverse_kinematics import solve
 from abi.arm.wrist_drives import driven
-from abi.arrays import FloatArray, flat, read_only
+from abi.arrays import FloatArray, read_only
 from abi.curves.curve import ArcLength, Curve
 from abi.curves.speed_profile import Profile
 from abi.errors import OutOfReach
-from abi.obstacles import obstacle_set_kernels as kernels
-from abi.obstacles.obstacle_set import meshes, rows
-from abi.obstacles.primitives import Obstacles, Vec3
+from abi.obstacles.obstacle_set import ObstacleSet
+from abi.obstacles.pose import Vec3
 from abi.scene.scene import ArmSettings
 
 
@@ -188,7 +186,7 @@ def follow(
     profile: Profile,
     arm: Arm,
     settings: ArmSettings,
-    obstacles: Obstacles,
+    obstacles: ObstacleSet,
     samples: int = 200,
 ) -> ArmMotion:
     """Move the arm's tool along a curve.
@@ -213,7 +211,7 @@ def follow(
     joints = np.concatenate([[found.q1, found.q2, found.q3], drives.T])
     positions = np.ascontiguousarray(joints.T)
     points = skeleton(arm, positions)
-    distance, when, whose = _link_clearance(points, obstacles)
+    distance, when, whose = obstacles.nearest_polyline(points)
     step = profile.duration / (samples - 1)
     largest = np.abs(np.diff(joints)).max(axis=1)
     return ArmMotion(
@@ -271,31 +269,3 @@ def _violations(time: FloatArray, joints: FloatArray, limits: FloatArray) -> tup
         values = (time[worst], joints[joint, worst], limits[joint, side], time[first])
         found.append(Violation(JOINTS[joint], *map(float, values)))
     return tuple(found)
-
-
-def _link_clearance(points: FloatArray, obstacles: Obstacles) -> tuple[float, int, int]:
-    """Least distance of the centre lines to the obstacles, the sample and the obstacle."""
-    best, sample, whose = math.inf, 0, -1
-    solids = rows(obstacles)
-    if len(solids):
-        best, sample, solid = kernels.skeletons(flat(points), points.shape[1], solids)
-        whose = [k for k, obstacle in enumerate(obstacles) if obstacle.convex][solid]
-    starts, ends = points[:, :-1].reshape(-1, 3), points[:, 1:].reshape(-1, 3)
-    for mesh in meshes(obstacles):
-        lower, upper = mesh.distance_bounds(points.reshape(-1, 3))
-        lower = lower.reshape(-1, points.shape[1])
-        lengths = np.linalg.norm(ends - starts, axis=1)
-        # The distance is 1-Lipschitz: only segments that could be nearest are looked at closely.
-        bound = (lower[:, :-1].ravel() + lower[:, 1:].ravel() - lengths) / 2
-        near = np.flatnonzero(bound <= min(best, float(upper.min())))
-        if not len(near):
-            continue
-        found = mesh.segment_distance(starts[near], ends[near])
-        nearest = int(found.argmin())
-        if found[nearest] < best:
-            best, sample, whose = (
-                float(found[nearest]),
-                int(near[nearest]) // 3,
-                obstacles.index(mesh),
-            )
-    return best, sample, whose

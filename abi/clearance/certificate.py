@@ -34,10 +34,9 @@ from abi.clearance import certify_mesh_kernels as certify_surface
 from abi.clearance import certify_primitives_kernels as certify_solids
 from abi.clearance.bezier import Bezier, PolynomialCurve, bezier, polyline
 from abi.clearance.separation_kernels import CERTIFIED, MOST_HALVINGS, REFUTED, Outcome
-from abi.obstacles.memory import ByIdentity
 from abi.obstacles.mesh_shape import MeshShape
+from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.pose import rotation
-from abi.obstacles.primitives import Box, Capsule, Cylinder, Obstacles, Sphere
 from abi.obstacles.triangle_mesh.bvh import TriangleTree, build
 from abi.obstacles.triangle_mesh.repair import Surface
 
@@ -87,7 +86,7 @@ class Refutation:
 
 
 def certify(
-    curve: PolynomialCurve | Bezier, obstacles: Obstacles, margin: float
+    curve: PolynomialCurve | Bezier, obstacles: ObstacleSet, margin: float
 ) -> Certificate | Refutation:
     """Prove that a curve keeps more than ``margin`` from every obstacle, or find where it does not.
 
@@ -105,7 +104,7 @@ def certify(
 
 
 def certify_polyline(
-    points: FloatArray, obstacles: Obstacles, margin: float
+    points: FloatArray, obstacles: ObstacleSet, margin: float
 ) -> Certificate | Refutation:
     """:func:`certify` for a polyline with the vertices (k, 3), k >= 1, [unit].
 
@@ -114,36 +113,32 @@ def certify_polyline(
     return _certify(polyline(points), obstacles, margin)
 
 
-def _certify(curve: Bezier, obstacles: Obstacles, margin: float) -> Certificate | Refutation:
+def _certify(curve: Bezier, obstacles: ObstacleSet, margin: float) -> Certificate | Refutation:
     assert np.isfinite(curve.points).all()
     if not obstacles:
         return _certificate(math.inf, [])
     assert math.isfinite(margin)
-    solids, surfaces = _numbers(obstacles)
+    solids = obstacles.primitive_numbers
     planes: list[FloatArray] = []
-    if len(solids):
+    if obstacles.primitives:
         status, at, which, distance, found = _run_solids(curve, obstacles, margin)
         if status != CERTIFIED:
             decided = status == REFUTED
             return Refutation(margin, at, int(solids[which]), distance, decided)
-        if surfaces:
-            found[:, 2] = solids[found[:, 2].astype(int)]
+        found[:, 2] = solids[found[:, 2].astype(int)]
         planes.append(found)
-    for k, surface in surfaces:
-        result = _against_mesh(curve, surface, k, margin)
+    for k, mesh in zip(obstacles.mesh_numbers.tolist(), obstacles.meshes, strict=True):
+        result = _against_mesh(curve, mesh, k, margin)
         if isinstance(result, Refutation):
             return result
         planes.append(result)
     return _certificate(margin, planes)
 
 
-def _run_solids(curve: Bezier, obstacles: Obstacles, margin: float) -> Outcome:
-    frames, shapes, sizes = _packed(obstacles)
-    scales = read_only(sizes + curve.size)
+def _run_solids(curve: Bezier, obstacles: ObstacleSet, margin: float) -> Outcome:
     outcome: Outcome = certify_solids.solids(
         *(flat(curve.points), flat(curve.breaks), curve.degree, _room(curve)),
-        *(frames, shapes, scales, float(margin)),
-        FINEST * float(scales.max()),
+        *(obstacles.packed, curve.size, float(margin), FINEST),
         _MOST_TRIES + 64 * len(curve.points),
     )
     return outcome
@@ -194,44 +189,6 @@ def _room(curve: Bezier) -> FloatArray:
 def _tree(surface: Surface) -> TriangleTree:
     """Tree over the triangles in the file's coordinates: moving or scaling a mesh keeps it."""
     return build(surface.vertices[surface.faces])
-
-
-@ByIdentity
-def _numbers(obstacles: Obstacles) -> tuple[IntArray, tuple[tuple[int, MeshShape], ...]]:
-    """The indices of the solids among the obstacles, and the meshes with theirs."""
-    surfaces = tuple((k, one) for k, one in enumerate(obstacles) if isinstance(one, MeshShape))
-    solids = set(range(len(obstacles))) - {k for k, _ in surfaces}
-    return read_only(np.array(sorted(solids), dtype=np.int32)), surfaces
-
-
-@ByIdentity
-def _packed(obstacles: Obstacles) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Frames (12 m,), shapes (5 m,) and sizes (m,) of the solids for the kernel."""
-    frames, shapes, sizes = [], [], []
-    for obstacle in obstacles:
-        if isinstance(obstacle, MeshShape):
-            continue
-        frames.append(np.append(rotation(obstacle.wxyz), obstacle.position))
-        shape = _shape(obstacle)
-        shapes.append(shape)
-        sizes.append(max(map(abs, obstacle.position)) + sum(shape))
-    return (
-        read_only(np.concatenate(frames)),
-        read_only(np.array(shapes).ravel()),
-        read_only(np.array(sizes)),
-    )
-
-
-def _shape(solid: Box | Sphere | Cylinder | Capsule) -> tuple[float, float, float, float, float]:
-    """Box half sizes x, y, z, disc radius and ball radius whose Minkowski sum the solid is."""
-    if isinstance(solid, Box):
-        x, y, z = solid.size
-        return x / 2, y / 2, z / 2, 0.0, 0.0
-    if isinstance(solid, Sphere):
-        return 0.0, 0.0, 0.0, 0.0, solid.radius
-    if isinstance(solid, Cylinder):
-        return 0.0, 0.0, solid.height / 2, solid.radius, 0.0
-    return 0.0, 0.0, solid.height / 2, 0.0, solid.radius
 
 
 def _certificate(margin: float, planes: list[FloatArray]) -> Certificate:

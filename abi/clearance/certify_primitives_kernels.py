@@ -1,7 +1,8 @@
 """Certificates against convex solids.
 
 Compiled by numba; ``solids`` runs uncompiled too, by its ``py_func`` on plain lists. Geometry is in
-the body frame of one obstacle; for pieces and planes see ``abi.clearance.separation_kernels``.
+the body frame of one obstacle; for pieces and planes see ``abi.clearance.separation_kernels``, for
+the rows of numbers that describe solids ``abi.obstacles.primitive_kernels``.
 """
 
 from __future__ import annotations
@@ -25,6 +26,8 @@ from abi.clearance.separation_kernels import (
     table_of,
 )
 from abi.compiled import FLOATS, NEW_FLOATS, compiled
+from abi.obstacles.primitive_kernels import WIDTH, axes_of, centre_of, core_of, in_body, in_world
+from abi.obstacles.vector_kernels import sub, vec3_at
 
 
 @register_jitable
@@ -66,15 +69,33 @@ def _solid_support(
     return box + disc * math.sqrt(x * x + y * y) + ball
 
 
-@compiled(example=(FLOATS, FLOATS, 1, NEW_FLOATS, FLOATS, FLOATS, FLOATS, 0.0, 1e-9, 9))
+@register_jitable
+def _shape_of(solids: FloatArray, o: int) -> tuple[float, float, float, float, float]:
+    """Box half sizes, disc radius and ball radius whose Minkowski sum a solid is."""
+    a, b, c, radius, is_cylinder = core_of(solids, o)
+    if is_cylinder == 1:
+        return 0.0, 0.0, c, a, 0.0
+    return a, b, c, 0.0, radius
+
+
+@register_jitable
+def _scale_of(solids: FloatArray, o: int, size: float) -> float:
+    """Largest coordinate of a solid and of the curve together, [unit]."""
+    x, y, z = centre_of(solids, o)
+    hx, hy, hz, disc, ball = _shape_of(solids, o)
+    away = max(abs(x), abs(y), abs(z))
+    scale: float = away + (hx + hy + hz + disc + ball) + size
+    return scale
+
+
+@compiled(example=(FLOATS, FLOATS, 1, NEW_FLOATS, FLOATS, 1.0, 0.0, 1e-9, 9))
 def solids(
     world: FloatArray,
     breaks: FloatArray,
     degree: int,
     points: FloatArray,
-    frames: FloatArray,
-    shapes: FloatArray,
-    scales: FloatArray,
+    obstacles: FloatArray,
+    size: float,
     margin: float,
     finest: float,
     most: int,
@@ -90,27 +111,26 @@ def solids(
         degree: of each polynomial.
         points: room for the same in a body frame and for the halves, flat
             (3 (s + 2 MOST_HALVINGS + 2) (degree + 1),).
-        frames: of each solid the rotation's rows and the position, flat (12 m,).
-        shapes: of each solid the half sizes x, y, z of a box, the radius of a disc across z and
-            the radius of a ball, flat (5 m,): the solid is the Minkowski sum of the three.
-        scales: largest coordinate of the curve and of each solid together (m,), [unit].
+        obstacles: rows of the solids (m WIDTH,), m >= 1.
+        size: largest coordinate of the curve, [unit].
         margin: distance to prove, [unit].
-        finest: pieces smaller than this are not halved, [unit].
+        finest: pieces smaller than this part of the largest coordinate are not halved.
         most: tries that each solid may take.
     """
     width = degree + 1
     spans = len(breaks) - 1
     planes = [(0.0, 0.0, 0, 0.0, 0.0, 0.0, 0.0)]
-    for o in range(len(scales)):
-        f = 12 * o
+    count = len(obstacles) // WIDTH
+    smallest = 0.0
+    for o in range(count):
+        smallest = max(smallest, finest * _scale_of(obstacles, o, size))
+    for o in range(count):
+        centre, axes = centre_of(obstacles, o), axes_of(obstacles, o)
         for i in range(0, 3 * spans * width, 3):
-            x = world[i] - frames[f + 9]
-            y = world[i + 1] - frames[f + 10]
-            z = world[i + 2] - frames[f + 11]
-            for k in range(3):
-                points[i + k] = frames[f + k] * x + frames[f + 3 + k] * y + frames[f + 6 + k] * z
-        hx, hy, hz = shapes[5 * o], shapes[5 * o + 1], shapes[5 * o + 2]
-        disc, ball = shapes[5 * o + 3], shapes[5 * o + 4]
+            turned = in_body(axes, sub(vec3_at(world, i), centre))
+            points[i], points[i + 1], points[i + 2] = turned
+        hx, hy, hz, disc, ball = _shape_of(obstacles, o)
+        scale = _scale_of(obstacles, o, size)
         tries = 0
         pending = [(0, spans * width, 0, breaks[0], breaks[spans])]
         while len(pending) > 0:
@@ -129,7 +149,7 @@ def solids(
                 behind = (middle, middle + width, halvings + 1, at, end)
             x, y, z = points[3 * middle], points[3 * middle + 1], points[3 * middle + 2]
             away, x, y, z = _from_solid(x, y, z, hx, hy, hz, disc, ball)
-            allowance = allowance_of(scales[o], degree, halvings, margin)
+            allowance = allowance_of(scale, degree, halvings, margin)
             if away < margin - allowance:
                 return REFUTED, at, o, away, table_of(planes)
             need = margin + allowance
@@ -150,12 +170,10 @@ def solids(
                         x = math.copysign(1.0, x0 + x1)
                     else:
                         y = math.copysign(1.0, y0 + y1)
-                elif not run and max(x1 - x0, y1 - y0, z1 - z0) < finest:
+                elif not run and max(x1 - x0, y1 - y0, z1 - z0) < smallest:
                     return UNDECIDED, at, o, away, table_of(planes)
             if separated:
-                nx = frames[f] * x + frames[f + 1] * y + frames[f + 2] * z
-                ny = frames[f + 3] * x + frames[f + 4] * y + frames[f + 5] * z
-                nz = frames[f + 6] * x + frames[f + 7] * y + frames[f + 8] * z
+                nx, ny, nz = in_world(axes, (x, y, z))
                 planes.append((start, end, o, nx, ny, nz, level))
                 continue
             tries += 1

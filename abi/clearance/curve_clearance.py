@@ -14,9 +14,7 @@ from abi.clearance import curve_clearance_kernels as curve_clearance
 from abi.clearance.bezier import PolynomialCurve, bezier
 from abi.clearance.certificate import Certificate, certify
 from abi.curves.curve import Curve
-from abi.obstacles import obstacle_set_kernels as kernels
-from abi.obstacles.obstacle_set import meshes, rows
-from abi.obstacles.primitives import Obstacles
+from abi.obstacles.obstacle_set import ObstacleSet
 
 # Distances that differ by less are the same, [unit]: rounding, not a violation.
 ROUNDING = 1e-9
@@ -99,7 +97,7 @@ class _Pieces:
 
 
 def measure(
-    curve: Curve, obstacles: Obstacles, asked: float = 0.0, tolerance: float = 1e-3
+    curve: Curve, obstacles: ObstacleSet, asked: float = 0.0, tolerance: float = 1e-3
 ) -> Clearance:
     """Measure how near a curve comes to the obstacles, and where nearer than ``asked``.
 
@@ -126,7 +124,7 @@ def measure(
     if not obstacles:
         return Clearance(math.inf, float(curve.interval[0]), math.inf, -1, ())
     tolerance = max(tolerance, ROUNDING)
-    if not meshes(obstacles):
+    if obstacles.all_convex:
         return _measured(*_polynomials(curve), obstacles, asked, tolerance)
     pieces, at, nearest, obstacle = _first_pieces(curve, obstacles)
     distance = nearest
@@ -161,7 +159,7 @@ def measure(
 def _measured(
     breaks: FloatArray,
     control: FloatArray,
-    obstacles: Obstacles,
+    obstacles: ObstacleSet,
     asked: float,
     tolerance: float,
 ) -> Clearance:
@@ -169,14 +167,14 @@ def _measured(
     parts = -(-_FIRST_PIECES // max(len(breaks) - 1, 1))
     finest = float(breaks[-1] - breaks[0]) / _FINEST_STRETCH
     distance, at, nearest, obstacle, stretches = curve_clearance.curve(
-        *(flat(control), flat(breaks), parts, rows(obstacles)),
+        *(flat(control), flat(breaks), parts, obstacles.packed),
         *(float(asked), tolerance, finest),
     )
     return Clearance(distance, at, nearest, obstacle, _joined(stretches[1:]))
 
 
 def prove(
-    curve: PolynomialCurve, obstacles: Obstacles, asked: float, tolerance: float = 1e-3
+    curve: PolynomialCurve, obstacles: ObstacleSet, asked: float, tolerance: float = 1e-3
 ) -> Clearance:
     """Measure how near a curve comes to the obstacles, then prove as much of it as can be.
 
@@ -196,7 +194,7 @@ def prove(
             extent may be lost.
     """
     pieces = bezier(curve)
-    if meshes(obstacles):
+    if not obstacles.all_convex:
         extent = np.ptp(pieces.points.reshape(-1, 3), axis=0)
         fine = max(tolerance, _COARSE * float(np.linalg.norm(extent)))
         found = measure(curve, obstacles, asked, fine)
@@ -217,18 +215,17 @@ def prove(
     return found
 
 
-def _margins(found: Clearance, obstacles: Obstacles, asked: float, step: float) -> list[float]:
+def _margins(found: Clearance, obstacles: ObstacleSet, asked: float, step: float) -> list[float]:
     """Distances to try to prove, falling, [unit]."""
     if not obstacles:
         return [math.inf]
     lowest = asked - ROUNDING
     if lowest < 0:
         depth = [
-            -float(obstacle.signed_distance(np.array([obstacle.position]))[0])
-            if obstacle.convex
-            else 0.0
-            for obstacle in obstacles
+            -float(solid.signed_distance(np.array([solid.position]))[0])
+            for solid in obstacles.primitives
         ]
+        depth += [0.0] * len(obstacles.meshes)
         lowest = lowest if min(depth) > 4 * ROUNDING else 0.0
     tries = {asked, asked - ROUNDING, found.distance - step}
     while found.nearest - step > found.distance:
@@ -238,23 +235,6 @@ def _margins(found: Clearance, obstacles: Obstacles, asked: float, step: float) 
         tries.add(found.distance - step)
         lowest = min(lowest, 0.0)
     return sorted((margin for margin in tries if margin >= lowest), reverse=True)
-
-
-def outward(points: FloatArray, obstacles: Obstacles) -> tuple[FloatArray, FloatArray]:
-    """Signed distances (n,) of points (n, 3) to the nearest obstacle, [unit], and the way out.
-
-    Returns:
-        The distances, inf without obstacles, and their unit subgradients (n, 3), world.
-    """
-    away, found = np.empty(len(points)), np.zeros(3 * len(points))
-    kernels.nearest(flat(points), rows(obstacles), away, found)
-    gradient = found.reshape(-1, 3)
-    for mesh in meshes(obstacles):
-        to_mesh = mesh.signed_distance(points)
-        nearer = np.flatnonzero(to_mesh < away)
-        away[nearer] = to_mesh[nearer]
-        gradient[nearer] = mesh.gradient(points[nearer])
-    return away, gradient
 
 
 @lru_cache(maxsize=16)
@@ -281,7 +261,7 @@ def _halving(degree: int) -> tuple[FloatArray, FloatArray]:
     return read_only(first), read_only(first[::-1, ::-1].copy())
 
 
-def _first_pieces(curve: Curve, obstacles: Obstacles) -> tuple[_Pieces, float, float, int]:
+def _first_pieces(curve: Curve, obstacles: ObstacleSet) -> tuple[_Pieces, float, float, int]:
     """Cut the curve evenly between its breaks; also the nearest end of a piece and whose it is."""
     breaks = np.unique(curve.breaks)
     parts = -(-_FIRST_PIECES // max(len(breaks) - 1, 1))
@@ -290,11 +270,10 @@ def _first_pieces(curve: Curve, obstacles: Obstacles) -> tuple[_Pieces, float, f
     start, end = cuts[:-1], cuts[1:]
     control = _bezier_points(curve, start, end)
     ends = np.concatenate([control[:, 0], control[-1:, -1]])
-    distances = np.stack([obstacle.signed_distance(ends) for obstacle in obstacles])
-    least = distances.min(axis=0)
+    least, whose = obstacles.nearest(ends)
     k = int(least.argmin())
     pieces = _Pieces(control, start, end, least[:-1], least[1:])
-    return pieces, float(cuts[k]), float(least[k]), int(distances[:, k].argmin())
+    return pieces, float(cuts[k]), float(least[k]), int(whose[k])
 
 
 def _polynomials(curve: Curve) -> tuple[FloatArray, FloatArray]:
@@ -313,20 +292,22 @@ def _bezier_points(curve: Curve, start: FloatArray, end: FloatArray) -> FloatArr
     return _from_samples(degree) @ curve(parameters.ravel()).reshape(len(start), degree + 1, 3)
 
 
-def _sample(control: FloatArray, obstacles: Obstacles) -> tuple[FloatArray, FloatArray, FloatArray]:
+def _sample(
+    control: FloatArray, obstacles: ObstacleSet
+) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Distance at each piece's middle, whose it is, and a lower bound along the piece, (n,)."""
     first, _ = _halving(control.shape[1] - 1)
     middle = first[-1] @ control
     offsets = control - middle[:, None]
     distances = np.empty((len(obstacles), len(middle)))
     bounds = np.empty_like(distances)
-    for k, obstacle in enumerate(obstacles):
-        distances[k] = obstacle.signed_distance(middle)
-        if obstacle.convex:
-            rise = np.einsum("nij,nj->ni", offsets, obstacle.gradient(middle)).min(axis=1)
-        else:
-            rise = -np.linalg.norm(offsets, axis=2).max(axis=1)
+    for k, solid in zip(obstacles.primitive_numbers, obstacles.primitives, strict=True):
+        distances[k] = solid.signed_distance(middle)
+        rise = np.einsum("nij,nj->ni", offsets, solid.gradient(middle)).min(axis=1)
         bounds[k] = distances[k] + rise
+    for k, mesh in zip(obstacles.mesh_numbers, obstacles.meshes, strict=True):
+        distances[k] = mesh.signed_distance(middle)
+        bounds[k] = distances[k] - np.linalg.norm(offsets, axis=2).max(axis=1)
     return distances.min(axis=0), distances.argmin(axis=0), bounds.min(axis=0)
 
 

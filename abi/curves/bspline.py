@@ -9,13 +9,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from abi.arrays import BoolArray, FloatArray, flat, read_only
-from abi.clearance.curve_clearance import ROUNDING, Clearance, measure, outward, prove
+from abi.clearance.curve_clearance import ROUNDING, Clearance, measure, prove
 from abi.curves import bspline_kernels as kernels
 from abi.curves.control_points import graded
 from abi.curves.curve import measure as arc_length
-from abi.obstacles.obstacle_set import meshes
-from abi.obstacles.polyline import measure_polyline
-from abi.obstacles.primitives import Obstacles
+from abi.obstacles.obstacle_set import NO_OBSTACLES, ObstacleSet
 
 _FINEST = 1e-6  # of the path's extent: how finely a clearance is measured
 _ROUNDS = 60
@@ -45,7 +43,7 @@ class BSpline:
     knots: FloatArray
     added: BoolArray
     pushed: BoolArray
-    obstacles: Obstacles
+    obstacles: ObstacleSet
     asked: float
 
     @property
@@ -107,13 +105,13 @@ def clamped(control_points: FloatArray, degree: int) -> BSpline:
     points = np.array(control_points, dtype=float)
     none = read_only(np.zeros(len(points), dtype=bool))
     knots = _uniform_knots(len(points), degree)
-    return BSpline(degree, read_only(points), knots, none, none, (), 0.0)
+    return BSpline(degree, read_only(points), knots, none, none, NO_OBSTACLES, 0.0)
 
 
 def fit(
     path_points: FloatArray,
     degree: int,
-    obstacles: Obstacles,
+    obstacles: ObstacleSet,
     clearance: float,
     taut: bool = False,
 ) -> BSpline:
@@ -155,8 +153,8 @@ def fit(
     spline = BSpline(*shape, read_only(added), none, obstacles, clearance)
     if not obstacles:
         return spline
-    gap = measure_polyline(points, obstacles) - clearance
-    if gap >= -ROUNDING and not meshes(obstacles) and spline.holds:
+    gap = obstacles.polyline_clearance(points) - clearance
+    if gap >= -ROUNDING and obstacles.all_convex and spline.holds:
         return spline
     # Of the room between the path and the clearance asked for, the control polygon may lose half
     # and the measurement an eighth.
@@ -176,7 +174,7 @@ def _finished(spline: BSpline, room: tuple[float, float, float], longest: float)
     That happens where the path keeps just the clearance, or the end of a rounding.
     """
     # near a mesh, whose distance is not convex, measuring that finely takes seconds
-    if spline.holds or meshes(spline.obstacles):
+    if spline.holds or not spline.obstacles.all_convex:
         return spline
     _, floor, tolerance = room
     finer = spline
@@ -204,7 +202,7 @@ def _cleared(
             break
         worth = found.distance + _WORTH * (wanted - found.distance)
         pushed = _pushed(spline, found, aim, box) if pushes < most_pushes else None
-        if pushed and measure_polyline(pushed.control_points, spline.obstacles) < floor:
+        if pushed and spline.obstacles.polyline_clearance(pushed.control_points) < floor:
             pushed = None
         trial = measure(pushed, spline.obstacles, aim, tolerance) if pushed else found
         if pushed and trial.distance > worth:
@@ -223,7 +221,7 @@ def _pushed(
     """Move the inner control points outwards, within ``box``, to lift the curve to ``aim``."""
     parameters = np.linspace(*_failing(found), _SAMPLES).ravel()
     samples = spline(parameters)
-    distance, gradient = outward(samples, spline.obstacles)
+    distance, gradient = spline.obstacles.outward(samples)
     lift = gradient * np.maximum(aim - distance, 0)[:, None]
     influence = _influence(spline, parameters)[:, 1:-1]
     # The steepest way to lift all samples at once: neighbours move alike, so that the polygon

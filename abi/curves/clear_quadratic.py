@@ -19,7 +19,7 @@ from abi.arrays import FloatArray, IntArray, read_only
 from abi.clearance.curve_clearance import ROUNDING, measure
 from abi.curves.curve import ArcLength, Curve
 from abi.curves.quadratics import Quadratics, join
-from abi.obstacles.primitives import Obstacles, nearest
+from abi.obstacles.obstacle_set import ObstacleSet
 
 Points = Callable[[FloatArray], FloatArray]
 """Points (n, 3) of a curve at parameters (n,) in [0, 1], [unit]."""
@@ -59,7 +59,7 @@ class Target:
 
     breaks: FloatArray
     control_points: FloatArray
-    obstacles: Obstacles
+    obstacles: ObstacleSet
     asked: float
 
     def basis(self, parameters: FloatArray) -> FloatArray:
@@ -74,7 +74,7 @@ class Target:
     @cached_property
     def aim(self) -> float:
         """Distance to aim at, [unit]: the clearance and an allowance, if the ends have that."""
-        ends, _ = nearest(self.obstacles, self.control_points[[0, -1]])
+        ends, _ = self.obstacles.nearest(self.control_points[[0, -1]])
         room = max(0.0, float(ends.min()) - self.asked)
         return self.asked + min(_ALLOWANCE * self.extent + ROUNDING, room / 2)
 
@@ -108,7 +108,7 @@ class _Pieces:
     free: FloatArray
 
 
-def target(shape: ByLength, breaks: FloatArray, obstacles: Obstacles, clearance: float) -> Target:
+def target(shape: ByLength, breaks: FloatArray, obstacles: ObstacleSet, clearance: float) -> Target:
     """The curve on ``breaks`` with the ends of ``shape`` that is nearest to it in L2.
 
     With one piece that is :func:`abi.curves.quadratic.fit`.

@@ -7,15 +7,14 @@ import math
 import numpy as np
 
 from abi.arrays import BoolArray, FloatArray
-from abi.obstacles.polyline import runs_apart
-from abi.obstacles.primitives import Obstacles
+from abi.obstacles.obstacle_set import ObstacleSet
 
 _FINEST = 1e-3  # part of a leg: the nearest a point is put to a bend
 _SHARE = 0.5  # part of the room at a bend that the spline may take
 
 
 def graded(
-    points: FloatArray, degree: int, obstacles: Obstacles, clearance: float
+    points: FloatArray, degree: int, obstacles: ObstacleSet, clearance: float
 ) -> tuple[FloatArray, BoolArray]:
     """Put control points on the legs of a path: dense at the bends, ever wider away from them.
 
@@ -64,11 +63,11 @@ def graded(
     return np.concatenate([inner, points[-1:]]), added
 
 
-def _room(points: FloatArray, obstacles: Obstacles, clearance: float) -> FloatArray:
+def _room(points: FloatArray, obstacles: ObstacleSet, clearance: float) -> FloatArray:
     """What the inner vertices, with half of each leg, keep beyond the clearance, (k - 2,)."""
     middles = (points[1:] + points[:-1]) / 2
     bends = np.stack([middles[:-1], points[1:-1], middles[1:]], axis=1)
-    return runs_apart(bends, obstacles) - clearance
+    return obstacles.polyline_clearances(bends) - clearance
 
 
 def _shares(first: float, last: float) -> list[float]:

@@ -14,7 +14,7 @@ from abi.curves.clear_quadratic import ByLength, Target, nearest_clear, target
 from abi.curves.curve import ArcLength
 from abi.curves.quadratic import Quadratic
 from abi.curves.quadratics import Quadratics, join
-from abi.obstacles.primitives import Obstacles, nearest
+from abi.obstacles.obstacle_set import ObstacleSet
 
 Mode = Literal["least_squares", "clear", "pieces"]
 
@@ -30,7 +30,7 @@ _APART = 0.8  # cosine of the angle between two starts
 
 
 def fit(
-    spline: BSpline, arc: ArcLength, obstacles: Obstacles, clearance: float, mode: Mode
+    spline: BSpline, arc: ArcLength, obstacles: ObstacleSet, clearance: float, mode: Mode
 ) -> Quadratic | Quadratics:
     """A curve of quadratic pieces near the B-spline and with its ends.
 
@@ -91,7 +91,7 @@ def nearest_single(square: Quadratic, shape: ByLength) -> Quadratic | None:
 
 
 def fewest_pieces(
-    spline: BSpline, shape: ByLength, obstacles: Obstacles, clearance: float
+    spline: BSpline, shape: ByLength, obstacles: ObstacleSet, clearance: float
 ) -> Quadratics | None:
     """The clear C¹ curve of the fewest quadratic pieces found, from two up.
 
@@ -120,7 +120,7 @@ def fewest_pieces(
 
 
 def _in_pieces(
-    pieces: int, shape: ByLength, obstacles: Obstacles, clearance: float
+    pieces: int, shape: ByLength, obstacles: ObstacleSet, clearance: float
 ) -> Quadratics | None:
     """A clear curve of so many pieces near ``shape``, or None."""
     for breaks in (np.linspace(0, 1, pieces + 1), _closer_where_bent(shape, pieces)):
@@ -131,7 +131,7 @@ def _in_pieces(
     return None
 
 
-def _on_the_polygon(spline: BSpline, obstacles: Obstacles, clearance: float) -> Quadratics | None:
+def _on_the_polygon(spline: BSpline, obstacles: ObstacleSet, clearance: float) -> Quadratics | None:
     """The clear quadratic B-spline on the spline's control points, halved where needed, or None."""
     if spline.degree != 2:
         spline = bspline.fit(spline.control_points, 2, obstacles, clearance)
@@ -149,7 +149,7 @@ def _starts(wanted: Target) -> list[Quadratics]:
     points = (basis[:, [0, 2]] @ wanted.control_points[[0, 2]])[:, None, None] + (
         basis[:, 1, None, None, None] * free
     )
-    distance, _ = nearest(wanted.obstacles, points.reshape(-1, 3))
+    distance, _ = wanted.obstacles.nearest(points.reshape(-1, 3))
     lacking = np.maximum(wanted.aim - distance.reshape(points.shape[:3]).min(axis=0), 0)
     chosen: list[int] = []
     starts = []

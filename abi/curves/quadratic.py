@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from abi.arrays import FloatArray, read_only
 from abi.clearance.curve_clearance import ROUNDING, Clearance, prove
 from abi.curves.curve import ArcLength, Curve
-from abi.obstacles.primitives import Obstacles
+from abi.obstacles.obstacle_set import NO_OBSTACLES, ObstacleSet
 
 Piece = tuple[float, float, FloatArray]
 """First and last parameter, and rows c0, c1, c2 of c0 + c1·t + c2·t² between them (3, 3), [unit]"""
@@ -31,7 +31,7 @@ class Quadratic:
     """
 
     coefficients: FloatArray
-    obstacles: Obstacles = ()
+    obstacles: ObstacleSet = NO_OBSTACLES
     asked: float = 0.0
     note: str = ""
 
@@ -85,7 +85,7 @@ class Quadratic:
         return np.asarray((2 * c2 if order == 2 else np.zeros(3)) + np.zeros_like(t))
 
 
-def fit(curve: Curve, arc: ArcLength, obstacles: Obstacles, clearance: float) -> Quadratic:
+def fit(curve: Curve, arc: ArcLength, obstacles: ObstacleSet, clearance: float) -> Quadratic:
     """Least-squares quadratic with the curve's ends, paper stage 5.
 
     The curve is taken as S(t), t the part of its arc length travelled, so that the fit does not

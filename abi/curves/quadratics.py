@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from abi.arrays import FloatArray, read_only
 from abi.clearance.curve_clearance import ROUNDING, Clearance, prove
 from abi.curves.quadratic import Piece
-from abi.obstacles.primitives import Obstacles
+from abi.obstacles.obstacle_set import NO_OBSTACLES, ObstacleSet
 
 _FINEST = 1e-6  # of the curve's extent: how finely its clearance is measured
 
@@ -33,7 +33,7 @@ class Quadratics:
 
     coefficients: FloatArray
     breaks: FloatArray
-    obstacles: Obstacles = ()
+    obstacles: ObstacleSet = NO_OBSTACLES
     asked: float = 0.0
 
     @property
@@ -91,7 +91,7 @@ class Quadratics:
 
 
 def join(
-    control_points: FloatArray, breaks: FloatArray, obstacles: Obstacles, clearance: float
+    control_points: FloatArray, breaks: FloatArray, obstacles: ObstacleSet, clearance: float
 ) -> Quadratics:
     """The clamped quadratic B-spline with simple inner knots, as its polynomial pieces.
 

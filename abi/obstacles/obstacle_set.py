@@ -1,78 +1,248 @@
-"""Convex solids as the rows of numbers by which the kernels know them."""
+"""The obstacles of a scene as one thing, whatever their shapes.
+
+Primitives are measured by the kernels, triangle meshes by their own tree, and the nearest counts:
+who asks here need not know which is which. Only where a proof rests on convexity does it ask for
+``primitives`` and ``meshes``. Lengths are in the scene's [unit], points in the world frame.
+"""
 
 from __future__ import annotations
 
 import math
-from functools import lru_cache
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Self
 
 import numpy as np
 
-from abi.arrays import FloatArray, read_only
-from abi.obstacles.memory import ByIdentity
-from abi.obstacles.pose import rotation
+from abi.arrays import BoolArray, FloatArray, IntArray, flat, read_only
+from abi.obstacles import obstacle_set_kernels as kernels
+from abi.obstacles.mesh_shape import MeshShape
+from abi.obstacles.packing import pack
 from abi.obstacles.primitive_kernels import WIDTH
-from abi.obstacles.primitives import Box, Capsule, Cylinder, MeshShape, Obstacles, Sphere
-
-Solid = Box | Sphere | Cylinder | Capsule
-
-_NONE = read_only(np.zeros(0))
+from abi.obstacles.primitives import Box, Obstacle, Obstacles, Primitive
 
 
-@ByIdentity
-def rows(obstacles: Obstacles) -> FloatArray:
-    """The rows of the convex solids among the obstacles; see :func:`packed`."""
-    return packed(parted(obstacles)[0])
+@dataclass(frozen=True, eq=False)
+class ObstacleSet:
+    """Obstacles and their distances. Tables are made when they are first asked for.
+
+    Two sets are equal when they are the same object: to compare obstacles one by one costs more
+    than most of what is computed with them, so a planner makes one set of equal scenes.
+
+    Attributes:
+        obstacles: as the scene has them; an index into them is an obstacle's number.
+    """
+
+    obstacles: Obstacles = ()
+
+    def __len__(self) -> int:
+        return len(self.obstacles)
+
+    def __iter__(self) -> Iterator[Obstacle]:
+        return iter(self.obstacles)
+
+    def __getitem__(self, number: int) -> Obstacle:
+        return self.obstacles[number]
+
+    @cached_property
+    def primitives(self) -> tuple[Primitive, ...]:
+        """The convex obstacles, (p,)."""
+        return tuple(one for one in self.obstacles if not isinstance(one, MeshShape))
+
+    @cached_property
+    def meshes(self) -> tuple[MeshShape, ...]:
+        """The triangle meshes, (m,)."""
+        return tuple(one for one in self.obstacles if isinstance(one, MeshShape))
+
+    @cached_property
+    def primitive_numbers(self) -> IntArray:
+        """Which obstacles the primitives are, ascending, (p,)."""
+        return self._numbers(convex=True)
+
+    @cached_property
+    def mesh_numbers(self) -> IntArray:
+        """Which obstacles the meshes are, ascending, (m,)."""
+        return self._numbers(convex=False)
+
+    @property
+    def all_convex(self) -> bool:
+        """Whether there are no meshes: then every signed distance is a convex function."""
+        return not self.meshes
+
+    @cached_property
+    def packed(self) -> FloatArray:
+        """The primitives as the kernels take them (p ``WIDTH``,); see ``primitive_kernels``."""
+        return pack(self.primitives)
+
+    @cached_property
+    def bounds(self) -> tuple[FloatArray, FloatArray]:
+        """Low and high corners (k, 3) of the obstacles' axis-parallel boxes, [unit], world."""
+        found = np.empty((len(self.obstacles), 2, 3))
+        of_primitives = self.packed.reshape(-1, WIDTH)[:, -6:]
+        found[self.primitive_numbers] = of_primitives.reshape(-1, 2, 3)
+        for number, mesh in zip(self.mesh_numbers, self.meshes, strict=True):
+            found[number] = mesh.bounds()
+        return read_only(found[:, 0].copy()), read_only(found[:, 1].copy())
+
+    @cached_property
+    def boxed(self) -> Self:
+        """The set with each mesh's bounding box in its place; itself without meshes."""
+        if self.all_convex:
+            return self
+        low, high = self.bounds
+        boxed = list(self.obstacles)
+        for number in self.mesh_numbers.tolist():
+            x, y, z = np.maximum(high[number] - low[number], 1e-9).tolist()
+            a, b, c = ((low[number] + high[number]) / 2).tolist()
+            boxed[number] = Box(size=(x, y, z), position=(a, b, c))
+        return type(self)(tuple(boxed))
+
+    @cached_property
+    def meshes_alone(self) -> Self:
+        """The set of the meshes, for what a kernel has already done for the primitives."""
+        return type(self)(self.meshes)
+
+    def nearest(self, points: FloatArray) -> tuple[FloatArray, IntArray]:
+        """Least signed distance (n,) of points (n, 3), [unit], and to which obstacle (n,).
+
+        The first obstacle counts on a tie; without obstacles the distance is inf, the number -1.
+        """
+        distance = np.full(len(points), np.inf)
+        number = np.full(len(points), -1, dtype=np.int32)
+        for k, obstacle in enumerate(self.obstacles):
+            found = obstacle.signed_distance(points)
+            nearer = found < distance
+            distance[nearer] = found[nearer]
+            number[nearer] = k
+        return distance, number
+
+    def signed_distance(self, points: FloatArray) -> FloatArray:
+        """Least signed distance (n,) of points (n, 3), [unit]; inf without obstacles."""
+        found, _ = self._from_primitives(points)
+        for mesh in self.meshes:
+            np.minimum(found, mesh.signed_distance(points), out=found)
+        return found
+
+    def signed_distances(self, points: FloatArray) -> FloatArray:
+        """Signed distance (n, k) of points (n, 3) to each obstacle, [unit]."""
+        found = np.empty((len(points), len(self.obstacles)))
+        of_primitives = np.empty(len(points) * len(self.primitives))
+        kernels.levels(flat(points), self.packed, of_primitives)
+        found[:, self.primitive_numbers] = of_primitives.reshape(len(points), len(self.primitives))
+        for number, mesh in zip(self.mesh_numbers, self.meshes, strict=True):
+            found[:, number] = mesh.signed_distance(points)
+        return found
+
+    def outward(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Least signed distance (n,) of points (n, 3), [unit], and the way out.
+
+        Returns:
+            The distances, inf without obstacles, and their unit subgradients (n, 3), world.
+        """
+        distance, gradient = self._from_primitives(points)
+        for mesh in self.meshes:
+            to_mesh = mesh.signed_distance(points)
+            nearer = np.flatnonzero(to_mesh < distance)
+            distance[nearer] = to_mesh[nearer]
+            gradient[nearer] = mesh.gradient(points[nearer])
+        return distance, gradient
+
+    def blocked(
+        self, starts: FloatArray, ends: FloatArray, margin: float | FloatArray
+    ) -> BoolArray:
+        """Which segments come nearer to an obstacle than ``margin``, (n,).
+
+        Only the segments that an obstacle's bounding box leaves open are looked at any closer.
+
+        Args:
+            starts: first ends (n, 3), [unit], world.
+            ends: second ends (n, 3), [unit], world.
+            margin: distance asked for, [unit], one for all or one for each segment (n,).
+        """
+        blocked = np.zeros(len(starts), dtype=np.bool_)
+        if not self.obstacles:
+            return blocked
+        margins = np.broadcast_to(np.asarray(margin, dtype=float), (len(starts),))
+        below, above = np.minimum(starts, ends), np.maximum(starts, ends)
+        for obstacle, low, high in zip(self.obstacles, *self.bounds, strict=True):
+            near = ~blocked
+            for axis in range(3):
+                near &= above[:, axis] + margins > low[axis]
+                near &= below[:, axis] - margins < high[axis]
+            rows = np.flatnonzero(near)
+            blocked[rows] = obstacle.blocks(starts[rows], ends[rows], margins[rows])
+        return blocked
+
+    def polyline_clearance(self, points: FloatArray) -> float:
+        """Exact least signed distance of a polyline, [unit]; inf without obstacles.
+
+        Args:
+            points: vertices (k, 3), k >= 1, [unit], world.
+        """
+        vertices = points if len(points) > 1 else np.repeat(points, 2, axis=0)
+        return float(self.polyline_clearances(vertices[None])[0])
+
+    def polyline_clearances(self, polylines: FloatArray) -> FloatArray:
+        """Clearances (n,) of polylines of equally many vertices (n, k, 3), k >= 2, [unit]."""
+        count, size, _ = polylines.shape
+        found = np.empty(count)
+        kernels.polylines(flat(polylines), size, self.packed, found)
+        for mesh in self.meshes:
+            legs = mesh.segment_distance(*_segments(polylines)).reshape(count, size - 1)
+            np.minimum(found, legs.min(axis=1), out=found)
+        return found
+
+    def segment_clearances(self, points: FloatArray) -> FloatArray:
+        """Clearances (k - 1,) of a polyline's segments, [unit].
+
+        Args:
+            points: vertices (k, 3), k >= 1, [unit], world; one alone is a segment.
+        """
+        if len(points) == 1:
+            points = np.concatenate([points, points])
+        return self.polyline_clearances(np.stack([points[:-1], points[1:]], axis=1))
+
+    def nearest_polyline(self, polylines: FloatArray) -> tuple[float, int, int]:
+        """Least clearance of polylines (n, k, 3), k >= 2, [unit], which has it, and to what.
+
+        Returns:
+            The clearance, a polyline's number and an obstacle's; inf, 0 and -1 without obstacles.
+        """
+        best, which, whose = math.inf, 0, -1
+        size = polylines.shape[1]
+        if self.primitives:
+            best, which, primitive = kernels.skeletons(flat(polylines), size, self.packed)
+            whose = int(self.primitive_numbers[primitive])
+        starts, ends = _segments(polylines)
+        for number, mesh in zip(self.mesh_numbers.tolist(), self.meshes, strict=True):
+            lower, upper = mesh.distance_bounds(polylines.reshape(-1, 3))
+            lower = lower.reshape(-1, size)
+            lengths = np.linalg.norm(ends - starts, axis=1)
+            # The distance is 1-Lipschitz: only segments that could be nearest are measured.
+            bound = (lower[:, :-1].ravel() + lower[:, 1:].ravel() - lengths) / 2
+            near = np.flatnonzero(bound <= min(best, float(upper.min())))
+            if not len(near):
+                continue
+            found = mesh.segment_distance(starts[near], ends[near])
+            k = int(found.argmin())
+            if found[k] < best:
+                best, which, whose = float(found[k]), int(near[k]) // (size - 1), number
+        return best, which, whose
+
+    def _numbers(self, convex: bool) -> IntArray:
+        chosen = [k for k, one in enumerate(self.obstacles) if one.convex == convex]
+        return read_only(np.array(chosen, dtype=np.int32))
+
+    def _from_primitives(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+        distance, gradient = np.empty(len(points)), np.zeros(3 * len(points))
+        kernels.nearest(flat(points), self.packed, distance, gradient)
+        return distance, gradient.reshape(-1, 3)
 
 
-@ByIdentity
-def meshes(obstacles: Obstacles) -> tuple[MeshShape, ...]:
-    """The triangle meshes among the obstacles."""
-    return parted(obstacles)[1]
+NO_OBSTACLES = ObstacleSet()
 
 
-def parted(obstacles: Obstacles) -> tuple[tuple[Solid, ...], tuple[MeshShape, ...]]:
-    """The convex solids among the obstacles, and the triangle meshes."""
-    solids = tuple(shape for shape in obstacles if not isinstance(shape, MeshShape))
-    if len(solids) == len(obstacles):
-        return solids, ()
-    return solids, tuple(shape for shape in obstacles if isinstance(shape, MeshShape))
-
-
-def packed(solids: tuple[Solid, ...]) -> FloatArray:
-    """The rows of the solids, one after the other, (k ``WIDTH``,); see ``primitive_kernels``."""
-    if len(solids) == 1:
-        return _row(solids[0])
-    return read_only(np.concatenate([_row(solid) for solid in solids])) if solids else _NONE
-
-
-@lru_cache(maxsize=1024)
-def _row(solid: Solid) -> FloatArray:
-    axes = _axes(solid.wxyz)
-    a, b, c, radius, is_cylinder = core = _core(solid)
-    reach = [
-        abs(axes[k + 6]) * c + math.hypot(axes[k], axes[k + 3]) * a
-        if is_cylinder
-        else abs(axes[k]) * a + abs(axes[k + 3]) * b + abs(axes[k + 6]) * c + radius
-        for k in range(3)
-    ]
-    (x, y, z), (u, v, w) = solid.position, reach
-    row = np.array([x, y, z, *axes, *core, x - u, y - v, z - w, x + u, y + v, z + w])
-    assert len(row) == WIDTH
-    return read_only(row)
-
-
-@lru_cache(maxsize=1024)
-def _axes(wxyz: tuple[float, float, float, float]) -> tuple[float, ...]:
-    """The body's axes in the world, one after the other (9,)."""
-    return tuple(rotation(wxyz).T.ravel().tolist())
-
-
-def _core(solid: Solid) -> tuple[float, float, float, float, float]:
-    """Half sizes of the core, the radius around it, and whether it is a cylinder."""
-    if isinstance(solid, Box):
-        x, y, z = solid.size
-        return x / 2, y / 2, z / 2, 0.0, 0.0
-    if isinstance(solid, Cylinder):
-        return solid.radius, solid.radius, solid.height / 2, 0.0, 1.0
-    height = solid.height if isinstance(solid, Capsule) else 0.0
-    return 0.0, 0.0, height / 2, solid.radius, 0.0
+def _segments(polylines: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Both ends (n (k - 1), 3) of the segments of polylines (n, k, 3), one after the other."""
+    return polylines[:, :-1].reshape(-1, 3), polylines[:, 1:].reshape(-1, 3)

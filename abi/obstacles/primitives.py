@@ -1,6 +1,6 @@
-"""Obstacles: solids placed in the world, their signed distance and their distance to segments.
+"""Convex primitives placed in the world, their signed distance and their distance to segments.
 
-Every solid written down here is convex, so its signed distance is a convex function of the point
+Each is convex, so its signed distance is a convex function of the point
 (Boyd and Vandenberghe, Convex Optimization, 2004, section 3.2.5 and exercise 8.5). Two things rest
 on that: the distance along a segment has one lowest stretch, and every tangent bounds it from
 below. Triangle meshes (:mod:`abi.obstacles.mesh_shape`) need not be convex: ``convex`` tells.
@@ -15,7 +15,7 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from abi.arrays import BoolArray, FloatArray, IntArray, read_only
+from abi.arrays import BoolArray, FloatArray, read_only
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.pose import LARGEST, Length, Posed, Quaternion, Vec3, rotation
 
@@ -28,11 +28,10 @@ __all__ = [
     "MeshShape",
     "Obstacle",
     "Obstacles",
+    "Primitive",
     "Quaternion",
     "Sphere",
     "Vec3",
-    "nearest",
-    "segments_blocked",
 ]
 
 
@@ -100,7 +99,7 @@ def _deepest_in_box(p: FloatArray, d: FloatArray, half: FloatArray) -> FloatArra
     return np.asarray(t[np.arange(len(p)), depth.argmin(axis=1)])
 
 
-class _Solid(Posed):
+class _Primitive(Posed):
     """A convex solid and its pose. Children answer in the body frame, this class in the world."""
 
     convex: ClassVar[bool] = True
@@ -194,7 +193,7 @@ class _Solid(Posed):
         return blocked
 
 
-class Box(_Solid):
+class Box(_Primitive):
     """A box; ``size`` is its full extent along the body's x, y, z, [unit]."""
 
     shape: Literal["box"] = "box"
@@ -225,7 +224,7 @@ class Box(_Solid):
         return np.clip(x, -half, half)
 
 
-class _Rounded(_Solid):
+class _Rounded(_Primitive):
     """All points within ``radius`` of a core, which is a point or a segment of the z axis."""
 
     radius: Length
@@ -277,7 +276,7 @@ class Capsule(_Rounded):
         return np.array([0.0, 0.0, self.height / 2])
 
 
-class Cylinder(_Solid):
+class Cylinder(_Primitive):
     """A cylinder with flat ends along the body's z, centred; ``radius``, ``height`` in [unit]."""
 
     shape: Literal["cylinder"] = "cylinder"
@@ -321,47 +320,6 @@ class Cylinder(_Solid):
         return np.concatenate([share * x[:, :2], z], axis=1)
 
 
-Obstacle = Annotated[Box | Sphere | Cylinder | Capsule | MeshShape, Field(discriminator="shape")]
+Primitive = Box | Sphere | Cylinder | Capsule
+Obstacle = Annotated[Primitive | MeshShape, Field(discriminator="shape")]
 Obstacles = tuple[Obstacle, ...]
-
-
-def nearest(obstacles: Obstacles, points: FloatArray) -> tuple[FloatArray, IntArray]:
-    """Least signed distance (n,) of points (n, 3) to the obstacles, [unit], and whose it is (n,).
-
-    The index is the first obstacle's on a tie; without obstacles the distance is inf, the index -1.
-    """
-    distance = np.full(len(points), np.inf)
-    index = np.full(len(points), -1, dtype=np.int32)
-    for k, obstacle in enumerate(obstacles):
-        found = obstacle.signed_distance(points)
-        nearer = found < distance
-        distance[nearer] = found[nearer]
-        index[nearer] = k
-    return distance, index
-
-
-def segments_blocked(
-    obstacles: Obstacles, p: FloatArray, q: FloatArray, margin: float | FloatArray
-) -> BoolArray:
-    """Which segments from p (n, 3) to q (n, 3) come nearer than ``margin`` to an obstacle, (n,).
-
-    Args:
-        obstacles: the solids; none block nothing.
-        p: first ends, [unit], world.
-        q: second ends, [unit], world.
-        margin: distance asked for, [unit], one for all or one for each segment (n,).
-
-    Only the segments that the obstacle's bounding box leaves open are looked at any closer.
-    """
-    margins = np.broadcast_to(np.asarray(margin, dtype=float), (len(p),))
-    blocked = np.zeros(len(p), dtype=bool)
-    low_ends, high_ends = np.minimum(p, q), np.maximum(p, q)
-    for obstacle in obstacles:
-        low, high = obstacle.bounds()
-        near = ~blocked
-        for axis in range(3):
-            near &= high_ends[:, axis] + margins > low[axis]
-            near &= low_ends[:, axis] - margins < high[axis]
-        rows = np.flatnonzero(near)
-        blocked[rows] = obstacle.blocks(p[rows], q[rows], margins[rows])
-    return blocked

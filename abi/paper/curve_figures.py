@@ -9,7 +9,7 @@ import numpy as np
 from abi.curves import bspline, quadratic
 from abi.curves import speed_profile as timing
 from abi.curves.curve import measure
-from abi.obstacles.polyline import measure_polyline
+from abi.obstacles.obstacle_set import ObstacleSet
 from abi.paper import printed
 from abi.paper.comparison import Comparison
 from abi.planner.plan import Plan, plan
@@ -124,11 +124,12 @@ def _as_printed(scene: Scene) -> Iterator[tuple[float, float]]:
         )
         assert made.path is not None
         spline = bspline.clamped(made.path.points, scene.spline.degree)
-        square = quadratic.fit(spline, measure(spline), scene.obstacles, 0.0)
+        obstacles = ObstacleSet(scene.obstacles)
+        square = quadratic.fit(spline, measure(spline), obstacles, 0.0)
         points = np.linspace(0, 1, 4001)
         yield (
-            measure_polyline(spline(points), scene.obstacles),
-            measure_polyline(square(points), scene.obstacles),
+            obstacles.polyline_clearance(spline(points)),
+            obstacles.polyline_clearance(square(points)),
         )
 
 
@@ -143,4 +144,4 @@ def _room_beside(scene: Scene, side: float) -> float:
     cube = scene.replace(
         obstacles=[{"shape": "box", "size": 3 * [side], "position": [3, 3, 3]}]
     ).obstacles
-    return measure_polyline(printed.QUADRATIC(np.linspace(0, 1, 4001)), cube)
+    return ObstacleSet(cube).polyline_clearance(printed.QUADRATIC(np.linspace(0, 1, 4001)))

@@ -8,7 +8,7 @@ import numpy as np
 import scipy
 
 from abi.errors import StageError
-from abi.obstacles.polyline import measure_polyline
+from abi.obstacles.obstacle_set import ObstacleSet
 from abi.paper import printed
 from abi.paper.comparison import Comparison
 from abi.planner.plan import Plan, plan
@@ -103,12 +103,13 @@ def _enters(scene: Scene) -> bool:
     """Whether our path is through an obstacle."""
     ends = scene.start, scene.goal
     whole = mesh.tetrahedralise(scene.workspace, scene.mesh)
+    obstacles = ObstacleSet(scene.obstacles)
     try:
-        free = mesh.exclude(whole, scene.obstacles, 0.0)
-        path = a_star(graph.build(free, scene.obstacles, 0.0, *ends, 0.0), "length")
+        free = mesh.exclude(whole, obstacles, 0.0)
+        path = a_star(graph.build(free, obstacles, 0.0, *ends, 0.0), "length")
     except StageError:
         return False
-    return measure_polyline(path.points, scene.obstacles) < 0
+    return obstacles.polyline_clearance(path.points) < 0
 
 
 def _enters_by_nodes(scene: Scene) -> bool:
@@ -129,7 +130,7 @@ def _enters_by_nodes(scene: Scene) -> bool:
         if before[way[-1]] < 0:
             return False
         way.append(int(before[way[-1]]))
-    return measure_polyline(whole.points[way], scene.obstacles) < 0
+    return ObstacleSet(scene.obstacles).polyline_clearance(whole.points[way]) < 0
 
 
 def _detour(scene: Scene, pitch: float) -> float:

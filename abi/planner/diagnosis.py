@@ -11,7 +11,7 @@ import numpy as np
 
 from abi.arrays import FloatArray, IntArray, read_only
 from abi.errors import ClearanceNotHeld, NoPath, PointBlocked, StageError, in_unit, said
-from abi.obstacles.primitives import nearest, segments_blocked
+from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner.nearest_free_point import nearest_free, rounded
 from abi.planner.plan import SLACK, Plan
 from abi.planner.what_if import CancelledError, Trials, parts, rounded_down
@@ -89,7 +89,7 @@ def _blocked(scene: Scene, plan: Plan, trials: Trials) -> Reason:
     """Start, goal or both are in an obstacle or its clearance."""
     asked, slack = scene.spline.clearance, SLACK * max(scene.workspace.size)
     ends = {"start": np.array(scene.start), "goal": np.array(scene.goal)}
-    distance, obstacle = nearest(scene.obstacles, np.array(list(ends.values())))
+    distance, obstacle = trials.obstacles.nearest(np.array(list(ends.values())))
     known = np.zeros((0, 3)) if plan.free is None else plan.free.mesh.points[~plan.free.excluded]
     places: list[str] = []
     free: dict[str, FloatArray | None] = {}
@@ -106,7 +106,7 @@ def _blocked(scene: Scene, plan: Plan, trials: Trials) -> Reason:
             f"{said(asked)}"
         )
         seeds = known[np.linalg.norm(known - point, axis=1).argsort()[:_SEEDS]]
-        found = nearest_free(scene.obstacles, scene.workspace, point, asked + slack, seeds)
+        found = nearest_free(trials.obstacles, scene.workspace, point, asked + slack, seeds)
         free[which] = None if found is None else rounded(found, scene.workspace, slack / 2)
     message = _sentence(", and ".join(places))
 
@@ -200,7 +200,7 @@ def _walled_in(
     tried = f"clearances down to 0{_down_to(finer)} do not help: they have been tried"
     opened = None
     for k in walls[:_NAMED]:
-        others = scene.obstacles[:k] + scene.obstacles[k + 1 :]
+        others = ObstacleSet(scene.obstacles[:k] + scene.obstacles[k + 1 :])
         if trials.joined(scene.spline.clearance, obstacles=others):
             opened = k
             break
@@ -230,7 +230,7 @@ def _walls(scene: Scene, plan: Plan, nodes: Graph, inside: IntArray) -> list[int
     return [
         k
         for k, obstacle in enumerate(scene.obstacles)
-        if segments_blocked((obstacle,), p, q, margin).any()
+        if ObstacleSet((obstacle,)).blocked(p, q, margin).any()
     ]
 
 
@@ -268,7 +268,7 @@ def _narrowest(plan: Plan) -> FloatArray:
     lengths = np.append(0, np.cumsum(np.linalg.norm(np.diff(corners, axis=0), axis=1)))
     along = np.linspace(0, lengths[-1], _PLACES)
     places = np.stack([np.interp(along, lengths, column) for column in corners.T], axis=1)
-    distance, _ = nearest(plan.scene.obstacles, places)
+    distance, _ = ObstacleSet(plan.scene.obstacles).nearest(places)
     return _rows(places[distance.argmin()][None])
 
 

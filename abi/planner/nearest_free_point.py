@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from abi.arrays import FloatArray, read_only
-from abi.obstacles.primitives import Obstacles, nearest
+from abi.obstacles.obstacle_set import ObstacleSet
 from abi.scene.scene import Workspace
 
 _PUSHES = 12
@@ -16,7 +16,7 @@ _SHORTEST = 1e-4  # step of a slide, as a part of the way
 
 
 def nearest_free(
-    obstacles: Obstacles, workspace: Workspace, point: FloatArray, margin: float, free: FloatArray
+    obstacles: ObstacleSet, workspace: Workspace, point: FloatArray, margin: float, free: FloatArray
 ) -> FloatArray | None:
     """The nearest point found that keeps ``margin`` from every obstacle, in the workspace.
 
@@ -38,7 +38,7 @@ def nearest_free(
     low, high = np.array(workspace.min), np.array(workspace.max)
     pushed = _pushed_out(obstacles, np.clip(point, low, high)[None], margin, low, high)
     places: FloatArray = np.concatenate([free, pushed])
-    kept = nearest(obstacles, places)[0] >= margin
+    kept = obstacles.nearest(places)[0] >= margin
     places = places[kept]
     if not len(places):
         return None
@@ -48,7 +48,7 @@ def nearest_free(
         trial = places + step[:, None] * (point - places)
         trial = _pushed_out(obstacles, trial, margin, low, high)
         distance = np.linalg.norm(trial - point, axis=1)
-        nearer = (nearest(obstacles, trial)[0] >= margin) & (distance < away * (1 - 1e-9))
+        nearer = (obstacles.nearest(trial)[0] >= margin) & (distance < away * (1 - 1e-9))
         places[nearer], away[nearer] = trial[nearer], distance[nearer]
         step = np.where(nearer, np.minimum(2 * step, 1.0), step / 2)
         if (step < _SHORTEST).all():
@@ -64,12 +64,12 @@ def rounded(point: FloatArray, workspace: Workspace, error: float) -> FloatArray
 
 
 def _pushed_out(
-    obstacles: Obstacles, places: FloatArray, margin: float, low: FloatArray, high: FloatArray
+    obstacles: ObstacleSet, places: FloatArray, margin: float, low: FloatArray, high: FloatArray
 ) -> FloatArray:
     """Push places (n, 3) out of the obstacle they are nearest to, and so on, within the box."""
     places = places.copy()
     for _ in range(_PUSHES):
-        distance, index = nearest(obstacles, places)
+        distance, index = obstacles.nearest(places)
         lacking = margin - distance
         if (lacking <= 0).all():
             break

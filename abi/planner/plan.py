@@ -28,7 +28,7 @@ from abi.curves.quadratic import Quadratic
 from abi.curves.quadratics import Quadratics
 from abi.curves.speed_profile import Profile
 from abi.errors import ClearanceNotHeld, StageError
-from abi.obstacles import polyline
+from abi.obstacles.obstacle_set import ObstacleSet
 from abi.scene.scene import Scene
 from abi.search import graph
 from abi.search.graph import Graph
@@ -123,11 +123,12 @@ class Planner:
             compile: whether to compile the inner loops in the background from the first plan on.
         """
         self._compile, self._planned = compile, False
+        self._obstacles = _Remembered(ObstacleSet)
         self._mesh = _Remembered(mesh.tetrahedralise)
         self._free = _Remembered(mesh.exclude)
         self._graph = _Remembered(graph.build)
         self._searches = {name: _Remembered(search) for name, search in SEARCHES.items()}
-        self._path_clearance = _Remembered(polyline.measure_polyline)
+        self._path_clearance = _Remembered(ObstacleSet.polyline_clearance)
         self._taut = _Remembered(taut)
         self._optimum = _Remembered(lower_bound)
         self._bspline = _Remembered(bspline.fit)
@@ -168,15 +169,16 @@ class Planner:
         _wait_for_the_compiler(scene)
         asked = scene.spline.clearance
         margin = asked + SLACK * max(scene.workspace.size)
+        obstacles = self._obstacles(scene.obstacles)
 
         # The arm stands there even when no path is found.
         reached["arm"] = arm = self._arm(scene.arm, scene.unit)
         # 1 tetrahedral mesh of the workspace without the obstacles
         reached["mesh"] = tets = self._mesh(scene.workspace, scene.mesh)
-        reached["free"] = free = self._free(tets, scene.obstacles, margin)
+        reached["free"] = free = self._free(tets, obstacles, margin)
         # 2 graph
         reached["graph"] = nodes = self._graph(
-            free, scene.obstacles, margin, scene.start, scene.goal, asked
+            free, obstacles, margin, scene.start, scene.goal, asked
         )
         # 3 A*, Dijkstra, Bellman-Ford
         reached["searches"] = found = tuple(
@@ -185,23 +187,23 @@ class Planner:
         reached["path"] = path = next(
             result for result in found if result.algorithm == scene.search.algorithm
         )
-        reached["path_clearance"] = self._path_clearance(path.points, scene.obstacles)
+        reached["path_clearance"] = self._path_clearance(obstacles, path.points)
         # 3½ the path pulled taut, and how short any curve can be
         way_points = path.points
         if scene.search.taut:
-            reached["taut"] = string = self._taut(nodes, scene.obstacles, margin, path)
+            reached["taut"] = string = self._taut(nodes, obstacles, margin, path)
             way_points = string.points
         reached["optimum"] = self._optimum(
-            scene.start, scene.goal, scene.obstacles, asked, scene.workspace
+            scene.start, scene.goal, obstacles, asked, scene.workspace
         )
         # 4 B-spline, kept clear of the obstacles
         reached["bspline"] = spline = self._bspline(
-            way_points, scene.spline.degree, scene.obstacles, asked, scene.search.taut
+            way_points, scene.spline.degree, obstacles, asked, scene.search.taut
         )
         reached["bspline_arc"] = spline_arc = self._bspline_arc(spline)
         # 5 quadratic curve with exact ends, and a motion in three phases
         reached["quadratic"] = square = self._quadratic(
-            spline, spline_arc, scene.obstacles, asked, scene.quadratic.mode
+            spline, spline_arc, obstacles, asked, scene.quadratic.mode
         )
         reached["quadratic_arc"] = square_arc = self._quadratic_arc(square)
         reached["followed"] = followed = _followed(scene, spline, square)
@@ -212,7 +214,7 @@ class Planner:
         )
         # 6 inverse kinematics
         reached["motion"] = moved = self._motion(
-            way, arc, profile, arm, scene.arm, scene.obstacles, SAMPLES
+            way, arc, profile, arm, scene.arm, obstacles, SAMPLES
         )
         if moved.error is not None:
             raise moved.error

@@ -12,7 +12,7 @@ import scipy
 
 from abi.arrays import IntArray
 from abi.errors import StageError
-from abi.obstacles.primitives import Obstacles
+from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner.plan import SLACK, Plan, Planner
 from abi.scene.scene import FINEST, Scene
 from abi.search import graph
@@ -36,6 +36,7 @@ class Trials:
 
     def __init__(self, scene: Scene, cancelled: Callable[[], bool]) -> None:
         self.scene = scene
+        self.obstacles = ObstacleSet(scene.obstacles)
         self._cancelled = cancelled
         self._planner = Planner()
         self._mesh = lru_cache(maxsize=1)(self._tetrahedralised)
@@ -53,12 +54,12 @@ class Trials:
         return None
 
     def joined(
-        self, clearance: float, pitch: float | None = None, obstacles: Obstacles | None = None
+        self, clearance: float, pitch: float | None = None, obstacles: ObstacleSet | None = None
     ) -> bool:
         """Whether the graph joins start and goal; None is what the scene has."""
         self._go_on()
         scene = self.scene
-        blocking = scene.obstacles if obstacles is None else obstacles
+        blocking = self.obstacles if obstacles is None else obstacles
         margin = clearance + SLACK * max(scene.workspace.size)
         free = mesh.exclude(self._mesh(pitch or scene.mesh.pitch), blocking, margin)
         try:

@@ -15,8 +15,8 @@ import numpy as np
 
 from abi.arrays import BoolArray, FloatArray, IntArray, read_only
 from abi.errors import PointBlocked, StageError
-from abi.obstacles.obstacle_set import packed, parted
-from abi.obstacles.primitives import MeshShape, Obstacles, Vec3, nearest, segments_blocked
+from abi.obstacles.obstacle_set import ObstacleSet
+from abi.obstacles.pose import Vec3
 from abi.search import graph_kernels as kernels
 from abi.tet_mesh import adjacency as net
 from abi.tet_mesh import lattice
@@ -185,7 +185,7 @@ class Graph:
 
 def build(
     free: FreeMesh,
-    obstacles: Obstacles,
+    obstacles: ObstacleSet,
     margin: float,
     start: Vec3,
     goal: Vec3,
@@ -220,9 +220,7 @@ def build(
     if min(at) >= 0 and gap > reach:
         # free nodes keep the margin, and nothing needs to be joined
         return _graph(free, free.exits, [], [], at)
-    solids, surfaces = parted(obstacles)
-    rows = packed(solids)
-    room = [min(own - _ROUNDING, margin) for own in _room(free, obstacles, rows, ends, clearance)]
+    room = [min(own - _ROUNDING, margin) for own in _room(free, obstacles, ends, clearance)]
     exits, weights = free.exits.copy(), free.weights
     nodes = len(mesh.points)
     ids: list[int] = []
@@ -232,14 +230,13 @@ def build(
         if node < 0:
             node = nodes + len(own)
             own.append(end)
-            margins = read_only(np.full(len(solids), least))
-            seen, away = _seen_from(end, free, rows, margins, surfaces, least, reach)
+            seen, away = _seen_from(end, free, obstacles, least, reach)
             links.append((seen, np.full_like(seen, node), away))
             exits[seen] |= np.int32(1 << LINKED)
         ids.append(node)
     if gap <= reach and not _joined(mesh, exits, weights, links, ids):
         p, q = np.array([start]), np.array([goal])
-        if not segments_blocked(obstacles, p, q, min(room)).any():
+        if not obstacles.blocked(p, q, min(room)).any():
             pair = np.array(sorted(ids), dtype=np.int32)
             links.append((pair[:1], pair[1:], np.array([gap])))
             of_mesh = pair[pair < nodes]
@@ -278,20 +275,15 @@ def _graph(
 
 def _room(
     free: FreeMesh,
-    obstacles: Obstacles,
-    rows: FloatArray,
+    obstacles: ObstacleSet,
     ends: tuple[Vec3, Vec3],
     clearance: float,
 ) -> list[float]:
     """Signed distances of start and goal, [unit]; raises PointBlocked."""
-    _, surfaces = parted(obstacles)
-    if surfaces:
-        distances: list[float] = nearest(obstacles, np.array(ends))[0].tolist()
-    else:
-        distances = [kernels.nearest(rows, *map(float, end)) for end in ends]
+    distances: list[float] = obstacles.signed_distance(np.array(ends, dtype=float)).tolist()
     for which, end, distance in zip(("start", "goal"), ends, distances, strict=True):
         if distance < clearance - _ROUNDING:
-            index = int(nearest(obstacles, np.array([end]))[1][0])
+            index = int(obstacles.nearest(np.array([end]))[1][0])
             candidates = free.mesh.points[~free.excluded]
             squares = ((candidates - end) ** 2).sum(axis=1)
             place = candidates[squares.argmin()] if len(candidates) else None
@@ -319,9 +311,7 @@ def _node_at(free: FreeMesh, point: Vec3) -> int:
 def _seen_from(
     point: Vec3,
     free: FreeMesh,
-    rows: FloatArray,
-    margins: FloatArray,
-    surfaces: tuple[MeshShape, ...],
+    obstacles: ObstacleSet,
     margin: float,
     reach: float,
 ) -> tuple[IntArray, FloatArray]:
@@ -330,13 +320,15 @@ def _seen_from(
     Looks within ``reach``, [unit], and twice and four times as far while it sees none.
     """
     shape, _, _, places, _, _ = free.mesh.net
+    margins = read_only(np.full(len(obstacles.primitives), margin))
+    solids = obstacles.packed, margins
     x, y, z = map(float, point)
     for radius in (reach, 2 * reach, 4 * reach):
-        ids, away = kernels.seen(shape, places, rows, margins, free.excluded, x, y, z, radius)
-        if surfaces:
+        ids, away = kernels.seen(shape, places, *solids, free.excluded, x, y, z, radius)
+        if obstacles.meshes:
             nodes = free.mesh.points[ids]
             from_point = np.broadcast_to(np.array(point), nodes.shape)
-            clear = ~segments_blocked(surfaces, from_point, nodes, margin)
+            clear = ~obstacles.meshes_alone.blocked(from_point, nodes, margin)
             ids, away = ids[clear], away[clear]
         if len(ids):
             break

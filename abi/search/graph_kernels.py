@@ -12,16 +12,7 @@ import numpy as np
 
 from abi.arrays import BoolArray, FloatArray, IntArray
 from abi.compiled import FLAGS, FLOATS, compiled
-from abi.obstacles.primitive_kernels import (
-    WIDTH,
-    axes_of,
-    blocked,
-    centre_of,
-    core_of,
-    in_body,
-    signed_distance,
-)
-from abi.obstacles.vector_kernels import sub
+from abi.obstacles.primitive_kernels import blocked
 from abi.tet_mesh.adjacency_kernels import BCC, NO_SHAPE, ROWS, Shape, half_cells, node_at
 
 
@@ -84,13 +75,3 @@ def seen(
                     distances[found] = away
                     found += 1
     return nodes[:found], distances[:found]
-
-
-@compiled(example=(FLOATS, 0.0, 0.0, 0.0))
-def nearest(solids: FloatArray, x: float, y: float, z: float) -> float:
-    """Least signed distance of a place to the solids, [unit]; inf without any."""
-    least = math.inf
-    for s in range(len(solids) // WIDTH):
-        p = in_body(axes_of(solids, s), sub((x, y, z), centre_of(solids, s)))
-        least = min(least, signed_distance(core_of(solids, s), p))
-    return least

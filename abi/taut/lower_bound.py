@@ -9,10 +9,9 @@ import numpy as np
 
 from abi.arrays import FloatArray
 from abi.clearance.curve_clearance import ROUNDING
-from abi.obstacles.obstacle_set import packed, parted
+from abi.obstacles.mesh_shape import MeshShape
+from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.pose import Vec3
-from abi.obstacles.primitive_kernels import WIDTH
-from abi.obstacles.primitives import MeshShape, Obstacles
 from abi.scene.scene import Workspace
 from abi.taut import geodesic_kernels as kernels
 from abi.taut.geodesic_round_kernels import around_ball
@@ -35,7 +34,7 @@ class Bound:
 
 
 def lower_bound(
-    start: Vec3, goal: Vec3, obstacles: Obstacles, clearance: float, workspace: Workspace
+    start: Vec3, goal: Vec3, obstacles: ObstacleSet, clearance: float, workspace: Workspace
 ) -> Bound:
     """Bound from below the length of all curves from start to goal that keep the clearance.
 
@@ -63,11 +62,9 @@ def lower_bound(
     asked = max(clearance - ROUNDING, 0.0)
     ends = np.array([start, goal])
     straight = _DOWN * math.dist(start, goal)
-    solids, surfaces = parted(obstacles)
-    rows = packed(solids)
-    lengths, exact = kernels.around(rows, asked, *map(float, (*start, *goal)))
+    lengths, exact = kernels.around(obstacles.packed, asked, *map(float, (*start, *goal)))
     ways = [(float(length), bool(whether)) for length, whether in zip(lengths, exact, strict=True)]
-    ways += [(_past(surface, ends, asked), False) for surface in surfaces]
+    ways += [(_past(surface, ends, asked), False) for surface in obstacles.meshes]
     longest = max((length for length, _ in ways), default=0.0)
     if longest == 0:
         return Bound(straight, True)
@@ -75,7 +72,9 @@ def lower_bound(
     best = next(k for k, way in enumerate(ways) if way[0] == longest)
     if not ways[best][1]:
         return Bound(length, False)
-    low, high = _bounds(rows, surfaces)
+    # the ways are those past the primitives, then those past the meshes
+    order = np.concatenate([obstacles.primitive_numbers, obstacles.mesh_numbers])
+    low, high = (corners[order] for corners in obstacles.bounds)
     inside = (low[best] - asked >= workspace.min).all() and (
         high[best] + asked <= workspace.max
     ).all()
@@ -102,11 +101,3 @@ def _past(surface: MeshShape, ends: FloatArray, clearance: float) -> float:
     k = int(radius.argmax())
     (a, b, c), (d, e, f) = (ends - line[k]).tolist()
     return float(around_ball(float(radius[k]), (a, b, c), (d, e, f)))
-
-
-def _bounds(rows: FloatArray, surfaces: tuple[MeshShape, ...]) -> tuple[FloatArray, FloatArray]:
-    """Low and high corners (k, 3) of the boxes around convex solids and surfaces, [unit], world."""
-    of_solids = rows.reshape(-1, WIDTH)[:, -6:].reshape(-1, 2, 3)
-    of_surfaces = np.array([surface.bounds() for surface in surfaces]).reshape(-1, 2, 3)
-    low, high = np.concatenate([of_solids, of_surfaces]).swapaxes(0, 1)
-    return low, high

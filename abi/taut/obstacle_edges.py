@@ -13,9 +13,8 @@ from itertools import product
 import numpy as np
 
 from abi.arrays import FloatArray, read_only
-from abi.obstacles.obstacle_set import Solid
 from abi.obstacles.pose import Vec3, rotation
-from abi.obstacles.primitives import Box, Cylinder, Sphere
+from abi.obstacles.primitives import Box, Cylinder, Primitive, Sphere
 
 _SIDES = 8  # of the prism around what is round
 _WIDER = 1e-6  # part of the margin that the edges keep beyond it
@@ -23,7 +22,7 @@ _APART = 1e-9  # and [unit]
 _NONE = read_only(np.zeros(0))
 
 
-def edges(obstacles: tuple[Solid, ...], margin: float, ahead: Vec3) -> FloatArray:
+def edges(obstacles: tuple[Primitive, ...], margin: float, ahead: Vec3) -> FloatArray:
     """The edges of the widened obstacles. What is round is taken for a prism of 8 sides.
 
     Args:
@@ -42,7 +41,7 @@ def edges(obstacles: tuple[Solid, ...], margin: float, ahead: Vec3) -> FloatArra
 
 
 @lru_cache(maxsize=1024)
-def _edges(solid: Solid, margin: float, ahead: Vec3 | None) -> FloatArray:
+def _edges(solid: Primitive, margin: float, ahead: Vec3 | None) -> FloatArray:
     axes = rotation(solid.wxyz).T if ahead is None else _along(np.array(ahead))
     ends = _box_edges(solid, margin) if isinstance(solid, Box) else _prism_edges(solid, margin)
     return read_only((ends @ axes + solid.position).ravel())
@@ -78,7 +77,7 @@ def _box_edges(solid: Box, margin: float) -> FloatArray:
     return np.asarray(_CORNERS * (np.array(solid.size) / 2) + _ACROSS * margin)
 
 
-def _prism_edges(solid: Solid, margin: float) -> FloatArray:
+def _prism_edges(solid: Primitive, margin: float) -> FloatArray:
     """Ends (n, 2, 3) of the edges of a prism around a widened solid, body."""
     assert not isinstance(solid, Box)
     radius, turn = solid.radius + margin, math.pi / _SIDES

@@ -11,11 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from abi.arrays import FloatArray, columns, flat, read_only
-from abi.obstacles import obstacle_set_kernels as distances
-from abi.obstacles.obstacle_set import Solid, packed
-from abi.obstacles.polyline import measure_polyline, segment_clearances
-from abi.obstacles.primitives import Box, MeshShape, Obstacle, Obstacles
+from abi.arrays import FloatArray, columns, read_only
+from abi.obstacles.obstacle_set import ObstacleSet
 from abi.search.graph import REACH, Graph
 from abi.search.search import SearchResult
 from abi.taut import taut_kernels as kernels
@@ -66,7 +63,7 @@ class TautPath:
     clearance: float
 
 
-def taut(graph: Graph, obstacles: Obstacles, margin: float, path: SearchResult) -> TautPath:
+def taut(graph: Graph, obstacles: ObstacleSet, margin: float, path: SearchResult) -> TautPath:
     """Pull ``path`` taut, and others beside it; the shortest is returned.
 
     ``path`` may go round an obstacle on its longer side. One of the others is found for any angle,
@@ -94,37 +91,18 @@ def taut(graph: Graph, obstacles: Obstacles, margin: float, path: SearchResult) 
         by the exact distance, ``abi.clearance.curve_clearance``.
     """
     ends = path.points[[0, -1]]
-    solids = tuple(_in_its_bounds(obstacle) for obstacle in obstacles)
-    own = _levels(solids, ends)
-    margins = _margins(own, margin)
-    strings = _pulled(graph, path, solids, margins)
-    if solids != obstacles:
-        own = np.stack([obstacle.signed_distance(ends) for obstacle in obstacles], axis=1)
-        margins = _margins(own, margin)
+    boxed = obstacles.boxed
+    margins = _margins(boxed.signed_distances(ends), margin)
+    strings = _pulled(graph, path, boxed, margins)
+    if boxed is not obstacles:
+        margins = _margins(obstacles.signed_distances(ends), margin)
     limits = margins.min(axis=1, initial=margin)
-    if solids != obstacles:
+    if boxed is not obstacles:
         best, _ = _shortest_clear(path.points, strings, obstacles, limits)
         strings = [tightened(points, obstacles, limits) for points in (path.points, best)]
         strings.sort(key=_length)
     points, clearance = _shortest_clear(path.points, strings, obstacles, limits)
     return TautPath(read_only(points), _length(points), clearance)
-
-
-def _in_its_bounds(obstacle: Obstacle) -> Solid:
-    """A triangle mesh's bounding box; a convex solid itself."""
-    if not isinstance(obstacle, MeshShape):
-        return obstacle
-    low, high = obstacle.bounds()
-    x, y, z = np.maximum(high - low, 1e-9).tolist()
-    a, b, c = ((low + high) / 2).tolist()
-    return Box(size=(x, y, z), position=(a, b, c))
-
-
-def _levels(solids: tuple[Solid, ...], points: FloatArray) -> FloatArray:
-    """Signed distance (n, k) of points (n, 3), [unit], world, to each solid, [unit]."""
-    found = np.empty(len(points) * len(solids))
-    distances.levels(flat(points), packed(solids), found)
-    return found.reshape(len(points), len(solids))
 
 
 def _margins(own: FloatArray, margin: float) -> FloatArray:
@@ -139,19 +117,18 @@ def _margins(own: FloatArray, margin: float) -> FloatArray:
 
 
 def _pulled(
-    graph: Graph, path: SearchResult, solids: tuple[Solid, ...], margins: FloatArray
+    graph: Graph, path: SearchResult, boxed: ObstacleSet, margins: FloatArray
 ) -> list[FloatArray]:
-    """All the paths, tightened; first the best."""
+    """All the paths past convex obstacles, tightened; first the best."""
     bounds = read_only(np.concatenate(graph.mesh.box))
-    rows = packed(solids)
     limits = read_only((margins + _PAD * float(np.abs(bounds).max())).ravel())
-    found = [path.points, _any_angle(graph, path, rows, limits)]
+    found = [path.points, _any_angle(graph, path, boxed.packed, limits)]
     begins = np.cumsum([0, *(len(points) for points in found if len(points))], dtype=np.int32)
 
     x, y, z = (path.points[-1] - path.points[0]).tolist()
-    by = edges(solids, float(margins[0].max(initial=0)), (x, y, z))
+    by = edges(boxed.primitives, float(margins[0].max(initial=0)), (x, y, z))
     *coordinates, ends, lengths = kernels.pull(
-        *(*columns(np.concatenate(found)), read_only(begins), by, rows, limits, bounds),
+        *(*columns(np.concatenate(found)), read_only(begins), by, boxed.packed, limits, bounds),
         *(_SAMPLES, _SLACK, _WAYS, _WORTH),
     )
     points = np.stack(coordinates, axis=1)
@@ -159,7 +136,7 @@ def _pulled(
 
 
 def _any_angle(
-    graph: Graph, path: SearchResult, rows: FloatArray, limits: FloatArray
+    graph: Graph, path: SearchResult, packed: FloatArray, limits: FloatArray
 ) -> FloatArray:
     """A path for any angle (m, 3), [unit], world, shorter than the one given; or none, m = 0.
 
@@ -167,7 +144,7 @@ def _any_angle(
 
     Args:
         graph, path: as above.
-        rows: the solids.
+        packed: the convex obstacles.
         limits: distances from them that a segment keeps, see ``abi.taut.theta_star_kernels``.
     """
     whole = graph.mesh
@@ -180,13 +157,13 @@ def _any_angle(
     found = any_angles.any_angle(
         *(shape, steps, places, indptr, indices, graph.excluded),
         *(stride, stride * REACH * whole.longest_edge, tuple(start), tuple(goal)),
-        *(rows, limits, path.length),
+        *(packed, limits, path.length),
     )
     return np.asarray(found).reshape(-1, 3)
 
 
 def _shortest_clear(
-    path: FloatArray, strings: list[FloatArray], obstacles: Obstacles, limits: FloatArray
+    path: FloatArray, strings: list[FloatArray], obstacles: ObstacleSet, limits: FloatArray
 ) -> tuple[FloatArray, float]:
     """The first string that is clear, or the path, which needs no test; and its distance.
 
@@ -201,13 +178,13 @@ def _shortest_clear(
     for points in strings:
         if _length(points) > most:
             break
-        room = segment_clearances(points, obstacles)
+        room = obstacles.segment_clearances(points)
         kind = np.zeros(len(room), dtype=int)
         kind[0] += 1
         kind[-1] += 2
         if (room >= limits[kind]).all():
             return points, float(room.min())
-    return path, measure_polyline(path, obstacles)
+    return path, obstacles.polyline_clearance(path)
 
 
 def _length(points: FloatArray) -> float:

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from abi.arrays import BoolArray, FloatArray
-from abi.clearance.curve_clearance import outward
-from abi.obstacles.primitives import Obstacles, segments_blocked
+from abi.obstacles.obstacle_set import ObstacleSet
 
 _LOOK_BACK = 32
 _ROUNDS = 6
@@ -16,7 +15,7 @@ _SETTLED = 1e-4  # part of the length by which a sweep must shorten the path to 
 _STEPS = 0.5 ** np.arange(9)
 
 
-def tightened(points: FloatArray, obstacles: Obstacles, limits: FloatArray) -> FloatArray:
+def tightened(points: FloatArray, obstacles: ObstacleSet, limits: FloatArray) -> FloatArray:
     """Pull a path taut: never longer, and every new segment clear.
 
     Skips vertices that it can do without, then moves each in turn towards the chord of its
@@ -47,13 +46,13 @@ def tightened(points: FloatArray, obstacles: Obstacles, limits: FloatArray) -> F
     return path
 
 
-def _shortcut(path: FloatArray, obstacles: Obstacles, limits: FloatArray) -> FloatArray:
+def _shortcut(path: FloatArray, obstacles: ObstacleSet, limits: FloatArray) -> FloatArray:
     """The shortest way from first to last by vertices that see each other."""
     n = len(path)
     i, j = np.triu_indices(n, 1)
     i, j = i[j - i <= _LOOK_BACK], j[j - i <= _LOOK_BACK]
     kind = (i == 0) + 2 * (j == n - 1)
-    clear = (j == i + 1) | ~segments_blocked(obstacles, path[i], path[j], limits[kind])
+    clear = (j == i + 1) | ~obstacles.blocked(path[i], path[j], limits[kind])
     i, j = i[clear], j[clear]
     way = np.linalg.norm(path[j] - path[i], axis=1)
     cost, parent = np.zeros(n), np.zeros(n, dtype=int)
@@ -67,7 +66,7 @@ def _shortcut(path: FloatArray, obstacles: Obstacles, limits: FloatArray) -> Flo
     return path[kept[::-1]]
 
 
-def _moved(path: FloatArray, obstacles: Obstacles, limits: FloatArray, parity: int) -> FloatArray:
+def _moved(path: FloatArray, obstacles: ObstacleSet, limits: FloatArray, parity: int) -> FloatArray:
     """Move every other inner vertex to the best place found; its neighbours stay."""
     rows = np.arange(2 - parity, len(path) - 1, 2)
     if not len(rows):
@@ -76,7 +75,7 @@ def _moved(path: FloatArray, obstacles: Obstacles, limits: FloatArray, parity: i
     legs = _sum_of_legs(before, here, after)
     share = np.linalg.norm(here - before, axis=1, keepdims=True) / np.maximum(legs, 1e-300)[:, None]
     pull = before + share * (after - before) - here
-    normal = outward(here, obstacles)[1]
+    normal = obstacles.outward(here)[1]
     across = pull - np.einsum("ni,ni->n", pull, normal)[:, None] * normal
     # (vertex, way, step) -> places to try
     ways = np.stack([pull, across], axis=1)
@@ -92,8 +91,8 @@ def _moved(path: FloatArray, obstacles: Obstacles, limits: FloatArray, parity: i
     shorter = np.flatnonzero(length < np.repeat(legs, tries))
     row = np.repeat(rows, tries)[shorter]
     ends = (row == 1) * 1, (row == len(path) - 2) * 2
-    blocked = segments_blocked(obstacles, first[shorter], middle[shorter], limits[ends[0]])
-    blocked |= segments_blocked(obstacles, middle[shorter], last[shorter], limits[ends[1]])
+    blocked = obstacles.blocked(first[shorter], middle[shorter], limits[ends[0]])
+    blocked |= obstacles.blocked(middle[shorter], last[shorter], limits[ends[1]])
     length[shorter[blocked]] = np.inf
     length = np.where(length < np.repeat(legs, tries), length, np.inf).reshape(len(rows), tries)
     best = length.argmin(axis=1)
@@ -103,7 +102,7 @@ def _moved(path: FloatArray, obstacles: Obstacles, limits: FloatArray, parity: i
     return moved
 
 
-def _cut(path: FloatArray, obstacles: Obstacles, limits: FloatArray) -> FloatArray:
+def _cut(path: FloatArray, obstacles: ObstacleSet, limits: FloatArray) -> FloatArray:
     """Put two vertices in the place of each corner that can be cut."""
     if len(path) < 3:
         return path
@@ -115,7 +114,7 @@ def _cut(path: FloatArray, obstacles: Obstacles, limits: FloatArray) -> FloatArr
     p = here[:, None] + (to_a / np.maximum(a, 1e-300)[:, None])[:, None] * steps[..., None]
     q = here[:, None] + (to_b / np.maximum(b, 1e-300)[:, None])[:, None] * steps[..., None]
     flat = p.reshape(-1, 3), q.reshape(-1, 3)
-    clear = ~segments_blocked(obstacles, *flat, float(limits[0])).reshape(steps.shape)
+    clear = ~obstacles.blocked(*flat, float(limits[0])).reshape(steps.shape)
     won = 2 * steps - np.linalg.norm(q - p, axis=2)
     worth: BoolArray = clear & (won > _SETTLED / 4 * _length(path))
     step = worth.argmax(axis=1)  # the first is the largest

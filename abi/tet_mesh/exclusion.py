@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from abi.arrays import BoolArray, FloatArray, IntArray, read_only
-from abi.obstacles.obstacle_set import packed
-from abi.obstacles.primitives import MeshShape, Obstacle, Obstacles, segments_blocked
+from abi.obstacles.obstacle_set import ObstacleSet
+from abi.obstacles.packing import pack
+from abi.obstacles.primitives import MeshShape, Obstacle
 from abi.tet_mesh import exclusion_kernels as kernels
 
 if TYPE_CHECKING:
@@ -72,7 +73,7 @@ class Known:
 NOTHING_KNOWN = Known({}, (), None)
 
 
-def leave(mesh: TetMesh, obstacles: Obstacles, margin: float, known: Known) -> tuple[Left, Known]:
+def leave(mesh: TetMesh, obstacles: ObstacleSet, margin: float, known: Known) -> tuple[Left, Known]:
     """What obstacles leave of a mesh, and what to know of it the next time."""
     used: dict[tuple[Obstacle, float], Taken] = {}
     still, moved = [], []
@@ -120,7 +121,7 @@ def take(mesh: TetMesh, obstacle: Obstacle, margin: float) -> Taken:
     if isinstance(obstacle, MeshShape):
         parts = _taken_by_surface(mesh, obstacle, margin)
     else:
-        row, reach = packed((obstacle,)), mesh.longest_edge
+        row, reach = pack((obstacle,)), mesh.longest_edge
         parts = kernels.take(*mesh.net, mesh.exits, row, margin, reach)
     return Taken(*(read_only(part) for part in parts))
 
@@ -153,7 +154,8 @@ def _taken_by_surface(
     # an edge in the way has both ends near; from the same end both times, for rounding
     open_ = np.flatnonzero(~lost & is_near[head])
     first, second = np.minimum(tail[open_], head[open_]), np.maximum(tail[open_], head[open_])
-    lost[open_] = segments_blocked((surface,), mesh.points[first], mesh.points[second], margin)
+    alone = ObstacleSet((surface,))
+    lost[open_] = alone.blocked(mesh.points[first], mesh.points[second], margin)
     losers, losses = tail[lost], (1 << place[lost]).astype(np.int32)
     if mesh.stencil is None:
         losers, losses = place[lost].astype(np.int32), np.zeros(np.count_nonzero(lost), np.int32)

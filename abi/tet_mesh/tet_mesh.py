@@ -13,7 +13,7 @@ import numpy as np
 import scipy
 
 from abi.arrays import BoolArray, FloatArray, IntArray, read_only
-from abi.obstacles.primitives import Obstacles
+from abi.obstacles.obstacle_set import ObstacleSet
 from abi.scene.scene import MeshSettings, Workspace
 from abi.search.heuristic_kernels import Metric
 from abi.tet_mesh import adjacency as net
@@ -206,7 +206,7 @@ def tetrahedralise(workspace: Workspace, settings: MeshSettings) -> TetMesh:
     )
 
 
-def exclude(mesh: TetMesh, obstacles: Obstacles, margin: float) -> FreeMesh:
+def exclude(mesh: TetMesh, obstacles: ObstacleSet, margin: float) -> FreeMesh:
     """Exclude the nodes whose signed distance to an obstacle is less than ``margin``, [unit].
 
     Removing nodes alone is not enough: an edge between two free nodes can still cross an obstacle.

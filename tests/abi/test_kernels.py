@@ -10,14 +10,13 @@ from scipy import interpolate
 
 from abi.arm import inverse_kinematics as ik
 from abi.arm.arm import Arm
-from abi.arm.trajectory import _link_clearance
 from abi.arrays import FloatArray
 from abi.clearance import bezier as pieces
-from abi.clearance.curve_clearance import Clearance, measure, outward
+from abi.clearance.curve_clearance import Clearance, measure
 from abi.curves import curve
 from abi.curves.bspline import BSpline, _influence, clamped
-from abi.obstacles.polyline import measure_polyline, runs_apart
-from abi.obstacles.primitives import Obstacles, nearest
+from abi.obstacles.obstacle_set import ObstacleSet
+from abi.obstacles.primitives import Obstacles
 from abi.scene.scene import ArmSettings
 from benchmarks.certificates import random_obstacle
 from tests.kernel_forms import compiled, plain
@@ -38,7 +37,7 @@ def some_spline(random: np.random.Generator) -> BSpline:
 @given(seeds, st.integers(2, 6), st.booleans())
 def test_polylines_are_as_near_as_their_nearest_segment(seed: int, size: int, snap: bool) -> None:
     random = np.random.default_rng(seed)
-    obstacles = some_obstacles(random, 0)
+    obstacles = ObstacleSet(some_obstacles(random, 0))
     points = random.uniform(-1, 7, (7, size, 3))
     if snap:  # along faces, through centres, and of no length
         points = np.round(points)
@@ -49,24 +48,24 @@ def test_polylines_are_as_near_as_their_nearest_segment(seed: int, size: int, sn
     for obstacle in obstacles:
         legs = obstacle.segment_distance(starts, ends).reshape(7, -1)
         expected = np.minimum(expected, legs.min(axis=1))
-    for found in (plain(lambda: runs_apart(points, obstacles)),
-                  compiled(lambda: runs_apart(points, obstacles))):  # fmt: skip
+    for found in (plain(lambda: obstacles.polyline_clearances(points)),
+                  compiled(lambda: obstacles.polyline_clearances(points))):  # fmt: skip
         assert found == pytest.approx(expected, abs=1e-12)
-    assert measure_polyline(points[0], obstacles) == pytest.approx(expected[0], abs=1e-12)
+    assert obstacles.polyline_clearance(points[0]) == pytest.approx(expected[0], abs=1e-12)
 
 
 @settings(max_examples=60, deadline=None)
 @given(seeds)
 def test_links_are_as_near_as_their_nearest_segment(seed: int) -> None:
     random = np.random.default_rng(seed)
-    obstacles = some_obstacles(random)
+    obstacles = ObstacleSet(some_obstacles(random))
     points = np.cumsum(random.normal(size=(61, 4, 3)), axis=1)
     points += np.linspace(0, 6, 61)[:, None, None]
     starts, ends = points[:, :-1].reshape(-1, 3), points[:, 1:].reshape(-1, 3)
     distances = np.array([one.segment_distance(starts, ends) for one in obstacles])
     least = float(distances.min())
-    for found in (plain(lambda: _link_clearance(points, obstacles)),
-                  compiled(lambda: _link_clearance(points, obstacles))):  # fmt: skip
+    for found in (plain(lambda: obstacles.nearest_polyline(points)),
+                  compiled(lambda: obstacles.nearest_polyline(points))):  # fmt: skip
         distance, sample, whose = found
         assert distance == pytest.approx(least, abs=1e-12)
         there = float(distances[whose].reshape(61, 3)[sample].min())
@@ -77,14 +76,14 @@ def test_links_are_as_near_as_their_nearest_segment(seed: int) -> None:
 @given(seeds)
 def test_the_way_out_is_the_nearest_obstacles_gradient(seed: int) -> None:
     random = np.random.default_rng(seed)
-    obstacles = some_obstacles(random)
+    obstacles = ObstacleSet(some_obstacles(random))
     points = random.uniform(-1, 7, (50, 3))
-    expected, whose = nearest(obstacles, points)
+    expected, whose = obstacles.nearest(points)
     gradient = np.array(
         [obstacles[k].gradient(point[None])[0] for k, point in zip(whose, points, strict=True)]
     )
-    for away, out in (plain(lambda: outward(points, obstacles)),
-                      compiled(lambda: outward(points, obstacles))):  # fmt: skip
+    for away, out in (plain(lambda: obstacles.outward(points)),
+                      compiled(lambda: obstacles.outward(points))):  # fmt: skip
         assert away == pytest.approx(expected, abs=1e-12)
         assert np.abs(out - gradient).max() <= 1e-9
 
@@ -101,7 +100,7 @@ def same(first: Clearance, second: Clearance) -> bool:
 @given(seeds, st.sampled_from([1e-1, 1e-3, 1e-5]))
 def test_a_measurement_is_the_same_compiled_and_plain(seed: int, tolerance: float) -> None:
     random = np.random.default_rng(seed)
-    obstacles, spline = some_obstacles(random), some_spline(random)
+    obstacles, spline = ObstacleSet(some_obstacles(random)), some_spline(random)
     asked = float(random.uniform(-0.5, 1))
     assert same(
         plain(lambda: measure(spline, obstacles, asked, tolerance)),

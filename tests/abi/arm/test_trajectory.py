@@ -19,6 +19,7 @@ from abi.arrays import FloatArray
 from abi.curves.curve import measure
 from abi.curves.speed_profile import three_phase
 from abi.errors import OutOfReach
+from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.primitives import Box, MeshShape, Obstacles, Sphere
 from abi.obstacles.triangle_mesh.repair import clean
 from abi.paper import printed
@@ -72,7 +73,7 @@ def run(
     arm = ArmSettings() if arm is None else arm
     arc = measure(curve)
     profile = three_phase(arc.length, 4.0, 6.0, 6.0)
-    return follow(curve, arc, profile, Arm.from_settings(arm), arm, obstacles, samples)
+    return follow(curve, arc, profile, Arm.from_settings(arm), arm, ObstacleSet(obstacles), samples)
 
 
 def random_curve(seed: int) -> Polynomial:

@@ -16,8 +16,8 @@ from abi.curves.bspline import BSpline, clamped
 from abi.curves.quadratic import Quadratic
 from abi.curves.quadratics import join
 from abi.obstacles.mesh_shape import MeshShape
-from abi.obstacles.polyline import measure_polyline
-from abi.obstacles.primitives import Box, Capsule, Cylinder, Obstacles, Sphere, nearest
+from abi.obstacles.obstacle_set import NO_OBSTACLES, ObstacleSet
+from abi.obstacles.primitives import Box, Capsule, Cylinder, Obstacles, Sphere
 from abi.obstacles.triangle_mesh.repair import Surface, clean
 from benchmarks.certificates import (
     SIZE,
@@ -73,7 +73,7 @@ def test_planes_separate_their_pieces_and_cover_the_curve(seed: int) -> None:
     margin = 0.9 * true_clearance(curve, obstacles)
     if margin <= 0:
         return
-    result = certify(curve, obstacles, margin)
+    result = certify(curve, ObstacleSet(obstacles), margin)
     assert isinstance(result, Certificate)
     assert np.linalg.norm(result.directions, axis=1) == pytest.approx(1, abs=1e-14)
     for (start, end), k, normal in zip(
@@ -127,7 +127,7 @@ def _casteljau(points: FloatArray, share: float) -> FloatArray:
 def test_quadratics_in_pieces_are_bezier_pieces() -> None:
     random = np.random.default_rng(0)
     breaks = np.array([0.0, 0.2, 0.55, 1.0])
-    curve = join(random.uniform(0, 6, (5, 3)), breaks, (), 0.0)
+    curve = join(random.uniform(0, 6, (5, 3)), breaks, NO_OBSTACLES, 0.0)
     pieces = bezier(curve)
     assert np.array_equal(pieces.breaks, breaks)
     for start, end, points in zip(breaks[:-1], breaks[1:], pieces.points, strict=True):
@@ -135,7 +135,7 @@ def test_quadratics_in_pieces_are_bezier_pieces() -> None:
         found = np.array([_casteljau(points, t) for t in inside])
         assert np.abs(found - curve(start + inside * (end - start))).max() <= 1e-13
     ball = (Sphere(radius=0.5, position=(9, 9, 9)),)
-    assert isinstance(certify(curve, ball, 0.1), Certificate)
+    assert isinstance(certify(curve, ObstacleSet(ball), 0.1), Certificate)
 
 
 @settings(max_examples=25, deadline=None)
@@ -146,9 +146,9 @@ def test_compiled_and_plain_agree(seed: int, solid: bool) -> None:
         obstacles = (mesh(meshes.sphere(2), position=(3, 3, 3)),)
     margin = max(0.0, 0.99 * true_clearance(curve, obstacles))
     with kernels_as(compiled=False):
-        plain = certify(curve, obstacles, margin)
+        plain = certify(curve, ObstacleSet(obstacles), margin)
     with kernels_as(compiled=True):
-        compiled = certify(curve, obstacles, margin)
+        compiled = certify(curve, ObstacleSet(obstacles), margin)
     if isinstance(plain, Refutation):
         assert isinstance(compiled, Refutation)
         assert plain.decided == compiled.decided
@@ -166,30 +166,32 @@ def test_a_polyline_is_decided_by_its_exact_distance(seed: int, part: float) -> 
     random = np.random.default_rng(seed)
     points = random.uniform(0, SIZE, (random.integers(1, 6), 3))
     obstacles = tuple(random_obstacle(random) for _ in range(random.integers(1, 5)))
-    exact = measure_polyline(points, obstacles)
+    exact = ObstacleSet(obstacles).polyline_clearance(points)
     if exact > 0:
-        assert isinstance(certify_polyline(points, obstacles, exact * (1 - part)), Certificate)
-        refuted = certify_polyline(points, obstacles, exact * (1 + part))
+        assert isinstance(
+            certify_polyline(points, ObstacleSet(obstacles), exact * (1 - part)), Certificate
+        )
+        refuted = certify_polyline(points, ObstacleSet(obstacles), exact * (1 + part))
         assert isinstance(refuted, Refutation)
     else:
-        assert isinstance(certify_polyline(points, obstacles, 0.0), Refutation)
+        assert isinstance(certify_polyline(points, ObstacleSet(obstacles), 0.0), Refutation)
 
 
 def test_a_far_obstacle_takes_one_plane() -> None:
     curve = clamped(np.random.default_rng(0).uniform(0, 1, (200, 3)), 3)
     far = tuple(Sphere(radius=1, position=(9.0, k, 0.0)) for k in range(4))
-    result = certify(curve, far, 1.0)
+    result = certify(curve, ObstacleSet(far), 1.0)
     assert isinstance(result, Certificate)
     assert result.pieces.tolist() == [[0, 1]] * 4
 
 
 def test_without_obstacles_any_curve_is_certified() -> None:
     curve = clamped(np.eye(3), 2)
-    result = certify(curve, (), 0.3)
+    result = certify(curve, NO_OBSTACLES, 0.3)
     assert isinstance(result, Certificate)
     assert result.margin == math.inf
     assert len(result.pieces) == 0
-    found = prove(curve, (), 0.3)
+    found = prove(curve, NO_OBSTACLES, 0.3)
     assert found.certified
     assert found.distance == math.inf
 
@@ -197,8 +199,8 @@ def test_without_obstacles_any_curve_is_certified() -> None:
 def test_a_witness_names_the_obstacle_and_the_place() -> None:
     curve = clamped(np.array([[-3.0, 1.5, 0], [3.0, 1.5, 0]]), 1)
     obstacles = (Sphere(radius=1, position=(0, -9, 0)), Sphere(radius=1))
-    assert isinstance(certify(curve, obstacles, 0.499999), Certificate)
-    result = certify(curve, obstacles, 0.6)
+    assert isinstance(certify(curve, ObstacleSet(obstacles), 0.499999), Certificate)
+    result = certify(curve, ObstacleSet(obstacles), 0.6)
     assert isinstance(result, Refutation)
     assert result.decided
     assert result.obstacle == 1
@@ -224,24 +226,24 @@ def test_a_negative_margin_proves_how_deep_a_curve_goes(solid: Box) -> None:
         deepest = true_clearance(curve, (solid,))
         if deepest >= 0:
             continue
-        assert isinstance(certify(curve, (solid,), deepest - 1e-3), Certificate)
-        assert isinstance(certify(curve, (solid,), deepest + 1e-6), Refutation)
+        assert isinstance(certify(curve, ObstacleSet((solid,)), deepest - 1e-3), Certificate)
+        assert isinstance(certify(curve, ObstacleSet((solid,)), deepest + 1e-6), Refutation)
 
 
 def test_a_curve_that_stays_at_one_point_is_decided() -> None:
     point = clamped(np.full((5, 3), 2.0), 3)
     ball = (Sphere(radius=1),)
     distance = math.sqrt(12) - 1
-    assert isinstance(certify(point, ball, distance - 1e-9), Certificate)
-    assert isinstance(certify(point, ball, distance + 1e-9), Refutation)
+    assert isinstance(certify(point, ObstacleSet(ball), distance - 1e-9), Certificate)
+    assert isinstance(certify(point, ObstacleSet(ball), distance + 1e-9), Refutation)
 
 
 @settings(max_examples=40, deadline=None)
 @given(seeds, st.sampled_from([0.0, 0.05, 0.5]), st.sampled_from([1e-3, 1e-6]))
 def test_proven_distance_is_as_large_as_measured(seed: int, asked: float, tolerance: float) -> None:
     curve, obstacles = case(seed)
-    found = prove(curve, obstacles, asked, tolerance)
-    measured = measure(curve, obstacles, asked, tolerance)
+    found = prove(curve, ObstacleSet(obstacles), asked, tolerance)
+    measured = measure(curve, ObstacleSet(obstacles), asked, tolerance)
     clearance = true_clearance(curve, obstacles)
     assert found.violations == measured.violations
     if clearance < -tolerance:
@@ -257,10 +259,10 @@ def test_proven_distance_is_as_large_as_measured(seed: int, asked: float, tolera
 
 def test_a_curve_may_touch_a_solid_when_no_clearance_is_asked_for() -> None:
     line = clamped(np.array([[0.0, 0, 1], [0, 0, 3]]), 1)
-    assert prove(line, (Box(size=(2, 2, 2)),), 0.0).keeps(0.0)
-    assert not prove(line, (Box(size=(2, 2, 2)),), 1e-6).keeps(1e-6)
+    assert prove(line, ObstacleSet((Box(size=(2, 2, 2)),)), 0.0).keeps(0.0)
+    assert not prove(line, ObstacleSet((Box(size=(2, 2, 2)),)), 1e-6).keeps(1e-6)
     through = clamped(np.array([[0.0, 0, -1], [0, 0, 1]]), 1)
-    assert not prove(through, (Box(size=(2, 2, 2e-9)),), 0.0).certified
+    assert not prove(through, ObstacleSet((Box(size=(2, 2, 2e-9)),)), 0.0).certified
 
 
 def test_a_mesh_box_is_decided_like_the_box() -> None:
@@ -272,7 +274,7 @@ def test_a_mesh_box_is_decided_like_the_box() -> None:
         clearance = true_clearance(curve, (box,))
         for part in (1 - 1e-5, 1 + 1e-5):
             margin = max(clearance * part, 0.0)
-            results = [certify(curve, (one,), margin) for one in (box, like)]
+            results = [certify(curve, ObstacleSet((one,)), margin) for one in (box, like)]
             kinds = {isinstance(result, Certificate) for result in results}
             assert kinds == {clearance > margin}
             certified += clearance > margin
@@ -287,9 +289,11 @@ def test_a_scaled_mesh_of_many_triangles_is_certified_up_to_its_distance() -> No
         curve, _ = case(seed)
         clearance = true_clearance(curve, (blob,))
         if clearance > 0:
-            assert isinstance(certify(curve, (blob,), clearance * (1 - 1e-4)), Certificate)
+            assert isinstance(
+                certify(curve, ObstacleSet((blob,)), clearance * (1 - 1e-4)), Certificate
+            )
             certified += 1
-        refuted = certify(curve, (blob,), max(clearance, 0) * (1 + 1e-4) + 1e-6)
+        refuted = certify(curve, ObstacleSet((blob,)), max(clearance, 0) * (1 + 1e-4) + 1e-6)
         assert isinstance(refuted, Refutation)
     assert certified > 10
 
@@ -298,21 +302,21 @@ def test_inside_a_closed_mesh_is_not_clear_but_beyond_an_open_one_is() -> None:
     line = clamped(np.array([[-0.2, 0, 0], [0.2, 0, 0]]), 1)
     vertices, faces = meshes.sphere(2)
     ball = mesh((vertices, faces))
-    refuted = certify(line, (ball,), 0.0)
+    refuted = certify(line, ObstacleSet((ball,)), 0.0)
     assert isinstance(refuted, Refutation)
     assert refuted.decided
     assert refuted.distance < 0
     bowl = mesh((vertices, faces[1:]))
     assert not bowl.closed
-    assert isinstance(certify(line, (bowl,), 0.5), Certificate)
+    assert isinstance(certify(line, ObstacleSet((bowl,)), 0.5), Certificate)
     out = clamped(np.array([[-0.2, 0, 0], [2.0, 0.1, 0.2]]), 1)
-    assert isinstance(certify(out, (bowl,), 0.0), Refutation)
+    assert isinstance(certify(out, ObstacleSet((bowl,)), 0.0), Refutation)
 
 
 def test_a_mesh_needs_a_margin_that_is_not_negative() -> None:
     line = clamped(np.array([[9.0, 0, 0], [9, 9, 0]]), 1)
-    assert isinstance(certify(line, (mesh(meshes.box()),), -1e-9), Refutation)
-    assert isinstance(certify(line, (mesh(meshes.box()),), 0.0), Certificate)
+    assert isinstance(certify(line, ObstacleSet((mesh(meshes.box()),)), -1e-9), Refutation)
+    assert isinstance(certify(line, ObstacleSet((mesh(meshes.box()),)), 0.0), Certificate)
 
 
 def test_a_soup_is_kept_clear_of() -> None:
@@ -322,8 +326,8 @@ def test_a_soup_is_kept_clear_of() -> None:
         random = np.random.default_rng(seed)
         start = random.uniform(0, SIZE, 3)
         curve = clamped(start + random.uniform(-0.4, 0.4, (4, 3)), 3)
-        distance = np.abs(nearest((soup,), curve(np.linspace(0, 1, 3001)))[0]).min()
-        result = certify(curve, (soup,), 0.02)
+        distance = np.abs(ObstacleSet((soup,)).nearest(curve(np.linspace(0, 1, 3001)))[0]).min()
+        result = certify(curve, ObstacleSet((soup,)), 0.02)
         if isinstance(result, Certificate):
             certified += 1
             assert distance > 0.02
@@ -333,7 +337,9 @@ def test_a_soup_is_kept_clear_of() -> None:
 
 
 def test_results_cannot_change() -> None:
-    result = certify(clamped(np.eye(3), 2), (Sphere(radius=0.1, position=(5, 5, 5)),), 0.1)
+    result = certify(
+        clamped(np.eye(3), 2), ObstacleSet((Sphere(radius=0.1, position=(5, 5, 5)),)), 0.1
+    )
     assert isinstance(result, Certificate)
     arrays = (result.pieces, result.obstacle, result.directions)
     assert not any(array.flags.writeable for array in arrays)

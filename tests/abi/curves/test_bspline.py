@@ -9,7 +9,7 @@ from scipy.sparse.csgraph import dijkstra
 from abi.arrays import FloatArray
 from abi.curves import curve
 from abi.curves.bspline import BSpline, clamped, fit
-from abi.obstacles.polyline import measure_polyline
+from abi.obstacles.obstacle_set import NO_OBSTACLES, ObstacleSet
 from abi.obstacles.primitives import (
     Box,
     Capsule,
@@ -17,8 +17,6 @@ from abi.obstacles.primitives import (
     Obstacle,
     Obstacles,
     Sphere,
-    nearest,
-    segments_blocked,
 )
 
 
@@ -67,18 +65,18 @@ def taut_path(
     """
     points = rng.uniform(0, size, (70, 3))
     points[:2] = [[0.0] * 3, [size] * 3]
-    distance, index = nearest(obstacles, points)
+    distance, index = ObstacleSet(obstacles).nearest(points)
     for k, one in enumerate(obstacles):
         rows = 2 + np.flatnonzero((index[2:] == k) & (rng.random(len(points) - 2) < 0.7))
         out = 1.01 * margin + 0.001 * size - distance[rows]
         points[rows] += one.gradient(points[rows]) * out[:, None]
-    clear = nearest(obstacles, points)[0] > margin
+    clear = ObstacleSet(obstacles).nearest(points)[0] > margin
     if not clear[:2].all():
         return None
     points = points[clear]
     i, j = np.triu_indices(len(points), 1)
     lengths = np.linalg.norm(points[i] - points[j], axis=1)
-    seen = ~segments_blocked(obstacles, points[i], points[j], margin)
+    seen = ~ObstacleSet(obstacles).blocked(points[i], points[j], margin)
     seen &= lengths < rng.choice([0.3, 0.6, 2.0]) * size
     weights = np.zeros((len(points), len(points)))
     weights[i[seen], j[seen]] = lengths[seen]
@@ -173,7 +171,7 @@ def test_numbers_give_points_and_arrays_give_rows(order: int) -> None:
 @pytest.mark.parametrize("count", [2, 3, 4, 9])
 def test_without_obstacles_the_vertices_are_the_control_points(degree: int, count: int) -> None:
     path = np.random.default_rng(count).normal(size=(count, 3))
-    spline = fit(path, degree, (), 0.5)
+    spline = fit(path, degree, NO_OBSTACLES, 0.5)
     assert np.array_equal(spline.control_points, path)
     assert spline.degree == min(degree, count - 1)
     assert spline.holds
@@ -183,7 +181,12 @@ def test_without_obstacles_the_vertices_are_the_control_points(degree: int, coun
 
 
 def test_two_vertices_give_a_straight_line() -> None:
-    line = fit(np.array([[0.0, 0, 0], [2, 4, 6]]), 4, (Sphere(radius=1, position=(9, 9, 9)),), 0.5)
+    line = fit(
+        np.array([[0.0, 0, 0], [2, 4, 6]]),
+        4,
+        ObstacleSet((Sphere(radius=1, position=(9, 9, 9)),)),
+        0.5,
+    )
     u = np.linspace(0, 1, 11)
     assert np.allclose(line(u), np.outer(u, [2, 4, 6]), rtol=0, atol=1e-14)
     assert line.holds
@@ -194,12 +197,15 @@ def test_two_vertices_give_a_straight_line() -> None:
 def test_keeps_clear_wherever_the_path_is_clearer(degree: int, slack: float) -> None:
     changed = 0
     for path, obstacles, clearance, size in scenes(1000 * degree, 60, slack):
-        spline = fit(path, degree, obstacles, clearance)
+        spline = fit(path, degree, ObstacleSet(obstacles), clearance)
         assert spline.holds
         samples = spline(np.linspace(0, 1, 5001))
-        assert nearest(obstacles, samples)[0].min() >= clearance - 1e-9
+        assert ObstacleSet(obstacles).nearest(samples)[0].min() >= clearance - 1e-9
         assert clearance - 1e-9 <= spline.clearance.distance
-        assert spline.clearance.distance <= nearest(obstacles, samples)[0].min() + 1e-5 * size
+        assert (
+            spline.clearance.distance
+            <= ObstacleSet(obstacles).nearest(samples)[0].min() + 1e-5 * size
+        )
         assert np.array_equal(spline.control_points[[0, -1]], path[[0, -1]])
         assert np.all(spline.control_points >= path.min(axis=0))
         assert np.all(spline.control_points <= path.max(axis=0))
@@ -219,10 +225,10 @@ def test_keeps_clear_wherever_the_path_is_clearer(degree: int, slack: float) -> 
 def test_rounds_the_edge_of_a_plate_that_the_path_turns_at(degree: int) -> None:
     plate = (Box(size=(8, 0.02, 8), position=(0, 0, 0)),)
     path = np.array([[0, 3, 0], [2, 1.5, 0], [4.06, 0.1, 0], [4.06, -0.1, 0], [0, -3, 0.0]])
-    assert measure_polyline(path, plate) > 0.05
+    assert ObstacleSet(plate).polyline_clearance(path) > 0.05
     plain = clamped(path, min(degree, 4))
-    assert nearest(plate, plain(np.linspace(0, 1, 2001)))[0].min() < 0.05
-    spline = fit(path, degree, plate, 0.05)
+    assert ObstacleSet(plate).nearest(plain(np.linspace(0, 1, 2001)))[0].min() < 0.05
+    spline = fit(path, degree, ObstacleSet(plate), 0.05)
     assert spline.holds
     assert spline.inserted + spline.moved > 0
     assert spline.clearance.nearest >= 0.05 - 1e-9
@@ -232,8 +238,8 @@ def test_rounds_the_edge_of_a_plate_that_the_path_turns_at(degree: int) -> None:
 def test_ends_that_just_keep_the_clearance_do_not_spoil_it(degree: int) -> None:
     obstacles = (Box(size=(2, 2, 2), position=(0, 0, 0)),)
     path = np.array([[-1.2, 0, 0], [-1.3, 1.3, 0], [0.0, 1.3, 0.4], [1.3, 1.3, 0], [1.2, 0.0, 0]])
-    assert measure_polyline(path, obstacles) == pytest.approx(0.2, abs=1e-12)
-    spline = fit(path, degree, obstacles, 0.2)
+    assert ObstacleSet(obstacles).polyline_clearance(path) == pytest.approx(0.2, abs=1e-12)
+    spline = fit(path, degree, ObstacleSet(obstacles), 0.2)
     assert spline.holds
     assert spline.clearance.distance >= 0.2 - 1e-5
 
@@ -241,13 +247,13 @@ def test_ends_that_just_keep_the_clearance_do_not_spoil_it(degree: int) -> None:
 def test_a_path_along_a_face_at_the_clearance_holds() -> None:
     obstacles = (Box(size=(4, 4, 2), position=(0, 0, 0)),)
     path = np.array([[-1.5, 0, 1.2], [0, 0.5, 1.2], [1, -1, 1.2], [1.5, 1, 1.2]])
-    assert fit(path, 3, obstacles, 0.2).holds
+    assert fit(path, 3, ObstacleSet(obstacles), 0.2).holds
 
 
 def test_a_path_through_an_obstacle_says_so() -> None:
     ball = (Sphere(radius=1, position=(0, 0, 0)),)
     path = np.array([[-3.0, 0, 0], [-2, 1, 0], [0, 0, 0], [2, 1, 0], [3, 0, 0]])
-    spline = fit(path, 3, ball, 0.1)
+    spline = fit(path, 3, ObstacleSet(ball), 0.1)
     assert not spline.holds
     assert spline.clearance.distance >= -1 - 1e-3
     assert np.isfinite(spline.control_points).all()
@@ -257,16 +263,16 @@ def test_repeated_vertices_work() -> None:
     obstacles = (Box(size=(2, 2, 2), position=(0, 0, 0)),)
     corners = np.array([[-2, -1.2, 0], [-1.2, 1.2, 0], [1.2, 1.2, 0], [2, -1.2, 0]])
     for degree in (2, 3, 4, 5):
-        spline = fit(np.repeat(corners, 3, axis=0), degree, obstacles, 0.1)
+        spline = fit(np.repeat(corners, 3, axis=0), degree, ObstacleSet(obstacles), 0.1)
         assert spline.holds
         assert np.isfinite(spline(np.linspace(0, 1, 99), 1)).all()
-        point = fit(np.repeat(corners[:1], 3, axis=0), degree, obstacles, 0.1)
+        point = fit(np.repeat(corners[:1], 3, axis=0), degree, ObstacleSet(obstacles), 0.1)
         assert point.holds
 
 
 def test_results_cannot_change() -> None:
     path = np.array([[-2, -1.2, 0], [-1.2, 1.2, 0], [1.2, 1.2, 0], [2, -1.2, 0]])
-    spline = fit(path, 3, (Box(size=(2, 2, 2)),), 0.19)
+    spline = fit(path, 3, ObstacleSet((Box(size=(2, 2, 2)),)), 0.19)
     path[:] = 0
     assert spline.control_points.any()
     arrays = (spline.control_points, spline.knots, spline.breaks, spline.added, spline.pushed)

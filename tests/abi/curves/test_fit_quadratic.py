@@ -14,7 +14,8 @@ from abi.curves.clear_quadratic import ByLength, Target, nearest_clear, target
 from abi.curves.fit_quadratic import MOST_PIECES, Mode, fewest_pieces, fit
 from abi.curves.quadratic import Quadratic
 from abi.curves.quadratics import Quadratics, join
-from abi.obstacles.primitives import Box, MeshShape, Obstacle, Obstacles, Sphere, nearest
+from abi.obstacles.obstacle_set import NO_OBSTACLES, ObstacleSet
+from abi.obstacles.primitives import Box, MeshShape, Obstacle, Sphere
 from abi.obstacles.triangle_mesh.repair import clean
 from abi.planner.plan import plan
 from abi.scene.scene import Scene, load_scene
@@ -33,8 +34,8 @@ def fitted(spline: BSpline, mode: Mode) -> Quadratic | Quadratics:
     return fit(spline, curves.measure(spline), spline.obstacles, spline.asked, mode)
 
 
-def dense(obstacles: Obstacles, curve: Quadratic | Quadratics) -> float:
-    return float(nearest(obstacles, curve(np.linspace(0, 1, 4000)))[0].min())
+def dense(obstacles: ObstacleSet, curve: Quadratic | Quadratics) -> float:
+    return float(obstacles.nearest(curve(np.linspace(0, 1, 4000)))[0].min())
 
 
 def bend(curve: Quadratic | Quadratics) -> np.ndarray:
@@ -58,7 +59,7 @@ def test_pieces_meet_with_equal_points_and_tangents(
     given_: tuple[np.ndarray, np.ndarray], order: int
 ) -> None:
     control, breaks = given_
-    made = join(control, breaks, (), 0.0)
+    made = join(control, breaks, NO_OBSTACLES, 0.0)
 
     assert np.array_equal(made.breaks, breaks)
     assert len(made.pieces) == len(breaks) - 1
@@ -74,7 +75,7 @@ def test_pieces_meet_with_equal_points_and_tangents(
 def test_a_joined_curve_is_its_pieces_and_its_derivatives_are_differences(
     given_: tuple[np.ndarray, np.ndarray], t: float
 ) -> None:
-    made = join(*given_, (), 0.0)
+    made = join(*given_, NO_OBSTACLES, 0.0)
     k = int(np.searchsorted(made.breaks[1:-1], t, side="right"))
     first, last, rows = made.pieces[k]
     assert first <= t <= last
@@ -96,24 +97,24 @@ def test_a_joined_curve_is_its_pieces_and_its_derivatives_are_differences(
 @given(seeds, st.integers(1, 6))
 def test_the_target_is_the_least_squares_curve(seed: int, pieces: int) -> None:
     rng = np.random.default_rng(seed)
-    spline = fit_spline(rng.uniform(0, 6, (6, 3)), 3, (), 0.0)
+    spline = fit_spline(rng.uniform(0, 6, (6, 3)), 3, NO_OBSTACLES, 0.0)
     arc = curves.measure(spline)
     shape = ByLength(spline, arc)
     breaks = np.linspace(0, 1, pieces + 1)
-    wanted = target(shape, breaks, (), 0.0)
+    wanted = target(shape, breaks, NO_OBSTACLES, 0.0)
     if pieces == 1:
-        square = quadratic.fit(spline, arc, (), 0.0)
-        made = join(wanted.control_points, breaks, (), 0.0)
+        square = quadratic.fit(spline, arc, NO_OBSTACLES, 0.0)
+        made = join(wanted.control_points, breaks, NO_OBSTACLES, 0.0)
         np.testing.assert_allclose(made.coefficients[0], square.coefficients, atol=1e-3)
     t = (np.arange(4000) + 0.5) / 4000
     aim = shape(t)
-    least = np.mean((join(wanted.control_points, breaks, (), 0.0)(t) - aim) ** 2)
+    least = np.mean((join(wanted.control_points, breaks, NO_OBSTACLES, 0.0)(t) - aim) ** 2)
     for _ in range(5):
         other = wanted.control_points.copy()
         other[1:-1] += rng.normal(size=(pieces, 3)) * 0.3
-        curve = join(other, breaks, (), 0.0)
+        curve = join(other, breaks, NO_OBSTACLES, 0.0)
         assert np.mean((curve(t) - aim) ** 2) >= least * (1 - 1e-3)
-        gap = curve(t) - join(wanted.control_points, breaks, (), 0.0)(t)
+        gap = curve(t) - join(wanted.control_points, breaks, NO_OBSTACLES, 0.0)(t)
         assert wanted.distance(other) == pytest.approx(
             np.sqrt(np.mean((gap**2).sum(axis=1))), rel=1e-3
         )
@@ -170,14 +171,16 @@ def test_past_the_most_pieces_the_control_polygon_decides() -> None:
     turns = [[x, 1.8 if k % 2 else 3.2, 0.0] for k, x in enumerate(xs)]
     corners = [[x + dx, y, 0.0] for x, y, _ in turns for dx in (-0.2, 0.0, 0.2)]
     path = np.array([[0.0, 2.5, 0.0], *corners, [xs[-1] + 1, 2.5, 0.0]])
-    spline = fit_spline(path, 4, teeth, CLEARANCE)
+    spline = fit_spline(path, 4, ObstacleSet(teeth), CLEARANCE)
     assert spline.holds
-    made = fewest_pieces(spline, ByLength(spline, curves.measure(spline)), teeth, CLEARANCE)
+    made = fewest_pieces(
+        spline, ByLength(spline, curves.measure(spline)), ObstacleSet(teeth), CLEARANCE
+    )
 
     assert made is not None
     assert made.holds
     assert len(made.pieces) > MOST_PIECES
-    assert dense(teeth, made) >= CLEARANCE - 1e-9
+    assert dense(ObstacleSet(teeth), made) >= CLEARANCE - 1e-9
 
 
 @settings(max_examples=8, deadline=None)
@@ -197,19 +200,19 @@ def test_no_clear_quadratic_on_a_grid_is_nearer(seed: int) -> None:
     for radius in (0.5 * moved, 0.8 * moved, 0.94 * moved):
         other = bend(square) + radius * directions
         change = (other - bend(square))[:, None] * (t * t - t)[None, :, None]
-        distance, _ = nearest(spline.obstacles, (square(t) + change).reshape(-1, 3))
+        distance, _ = spline.obstacles.nearest((square(t) + change).reshape(-1, 3))
         seemingly = distance.reshape(400, -1).min(axis=1) >= spline.asked
         for direction in directions[seemingly]:
             points = square(fine) + radius * direction * (fine * fine - fine)[:, None]
-            assert nearest(spline.obstacles, points)[0].min() < spline.asked
+            assert spline.obstacles.nearest(points)[0].min() < spline.asked
 
 
 def test_around_a_sphere_in_the_way_the_move_is_the_least() -> None:
     # A straight line through a sphere's centre: the bend that just clears it, by symmetry.
     sphere = (Sphere(radius=1.0, position=(3.0, 0.0, 0.0)),)
     path = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [5.0, 0.0, 0.0], [6.0, 0.0, 0.0]])
-    straight = fit_spline(path, 3, (), 0.0)
-    made = fit(straight, curves.measure(straight), sphere, CLEARANCE, "clear")
+    straight = fit_spline(path, 3, NO_OBSTACLES, 0.0)
+    made = fit(straight, curves.measure(straight), ObstacleSet(sphere), CLEARANCE, "clear")
 
     assert made.holds
     t = np.linspace(0, 1, 20_001)
@@ -237,7 +240,7 @@ def test_over_a_ridge_that_no_half_space_shows_it_aims_higher(half: float, over:
     knife = meshes.box((0.02, 0.5 + ridge, 1), (3, (ridge - 0.5) / 2, 0))
     shape = MeshShape.of(clean(*meshes.joined(block, knife)))
     line = np.array([[0.0, 0, 0], [3, 0.1, 0], [6, 0, 0]])
-    wanted = Target(read_only(np.array([0.0, 1.0])), read_only(line), (shape,), asked)
+    wanted = Target(read_only(np.array([0.0, 1.0])), read_only(line), ObstacleSet((shape,)), asked)
 
     def over_the_block(part: FloatArray) -> FloatArray:
         return np.stack([6 * part, 4.08 * least * part * (1 - part), 0 * part], axis=1)
@@ -245,7 +248,7 @@ def test_over_a_ridge_that_no_half_space_shows_it_aims_higher(half: float, over:
     made = nearest_clear(wanted, [over_the_block])
 
     assert made is not None
-    assert dense((shape,), made) >= asked - 1e-9
+    assert dense(ObstacleSet((shape,)), made) >= asked - 1e-9
     assert ridge + asked <= made(0.5)[1] < ridge + 4 * asked
 
 

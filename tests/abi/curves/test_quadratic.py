@@ -9,7 +9,8 @@ from abi.arrays import FloatArray
 from abi.curves import curve as curves
 from abi.curves.bspline import BSpline, clamped
 from abi.curves.quadratic import Quadratic, fit
-from abi.obstacles.primitives import Box, Sphere, nearest
+from abi.obstacles.obstacle_set import NO_OBSTACLES, ObstacleSet
+from abi.obstacles.primitives import Box, Sphere
 from abi.paper import printed
 
 
@@ -22,7 +23,7 @@ def splines(draw: st.DrawFn) -> BSpline:
 
 
 def fitted(spline: BSpline) -> Quadratic:
-    return fit(spline, curves.measure(spline), (), 0.0)
+    return fit(spline, curves.measure(spline), NO_OBSTACLES, 0.0)
 
 
 def by_arc_length(spline: BSpline, t: FloatArray) -> FloatArray:
@@ -116,22 +117,22 @@ def test_numbers_give_points_and_arrays_give_rows(order: int) -> None:
 def test_clearance_agrees_with_dense_samples() -> None:
     obstacles = (Box(size=(2.5, 2.5, 2.5), position=(3, 3, 3)), Sphere(radius=0.5))
     points = Quadratic(printed.QUADRATIC.coefficients)(np.linspace(0, 1, 20_001))
-    seen = float(nearest(obstacles[:1], points)[0].min())
+    seen = float(ObstacleSet(obstacles[:1]).nearest(points)[0].min())
     for asked, holds in ((seen - 1e-4, True), (seen + 1e-4, False)):
-        quadratic = Quadratic(printed.QUADRATIC.coefficients, obstacles[:1], asked)
+        quadratic = Quadratic(printed.QUADRATIC.coefficients, ObstacleSet(obstacles[:1]), asked)
         assert quadratic.holds is holds
         assert quadratic.clearance.distance == pytest.approx(seen, abs=2e-5)
-    assert not Quadratic(printed.QUADRATIC.coefficients, obstacles, 0.0).holds
+    assert not Quadratic(printed.QUADRATIC.coefficients, ObstacleSet(obstacles), 0.0).holds
 
 
 def test_fit_reports_an_obstacle_it_enters() -> None:
     around = clamped(np.array([[0.0, 0, 0], [0, 6, 0], [0, 6, 0], [6, 6, 0]]), 1)
     arc = curves.measure(around)
-    free = fit(around, arc, (), 0.5)
+    free = fit(around, arc, NO_OBSTACLES, 0.5)
     assert free.holds
     assert free.clearance.distance == np.inf
     centre = tuple(free(0.5).tolist())
-    blocked = fit(around, arc, (Sphere(radius=0.3, position=centre),), 0.5)
+    blocked = fit(around, arc, ObstacleSet((Sphere(radius=0.3, position=centre),)), 0.5)
     assert np.array_equal(blocked.coefficients, free.coefficients)
     assert not blocked.holds
     assert blocked.clearance.nearest == pytest.approx(-0.3, abs=1e-6)

@@ -16,8 +16,8 @@ from abi.arrays import FloatArray
 from abi.curves.bspline import fit
 from abi.errors import SceneError
 from abi.obstacles.mesh_shape import MeshShape, suggest_unit
-from abi.obstacles.polyline import measure_polyline
-from abi.obstacles.primitives import Box, Sphere, nearest, segments_blocked
+from abi.obstacles.obstacle_set import ObstacleSet
+from abi.obstacles.primitives import Box, Sphere
 from abi.obstacles.triangle_mesh.repair import Surface, clean
 from abi.scene.scene import MeshSettings, Workspace
 from abi.tet_mesh.tet_mesh import exclude, tetrahedralise
@@ -96,7 +96,7 @@ def test_a_mesh_of_a_box_is_the_box(seed: int) -> None:
     assert (found >= least - np.linalg.norm(q - p, axis=1) / 64 - tolerance).all()
     for margin in (0.0, 0.1 * scale, scale):
         sure = np.abs(least - margin) > 1e-7 * size(mesh)
-        blocked = segments_blocked((mesh,), p, q, margin)
+        blocked = ObstacleSet((mesh,)).blocked(p, q, margin)
         np.testing.assert_array_equal(blocked[sure], (least < margin)[sure])
         sure = np.abs(expected - margin) > tolerance
         np.testing.assert_array_equal(mesh.closer(points, margin)[sure], (expected < margin)[sure])
@@ -190,7 +190,7 @@ def test_no_sample_of_a_segment_is_nearer_than_its_distance(name: str, seed: int
     assert (found <= sampled + tolerance).all()
     assert (found >= sampled - length / 64 - tolerance).all()
     margins = sampled + rng.normal(size=len(p)) * 0.1 * size(shape)
-    blocked = segments_blocked((shape,), p, q, margins)
+    blocked = ObstacleSet((shape,)).blocked(p, q, margins)
     assert blocked[(sampled < margins) & (margins > 0)].all()
     # and none is blocked for nothing: sampling misses no more than half a step
     assert not blocked[sampled - length / 400 > np.maximum(margins, 0) + tolerance].any()
@@ -205,7 +205,7 @@ def test_nothing_passes_through_an_open_surface() -> None:
     hole = shape.surface.vertices[meshes.box((2, 2, 2))[1][-2:]].mean(axis=(0, 1))
     toward_hole = through @ hole >= 1 - 1e-12
     at_the_rim = (through @ hole > 0.99) & ~toward_hole
-    blocked = segments_blocked((shape,), np.zeros_like(outside), outside, 1e-6)
+    blocked = ObstacleSet((shape,)).blocked(np.zeros_like(outside), outside, 1e-6)
     np.testing.assert_array_equal(blocked[~at_the_rim], ~toward_hole[~at_the_rim])
     assert toward_hole.any()
 
@@ -229,7 +229,7 @@ def test_the_gradient_climbs_at_rate_1() -> None:
 def test_nearest_of_a_mesh_among_others() -> None:
     points = np.random.default_rng(0).uniform(-4, 4, (100, 3))
     mesh, ball = MeshShape.of(BOX), Sphere(radius=1, position=(3, 0, 0))
-    distance, index = nearest((ball, mesh), points)
+    distance, index = ObstacleSet((ball, mesh)).nearest(points)
     both = np.stack([ball.signed_distance(points), mesh.signed_distance(points)])
     np.testing.assert_array_equal(distance, both.min(axis=0))
     np.testing.assert_array_equal(index, both.argmin(axis=0))
@@ -239,7 +239,7 @@ def test_the_nodes_excluded_are_those_too_near() -> None:
     mesh = tetrahedralise(Workspace(), MeshSettings(pitch=0.5))
     for surface in SURFACES.values():
         shape = MeshShape.of(surface, position=(3, 3, 3), wxyz=(1, 0.3, 0.2, 0))
-        free = exclude(mesh, (shape,), 0.2)
+        free = exclude(mesh, ObstacleSet((shape,)), 0.2)
         np.testing.assert_array_equal(free.excluded, shape.signed_distance(mesh.points) < 0.2)
         assert 0 < free.excluded.sum() < len(mesh.points)
 
@@ -516,7 +516,7 @@ def test_a_graded_spline_passes_a_mesh(vertices: int) -> None:
     bend = np.linspace(0, 1, vertices)
     path = np.stack([far * (2 * bend - 1), far + bend * (1 - bend), 0 * bend], axis=1) + 3
 
-    spline = fit(path, 4, (mesh,), 0.2, taut=True)
+    spline = fit(path, 4, ObstacleSet((mesh,)), 0.2, taut=True)
 
     assert spline.holds
-    assert measure_polyline(path, (mesh,)) >= spline.clearance.distance > 0.2
+    assert ObstacleSet((mesh,)).polyline_clearance(path) >= spline.clearance.distance > 0.2

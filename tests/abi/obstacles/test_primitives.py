@@ -13,6 +13,7 @@ from scipy.spatial.transform import Rotation
 from trimesh import creation, triangles
 
 from abi.arrays import FloatArray
+from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.primitives import (
     Box,
     Capsule,
@@ -20,8 +21,6 @@ from abi.obstacles.primitives import (
     Obstacle,
     Obstacles,
     Sphere,
-    nearest,
-    segments_blocked,
 )
 
 ADAPTER: TypeAdapter[Any] = TypeAdapter(Obstacle)
@@ -317,7 +316,7 @@ def test_blocked_segments_are_those_nearer_than_the_margin(
     margin: float,
 ) -> None:
     p, q = np.array(pairs).transpose(1, 0, 2)
-    blocked = segments_blocked(tuple(obstacles), p, q, margin)
+    blocked = ObstacleSet(tuple(obstacles)).blocked(p, q, margin)
     least = np.full(len(p), np.inf)
     for solid in obstacles:
         least = np.minimum(least, solid.segment_distance(p, q))
@@ -331,11 +330,11 @@ def test_blocked_segments_with_a_margin_each(solid: Obstacle) -> None:
     p = rng.uniform(-3, 3, (20_000, 3))
     q = p + rng.normal(size=p.shape) * rng.choice([0, 0.1, 1, 5], (len(p), 1))
     margins = rng.uniform(-0.2, 1, len(p))
-    blocked = segments_blocked((solid,), p, q, margins)
+    blocked = ObstacleSet((solid,)).blocked(p, q, margins)
     np.testing.assert_array_equal(blocked, solid.segment_distance(p, q) < margins)
     assert 500 < blocked.sum() < 19_000
-    one = segments_blocked((solid,), p, q, 0.25)
-    np.testing.assert_array_equal(one, segments_blocked((solid,), p, q, np.full(len(p), 0.25)))
+    one = ObstacleSet((solid,)).blocked(p, q, 0.25)
+    np.testing.assert_array_equal(one, ObstacleSet((solid,)).blocked(p, q, np.full(len(p), 0.25)))
 
 
 def test_a_segment_that_keeps_the_margin_exactly_is_free() -> None:
@@ -346,8 +345,8 @@ def test_a_segment_that_keeps_the_margin_exactly_is_free() -> None:
         Cylinder(radius=1, height=2),
         Capsule(radius=0.5, height=1),
     ):
-        assert not segments_blocked((solid,), p, q, 1.0)[0]
-        assert segments_blocked((solid,), p, q, 1.0 + 1e-9)[0]
+        assert not ObstacleSet((solid,)).blocked(p, q, 1.0)[0]
+        assert ObstacleSet((solid,)).blocked(p, q, 1.0 + 1e-9)[0]
 
 
 @given(st.lists(solids, min_size=1, max_size=5), st.lists(triples, min_size=1, max_size=10))
@@ -356,7 +355,7 @@ def test_nearest_is_the_least_distance_and_its_owner(
     obstacles: list[Obstacle], places: list[tuple[float, float, float]]
 ) -> None:
     points = np.array(places)
-    distance, index = nearest(tuple(obstacles), points)
+    distance, index = ObstacleSet(tuple(obstacles)).nearest(points)
     for x, d, k in zip(points, distance, index, strict=True):
         of_each = [float(solid.signed_distance(x[None])[0]) for solid in obstacles]
         assert math.isclose(d, min(of_each), abs_tol=1e-13)
@@ -365,15 +364,15 @@ def test_nearest_is_the_least_distance_and_its_owner(
 
 def test_first_obstacle_wins_a_tie() -> None:
     twins = (Sphere(radius=1), Sphere(radius=1))
-    assert nearest(twins, np.zeros((1, 3)))[1].tolist() == [0]
+    assert ObstacleSet(twins).nearest(np.zeros((1, 3)))[1].tolist() == [0]
 
 
 def test_nothing_is_near_or_blocked_without_obstacles() -> None:
     points = np.zeros((3, 3))
-    distance, index = nearest((), points)
+    distance, index = ObstacleSet().nearest(points)
     assert distance.tolist() == [np.inf] * 3
     assert index.tolist() == [-1] * 3
-    assert not segments_blocked((), points, points, 1.0).any()
+    assert not ObstacleSet().blocked(points, points, 1.0).any()
 
 
 @every_solid
@@ -382,7 +381,7 @@ def test_no_points_give_no_distances(solid: Obstacle) -> None:
     assert solid.signed_distance(none).shape == (0,)
     assert solid.gradient(none).shape == (0, 3)
     assert solid.segment_distance(none, none).shape == (0,)
-    assert segments_blocked((solid,), none, none, 1.0).shape == (0,)
+    assert ObstacleSet((solid,)).blocked(none, none, 1.0).shape == (0,)
 
 
 @given(solids)

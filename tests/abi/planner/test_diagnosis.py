@@ -13,7 +13,7 @@ from scipy import ndimage
 
 from abi import Scene, load_scene, plan
 from abi.errors import NoPath, PointBlocked
-from abi.obstacles.primitives import nearest
+from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner.diagnosis import Reason, explain
 from abi.planner.nearest_free_point import nearest_free, rounded
 from abi.planner.plan import SLACK, Plan
@@ -177,7 +177,7 @@ def test_walled_in_agrees_with_networkx_and_with_a_flood(start: list[float]) -> 
     count = 121
     axes = np.linspace(0, 6, count)
     grid = np.stack(np.meshgrid(axes, axes, axes, indexing="ij"), axis=-1).reshape(-1, 3)
-    free = (nearest(scene.obstacles, grid)[0] > 0).reshape((count,) * 3)
+    free = (ObstacleSet(scene.obstacles).nearest(grid)[0] > 0).reshape((count,) * 3)
     labels, _ = ndimage.label(free)
     parts = [
         labels[tuple(np.round(np.array(end) / 6 * (count - 1)).astype(int))]
@@ -262,7 +262,7 @@ def test_a_blocked_end_is_told_the_nearest_free_point(
     _, found = reason_of(scene)
     slack = SLACK * 6
     ends = {"start": np.array(scene.start), "goal": np.array(scene.goal)}
-    distances, _ = nearest(scene.obstacles, np.array(list(ends.values())))
+    distances, _ = ObstacleSet(scene.obstacles).nearest(np.array(list(ends.values())))
     blocked = {
         which: point
         for (which, point), distance in zip(ends.items(), distances, strict=True)
@@ -278,11 +278,11 @@ def test_a_blocked_end_is_told_the_nearest_free_point(
     grid = np.random.default_rng(seed).uniform(0, 6, (4000, 3))
     assert made.free is not None
     known = np.concatenate([grid, made.free.mesh.points])
-    free = known[nearest(scene.obstacles, known)[0] >= clearance + slack]
+    free = known[ObstacleSet(scene.obstacles).nearest(known)[0] >= clearance + slack]
     for which, point in blocked.items():
         place = np.array(found.change[which])
         assert scene.workspace.contains(found.change[which])
-        assert nearest(scene.obstacles, place[None])[0][0] >= clearance
+        assert ObstacleSet(scene.obstacles).nearest(place[None])[0][0] >= clearance
         away = np.linalg.norm(free - point, axis=1).min()
         assert np.linalg.norm(place - point) <= away + slack
 
@@ -299,14 +299,14 @@ def test_next_to_one_obstacle_no_point_is_nearer(body: Any, place: Any, margin: 
         }
     )
     point = np.array(place)
-    distance = float(nearest(scene.obstacles, point[None])[0][0])
+    distance = float(ObstacleSet(scene.obstacles).nearest(point[None])[0][0])
     if distance >= margin:
         return
     none = np.zeros((0, 3))
-    found = nearest_free(scene.obstacles, scene.workspace, point, margin, none)
+    found = nearest_free(ObstacleSet(scene.obstacles), scene.workspace, point, margin, none)
 
     assert found is not None
-    assert nearest(scene.obstacles, found[None])[0][0] >= margin
+    assert ObstacleSet(scene.obstacles).nearest(found[None])[0][0] >= margin
     # the distance is 1-Lipschitz: no free point can be nearer than what it lacks
     assert np.linalg.norm(found - point) == pytest.approx(margin - distance, abs=1e-6)
 

@@ -17,7 +17,7 @@ from abi import Plan, Planner, Scene, load_scene, plan, scene_names
 from abi.arm.arm import JOINTS, forward, skeleton
 from abi.arrays import FloatArray
 from abi.errors import StageError
-from abi.obstacles.primitives import nearest
+from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner.plan import SLACK
 from abi.search.search import SEARCHES
 from benchmarks.quadratics import scattered, slalom
@@ -226,7 +226,11 @@ def told(variant: str) -> tuple[Plan, dict[str, Any]]:
 
 
 def away(made: Plan, places: FloatArray) -> FloatArray:
-    return nearest(made.scene.obstacles, places.reshape(-1, 3))[0].reshape(places.shape[:-1])
+    return (
+        ObstacleSet(made.scene.obstacles)
+        .nearest(places.reshape(-1, 3))[0]
+        .reshape(places.shape[:-1])
+    )
 
 
 def along(places: Any) -> float:
@@ -570,7 +574,7 @@ def test_a_blocked_start_names_the_obstacle_and_a_way_out() -> None:
     assert "obstacle 1" in made.error.message
     free = getattr(made.error, "nearest", None)
     assert free is not None
-    assert nearest(scene.obstacles, free[None])[0][0] >= scene.spline.clearance
+    assert ObstacleSet(scene.obstacles).nearest(free[None])[0][0] >= scene.spline.clearance
 
 
 def test_out_of_reach_is_said_with_times_and_the_arm_still_has_a_pose() -> None:
@@ -629,7 +633,7 @@ def test_any_scene_has_a_plan_or_a_reason(
     for curve in (made.bspline, made.quadratic):
         if curve is not None and curve.holds and scene.obstacles:
             dense = curve(np.linspace(*curve.interval, 2000))
-            assert nearest(scene.obstacles, dense)[0].min() >= clearance - 1e-9
+            assert ObstacleSet(scene.obstacles).nearest(dense)[0].min() >= clearance - 1e-9
     if made.followed is not None and scene.motion.curve == "auto":
         assert made.followed_curve is not None
         assert made.followed_curve.holds

@@ -11,6 +11,7 @@ from scipy.sparse.csgraph import connected_components
 
 from abi.arrays import FloatArray
 from abi.errors import PointBlocked, StageError
+from abi.obstacles.obstacle_set import NO_OBSTACLES, ObstacleSet
 from abi.obstacles.primitives import (
     Box,
     Capsule,
@@ -19,8 +20,6 @@ from abi.obstacles.primitives import (
     Obstacles,
     Sphere,
     Vec3,
-    nearest,
-    segments_blocked,
 )
 from abi.scene.scene import MeshSettings, Workspace
 from abi.search.graph import Graph, build
@@ -37,7 +36,9 @@ def free_mesh(
 ) -> FreeMesh:
     workspace = Workspace(max=(SIDE, SIDE, SIDE))
     return exclude(
-        tetrahedralise(workspace, MeshSettings(lattice=lattice, pitch=pitch)), obstacles, margin
+        tetrahedralise(workspace, MeshSettings(lattice=lattice, pitch=pitch)),
+        ObstacleSet(obstacles),
+        margin,
     )
 
 
@@ -58,7 +59,7 @@ def random_obstacles(rng: np.random.Generator, count: int) -> Obstacles:
 
 def free_point(rng: np.random.Generator, obstacles: Obstacles, clearance: float) -> Vec3:
     points = rng.uniform(0, SIDE, (500, 3))
-    clear = points[nearest(obstacles, points)[0] >= clearance]
+    clear = points[ObstacleSet(obstacles).nearest(points)[0] >= clearance]
     x, y, z = clear[0].tolist()
     return (x, y, z)
 
@@ -68,7 +69,7 @@ def sampled_distance(graph: Graph, obstacles: Obstacles) -> FloatArray:
     p, q = (graph.points[graph.edges[:, end]] for end in (0, 1))
     along = np.linspace(0, 1, SAMPLES)[None, :, None]
     samples = p[:, None] + along * (q - p)[:, None]
-    distance = nearest(obstacles, samples.reshape(-1, 3))[0]
+    distance = ObstacleSet(obstacles).nearest(samples.reshape(-1, 3))[0]
     return np.asarray(distance.reshape(-1, SAMPLES).min(axis=1))
 
 
@@ -80,14 +81,14 @@ def test_no_edge_comes_nearer_than_the_margin(seed: int) -> None:
     margin = clearance + float(rng.choice([0.0, 0.05]))
     free = free_mesh(obstacles, margin, LATTICES[seed % 3])
     start, goal = (free_point(rng, obstacles, clearance) for _ in range(2))
-    graph = build(free, obstacles, margin, start, goal, clearance)
+    graph = build(free, ObstacleSet(obstacles), margin, start, goal, clearance)
 
     distance = sampled_distance(graph, obstacles)
     of_mesh = (graph.edges < len(free.mesh.points)).all(axis=1)
     assert of_mesh.any()
     assert distance[of_mesh].min() >= margin - 1e-9
     for node in (graph.start, graph.goal):
-        own = nearest(obstacles, graph.points[[node]])[0][0]
+        own = ObstacleSet(obstacles).nearest(graph.points[[node]])[0][0]
         links = (graph.edges == node).any(axis=1)
         assert distance[links].min(initial=np.inf) >= min(margin, own) - 2e-9
     assert distance.min() >= clearance - 2e-9
@@ -100,7 +101,7 @@ def test_only_edges_that_come_too_near_are_removed(seed: int) -> None:
     margin = 0.1
     free = free_mesh(obstacles, margin, LATTICES[seed % 3])
     start, goal = (free_point(rng, obstacles, margin) for _ in range(2))
-    graph = build(free, obstacles, margin, start, goal, margin)
+    graph = build(free, ObstacleSet(obstacles), margin, start, goal, margin)
 
     mesh = free.mesh
     kept = {tuple(edge) for edge in graph.edges.tolist()}
@@ -111,7 +112,7 @@ def test_only_edges_that_come_too_near_are_removed(seed: int) -> None:
     p, q = (mesh.points[crossing[:, end]] for end in (0, 1))
     along = np.linspace(0, 1, SAMPLES)[None, :, None]
     samples = (p[:, None] + along * (q - p)[:, None]).reshape(-1, 3)
-    distance = nearest(obstacles, samples)[0].reshape(-1, SAMPLES).min(axis=1)
+    distance = ObstacleSet(obstacles).nearest(samples)[0].reshape(-1, SAMPLES).min(axis=1)
     # between samples the distance can be lower by half their spacing
     spacing = np.linalg.norm(q - p, axis=1) / (SAMPLES - 1)
     assert (distance < margin + spacing / 2).all()
@@ -122,7 +123,7 @@ def test_crossings_occur_at_all() -> None:
     free = free_mesh(obstacles, 0.0)
     clear = free_point(np.random.default_rng(1), obstacles, 0.0)
     corner = free_point(np.random.default_rng(2), obstacles, 0.0)
-    assert len(build(free, obstacles, 0.0, clear, corner, 0.0).crossing) > 0
+    assert len(build(free, ObstacleSet(obstacles), 0.0, clear, corner, 0.0).crossing) > 0
 
 
 @pytest.mark.parametrize("lattice", LATTICES)
@@ -130,7 +131,7 @@ def test_a_plate_between_free_nodes_parts_the_graph(lattice: Lattice) -> None:
     plate = (Box(position=(1.5, 1.5, 1.4567), size=(9.0, 9.0, 1e-4)),)
     free = free_mesh(plate, 1e-5, lattice)
     assert not free.excluded.any()
-    graph = build(free, plate, 1e-5, (0.1, 0.2, 0.3), (2.9, 2.8, 2.7), 1e-5)
+    graph = build(free, ObstacleSet(plate), 1e-5, (0.1, 0.2, 0.3), (2.9, 2.8, 2.7), 1e-5)
     n = len(graph.points)
     matrix = csr_array((graph.lengths, graph.indices, graph.indptr), shape=(n, n))
     count, label = connected_components(matrix, directed=False)
@@ -167,7 +168,7 @@ def test_rows_hold_each_edge_twice_with_its_length(seed: int) -> None:
     obstacles = random_obstacles(rng, 3)
     free = free_mesh(obstacles, 0.05, LATTICES[seed % 3])
     start, goal = (free_point(rng, obstacles, 0.05) for _ in range(2))
-    graph = build(free, obstacles, 0.05, start, goal, 0.05)
+    graph = build(free, ObstacleSet(obstacles), 0.05, start, goal, 0.05)
 
     tail = np.repeat(np.arange(len(graph.points)), np.diff(graph.indptr))
     pairs = np.stack([tail, graph.indices], axis=1)
@@ -189,14 +190,14 @@ def test_a_point_is_joined_to_all_near_nodes_it_sees(seed: int) -> None:
     obstacles = random_obstacles(rng, 6)
     free = free_mesh(obstacles, 0.05, LATTICES[seed % 3])
     start, goal = (free_point(rng, obstacles, 0.05) for _ in range(2))
-    graph = build(free, obstacles, 0.05, start, goal, 0.05)
+    graph = build(free, ObstacleSet(obstacles), 0.05, start, goal, 0.05)
     for node, point in ((graph.start, start), (graph.goal, goal)):
         assert node >= len(free.mesh.points)
         away = np.linalg.norm(free.mesh.points - point, axis=1)
         near = np.flatnonzero((away <= 1.6 * free.mesh.lengths.max()) & ~free.excluded)
         q = free.mesh.points[near]
         p = np.broadcast_to(point, q.shape)
-        seen = near[~segments_blocked(obstacles, p, q, 0.05 - 1e-9)]
+        seen = near[~ObstacleSet(obstacles).blocked(p, q, 0.05 - 1e-9)]
         linked = graph.indices[graph.indptr[node] : graph.indptr[node + 1]]
         assert np.array_equal(np.sort(linked[linked < len(free.mesh.points)]), seen)
 
@@ -204,7 +205,7 @@ def test_a_point_is_joined_to_all_near_nodes_it_sees(seed: int) -> None:
 def test_a_point_on_a_free_node_is_that_node() -> None:
     free = free_mesh()
     x, y, z = free.mesh.points[40].tolist()
-    graph = build(free, (), 0.0, (x + 1e-10, y, z), (SIDE, SIDE, SIDE), 0.0)
+    graph = build(free, NO_OBSTACLES, 0.0, (x + 1e-10, y, z), (SIDE, SIDE, SIDE), 0.0)
     assert graph.start == 40
     assert graph.goal == len(free.mesh.points) - 1
     assert len(graph.points) == len(free.mesh.points)
@@ -216,7 +217,7 @@ def test_a_point_between_clearance_and_margin_is_a_node_of_its_own() -> None:
     free = free_mesh(ball, 0.3)
     near = int(np.flatnonzero(free.excluded & (free.mesh.points[:, 0] > 1.1))[0])
     x, y, z = free.mesh.points[near].tolist()
-    graph = build(free, ball, 0.3, (x, y, z), (SIDE, SIDE, SIDE), 0.1)
+    graph = build(free, ObstacleSet(ball), 0.3, (x, y, z), (SIDE, SIDE, SIDE), 0.1)
     assert graph.start == len(free.mesh.points)
     assert graph.free_nodes == free.nodes + 1
     assert graph.indptr[graph.start + 1] > graph.indptr[graph.start]
@@ -229,16 +230,16 @@ def test_near_start_and_goal_are_joined_directly_unless_a_plate_hides_them() -> 
     plate = (Box(position=(1.5, 1.5, 1.5), size=(3.0, 3.0, 0.01)),)
     for obstacles, expected in (((), True), (plate, False)):
         free = free_mesh(obstacles)
-        graph = build(free, obstacles, 0.0, start, goal, 0.0)
+        graph = build(free, ObstacleSet(obstacles), 0.0, start, goal, 0.0)
         linked = graph.indices[graph.indptr[graph.start] : graph.indptr[graph.start + 1]]
         assert (graph.goal in linked) == expected
 
 
 def test_nodes_two_steps_apart_are_joined_once() -> None:
     free = free_mesh(pitch=1.0)
-    graph = build(free, (), 0.0, (0, 0, 0), (0, 0, 1), 0.0)
+    graph = build(free, NO_OBSTACLES, 0.0, (0, 0, 0), (0, 0, 1), 0.0)
     assert graph.edge_count == len(free.mesh.edges)
-    graph = build(free, (), 0.0, (0, 0, 0), (0, 0, 2), 0.0)
+    graph = build(free, NO_OBSTACLES, 0.0, (0, 0, 0), (0, 0, 2), 0.0)
     assert graph.edge_count == len(free.mesh.edges) + 1
 
 
@@ -248,7 +249,7 @@ def test_a_lonely_point_looks_farther(factor: int) -> None:
     speck = (Sphere(position=(0.0, 0.0, 0.0), radius=1e-3),)
     margin = 0.75 * factor * reach
     free = free_mesh(speck, margin, pitch=0.25)
-    graph = build(free, speck, margin, (0.01, 0.01, 0.01), (SIDE, SIDE, SIDE), 0.0)
+    graph = build(free, ObstacleSet(speck), margin, (0.01, 0.01, 0.01), (SIDE, SIDE, SIDE), 0.0)
     links = slice(graph.indptr[graph.start], graph.indptr[graph.start + 1])
     assert reach * factor / 2 < graph.lengths[links].min()
     assert graph.lengths[links].max() <= reach * factor
@@ -256,7 +257,7 @@ def test_a_lonely_point_looks_farther(factor: int) -> None:
 
 def test_start_is_goal() -> None:
     with pytest.raises(StageError) as caught:
-        build(free_mesh(), (), 0.0, (1, 2, 1), (1, 2, 1 + 1e-10), 0.0)
+        build(free_mesh(), NO_OBSTACLES, 0.0, (1, 2, 1), (1, 2, 1 + 1e-10), 0.0)
     assert (caught.value.stage, caught.value.kind) == ("graph", "start_is_goal")
 
 
@@ -272,7 +273,7 @@ def test_a_blocked_point_is_named_with_the_nearest_free_node(which: str, clearan
     blocked, clear = (x, 2.0, 2.0), (x + 2e-6, 1.0, 1.0)
     ends = (blocked, clear) if which == "start" else (clear, blocked)
     with pytest.raises(PointBlocked) as caught:
-        build(free, obstacles, clearance, *ends, clearance)
+        build(free, ObstacleSet(obstacles), clearance, *ends, clearance)
     error = caught.value
     assert error.which == which
     assert error.kind == f"{which}_blocked"
@@ -285,14 +286,16 @@ def test_a_blocked_point_is_named_with_the_nearest_free_node(which: str, clearan
 
 def test_a_point_at_exactly_the_clearance_is_not_blocked() -> None:
     obstacles = (Box(position=(2.0, 2.0, 2.0), size=(1.0, 1.0, 1.0)),)
-    graph = build(free_mesh(obstacles, 0.2), obstacles, 0.2, (2.7, 2.0, 2.0), (0, 0, 0), 0.2)
+    graph = build(
+        free_mesh(obstacles, 0.2), ObstacleSet(obstacles), 0.2, (2.7, 2.0, 2.0), (0, 0, 0), 0.2
+    )
     assert graph.indptr[graph.start + 1] > graph.indptr[graph.start]
 
 
 def test_without_a_free_node_no_nearest_is_named() -> None:
     obstacles = (Sphere(position=(1.5, 1.5, 1.5), radius=9.0),)
     with pytest.raises(PointBlocked) as caught:
-        build(free_mesh(obstacles), obstacles, 0.0, (1, 1, 1), (2, 2, 2), 0.0)
+        build(free_mesh(obstacles), ObstacleSet(obstacles), 0.0, (1, 1, 1), (2, 2, 2), 0.0)
     assert caught.value.nearest is None
 
 
@@ -302,7 +305,7 @@ def test_networkx_graph_is_the_same_graph(seed: int) -> None:
     obstacles = random_obstacles(rng, 4)
     free = free_mesh(obstacles, 0.1)
     start, goal = (free_point(rng, obstacles, 0.1) for _ in range(2))
-    graph = build(free, obstacles, 0.1, start, goal, 0.1)
+    graph = build(free, ObstacleSet(obstacles), 0.1, start, goal, 0.1)
     other = graph.to_networkx()
     assert {tuple(sorted(edge)) for edge in other.edges} == set(map(tuple, graph.edges.tolist()))
     assert set(other) == {*graph.edges.ravel().tolist(), graph.start, graph.goal}
@@ -315,6 +318,6 @@ def test_networkx_graph_is_the_same_graph(seed: int) -> None:
 def test_networkx_graph_holds_a_start_without_edges() -> None:
     lid, floor = (Box(position=(1.5, 1.5, z), size=(9.0, 9.0, 0.01)) for z in (1.51, 1.59))
     free = free_mesh((lid, floor))
-    graph = build(free, (lid, floor), 0.0, (1.5, 1.5, 1.55), (0, 0, 0), 0.0)
+    graph = build(free, ObstacleSet((lid, floor)), 0.0, (1.5, 1.5, 1.55), (0, 0, 0), 0.0)
     assert graph.indptr[graph.start] == graph.indptr[graph.start + 1]
     assert list(graph.to_networkx()[graph.start]) == []

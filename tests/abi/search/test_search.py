@@ -13,7 +13,8 @@ from scipy.sparse.csgraph import dijkstra as scipy_dijkstra
 
 from abi.arrays import FloatArray, read_only
 from abi.errors import NoPath
-from abi.obstacles.primitives import Box, Capsule, Obstacle, Obstacles, Sphere, nearest
+from abi.obstacles.obstacle_set import NO_OBSTACLES, ObstacleSet
+from abi.obstacles.primitives import Box, Capsule, Obstacle, Obstacles, Sphere
 from abi.scene.scene import MeshSettings, Workspace
 from abi.search import search
 from abi.search import search_kernels as kernels
@@ -47,9 +48,11 @@ def random_graph(seed: int) -> Graph:
     workspace = Workspace(max=(4, 3.3, 4.7))
     settings = MeshSettings(lattice=LATTICES[seed % 3], pitch=rng.uniform(0.7, 1.5), seed=seed)
     points = rng.uniform(0, 1, (200, 3)) * workspace.size
-    points = points[nearest(tuple(obstacles), points)[0] > 0.05]
+    points = points[ObstacleSet(tuple(obstacles)).nearest(points)[0] > 0.05]
     corners = ((0, 0, 0), workspace.max)
-    free_corners = nearest(tuple(obstacles), np.array(corners, dtype=float))[0].min() > 0.05
+    free_corners = (
+        ObstacleSet(tuple(obstacles)).nearest(np.array(corners, dtype=float))[0].min() > 0.05
+    )
     start, goal = corners if free_corners and seed % 2 else map(tuple, points[:2].tolist())
     return graph_of(workspace, settings, tuple(obstacles), start, goal)
 
@@ -57,8 +60,8 @@ def random_graph(seed: int) -> Graph:
 def graph_of(
     workspace: Workspace, settings: MeshSettings, obstacles: Obstacles, start: Any, goal: Any
 ) -> Graph:
-    free = exclude(tetrahedralise(workspace, settings), obstacles, 0.05)
-    return build(free, obstacles, 0.05, start, goal, 0.02)
+    free = exclude(tetrahedralise(workspace, settings), ObstacleSet(obstacles), 0.05)
+    return build(free, ObstacleSet(obstacles), 0.05, start, goal, 0.02)
 
 
 def walled() -> Graph:
@@ -140,10 +143,10 @@ def test_between_near_points_of_a_fine_mesh_all_cost_the_same(
     """Links count as one hop however far they go, so estimates jump."""
     rng = np.random.default_rng(5)
     workspace, settings = Workspace(max=(6, 6, 6)), MeshSettings(lattice=lattice, pitch=0.75)
-    free = exclude(tetrahedralise(workspace, settings), (), 0.05)
+    free = exclude(tetrahedralise(workspace, settings), NO_OBSTACLES, 0.05)
     for start in rng.uniform(0.1, 5.9, (60, 3)):
         goal = np.clip(start + rng.uniform(-4, 4, 3), 0, 6)
-        graph = build(free, (), 0.05, tuple(start.tolist()), tuple(goal.tolist()), 0.02)
+        graph = build(free, NO_OBSTACLES, 0.05, tuple(start.tolist()), tuple(goal.tolist()), 0.02)
         least = costs_from(graph, weight, graph.start)[graph.goal]
         for find in SEARCHES.values():
             assert find(graph, weight).cost == pytest.approx(least, abs=1e-9)

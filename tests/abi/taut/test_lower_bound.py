@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 
 from abi.arrays import FloatArray, columns, read_only
 from abi.clearance.certificate import Certificate, certify_polyline
-from abi.obstacles.obstacle_set import Solid, packed
-from abi.obstacles.polyline import segment_clearances
-from abi.obstacles.primitives import Box, Capsule, Cylinder, MeshShape, Obstacle, Sphere
+from abi.obstacles.obstacle_set import ObstacleSet
+from abi.obstacles.packing import pack
+from abi.obstacles.primitives import Box, Capsule, Cylinder, MeshShape, Obstacle, Primitive, Sphere
 from abi.obstacles.triangle_mesh.repair import clean
 from abi.planner.plan import Planner
 from abi.scene.scene import Scene, Workspace
@@ -32,7 +32,7 @@ def scene_of(bodies: list[dict[str, Any]], start: list[float], goal: list[float]
     return Scene.from_dict({"version": 1, "obstacles": bodies, "start": start, "goal": goal})
 
 
-def _tightened(path: FloatArray, solids: tuple[Solid, ...]) -> float:
+def _tightened(path: FloatArray, solids: tuple[Primitive, ...]) -> float:
     """Length of the path and the ways by the obstacles' edges, tightened again and again."""
     x, y, z = (path[-1] - path[0]).tolist()
     by = edges(solids, CLEARANCE, (x, y, z))
@@ -43,7 +43,7 @@ def _tightened(path: FloatArray, solids: tuple[Solid, ...]) -> float:
     for _ in range(20):
         begins = read_only(np.array([0, len(path)], dtype=np.int32))
         *found, begins, lengths = pulled(
-            *columns(path), begins, by, packed(solids), limits, room, 21, 1.5, 30, 1e-7
+            *columns(path), begins, by, pack(solids), limits, room, 21, 1.5, 30, 1e-7
         )
         best = int(np.argmin(lengths))
         path = np.stack(found, axis=1)[begins[best] : begins[best + 1]]
@@ -70,12 +70,14 @@ def test_an_exact_bound_is_the_length_of_the_shortest_way_by_many_places(
     assume(math.dist(start, goal) > 0.1)
     assume(min(float(solid.signed_distance(ends).min()) for solid in solids) > CLEARANCE + 0.01)
 
-    bound = lower_bound(scene.start, scene.goal, solids, CLEARANCE, room)
+    bound = lower_bound(scene.start, scene.goal, ObstacleSet(solids), CLEARANCE, room)
 
     # a way far round to begin with
     far = [ends + 9.0 * sign * np.eye(3)[axis] for axis in range(3) for sign in (-1, 1)]
     detours = [np.array([ends[0], *corners, ends[1]]) for corners in far]
-    clear = [path for path in detours if segment_clearances(path, solids).min() > CLEARANCE]
+    clear = [
+        path for path in detours if ObstacleSet(solids).segment_clearances(path).min() > CLEARANCE
+    ]
     assume(clear)
     length = min(_tightened(path, solids) for path in clear)
     assert length >= bound.length * (1 - 1e-8)
@@ -90,7 +92,7 @@ def test_compiled_and_plain_bounds_are_the_same(
 ) -> None:
     scene = scene_of(bodies, start, goal)
     solids = tuple(solid for solid in scene.obstacles if not isinstance(solid, MeshShape))
-    rows = packed(solids)
+    rows = pack(solids)
     kernel: Any = around.around
 
     lengths, exact = kernel(rows, CLEARANCE, *start, *goal)
@@ -105,7 +107,7 @@ def test_past_a_long_box_it_is_the_straight_way_over_the_faces() -> None:
     box = {"shape": "box", "size": [1.0, 90.0, 2.0], "position": [3, 3, 1]}
     scene = scene_of([box], [1, 1, 1], [5, 5, 1])
 
-    bound = lower_bound(scene.start, scene.goal, scene.obstacles, 0.0, ROOMY)
+    bound = lower_bound(scene.start, scene.goal, ObstacleSet(scene.obstacles), 0.0, ROOMY)
 
     assert bound.exact
     assert bound.length == pytest.approx(math.hypot(2 * math.hypot(1.5, 1) + 1, 4), rel=1e-9)
@@ -113,7 +115,7 @@ def test_past_a_long_box_it_is_the_straight_way_over_the_faces() -> None:
 
 def _bound(scene: Scene, room: Workspace | None = None, clearance: float = CLEARANCE) -> Bound:
     room = room or scene.workspace
-    return lower_bound(scene.start, scene.goal, scene.obstacles, clearance, room)
+    return lower_bound(scene.start, scene.goal, ObstacleSet(scene.obstacles), clearance, room)
 
 
 def _best(scene: Scene, pitch: float = 0.4, clearance: float = CLEARANCE) -> float:
@@ -123,7 +125,7 @@ def _best(scene: Scene, pitch: float = 0.4, clearance: float = CLEARANCE) -> flo
     for found in (made.path, made.taut):
         if found is not None:
             # the bound leaves out as much as counts as rounding
-            proof = certify_polyline(found.points, scene.obstacles, clearance - 1e-9)
+            proof = certify_polyline(found.points, ObstacleSet(scene.obstacles), clearance - 1e-9)
             assert isinstance(proof, Certificate)
             lengths.append(float(np.linalg.norm(np.diff(found.points, axis=0), axis=1).sum()))
     for curve, arc in ((made.bspline, made.bspline_arc), (made.quadratic, made.quadratic_arc)):
@@ -236,7 +238,7 @@ def test_a_mesh_bounds_no_more_than_the_solid_it_lies_in(seed: int) -> None:
     d, e, f = ends[1].tolist()
     straight = math.dist(*ends)
     bounds = [
-        lower_bound((a, b, c), (d, e, f), (body,), CLEARANCE, ROOMY)
+        lower_bound((a, b, c), (d, e, f), ObstacleSet((body,)), CLEARANCE, ROOMY)
         for body in (Sphere(radius=radius, **pose), _mesh(meshes.sphere(3, radius), **pose))
     ]
     ball, mesh = bounds
@@ -252,7 +254,7 @@ def test_past_the_middle_of_a_round_mesh_the_bound_is_nearly_the_length() -> Non
     ball = Sphere(radius=1.0, **pose)
     round_mesh = _mesh(meshes.sphere(3), **pose)
     within, without = (
-        lower_bound((1.0, 3.0, 3.0), (5.0, 3.1, 3.0), (body,), CLEARANCE, Workspace())
+        lower_bound((1.0, 3.0, 3.0), (5.0, 3.1, 3.0), ObstacleSet((body,)), CLEARANCE, Workspace())
         for body in (round_mesh, ball)
     )
 
@@ -278,7 +280,7 @@ def test_from_too_near_an_obstacle_there_is_no_way_to_bound(body: Obstacle, back
     ends = ((0.1, 0.0, 2.55), (-4.0, 0.0, -4.0))
     start, goal = ends[::-1] if back else ends
 
-    bound = lower_bound(start, goal, (body,), CLEARANCE, ROOMY)
+    bound = lower_bound(start, goal, ObstacleSet((body,)), CLEARANCE, ROOMY)
 
     assert bound.length == pytest.approx(math.dist(start, goal), rel=1e-14)
     assert not bound.exact

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from abi.arrays import FloatArray
 from abi.errors import StageError
-from abi.obstacles.polyline import measure_polyline
+from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.primitives import Box, MeshShape, Obstacles
 from abi.obstacles.triangle_mesh.repair import Surface, clean
 from abi.planner.plan import SLACK, plan
@@ -32,14 +32,18 @@ CUBE = {"shape": "box", "size": [3, 3, 3], "position": [3, 3, 3]}
 
 
 def made(scene: Scene, margin: float, clearance: float) -> tuple[Graph, SearchResult]:
-    free = mesh.exclude(mesh.tetrahedralise(scene.workspace, scene.mesh), scene.obstacles, margin)
-    nodes = graph.build(free, scene.obstacles, margin, scene.start, scene.goal, clearance)
+    free = mesh.exclude(
+        mesh.tetrahedralise(scene.workspace, scene.mesh), ObstacleSet(scene.obstacles), margin
+    )
+    nodes = graph.build(
+        free, ObstacleSet(scene.obstacles), margin, scene.start, scene.goal, clearance
+    )
     return nodes, a_star(nodes, "length")
 
 
 def pulled(scene: Scene, margin: float) -> TautPath:
     nodes, path = made(scene, margin, margin)
-    return taut(nodes, scene.obstacles, margin, path)
+    return taut(nodes, ObstacleSet(scene.obstacles), margin, path)
 
 
 def scene_of(bodies: list[Any], **fields: Any) -> Scene:
@@ -91,17 +95,17 @@ def test_taut_is_shorter_and_clear_and_the_same_again(
         nodes, path = made(scene, clearance + slack, clearance)
     except StageError:
         assume(False)
-    found = taut(nodes, scene.obstacles, clearance + slack, path)
+    found = taut(nodes, ObstacleSet(scene.obstacles), clearance + slack, path)
 
     assert found.length <= path.length
     assert keeps(found, path, scene.obstacles, clearance + slack)
     np.testing.assert_array_equal(found.points[[0, -1]], path.points[[0, -1]])
     lengths = np.linalg.norm(np.diff(found.points, axis=0), axis=1)
     assert found.length == pytest.approx(lengths.sum(), rel=1e-12)
-    assert found.clearance == measure_polyline(found.points, scene.obstacles)
+    assert found.clearance == ObstacleSet(scene.obstacles).polyline_clearance(found.points)
     assert (found.points >= -1e-9).all()
     assert (found.points <= 6 + 1e-9).all()
-    again = taut(nodes, scene.obstacles, clearance + slack, path)
+    again = taut(nodes, ObstacleSet(scene.obstacles), clearance + slack, path)
     np.testing.assert_array_equal(found.points, again.points)
 
 
@@ -147,7 +151,9 @@ def test_past_one_obstacle_it_is_the_optimum_where_that_is_known(
     body: Any, start: list[float], goal: list[float]
 ) -> None:
     scene = scene_of([body], start=start, goal=goal, pitch=0.8)
-    optimum = lower_bound(scene.start, scene.goal, scene.obstacles, 0.05, scene.workspace)
+    optimum = lower_bound(
+        scene.start, scene.goal, ObstacleSet(scene.obstacles), 0.05, scene.workspace
+    )
     try:
         found = pulled(scene, 0.05)
     except StageError:
@@ -188,10 +194,12 @@ def test_where_nothing_is_in_the_way_it_is_straight() -> None:
 def test_a_coarse_mesh_does_not_send_it_the_long_way_round() -> None:
     scene = load_scene("thin-plate")
     margin = scene.spline.clearance
-    optimum = lower_bound(scene.start, scene.goal, scene.obstacles, margin, scene.workspace)
+    optimum = lower_bound(
+        scene.start, scene.goal, ObstacleSet(scene.obstacles), margin, scene.workspace
+    )
 
     nodes, path = made(scene, margin, margin)
-    found = taut(nodes, scene.obstacles, margin, path)
+    found = taut(nodes, ObstacleSet(scene.obstacles), margin, path)
 
     assert optimum.exact
     assert path.length > 1.1 * optimum.length
@@ -203,12 +211,12 @@ def test_start_and_goal_may_stand_nearer_than_the_margin() -> None:
     scene = scene_of([CUBE], start=start, goal=goal, pitch=0.7)
     nodes, path = made(scene, 0.1, 0.05)
 
-    found = taut(nodes, scene.obstacles, 0.1, path)
+    found = taut(nodes, ObstacleSet(scene.obstacles), 0.1, path)
 
     assert found.clearance == pytest.approx(0.05, abs=2e-9)
     assert keeps(found, path, scene.obstacles, 0.1)
     inner = found.points[1:-1]
-    assert measure_polyline(inner, scene.obstacles) >= 0.1 - 1e-9
+    assert ObstacleSet(scene.obstacles).polyline_clearance(inner) >= 0.1 - 1e-9
     assert found.length < 0.95 * path.length
 
 
@@ -226,9 +234,9 @@ def test_compiled_and_plain_give_the_same(monkeypatch: pytest.MonkeyPatch) -> No
     )
     nodes, path = made(scene, 0.1, 0.1)
     with kernels_as(compiled=True):
-        compiled = taut(nodes, scene.obstacles, 0.1, path)
+        compiled = taut(nodes, ObstacleSet(scene.obstacles), 0.1, path)
     with kernels_as(compiled=False):
-        plain = taut(nodes, scene.obstacles, 0.1, path)
+        plain = taut(nodes, ObstacleSet(scene.obstacles), 0.1, path)
 
     np.testing.assert_allclose(compiled.points, plain.points, atol=1e-12)
 
@@ -237,10 +245,10 @@ def with_and_without_any_angle(
     scene: Scene, margin: float, monkeypatch: pytest.MonkeyPatch
 ) -> tuple[float, float]:
     nodes, path = made(scene, margin, CLEARANCE)
-    whole = taut(nodes, scene.obstacles, margin, path).length
+    whole = taut(nodes, ObstacleSet(scene.obstacles), margin, path).length
     with monkeypatch.context() as patch:
         patch.setattr(stage, "_any_angle", lambda *_: np.empty((0, 3)))
-        return whole, taut(nodes, scene.obstacles, margin, path).length
+        return whole, taut(nodes, ObstacleSet(scene.obstacles), margin, path).length
 
 
 def test_the_path_for_any_angle_finds_a_shorter_way_round(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -283,7 +291,7 @@ def test_how_many_nodes_are_searched_for_any_angle_is_bounded(
     monkeypatch.setattr(stage, "_NODES", count // 8)
     for most in (count, count - 1):
         monkeypatch.setattr(stage, "_MOST_NODES", most)
-        found = taut(nodes, scene.obstacles, 0.1, path)
+        found = taut(nodes, ObstacleSet(scene.obstacles), 0.1, path)
         assert found.length < path.length
 
     # every second node along each axis; where that has no meaning all of them, or none
@@ -295,11 +303,13 @@ def test_a_mesh_is_passed_as_the_box_that_it_is() -> None:
     shape = MeshShape.of(_cuboid(box.size), position=box.position)
     scene = scene_of([box.model_dump()], pitch=0.8)
     margin = 0.15
-    free = mesh.exclude(mesh.tetrahedralise(scene.workspace, scene.mesh), (shape,), margin)
-    nodes = graph.build(free, (shape,), margin, scene.start, scene.goal, margin)
+    free = mesh.exclude(
+        mesh.tetrahedralise(scene.workspace, scene.mesh), ObstacleSet((shape,)), margin
+    )
+    nodes = graph.build(free, ObstacleSet((shape,)), margin, scene.start, scene.goal, margin)
     path = a_star(nodes, "length")
 
-    found = taut(nodes, (shape,), margin, path)
+    found = taut(nodes, ObstacleSet((shape,)), margin, path)
 
     assert keeps(found, path, (shape,), margin)
     assert keeps(found, path, (box,), margin)

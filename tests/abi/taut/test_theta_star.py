@@ -10,8 +10,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from abi.arrays import FloatArray, read_only
-from abi.obstacles.obstacle_set import Solid, packed
-from abi.obstacles.primitives import MeshShape
+from abi.obstacles.obstacle_set import ObstacleSet
+from abi.obstacles.packing import pack
+from abi.obstacles.primitives import MeshShape, Primitive
 from abi.scene.scene import Scene
 from abi.search.graph import REACH
 from abi.taut import theta_star_kernels as kernels
@@ -26,7 +27,7 @@ from tests.abi.taut.test_taut_path import CUBE, round_cube, scene_of
 MARGIN = 0.1
 
 
-def solids_of(scene: Scene) -> tuple[Solid, ...]:
+def solids_of(scene: Scene) -> tuple[Primitive, ...]:
     return tuple(solid for solid in scene.obstacles if not isinstance(solid, MeshShape))
 
 
@@ -34,12 +35,12 @@ def arguments(
     whole: TetMesh, scene: Scene, margins: FloatArray, stride: int = 1, most: float = math.inf
 ) -> tuple[Any, ...]:
     """What the kernel is given; ``margins`` (4, k) are for each kind of segment and solid."""
-    free = mesh.exclude(whole, scene.obstacles, float(margins.max(initial=0)))
+    free = mesh.exclude(whole, ObstacleSet(scene.obstacles), float(margins.max(initial=0)))
     shape, _, steps, places, indptr, indices = whole.net
     return (
         *(shape, steps, places, indptr, indices, free.excluded),
         *(stride, stride * REACH * whole.longest_edge, scene.start, scene.goal),
-        *(packed(solids_of(scene)), read_only(margins.reshape(-1)), most),
+        *(pack(solids_of(scene)), read_only(margins.reshape(-1)), most),
     )
 
 
@@ -86,7 +87,7 @@ def test_it_goes_by_free_nodes_that_see_each_other(
     for solid in scene.obstacles:
         kept = solid.segment_distance(path[:-1], path[1:])
         assert (kept >= MARGIN - 1e-9).all()
-    free = mesh.exclude(whole, scene.obstacles, MARGIN)
+    free = mesh.exclude(whole, ObstacleSet(scene.obstacles), MARGIN)
     nodes = {tuple(node) for node in whole.points[~free.excluded].tolist()}
     assert all(tuple(place) in nodes for place in path[1:-1].tolist())
     for bound in (0.99 * length(path), 1.01 * length(path)):

@@ -9,21 +9,21 @@ from hypothesis import strategies as st
 
 from abi.arrays import FloatArray
 from abi.obstacles import primitive_kernels as sight
-from abi.obstacles.obstacle_set import Solid, packed
-from abi.obstacles.polyline import segment_clearances
-from abi.obstacles.primitives import MeshShape
+from abi.obstacles.obstacle_set import ObstacleSet
+from abi.obstacles.packing import pack
+from abi.obstacles.primitives import MeshShape, Primitive
 from abi.scene.scene import Scene
 from abi.taut import visibility_graph_kernels as visibility
 from tests.abi.scene.test_scene import obstacles, points
 
 
-def shapes(bodies: list[dict[str, Any]]) -> tuple[Solid, ...]:
+def shapes(bodies: list[dict[str, Any]]) -> tuple[Primitive, ...]:
     made = Scene.from_dict({"version": 1, "obstacles": bodies}).obstacles
     return tuple(solid for solid in made if not isinstance(solid, MeshShape))
 
 
-def blocked(obstacles: tuple[Solid, ...], margin: float, p: FloatArray, q: FloatArray) -> bool:
-    solids: Any = packed(obstacles).tolist()
+def blocked(obstacles: tuple[Primitive, ...], margin: float, p: FloatArray, q: FloatArray) -> bool:
+    solids: Any = pack(obstacles).tolist()
     margins: Any = [margin] * len(obstacles)
     return bool(sight.blocked(solids, margins, 0, tuple(p.tolist()), tuple(q.tolist())))
 
@@ -58,7 +58,7 @@ def test_sight_goes_both_ways_and_needs_all_obstacles_clear(
 @settings(max_examples=40, deadline=None)
 @given(st.lists(obstacles, min_size=1, max_size=2), st.integers(0, 2**31))
 def test_ways_by_places_are_the_shortest_there_are(bodies: list[dict[str, Any]], seed: int) -> None:
-    solids: Any = packed(shapes(bodies)).tolist()
+    solids: Any = pack(shapes(bodies)).tolist()
     margins: Any = [0.05] * 4 * len(bodies)
     random = np.random.default_rng(seed)
     places = random.uniform(0, 6, (9, 3))
@@ -107,7 +107,7 @@ def test_segments_are_as_near_as_the_exact_distance_says(
     solids = shapes(bodies)
     path = np.array(vertices)
 
-    found = segment_clearances(path, solids)
+    found = ObstacleSet(solids).segment_clearances(path)
 
     exact = np.full(len(path) - 1, np.inf)
     for solid in solids:

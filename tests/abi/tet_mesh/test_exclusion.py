@@ -11,6 +11,7 @@ from scipy.sparse.csgraph import dijkstra
 
 from abi.arrays import IntArray
 from abi.errors import NoPath, StageError
+from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.primitives import (
     Box,
     Capsule,
@@ -19,8 +20,6 @@ from abi.obstacles.primitives import (
     Obstacle,
     Obstacles,
     Sphere,
-    nearest,
-    segments_blocked,
 )
 from abi.obstacles.triangle_mesh.repair import clean
 from abi.scene.scene import MeshSettings, Workspace
@@ -90,15 +89,15 @@ def explicit(
     made: TetMesh, solids: Obstacles, margin: float
 ) -> tuple[dict[tuple[int, int], float], set[tuple[int, int]]]:
     """Edges with their lengths by the definition, and those that rounding decides."""
-    away = nearest(solids, made.points)[0]
+    away = ObstacleSet(solids).nearest(made.points)[0]
     tail, head = made.edges.T
     p, q = made.points[tail], made.points[head]
     free = (away[tail] >= margin) & (away[head] >= margin)
-    kept = free & ~segments_blocked(solids, p, q, margin)
+    kept = free & ~ObstacleSet(solids).blocked(p, q, margin)
     loose = (away[tail] >= margin - TIE) & (away[head] >= margin - TIE)
-    loose &= ~segments_blocked(solids, p, q, margin - TIE)
+    loose &= ~ObstacleSet(solids).blocked(p, q, margin - TIE)
     tight = (away[tail] >= margin + TIE) & (away[head] >= margin + TIE)
-    tight &= ~segments_blocked(solids, p, q, margin + TIE)
+    tight &= ~ObstacleSet(solids).blocked(p, q, margin + TIE)
     edges = {
         (int(a), int(b)): float(np.linalg.norm(made.points[a] - made.points[b]))
         for a, b in made.edges[kept]
@@ -117,7 +116,7 @@ def test_the_graph_is_what_its_definition_says(case: Any, compiled: bool) -> Non
         except StageError:
             return
     ends = np.array([start, goal])
-    room = np.minimum(nearest(solids, ends)[0] - TIE, margin)
+    room = np.minimum(ObstacleSet(solids).nearest(ends)[0] - TIE, margin)
     expected, ties = explicit(made, solids, margin)
     of_mesh = {(a, b) for a, b in map(tuple, found.edges.tolist()) if b < len(made.points)}
     links = set(zip(found.tails.tolist(), found.heads.tolist(), strict=True))
@@ -134,8 +133,8 @@ def test_the_graph_is_what_its_definition_says(case: Any, compiled: bool) -> Non
         for radius in (reach, 2 * reach, 4 * reach):
             near = np.flatnonzero((far <= radius) & ~free.excluded)
             p = np.broadcast_to(end, (len(near), 3))
-            seen = near[~segments_blocked(solids, p, made.points[near], own)]
-            surely = near[~segments_blocked(solids, p, made.points[near], own + TIE)]
+            seen = near[~ObstacleSet(solids).blocked(p, made.points[near], own)]
+            surely = near[~ObstacleSet(solids).blocked(p, made.points[near], own + TIE)]
             if len(seen):
                 break
         linked = found.tails[found.heads == node]
@@ -169,7 +168,7 @@ def test_what_is_passed_over_in_a_fine_lattice_is_clear(
         )
         for solid in shapes:
             with kernels_as(compiled=True):
-                free = mesh.exclude(made, (solid,), 0.05)
+                free = mesh.exclude(made, ObstacleSet((solid,)), 0.05)
             away = solid.signed_distance(made.points)
             assert np.array_equal(free.excluded, away < 0.05) or np.abs(away - 0.05).min() < TIE
             found = graph._graph(free, free.exits, [], [], [0, 1])
@@ -232,8 +231,10 @@ def test_what_is_remembered_is_what_would_be_found_anew(lattice: Lattice, seed: 
         start, goal = (0.0, 0.0, 0.0), (3.0, 3.0, 3.0)
         graphs = []
         for made in (kept, fresh):
-            free = mesh.exclude(made, tuple(solids), 0.05)
-            graphs.append((free, graph.build(free, tuple(solids), 0.05, start, goal, 0.0)))
+            free = mesh.exclude(made, ObstacleSet(tuple(solids)), 0.05)
+            graphs.append(
+                (free, graph.build(free, ObstacleSet(tuple(solids)), 0.05, start, goal, 0.0))
+            )
         (free_a, graph_a), (free_b, graph_b) = graphs
         assert np.array_equal(free_a.excluded, free_b.excluded)
         assert free_a.nodes == free_b.nodes
@@ -248,8 +249,8 @@ def test_a_ball_of_triangles_takes_what_lies_between_the_balls_around_it(lattice
     shape = MeshShape.of(clean(*sphere(3, 0.9)), position=(1.5, 1.5, 1.5))
     kept = []
     for solid in (Sphere(radius=0.9, position=(1.5, 1.5, 1.5)), shape):
-        free = mesh.exclude(made, (solid,), 0.1)
-        found = graph.build(free, (solid,), 0.1, (0.0, 0.0, 0.0), (3.0, 3.0, 3.0), 0.1)
+        free = mesh.exclude(made, ObstacleSet((solid,)), 0.1)
+        found = graph.build(free, ObstacleSet((solid,)), 0.1, (0.0, 0.0, 0.0), (3.0, 3.0, 3.0), 0.1)
         kept.append(set(map(tuple, found.edges.tolist())))
         assert found.removed_edges > found.mesh.edge_count // 20
         assert found.edge_count == len(found.edges)
@@ -270,7 +271,7 @@ def test_an_edge_is_shut_at_both_its_ends() -> None:
                 position=tuple(rng.uniform(0, 3, 3)),
                 wxyz=tuple(rng.normal(size=4)),
             )
-            free = mesh.exclude(made, (solid,), 0.05)
+            free = mesh.exclude(made, ObstacleSet((solid,)), 0.05)
             exits = np.where(free.excluded, 0, free.exits)
             heads = made.stencil.heads(np.arange(len(exits), dtype=np.int32))
             for k in range(heads.shape[1]):

@@ -9,6 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial import cKDTree
 
+from abi.obstacles.obstacle_set import NO_OBSTACLES, ObstacleSet
 from abi.obstacles.primitives import Box, Capsule, Cylinder, Obstacle, Obstacles, Sphere
 from abi.scene.scene import MeshSettings, Workspace
 from abi.tet_mesh.exclusion import within
@@ -159,7 +160,7 @@ def test_delaunay_keeps_each_node_in_its_cell_and_on_its_face() -> None:
 @pytest.mark.parametrize("lattice", ["bcc", "kuhn"])
 def test_a_large_mesh_makes_no_table_until_asked(lattice: Lattice) -> None:
     mesh = tetrahedralise(Workspace(), MeshSettings(lattice=lattice, pitch=0.3))
-    free = exclude(mesh, (Sphere(position=(3, 3, 3), radius=1.0),), 0.1)
+    free = exclude(mesh, ObstacleSet((Sphere(position=(3, 3, 3), radius=1.0),)), 0.1)
     assert free.tetrahedra_kept > 0
     assert "tetrahedra" not in vars(mesh)
     assert mesh.tetrahedra is mesh.tetrahedra
@@ -172,7 +173,7 @@ def test_exactly_the_nodes_nearer_than_the_margin_are_excluded(lattice: Lattice,
     mesh = tetrahedralise(Workspace(max=(3, 3, 3)), MeshSettings(lattice=lattice, pitch=0.4))
     obstacles = random_obstacles(rng, int(rng.integers(0, 5)))
     margin = float(rng.choice([0.0, 0.1, 0.5]))
-    free = exclude(mesh, obstacles, margin)
+    free = exclude(mesh, ObstacleSet(obstacles), margin)
     distances = [obstacle.signed_distance(mesh.points) for obstacle in obstacles]
     near = np.min([np.full(len(mesh.points), np.inf), *distances], axis=0) < margin
     assert np.array_equal(free.excluded, near)
@@ -183,7 +184,7 @@ def test_exactly_the_nodes_nearer_than_the_margin_are_excluded(lattice: Lattice,
 @pytest.mark.parametrize("lattice", LATTICES)
 def test_results_cannot_be_written(lattice: Lattice) -> None:
     mesh = tetrahedralise(Workspace(), MeshSettings(lattice=lattice, pitch=3))
-    free = exclude(mesh, (), 0.1)
+    free = exclude(mesh, NO_OBSTACLES, 0.1)
     arrays = (mesh.points, mesh.edges, mesh.lengths, mesh.tetrahedra, free.excluded)
     assert not any(array.flags.writeable for array in arrays)
 

@@ -21,6 +21,7 @@ from abi.curves.bspline import BSpline, clamped
 from abi.curves.quadratic import Quadratic
 from abi.errors import SceneError
 from abi.obstacles.mesh_shape import MeshShape
+from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.primitives import Box, Capsule, Cylinder, Obstacles, Sphere
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.obstacles.triangle_mesh.repair import Surface, clean
@@ -47,7 +48,7 @@ def certified(
     curve: BSpline | Quadratic, obstacles: Obstacles, part: float = 0.999
 ) -> Certificate | None:
     clearance = true_clearance(curve, obstacles)
-    found = certify(curve, obstacles, part * clearance) if clearance > 0 else None
+    found = certify(curve, ObstacleSet(obstacles), part * clearance) if clearance > 0 else None
     return found if isinstance(found, Certificate) else None
 
 
@@ -519,7 +520,7 @@ def test_a_curve_inside_a_closed_mesh_is_refused() -> None:
     ball = MeshShape.of(clean(vertices, faces), "ball.stl")
     shell = MeshShape.of(clean(vertices, faces[1:]), "ball.stl")
     line = clamped(np.array([[-0.2, 0, 0], [0.2, 0, 0]]), 1)
-    result = certify(line, (shell,), 0.1)
+    result = certify(line, ObstacleSet((shell,)), 0.1)
     assert isinstance(result, Certificate)
     data = as_plan(line, (shell,), result)
     assert verdict(data, folder=MeshSource({"ball.stl": shell.surface})).proven
