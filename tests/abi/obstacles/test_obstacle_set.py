@@ -1,0 +1,128 @@
+"""A set of obstacles of every shape against its obstacles one by one."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from abi.obstacles.mesh_shape import MeshShape
+from abi.obstacles.obstacle_set import ObstacleSet
+from abi.obstacles.primitives import Box, Obstacle
+from abi.obstacles.triangle_mesh.repair import clean
+from benchmarks.certificates import random_obstacle
+from tests.abi import meshes
+
+seeds = st.integers(0, 2**32 - 1)
+
+
+def mixed(random: np.random.Generator) -> ObstacleSet:
+    """One to six obstacles in any order, with none, some or only meshes among them."""
+    share = random.choice([0.0, 0.4, 1.0])
+    return ObstacleSet(
+        tuple(
+            _mesh(random) if random.random() < share else random_obstacle(random)
+            for _ in range(random.integers(1, 7))
+        )
+    )
+
+
+def _mesh(random: np.random.Generator) -> Obstacle:
+    faces = meshes.box(tuple(random.uniform(0.2, 2, 3).tolist()))
+    pose = {"position": random.uniform(0, 6, 3).tolist(), "wxyz": random.normal(size=4).tolist()}
+    return MeshShape.of(clean(*faces), **pose)
+
+
+@settings(max_examples=60, deadline=None)
+@given(seeds)
+def test_distances_are_those_of_the_obstacles_one_by_one(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    obstacles = mixed(random)
+    points = random.uniform(-1, 7, (40, 3))
+    each = np.stack([one.signed_distance(points) for one in obstacles], axis=1)
+    distance, number = obstacles.nearest(points)
+    outward_distance, gradient = obstacles.outward(points)
+
+    assert obstacles.signed_distances(points) == pytest.approx(each, abs=1e-12)
+    for found in (distance, outward_distance, obstacles.signed_distance(points)):
+        assert found == pytest.approx(each.min(axis=1), abs=1e-12)
+    assert np.array_equal(number, each.argmin(axis=1))
+    expected = [obstacles[k].gradient(p[None])[0] for k, p in zip(number, points, strict=True)]
+    assert np.abs(gradient - expected).max() <= 1e-9
+
+
+@settings(max_examples=60, deadline=None)
+@given(seeds, st.floats(0, 1))
+def test_a_segment_is_blocked_where_its_distance_is_below_the_margin(
+    seed: int, margin: float
+) -> None:
+    random = np.random.default_rng(seed)
+    obstacles = mixed(random)
+    starts = random.uniform(-1, 7, (40, 3))
+    ends = starts + random.normal(size=(40, 3))
+    least = np.min([one.segment_distance(starts, ends) for one in obstacles], axis=0)
+    sure = np.abs(least - margin) > 1e-9
+    found = obstacles.blocked(starts, ends, margin)
+
+    assert np.array_equal(found[sure], least[sure] < margin)
+    back = obstacles.blocked(ends, starts, np.full(40, margin))
+    assert np.array_equal(found[sure], back[sure])
+
+
+@settings(max_examples=40, deadline=None)
+@given(seeds)
+def test_the_nearest_polyline_is_the_least_clear(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    obstacles = mixed(random)
+    polylines = np.cumsum(random.normal(size=(30, 4, 3)), axis=1) + random.uniform(0, 6, (30, 1, 3))
+    clearances = obstacles.polyline_clearances(polylines)
+    distance, which, whose = obstacles.nearest_polyline(polylines)
+
+    assert distance == pytest.approx(clearances.min(), abs=1e-12)
+    assert clearances[which] == pytest.approx(distance, abs=1e-12)
+    alone = ObstacleSet((obstacles[whose],)).polyline_clearance(polylines[which])
+    assert alone == pytest.approx(distance, abs=1e-12)
+    legs = obstacles.segment_clearances(polylines[which])
+    assert legs.min() == pytest.approx(distance, abs=1e-12)
+
+
+@settings(max_examples=40, deadline=None)
+@given(seeds)
+def test_bounds_and_boxes_hold_the_obstacles(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    obstacles = mixed(random)
+    low, high = obstacles.bounds
+    for k, one in enumerate(obstacles):
+        assert (low[k], high[k]) == (pytest.approx(one.bounds()[0]), pytest.approx(one.bounds()[1]))
+    points = random.uniform(-1, 7, (40, 3))
+    boxed = obstacles.boxed
+    assert boxed.all_convex
+    assert len(boxed) == len(obstacles)
+    assert (boxed is obstacles) == obstacles.all_convex
+    assert (boxed.signed_distances(points) <= obstacles.signed_distances(points) + 1e-9).all()
+
+
+def test_primitives_and_meshes_know_their_numbers() -> None:
+    ball = MeshShape.of(clean(*meshes.box((1.0, 1, 1))))
+    boxes = tuple(Box(size=(1, 1, 1), position=(k, 0, 0)) for k in range(3))
+    obstacles = ObstacleSet((boxes[0], ball, boxes[1], boxes[2], ball))
+
+    assert obstacles.primitives == boxes
+    assert obstacles.primitive_numbers.tolist() == [0, 2, 3]
+    assert obstacles.meshes == (ball, ball)
+    assert obstacles.mesh_numbers.tolist() == [1, 4]
+    assert tuple(obstacles.meshes_alone) == (ball, ball)
+
+
+def test_nothing_is_near_an_empty_set() -> None:
+    nothing, points = ObstacleSet(), np.zeros((3, 3))
+
+    assert not nothing
+    assert nothing.signed_distance(points).tolist() == [math.inf] * 3
+    assert nothing.signed_distances(points).shape == (3, 0)
+    assert nothing.polyline_clearance(points) == math.inf
+    assert nothing.nearest_polyline(points[None]) == (math.inf, 0, -1)
+    assert nothing.boxed is nothing
