@@ -149,7 +149,7 @@ POINT = st.tuples(UNIT, UNIT, UNIT)
 def test_start_and_goal_can_be_anywhere_in_the_box(a: Vec3, b: Vec3, lattice: Lattice) -> None:
     start, goal = np.array(a) * SIDE, np.array(b) * SIDE
     free = free_mesh(lattice=lattice, pitch=1.0)
-    arguments: Any = (free, (), 0.0, tuple(start), tuple(goal), 0.0)
+    arguments: Any = (free, NO_OBSTACLES, 0.0, tuple(start), tuple(goal), 0.0)
     if np.linalg.norm(start - goal) <= 1e-9:
         with pytest.raises(StageError, match="same point"):
             build(*arguments)
