@@ -18,7 +18,6 @@ from abi.obstacles.primitives import (
     Cylinder,
     MeshShape,
     Obstacle,
-    Obstacles,
     Sphere,
 )
 from abi.obstacles.triangle_mesh.repair import clean
@@ -58,7 +57,7 @@ def plates(draw: st.DrawFn) -> Box:
 
 
 @st.composite
-def cases(draw: st.DrawFn) -> tuple[TetMesh, Obstacles, float, float, Any, Any]:
+def cases(draw: st.DrawFn) -> tuple[TetMesh, ObstacleSet, float, float, Any, Any]:
     """A mesh of cells that are no cubes, obstacles, margin, clearance, start and goal."""
     low = draw(st.sampled_from([0.0, -3.0, 1e3]))
     workspace = Workspace(min=(low, 0.0, 0.0), max=(low + draw(SIDE), draw(SIDE), draw(SIDE)))
@@ -82,22 +81,22 @@ def cases(draw: st.DrawFn) -> tuple[TetMesh, Obstacles, float, float, Any, Any]:
             ends.append(tuple(made.points[draw(st.integers(0, len(made.points) - 1))].tolist()))
         else:
             ends.append(tuple((np.array(draw(PLACE)) * workspace.size + workspace.min).tolist()))
-    return made, tuple(bodies), margin, clearance, ends[0], ends[1]
+    return made, ObstacleSet(tuple(bodies)), margin, clearance, ends[0], ends[1]
 
 
 def explicit(
-    made: TetMesh, solids: Obstacles, margin: float
+    made: TetMesh, solids: ObstacleSet, margin: float
 ) -> tuple[dict[tuple[int, int], float], set[tuple[int, int]]]:
     """Edges with their lengths by the definition, and those that rounding decides."""
-    away = ObstacleSet(solids).nearest(made.points)[0]
+    away = solids.nearest(made.points)[0]
     tail, head = made.edges.T
     p, q = made.points[tail], made.points[head]
     free = (away[tail] >= margin) & (away[head] >= margin)
-    kept = free & ~ObstacleSet(solids).blocked(p, q, margin)
+    kept = free & ~solids.blocked(p, q, margin)
     loose = (away[tail] >= margin - TIE) & (away[head] >= margin - TIE)
-    loose &= ~ObstacleSet(solids).blocked(p, q, margin - TIE)
+    loose &= ~solids.blocked(p, q, margin - TIE)
     tight = (away[tail] >= margin + TIE) & (away[head] >= margin + TIE)
-    tight &= ~ObstacleSet(solids).blocked(p, q, margin + TIE)
+    tight &= ~solids.blocked(p, q, margin + TIE)
     edges = {
         (int(a), int(b)): float(np.linalg.norm(made.points[a] - made.points[b]))
         for a, b in made.edges[kept]
@@ -116,7 +115,7 @@ def test_the_graph_is_what_its_definition_says(case: Any, compiled: bool) -> Non
         except StageError:
             return
     ends = np.array([start, goal])
-    room = np.minimum(ObstacleSet(solids).nearest(ends)[0] - TIE, margin)
+    room = np.minimum(solids.nearest(ends)[0] - TIE, margin)
     expected, ties = explicit(made, solids, margin)
     of_mesh = {(a, b) for a, b in map(tuple, found.edges.tolist()) if b < len(made.points)}
     links = set(zip(found.tails.tolist(), found.heads.tolist(), strict=True))
@@ -133,8 +132,8 @@ def test_the_graph_is_what_its_definition_says(case: Any, compiled: bool) -> Non
         for radius in (reach, 2 * reach, 4 * reach):
             near = np.flatnonzero((far <= radius) & ~free.excluded)
             p = np.broadcast_to(end, (len(near), 3))
-            seen = near[~ObstacleSet(solids).blocked(p, made.points[near], own)]
-            surely = near[~ObstacleSet(solids).blocked(p, made.points[near], own + TIE)]
+            seen = near[~solids.blocked(p, made.points[near], own)]
+            surely = near[~solids.blocked(p, made.points[near], own + TIE)]
             if len(seen):
                 break
         linked = found.tails[found.heads == node]
@@ -172,7 +171,7 @@ def test_what_is_passed_over_in_a_fine_lattice_is_clear(
             away = solid.signed_distance(made.points)
             assert np.array_equal(free.excluded, away < 0.05) or np.abs(away - 0.05).min() < TIE
             found = graph._graph(free, free.exits, [], [], [0, 1])
-            expected, ties = explicit(made, (solid,), 0.05)
+            expected, ties = explicit(made, ObstacleSet((solid,)), 0.05)
             assert set(map(tuple, found.edges.tolist())) ^ set(expected) <= ties
 
 
