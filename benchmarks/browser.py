@@ -77,7 +77,7 @@ def measure(nodes: int, browser: Browser) -> dict[str, Any]:
         assert session.plan is not None
         assert session.plan.bspline is not None
         drawn = page.points(_CURVE)
-        last = session.plan.bspline(np.linspace(0, 1, len(drawn) + 1))
+        last = session.plan.bspline.curve(np.linspace(0, 1, len(drawn) + 1))
         right = np.allclose(drawn[:, 0], last[:-1], atol=1e-4) and np.allclose(
             page.position(gizmo), session.plan.scene.obstacles[0].position, atol=1e-5
         )

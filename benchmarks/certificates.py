@@ -19,7 +19,6 @@ from typing import Any
 import numpy as np
 
 import abi
-from abi.arrays import read_only
 from abi.clearance.certificate import Certificate, Refutation, certify
 from abi.curves.bspline import BSpline, clamped
 from abi.curves.quadratic import Quadratic
@@ -119,7 +118,7 @@ def random_curve(random: np.random.Generator) -> BSpline | Quadratic:
     if kind == 2:
         first, middle, last = points[:3]
         rows = np.stack([first, 2 * (middle - first), first - 2 * middle + last])
-        return Quadratic(read_only(rows))
+        return Quadratic.single(rows)
     return clamped(points, degree)
 
 

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from abi.curves.fit_quadratic import Mode, fit
+from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner.plan import plan
 from abi.scene.scene import Scene
 
@@ -62,13 +63,13 @@ def run(name: str, make: Callable[[np.random.Generator], Scene], scenes: int, se
             continue
         planned += 1
         splines += made.bspline.holds
-        asked = (made.bspline_arc, made.bspline.obstacles, made.bspline.asked)
+        asked = (made.bspline_arc, ObstacleSet(made.scene.obstacles), made.bspline.asked)
         for mode in MODES:
             begin = time.perf_counter()
-            curve = fit(made.bspline, *asked, mode)
+            found = fit(made.bspline, *asked, mode)
             ms[mode].append(1e3 * (time.perf_counter() - begin))
-            holds[mode] += curve.holds
-        pieces[len(curve.pieces) if curve.holds else 0] += 1
+            holds[mode] += found.holds
+        pieces[len(found.curve.pieces) if found.holds else 0] += 1
         if holds["least_squares"] + len(moved) < planned:
             moved.append(ms["clear"][-1])
     print(f"{planned} random {name} scenes with a path (seed {seed})")

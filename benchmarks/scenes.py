@@ -158,11 +158,11 @@ def _fault(made: Plan) -> str:
             distance, _ = ObstacleSet(made.scene.obstacles).nearest(dense.reshape(-1, 3))
             if distance.min() < asked - 1e-8:
                 return "refuted"
-    for curve in (made.bspline, made.quadratic):
-        if curve is not None and curve.holds:
-            dense = curve(np.linspace(*curve.interval, DENSE))
+    for fit in (made.bspline, made.quadratic):
+        if fit is not None and fit.holds:
+            dense = fit.curve(np.linspace(*fit.curve.interval, DENSE))
             distance, _ = ObstacleSet(made.scene.obstacles).nearest(dense)
-            if distance.min() < curve.clearance.distance - 1e-9:
+            if distance.min() < fit.clearance.distance - 1e-9:
                 return "refuted"
     values = [getattr(found, made.scene.search.weight) for found in made.searches]
     if values and max(values) - min(values) > 1e-9 * max(values):

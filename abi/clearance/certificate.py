@@ -32,7 +32,7 @@ import numpy as np
 from abi.arrays import FloatArray, IntArray, flat, read_only
 from abi.clearance import certify_mesh_kernels as certify_surface
 from abi.clearance import certify_primitives_kernels as certify_solids
-from abi.clearance.bezier import Bezier, PolynomialCurve, bezier, polyline
+from abi.clearance.bezier import Bezier, PolynomialCurve
 from abi.clearance.separation_kernels import CERTIFIED, MOST_HALVINGS, REFUTED, Outcome
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import ObstacleSet
@@ -86,7 +86,7 @@ class Refutation:
 
 
 def certify(
-    curve: PolynomialCurve | Bezier, obstacles: ObstacleSet, margin: float
+    curve: PolynomialCurve, obstacles: ObstacleSet, margin: float
 ) -> Certificate | Refutation:
     """Prove that a curve keeps more than ``margin`` from every obstacle, or find where it does not.
 
@@ -95,40 +95,26 @@ def certify(
     goes no deeper than that. A mesh needs a margin of at least 0.
 
     Args:
-        curve: has ``knots`` and ``control_points``, or quadratic ``pieces``; or its Bézier pieces.
+        curve: continuous, a polynomial between its breaks.
         obstacles: the solids and meshes.
         margin: finite, [unit].
     """
-    pieces = curve if isinstance(curve, Bezier) else bezier(curve)
-    return _certify(pieces, obstacles, margin)
-
-
-def certify_polyline(
-    points: FloatArray, obstacles: ObstacleSet, margin: float
-) -> Certificate | Refutation:
-    """:func:`certify` for a polyline with the vertices (k, 3), k >= 1, [unit].
-
-    The parameter runs from 0 to k - 1 and is whole at the vertices. Of two points: an edge.
-    """
-    return _certify(polyline(points), obstacles, margin)
-
-
-def _certify(curve: Bezier, obstacles: ObstacleSet, margin: float) -> Certificate | Refutation:
-    assert np.isfinite(curve.points).all()
+    pieces = curve.bezier()
+    assert np.isfinite(pieces.points).all()
     if not obstacles:
         return _certificate(math.inf, [])
     assert math.isfinite(margin)
     solids = obstacles.primitive_numbers
     planes: list[FloatArray] = []
     if obstacles.primitives:
-        status, at, which, distance, found = _run_solids(curve, obstacles, margin)
+        status, at, which, distance, found = _run_solids(pieces, obstacles, margin)
         if status != CERTIFIED:
             decided = status == REFUTED
             return Refutation(margin, at, int(solids[which]), distance, decided)
         found[:, 2] = solids[found[:, 2].astype(int)]
         planes.append(found)
     for k, mesh in zip(obstacles.mesh_numbers.tolist(), obstacles.meshes, strict=True):
-        result = _against_mesh(curve, mesh, k, margin)
+        result = _against_mesh(pieces, mesh, k, margin)
         if isinstance(result, Refutation):
             return result
         planes.append(result)

@@ -16,9 +16,9 @@ import scipy
 from numpy.polynomial import legendre
 
 from abi.arrays import FloatArray, IntArray, read_only
-from abi.clearance.curve_clearance import ROUNDING, measure
+from abi.clearance.curve_clearance import ROUNDING, curve_clearance
 from abi.curves.curve import ArcLength, Curve
-from abi.curves.quadratics import Quadratics, join
+from abi.curves.quadratic import Quadratic
 from abi.obstacles.obstacle_set import ObstacleSet
 
 Points = Callable[[FloatArray], FloatArray]
@@ -111,7 +111,7 @@ class _Pieces:
 def target(shape: ByLength, breaks: FloatArray, obstacles: ObstacleSet, clearance: float) -> Target:
     """The curve on ``breaks`` with the ends of ``shape`` that is nearest to it in L2.
 
-    With one piece that is :func:`abi.curves.quadratic.fit`.
+    With one piece that is :func:`abi.curves.quadratic.least_squares`.
 
     Args:
         shape: the curve to approximate, of a length above 0.
@@ -129,7 +129,7 @@ def target(shape: ByLength, breaks: FloatArray, obstacles: ObstacleSet, clearanc
     return Target(breaks, read_only(points), obstacles, clearance)
 
 
-def nearest_clear(wanted: Target, starts: Sequence[Points]) -> Quadratics | None:
+def nearest_clear(wanted: Target, starts: Sequence[Points]) -> Quadratic | None:
     """The clear curve nearest to ``wanted``, from starts that pass the obstacles in several ways.
 
     A convex obstacle's signed distance is a convex function of the point: it is nowhere below its
@@ -165,7 +165,7 @@ def nearest_clear(wanted: Target, starts: Sequence[Points]) -> Quadratics | None
     return next((curve for curve in settled if curve is not None), None)
 
 
-def _settled(wanted: Target, control_points: FloatArray) -> Quadratics | None:
+def _settled(wanted: Target, control_points: FloatArray) -> Quadratic | None:
     """Go on from control points (m + 2, 3) until they settle and the curve is clear.
 
     The short pieces that touch their half space are halved, so that in the end it costs nothing
@@ -188,8 +188,8 @@ def _settled(wanted: Target, control_points: FloatArray) -> Quadratics | None:
             or number == _ROUNDS
             or (step <= _SETTLED * wanted.extent and not len(halved))
         ):
-            curve = join(points, wanted.breaks, wanted.obstacles, wanted.asked)
-            seen = measure(curve, wanted.obstacles, wanted.asked, tolerance)
+            curve = Quadratic.from_control_points(points, wanted.breaks)
+            seen = curve_clearance(curve, wanted.obstacles, wanted.asked, tolerance)
             if seen.distance >= wanted.asked:
                 return curve
             if found is None:

@@ -1,10 +1,8 @@
-"""What a curve is, and its arc length in both directions."""
+"""Curves in space, and their arc length in both directions."""
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Protocol
 
 import numpy as np
@@ -12,6 +10,7 @@ from numpy.polynomial import legendre
 from numpy.typing import ArrayLike
 
 from abi.arrays import FloatArray, flat, read_only
+from abi.clearance.bezier import PolynomialCurve
 from abi.curves import arc_length_kernels as kernels
 
 _GAUSS = 16
@@ -24,20 +23,12 @@ _AT_NODES = legendre.legvander(_NODES, _GAUSS).T
 _RULE = (flat(_NODES), flat(_WEIGHTS), flat(_SPEED[:, -2:].T), flat(_TRAVELLED))
 
 
-class Curve(Protocol):
+class Curve(PolynomialCurve, Protocol):
     """A piecewise polynomial curve in space: spline and quadratic alike."""
-
-    @property
-    def degree(self) -> int:
-        """Largest degree of a piece."""
 
     @property
     def interval(self) -> tuple[float, float]:
         """First and last parameter."""
-
-    @property
-    def breaks(self) -> FloatArray:
-        """Parameters between which the curve is one polynomial, ends included, shape (k,)."""
 
     def __call__(self, parameter: ArrayLike, order: int = 0) -> FloatArray:
         """Point, or derivative of that order by the parameter.
@@ -118,24 +109,24 @@ class ArcLength:
         return self.edges, self.travelled, flat(self.series)
 
 
-def measure(curve: Curve) -> ArcLength:
-    """Measure a curve's arc length, s(u) = ∫ |P'(u)| du, to about 1e-12 of itself.
+def arc_length(curve: PolynomialCurve) -> ArcLength:
+    """Arc length of a curve, s(u) = ∫ |P'(u)| du, to about 1e-12 of itself.
 
     Gauss-Legendre quadrature with 16 points on each polynomial piece; pieces are halved until the
     last two coefficients of the speed's Legendre series contribute nothing. A curve that stays at
     one point has length 0.
 
     Args:
-        curve: the curve to measure.
+        curve: continuous, a polynomial between its breaks.
 
     Returns:
         The measured arc length.
     """
-    breaks = np.asarray(curve.breaks, dtype=float)
-    rounding = 8 * np.finfo(float).eps * float(np.abs(curve(breaks)).max())
-    places, to_bezier = _interpolation(max(curve.degree - 1, 0))
-    derivative = curve((breaks[:-1, None] + np.diff(breaks)[:, None] * places).ravel(), 1)
-    control = to_bezier @ derivative.reshape(len(breaks) - 1, -1, 3)
+    pieces = curve.bezier()
+    breaks, points = pieces.breaks, pieces.points
+    rounding = 8 * np.finfo(float).eps * float(np.abs(points[:, [0, -1]]).max())
+    # Bézier points of the derivative (Farin, Curves and Surfaces for CAGD, section 4.4)
+    control = pieces.degree * np.diff(points, axis=1) / np.diff(breaks)[:, None, None]
     edges, travelled, series, nodes, weights = kernels.pieces(
         flat(breaks), flat(control), *_RULE, rounding
     )
@@ -147,14 +138,3 @@ def measure(curve: Curve) -> ArcLength:
         nodes=read_only(nodes),
         weights=read_only(weights),
     )
-
-
-@lru_cache(maxsize=16)
-def _interpolation(degree: int) -> tuple[FloatArray, FloatArray]:
-    """Places inside [0, 1], and the matrix that turns a polynomial's values there into its Bézier
-    points; both of degree + 1 rows."""
-    places = (np.arange(degree + 1) + 0.5) / (degree + 1)
-    i = np.arange(degree + 1)
-    choose = np.array([math.comb(degree, k) for k in i])
-    bernstein = choose * places[:, None] ** i * (1 - places[:, None]) ** (degree - i)
-    return read_only(places), read_only(np.asarray(np.linalg.inv(bernstein), dtype=np.float64))

@@ -1,4 +1,4 @@
-"""Stage 5's three ways to a quadratic curve: as the paper, clear in one piece, clear in several."""
+"""Stage 5: a quadratic curve as in the paper, clear in one piece, or clear in several."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from typing import Literal
 import numpy as np
 
 from abi.arrays import FloatArray, read_only
-from abi.curves import bspline, quadratic
+from abi.curves import fit_bspline
 from abi.curves.bspline import BSpline
 from abi.curves.clear_quadratic import ByLength, Target, nearest_clear, target
 from abi.curves.curve import ArcLength
-from abi.curves.quadratic import Quadratic
-from abi.curves.quadratics import Quadratics, join
+from abi.curves.fit import Fit, proven
+from abi.curves.quadratic import Quadratic, least_squares
 from abi.obstacles.obstacle_set import ObstacleSet
 
 Mode = Literal["least_squares", "clear", "pieces"]
@@ -30,11 +30,11 @@ _APART = 0.8  # cosine of the angle between two starts
 
 
 def fit(
-    spline: BSpline, arc: ArcLength, obstacles: ObstacleSet, clearance: float, mode: Mode
-) -> Quadratic | Quadratics:
+    spline: Fit[BSpline], arc: ArcLength, obstacles: ObstacleSet, clearance: float, mode: Mode
+) -> Fit[Quadratic]:
     """A curve of quadratic pieces near the B-spline and with its ends.
 
-    - ``least_squares``: one piece, :func:`abi.curves.quadratic.fit`, whether it is clear or not.
+    - ``least_squares``: one piece, :func:`abi.curves.quadratic.least_squares`, clear or not.
     - ``clear``: that one where it is clear, else the clear one nearest to it.
     - ``pieces``: that one where there is one, else the fewest pieces found that are clear and C¹.
 
@@ -48,58 +48,58 @@ def fit(
     Returns:
         The curve. When none is found the least-squares curve, with ``holds`` False and a ``note``.
     """
-    square = quadratic.fit(spline, arc, obstacles, clearance)
-    if square.holds or mode == "least_squares":
-        return square
-    shape = ByLength(spline, arc)
-    found = nearest_single(square, shape)
-    if found is not None:
+    quadratic = least_squares(spline.curve, arc)
+    found = proven(quadratic, quadratic.extent, obstacles, clearance)
+    if found.holds or mode == "least_squares":
         return found
+    shape = ByLength(spline.curve, arc)
+    single = nearest_single(quadratic, shape, obstacles, clearance)
+    if single is not None:
+        return single
     if mode == "clear":
         return replace(
-            square,
+            found,
             note="No single quadratic with these ends was found that keeps the clearance; "
             "mode pieces joins several.",
         )
-    several = fewest_pieces(spline, shape, obstacles, clearance)
+    several = fewest_pieces(spline.curve, shape, obstacles, clearance)
     if several is not None:
         return several
     does = "; the B-spline does" if spline.holds else ": the B-spline does not"
-    return replace(square, note=f"No quadratic pieces were found that keep the clearance{does}.")
+    return replace(found, note=f"No quadratic pieces were found that keep the clearance{does}.")
 
 
-def nearest_single(square: Quadratic, shape: ByLength) -> Quadratic | None:
-    """The clear quadratic nearest in L2 to ``square``, with its ends, as far as searched.
+def nearest_single(
+    quadratic: Quadratic, shape: ByLength, obstacles: ObstacleSet, clearance: float
+) -> Fit[Quadratic] | None:
+    """The clear quadratic nearest in L2 to ``quadratic``, with its ends, as far as searched.
 
     Its one free control point is moved in 48 directions by 12 distances. From the nearest clear
     ones that lie apart, and from the way ``shape`` passes the obstacles, the nearest clear curve
     is found by :func:`abi.curves.clear_quadratic.nearest_clear`.
 
     Args:
-        square: the least-squares quadratic, not clear.
+        quadratic: the least-squares quadratic of one piece, not clear.
         shape: the curve it approximates.
+        obstacles: what to keep clear of.
+        clearance: distance to keep from every obstacle, [unit].
     """
-    c0, c1, c2 = square.coefficients
+    c0, c1, c2 = quadratic.coefficients[0]
     points = np.stack([c0, c0 + c1 / 2, c0 + c1 + c2])
-    breaks = read_only(np.array([0.0, 1.0]))
-    wanted = Target(breaks, read_only(points), square.obstacles, square.asked)
-    found = nearest_clear(wanted, [shape, *_starts(wanted)])
-    if found is None:
-        return None
-    single = replace(square, coefficients=read_only(found.coefficients[0].copy()))
-    return single if single.holds else None
+    wanted = Target(quadratic.breaks, read_only(points), obstacles, clearance)
+    return _clear(nearest_clear(wanted, [shape, *_starts(wanted)]), obstacles, clearance)
 
 
 def fewest_pieces(
     spline: BSpline, shape: ByLength, obstacles: ObstacleSet, clearance: float
-) -> Quadratics | None:
+) -> Fit[Quadratic] | None:
     """The clear C¹ curve of the fewest quadratic pieces found, from two up.
 
-    The quadratic B-spline on the control polygon, refined by :func:`abi.curves.bspline.fit`, is
-    clear when the polygon is clearer than asked. With fewer pieces than that, the breaks are tried
-    evenly along the B-spline and closer where it bends, and the curve passes the obstacles on the
-    sides where the B-spline does: with every number of pieces up to 8, then in steps of a quarter
-    up to 24, and with the numbers between the last two steps.
+    The quadratic B-spline on the control polygon, refined by :func:`abi.curves.fit_bspline.fit`,
+    is clear when the polygon is clearer than asked. With fewer pieces than that, the breaks are
+    tried evenly along the B-spline and closer where it bends, and the curve passes the obstacles
+    on the sides where the B-spline does: with every number of pieces up to 8, then in steps of a
+    quarter up to 24, and with the numbers between the last two steps.
 
     Args:
         spline: the curve to approximate, of a length above 0.
@@ -108,7 +108,7 @@ def fewest_pieces(
         clearance: distance to keep from every obstacle, [unit].
     """
     last = _on_the_polygon(spline, obstacles, clearance)
-    most = MOST_PIECES if last is None else min(MOST_PIECES, len(last.pieces) - 1)
+    most = MOST_PIECES if last is None else min(MOST_PIECES, len(last.curve.pieces) - 1)
     tried = 1
     for pieces in (count for count in _COUNTS if count <= most):
         found = _in_pieces(pieces, shape, obstacles, clearance)
@@ -121,27 +121,39 @@ def fewest_pieces(
 
 def _in_pieces(
     pieces: int, shape: ByLength, obstacles: ObstacleSet, clearance: float
-) -> Quadratics | None:
+) -> Fit[Quadratic] | None:
     """A clear curve of so many pieces near ``shape``, or None."""
     for breaks in (np.linspace(0, 1, pieces + 1), _closer_where_bent(shape, pieces)):
         wanted = target(shape, read_only(breaks), obstacles, clearance)
-        found = nearest_clear(wanted, [shape])
-        if found is not None and found.holds:
+        found = _clear(nearest_clear(wanted, [shape]), obstacles, clearance)
+        if found is not None:
             return found
     return None
 
 
-def _on_the_polygon(spline: BSpline, obstacles: ObstacleSet, clearance: float) -> Quadratics | None:
+def _on_the_polygon(
+    spline: BSpline, obstacles: ObstacleSet, clearance: float
+) -> Fit[Quadratic] | None:
     """The clear quadratic B-spline on the spline's control points, halved where needed, or None."""
     if spline.degree != 2:
-        spline = bspline.fit(spline.control_points, 2, obstacles, clearance)
+        spline = fit_bspline.fit(spline.control_points, 2, obstacles, clearance).curve
     if spline.degree < 2:
         return None
-    curve = join(spline.control_points, spline.breaks, obstacles, clearance)
-    return curve if curve.holds else None
+    curve = Quadratic.from_control_points(spline.control_points, spline.breaks)
+    return _clear(curve, obstacles, clearance)
 
 
-def _starts(wanted: Target) -> list[Quadratics]:
+def _clear(
+    curve: Quadratic | None, obstacles: ObstacleSet, clearance: float
+) -> Fit[Quadratic] | None:
+    """The fit if it is proven that the curve keeps the clearance, else None."""
+    if curve is None:
+        return None
+    found = proven(curve, curve.extent, obstacles, clearance)
+    return found if found.holds else None
+
+
+def _starts(wanted: Target) -> list[Quadratic]:
     """Moved curves: the nearest that are clear at samples, then the clearest; all apart."""
     directions = _sphere(_DIRECTIONS)
     free = wanted.control_points[1] + np.multiply.outer(_RADII * wanted.extent, directions)
@@ -159,7 +171,7 @@ def _starts(wanted: Target) -> list[Quadratics]:
             chosen.append(direction)
             control = wanted.control_points.copy()
             control[1] = free[radius, direction]
-            starts.append(join(control, wanted.breaks, wanted.obstacles, wanted.asked))
+            starts.append(Quadratic.from_control_points(control, wanted.breaks))
         if len(starts) == _STARTS:
             break
     return starts

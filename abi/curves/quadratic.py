@@ -1,4 +1,4 @@
-"""Stage 5, the curve: the quadratic with exact ends that is nearest to the B-spline."""
+"""Stage 5, the curve: quadratic pieces with exact ends, one of them or several."""
 
 from __future__ import annotations
 
@@ -9,35 +9,64 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from abi.arrays import FloatArray, read_only
-from abi.clearance.curve_clearance import ROUNDING, Clearance, prove
+from abi.clearance.bezier import Bezier
 from abi.curves.curve import ArcLength, Curve
-from abi.obstacles.obstacle_set import NO_OBSTACLES, ObstacleSet
 
 Piece = tuple[float, float, FloatArray]
 """First and last parameter, and rows c0, c1, c2 of c0 + c1·t + c2·t² between them (3, 3), [unit]"""
 
-_FINEST = 1e-6  # of the curve's extent: how finely its clearance is measured
+_SAMPLES = {True: 5, False: 33}  # for the extent of one piece, and of several
 
 
 @dataclass(frozen=True, eq=False)
 class Quadratic:
-    """The curve P(t) = c0 + c1·t + c2·t² on [0, 1].
+    """A curve on [0, 1] whose piece i is c0 + c1·t + c2·t² from ``breaks[i]`` to ``breaks[i + 1]``.
+
+    The pieces share points and first derivatives where they meet (C¹), so the tool goes through at
+    full speed.
 
     Attributes:
-        coefficients: rows c0, c1, c2, shape (3, 3), [unit], world.
-        obstacles: what the curve should keep clear of.
-        asked: distance it should keep from every obstacle, [unit].
-        note: why it is not the curve that was asked for, as a sentence; empty when it is.
+        coefficients: rows c0, c1, c2 of each piece in the parameter of the whole curve, shape
+            (m, 3, 3), [unit], world.
+        breaks: where the pieces meet, from 0 to 1, increasing, shape (m + 1,).
     """
 
     coefficients: FloatArray
-    obstacles: ObstacleSet = NO_OBSTACLES
-    asked: float = 0.0
-    note: str = ""
+    breaks: FloatArray
+
+    @classmethod
+    def single(cls, coefficients: FloatArray) -> Quadratic:
+        """The curve of one piece with the rows c0, c1, c2, shape (3, 3), [unit], world."""
+        return cls(read_only(np.array([coefficients], dtype=float)), read_only(np.arange(2.0)))
+
+    @classmethod
+    def from_control_points(cls, control_points: FloatArray, breaks: FloatArray) -> Quadratic:
+        """The clamped quadratic B-spline with simple inner knots, as its polynomial pieces.
+
+        Such splines are all the C¹ piecewise quadratics on these breaks (de Boor, A Practical
+        Guide to Splines, chapter IX). Piece i has the Bézier points (p_i, P_i+1, p_i+1), where P
+        are the control points and p_i, at break i, divides the edge from P_i to P_i+1 as the break
+        divides the two spans beside it.
+
+        Args:
+            control_points: shape (m + 2, 3), [unit], world; the curve's ends are the first and
+                last.
+            breaks: from 0 to 1, increasing, shape (m + 1,).
+        """
+        spans = np.diff(breaks)[:, None]
+        share = spans[:-1] / (spans[:-1] + spans[1:])
+        inner = control_points[1:-2] * (1 - share) + control_points[2:-1] * share
+        joints = np.concatenate([control_points[:1], inner, control_points[-1:]])
+        first, middle, last = joints[:-1], control_points[1:-1], joints[1:]
+        # in u = (t - t0) / span first, then in t
+        b1, b2 = 2 * (middle - first) / spans, (first - 2 * middle + last) / spans**2
+        t0 = breaks[:-1, None]
+        coefficients = np.stack([first - b1 * t0 + b2 * t0**2, b1 - 2 * b2 * t0, b2], axis=1)
+        return cls(read_only(coefficients), read_only(breaks.copy()))
 
     @property
     def degree(self) -> int:
-        """2, also for a straight line."""
+        """2, also for straight lines."""
         return 2
 
     @property
@@ -45,39 +74,43 @@ class Quadratic:
         """First and last parameter."""
         return (0.0, 1.0)
 
-    @cached_property
-    def breaks(self) -> FloatArray:
-        """The ends of the interval: one polynomial, shape (2,)."""
-        return read_only(np.array([0.0, 1.0]))
-
     @property
     def pieces(self) -> tuple[Piece, ...]:
-        """The one polynomial, on [0, 1]."""
-        return ((0.0, 1.0, self.coefficients),)
+        """First and last parameter and coefficients (3, 3) of each piece."""
+        ends = self.breaks.tolist()
+        return tuple(zip(ends[:-1], ends[1:], self.coefficients, strict=True))
 
     @cached_property
-    def clearance(self) -> Clearance:
-        """Distance to the obstacles, proven where it can be; fine to a millionth of the extent."""
-        extent = float(np.linalg.norm(np.ptp(self([0.0, 0.25, 0.5, 0.75, 1.0]), axis=0)))
-        return prove(self, self.obstacles, self.asked, _FINEST * extent + ROUNDING)
+    def extent(self) -> float:
+        """Diagonal of the bounding box of points along the curve, [unit]."""
+        samples = self(np.linspace(0, 1, _SAMPLES[len(self.coefficients) == 1]))
+        return float(np.linalg.norm(np.ptp(samples, axis=0)))
 
-    @property
-    def holds(self) -> bool:
-        """Whether it is proven that the curve keeps the distance asked for."""
-        return self.clearance.keeps(self.asked)
+    def bezier(self) -> Bezier:
+        """Bézier points of the pieces: the blossom at (a, a), (a, b), (b, b)."""
+        start, end = self.breaks[:-1], self.breaks[1:]
+        blossom = np.ones((len(start), 3, 3))
+        blossom[:, :, 1] = np.stack([start, (start + end) / 2, end], axis=1)
+        blossom[:, :, 2] = np.stack([start * start, start * end, end * end], axis=1)
+        sizes = np.abs(blossom).max(axis=1, keepdims=True) @ np.abs(self.coefficients)
+        points = read_only(blossom @ self.coefficients)
+        return Bezier(self.breaks, points, float(sizes.max()))
 
     def __call__(self, parameter: ArrayLike, order: int = 0) -> FloatArray:
         """Point, or derivative of that order by the parameter; see :class:`abi.curves.curve.Curve`.
 
         Args:
             parameter: a number or shape (n,); clamped to [0, 1].
-            order: of the derivative; above 2 it is 0.
+            order: of the derivative; above 2 it is 0, and the second is the later piece's where
+                two meet.
 
         Returns:
             Shape (3,) for a number, (n, 3) for an array; [unit], world.
         """
-        t = np.clip(np.asarray(parameter, dtype=float), 0.0, 1.0)[..., None]
-        c0, c1, c2 = self.coefficients
+        t = np.clip(np.asarray(parameter, dtype=float), 0.0, 1.0)
+        piece = np.searchsorted(self.breaks[1:-1], t, side="right")
+        c0, c1, c2 = np.moveaxis(self.coefficients[piece], -2, 0)
+        t = t[..., None]
         if order == 0:
             return np.asarray(c0 + (c1 + c2 * t) * t)
         if order == 1:
@@ -85,8 +118,8 @@ class Quadratic:
         return np.asarray((2 * c2 if order == 2 else np.zeros(3)) + np.zeros_like(t))
 
 
-def fit(curve: Curve, arc: ArcLength, obstacles: ObstacleSet, clearance: float) -> Quadratic:
-    """Least-squares quadratic with the curve's ends, paper stage 5.
+def least_squares(curve: Curve, arc: ArcLength) -> Quadratic:
+    """Least-squares quadratic of one piece with the curve's ends, paper stage 5.
 
     The curve is taken as S(t), t the part of its arc length travelled, so that the fit does not
     depend on how the curve is parametrised. Between the ends A and B every quadratic is
@@ -96,13 +129,11 @@ def fit(curve: Curve, arc: ArcLength, obstacles: ObstacleSet, clearance: float) 
         c2 = 30 ∫ (S(t) - A - (B - A)·t) (t² - t) dt,    c1 = B - A - c2,    c0 = A.
 
     The integral is taken along the curve, dt = abs(S'(u)) du / length, by Gauss quadrature.
-    Nothing moves the quadratic away from the obstacles; ``holds`` says whether it is clear.
+    Nothing moves the quadratic away from the obstacles.
 
     Args:
         curve: the curve to approximate.
         arc: its arc length.
-        obstacles: what the quadratic should keep clear of.
-        clearance: distance to keep from every obstacle, [unit].
     """
     first, last = curve(np.array(curve.interval))
     bend = np.zeros(3)
@@ -110,5 +141,4 @@ def fit(curve: Curve, arc: ArcLength, obstacles: ObstacleSet, clearance: float) 
         t = (arc.passed / arc.length)[:, None]
         above = curve(arc.nodes) - first - (last - first) * t
         bend = 30 * (arc.weights @ (above * (t**2 - t))) / arc.length
-    coefficients = read_only(np.stack([first, last - first - bend, bend]))
-    return Quadratic(coefficients, obstacles, clearance)
+    return Quadratic.single(np.stack([first, last - first - bend, bend]))

@@ -6,9 +6,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from abi.curves import bspline, quadratic
 from abi.curves import speed_profile as timing
-from abi.curves.curve import measure
+from abi.curves.bspline import clamped
+from abi.curves.curve import arc_length
+from abi.curves.quadratic import least_squares
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.paper import printed
 from abi.paper.comparison import Comparison
@@ -35,7 +36,7 @@ def of_splines(scene: Scene, made: Plan) -> Iterator[Comparison]:
         f"{made.bspline.clearance.distance:.3f}",
         "depends on the mesh",
     )
-    splines, squares = zip(*_as_printed(scene), strict=True)
+    splines, quadratics = zip(*_as_printed(scene), strict=True)
     yield Comparison(
         where,
         "with the path's vertices as control points",
@@ -47,8 +48,8 @@ def of_splines(scene: Scene, made: Plan) -> Iterator[Comparison]:
         "stage 5, quadratic",
         "fitted to the spline by least squares",
         "bypasses the obstacle",
-        _entered(squares),
-        "does not hold" if min(squares) < 0 else "holds",
+        _entered(quadratics),
+        "does not hold" if min(quadratics) < 0 else "holds",
     )
 
 
@@ -71,7 +72,7 @@ def of_quadratic(scene: Scene, made: Plan) -> Iterator[Comparison]:
         where,
         "length of the printed polynomials",
         f"{printed.QUADRATIC_LENGTH:.3f}",
-        f"{measure(printed.QUADRATIC).length:.4f}",
+        f"{arc_length(printed.QUADRATIC).length:.4f}",
         "holds",
     )
     yield Comparison(
@@ -123,13 +124,13 @@ def _as_printed(scene: Scene) -> Iterator[tuple[float, float]]:
             )
         )
         assert made.path is not None
-        spline = bspline.clamped(made.path.points, scene.spline.degree)
+        spline = clamped(made.path.points, scene.spline.degree)
+        quadratic = least_squares(spline, arc_length(spline))
         obstacles = ObstacleSet(scene.obstacles)
-        square = quadratic.fit(spline, measure(spline), obstacles, 0.0)
         points = np.linspace(0, 1, 4001)
         yield (
             obstacles.polyline_clearance(spline(points)),
-            obstacles.polyline_clearance(square(points)),
+            obstacles.polyline_clearance(quadratic(points)),
         )
 
 

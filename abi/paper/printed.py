@@ -11,7 +11,7 @@ from typing import Literal
 import numpy as np
 
 from abi.arm.arm import Arm
-from abi.arrays import FloatArray, read_only
+from abi.arrays import FloatArray
 from abi.curves.quadratic import Quadratic
 
 LENGTHS = MappingProxyType({"dijkstra": 13.695, "bellman_ford": 13.496, "a_star": 13.295})
@@ -26,8 +26,8 @@ BSPLINE_LENGTH = 11.98
 QUADRATIC_LENGTH = 11.358
 """Section III, stage 5: length of the quadratic, [cm]."""
 
-QUADRATIC = Quadratic(
-    read_only(np.array([[0.0, 0.0, 0.0], [12.397, 1.145, 7.892], [-6.397, 4.855, -1.892]]))
+QUADRATIC = Quadratic.single(
+    np.array([[0.0, 0.0, 0.0], [12.397, 1.145, 7.892], [-6.397, 4.855, -1.892]])
 )
 """Section III, stage 5: Px, Py and Pz, [cm]."""
 

@@ -238,7 +238,7 @@ def _not_held(scene: Scene, plan: Plan, error: ClearanceNotHeld, trials: Trials)
     """There is a path, but no curve keeps the clearance."""
     points = np.zeros((0, 3))
     if plan.bspline is not None:
-        points = plan.bspline(np.array([plan.bspline.clearance.at]))
+        points = plan.bspline.curve(np.array([plan.bspline.clearance.at]))
     asked = scene.spline.clearance
     message = (
         f"No curve along the path is proven to keep the clearance of {said(asked)}: the B-spline "

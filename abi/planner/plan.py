@@ -19,13 +19,12 @@ from abi import compiling
 from abi.arm import trajectory
 from abi.arm.arm import Arm
 from abi.arm.trajectory import ArmMotion
-from abi.curves import bspline, curve
-from abi.curves import fit_quadratic as quadratic_modes
+from abi.curves import curve, fit_bspline, fit_quadratic
 from abi.curves import speed_profile as timing
 from abi.curves.bspline import BSpline
-from abi.curves.curve import ArcLength
+from abi.curves.curve import ArcLength, Curve
+from abi.curves.fit import Fit
 from abi.curves.quadratic import Quadratic
-from abi.curves.quadratics import Quadratics
 from abi.curves.speed_profile import Profile
 from abi.errors import ClearanceNotHeld, StageError
 from abi.obstacles.obstacle_set import ObstacleSet
@@ -72,9 +71,9 @@ class Plan:
     path_clearance: float = math.inf
     taut: TautPath | None = None
     optimum: Bound | None = None
-    bspline: BSpline | None = None
+    bspline: Fit[BSpline] | None = None
     bspline_arc: ArcLength | None = None
-    quadratic: Quadratic | Quadratics | None = None
+    quadratic: Fit[Quadratic] | None = None
     quadratic_arc: ArcLength | None = None
     followed: str | None = None
     profile: Profile | None = None
@@ -85,7 +84,7 @@ class Plan:
     total_ms: float = 0.0
 
     @property
-    def followed_curve(self) -> BSpline | Quadratic | Quadratics | None:
+    def followed_curve(self) -> Fit[BSpline] | Fit[Quadratic] | None:
         """The curve the arm executes."""
         return {"bspline": self.bspline, "quadratic": self.quadratic}.get(self.followed or "")
 
@@ -131,10 +130,10 @@ class Planner:
         self._path_clearance = _Remembered(ObstacleSet.polyline_clearance)
         self._taut = _Remembered(taut)
         self._optimum = _Remembered(lower_bound)
-        self._bspline = _Remembered(bspline.fit)
-        self._bspline_arc = _Remembered(curve.measure)
-        self._quadratic = _Remembered(quadratic_modes.fit)
-        self._quadratic_arc = _Remembered(curve.measure)
+        self._bspline = _Remembered(fit_bspline.fit)
+        self._bspline_arc = _Remembered(curve.arc_length)
+        self._quadratic = _Remembered(fit_quadratic.fit)
+        self._quadratic_arc = _Remembered(curve.arc_length)
         self._profile = _Remembered(timing.three_phase)
         self._arm = _Remembered(Arm.from_settings)
         self._motion = _Remembered(trajectory.follow)
@@ -200,21 +199,22 @@ class Planner:
         reached["bspline"] = spline = self._bspline(
             way_points, scene.spline.degree, obstacles, asked, scene.search.taut
         )
-        reached["bspline_arc"] = spline_arc = self._bspline_arc(spline)
+        reached["bspline_arc"] = spline_arc = self._bspline_arc(spline.curve)
         # 5 quadratic curve with exact ends, and a motion in three phases
-        reached["quadratic"] = square = self._quadratic(
+        reached["quadratic"] = quadratic = self._quadratic(
             spline, spline_arc, obstacles, asked, scene.quadratic.mode
         )
-        reached["quadratic_arc"] = square_arc = self._quadratic_arc(square)
-        reached["followed"] = followed = _followed(scene, spline, square)
-        way, arc = (spline, spline_arc) if followed == "bspline" else (square, square_arc)
+        reached["quadratic_arc"] = quadratic_arc = self._quadratic_arc(quadratic.curve)
+        reached["followed"] = followed = _followed(scene, spline, quadratic)
+        path_curve: Curve = spline.curve if followed == "bspline" else quadratic.curve
+        arc = spline_arc if followed == "bspline" else quadratic_arc
         motion = scene.motion
         reached["profile"] = profile = self._profile(
             arc.length, motion.speed, motion.acceleration, motion.deceleration
         )
         # 6 inverse kinematics
         reached["motion"] = moved = self._motion(
-            way, arc, profile, arm, scene.arm, obstacles, SAMPLES
+            path_curve, arc, profile, arm, scene.arm, obstacles, SAMPLES
         )
         if moved.error is not None:
             raise moved.error
@@ -291,7 +291,7 @@ def _same(before: tuple[object, ...], now: tuple[object, ...]) -> bool:
     )
 
 
-def _followed(scene: Scene, spline: BSpline, square: Quadratic | Quadratics) -> str:
+def _followed(scene: Scene, spline: Fit[BSpline], quadratic: Fit[Quadratic]) -> str:
     """Which curve the arm executes.
 
     Raises:
@@ -299,7 +299,7 @@ def _followed(scene: Scene, spline: BSpline, square: Quadratic | Quadratics) -> 
     """
     if scene.motion.curve != "auto":
         return scene.motion.curve
-    if square.holds:
+    if quadratic.holds:
         return "quadratic"
     if spline.holds:
         return "bspline"

@@ -10,8 +10,8 @@ import numpy as np
 from abi.arm.arm import JOINTS
 from abi.clearance.certificate import Certificate
 from abi.curves.bspline import BSpline
+from abi.curves.fit import Fit
 from abi.curves.quadratic import Quadratic
-from abi.curves.quadratics import Quadratics
 
 if TYPE_CHECKING:
     from abi.planner.diagnosis import Reason
@@ -118,11 +118,11 @@ def _bspline(plan: Plan) -> dict[str, Any] | None:
     if plan.bspline is None or plan.bspline_arc is None:
         return None
     return {
-        "degree": plan.bspline.degree,
-        "control_points": plan.bspline.control_points.tolist(),
-        "knots": plan.bspline.knots.tolist(),
-        "inserted": plan.bspline.inserted,
-        "moved": plan.bspline.moved,
+        "degree": plan.bspline.curve.degree,
+        "control_points": plan.bspline.curve.control_points.tolist(),
+        "knots": plan.bspline.curve.knots.tolist(),
+        "inserted": plan.bspline.curve.inserted,
+        "moved": plan.bspline.curve.moved,
         "length": plan.bspline_arc.length,
         **_clear(plan.bspline),
         "ms": plan.ms["bspline"],
@@ -136,7 +136,7 @@ def _quadratic(plan: Plan) -> dict[str, Any] | None:
         "mode": plan.scene.quadratic.mode,
         "pieces": [
             {"t0": t0, "t1": t1, "coefficients": coefficients.tolist()}
-            for t0, t1, coefficients in plan.quadratic.pieces
+            for t0, t1, coefficients in plan.quadratic.curve.pieces
         ],
         "note": plan.quadratic.note or None,
         "length": plan.quadratic_arc.length,
@@ -145,7 +145,7 @@ def _quadratic(plan: Plan) -> dict[str, Any] | None:
     }
 
 
-def _clear(curve: BSpline | Quadratic | Quadratics) -> dict[str, Any]:
+def _clear(curve: Fit[BSpline] | Fit[Quadratic]) -> dict[str, Any]:
     """``certified`` where the distance asked for is proven; None where nothing is in the way.
 
     With a certificate the clearance is proven, be it as much as asked for or less.

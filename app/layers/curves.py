@@ -50,8 +50,8 @@ class CurvesLayer:
     def draw(self, plan: Plan) -> None:
         """Draw the plan's curves; none where there are none."""
         curves: dict[str, Curve | None] = {
-            "bspline": plan.bspline,
-            "quadratic": plan.quadratic,
+            "bspline": None if plan.bspline is None else plan.bspline.curve,
+            "quadratic": None if plan.quadratic is None else plan.quadratic.curve,
         }
         for name, curve in curves.items():
             line = self._lines[name]
@@ -86,11 +86,11 @@ class CurvesLayer:
         parts = [segments(np.zeros((0, 3)))]
         if plan.quadratic is not None:
             for first, last in plan.quadratic.clearance.violations:
-                parts.append(segments(plan.quadratic(np.linspace(first, last, 24))))
+                parts.append(segments(plan.quadratic.curve(np.linspace(first, last, 24))))
         self._entering.points = np.concatenate(parts)
 
     def _draw_control(self, plan: Plan) -> None:
-        points = np.zeros((0, 3)) if plan.bspline is None else plan.bspline.control_points
+        points = np.zeros((0, 3)) if plan.bspline is None else plan.bspline.curve.control_points
         self._polygon.points = segments(points)
         self._control = self._scene.add_point_cloud(
             "/curve/control_points",

@@ -165,7 +165,7 @@ def _crossing(count: int) -> str:
 
 def _control_points(plan: Plan) -> str:
     """What it took to keep the spline clear; nothing to say when it took nothing."""
-    spline = plan.bspline
+    spline = None if plan.bspline is None else plan.bspline.curve
     if spline is None or not (spline.inserted or spline.moved):
         return ""
     return (
@@ -179,7 +179,7 @@ def _coefficients(plan: Plan) -> str:
     if plan.quadratic is None:
         return ""
     lines = []
-    pieces = plan.quadratic.pieces
+    pieces = plan.quadratic.curve.pieces
     for first, last, (c0, c1, c2) in pieces[:_PIECES_SHOWN]:
         if len(pieces) > 1:
             lines.append(f"t from {first:.3f} to {last:.3f}:")

@@ -11,10 +11,9 @@ from scipy import interpolate
 from abi.arm import inverse_kinematics as ik
 from abi.arm.arm import Arm
 from abi.arrays import FloatArray
-from abi.clearance import bezier as pieces
-from abi.clearance.curve_clearance import Clearance, measure
+from abi.clearance.curve_clearance import Clearance, curve_clearance
 from abi.curves import curve
-from abi.curves.bspline import BSpline, _influence, clamped
+from abi.curves.bspline import BSpline, clamped
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.primitives import Obstacles
 from abi.scene.scene import ArmSettings
@@ -103,8 +102,8 @@ def test_a_measurement_is_the_same_compiled_and_plain(seed: int, tolerance: floa
     obstacles, spline = ObstacleSet(some_obstacles(random)), some_spline(random)
     asked = float(random.uniform(-0.5, 1))
     assert same(
-        plain(lambda: measure(spline, obstacles, asked, tolerance)),
-        compiled(lambda: measure(spline, obstacles, asked, tolerance)),
+        plain(lambda: curve_clearance(spline, obstacles, asked, tolerance)),
+        compiled(lambda: curve_clearance(spline, obstacles, asked, tolerance)),
     )
 
 
@@ -120,15 +119,15 @@ def test_a_spline_is_that_of_scipy(seed: int, order: int) -> None:
     weights = interpolate.BSpline.design_matrix(u, spline.knots, spline.degree).toarray()
     for run in (plain, compiled):
         assert np.abs(run(lambda: spline(u, order)) - expected).max() <= scale
-        assert np.abs(run(lambda: _influence(spline, u)) - weights).max() <= 1e-13
+        assert np.abs(run(lambda: spline.influence(u)) - weights).max() <= 1e-13
 
 
 @settings(max_examples=40, deadline=None)
 @given(seeds)
 def test_bezier_points_are_the_same_compiled_and_plain(seed: int) -> None:
     spline = some_spline(np.random.default_rng(seed))
-    first = plain(lambda: pieces.bezier(spline))
-    second = compiled(lambda: pieces.bezier(clamped(spline.control_points, spline.degree)))
+    first = plain(lambda: spline.bezier())
+    second = compiled(lambda: spline.bezier())
     assert np.array_equal(first.breaks, second.breaks)
     assert np.abs(first.points - second.points).max() <= 1e-14 * first.size
 
@@ -141,7 +140,7 @@ def test_arc_lengths_are_inverted_compiled_and_plain(seed: int) -> None:
     asked = random.uniform(0, 1, 60)
     lengths = []
     for run in (plain, compiled):
-        arc = run(lambda: curve.measure(spline))
+        arc = run(lambda: curve.arc_length(spline))
         found = run(lambda arc=arc: arc.parameter(asked * arc.length))  # type: ignore[misc]
         there = run(lambda arc=arc, found=found: arc.distance(found))  # type: ignore[misc]
         assert np.abs(there - asked * arc.length).max() <= 1e-12 * arc.length

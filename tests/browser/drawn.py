@@ -5,7 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from abi.curves.curve import Curve
+from abi.curves.bspline import BSpline
+from abi.curves.fit import Fit
+from abi.curves.quadratic import Quadratic
 from abi.planner.plan import Plan
 from tests.browser.page import Page
 
@@ -26,13 +28,13 @@ def is_nothing(lines: Points) -> bool:
     return bool((lines[:, 0] == lines[:, 1]).all())
 
 
-def shows_curve(page: Page, name: str, curve: Curve | None) -> bool:
-    """Whether the line ``/curve/<name>`` in the page runs along ``curve``."""
+def shows_curve(page: Page, name: str, fit: Fit[BSpline] | Fit[Quadratic] | None) -> bool:
+    """Whether the line ``/curve/<name>`` in the page runs along the fitted curve."""
     lines = page.points(f"/curve/{name}")
-    if curve is None:
+    if fit is None:
         return is_nothing(lines)
     points = chain(lines)
-    expected = curve(np.linspace(*curve.interval, len(points)))
+    expected = fit.curve(np.linspace(*fit.curve.interval, len(points)))
     return len(points) > 50 and bool(np.allclose(points, expected, rtol=0, atol=SINGLE))
 
 
@@ -72,8 +74,8 @@ def _numbers(plan: Plan) -> tuple[Points, ...]:
     assert plan.motion is not None
     return (
         plan.path.points,
-        plan.bspline(np.linspace(*plan.bspline.interval, 40)),
-        plan.quadratic(np.linspace(*plan.quadratic.interval, 40)),
+        plan.bspline.curve(np.linspace(0, 1, 40)),
+        plan.quadratic.curve(np.linspace(0, 1, 40)),
         plan.motion.tool,
         plan.motion.positions,
     )

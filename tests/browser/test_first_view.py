@@ -61,7 +61,7 @@ def test_curves_are_the_plans(page: Page, session: Session) -> None:
     assert plan.bspline is not None
     assert drawn.shows_curve(page, "bspline", plan.bspline)
     assert drawn.shows_curve(page, "quadratic", plan.quadratic)
-    control = plan.bspline.control_points
+    control = plan.bspline.curve.control_points
     np.testing.assert_allclose(page.points("/curve/control_points"), control, atol=drawn.SINGLE)
     polygon = drawn.chain(page.points("/curve/control_polygon"))
     np.testing.assert_allclose(polygon, control, atol=drawn.SINGLE)

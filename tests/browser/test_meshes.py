@@ -99,7 +99,7 @@ def test_a_mesh_works_as_an_obstacle_while_it_is_dragged(
         asked = plan.scene.spline.clearance
         assert plan.bspline.clearance.certified
         assert plan.bspline.clearance.distance >= asked
-        curve = plan.bspline(np.linspace(*plan.bspline.interval, 2000))
+        curve = plan.bspline.curve(np.linspace(0, 1, 2000))
         assert _nearest(curve, mesh, place) >= asked
     # The page's own line, at the mesh's last place.
     shown = drawn.chain(page.points("/curve/bspline"))

@@ -16,7 +16,8 @@ from abi.arm.arm import JOINTS, Arm, skeleton
 from abi.arm.trajectory import ArmMotion, Trajectory, follow
 from abi.arm.wrist_drives import driven
 from abi.arrays import FloatArray
-from abi.curves.curve import measure
+from abi.clearance.bezier import Bezier
+from abi.curves.curve import arc_length
 from abi.curves.speed_profile import three_phase
 from abi.errors import OutOfReach
 from abi.obstacles.obstacle_set import ObstacleSet
@@ -25,6 +26,7 @@ from abi.obstacles.triangle_mesh.repair import clean
 from abi.paper import printed
 from abi.scene.scene import ArmSettings
 from tests.abi import meshes
+from tests.abi.bezier import interpolated
 
 POSITIVE = st.floats(-1, 1).map(lambda power: 10.0**power)
 SEED = st.integers(0, 2**32 - 1)
@@ -37,16 +39,11 @@ class Polynomial:
     coefficients: FloatArray
 
     @property
-    def degree(self) -> int:
-        return len(self.coefficients) - 1
-
-    @property
     def interval(self) -> tuple[float, float]:
         return 0.0, 1.0
 
-    @property
-    def breaks(self) -> FloatArray:
-        return np.array([0.0, 1.0])
+    def bezier(self) -> Bezier:
+        return interpolated(self, np.array(self.interval), len(self.coefficients) - 1)
 
     def __call__(self, parameter: ArrayLike, order: int = 0) -> FloatArray:
         u = np.clip(np.asarray(parameter, dtype=float), 0, 1)
@@ -61,7 +58,7 @@ def straight(start: ArrayLike, end: ArrayLike) -> Polynomial:
 
 
 def printed_quadratic() -> Polynomial:
-    return Polynomial(printed.QUADRATIC.coefficients)
+    return Polynomial(printed.QUADRATIC.coefficients[0])
 
 
 def run(
@@ -71,7 +68,7 @@ def run(
     samples: int = 200,
 ) -> ArmMotion:
     arm = ArmSettings() if arm is None else arm
-    arc = measure(curve)
+    arc = arc_length(curve)
     profile = three_phase(arc.length, 4.0, 6.0, 6.0)
     return follow(curve, arc, profile, Arm.from_settings(arm), arm, ObstacleSet(obstacles), samples)
 
@@ -87,7 +84,7 @@ def test_velocity_and_acceleration_are_the_derivatives(
     seed: int, speed: float, acceleration: float, deceleration: float
 ) -> None:
     curve = random_curve(seed)
-    arc = measure(curve)
+    arc = arc_length(curve)
     profile = three_phase(arc.length, speed, acceleration, deceleration)
     trajectory = Trajectory(curve, arc, profile)
     edges = np.cumsum([0.0, profile.t1, profile.t2, profile.t3])
@@ -106,7 +103,7 @@ def test_velocity_and_acceleration_are_the_derivatives(
 
 def test_one_time_and_many_agree() -> None:
     curve = printed_quadratic()
-    arc = measure(curve)
+    arc = arc_length(curve)
     trajectory = Trajectory(curve, arc, three_phase(arc.length, 4.0, 6.0, 6.0))
     low, high = trajectory.interval
     times = np.linspace(low, high, 7)
@@ -124,7 +121,7 @@ def test_a_curve_that_rests_at_its_ends_has_directions_there() -> None:
     way = np.array([3.0, 4.0, 0.0])
     rows = np.array([0, 0, 0, 10, -15, 6])[:, None] * way
     curve = Polynomial(rows + np.array([[1.0, 1.0, 5.0]] + [[0.0] * 3] * 5))
-    arc = measure(curve)
+    arc = arc_length(curve)
     trajectory = Trajectory(curve, arc, three_phase(arc.length, 1.0, 1.0, 1.0))
     times = np.linspace(0, trajectory.profile.duration, 41)
     np.testing.assert_allclose(trajectory.sampled(times)[1], np.tile(way / 5, (41, 1)), atol=1e-6)

@@ -9,12 +9,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from abi.arrays import FloatArray
-from abi.clearance.bezier import bezier
-from abi.clearance.certificate import Certificate, Refutation, certify, certify_polyline
-from abi.clearance.curve_clearance import ROUNDING, measure, prove
+from abi.clearance.certificate import Certificate, Refutation, certify
+from abi.clearance.curve_clearance import ROUNDING, curve_clearance, prove
 from abi.curves.bspline import BSpline, clamped
 from abi.curves.quadratic import Quadratic
-from abi.curves.quadratics import join
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import NO_OBSTACLES, ObstacleSet
 from abi.obstacles.primitives import Box, Capsule, Cylinder, Obstacles, Sphere
@@ -27,6 +25,7 @@ from benchmarks.certificates import (
     true_clearance,
 )
 from tests.abi import meshes
+from tests.abi.bezier import polyline
 from tests.kernel_forms import kernels_as
 
 seeds = st.integers(0, 2**32 - 1)
@@ -108,7 +107,7 @@ def test_supports_and_nearest_points_belong_to_the_solid(seed: int) -> None:
 @given(seeds)
 def test_bezier_pieces_are_the_curve(seed: int) -> None:
     curve, _ = case(seed)
-    pieces = bezier(curve)
+    pieces = curve.bezier()
     share = np.linspace(0, 1, 7)
     for start, end, points in zip(
         pieces.breaks[:-1], pieces.breaks[1:], pieces.points, strict=True
@@ -127,8 +126,8 @@ def _casteljau(points: FloatArray, share: float) -> FloatArray:
 def test_quadratics_in_pieces_are_bezier_pieces() -> None:
     random = np.random.default_rng(0)
     breaks = np.array([0.0, 0.2, 0.55, 1.0])
-    curve = join(random.uniform(0, 6, (5, 3)), breaks, NO_OBSTACLES, 0.0)
-    pieces = bezier(curve)
+    curve = Quadratic.from_control_points(random.uniform(0, 6, (5, 3)), breaks)
+    pieces = curve.bezier()
     assert np.array_equal(pieces.breaks, breaks)
     for start, end, points in zip(breaks[:-1], breaks[1:], pieces.points, strict=True):
         inside = np.linspace(0.01, 0.99, 5)
@@ -169,12 +168,12 @@ def test_a_polyline_is_decided_by_its_exact_distance(seed: int, part: float) -> 
     exact = ObstacleSet(obstacles).polyline_clearance(points)
     if exact > 0:
         assert isinstance(
-            certify_polyline(points, ObstacleSet(obstacles), exact * (1 - part)), Certificate
+            certify(polyline(points), ObstacleSet(obstacles), exact * (1 - part)), Certificate
         )
-        refuted = certify_polyline(points, ObstacleSet(obstacles), exact * (1 + part))
+        refuted = certify(polyline(points), ObstacleSet(obstacles), exact * (1 + part))
         assert isinstance(refuted, Refutation)
     else:
-        assert isinstance(certify_polyline(points, ObstacleSet(obstacles), 0.0), Refutation)
+        assert isinstance(certify(polyline(points), ObstacleSet(obstacles), 0.0), Refutation)
 
 
 def test_a_far_obstacle_takes_one_plane() -> None:
@@ -243,7 +242,7 @@ def test_a_curve_that_stays_at_one_point_is_decided() -> None:
 def test_proven_distance_is_as_large_as_measured(seed: int, asked: float, tolerance: float) -> None:
     curve, obstacles = case(seed)
     found = prove(curve, ObstacleSet(obstacles), asked, tolerance)
-    measured = measure(curve, ObstacleSet(obstacles), asked, tolerance)
+    measured = curve_clearance(curve, ObstacleSet(obstacles), asked, tolerance)
     clearance = true_clearance(curve, obstacles)
     assert found.violations == measured.violations
     if clearance < -tolerance:

@@ -12,7 +12,8 @@ from numpy.typing import ArrayLike
 from scipy.interpolate import BSpline
 
 from abi.arrays import FloatArray
-from abi.clearance.curve_clearance import measure
+from abi.clearance.bezier import Bezier
+from abi.clearance.curve_clearance import curve_clearance
 from abi.obstacles.obstacle_set import NO_OBSTACLES, ObstacleSet
 from abi.obstacles.primitives import (
     Box,
@@ -25,6 +26,7 @@ from abi.obstacles.primitives import (
 )
 from abi.obstacles.triangle_mesh.repair import clean
 from tests.abi import meshes
+from tests.abi.bezier import interpolated
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,13 +36,8 @@ class Spline:
     spline: BSpline
     interval: tuple[float, float]
 
-    @property
-    def degree(self) -> int:
-        return int(self.spline.k)
-
-    @property
-    def breaks(self) -> FloatArray:
-        return np.unique(self.spline.t)
+    def bezier(self) -> Bezier:
+        return interpolated(self, np.unique(self.spline.t), int(self.spline.k))
 
     def __call__(self, parameter: ArrayLike, order: int = 0) -> FloatArray:
         return np.asarray(self.spline(np.clip(parameter, *self.interval), nu=order))
@@ -91,7 +88,7 @@ some_obstacles = st.sets(st.sampled_from(OBSTACLES), min_size=1).map(tuple)
 def test_no_dense_sample_contradicts_the_measurement(
     curve: Spline, obstacles: Obstacles, asked: float, tolerance: float
 ) -> None:
-    found = measure(curve, ObstacleSet(obstacles), asked, tolerance)
+    found = curve_clearance(curve, ObstacleSet(obstacles), asked, tolerance)
     parameters, distances = dense(curve, obstacles)
     assert distances.min() >= found.distance - 1e-9
     assert 0 <= found.nearest - found.distance <= tolerance + 1e-12
@@ -117,7 +114,7 @@ def test_no_dense_sample_contradicts_the_measurement(
 def test_violations_are_in_order_apart_and_no_wider_than_needed(
     curve: Spline, obstacles: Obstacles, asked: float
 ) -> None:
-    found = measure(curve, ObstacleSet(obstacles), asked)
+    found = curve_clearance(curve, ObstacleSet(obstacles), asked)
     edges = np.array(found.violations).reshape(-1, 2)
     assert (edges[:, 0] < edges[:, 1]).all()
     assert (edges[1:, 0] > edges[:-1, 1]).all()
@@ -146,7 +143,7 @@ def test_a_straight_line_agrees_with_the_segment(
     ends = np.array([start, end])
     exact = ObstacleSet(obstacles).polyline_clearance(ends)
     for degree, control in [(1, ends), (3, np.linspace(start, end, 4))]:
-        found = measure(spline(control, degree), ObstacleSet(obstacles), tolerance=1e-4)
+        found = curve_clearance(spline(control, degree), ObstacleSet(obstacles), tolerance=1e-4)
         assert found.distance - 1e-9 <= exact <= found.nearest + 1e-9
         assert found.nearest - found.distance <= 1e-4 + 1e-12
 
@@ -172,9 +169,8 @@ def test_a_polyline_of_one_point() -> None:
 
 def test_a_parabola_over_a_ball_in_closed_form() -> None:
     # y = x² + 2 on [-2, 2] is nearest to the origin's ball at its vertex.
-    found = measure(
-        spline([(-2, 6, 0), (0, -2, 0), (2, 6, 0)], 2), ObstacleSet((Sphere(radius=1),)), 2.0, 1e-6
-    )
+    parabola = spline([(-2, 6, 0), (0, -2, 0), (2, 6, 0)], 2)
+    found = curve_clearance(parabola, ObstacleSet((Sphere(radius=1),)), 2.0, 1e-6)
     assert found.nearest == pytest.approx(1, abs=1e-6)
     assert found.distance == pytest.approx(1, abs=1e-6)
     assert found.at == pytest.approx(0.5, abs=1e-3)
@@ -195,7 +191,7 @@ def test_a_ball_too_small_for_dense_samples_is_found(
     parameter = first + where * (last - first)
     centre = curve(np.array([parameter]))[0]
     balls = (Sphere(radius=radius, position=tuple(centre.tolist())),)
-    found = measure(curve, ObstacleSet(balls), 0.0, radius / 10)
+    found = curve_clearance(curve, ObstacleSet(balls), 0.0, radius / 10)
     assert found.distance <= -radius + 1e-9
     assert found.nearest <= -0.9 * radius + 1e-9
     assert found.obstacle == 0
@@ -209,7 +205,7 @@ def test_the_obstacle_found_last_is_named() -> None:
         Sphere(radius=1, position=(3.2, 1.02, 0)),
         Sphere(radius=0.01, position=(1.05, 0, 0)),
     )
-    found = measure(line, ObstacleSet(balls))
+    found = curve_clearance(line, ObstacleSet(balls))
     assert found.obstacle == 1
     assert found.nearest == pytest.approx(-0.01, abs=1e-3)
     assert found.at == pytest.approx(1.05 / 6.4, abs=1e-3)
@@ -218,8 +214,8 @@ def test_the_obstacle_found_last_is_named() -> None:
 def test_a_path_that_starts_at_the_distance_asked_does_not_violate() -> None:
     ball: tuple[Obstacle, ...] = (Sphere(radius=1, position=(0.3, 0.1, 0.2)),)
     control = [(0.3, 0.1, 1.7), (0.3, 0.5, 2.5), (1, 2, 3), (3, 3, 3)]
-    assert measure(spline(control, 3), ObstacleSet(ball), 0.5).holds
-    found = measure(spline(control, 3), ObstacleSet(ball), 0.5 + 1e-6)
+    assert curve_clearance(spline(control, 3), ObstacleSet(ball), 0.5).holds
+    found = curve_clearance(spline(control, 3), ObstacleSet(ball), 0.5 + 1e-6)
     assert found.violations[0][0] == 0
     assert found.violations[0][1] < 0.05
 
@@ -228,22 +224,22 @@ def test_a_path_along_a_wall_at_the_distance_asked_does_not_violate() -> None:
     wall = (Box(size=(10, 10, 1), wxyz=(0.9, 0.3, 0, 0)),)
     pose = wall[0].world_from_body()[:3, :3]
     control = np.array([(-3, -2, 0.7), (0, 3, 0.7), (1, -3, 0.7), (2, 1, 0.7), (4, 2, 0.7)])
-    found = measure(spline(control @ pose.T, 4), ObstacleSet(wall), 0.2, 1e-6)
+    found = curve_clearance(spline(control @ pose.T, 4), ObstacleSet(wall), 0.2, 1e-6)
     assert found.holds
     assert found.distance == pytest.approx(0.2, abs=1e-9)
 
 
 def test_a_curve_that_stands_still_is_measured() -> None:
     control = [(0, 0, 3)] * 4 + [(0, 0, 2)] * 4
-    found = measure(spline(control, 3), ObstacleSet((Sphere(radius=1),)), 0.5, 1e-4)
+    found = curve_clearance(spline(control, 3), ObstacleSet((Sphere(radius=1),)), 0.5, 1e-4)
     assert found.nearest == pytest.approx(1, abs=1e-12)
-    point = measure(spline([(0, 0, 3)] * 5, 3), ObstacleSet((Sphere(radius=1),)), 2.5)
+    point = curve_clearance(spline([(0, 0, 3)] * 5, 3), ObstacleSet((Sphere(radius=1),)), 2.5)
     assert point.distance == pytest.approx(2, abs=1e-12)
     assert point.violations == ((0.0, 1.0),)
 
 
 def test_without_obstacles_the_distance_is_infinite() -> None:
-    found = measure(spline([(0, 0, 0), (1, 0, 0)], 1, 2.0, 5.0), NO_OBSTACLES, 1.0)
+    found = curve_clearance(spline([(0, 0, 0), (1, 0, 0)], 1, 2.0, 5.0), NO_OBSTACLES, 1.0)
     assert (found.distance, found.nearest, found.obstacle) == (math.inf, math.inf, -1)
     assert found.at == 2.0
     assert found.holds
@@ -253,7 +249,7 @@ def test_without_obstacles_the_distance_is_infinite() -> None:
 def test_a_curve_through_the_heart_of_an_obstacle_ends(tolerance: float) -> None:
     # The distance has a kink at its least, and the curve lies on the medial plane for a while.
     box = (Box(size=(2, 4, 2)),)
-    found = measure(spline([(-3, 0, 0), (3, 0.1, 0)], 1), ObstacleSet(box), 0.1, tolerance)
+    found = curve_clearance(spline([(-3, 0, 0), (3, 0.1, 0)], 1), ObstacleSet(box), 0.1, tolerance)
     assert found.nearest == pytest.approx(-1, abs=1e-3)
     assert found.nearest - found.distance <= max(tolerance, 1e-9) + 1e-12
     ((start, end),) = found.violations
@@ -269,7 +265,7 @@ def test_where_a_mesh_is_too_near_is_told_as_finely_as_of_a_solid(
     size = (1.0, 2.0, 1.5)
     pose: Any = {"position": (1.0, 0.5, 0.0), "wxyz": (0.8, -0.3, 0.4, 0.2)}
     solid, mesh = (
-        measure(curve, ObstacleSet((body,)), asked)
+        curve_clearance(curve, ObstacleSet((body,)), asked)
         for body in (Box(size=size, **pose), MeshShape.of(clean(*meshes.box(size)), **pose))
     )
     first, last = curve.interval
@@ -293,7 +289,7 @@ def test_where_a_mesh_is_too_near_is_told_as_finely_as_of_a_solid(
 def test_a_needle_between_two_samples_is_found_beside_what_is_far_nearer() -> None:
     needle = MeshShape.of(clean(*meshes.box((0.02, 1, 1))), position=(1.075, 0, 0))
     block = MeshShape.of(clean(*meshes.box((1, 1, 1))), position=(4, 0, 0))
-    found = measure(spline([(0, 0, 0), (6.4, 0, 0)], 1), ObstacleSet((needle, block)))
+    found = curve_clearance(spline([(0, 0, 0), (6.4, 0, 0)], 1), ObstacleSet((needle, block)))
 
     assert found.obstacle == 1
     assert found.nearest == pytest.approx(-0.5, abs=1e-3)

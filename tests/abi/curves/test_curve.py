@@ -12,9 +12,11 @@ from numpy.typing import ArrayLike
 from scipy.integrate import quad
 
 from abi.arrays import FloatArray
+from abi.clearance.bezier import Bezier
 from abi.curves.bspline import clamped
-from abi.curves.curve import Curve, measure
+from abi.curves.curve import Curve, arc_length
 from abi.paper import printed
+from tests.abi.bezier import interpolated
 
 
 @dataclass(frozen=True)
@@ -24,13 +26,8 @@ class Polynomial:
     coefficients: FloatArray
     interval: tuple[float, float]
 
-    @property
-    def degree(self) -> int:
-        return len(self.coefficients) - 1
-
-    @property
-    def breaks(self) -> FloatArray:
-        return np.array(self.interval)
+    def bezier(self) -> Bezier:
+        return interpolated(self, np.array(self.interval), len(self.coefficients) - 1)
 
     def __call__(self, parameter: ArrayLike, order: int = 0) -> FloatArray:
         u = np.asarray(parameter, dtype=float)
@@ -51,7 +48,8 @@ def splines(draw: st.DrawFn, repeated: bool = False) -> Curve:
 
 def integral(curve: Curve, first: float, last: float) -> float:
     """Arc length by adaptive quadrature between the breaks, an oracle."""
-    inner = curve.breaks[(curve.breaks > first) & (curve.breaks < last)]
+    breaks = curve.bezier().breaks
+    inner = breaks[(breaks > first) & (breaks < last)]
     ends = [first, *inner, last]
     total = 0.0
     for a, b in itertools.pairwise(ends):
@@ -63,33 +61,33 @@ def integral(curve: Curve, first: float, last: float) -> float:
 @pytest.mark.parametrize("size", [1e-3, 1.0, 1e3])
 def test_lengths_with_closed_form(size: float) -> None:
     line = Polynomial(size * np.array([[1.0, 2, 3], [2.0, 3, 6]]), (0, 2))
-    assert measure(line).length == pytest.approx(14 * size, rel=1e-14)
+    assert arc_length(line).length == pytest.approx(14 * size, rel=1e-14)
     parabola = Polynomial(size * np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]), (0, 3))
     exact = 3 * math.sqrt(37) / 2 + math.asinh(6) / 4
-    assert measure(parabola).length == pytest.approx(exact * size, rel=1e-12)
+    assert arc_length(parabola).length == pytest.approx(exact * size, rel=1e-12)
 
 
 def test_turning_points_inside_a_piece() -> None:
     # The speed abs(u)·sqrt(4 + 9u²) of (u², u³) has a kink at 0, that of (u², 0) too.
     cusp = Polynomial(np.array([[0.0, 0, 0], [0, 0, 0], [1, 0, 0], [0, 1, 0]]), (-1, 1))
-    assert measure(cusp).length == pytest.approx(2 * (13**1.5 - 8) / 27, rel=1e-11)
+    assert arc_length(cusp).length == pytest.approx(2 * (13**1.5 - 8) / 27, rel=1e-11)
     back = Polynomial(np.array([[0.0, 0, 0], [0, 0, 0], [1, 0, 0]]), (-1, 2))
-    assert measure(back).length == pytest.approx(5, rel=1e-11)
-    assert measure(back).distance(0.0) == pytest.approx(1, rel=1e-10)
-    assert back(measure(back).parameter(1.5)) == pytest.approx([0.5, 0, 0], abs=1e-10)
+    assert arc_length(back).length == pytest.approx(5, rel=1e-11)
+    assert arc_length(back).distance(0.0) == pytest.approx(1, rel=1e-10)
+    assert back(arc_length(back).parameter(1.5)) == pytest.approx([0.5, 0, 0], abs=1e-10)
 
 
 @settings(max_examples=25, deadline=None)
 @given(splines(), st.floats(0.01, 1))
 def test_distance_equals_adaptive_quadrature(curve: Curve, parameter: float) -> None:
-    arc = measure(curve)
+    arc = arc_length(curve)
     assert arc.distance(parameter) == pytest.approx(integral(curve, 0, parameter), rel=1e-9)
 
 
 @settings(max_examples=150, deadline=None)
 @given(splines(), st.integers(1, 50))
 def test_inverse_and_forward_are_inverse(curve: Curve, count: int) -> None:
-    arc = measure(curve)
+    arc = arc_length(curve)
     distance = np.linspace(0, arc.length, count + 1)
     there = arc.distance(arc.parameter(distance))
     assert np.abs(there - distance).max() <= 1e-12 * arc.length
@@ -102,7 +100,7 @@ def test_inverse_and_forward_are_inverse(curve: Curve, count: int) -> None:
 @settings(max_examples=100, deadline=None)
 @given(splines(repeated=True))
 def test_repeated_control_points_give_no_nan(curve: Curve) -> None:
-    arc = measure(curve)
+    arc = arc_length(curve)
     distance = np.linspace(0, arc.length, 60)
     parameter = arc.parameter(distance)
     assert np.isfinite(parameter).all()
@@ -115,7 +113,7 @@ def test_repeated_control_points_give_no_nan(curve: Curve) -> None:
 @settings(max_examples=50, deadline=None)
 @given(splines())
 def test_ends_are_exact_and_the_outside_is_clamped(curve: Curve) -> None:
-    arc = measure(curve)
+    arc = arc_length(curve)
     assert np.array_equal(arc.parameter([-1.0, 0.0, arc.length, 2 * arc.length]), [0, 0, 1, 1])
     assert np.array_equal(arc.distance([-1.0, 0.0]), [0, 0])
     assert arc.distance([1.0, 2.0]) == pytest.approx(arc.length, rel=1e-14)
@@ -124,9 +122,9 @@ def test_ends_are_exact_and_the_outside_is_clamped(curve: Curve) -> None:
 @settings(max_examples=50, deadline=None)
 @given(splines())
 def test_length_lies_between_chord_and_polygon(curve: Curve) -> None:
-    length = measure(curve).length
+    length = arc_length(curve).length
     first, last = curve([0.0, 1.0])
-    samples = curve(np.union1d(np.linspace(0, 1, 4001), curve.breaks))
+    samples = curve(np.union1d(np.linspace(0, 1, 4001), curve.bezier().breaks))
     inscribed = np.linalg.norm(np.diff(samples, axis=0), axis=1).sum()
     assert np.linalg.norm(last - first) <= length * (1 + 1e-12)
     assert inscribed <= length * (1 + 1e-12)
@@ -136,7 +134,7 @@ def test_length_lies_between_chord_and_polygon(curve: Curve) -> None:
 @settings(max_examples=20, deadline=None)
 @given(splines())
 def test_gauss_points_integrate_along_the_curve(curve: Curve) -> None:
-    arc = measure(curve)
+    arc = arc_length(curve)
     assert np.all(np.diff(arc.nodes) > 0)
     # The mean of s along the curve is half the length, that of s² a third of its square.
     share = arc.distance(arc.nodes) / arc.length
@@ -146,7 +144,7 @@ def test_gauss_points_integrate_along_the_curve(curve: Curve) -> None:
 
 
 def test_a_curve_that_stays_has_no_length() -> None:
-    arc = measure(clamped(np.ones((5, 3)), 3))
+    arc = arc_length(clamped(np.ones((5, 3)), 3))
     assert arc.length == 0
     assert np.isfinite(arc.parameter([0.0, 1.0])).all()
     assert np.array_equal(arc.distance([0.0, 0.5, 1.0]), [0, 0, 0])
@@ -154,13 +152,13 @@ def test_a_curve_that_stays_has_no_length() -> None:
 
 @pytest.mark.parametrize("shape", [(), (0,), (7,), (2, 3)])
 def test_shapes_are_kept(shape: tuple[int, ...]) -> None:
-    arc = measure(printed.QUADRATIC)
+    arc = arc_length(printed.QUADRATIC)
     given_values = np.full(shape, 0.3)
     assert arc.distance(given_values).shape == shape
     assert arc.parameter(given_values).shape == shape
 
 
 def test_results_cannot_change() -> None:
-    arc = measure(printed.QUADRATIC)
+    arc = arc_length(printed.QUADRATIC)
     for array in (arc.edges, arc.travelled, arc.series, arc.nodes, arc.weights):
         assert not array.flags.writeable

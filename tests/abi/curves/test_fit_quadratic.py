@@ -7,13 +7,12 @@ from hypothesis import strategies as st
 
 from abi.arrays import FloatArray, read_only
 from abi.curves import curve as curves
-from abi.curves import quadratic
 from abi.curves.bspline import BSpline
-from abi.curves.bspline import fit as fit_spline
 from abi.curves.clear_quadratic import ByLength, Target, nearest_clear, target
+from abi.curves.fit import Fit
+from abi.curves.fit_bspline import fit as fit_spline
 from abi.curves.fit_quadratic import MOST_PIECES, Mode, fewest_pieces, fit
-from abi.curves.quadratic import Quadratic
-from abi.curves.quadratics import Quadratics, join
+from abi.curves.quadratic import Quadratic, least_squares
 from abi.obstacles.obstacle_set import NO_OBSTACLES, ObstacleSet
 from abi.obstacles.primitives import Box, MeshShape, Obstacle, Sphere
 from abi.obstacles.triangle_mesh.repair import clean
@@ -26,21 +25,21 @@ CLEARANCE = 0.1
 seeds = st.integers(0, 2**32 - 1)
 
 
-def spline_through(scene: Scene) -> BSpline | None:
+def spline_through(scene: Scene) -> Fit[BSpline] | None:
     return plan(scene).bspline
 
 
-def fitted(spline: BSpline, mode: Mode) -> Quadratic | Quadratics:
-    return fit(spline, curves.measure(spline), spline.obstacles, spline.asked, mode)
+def fitted(spline: Fit[BSpline], obstacles: ObstacleSet, mode: Mode) -> Fit[Quadratic]:
+    return fit(spline, curves.arc_length(spline.curve), obstacles, spline.asked, mode)
 
 
-def dense(obstacles: ObstacleSet, curve: Quadratic | Quadratics) -> float:
+def dense(obstacles: ObstacleSet, curve: Quadratic) -> float:
     return float(obstacles.nearest(curve(np.linspace(0, 1, 4000)))[0].min())
 
 
-def bend(curve: Quadratic | Quadratics) -> np.ndarray:
-    assert isinstance(curve, Quadratic)
-    return np.asarray(curve.coefficients[2])
+def bend(found: Fit[Quadratic]) -> np.ndarray:
+    (rows,) = found.curve.coefficients
+    return np.asarray(rows[2])
 
 
 @st.composite
@@ -59,7 +58,7 @@ def test_pieces_meet_with_equal_points_and_tangents(
     given_: tuple[np.ndarray, np.ndarray], order: int
 ) -> None:
     control, breaks = given_
-    made = join(control, breaks, NO_OBSTACLES, 0.0)
+    made = Quadratic.from_control_points(control, breaks)
 
     assert np.array_equal(made.breaks, breaks)
     assert len(made.pieces) == len(breaks) - 1
@@ -75,7 +74,7 @@ def test_pieces_meet_with_equal_points_and_tangents(
 def test_a_joined_curve_is_its_pieces_and_its_derivatives_are_differences(
     given_: tuple[np.ndarray, np.ndarray], t: float
 ) -> None:
-    made = join(*given_, NO_OBSTACLES, 0.0)
+    made = Quadratic.from_control_points(*given_)
     k = int(np.searchsorted(made.breaks[1:-1], t, side="right"))
     first, last, rows = made.pieces[k]
     assert first <= t <= last
@@ -97,24 +96,24 @@ def test_a_joined_curve_is_its_pieces_and_its_derivatives_are_differences(
 @given(seeds, st.integers(1, 6))
 def test_the_target_is_the_least_squares_curve(seed: int, pieces: int) -> None:
     rng = np.random.default_rng(seed)
-    spline = fit_spline(rng.uniform(0, 6, (6, 3)), 3, NO_OBSTACLES, 0.0)
-    arc = curves.measure(spline)
+    spline = fit_spline(rng.uniform(0, 6, (6, 3)), 3, NO_OBSTACLES, 0.0).curve
+    arc = curves.arc_length(spline)
     shape = ByLength(spline, arc)
     breaks = np.linspace(0, 1, pieces + 1)
     wanted = target(shape, breaks, NO_OBSTACLES, 0.0)
     if pieces == 1:
-        square = quadratic.fit(spline, arc, NO_OBSTACLES, 0.0)
-        made = join(wanted.control_points, breaks, NO_OBSTACLES, 0.0)
-        np.testing.assert_allclose(made.coefficients[0], square.coefficients, atol=1e-3)
+        single = least_squares(spline, arc)
+        made = Quadratic.from_control_points(wanted.control_points, breaks)
+        np.testing.assert_allclose(made.coefficients, single.coefficients, atol=1e-3)
     t = (np.arange(4000) + 0.5) / 4000
     aim = shape(t)
-    least = np.mean((join(wanted.control_points, breaks, NO_OBSTACLES, 0.0)(t) - aim) ** 2)
+    least = np.mean((Quadratic.from_control_points(wanted.control_points, breaks)(t) - aim) ** 2)
     for _ in range(5):
         other = wanted.control_points.copy()
         other[1:-1] += rng.normal(size=(pieces, 3)) * 0.3
-        curve = join(other, breaks, NO_OBSTACLES, 0.0)
+        curve = Quadratic.from_control_points(other, breaks)
         assert np.mean((curve(t) - aim) ** 2) >= least * (1 - 1e-3)
-        gap = curve(t) - join(wanted.control_points, breaks, NO_OBSTACLES, 0.0)(t)
+        gap = curve(t) - Quadratic.from_control_points(wanted.control_points, breaks)(t)
         assert wanted.distance(other) == pytest.approx(
             np.sqrt(np.mean((gap**2).sum(axis=1))), rel=1e-3
         )
@@ -123,39 +122,42 @@ def test_the_target_is_the_least_squares_curve(seed: int, pieces: int) -> None:
 @settings(max_examples=25, deadline=None)
 @given(seeds, st.sampled_from([4, 12]), st.sampled_from(["clear", "pieces"]))
 def test_a_moved_curve_is_clear_with_exact_ends(seed: int, most: int, mode: Mode) -> None:
-    spline = spline_through(scattered(np.random.default_rng(seed), most))
+    scene = scattered(np.random.default_rng(seed), most)
+    spline, obstacles = spline_through(scene), ObstacleSet(scene.obstacles)
     if spline is None:
         return
-    made = fitted(spline, mode)
+    made = fitted(spline, obstacles, mode)
 
-    ends = spline.control_points[[0, -1]]
-    np.testing.assert_allclose(made([0.0, 1.0]), ends, atol=1e-9)
+    ends = spline.curve.control_points[[0, -1]]
+    np.testing.assert_allclose(made.curve([0.0, 1.0]), ends, atol=1e-9)
     if made.holds:
         assert made.note == ""
-        assert dense(spline.obstacles, made) >= spline.asked - 1e-9
-    square = fitted(spline, "least_squares")
-    if square.holds:
-        assert np.array_equal(bend(made), bend(square))
+        assert dense(obstacles, made.curve) >= spline.asked - 1e-9
+    first = fitted(spline, obstacles, "least_squares")
+    if first.holds:
+        assert np.array_equal(bend(made), bend(first))
     if mode == "pieces":
         assert made.holds >= spline.holds
-        assert (len(made.pieces) == 1) >= fitted(spline, "clear").holds
+        single = fitted(spline, obstacles, "clear")
+        assert (len(made.curve.pieces) == 1) >= single.holds
 
 
 @settings(max_examples=12, deadline=None)
 @given(seeds)
 def test_pieces_hold_where_the_spline_holds(seed: int) -> None:
-    spline = spline_through(slalom(np.random.default_rng(seed)))
+    scene = slalom(np.random.default_rng(seed))
+    spline, obstacles = spline_through(scene), ObstacleSet(scene.obstacles)
     if spline is None or not spline.holds:
         return
-    made = fitted(spline, "pieces")
-    single = fitted(spline, "clear")
+    made = fitted(spline, obstacles, "pieces")
+    single = fitted(spline, obstacles, "clear")
 
     assert made.holds
-    assert dense(spline.obstacles, made) >= spline.asked - 1e-9
-    assert (len(made.pieces) == 1) == single.holds
-    joints = made.breaks[1:-1]
+    assert dense(obstacles, made.curve) >= spline.asked - 1e-9
+    assert (len(made.curve.pieces) == 1) == single.holds
+    joints = made.curve.breaks[1:-1]
     for order in (0, 1):
-        before, after = made(joints - 1e-12, order), made(joints + 1e-12, order)
+        before, after = made.curve(joints - 1e-12, order), made.curve(joints + 1e-12, order)
         np.testing.assert_allclose(before, after, atol=1e-6)
     if not single.holds:
         assert "pieces" in single.note
@@ -173,38 +175,38 @@ def test_past_the_most_pieces_the_control_polygon_decides() -> None:
     path = np.array([[0.0, 2.5, 0.0], *corners, [xs[-1] + 1, 2.5, 0.0]])
     spline = fit_spline(path, 4, ObstacleSet(teeth), CLEARANCE)
     assert spline.holds
-    made = fewest_pieces(
-        spline, ByLength(spline, curves.measure(spline)), ObstacleSet(teeth), CLEARANCE
-    )
+    shape = ByLength(spline.curve, curves.arc_length(spline.curve))
+    made = fewest_pieces(spline.curve, shape, ObstacleSet(teeth), CLEARANCE)
 
     assert made is not None
     assert made.holds
-    assert len(made.pieces) > MOST_PIECES
-    assert dense(ObstacleSet(teeth), made) >= CLEARANCE - 1e-9
+    assert len(made.curve.pieces) > MOST_PIECES
+    assert dense(ObstacleSet(teeth), made.curve) >= CLEARANCE - 1e-9
 
 
 @settings(max_examples=8, deadline=None)
 @given(seeds)
 def test_no_clear_quadratic_on_a_grid_is_nearer(seed: int) -> None:
     rng = np.random.default_rng(seed)
-    spline = spline_through(scattered(rng))
+    scene = scattered(rng)
+    spline, obstacles = spline_through(scene), ObstacleSet(scene.obstacles)
     if spline is None:
         return
-    square, made = fitted(spline, "least_squares"), fitted(spline, "clear")
-    if square.holds or not made.holds:
+    first = fitted(spline, obstacles, "least_squares")
+    made = fitted(spline, obstacles, "clear")
+    if first.holds or not made.holds:
         return
-    moved = float(np.linalg.norm(bend(made) - bend(square)))
+    moved = float(np.linalg.norm(bend(made) - bend(first)))
     directions = rng.normal(size=(400, 3))
     directions /= np.linalg.norm(directions, axis=1, keepdims=True)
     t, fine = np.linspace(0, 1, 80), np.linspace(0, 1, 1500)
     for radius in (0.5 * moved, 0.8 * moved, 0.94 * moved):
-        other = bend(square) + radius * directions
-        change = (other - bend(square))[:, None] * (t * t - t)[None, :, None]
-        distance, _ = spline.obstacles.nearest((square(t) + change).reshape(-1, 3))
+        change = radius * directions[:, None] * (t * t - t)[None, :, None]
+        distance, _ = obstacles.nearest((first.curve(t) + change).reshape(-1, 3))
         seemingly = distance.reshape(400, -1).min(axis=1) >= spline.asked
         for direction in directions[seemingly]:
-            points = square(fine) + radius * direction * (fine * fine - fine)[:, None]
-            assert spline.obstacles.nearest(points)[0].min() < spline.asked
+            points = first.curve(fine) + radius * direction * (fine * fine - fine)[:, None]
+            assert obstacles.nearest(points)[0].min() < spline.asked
 
 
 def test_around_a_sphere_in_the_way_the_move_is_the_least() -> None:
@@ -212,7 +214,7 @@ def test_around_a_sphere_in_the_way_the_move_is_the_least() -> None:
     sphere = (Sphere(radius=1.0, position=(3.0, 0.0, 0.0)),)
     path = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [5.0, 0.0, 0.0], [6.0, 0.0, 0.0]])
     straight = fit_spline(path, 3, NO_OBSTACLES, 0.0)
-    made = fit(straight, curves.measure(straight), ObstacleSet(sphere), CLEARANCE, "clear")
+    made = fit(straight, curves.arc_length(straight.curve), ObstacleSet(sphere), CLEARANCE, "clear")
 
     assert made.holds
     t = np.linspace(0, 1, 20_001)
@@ -264,7 +266,7 @@ def test_the_mode_of_a_scene_is_the_mode_of_its_plan() -> None:
     assert data["pieces"][0]["t0"] == 0.0
     assert data["pieces"][-1]["t1"] == 1.0
     for part, (start, end, rows) in zip(
-        data["pieces"], made["pieces"].quadratic.pieces, strict=True
+        data["pieces"], made["pieces"].quadratic.curve.pieces, strict=True
     ):
         assert (part["t0"], part["t1"]) == (start, end)
         np.testing.assert_array_equal(part["coefficients"], rows)

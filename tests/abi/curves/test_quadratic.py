@@ -8,7 +8,8 @@ from hypothesis import strategies as st
 from abi.arrays import FloatArray
 from abi.curves import curve as curves
 from abi.curves.bspline import BSpline, clamped
-from abi.curves.quadratic import Quadratic, fit
+from abi.curves.fit import proven
+from abi.curves.quadratic import Quadratic, least_squares
 from abi.obstacles.obstacle_set import NO_OBSTACLES, ObstacleSet
 from abi.obstacles.primitives import Box, Sphere
 from abi.paper import printed
@@ -23,11 +24,11 @@ def splines(draw: st.DrawFn) -> BSpline:
 
 
 def fitted(spline: BSpline) -> Quadratic:
-    return fit(spline, curves.measure(spline), NO_OBSTACLES, 0.0)
+    return least_squares(spline, curves.arc_length(spline))
 
 
 def by_arc_length(spline: BSpline, t: FloatArray) -> FloatArray:
-    arc = curves.measure(spline)
+    arc = curves.arc_length(spline)
     return spline(arc.parameter(t * arc.length))
 
 
@@ -53,7 +54,7 @@ def test_equals_numpy_least_squares_on_dense_samples(spline: BSpline) -> None:
     first, last = spline([0.0, 1.0])
     above_line = samples - first - np.outer(t, last - first)
     bend = np.linalg.lstsq((t**2 - t)[:, None], above_line, rcond=None)[0][0]
-    assert np.abs(fitted(spline).coefficients[2] - bend).max() <= 1e-6 * size(spline)
+    assert np.abs(fitted(spline).coefficients[0, 2] - bend).max() <= 1e-6 * size(spline)
 
 
 @settings(max_examples=40, deadline=None)
@@ -61,14 +62,14 @@ def test_equals_numpy_least_squares_on_dense_samples(spline: BSpline) -> None:
 def test_no_other_bend_is_nearer(spline: BSpline, seed: int) -> None:
     rng = np.random.default_rng(seed)
     quadratic = fitted(spline)
-    c0, c1, c2 = quadratic.coefficients
+    c0, c1, c2 = quadratic.coefficients[0]
     count = 4000
     t = (np.arange(count) + 0.5) / count
     samples = by_arc_length(spline, t)
     error = np.sum((quadratic(t) - samples) ** 2) / count
     for scale in (1e-2, 1e-1, 1.0):
         move = rng.normal(size=3) * scale * size(spline)
-        other = Quadratic(np.stack([c0, c1 - move, c2 + move]))
+        other = Quadratic.single(np.stack([c0, c1 - move, c2 + move]))
         assert np.sum((other(t) - samples) ** 2) / count >= error * (1 - 1e-6)
 
 
@@ -83,12 +84,12 @@ def test_the_way_back_has_the_same_quadratic(spline: BSpline) -> None:
 def test_a_straight_line_stays_straight_however_it_is_parametrised() -> None:
     share = np.array([0.0, 0.0, 0.01, 0.5, 0.9, 0.9, 1.0])
     spline = clamped(np.outer(share, [1.0, 2.0, -3.0]) + 5, 3)
-    assert np.abs(fitted(spline).coefficients[2]).max() < 1e-12
+    assert np.abs(fitted(spline).coefficients[0, 2]).max() < 1e-12
 
 
 def test_a_curve_that_stays_gives_a_point() -> None:
     quadratic = fitted(clamped(np.ones((4, 3)), 2))
-    assert np.array_equal(quadratic.coefficients, [[1, 1, 1], [0, 0, 0], [0, 0, 0]])
+    assert np.array_equal(quadratic.coefficients, [[[1, 1, 1], [0, 0, 0], [0, 0, 0]]])
 
 
 @settings(max_examples=60, deadline=None)
@@ -105,7 +106,7 @@ def test_derivatives_are_differences(spline: BSpline, t: float) -> None:
 
 @pytest.mark.parametrize("order", [0, 1, 2, 3])
 def test_numbers_give_points_and_arrays_give_rows(order: int) -> None:
-    quadratic = Quadratic(printed.QUADRATIC.coefficients)
+    quadratic = printed.QUADRATIC
     t = np.linspace(-0.5, 1.5, 9)
     rows = quadratic(t, order)
     assert rows.shape == (9, 3)
@@ -114,25 +115,28 @@ def test_numbers_give_points_and_arrays_give_rows(order: int) -> None:
         assert np.array_equal(quadratic(float(one), order), row)
 
 
-def test_clearance_agrees_with_dense_samples() -> None:
+def test_the_printed_one_keeps_what_dense_samples_keep() -> None:
     obstacles = (Box(size=(2.5, 2.5, 2.5), position=(3, 3, 3)), Sphere(radius=0.5))
-    points = Quadratic(printed.QUADRATIC.coefficients)(np.linspace(0, 1, 20_001))
+    points = printed.QUADRATIC(np.linspace(0, 1, 20_001))
     seen = float(ObstacleSet(obstacles[:1]).nearest(points)[0].min())
     for asked, holds in ((seen - 1e-4, True), (seen + 1e-4, False)):
-        quadratic = Quadratic(printed.QUADRATIC.coefficients, ObstacleSet(obstacles[:1]), asked)
-        assert quadratic.holds is holds
-        assert quadratic.clearance.distance == pytest.approx(seen, abs=2e-5)
-    assert not Quadratic(printed.QUADRATIC.coefficients, ObstacleSet(obstacles), 0.0).holds
+        found = proven(
+            printed.QUADRATIC, printed.QUADRATIC.extent, ObstacleSet(obstacles[:1]), asked
+        )
+        assert found.holds is holds
+        assert found.clearance.distance == pytest.approx(seen, abs=2e-5)
+    assert not proven(
+        printed.QUADRATIC, printed.QUADRATIC.extent, ObstacleSet(obstacles), 0.0
+    ).holds
 
 
-def test_fit_reports_an_obstacle_it_enters() -> None:
+def test_a_fit_says_when_it_enters_an_obstacle() -> None:
     around = clamped(np.array([[0.0, 0, 0], [0, 6, 0], [0, 6, 0], [6, 6, 0]]), 1)
-    arc = curves.measure(around)
-    free = fit(around, arc, NO_OBSTACLES, 0.5)
+    found = fitted(around)
+    free = proven(found, found.extent, NO_OBSTACLES, 0.5)
     assert free.holds
     assert free.clearance.distance == np.inf
-    centre = tuple(free(0.5).tolist())
-    blocked = fit(around, arc, ObstacleSet((Sphere(radius=0.3, position=centre),)), 0.5)
-    assert np.array_equal(blocked.coefficients, free.coefficients)
+    centre = tuple(found(0.5).tolist())
+    blocked = proven(found, found.extent, ObstacleSet((Sphere(radius=0.3, position=centre),)), 0.5)
     assert not blocked.holds
     assert blocked.clearance.nearest == pytest.approx(-0.3, abs=1e-6)

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from abi import Planner, Scene, load_scene
 from abi.arrays import FloatArray
-from abi.curves.bspline import fit
+from abi.curves.fit_bspline import fit
 from abi.errors import SceneError
 from abi.obstacles.mesh_shape import MeshShape, suggest_unit
 from abi.obstacles.obstacle_set import ObstacleSet

@@ -6,7 +6,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from abi.arm.arm import Arm, forward
-from abi.curves.curve import measure
+from abi.curves.curve import arc_length
 from abi.paper import printed
 from abi.paper.comparison import Comparison
 from abi.paper.reproduction import compare
@@ -65,7 +65,7 @@ def test_our_path_shortens_from_stage_to_stage_as_the_papers(
 
 
 def test_the_printed_quadratic_is_as_long_as_printed_and_ends_where_it_should() -> None:
-    assert measure(printed.QUADRATIC).length == pytest.approx(printed.QUADRATIC_LENGTH, abs=5e-4)
+    assert arc_length(printed.QUADRATIC).length == pytest.approx(printed.QUADRATIC_LENGTH, abs=5e-4)
     np.testing.assert_allclose(printed.QUADRATIC([0, 1]), [[0, 0, 0], [6, 6, 6]], atol=1e-12)
 
 

@@ -360,9 +360,10 @@ def test_the_json_measures_the_curves_it_tells(variant: str, name: str) -> None:
         assert (len(section["pieces"]) > 1) == (variant == "in pieces")
         return
     way = np.array((data["taut"] or data["path"])["points"])
-    assert section["degree"] == curve.degree <= made.scene.spline.degree
-    assert section["inserted"] == curve.inserted == len(section["control_points"]) - len(way)
-    assert section["moved"] == curve.moved
+    spline = curve.curve
+    assert section["degree"] == spline.degree <= made.scene.spline.degree
+    assert section["inserted"] == spline.inserted == len(section["control_points"]) - len(way)
+    assert section["moved"] == spline.moved
 
 
 @variants
@@ -630,9 +631,9 @@ def test_any_scene_has_a_plan_or_a_reason(
         key = "length" if weight == "length" else "hops"
         values = [getattr(result, key) for result in made.searches]
         assert max(values) - min(values) <= 1e-9 * max(values)
-    for curve in (made.bspline, made.quadratic):
-        if curve is not None and curve.holds and scene.obstacles:
-            dense = curve(np.linspace(*curve.interval, 2000))
+    for fit in (made.bspline, made.quadratic):
+        if fit is not None and fit.holds and scene.obstacles:
+            dense = fit.curve(np.linspace(*fit.curve.interval, 2000))
             assert ObstacleSet(scene.obstacles).nearest(dense)[0].min() >= clearance - 1e-9
     if made.followed is not None and scene.motion.curve == "auto":
         assert made.followed_curve is not None

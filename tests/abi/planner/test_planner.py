@@ -5,21 +5,21 @@ from __future__ import annotations
 import pytest
 
 from abi import compiling
-from abi.curves import bspline
+from abi.curves import fit_bspline
 from abi.planner.plan import Planner
 from abi.scene.scene import load_scene
 
 
 def test_a_stage_that_broke_is_run_again(monkeypatch: pytest.MonkeyPatch) -> None:
     """Also with what it was given before it broke, and had a result for."""
-    fit = bspline.fit
+    fit = fit_bspline.fit
 
     def fails_at_degree_3(points: object, degree: int, *rest: object) -> object:
         if degree == 3:
             raise MemoryError
         return fit(points, degree, *rest)  # type: ignore[arg-type]
 
-    monkeypatch.setattr(bspline, "fit", fails_at_degree_3)
+    monkeypatch.setattr(fit_bspline, "fit", fails_at_degree_3)
     planner, scene = Planner(), load_scene("paper")
     first = planner(scene)
     with pytest.raises(MemoryError):

@@ -9,7 +9,7 @@ from hypothesis import HealthCheck, assume, example, given, settings
 from hypothesis import strategies as st
 
 from abi.arrays import FloatArray, columns, read_only
-from abi.clearance.certificate import Certificate, certify_polyline
+from abi.clearance.certificate import Certificate, certify
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.packing import pack
 from abi.obstacles.primitives import Box, Capsule, Cylinder, MeshShape, Obstacle, Primitive, Sphere
@@ -21,6 +21,7 @@ from abi.taut import taut_kernels as pull
 from abi.taut.lower_bound import Bound, lower_bound
 from abi.taut.obstacle_edges import edges
 from tests.abi import meshes
+from tests.abi.bezier import polyline
 from tests.abi.scene.test_scene import obstacles, points
 
 CLEARANCE = 0.1
@@ -125,7 +126,7 @@ def _best(scene: Scene, pitch: float = 0.4, clearance: float = CLEARANCE) -> flo
     for found in (made.path, made.taut):
         if found is not None:
             # the bound leaves out as much as counts as rounding
-            proof = certify_polyline(found.points, ObstacleSet(scene.obstacles), clearance - 1e-9)
+            proof = certify(polyline(found.points), ObstacleSet(scene.obstacles), clearance - 1e-9)
             assert isinstance(proof, Certificate)
             lengths.append(float(np.linalg.norm(np.diff(found.points, axis=0), axis=1).sum()))
     for curve, arc in ((made.bspline, made.bspline_arc), (made.quadratic, made.quadratic_arc)):

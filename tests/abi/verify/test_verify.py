@@ -15,7 +15,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from abi.clearance.bezier import bezier
 from abi.clearance.certificate import Certificate, certify
 from abi.curves.bspline import BSpline, clamped
 from abi.curves.quadratic import Quadratic
@@ -447,7 +446,7 @@ def test_exact_bezier_points_are_the_rounded_ones(seed: int) -> None:
     curve = clamped(random.uniform(0, 6, (int(random.integers(degree + 1, 9)), 3)), degree)
     control = tuple(vector(point) for point in curve.control_points.tolist())
     exact = Spline(degree, tuple(map(Fraction, curve.knots.tolist())), control)
-    pieces = bezier(curve)
+    pieces = curve.bezier()
     for (start, end, span), points in zip(exact.spans, pieces.points, strict=True):
         found = np.array(exact.points(span, start, end), dtype=float)
         assert np.abs(found - points).max() <= 1e-14 * 6

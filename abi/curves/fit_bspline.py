@@ -1,0 +1,204 @@
+"""Stage 4: a B-spline on the path's vertices, kept clear of the obstacles."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from abi.arrays import FloatArray
+from abi.clearance.curve_clearance import ROUNDING, Clearance, curve_clearance
+from abi.curves.bspline import BSpline, clamped
+from abi.curves.control_points import graded
+from abi.curves.curve import arc_length
+from abi.curves.fit import Fit, finest, proven
+from abi.obstacles.obstacle_set import ObstacleSet
+
+_ROUNDS = 60
+_MOST_INSERTED = 2000
+_PUSHES = 3  # in a row, before the polygon is refined
+_WORTH = 0.3  # part of what is missing that a push must win to be kept
+_FINER = 3  # times that a near miss is cleared more finely
+_SAMPLES = 8  # in each stretch that is too near
+
+
+@dataclass(frozen=True, eq=False)
+class _Goal:
+    """What a curve is pushed and refined for.
+
+    Attributes:
+        obstacles: what to keep clear of.
+        wanted: distance that the curve is to keep, [unit].
+        floor: distance that its control polygon keeps while points are pushed, [unit].
+        tolerance: to which the curve's distance is measured, [unit].
+    """
+
+    obstacles: ObstacleSet
+    wanted: float
+    floor: float
+    tolerance: float
+
+    @property
+    def aim(self) -> float:
+        """Distance that pushes aim at, a little more than is wanted, [unit]."""
+        return self.wanted + 2 * self.tolerance
+
+    def distance(self, spline: BSpline) -> Clearance:
+        """How clear the curve is, and where it is nearer than the aim."""
+        return curve_clearance(spline, self.obstacles, self.aim, self.tolerance)
+
+
+def fit(
+    path_points: FloatArray,
+    degree: int,
+    obstacles: ObstacleSet,
+    clearance: float,
+    taut: bool = False,
+) -> Fit[BSpline]:
+    """B-spline with the path's vertices as control points, kept clear of the obstacles.
+
+    A spline lies in the convex hull of each degree + 1 neighbouring control points (de Boor, A
+    Practical Guide to Splines, chapter IX), so it cuts the path's corners and may come nearer to
+    an obstacle than the path. Where it does, the control points with influence there are pushed
+    along the distance's gradient, which keeps the curve round; pushed points stay within the
+    path's bounding box and the control polygon stays as clear as it must. Where that does not
+    help, the edges of the polygon under the failing piece are halved: with edges of length h the
+    curve is within degree·h of the polygon, so a path clearer than asked always ends in a curve
+    that holds. Pushing is given up when it makes the curve longer than the path. When the path
+    itself is not clearer than asked, the curve is kept about as clear as the path; ``holds`` says
+    whether that is enough.
+
+    Args:
+        path_points: vertices, shape (k, 3) with k >= 2, [unit], world; first and last are the
+            curve's ends.
+        degree: asked for, at least 1; lowered to k - 1 when the path is too short for it.
+        obstacles: what to keep clear of.
+        clearance: distance to keep from every obstacle, [unit].
+        taut: the path is taut, with few vertices: control points are added on its legs, so that the
+            curve rounds the bends only as far as there is room; see ``abi.curves.control_points``.
+            The degree is then never lowered.
+
+    Returns:
+        The spline and its clearance; with ``holds`` False it is the clearest one found.
+    """
+    points = np.array(path_points, dtype=float)
+    assert points.shape == (len(points), 3)
+    assert len(points) >= 2
+    added = np.zeros(len(points), dtype=bool)
+    if taut:
+        points, added = graded(points, degree, obstacles, clearance)
+    direct = clamped(points, min(degree, len(points) - 1), added)
+    if not obstacles:
+        return proven(direct, direct.extent, obstacles, clearance)
+    found = None
+    gap = obstacles.polyline_clearance(points) - clearance
+    if gap >= -ROUNDING and obstacles.all_convex:
+        found = proven(direct, direct.extent, obstacles, clearance)
+        if found.holds:
+            return found
+    # Of the room between the path and the clearance asked for, the control polygon may lose half
+    # and the measurement an eighth.
+    tolerance = max(gap / 8, finest(direct.extent))
+    wanted = clearance + min(0.0, gap - 2 * tolerance)
+    goal = _Goal(obstacles, wanted, clearance + min(gap, gap / 2), tolerance)
+    cleared = _cleared(direct, goal, _PUSHES)
+    longest = float(_edge_lengths(points).sum())
+    if cleared.moved and arc_length(cleared).length > longest:
+        cleared = _cleared(direct, goal, 0)
+    if found is None or cleared is not direct:
+        found = proven(cleared, cleared.extent, obstacles, clearance)
+    return found if gap < -ROUNDING else _finished(found, goal, longest)
+
+
+def _finished(found: Fit[BSpline], goal: _Goal, longest: float) -> Fit[BSpline]:
+    """Clear a curve more finely that misses what was asked for by no more than it was measured to.
+
+    That happens where the path keeps just the clearance, or the end of a rounding.
+    """
+    # near a mesh, whose distance is not convex, measuring that finely takes seconds
+    if found.holds or not goal.obstacles.all_convex:
+        return found
+    asked, finer = found.asked, found
+    for _ in range(_FINER):
+        if finer.holds or finer.clearance.nearest < asked - 4 * goal.tolerance:
+            break
+        tolerance = goal.tolerance / 16
+        goal = replace(goal, wanted=asked - 2 * tolerance, tolerance=tolerance)
+        cleared = _cleared(finer.curve, goal, _PUSHES)
+        if cleared is not finer.curve:
+            finer = proven(cleared, cleared.extent, goal.obstacles, asked)
+    return finer if finer.holds and arc_length(finer.curve).length <= longest else found
+
+
+def _cleared(spline: BSpline, goal: _Goal, most_pushes: int) -> BSpline:
+    """Push and refine until what is wanted is kept; the clearest curve seen if it never is."""
+    found = goal.distance(spline)
+    best, best_distance = spline, found.distance
+    box = (spline.control_points.min(axis=0), spline.control_points.max(axis=0))
+    pushes = 0
+    for _ in range(_ROUNDS):
+        if found.distance >= goal.wanted or spline.inserted > _MOST_INSERTED:
+            break
+        worth = found.distance + _WORTH * (goal.wanted - found.distance)
+        pushed = _pushed(spline, found, goal, box) if pushes < most_pushes else None
+        if pushed and goal.obstacles.polyline_clearance(pushed.control_points) < goal.floor:
+            pushed = None
+        trial = goal.distance(pushed) if pushed else found
+        if pushed and trial.distance > worth:
+            spline, found, pushes = pushed, trial, pushes + 1
+        else:
+            spline, pushes = _refined(spline, found), 0
+            found = goal.distance(spline)
+        if found.distance > best_distance:
+            best, best_distance = spline, found.distance
+    return best
+
+
+def _pushed(
+    spline: BSpline, found: Clearance, goal: _Goal, box: tuple[FloatArray, FloatArray]
+) -> BSpline:
+    """Move the inner control points outwards, within ``box``, to lift the curve to the aim."""
+    parameters = np.linspace(*_failing(found), _SAMPLES).ravel()
+    distance, gradient = goal.obstacles.outward(spline(parameters))
+    lift = gradient * np.maximum(goal.aim - distance, 0)[:, None]
+    influence = spline.influence(parameters)[:, 1:-1]
+    # The steepest way to lift all samples at once: neighbours move alike, so that the polygon
+    # stays smooth. The step is the one that lifts the worst sample as far as it needs.
+    move = influence.T @ lift
+    worst = int(distance.argmin())
+    gained = float(lift[worst] @ (influence[worst] @ move))
+    points = spline.control_points.copy()
+    if gained > 0:
+        points[1:-1] += move * (float(lift[worst] @ lift[worst]) / gained)
+    points = np.clip(points, *box)
+    pushed = spline.pushed | (points != spline.control_points).any(axis=1)
+    return clamped(points, spline.degree, spline.added, pushed)
+
+
+def _refined(spline: BSpline, found: Clearance) -> BSpline:
+    """Halve the edges of the control polygon on which the failing pieces depend."""
+    p, n = spline.degree, len(spline.control_points)
+    start, end = _failing(found)
+    first = np.clip(np.searchsorted(spline.knots, start, side="right") - 1, p, n - 1) - p
+    last = np.clip(np.searchsorted(spline.knots, end, side="left") - 1, p, n - 1)
+    # Edge k is under a piece when more intervals have opened up to it than closed before it.
+    count = np.bincount(first, minlength=n) - np.bincount(last, minlength=n)
+    lengths = _edge_lengths(spline.control_points)
+    edges = np.flatnonzero((np.cumsum(count)[:-1] > 0) & (lengths > 0))
+    middles = (spline.control_points[edges] + spline.control_points[edges + 1]) / 2
+    return clamped(
+        np.insert(spline.control_points, edges + 1, middles, axis=0),
+        p,
+        np.insert(spline.added, edges + 1, True),
+        np.insert(spline.pushed, edges + 1, False),
+    )
+
+
+def _failing(found: Clearance) -> tuple[FloatArray, FloatArray]:
+    """First and last parameters (k,) of the stretches that are too near, at least one."""
+    stretches = np.array(found.violations or ((found.at, found.at),))
+    return stretches[:, 0], stretches[:, 1]
+
+
+def _edge_lengths(points: FloatArray) -> FloatArray:
+    return np.asarray(np.linalg.norm(np.diff(points, axis=0), axis=1))
