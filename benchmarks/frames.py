@@ -3,9 +3,9 @@
     python -m benchmarks.frames --nodes 200 2000 20000 200000 1000000
 
 An obstacle moves a little from frame to frame. A frame is all that a user pays for: the mask
-(nodes and edges that the obstacles take) and a search. Ours is ``tet_mesh.exclude``,
-``graph.build`` and one of the searches. Libraries store their edges, and search with what
-they do best. Their frame is a compiled mask over these edges, the weights or rows that the library
+(nodes and edges that the obstacles take) and a search. Ours is the planner's exclusion,
+``graph.build`` and one of the searches. Libraries store their edges, and search with what they do
+best. Their frame is a compiled mask over these edges, the weights or rows that the library
 takes, and its search. That mask tests every node and every edge exactly as ours does, leaves an
 edge alone as soon as both its ends lie on one side of the obstacle's bounds, and looks again only
 at what obstacles that stand still leave. It is compared with ours, edge by edge.
@@ -55,6 +55,7 @@ from abi.obstacles.primitive_kernels import (
     signed_distance,
 )
 from abi.obstacles.primitives import MeshShape, Obstacle, Obstacles
+from abi.planner.exclusion_cache import ExclusionCache
 from abi.planner.plan import SLACK, Planner
 from abi.scene.scene import Scene
 from abi.search import graph
@@ -107,10 +108,10 @@ def _measure(name: str, size: int) -> list[Row]:
     stored = _Stored(whole)
     libraries = _libraries(stored)
     turns, stretch = next(frames for most, *frames in _FRAMES if nodes <= most)
-    planner = Planner()
+    planner, exclude = Planner(), ExclusionCache()
     times: Times = defaultdict(list)
     for turn in range(turns + 1):
-        found = _turn(whole, list(islice(scenes, stretch)), planner, stored, libraries)
+        found = _turn(whole, list(islice(scenes, stretch)), exclude, planner, stored, libraries)
         if turn > 0:  # the first fills caches
             for method, ms in found.items():
                 times[method] += ms
@@ -130,6 +131,7 @@ def _measure(name: str, size: int) -> list[Row]:
 def _turn(
     whole: mesh.TetMesh,
     scenes: list[Scene],
+    exclude: ExclusionCache,
     planner: Planner,
     stored: _Stored,
     libraries: dict[str, Library],
@@ -140,7 +142,7 @@ def _turn(
     graphs, lengths = [], []
     for scene in scenes:
         with _Clock(times, "mask"):
-            free = mesh.exclude(whole, ObstacleSet(scene.obstacles), margin)
+            free = exclude(whole, ObstacleSet(scene.obstacles), margin)
             made = graph.build(
                 free, ObstacleSet(scene.obstacles), margin, scene.start, scene.goal, CLEARANCE
             )

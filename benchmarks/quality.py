@@ -31,6 +31,7 @@ import numpy as np
 
 from abi import compiling
 from abi.obstacles.obstacle_set import ObstacleSet
+from abi.planner.exclusion_cache import ExclusionCache
 from abi.planner.plan import SLACK, Plan, Planner
 from abi.scene.scene import Scene
 from abi.search import graph
@@ -115,11 +116,12 @@ def measure(
 def _times(whole: TetMesh, scene: Scene, made: Plan) -> dict[str, float]:
     """Milliseconds from a move of an obstacle to the end of each stage, medians of a few."""
     margin = CLEARANCE + SLACK * max(scene.workspace.size)
+    exclude = ExclusionCache()
     searches, strings = [], []
     for _ in range(_TIMES):
-        mesh.exclude(whole, ObstacleSet(scene.obstacles[1:]), margin)
+        exclude(whole, ObstacleSet(scene.obstacles[1:]), margin)
         begin = time.process_time_ns()
-        free = mesh.exclude(whole, ObstacleSet(scene.obstacles), margin)
+        free = exclude(whole, ObstacleSet(scene.obstacles), margin)
         nodes = graph.build(
             free, ObstacleSet(scene.obstacles), margin, scene.start, scene.goal, CLEARANCE
         )

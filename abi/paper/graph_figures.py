@@ -17,6 +17,7 @@ from abi.search import graph
 from abi.search.search import a_star
 from abi.tet_mesh import adjacency as net
 from abi.tet_mesh import tet_mesh as mesh
+from abi.tet_mesh.exclusion import exclude
 
 _NAMES = {"dijkstra": "Dijkstra", "bellman_ford": "Bellman-Ford", "a_star": "A*"}
 _SCENES = 100
@@ -105,7 +106,7 @@ def _enters(scene: Scene) -> bool:
     whole = mesh.tetrahedralise(scene.workspace, scene.mesh)
     obstacles = ObstacleSet(scene.obstacles)
     try:
-        free = mesh.exclude(whole, obstacles, 0.0)
+        free = exclude(whole, obstacles, 0.0)
         path = a_star(graph.build(free, obstacles, 0.0, *ends, 0.0), "length")
     except StageError:
         return False

@@ -28,6 +28,7 @@ from abi.curves.quadratic import Quadratic
 from abi.curves.speed_profile import Profile
 from abi.errors import ClearanceNotHeld, StageError
 from abi.obstacles.obstacle_set import ObstacleSet
+from abi.planner.exclusion_cache import ExclusionCache
 from abi.scene.scene import Scene
 from abi.search import graph
 from abi.search.graph import Graph
@@ -35,7 +36,8 @@ from abi.search.search import SEARCHES, SearchResult
 from abi.taut.lower_bound import Bound, lower_bound
 from abi.taut.taut_path import TautPath, taut
 from abi.tet_mesh import tet_mesh as mesh
-from abi.tet_mesh.tet_mesh import FreeMesh, TetMesh
+from abi.tet_mesh.exclusion import FreeMesh
+from abi.tet_mesh.tet_mesh import TetMesh
 
 _P = ParamSpec("_P")
 _R = TypeVar("_R")
@@ -124,7 +126,7 @@ class Planner:
         self._compile, self._planned = compile, False
         self._obstacles = _Remembered(ObstacleSet)
         self._mesh = _Remembered(mesh.tetrahedralise)
-        self._free = _Remembered(mesh.exclude)
+        self._free = _Remembered(ExclusionCache())
         self._graph = _Remembered(graph.build)
         self._searches = {name: _Remembered(search) for name, search in SEARCHES.items()}
         self._path_clearance = _Remembered(ObstacleSet.polyline_clearance)

@@ -13,6 +13,7 @@ import scipy
 from abi.arrays import IntArray
 from abi.errors import StageError
 from abi.obstacles.obstacle_set import ObstacleSet
+from abi.planner.exclusion_cache import ExclusionCache
 from abi.planner.plan import SLACK, Plan, Planner
 from abi.scene.scene import FINEST, Scene
 from abi.search import graph
@@ -39,6 +40,7 @@ class Trials:
         self.obstacles = ObstacleSet(scene.obstacles)
         self._cancelled = cancelled
         self._planner = Planner()
+        self._exclude = ExclusionCache()
         self._mesh = lru_cache(maxsize=1)(self._tetrahedralised)
 
     def passes(self, stage: str, **change: Any) -> Plan | None:
@@ -61,7 +63,7 @@ class Trials:
         scene = self.scene
         blocking = self.obstacles if obstacles is None else obstacles
         margin = clearance + SLACK * max(scene.workspace.size)
-        free = mesh.exclude(self._mesh(pitch or scene.mesh.pitch), blocking, margin)
+        free = self._exclude(self._mesh(pitch or scene.mesh.pitch), blocking, margin)
         try:
             nodes = graph.build(free, blocking, margin, scene.start, scene.goal, clearance)
         except StageError:

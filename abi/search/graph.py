@@ -22,8 +22,8 @@ from abi.tet_mesh import adjacency as net
 from abi.tet_mesh import lattice
 from abi.tet_mesh.adjacency import NO_IDS, NO_NUMBERS
 from abi.tet_mesh.adjacency_kernels import LINKED
-from abi.tet_mesh.exclusion import within
-from abi.tet_mesh.tet_mesh import FreeMesh, TetMesh
+from abi.tet_mesh.exclusion import FreeMesh, within
+from abi.tet_mesh.tet_mesh import TetMesh
 
 if TYPE_CHECKING:
     import networkx

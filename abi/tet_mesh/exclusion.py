@@ -1,10 +1,14 @@
-"""What one obstacle takes away from a mesh: nodes, and edges between the nodes that are left."""
+"""Stage 1, what obstacles leave of the mesh: exclusion of nodes and of edges between free nodes.
+
+Removing nodes alone is not enough: an edge between two free nodes can still cross an obstacle. So
+each edge is tested along its whole length.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from operator import is_not
-from typing import TYPE_CHECKING
+from functools import cached_property
 
 import numpy as np
 
@@ -13,22 +17,21 @@ from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.packing import pack
 from abi.obstacles.primitives import MeshShape, Obstacle
 from abi.tet_mesh import exclusion_kernels as kernels
-
-if TYPE_CHECKING:
-    from abi.tet_mesh.tet_mesh import TetMesh
+from abi.tet_mesh import lattice
+from abi.tet_mesh.tet_mesh import TetMesh
 
 
 @dataclass(frozen=True, eq=False)
-class Taken:
-    """What one obstacle takes; that of several is the union.
+class Exclusion:
+    """Nodes and edges that one obstacle excludes; several exclude the union.
 
     The edges of excluded nodes are lost, too.
 
     Attributes:
         starts: (r,) first nodes of runs of excluded nodes.
         lengths: (r,) numbers of nodes in the runs.
-        losers: (m,) nodes that lose edges to nodes that are left; of ``delaunay`` places of all
-            edges lost in the rows.
+        losers: (m,) nodes that lose edges to free nodes; of ``delaunay`` places of all edges lost
+            in the rows.
         losses: (m,) bits of the edges lost; of ``delaunay`` 0.
     """
 
@@ -39,94 +42,79 @@ class Taken:
 
 
 @dataclass(frozen=True, eq=False)
-class Left:
-    """What obstacles leave of a mesh.
+class FreeMesh:
+    """A mesh without the nodes that are in an obstacle or nearer to it than the margin.
 
     Attributes:
+        mesh: the whole mesh.
         excluded: (n,) True where a node is excluded.
-        nodes: number of nodes left.
-        exits: (n,) open directions of the nodes that are left, as bits.
+        nodes: number of nodes kept.
+        exits: (n,) open directions of the nodes that are not excluded, as bits; of rows 0.
         weights: lengths of the directions, or of the edges of the rows, inf where shut, [unit].
     """
 
+    mesh: TetMesh
     excluded: BoolArray
     nodes: int
     exits: IntArray
     weights: FloatArray
 
-
-@dataclass(frozen=True, eq=False)
-class Known:
-    """What is worth knowing when the obstacles move on.
-
-    Attributes:
-        taken: what each obstacle took, by obstacle and margin.
-        still: of these, what the obstacles took that did not move.
-        left: what they left.
-    """
-
-    taken: dict[tuple[Obstacle, float], Taken]
-    still: tuple[Taken, ...]
-    left: Left | None
-
-
-NOTHING_KNOWN = Known({}, (), None)
-
-
-def leave(mesh: TetMesh, obstacles: ObstacleSet, margin: float, known: Known) -> tuple[Left, Known]:
-    """What obstacles leave of a mesh, and what to know of it the next time."""
-    used: dict[tuple[Obstacle, float], Taken] = {}
-    still, moved = [], []
-    for obstacle in obstacles:
-        key = (obstacle, margin)
-        one = known.taken.get(key)
-        if one is None:
-            moved.append(used.setdefault(key, take(mesh, obstacle, margin)))
-        else:
-            still.append(used.setdefault(key, one))
-    left = known.left
-    if left is None or len(still) != len(known.still) or any(map(is_not, still, known.still)):
+    @classmethod
+    def of(cls, mesh: TetMesh) -> FreeMesh:
+        """The mesh with nothing excluded."""
         count = len(mesh.points)
-        left = Left(read_only(np.zeros(count, np.bool_)), count, mesh.exits, mesh.weights)
-        left = _without(mesh, left, still)
-    return _without(mesh, left, moved), Known(used, tuple(still), left)
+        return cls(mesh, read_only(np.zeros(count, np.bool_)), count, mesh.exits, mesh.weights)
+
+    @cached_property
+    def tetrahedra_kept(self) -> int:
+        """Number of tetrahedra without an excluded corner."""
+        free = ~self.excluded
+        if self.mesh.irregular is not None:
+            return int(np.count_nonzero(free[self.mesh.irregular].all(axis=1)))
+        families = lattice.tetrahedra(self.mesh.lattice, free, self.mesh.cells)
+        return sum(int(np.count_nonzero(a & b & c & d)) for a, b, c, d in families)
 
 
-def _without(mesh: TetMesh, left: Left, taken: list[Taken]) -> Left:
-    """What is left when more is taken."""
-    if not taken:
-        return left
-    excluded, nodes = left.excluded.copy(), left.nodes
-    exits, weights = left.exits, left.weights
+def exclude(mesh: TetMesh, obstacles: ObstacleSet, margin: float) -> FreeMesh:
+    """Exclude the nodes and edges that are nearer to an obstacle than ``margin``, [unit]."""
+    return apply(FreeMesh.of(mesh), [exclusion(mesh, one, margin) for one in obstacles])
+
+
+def apply(free: FreeMesh, exclusions: Sequence[Exclusion]) -> FreeMesh:
+    """Exclude more from a free mesh."""
+    if not exclusions:
+        return free
+    mesh, nodes = free.mesh, free.nodes
+    excluded, exits, weights = free.excluded.copy(), free.exits, free.weights
     rows = mesh.stencil is None
     if rows:
         weights = weights.copy()
     else:
         exits = exits.copy()
-    for one in taken:
+    for one in exclusions:
         nodes -= kernels.mark(one.starts, one.lengths, excluded)
         if rows:
             weights[one.losers] = np.inf
         else:
             lost = (one.starts, one.lengths, one.losers, one.losses)
             kernels.shut(*mesh.net[:3], *lost, exits)
-    return Left(read_only(excluded), nodes, read_only(exits), read_only(weights))
+    return FreeMesh(mesh, read_only(excluded), nodes, read_only(exits), read_only(weights))
 
 
-def take(mesh: TetMesh, obstacle: Obstacle, margin: float) -> Taken:
+def exclusion(mesh: TetMesh, obstacle: Obstacle, margin: float) -> Exclusion:
     """The nodes and edges of a mesh that are nearer to an obstacle than ``margin``, [unit].
 
     An edge is lost if an end of it is excluded, or if it comes too near between its ends.
     """
     if isinstance(obstacle, MeshShape):
-        parts = _taken_by_surface(mesh, obstacle, margin)
+        parts = _excluded_by_mesh(mesh, obstacle, margin)
     else:
         row, reach = pack((obstacle,)), mesh.longest_edge
         parts = kernels.take(*mesh.net, mesh.exits, row, margin, reach)
-    return Taken(*(read_only(part) for part in parts))
+    return Exclusion(*(read_only(part) for part in parts))
 
 
-def _taken_by_surface(
+def _excluded_by_mesh(
     mesh: TetMesh, surface: MeshShape, margin: float
 ) -> tuple[IntArray, IntArray, IntArray, IntArray]:
     reach = margin + mesh.longest_edge

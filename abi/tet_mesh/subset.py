@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from abi.arrays import BoolArray, FloatArray, IntArray, read_only
 from abi.obstacles.primitives import Obstacles
 from abi.search.graph import Graph
-from abi.tet_mesh.tet_mesh import FreeMesh
+from abi.tet_mesh.exclusion import FreeMesh
 
 VIEWS = ("near", "slice_x", "slice_y", "slice_z", "surface")
 

@@ -1,25 +1,23 @@
-"""Stage 1: a tetrahedral mesh of the workspace, and what obstacles leave of it.
+"""Stage 1: a tetrahedral mesh of the workspace.
 
 The paper (section III) asks for "a uniform mesh model with the same finite-element geometric
-primitives in the form of a tetrahedron" and excludes the nodes inside the obstacle.
+primitives in the form of a tetrahedron".
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 import scipy
 
-from abi.arrays import BoolArray, FloatArray, IntArray, read_only
-from abi.obstacles.obstacle_set import ObstacleSet
+from abi.arrays import FloatArray, IntArray, read_only
 from abi.scene.scene import MeshSettings, Workspace
 from abi.search.heuristic_kernels import Metric
 from abi.tet_mesh import adjacency as net
 from abi.tet_mesh import lattice
 from abi.tet_mesh.adjacency import Net
-from abi.tet_mesh.exclusion import NOTHING_KNOWN, Known, leave
 from abi.tet_mesh.lattice import Cells
 from abi.tet_mesh.stencil import Stencil
 
@@ -44,9 +42,6 @@ class TetMesh:
         points: (n, 3), [unit], world.
         stencil: the directions of the lattice; None for ``delaunay``.
         irregular: tetrahedra of ``delaunay``; None for a lattice, where they follow from ``cells``.
-
-    It remembers what each obstacle took of it when :func:`exclude` was last called: those that did
-    not move need no second look.
     """
 
     lattice: str
@@ -55,7 +50,6 @@ class TetMesh:
     points: FloatArray
     stencil: Stencil | None = None
     irregular: IntArray | None = None
-    _memory: list[Known] = field(default_factory=lambda: [NOTHING_KNOWN])
 
     @cached_property
     def tetrahedra(self) -> IntArray:
@@ -146,34 +140,6 @@ class TetMesh:
         return net.rows(self.edges, self.lengths, len(self.points))
 
 
-@dataclass(frozen=True, eq=False)
-class FreeMesh:
-    """A mesh without the nodes that are in an obstacle or nearer to it than the margin.
-
-    Attributes:
-        mesh: the whole mesh.
-        excluded: (n,) True where a node is excluded.
-        nodes: number of nodes kept.
-        exits: (n,) open directions of the nodes that are not excluded, as bits; of rows 0.
-        weights: lengths of the directions, or of the edges of the rows, inf where shut, [unit].
-    """
-
-    mesh: TetMesh
-    excluded: BoolArray
-    nodes: int
-    exits: IntArray
-    weights: FloatArray
-
-    @cached_property
-    def tetrahedra_kept(self) -> int:
-        """Number of tetrahedra without an excluded corner."""
-        free = ~self.excluded
-        if self.mesh.irregular is not None:
-            return int(np.count_nonzero(free[self.mesh.irregular].all(axis=1)))
-        families = lattice.tetrahedra(self.mesh.lattice, free, self.mesh.cells)
-        return sum(int(np.count_nonzero(a & b & c & d)) for a, b, c, d in families)
-
-
 def tetrahedralise(workspace: Workspace, settings: MeshSettings) -> TetMesh:
     """Fill the workspace with tetrahedra.
 
@@ -204,16 +170,6 @@ def tetrahedralise(workspace: Workspace, settings: MeshSettings) -> TetMesh:
         points=read_only(lattice.points(settings.lattice, low, high, cells)),
         stencil=stencil,
     )
-
-
-def exclude(mesh: TetMesh, obstacles: ObstacleSet, margin: float) -> FreeMesh:
-    """Exclude the nodes whose signed distance to an obstacle is less than ``margin``, [unit].
-
-    Removing nodes alone is not enough: an edge between two free nodes can still cross an obstacle.
-    So each edge is tested along its whole length.
-    """
-    left, mesh._memory[0] = leave(mesh, obstacles, margin, mesh._memory[0])
-    return FreeMesh(mesh, left.excluded, left.nodes, left.exits, left.weights)
 
 
 def edges_of(tetrahedra: IntArray, nodes: int) -> IntArray:

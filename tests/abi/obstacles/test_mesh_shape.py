@@ -20,7 +20,8 @@ from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.primitives import Box, Sphere
 from abi.obstacles.triangle_mesh.repair import Surface, clean
 from abi.scene.scene import MeshSettings, Workspace
-from abi.tet_mesh.tet_mesh import exclude, tetrahedralise
+from abi.tet_mesh.exclusion import exclude
+from abi.tet_mesh.tet_mesh import tetrahedralise
 from tests.abi import meshes
 
 Pose = dict[str, Any]

@@ -23,7 +23,8 @@ from abi.obstacles.primitives import (
 )
 from abi.scene.scene import MeshSettings, Workspace
 from abi.search.graph import Graph, build
-from abi.tet_mesh.tet_mesh import FreeMesh, exclude, tetrahedralise
+from abi.tet_mesh.exclusion import FreeMesh, exclude
+from abi.tet_mesh.tet_mesh import tetrahedralise
 
 Lattice = Literal["bcc", "kuhn", "delaunay"]
 LATTICES: tuple[Lattice, ...] = ("bcc", "kuhn", "delaunay")

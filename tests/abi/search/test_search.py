@@ -24,7 +24,8 @@ from abi.search.search import SEARCHES, Weight
 from abi.tet_mesh import adjacency as net
 from abi.tet_mesh.adjacency import NO_IDS, NO_NUMBERS, of_rows
 from abi.tet_mesh.adjacency_kernels import BCC, KUHN, cell, node_at
-from abi.tet_mesh.tet_mesh import exclude, tetrahedralise
+from abi.tet_mesh.exclusion import exclude
+from abi.tet_mesh.tet_mesh import tetrahedralise
 from tests.kernel_forms import compiled, kernels_as, plain
 
 Lattice = Literal["bcc", "kuhn", "delaunay"]

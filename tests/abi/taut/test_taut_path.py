@@ -24,6 +24,7 @@ from abi.taut.geodesic_round_kernels import around_ball
 from abi.taut.lower_bound import lower_bound
 from abi.taut.taut_path import TautPath, taut
 from abi.tet_mesh import tet_mesh as mesh
+from abi.tet_mesh.exclusion import exclude
 from benchmarks.quality import CLEARANCE, box_scene
 from tests.abi.scene.test_scene import obstacles, points
 from tests.kernel_forms import kernels_as
@@ -32,7 +33,7 @@ CUBE = {"shape": "box", "size": [3, 3, 3], "position": [3, 3, 3]}
 
 
 def made(scene: Scene, margin: float, clearance: float) -> tuple[Graph, SearchResult]:
-    free = mesh.exclude(
+    free = exclude(
         mesh.tetrahedralise(scene.workspace, scene.mesh), ObstacleSet(scene.obstacles), margin
     )
     nodes = graph.build(
@@ -303,9 +304,7 @@ def test_a_mesh_is_passed_as_the_box_that_it_is() -> None:
     shape = MeshShape.of(_cuboid(box.size), position=box.position)
     scene = scene_of([box.model_dump()], pitch=0.8)
     margin = 0.15
-    free = mesh.exclude(
-        mesh.tetrahedralise(scene.workspace, scene.mesh), ObstacleSet((shape,)), margin
-    )
+    free = exclude(mesh.tetrahedralise(scene.workspace, scene.mesh), ObstacleSet((shape,)), margin)
     nodes = graph.build(free, ObstacleSet((shape,)), margin, scene.start, scene.goal, margin)
     path = a_star(nodes, "length")
 

@@ -19,6 +19,7 @@ from abi.taut import theta_star_kernels as kernels
 from abi.taut.taut_path import _margins
 from abi.tet_mesh import tet_mesh as mesh
 from abi.tet_mesh.adjacency_kernels import BCC, KUHN
+from abi.tet_mesh.exclusion import exclude
 from abi.tet_mesh.tet_mesh import TetMesh
 from benchmarks.quality import box_scene
 from tests.abi.scene.test_scene import obstacles, points
@@ -35,7 +36,7 @@ def arguments(
     whole: TetMesh, scene: Scene, margins: FloatArray, stride: int = 1, most: float = math.inf
 ) -> tuple[Any, ...]:
     """What the kernel is given; ``margins`` (4, k) are for each kind of segment and solid."""
-    free = mesh.exclude(whole, ObstacleSet(scene.obstacles), float(margins.max(initial=0)))
+    free = exclude(whole, ObstacleSet(scene.obstacles), float(margins.max(initial=0)))
     shape, _, steps, places, indptr, indices = whole.net
     return (
         *(shape, steps, places, indptr, indices, free.excluded),
@@ -87,7 +88,7 @@ def test_it_goes_by_free_nodes_that_see_each_other(
     for solid in scene.obstacles:
         kept = solid.segment_distance(path[:-1], path[1:])
         assert (kept >= MARGIN - 1e-9).all()
-    free = mesh.exclude(whole, ObstacleSet(scene.obstacles), MARGIN)
+    free = exclude(whole, ObstacleSet(scene.obstacles), MARGIN)
     nodes = {tuple(node) for node in whole.points[~free.excluded].tolist()}
     assert all(tuple(place) in nodes for place in path[1:-1].tolist())
     for bound in (0.99 * length(path), 1.01 * length(path)):

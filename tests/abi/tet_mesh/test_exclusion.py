@@ -17,15 +17,15 @@ from abi.obstacles.primitives import (
     Capsule,
     Cylinder,
     MeshShape,
-    Obstacle,
     Sphere,
 )
 from abi.obstacles.triangle_mesh.repair import clean
 from abi.scene.scene import MeshSettings, Workspace
-from abi.search import graph, search
+from abi.search import graph
 from abi.search.graph import Graph
 from abi.search.search import SEARCHES, Weight
 from abi.tet_mesh import tet_mesh as mesh
+from abi.tet_mesh.exclusion import exclude
 from abi.tet_mesh.tet_mesh import TetMesh
 from tests.abi.meshes import sphere
 from tests.abi.scene.test_scene import obstacles
@@ -109,7 +109,7 @@ def explicit(
 def test_the_graph_is_what_its_definition_says(case: Any, compiled: bool) -> None:
     made, solids, margin, clearance, start, goal = case
     with kernels_as(compiled):
-        free = mesh.exclude(made, solids, margin)
+        free = exclude(made, solids, margin)
         try:
             found = graph.build(free, solids, margin, start, goal, clearance)
         except StageError:
@@ -167,7 +167,7 @@ def test_what_is_passed_over_in_a_fine_lattice_is_clear(
         )
         for solid in shapes:
             with kernels_as(compiled=True):
-                free = mesh.exclude(made, ObstacleSet((solid,)), 0.05)
+                free = exclude(made, ObstacleSet((solid,)), 0.05)
             away = solid.signed_distance(made.points)
             assert np.array_equal(free.excluded, away < 0.05) or np.abs(away - 0.05).min() < TIE
             found = graph._graph(free, free.exits, [], [], [0, 1])
@@ -182,7 +182,7 @@ def test_the_searches_find_what_scipy_finds_in_the_table(
 ) -> None:
     made, solids, margin, clearance, start, goal = case
     with kernels_as(compiled):
-        free = mesh.exclude(made, solids, margin)
+        free = exclude(made, solids, margin)
         try:
             found = graph.build(free, solids, margin, start, goal, clearance)
         except StageError:
@@ -213,42 +213,12 @@ def shortest(found: Graph, weight: Weight) -> float:
 
 
 @pytest.mark.parametrize("lattice", LATTICES)
-@pytest.mark.parametrize("seed", range(6))
-def test_what_is_remembered_is_what_would_be_found_anew(lattice: Lattice, seed: int) -> None:
-    rng = np.random.default_rng(seed)
-    settings_ = MeshSettings(lattice=lattice, pitch=0.5)
-    kept = mesh.tetrahedralise(Workspace(max=(3, 3, 3)), settings_)
-    solids: list[Obstacle] = [
-        Box(size=(0.8, 0.7, 0.6), position=tuple(rng.uniform(0.5, 2.5, 3))) for _ in range(3)
-    ]
-    for step in range(8):
-        k = int(rng.integers(3))
-        solids[k] = solids[k].model_copy(update={"position": tuple(rng.uniform(0.5, 2.5, 3))})
-        if step == 4:
-            solids.append(MeshShape.of(clean(*sphere(2, 0.4)), position=(1.5, 1.5, 1.5)))
-        fresh = mesh.tetrahedralise(Workspace(max=(3, 3, 3)), settings_)
-        start, goal = (0.0, 0.0, 0.0), (3.0, 3.0, 3.0)
-        graphs = []
-        for made in (kept, fresh):
-            free = mesh.exclude(made, ObstacleSet(tuple(solids)), 0.05)
-            graphs.append(
-                (free, graph.build(free, ObstacleSet(tuple(solids)), 0.05, start, goal, 0.0))
-            )
-        (free_a, graph_a), (free_b, graph_b) = graphs
-        assert np.array_equal(free_a.excluded, free_b.excluded)
-        assert free_a.nodes == free_b.nodes
-        assert np.array_equal(graph_a.edges, graph_b.edges)
-        assert search.a_star(graph_a, "length").length == search.a_star(graph_b, "length").length
-        assert len(kept._memory[0].taken) == len(solids)
-
-
-@pytest.mark.parametrize("lattice", LATTICES)
 def test_a_ball_of_triangles_takes_what_lies_between_the_balls_around_it(lattice: Lattice) -> None:
     made = mesh.tetrahedralise(Workspace(max=(3, 3, 3)), MeshSettings(lattice=lattice, pitch=0.4))
     shape = MeshShape.of(clean(*sphere(3, 0.9)), position=(1.5, 1.5, 1.5))
     kept = []
     for solid in (Sphere(radius=0.9, position=(1.5, 1.5, 1.5)), shape):
-        free = mesh.exclude(made, ObstacleSet((solid,)), 0.1)
+        free = exclude(made, ObstacleSet((solid,)), 0.1)
         found = graph.build(free, ObstacleSet((solid,)), 0.1, (0.0, 0.0, 0.0), (3.0, 3.0, 3.0), 0.1)
         kept.append(set(map(tuple, found.edges.tolist())))
         assert found.removed_edges > found.mesh.edge_count // 20
@@ -270,7 +240,7 @@ def test_an_edge_is_shut_at_both_its_ends() -> None:
                 position=tuple(rng.uniform(0, 3, 3)),
                 wxyz=tuple(rng.normal(size=4)),
             )
-            free = mesh.exclude(made, ObstacleSet((solid,)), 0.05)
+            free = exclude(made, ObstacleSet((solid,)), 0.05)
             exits = np.where(free.excluded, 0, free.exits)
             heads = made.stencil.heads(np.arange(len(exits), dtype=np.int32))
             for k in range(heads.shape[1]):

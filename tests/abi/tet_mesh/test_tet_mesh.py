@@ -12,8 +12,8 @@ from scipy.spatial import cKDTree
 from abi.obstacles.obstacle_set import NO_OBSTACLES, ObstacleSet
 from abi.obstacles.primitives import Box, Capsule, Cylinder, Obstacle, Obstacles, Sphere
 from abi.scene.scene import MeshSettings, Workspace
-from abi.tet_mesh.exclusion import within
-from abi.tet_mesh.tet_mesh import TetMesh, edges_of, exclude, tetrahedralise, volumes
+from abi.tet_mesh.exclusion import exclude, within
+from abi.tet_mesh.tet_mesh import TetMesh, edges_of, tetrahedralise, volumes
 
 Lattice = Literal["bcc", "kuhn", "delaunay"]
 LATTICES: tuple[Lattice, ...] = ("bcc", "kuhn", "delaunay")
