@@ -16,7 +16,8 @@ of it. Beside them: :mod:`abi.verify` checks such proofs again in exact numbers,
 
 from abi.compiling import compile
 from abi.errors import AbiError, SceneError, StageError
-from abi.planner.plan import Plan, Planner, plan
+from abi.planner.plan import Plan
+from abi.planner.planner import Planner, plan
 from abi.scene.scene import Scene, load_scene, scene_names
 
 __all__ = [

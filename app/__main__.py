@@ -68,8 +68,7 @@ def plan(scene: str, out: Path | None, full: bool, list_scenes: bool) -> None:
     Exit code 0: a complete plan; 3: the scene has none, and the JSON says why; 2: bad input.
     """
     from abi.planner.diagnosis import explain
-    from abi.planner.plan import plan as plan_scene
-    from abi.planner.plan_json import reason
+    from abi.planner.planner import plan as plan_scene
     from abi.scene.scene import load_scene, scene_names
 
     if list_scenes:
@@ -79,7 +78,7 @@ def plan(scene: str, out: Path | None, full: bool, list_scenes: bool) -> None:
     data = result.to_dict(full)
     found = explain(result.scene, result)
     if data["error"] is not None:
-        data["error"]["reason"] = reason(found)
+        data["error"]["reason"] = None if found is None else found.to_dict()
     text = json.dumps(data, indent=1, allow_nan=False)
     if out is None:
         _print(text)

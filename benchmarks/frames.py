@@ -56,7 +56,7 @@ from abi.obstacles.primitive_kernels import (
 )
 from abi.obstacles.primitives import MeshShape, Obstacle, Obstacles
 from abi.planner.exclusion_cache import ExclusionCache
-from abi.planner.plan import SLACK, Planner
+from abi.planner.planner import SLACK, Planner
 from abi.scene.scene import Scene
 from abi.search import graph
 from abi.search.graph import Graph

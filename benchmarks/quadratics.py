@@ -15,7 +15,7 @@ import numpy as np
 
 from abi.curves.fit_quadratic import Mode, fit
 from abi.obstacles.obstacle_set import ObstacleSet
-from abi.planner.plan import plan
+from abi.planner.planner import plan
 from abi.scene.scene import Scene
 
 MODES: tuple[Mode, ...] = ("least_squares", "clear", "pieces")

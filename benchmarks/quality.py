@@ -32,7 +32,8 @@ import numpy as np
 from abi import compiling
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner.exclusion_cache import ExclusionCache
-from abi.planner.plan import SLACK, Plan, Planner
+from abi.planner.plan import Plan
+from abi.planner.planner import SLACK, Planner
 from abi.scene.scene import Scene
 from abi.search import graph
 from abi.search.search import SEARCHES

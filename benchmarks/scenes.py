@@ -27,7 +27,8 @@ from abi import compiling
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.obstacles.triangle_mesh.repair import Surface, clean
-from abi.planner.plan import Plan, plan
+from abi.planner.plan import Plan
+from abi.planner.planner import plan
 from abi.scene.scene import Scene
 
 DENSE = 2000

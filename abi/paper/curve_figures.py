@@ -13,7 +13,8 @@ from abi.curves.quadratic import least_squares
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.paper import printed
 from abi.paper.comparison import Comparison
-from abi.planner.plan import Plan, plan
+from abi.planner.plan import Plan
+from abi.planner.planner import plan
 from abi.scene.scene import Scene
 
 _MESHES = 9

@@ -11,7 +11,8 @@ from abi.errors import StageError
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.paper import printed
 from abi.paper.comparison import Comparison
-from abi.planner.plan import Plan, plan
+from abi.planner.plan import Plan
+from abi.planner.planner import plan
 from abi.scene.scene import Scene
 from abi.search import graph
 from abi.search.search import a_star

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from abi.paper import arm_figures, curve_figures, graph_figures
 from abi.paper.comparison import Comparison
-from abi.planner.plan import plan
+from abi.planner.planner import plan
 from abi.scene.scene import load_scene
 
 

@@ -13,7 +13,8 @@ from abi.arrays import FloatArray, IntArray, read_only
 from abi.errors import ClearanceNotHeld, NoPath, PointBlocked, StageError, in_unit, said
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner.nearest_free_point import nearest_free, rounded
-from abi.planner.plan import SLACK, Plan
+from abi.planner.plan import Plan
+from abi.planner.planner import SLACK
 from abi.planner.what_if import CancelledError, Trials, parts, rounded_down
 from abi.scene.scene import Scene
 from abi.search.graph import Graph
@@ -41,6 +42,10 @@ class Reason:
     hint: str
     change: dict[str, Any] | None
     points: FloatArray
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain data, as under ``error`` in a plan's JSON."""
+        return {"message": self.message, "hint": self.hint, "change": self.change}
 
 
 def explain(

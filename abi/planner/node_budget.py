@@ -1,4 +1,4 @@
-"""How fine a mesh may be while the hand moves, so that the path keeps up with it."""
+"""Number of nodes that a mesh may have while the hand moves, so that the path keeps up."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ FRAME_MS = 1000 / 60
 LEAST_NODES = 5_000
 """No mesh up to this size is made coarser."""
 
-_FINER = 2 ** (1 / 3)  # a pitch so much coarser has half the nodes
-_MOST_FINER = 40
+_COARSER = 2 ** (1 / 3)  # a pitch so much coarser has half the nodes
+_MOST_HALVINGS = 40
 _FIRST_GUESS = 20_000
-_ALL = 5  # times as long all three searches may take as one with all that follows
+_ALL_SEARCHES = 5  # times as long all three may take as one with all that follows
 
 
-class Pace:
-    """Learns how many nodes are planned within a frame.
+class NodeBudget:
+    """The number of nodes that are planned within a frame, learnt from plans.
 
     Attributes:
         nodes: the number, as far as known.
@@ -33,18 +33,20 @@ class Pace:
         if scene.mesh.node_count(scene.workspace) <= self.nodes:
             self._halvings = 0
             return None
-        meshes = [_coarser(scene.mesh, times) for times in range(_MOST_FINER)]
+        meshes = [_coarser(scene.mesh, times) for times in range(_MOST_HALVINGS)]
         counts = [mesh.node_count(scene.workspace) for mesh in meshes]
-        fits = next((k for k, count in enumerate(counts) if count <= self.nodes), _MOST_FINER - 1)
-        if fits != self._halvings and not self._still_good(counts):
+        last = _MOST_HALVINGS - 1
+        fits = next((k for k, count in enumerate(counts) if count <= self.nodes), last)
+        if fits != self._halvings and not self._still_fits(counts):
             self._halvings = fits
         return scene.model_copy(update={"mesh": meshes[max(self._halvings, 1)]})
 
-    def fits_thrice(self, scene: Scene) -> bool:
+    def fits_all_searches(self, scene: Scene) -> bool:
         """Whether there is time for all three searches in its mesh; two visit all nodes."""
-        return scene.mesh.node_count(scene.workspace) <= max(self.nodes / _ALL, LEAST_NODES)
+        most = max(self.nodes / _ALL_SEARCHES, LEAST_NODES)
+        return scene.mesh.node_count(scene.workspace) <= most
 
-    def took(self, nodes: int, ms: float) -> None:
+    def learn(self, nodes: int, ms: float) -> None:
         """Learn from a plan that searched a mesh of ``nodes`` nodes in ``ms``."""
         # A small mesh says little of large ones, for part of its time does not depend on its nodes:
         # what was quick can only prove that more would fit, what was slow that less does.
@@ -52,7 +54,7 @@ class Pace:
         if (fits > self.nodes) == (ms < FRAME_MS) and 4 * nodes >= self.nodes:
             self.nodes = max((self.nodes + fits) / 2, LEAST_NODES)
 
-    def _still_good(self, counts: list[int]) -> bool:
+    def _still_fits(self, counts: list[int]) -> bool:
         """Whether the last choice is a little too fine at most, and not far too coarse."""
         last = self._halvings
         return (
@@ -61,5 +63,5 @@ class Pace:
 
 
 def _coarser(mesh: MeshSettings, times: int) -> MeshSettings:
-    """The nodes halved so many times."""
-    return mesh.model_copy(update={"pitch": mesh.pitch * _FINER**times})
+    """Settings of a mesh with half the nodes, so many times."""
+    return mesh.model_copy(update={"pitch": mesh.pitch * _COARSER**times})

@@ -14,7 +14,8 @@ from abi.arrays import IntArray
 from abi.errors import StageError
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner.exclusion_cache import ExclusionCache
-from abi.planner.plan import SLACK, Plan, Planner
+from abi.planner.plan import Plan
+from abi.planner.planner import SLACK, Planner
 from abi.scene.scene import FINEST, Scene
 from abi.search import graph
 from abi.search.graph import Graph

@@ -71,7 +71,7 @@ def test_a_fine_mesh_is_coarser_while_the_hand_moves_and_whole_once_it_rests(
         place = session.plan.scene.obstacles[0].position
         return math.isclose(place[2], 2.0) and len(session.plan.searches) == 3
 
-    session._planner.pace.nodes = 6_000
+    session._planner.budget.nodes = 6_000
     fake.set(session.mesh_panel.pitch, 0.25)
     for step in range(20):
         fake.drag(session.obstacles.gizmos[0], [3.0, 3.0, 3.0 - step * 0.05])

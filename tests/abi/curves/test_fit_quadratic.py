@@ -16,7 +16,7 @@ from abi.curves.quadratic import Quadratic, least_squares
 from abi.obstacles.obstacle_set import NO_OBSTACLES, ObstacleSet
 from abi.obstacles.primitives import Box, MeshShape, Obstacle, Sphere
 from abi.obstacles.triangle_mesh.repair import clean
-from abi.planner.plan import plan
+from abi.planner.planner import plan
 from abi.scene.scene import Scene, load_scene
 from benchmarks.quadratics import scattered, slalom
 from tests.abi import meshes

@@ -16,8 +16,8 @@ from abi.errors import NoPath, PointBlocked
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner.diagnosis import Reason, explain
 from abi.planner.nearest_free_point import nearest_free, rounded
-from abi.planner.plan import SLACK, Plan
-from abi.planner.plan_json import reason as plain
+from abi.planner.plan import Plan
+from abi.planner.planner import SLACK
 from abi.planner.what_if import MOST_NODES, Trials, rounded_down
 from abi.scene.scene import MeshSettings, Workspace
 from abi.tet_mesh import tet_mesh as mesh
@@ -42,7 +42,7 @@ def reason_of(scene: Scene) -> tuple[Plan, Reason]:
         assert sentence[0].isupper()
         assert sentence.endswith(".")
     assert found.points.shape == (len(found.points), 3)
-    json.dumps(plain(found), allow_nan=False)
+    json.dumps(found.to_dict(), allow_nan=False)
     return made, found
 
 

@@ -61,6 +61,7 @@ def test_what_is_remembered_is_what_would_be_found_anew(lattice: Any, seed: int)
 
 def test_only_what_moved_is_looked_at(monkeypatch: pytest.MonkeyPatch) -> None:
     looked: list[Obstacle] = []
+
     def noted(mesh: TetMesh, obstacle: Obstacle, margin: float) -> Any:
         looked.append(obstacle)
         return exclusion(mesh, obstacle, margin)

@@ -1,7 +1,6 @@
 from __future__ import annotations
 
 import functools
-import importlib
 import json
 import math
 from collections.abc import Callable
@@ -18,8 +17,7 @@ from abi.arm.arm import JOINTS, forward, skeleton
 from abi.arrays import FloatArray
 from abi.errors import StageError
 from abi.obstacles.obstacle_set import ObstacleSet
-from abi.planner.plan import SLACK
-from abi.search.search import SEARCHES
+from abi.planner.planner import SLACK
 from benchmarks.quadratics import scattered, slalom
 from tests.abi.scene.test_scene import obstacles, points
 
@@ -513,50 +511,6 @@ def test_a_planner_gives_what_a_fresh_one_gives() -> None:
     for scene in scenes:
         kept, fresh = planner(scene).to_dict(), plan(scene).to_dict()
         assert _without_times(kept) == _without_times(fresh)
-
-
-class Clock:
-    """Takes the place of the clock: it goes on only by what a stage is said to take, [s]."""
-
-    def __init__(self) -> None:
-        self.now = 0.0
-
-    def perf_counter(self) -> float:
-        return self.now
-
-
-@pytest.mark.parametrize(
-    ("in_haste", "took", "counted"),
-    [
-        (False, [4.0, 1.0], 1.0),  # the first found nothing in the caches
-        (False, [1.0, 4.0], 1.0),
-        (False, [600.0], 600.0),  # too long to do twice
-        (True, [0.2, 0.1], 0.1),
-        (True, [4.0], 4.0),
-    ],
-)
-def test_a_brief_search_counts_with_the_lesser_of_two_times(
-    monkeypatch: pytest.MonkeyPatch, in_haste: bool, took: list[float], counted: float
-) -> None:
-    clock, left, search = Clock(), iter(took), SEARCHES["a_star"]
-
-    def slow(graph: Any, weight: Any) -> Any:
-        clock.now += next(left) / 1e3
-        return search(graph, weight)
-
-    stages = importlib.import_module(
-        "abi.planner.plan"
-    )  # abi.planner.plan is the function of that name
-    monkeypatch.setattr(stages, "time", clock)
-    monkeypatch.setattr(stages, "SEARCHES", {"a_star": slow})
-    planner = Planner()
-    made = planner(load_scene("paper"), in_haste)
-
-    assert made.ms["a_star"] == pytest.approx(counted)
-    assert made.ms["mesh"] == 0
-    assert list(left) == []
-    # what is remembered is neither run nor timed again
-    assert planner(load_scene("paper"), in_haste).ms["a_star"] == made.ms["a_star"]
 
 
 def test_same_start_and_goal_say_so() -> None:

@@ -6,7 +6,7 @@ import pytest
 
 from abi import compiling
 from abi.curves import fit_bspline
-from abi.planner.plan import Planner
+from abi.planner.planner import Planner
 from abi.scene.scene import load_scene
 
 

@@ -14,7 +14,7 @@ from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.packing import pack
 from abi.obstacles.primitives import Box, Capsule, Cylinder, MeshShape, Obstacle, Primitive, Sphere
 from abi.obstacles.triangle_mesh.repair import clean
-from abi.planner.plan import Planner
+from abi.planner.planner import Planner
 from abi.scene.scene import Scene, Workspace
 from abi.taut import geodesic_kernels as around
 from abi.taut import taut_kernels as pull

@@ -13,7 +13,7 @@ from abi.errors import StageError
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.primitives import Box, MeshShape, Obstacles
 from abi.obstacles.triangle_mesh.repair import Surface, clean
-from abi.planner.plan import SLACK, plan
+from abi.planner.planner import SLACK, plan
 from abi.scene.scene import Scene, load_scene
 from abi.search import graph
 from abi.search.graph import Graph

@@ -6,7 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from abi.obstacles.primitives import Box, Obstacles, Sphere
-from abi.planner.plan import Plan, plan
+from abi.planner.plan import Plan
+from abi.planner.planner import plan
 from abi.scene.scene import load_scene
 from abi.tet_mesh.subset import VIEWS, excerpt, fits
 

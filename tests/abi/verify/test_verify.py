@@ -24,7 +24,7 @@ from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.primitives import Box, Capsule, Cylinder, Obstacles, Sphere
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.obstacles.triangle_mesh.repair import Surface, clean
-from abi.planner.plan import plan
+from abi.planner.planner import plan
 from abi.scene.scene import load_scene, scene_names
 from abi.verify.exact import Solid, Spline, into_body, root, vector
 from abi.verify.exact_mesh import Mesh

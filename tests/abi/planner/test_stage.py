@@ -1,0 +1,75 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from abi.errors import StageError
+from abi.planner import stage as module
+from abi.planner.stage import Stage
+
+
+class Clock:
+    """Takes the place of the clock: it goes on only by what a call is said to take, [s]."""
+
+    def __init__(self) -> None:
+        self.now = 0.0
+
+    def perf_counter(self) -> float:
+        return self.now
+
+
+class Work:
+    """Takes 3 ms, then 5, then 7; counts its calls, and raises what it is given."""
+
+    def __init__(self, clock: Clock) -> None:
+        self.calls = 0
+        self._clock = clock
+
+    def __call__(self, value: object) -> list[object]:
+        self.calls += 1
+        self._clock.now += (1 + 2 * self.calls) / 1e3
+        if isinstance(value, Exception):
+            raise value
+        return [value]
+
+
+@pytest.fixture
+def work(monkeypatch: pytest.MonkeyPatch) -> Work:
+    clock = Clock()
+    monkeypatch.setattr(module, "time", clock)
+    return Work(clock)
+
+
+def test_equal_arguments_give_back_the_same_object_and_its_time(work: Work) -> None:
+    stage = Stage(work)
+    first = stage((1.0, "a"))
+    assert stage((1.0, "a")) is first
+    assert work.calls == 1
+    assert stage.ms == pytest.approx(3)
+    assert stage((2.0, "a")) is not first
+    assert work.calls == 2
+    assert stage.ms == pytest.approx(5)
+    # a memory of one
+    assert stage((1.0, "a")) is not first
+
+
+def test_arrays_are_the_same_only_as_objects(work: Work) -> None:
+    stage, array = Stage(work), np.zeros(3)
+    first = stage(array)
+    assert stage(array) is first
+    assert stage(array.copy()) is not first
+
+
+def test_an_error_of_the_stage_is_remembered_and_any_other_is_not(work: Work) -> None:
+    stage = Stage(work)
+    known = StageError("mesh", "kind", "It is so.", "Do this.")
+    for _ in range(2):
+        with pytest.raises(StageError) as raised:
+            stage(known)
+        assert raised.value is known
+    assert work.calls == 1
+    broken = MemoryError()
+    for _ in range(2):
+        with pytest.raises(MemoryError):
+            stage(broken)
+    assert work.calls == 3
