@@ -89,9 +89,10 @@ class PointBlocked(StageError):
     ) -> None:
         name = f"obstacle {obstacle + 1}"
         place = (
-            f"{said(-distance)} inside {name}"
+            f"{format_length(-distance)} inside {name}"
             if distance < 0
-            else f"only {said(distance)} from {name}, the clearance is {said(clearance)}"
+            else f"only {format_length(distance)} from {name}, "
+            f"the clearance is {format_length(clearance)}"
         )
         hint = "Move it out of the obstacle" + (", or lower the clearance" if clearance else "")
         if nearest is not None:
@@ -119,7 +120,7 @@ class NoPath(StageError):
             f"No path: the start reaches {len(reached)} of {total} free nodes, and the goal is not "
             "among them.",
             "Move an obstacle out of the way, lower the clearance, or try a finer pitch than "
-            f"{said(pitch)} if there is a gap.",
+            f"{format_length(pitch)} if there is a gap.",
         )
         self.reached = np.asarray(reached)
         self.total = total
@@ -139,7 +140,8 @@ class ClearanceNotHeld(StageError):
         super().__init__(
             "bspline",
             "clearance_not_held",
-            f"The B-spline is not proven to keep the clearance of {said(clearance)}: it {place}.",
+            "The B-spline is not proven to keep the clearance of "
+            f"{format_length(clearance)}: it {place}.",
             "Lower the clearance or the degree, or try a finer pitch.",
         )
         self.clearance = clearance
@@ -175,14 +177,14 @@ class OutOfReach(StageError):
         if slide is not None:
             out, limit = slide
             what = (
-                f"The drive pushes the slide q5 to {said(out)}, and it ends at "
-                f"{said(limit)}: make Q5 smaller, m5 and m6 larger or the motion shorter."
+                f"The drive pushes the slide q5 to {format_length(out)}, and it ends at "
+                f"{format_length(limit)}: make Q5 smaller, m5 and m6 larger or the motion shorter."
             )
         super().__init__(
             "arm",
             "out_of_reach",
             f"From t = {first:.2f} s to {last:.2f} s the curve is {where} for the arm, "
-            f"by up to {said(shortfall)}.",
+            f"by up to {format_length(shortfall)}.",
             what,
         )
         self.first = first
@@ -190,7 +192,7 @@ class OutOfReach(StageError):
         self.shortfall = shortfall
 
 
-def said(length: float) -> str:
+def format_length(length: float) -> str:
     """A length in a sentence, to be followed by its unit once that is known."""
     return f"{length:.3g}{UNIT}" if abs(length) < 1000 else f"{length:.0f}{UNIT}"
 

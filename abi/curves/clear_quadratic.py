@@ -122,9 +122,9 @@ def target(shape: ByLength, breaks: FloatArray, obstacles: ObstacleSet, clearanc
     t, weights = _quadrature(_even_cuts(breaks))
     basis = _basis(breaks, t)
     ends = shape(np.array([0.0, 1.0]))
-    rest = shape(t) - basis[:, [0, -1]] @ ends
+    residual = shape(t) - basis[:, [0, -1]] @ ends
     root = np.sqrt(weights)[:, None]
-    inner = np.linalg.lstsq(basis[:, 1:-1] * root, rest * root, rcond=None)[0]
+    inner = np.linalg.lstsq(basis[:, 1:-1] * root, residual * root, rcond=None)[0]
     points = np.concatenate([ends[:1], inner, ends[1:]])
     return Target(breaks, read_only(points), obstacles, clearance)
 
@@ -235,13 +235,13 @@ def _least_distance(a: FloatArray, b: FloatArray) -> tuple[FloatArray, IntArray]
     system = np.concatenate([a.T, b[None] / size])
     ahead = np.append(np.zeros(a.shape[1]), 1.0)
     try:
-        weights, residual = scipy.optimize.nnls(system, ahead)
+        weights, norm = scipy.optimize.nnls(system, ahead)
     except RuntimeError:  # too many iterations
         return None
-    if residual < _INFEASIBLE:
+    if norm < _INFEASIBLE:
         return None
-    rest = system @ weights - ahead
-    return -rest[:-1] / rest[-1] * size, np.flatnonzero(weights).astype(np.int32)
+    residual = system @ weights - ahead
+    return -residual[:-1] / residual[-1] * size, np.flatnonzero(weights).astype(np.int32)
 
 
 def _even_cuts(breaks: FloatArray) -> FloatArray:

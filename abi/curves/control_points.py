@@ -64,14 +64,14 @@ def graded(
 
 
 def _room(points: FloatArray, obstacles: ObstacleSet, clearance: float) -> FloatArray:
-    """What the inner vertices, with half of each leg, keep beyond the clearance, (k - 2,)."""
+    """Room of the inner vertices, with half of each leg, beyond the clearance, (k - 2,), [unit]."""
     middles = (points[1:] + points[:-1]) / 2
     bends = np.stack([middles[:-1], points[1:-1], middles[1:]], axis=1)
     return obstacles.polyline_clearances(bends) - clearance
 
 
 def _shares(first: float, last: float) -> list[float]:
-    """Where on a leg, in (0, 1), points stand that begin ``first`` and ``last`` from its ends."""
+    """Places on a leg, in (0, 1), of points that begin ``first`` and ``last`` from its ends."""
     inner = []
     at = max(first, _FINEST)
     while at < 0.5:

@@ -24,7 +24,7 @@ _SAMPLES = 8  # in each stretch that is too near
 
 @dataclass(frozen=True, eq=False)
 class _Goal:
-    """What a curve is pushed and refined for.
+    """Aim of pushing and refining a curve.
 
     Attributes:
         obstacles: what to keep clear of.
@@ -43,8 +43,8 @@ class _Goal:
         """Distance that pushes aim at, a little more than is wanted, [unit]."""
         return self.wanted + 2 * self.tolerance
 
-    def distance(self, spline: BSpline) -> Clearance:
-        """How clear the curve is, and where it is nearer than the aim."""
+    def measure(self, spline: BSpline) -> Clearance:
+        """Clearance of the curve, with the stretches nearer than the aim."""
         return curve_clearance(spline, self.obstacles, self.aim, self.tolerance)
 
 
@@ -88,8 +88,6 @@ def fit(
     if taut:
         points, added = graded(points, degree, obstacles, clearance)
     direct = clamped(points, min(degree, len(points) - 1), added)
-    if not obstacles:
-        return proven(direct, direct.extent, obstacles, clearance)
     found = None
     gap = obstacles.polyline_clearance(points) - clearance
     if gap >= -ROUNDING and obstacles.all_convex:
@@ -132,7 +130,7 @@ def _finished(found: Fit[BSpline], goal: _Goal, longest: float) -> Fit[BSpline]:
 
 def _cleared(spline: BSpline, goal: _Goal, most_pushes: int) -> BSpline:
     """Push and refine until what is wanted is kept; the clearest curve seen if it never is."""
-    found = goal.distance(spline)
+    found = goal.measure(spline)
     best, best_distance = spline, found.distance
     box = (spline.control_points.min(axis=0), spline.control_points.max(axis=0))
     pushes = 0
@@ -143,12 +141,12 @@ def _cleared(spline: BSpline, goal: _Goal, most_pushes: int) -> BSpline:
         pushed = _pushed(spline, found, goal, box) if pushes < most_pushes else None
         if pushed and goal.obstacles.polyline_clearance(pushed.control_points) < goal.floor:
             pushed = None
-        trial = goal.distance(pushed) if pushed else found
+        trial = goal.measure(pushed) if pushed else found
         if pushed and trial.distance > worth:
             spline, found, pushes = pushed, trial, pushes + 1
         else:
             spline, pushes = _refined(spline, found), 0
-            found = goal.distance(spline)
+            found = goal.measure(spline)
         if found.distance > best_distance:
             best, best_distance = spline, found.distance
     return best

@@ -181,9 +181,9 @@ def _sphere(count: int) -> FloatArray:
     """Directions (count, 3) spread evenly: a Fibonacci lattice on the unit sphere."""
     k = np.arange(count)
     z = 1 - (2 * k + 1) / count
-    turn = k * np.pi * (3 - np.sqrt(5))
+    azimuth = k * np.pi * (3 - np.sqrt(5))
     across = np.sqrt(1 - z**2)
-    return np.stack([across * np.cos(turn), across * np.sin(turn), z], axis=1)
+    return np.stack([across * np.cos(azimuth), across * np.sin(azimuth), z], axis=1)
 
 
 def _closer_where_bent(shape: ByLength, pieces: int) -> FloatArray:

@@ -1,4 +1,4 @@
-"""Why a scene has no plan, and what would help: with numbers that have been tried."""
+"""Diagnosis of a scene without a plan: the reason, and what would help, in tried numbers."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 
 from abi.arrays import FloatArray, IntArray, read_only
-from abi.errors import ClearanceNotHeld, NoPath, PointBlocked, StageError, in_unit, said
+from abi.errors import ClearanceNotHeld, NoPath, PointBlocked, StageError, format_length, in_unit
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner.nearest_free_point import nearest_free, rounded
 from abi.planner.plan import Plan
 from abi.planner.planner import SLACK
-from abi.planner.what_if import CancelledError, Trials, parts, rounded_down
+from abi.planner.what_if import CancelledError, WhatIf, components, rounded_down
 from abi.scene.scene import Scene
 from abi.search.graph import Graph
 
@@ -27,7 +27,7 @@ _NAMED = 6  # obstacles in one sentence
 
 @dataclass(frozen=True, eq=False)
 class Reason:
-    """Why there is no plan.
+    """Reason why there is no plan.
 
     Attributes:
         message: one sentence: what stands in the way.
@@ -69,9 +69,9 @@ def explain(
     Returns:
         The reason; None for a plan without an error or with one of another kind.
     """
-    trials = Trials(scene, cancelled)
+    what_if = WhatIf(scene, cancelled)
     try:
-        found = _reason(scene, plan, trials)
+        found = _reason(scene, plan, what_if)
     except CancelledError:
         return None
     if found is None:
@@ -80,21 +80,21 @@ def explain(
     return replace(found, message=message, hint=hint)
 
 
-def _reason(scene: Scene, plan: Plan, trials: Trials) -> Reason | None:
+def _reason(scene: Scene, plan: Plan, what_if: WhatIf) -> Reason | None:
     if isinstance(plan.error, PointBlocked):
-        return _blocked(scene, plan, trials)
+        return _blocked(scene, plan, what_if)
     if isinstance(plan.error, NoPath) and plan.graph is not None:
-        return _cut(scene, plan, plan.graph, trials)
+        return _disconnected(scene, plan, plan.graph, what_if)
     if isinstance(plan.error, ClearanceNotHeld):
-        return _not_held(scene, plan, plan.error, trials)
+        return _not_held(scene, plan, plan.error, what_if)
     return None
 
 
-def _blocked(scene: Scene, plan: Plan, trials: Trials) -> Reason:
+def _blocked(scene: Scene, plan: Plan, what_if: WhatIf) -> Reason:
     """Start, goal or both are in an obstacle or its clearance."""
     asked, slack = scene.spline.clearance, SLACK * max(scene.workspace.size)
     ends = {"start": np.array(scene.start), "goal": np.array(scene.goal)}
-    distance, obstacle = trials.obstacles.nearest(np.array(list(ends.values())))
+    distance, obstacle = what_if.obstacles.nearest(np.array(list(ends.values())))
     known = np.zeros((0, 3)) if plan.free is None else plan.free.mesh.points[~plan.free.excluded]
     places: list[str] = []
     free: dict[str, FloatArray | None] = {}
@@ -105,92 +105,95 @@ def _blocked(scene: Scene, plan: Plan, trials: Trials) -> Reason:
             continue
         name = f"obstacle {k + 1}"
         places.append(
-            f"the {which} is {said(-depth)} inside {name}"
+            f"the {which} is {format_length(-depth)} inside {name}"
             if depth < 0
-            else f"the {which} is {said(depth)} from {name}, nearer than the clearance of "
-            f"{said(asked)}"
+            else f"the {which} is {format_length(depth)} from {name}, nearer than the clearance of "
+            f"{format_length(asked)}"
         )
         seeds = known[np.linalg.norm(known - point, axis=1).argsort()[:_SEEDS]]
-        found = nearest_free(trials.obstacles, scene.workspace, point, asked + slack, seeds)
+        found = nearest_free(what_if.obstacles, scene.workspace, point, asked + slack, seeds)
         free[which] = None if found is None else rounded(found, scene.workspace, slack / 2)
     message = _sentence(", and ".join(places))
 
     move: dict[str, Any] = {
         which: point.tolist() for which, point in free.items() if point is not None
     }
-    moved = trials.passes("graph", **move) if len(move) == len(free) else None
+    moved = what_if.plan_past("graph", **move) if len(move) == len(free) else None
     lower = rounded_down(float(distance.min()), 2) if distance.min() >= 0 else None
     lowered = None
     if lower is not None:
-        lowered = trials.passes("graph", spline={"clearance": lower})
+        lowered = what_if.plan_past("graph", spline={"clearance": lower})
     points = _rows([point for point in free.values() if point is not None])
 
-    ways = []
+    remedies = []
     if moved is not None:
         targets = [f"the {which} to {_place(np.array(point))}" for which, point in move.items()]
-        ways.append((moved, move, f"move {' and '.join(targets)}, the nearest free point found"))
+        words = f"move {' and '.join(targets)}, the nearest free point found"
+        remedies.append((moved, move, words))
     if lowered is not None and lower is not None:
         change: dict[str, Any] = {"spline": {"clearance": lower}}
-        ways.append((lowered, change, f"lower the clearance to {said(lower)}"))
-    if not ways:
+        remedies.append((lowered, change, f"lower the clearance to {format_length(lower)}"))
+    if not remedies:
         return Reason(message, "No free point was found near it: move an obstacle.", None, points)
-    whole = [way for way in ways if way[0].error is None] or ways[:1]
+    whole = [one for one in remedies if one[0].error is None] or remedies[:1]
     words = ", or ".join(text for *_, text in whole)
     return Reason(message, _sentence(words + _tried(whole[0][0])), whole[0][1], points)
 
 
-def _cut(scene: Scene, plan: Plan, nodes: Graph, trials: Trials) -> Reason:
+def _disconnected(scene: Scene, plan: Plan, nodes: Graph, what_if: WhatIf) -> Reason:
     """Start and goal are in different parts of the graph."""
     asked, pitch = scene.spline.clearance, scene.mesh.pitch
-    finer = trials.finer()
-    lower = trials.largest(trials.joined)
+    finer = what_if.finer_pitches()
+    lower = what_if.largest_clearance(what_if.connected)
     both: list[float] = []
     for fine in finer:
         change: dict[str, Any] = {"mesh": {"pitch": fine}}
-        if trials.joined(asked, fine) and (made := trials.passes("search", **change)):
-            also = "" if lower is None else f", or at this pitch a clearance of {said(lower)}"
+        if what_if.connected(asked, fine) and (made := what_if.plan_past("search", **change)):
+            or_lower = f", or at this pitch a clearance of {format_length(lower or 0.0)}"
+            also = "" if lower is None else or_lower
             return Reason(
-                f"The mesh is too coarse for the gap: no way of edges at a pitch of {said(pitch)} "
-                f"keeps a clearance of {said(asked)}.",
-                f"A pitch of {said(fine)} works{also}{_tried(made)}.",
+                "The mesh is too coarse for the gap: no way of edges at a pitch of "
+                f"{format_length(pitch)} keeps a clearance of {format_length(asked)}.",
+                f"A pitch of {format_length(fine)} works{also}{_tried(made)}.",
                 change,
                 _narrowest(made),
             )
         # asked while its mesh is there: making that is most of the work
-        if lower is None and trials.joined(0.0, fine):
+        if lower is None and what_if.connected(0.0, fine):
             both.append(fine)
     if lower is not None:
         change = {"spline": {"clearance": lower}}
-        if made := trials.passes("search", **change):
+        if made := what_if.plan_past("search", **change):
             return Reason(
                 f"The clearance is too large for the gap: nothing joins start and goal with a "
-                f"clearance of {said(asked)}{_down_to(finer)}.",
-                f"A clearance of {said(lower)} works, the largest that does at this pitch"
+                f"clearance of {format_length(asked)}{_down_to(finer)}.",
+                f"A clearance of {format_length(lower)} works, the largest that does at this pitch"
                 f"{_tried(made)}.",
                 change,
                 _narrowest(made),
             )
     for fine in both:
-        low = trials.largest(partial(trials.joined, pitch=fine)) or 0.0
+        low = what_if.largest_clearance(partial(what_if.connected, pitch=fine)) or 0.0
         change = {"mesh": {"pitch": fine}, "spline": {"clearance": low}}
-        if made := trials.passes("search", **change):
+        if made := what_if.plan_past("search", **change):
             return Reason(
-                f"The gap is too narrow for a clearance of {said(asked)}, and the pitch of "
-                f"{said(pitch)} too coarse for the gap.",
-                f"A clearance of {said(low)} at a pitch of {said(fine)} works{_tried(made)}.",
+                f"The gap is too narrow for a clearance of {format_length(asked)}, "
+                f"and the pitch of {format_length(pitch)} too coarse for the gap.",
+                f"A clearance of {format_length(low)} at a pitch of {format_length(fine)} works"
+                f"{_tried(made)}.",
                 change,
                 _narrowest(made),
             )
-    return _walled_in(scene, plan, nodes, trials, finer)
+    return _walled_in(scene, plan, nodes, what_if, finer)
 
 
 def _walled_in(
-    scene: Scene, plan: Plan, nodes: Graph, trials: Trials, finer: list[float]
+    scene: Scene, plan: Plan, nodes: Graph, what_if: WhatIf, finer: list[float]
 ) -> Reason:
-    """No clearance and no pitch helps: which part is cut off, and by what."""
-    part = parts(nodes)
-    from_start = np.flatnonzero(part == part[nodes.start]).astype(np.int32)
-    from_goal = np.flatnonzero(part == part[nodes.goal]).astype(np.int32)
+    """Reason where no clearance and no pitch helps: the component cut off, and its walls."""
+    component = components(nodes)
+    from_start = np.flatnonzero(component == component[nodes.start]).astype(np.int32)
+    from_goal = np.flatnonzero(component == component[nodes.goal]).astype(np.int32)
     smaller, inside = min((from_start, "start"), (from_goal, "goal"), key=lambda side: len(side[0]))
     walls = _walls(scene, plan, nodes, smaller)
     names = _listed(walls)
@@ -206,7 +209,7 @@ def _walled_in(
     opened = None
     for k in walls[:_NAMED]:
         others = ObstacleSet(scene.obstacles[:k] + scene.obstacles[k + 1 :])
-        if trials.joined(scene.spline.clearance, obstacles=others):
+        if what_if.connected(scene.spline.clearance, obstacles=others):
             opened = k
             break
     hint = (
@@ -239,26 +242,29 @@ def _walls(scene: Scene, plan: Plan, nodes: Graph, inside: IntArray) -> list[int
     ]
 
 
-def _not_held(scene: Scene, plan: Plan, error: ClearanceNotHeld, trials: Trials) -> Reason:
+def _not_held(scene: Scene, plan: Plan, error: ClearanceNotHeld, what_if: WhatIf) -> Reason:
     """There is a path, but no curve keeps the clearance."""
     points = np.zeros((0, 3))
     if plan.bspline is not None:
         points = plan.bspline.curve(np.array([plan.bspline.clearance.at]))
     asked = scene.spline.clearance
     message = (
-        f"No curve along the path is proven to keep the clearance of {said(asked)}: the B-spline "
-        f"lacks {said(max(asked - error.found, 0.0))}."
+        "No curve along the path is proven to keep the clearance of "
+        f"{format_length(asked)}: "
+        f"the B-spline lacks {format_length(max(asked - error.found, 0.0))}."
     )
-    lower = trials.largest(
-        lambda value: trials.passes("bspline", spline={"clearance": value}) is not None
+    lower = what_if.largest_clearance(
+        lambda value: what_if.plan_past("bspline", spline={"clearance": value}) is not None
     )
     changes: list[tuple[str, dict[str, Any]]] = []
     if lower is not None:
-        changes.append((f"A clearance of {said(lower)} works", {"spline": {"clearance": lower}}))
-    for fine in trials.finer():
-        changes.append((f"A pitch of {said(fine)} works", {"mesh": {"pitch": fine}}))
+        changes.append(
+            (f"A clearance of {format_length(lower)} works", {"spline": {"clearance": lower}})
+        )
+    for fine in what_if.finer_pitches():
+        changes.append((f"A pitch of {format_length(fine)} works", {"mesh": {"pitch": fine}}))
     for words, change in changes:
-        made = trials.passes("bspline", **change)
+        made = what_if.plan_past("bspline", **change)
         if made is not None:
             return Reason(message, f"{words}{_tried(made)}.", change, read_only(points))
     return Reason(
@@ -271,8 +277,8 @@ def _narrowest(plan: Plan) -> FloatArray:
     assert plan.path is not None
     corners = plan.path.points
     lengths = np.append(0, np.cumsum(np.linalg.norm(np.diff(corners, axis=0), axis=1)))
-    along = np.linspace(0, lengths[-1], _PLACES)
-    places = np.stack([np.interp(along, lengths, column) for column in corners.T], axis=1)
+    distances = np.linspace(0, lengths[-1], _PLACES)
+    places = np.stack([np.interp(distances, lengths, column) for column in corners.T], axis=1)
     distance, _ = ObstacleSet(plan.scene.obstacles).nearest(places)
     return _rows(places[distance.argmin()][None])
 
@@ -286,7 +292,7 @@ def _tried(plan: Plan) -> str:
 
 
 def _down_to(finer: list[float]) -> str:
-    return f" at pitches down to {said(finer[-1])}" if finer else ""
+    return f" at pitches down to {format_length(finer[-1])}" if finer else ""
 
 
 def _listed(obstacles: list[int]) -> str:

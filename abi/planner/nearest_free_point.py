@@ -1,4 +1,4 @@
-"""The free point that is nearest to a blocked one."""
+"""Nearest free point to a blocked one."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from abi.scene.scene import Workspace
 
 _PUSHES = 12
 _ROUNDS = 60
-_SHORTEST = 1e-4  # step of a slide, as a part of the way
+_SHORTEST = 1e-4  # step of a slide, as a part of the distance to go
 
 
 def nearest_free(
@@ -77,7 +77,7 @@ def _pushed_out(
             rows = (index == k) & (lacking > 0)
             outward = obstacles[k].gradient(places[rows])
             # a little further, for rounding must not leave it inside
-            way = lacking[rows] * (1 + 1e-9) + 1e-12
-            places[rows] += outward * way[:, None]
+            push = lacking[rows] * (1 + 1e-9) + 1e-12
+            places[rows] += outward * push[:, None]
         places = np.clip(places, low, high)
     return places

@@ -1,4 +1,4 @@
-"""A plan: what the stages made of a scene."""
+"""A plan: the results of the stages, and their JSON."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from abi.tet_mesh.tet_mesh import TetMesh
 
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """What the stages made of a scene; a stage that was not reached is None.
+    """Results of the stages for a scene; a stage that was not reached is None.
 
     ``ms`` is what each stage took when it last ran, [ms]; ``total_ms`` is this call alone.
     """
@@ -62,7 +62,7 @@ class Plan:
 
     @property
     def lower_bound(self) -> float:
-        """No curve from start to goal is shorter than this, [unit]: the straight line."""
+        """Length of the straight line from start to goal, [unit]: no curve is shorter."""
         return float(np.linalg.norm(np.subtract(self.scene.goal, self.scene.start)))
 
     @property

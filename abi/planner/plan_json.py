@@ -203,7 +203,7 @@ def arm(motion: ArmMotion | None, ms: Times, full: bool) -> Section:
 
 
 def error(found: StageError | None) -> Section:
-    """Why there is no complete plan."""
+    """Reason why there is no complete plan."""
     if found is None:
         return None
     return {
@@ -215,7 +215,7 @@ def error(found: StageError | None) -> Section:
 
 
 def _clearance(fit: Fit[BSpline] | Fit[Quadratic]) -> dict[str, Any]:
-    """``certified`` where the distance asked for is proven; None where nothing is in the way.
+    """Clearance, ``certified`` where what was asked for is proven; None with nothing in the way.
 
     With a certificate the clearance is proven, be it as much as asked for or less.
     """

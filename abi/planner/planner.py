@@ -31,14 +31,16 @@ from abi.taut import lower_bound, taut_path
 from abi.tet_mesh import tet_mesh
 
 SLACK = 1e-3
-"""What mesh edges keep beyond the clearance, as a part of the workspace's longest side: room in
-which a smooth curve can round the corners of the path."""
+"""Room that mesh edges keep beyond the clearance, as a part of the workspace's longest side.
+
+In it a smooth curve can round the corners of the path.
+"""
 
 SAMPLES = 401
 """Samples of the arm's motion, uniform in time."""
 
 _MANY_NODES, _MANY_OBSTACLES = 30_000, 300
-"""From so many on, waiting for the compiler takes less time than running without it."""
+"""Sizes from which waiting for the compiler takes less time than running without it."""
 
 
 def plan(scene: Scene) -> Plan:
@@ -95,7 +97,7 @@ class Planner:
         return Plan(scene, **reached, ms=MappingProxyType(self._ms()), total_ms=total)
 
     def _run(self, scene: Scene, chosen_only: bool, reached: dict[str, Any]) -> None:
-        """The method: each stage puts its result into ``reached`` or raises."""
+        """Run the method: each stage puts its result into ``reached`` or raises."""
         _wait_for_the_compiler(scene)
         obstacles = self._obstacles(scene.obstacles)
         # The arm stands there even when no path is found.

@@ -1,4 +1,4 @@
-"""What would become of a scene if one thing were different: tried, not guessed."""
+"""Plans of a scene with one thing different: tried, not guessed."""
 
 from __future__ import annotations
 
@@ -30,11 +30,11 @@ _FINE = 1e-2  # of itself: how closely the largest clearance is found
 
 
 class CancelledError(Exception):
-    """The caller no longer wants to know."""
+    """Raised when the caller no longer wants the answer."""
 
 
-class Trials:
-    """Plans changed scenes, and answers quickly whether start and goal are joined at all."""
+class WhatIf:
+    """Plans changed scenes, and tells quickly whether start and goal are connected at all."""
 
     def __init__(self, scene: Scene, cancelled: Callable[[], bool]) -> None:
         self.scene = scene
@@ -44,23 +44,23 @@ class Trials:
         self._exclude = ExclusionCache()
         self._mesh = lru_cache(maxsize=1)(self._tetrahedralised)
 
-    def passes(self, stage: str, **change: Any) -> Plan | None:
+    def plan_past(self, stage: str, **change: Any) -> Plan | None:
         """The plan of the changed scene when it gets past ``stage``, else None.
 
         Raises:
             CancelledError: as in every method.
         """
-        self._go_on()
+        self._check_cancelled()
         made = self._planner(self.scene.replace(**change))
         if made.error is None or _STAGES.index(made.error.stage) > _STAGES.index(stage):
             return made
         return None
 
-    def joined(
+    def connected(
         self, clearance: float, pitch: float | None = None, obstacles: ObstacleSet | None = None
     ) -> bool:
-        """Whether the graph joins start and goal; None is what the scene has."""
-        self._go_on()
+        """Whether the graph connects start and goal; None stands for the scene's own."""
+        self._check_cancelled()
         scene = self.scene
         blocking = self.obstacles if obstacles is None else obstacles
         margin = clearance + SLACK * max(scene.workspace.size)
@@ -69,10 +69,10 @@ class Trials:
             nodes = graph.build(free, blocking, margin, scene.start, scene.goal, clearance)
         except StageError:
             return False
-        part = parts(nodes)
-        return bool(part[nodes.start] == part[nodes.goal])
+        component = components(nodes)
+        return bool(component[nodes.start] == component[nodes.goal])
 
-    def finer(self) -> list[float]:
+    def finer_pitches(self) -> list[float]:
         """Finer pitches to try, halved again and again, [unit]; none when the mesh is fine."""
         settings, box = self.scene.mesh, self.scene.workspace
         most = min(settings.max_nodes, MOST_NODES)
@@ -86,7 +86,7 @@ class Trials:
                 return pitches[1:]
             pitches.append(pitch)
 
-    def largest(self, works: Callable[[float], bool]) -> float | None:
+    def largest_clearance(self, works: Callable[[float], bool]) -> float | None:
         """The largest clearance below the scene's that works, or None; found by bisection.
 
         It has two digits, or three where five per cent more than the two would work too.
@@ -112,7 +112,7 @@ class Trials:
                 return shorter
         return low
 
-    def _go_on(self) -> None:
+    def _check_cancelled(self) -> None:
         if self._cancelled():
             raise CancelledError
 
@@ -121,8 +121,8 @@ class Trials:
         return mesh.tetrahedralise(self.scene.workspace, settings)
 
 
-def parts(nodes: Graph) -> IntArray:
-    """Number (n,) of the connected part of the graph that each node is in."""
+def components(nodes: Graph) -> IntArray:
+    """Number (n,) of the connected component of the graph that each node is in."""
     size = len(nodes.points)
     matrix = scipy.sparse.csr_array(
         (np.ones(len(nodes.indices)), nodes.indices, nodes.indptr), (size, size)

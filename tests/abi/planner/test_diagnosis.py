@@ -18,7 +18,7 @@ from abi.planner.diagnosis import Reason, explain
 from abi.planner.nearest_free_point import nearest_free, rounded
 from abi.planner.plan import Plan
 from abi.planner.planner import SLACK
-from abi.planner.what_if import MOST_NODES, Trials, rounded_down
+from abi.planner.what_if import MOST_NODES, WhatIf, rounded_down
 from abi.scene.scene import MeshSettings, Workspace
 from abi.tet_mesh import tet_mesh as mesh
 from tests.abi.scene.test_scene import obstacles, points
@@ -93,9 +93,9 @@ def test_a_gap_that_is_too_narrow_is_explained_with_what_works(scene: Scene) -> 
 
     if found.change is None:
         assert "walled in" in found.message
-        trials = Trials(scene, never)
-        pitches = [scene.mesh.pitch, *trials.finer()]
-        assert not any(trials.joined(0.0, pitch) for pitch in pitches)
+        what_if = WhatIf(scene, never)
+        pitches = [scene.mesh.pitch, *what_if.finer_pitches()]
+        assert not any(what_if.connected(0.0, pitch) for pitch in pitches)
         return
     changed = scene.replace(**found.change)
     assert passes(plan(changed), "search")
@@ -112,8 +112,11 @@ def test_a_gap_that_is_too_narrow_is_explained_with_what_works(scene: Scene) -> 
             assert not passes(plan(more), "search")
         if finer is None:
             # a finer pitch alone would have been the better advice
-            trials = Trials(scene, never)
-            assert not any(trials.joined(scene.spline.clearance, pitch) for pitch in trials.finer())
+            what_if = WhatIf(scene, never)
+            assert not any(
+                what_if.connected(scene.spline.clearance, pitch)
+                for pitch in what_if.finer_pitches()
+            )
 
 
 @pytest.mark.parametrize(
@@ -203,7 +206,7 @@ def test_no_mesh_of_a_trial_is_made_twice(monkeypatch: pytest.MonkeyPatch) -> No
     assert found is not None
     assert "walled in" in found.message
     finer = [pitch for pitch in made if pitch != scene.mesh.pitch]
-    assert finer == Trials(scene, never).finer()
+    assert finer == WhatIf(scene, never).finer_pitches()
     assert len(finer) > 1
 
 
@@ -212,7 +215,7 @@ def test_no_finer_pitch_is_tried_than_a_scene_may_have() -> None:
     scene = Scene.from_dict(
         {"version": 1, "workspace": {"max": side}, "goal": side, "mesh": {"pitch": 3e-6}}
     )
-    finer = Trials(scene, never).finer()
+    finer = WhatIf(scene, never).finer_pitches()
 
     assert finer == [1.5e-6]
     assert scene.replace(mesh={"pitch": finer[-1]}).mesh.pitch == finer[-1]
@@ -401,7 +404,7 @@ def test_the_largest_clearance_works_and_five_per_cent_more_does_not(
 ) -> None:
     scene = load_scene("paper").replace(spline={"clearance": asked})
     threshold = part * asked
-    found = Trials(scene, never).largest(lambda value: value <= threshold)
+    found = WhatIf(scene, never).largest_clearance(lambda value: value <= threshold)
 
     assert found is not None
     assert found <= threshold
@@ -410,7 +413,7 @@ def test_the_largest_clearance_works_and_five_per_cent_more_does_not(
         assert float(f"{found:.3g}") == found
     else:
         assert threshold <= 2e-3 * asked
-    assert Trials(scene, never).largest(lambda value: False) is None
+    assert WhatIf(scene, never).largest_clearance(lambda value: False) is None
 
 
 @settings(max_examples=100, deadline=None)
