@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     import trimesh
     import yourdfpy
 
-_SHIPPED = assets.path("urdf", "abi.arm.urdf")
+_SHIPPED = assets.path("urdf", "abi.urdf")
 _TRACE_SAMPLES = 100
 _LONG = 100.0  # [m], so that no face of a short arm is small enough to be taken for none
 
