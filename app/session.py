@@ -26,20 +26,20 @@ from app.formulas import with_formulas
 from app.labels import as_labelled
 from app.layers.arm import ArmLayer
 from app.layers.curves import CurvesLayer
-from app.layers.headings import HeadingsLayer
-from app.layers.marks import MarksLayer
+from app.layers.markers import MarkersLayer
 from app.layers.mesh import MeshLayer
-from app.layers.numbers import NumbersLayer
 from app.layers.paths import PathsLayer
 from app.layers.plots import PlotsLayer
 from app.layers.search_order import SearchOrderLayer
+from app.layers.tables import TablesLayer
 from app.layers.workspace import WorkspaceLayer
-from app.panels.editor import FIELDS, EditorPanel
 from app.panels.files import FilesPanel
-from app.panels.placed import ObstaclesPanel, PointsPanel
+from app.panels.gizmos import EndGizmos, ObstacleGizmos
+from app.panels.layer_switches import LayerSwitches
+from app.panels.obstacle_editor import FIELDS, ObstacleEditor
 from app.panels.playback import PlaybackPanel
+from app.panels.stage_headers import StageHeaders
 from app.panels.stages import ArmPanel, MeshPanel, MotionPanel, SearchPanel, SplinePanel
-from app.panels.view import ViewPanel
 
 _log = logging.getLogger(__name__)
 
@@ -123,8 +123,8 @@ class Session:
         right.dock_right()
         right.set_width(style.RIGHT_WIDTH)
 
-        self.headings = HeadingsLayer(gui, self.wake)
-        folders = self.headings.folders
+        self.stage_headers = StageHeaders(gui, self.wake)
+        folders = self.stage_headers.folders
         with folders["mesh"]:
             self.mesh_panel = MeshPanel(gui, scene, self.wake)
         with folders["search"]:
@@ -135,7 +135,7 @@ class Session:
             self.motion_panel = MotionPanel(gui, scene, self.wake)
         with folders["arm"]:
             self.arm_panel = ArmPanel(gui, scene, self.wake)
-        self.numbers = NumbersLayer(
+        self.tables = TablesLayer(
             gui,
             result,
             folders["graph"],
@@ -147,24 +147,24 @@ class Session:
         with result:
             self.playback = PlaybackPanel(gui, self.wake)
         with view:
-            self.view = ViewPanel(client, self.wake, dark)
+            self.layer_switches = LayerSwitches(client, self.wake, dark)
         with lesson:
             self._lesson = gui.add_markdown("")
         self._dark = dark
         self._theme()
 
         self.workspace = WorkspaceLayer(client)
-        self.marks = MarksLayer(client)
+        self.markers = MarkersLayer(client)
         self.mesh = MeshLayer(client)
         self.paths = PathsLayer(client)
         self.reached = SearchOrderLayer(client)
         self.curves = CurvesLayer(client)
         self.arm = ArmLayer(client)
-        self.obstacles = ObstaclesPanel(client, scene, self.wake)
-        self.points = PointsPanel(client, scene, self.wake)
+        self.obstacles = ObstacleGizmos(client, scene, self.wake)
+        self.ends = EndGizmos(client, scene, self.wake)
         with scenes:
             self.files = FilesPanel(client, name, scene, self.wake)
-            self.editor = EditorPanel(gui, self.obstacles, self.points, self.wake)
+            self.editor = ObstacleEditor(gui, self.obstacles, self.ends, self.wake)
         self._inputs = (
             self.mesh_panel,
             self.search_panel,
@@ -172,7 +172,7 @@ class Session:
             self.motion_panel,
             self.arm_panel,
             self.obstacles,
-            self.points,
+            self.ends,
         )
 
     def _work(self) -> None:
@@ -248,14 +248,14 @@ class Session:
         self._explained, self._reason = plan, reason
         with self.client.atomic():
             self._complain()
-            self.marks.draw(reason, plan.scene)
+            self.markers.draw(reason, plan.scene)
 
     def _complain(self) -> None:
         """Say what is wrong: with what was typed last, or else with the plan."""
         if self._refused is not None:
-            self.headings.complain(self._refused)
+            self.stage_headers.complain(self._refused)
         elif self.plan is not None:
-            self.headings.complain(self.plan.error, self._reason)
+            self.stage_headers.complain(self.plan.error, self._reason)
 
     def _follow(self) -> None:
         """Bring plan and picture up to the panels."""
@@ -297,7 +297,7 @@ class Session:
         if requested is not None:
             self._show(requested)
             return requested
-        if (change := self.headings.accepted()) is not None:
+        if (change := self.stage_headers.accepted()) is not None:
             changed = self._scene.replace(**change)
             self._show(changed)
             return changed
@@ -318,19 +318,19 @@ class Session:
 
     def _draw(self, plan: Plan, hasty: bool) -> None:
         with self.client.atomic():
-            self.headings.draw(plan, self._planner.coarse)
+            self.stage_headers.draw(plan, self._planner.coarse)
             self._complain()
-            self.marks.draw(self._reason, plan.scene)
+            self.markers.draw(self._reason, plan.scene)
             self.mesh_panel.offer(plan.scene)
-            self.points.label(plan.scene)
+            self.ends.label(plan.scene)
             self.obstacles.draw(plan.scene.obstacles)
             self.editor.suggest(plan.scene)
             self.workspace.draw(plan.scene.workspace, plan.scene.arm.base)
-            self.mesh.draw(plan, self.view.mesh_part(), hasty)
+            self.mesh.draw(plan, self.layer_switches.mesh_part(), hasty)
             self.paths.draw(plan)
             self.reached.draw(plan, self.search_panel.share())
             self.curves.draw(plan)
-            self.numbers.draw(plan, self.mesh.note, self._planner.coarse, self._planner.partial)
+            self.tables.draw(plan, self.mesh.note, self._planner.coarse, self._planner.partial)
             self.plots.draw(plan)
             self._switch()
         # by themselves: the first time the arm and the lesson take longer than all the rest
@@ -342,15 +342,15 @@ class Session:
 
     def _switch(self) -> None:
         """Layers on and off, dark and light."""
-        shown = self.view.read()
+        shown = self.layer_switches.read()
         self.workspace.show(shown["workspace"])
         self.mesh.show(shown["edges"], shown["nodes"], shown["excluded"])
         self.paths.show(shown)
         self.curves.show(shown["bspline"], shown["quadratic"], shown["control"])
         self.obstacles.show(shown["obstacles"])
         self.arm.show(shown["arm"], shown["trace"])
-        if bool(self.view.dark.value) != self._dark:
-            self._dark = bool(self.view.dark.value)
+        if bool(self.layer_switches.dark.value) != self._dark:
+            self._dark = bool(self.layer_switches.dark.value)
             self._theme()
 
     def _theme(self) -> None:

@@ -20,7 +20,7 @@ from tests.app.fake_tab import FakeTab, until
 def test_the_mesh_shown_has_the_start_where_it_is(tab: tuple[FakeTab, Session]) -> None:
     fake, session = tab
     place = [5.7, 0.35, 0.1]
-    fake.drag(session.points.gizmos["start"], place)
+    fake.drag(session.ends.gizmos["start"], place)
     until(lambda: np.allclose(session.plan.scene.start, place))  # type: ignore[union-attr]
     until(lambda: session.resting and not session._changed.is_set())
 
@@ -34,7 +34,7 @@ def test_the_part_of_a_fine_mesh_that_is_shown_goes_with_the_path(
     fake, session = tab
     fake.set(session.mesh_panel.pitch, 0.2)
     until(lambda: session.plan.scene.mesh.pitch == 0.2 and session.resting)  # type: ignore[union-attr]
-    fake.drag(session.points.gizmos["start"], [5.7, 0.35, 0.1])
+    fake.drag(session.ends.gizmos["start"], [5.7, 0.35, 0.1])
 
     def is_shown() -> bool:
         plan = session.plan
@@ -123,9 +123,9 @@ def test_the_time_shown_is_the_arms(tab: tuple[FakeTab, Session]) -> None:
     fake.set(playback.slider, 2.0)
     until(lambda: playback._time == pytest.approx(2.0) and not playback.playing)
     inside, outside = [3.0, 3.0, 3.0], [6.0, 6.0, 6.0]
-    fake.drag(session.points.gizmos["goal"], inside)
+    fake.drag(session.ends.gizmos["goal"], inside)
     until(lambda: session.plan.error is not None)  # type: ignore[union-attr]
-    fake.drag(session.points.gizmos["goal"], outside)
+    fake.drag(session.ends.gizmos["goal"], outside)
     until(lambda: session.plan.error is None)  # type: ignore[union-attr]
 
     assert playback._time == pytest.approx(2.0)

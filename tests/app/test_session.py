@@ -91,7 +91,7 @@ def test_a_bad_number_keeps_the_last_plan_and_says_why(
 ) -> None:
     fake, session = tab
     good = session.plan
-    note = session.headings._notes["mesh"]
+    note = session.stage_headers._notes["mesh"]
     fake.set(session.mesh_panel.pitch, value)
     until(lambda: note.visible)
 
@@ -138,12 +138,12 @@ def test_another_scene_fills_the_panels(tab: tuple[FakeTab, Session]) -> None:
 
     assert session.plan is not None
     assert session.plan.error is not None
-    assert session.headings._notes["search"].visible
+    assert session.stage_headers._notes["search"].visible
     assert session.mesh_panel.pitch.value == load_scene("no-way").mesh.pitch
 
     fake.set(session.files.choice, "paper")
     until(lambda: session.plan.scene == load_scene("paper"))  # type: ignore[union-attr]
-    assert not session.headings._notes["search"].visible
+    assert not session.stage_headers._notes["search"].visible
 
 
 def test_play_moves_the_arm_and_pause_holds_it(tab: tuple[FakeTab, Session]) -> None:

@@ -10,7 +10,7 @@ from playwright.sync_api import Browser, sync_playwright
 
 import abi
 from abi.scene.scene import load_scene
-from app.panels.view import LAYERS
+from app.panels.layer_switches import LAYERS
 from app.server import Server, start
 from app.session import Session
 from tests.browser import drawn
@@ -126,8 +126,8 @@ def _is_as_opened(session: Session) -> bool:
     """Whether all that "Back to the scene as loaded" leaves alone is as in a new tab."""
     return (
         session.files.choice.value == "paper"
-        and session.view.read() == {name: shown for name, (_, _, shown) in LAYERS.items()}
-        and not session.view.dark.value
+        and session.layer_switches.read() == {name: shown for name, (_, _, shown) in LAYERS.items()}
+        and not session.layer_switches.dark.value
         and session.search_panel.share() == 0
         and session.playback.speed.value == "real time"
     )

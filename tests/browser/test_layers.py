@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fnmatch import fnmatch
 
-from app.panels.view import LAYERS
+from app.panels.layer_switches import LAYERS
 from app.session import Session
 from tests.browser.page import Page
 

@@ -21,7 +21,7 @@ from abi.obstacles.primitives import Box, Capsule, Cylinder, MeshShape, Obstacle
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.obstacles.triangle_mesh.repair import Surface
 from abi.scene.scene import Scene
-from app.panels.placed import ObstaclesPanel, PointsPanel
+from app.panels.gizmos import EndGizmos, ObstacleGizmos
 from app.panels.stages import DIGITS, Wake
 
 Triple = tuple[float, float, float]
@@ -72,14 +72,14 @@ FIELDS = ("obstacles", "start", "goal", "file")
 """What fields of a scene are typed here, or uploaded."""
 
 
-class EditorPanel:
+class ObstacleEditor:
     """The numbers of start, goal and the chosen obstacle."""
 
     def __init__(
         self,
         gui: viser.GuiApi,
-        obstacles: ObstaclesPanel,
-        points: PointsPanel,
+        obstacles: ObstacleGizmos,
+        points: EndGizmos,
         wake: Wake,
     ) -> None:
         self._obstacles, self._points = obstacles, points
@@ -330,7 +330,7 @@ def _plain(name: str) -> str:
     return f"{kept}{dot}{ending.lower()}"
 
 
-def _has_handles(obstacles: ObstaclesPanel, number: int) -> bool:
+def _has_handles(obstacles: ObstacleGizmos, number: int) -> bool:
     return all(gizmo.disable_axes == (i != number) for i, gizmo in enumerate(obstacles.gizmos))
 
 

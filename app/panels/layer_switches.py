@@ -34,7 +34,7 @@ MESH_VIEWS = {
 }
 
 
-class ViewPanel:
+class LayerSwitches:
     """The legend and the switches in one."""
 
     def __init__(self, client: viser.ClientHandle, wake: Wake, dark: bool) -> None:

@@ -10,7 +10,7 @@ from abi.scene.scene import Scene
 from app import style
 
 
-class MarksLayer:
+class MarkersLayer:
     """Bright balls that nothing hides for long."""
 
     def __init__(self, client: viser.ClientHandle) -> None:

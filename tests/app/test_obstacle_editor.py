@@ -108,12 +108,12 @@ def test_while_a_number_is_wrong_the_rest_goes_on(
     monkeypatch.setattr(session.client, "send_file_download", keep)
     good = session.plan
     fake.set(session.motion_panel.speed, 0.0)
-    until(lambda: session.headings._notes["quadratic"].visible)
-    sentence = session.headings._notes["quadratic"].content
+    until(lambda: session.stage_headers._notes["quadratic"].visible)
+    sentence = session.stage_headers._notes["quadratic"].content
     assert "V is 0.0" in sentence
     assert "motion.speed" not in sentence
 
-    fake.set(session.view.switches["arm"], False)
+    fake.set(session.layer_switches.switches["arm"], False)
     until(lambda: not session.arm._base.visible)
     fake.set(session.files.save, True)
     until(lambda: len(sent) == 1)
@@ -127,7 +127,7 @@ def test_while_a_number_is_wrong_the_rest_goes_on(
 
 def test_a_wrong_number_is_told_of_until_it_is_mended(tab: tuple[FakeTab, Session]) -> None:
     fake, session = tab
-    note = session.headings._notes["quadratic"]
+    note = session.stage_headers._notes["quadratic"]
     until(lambda: session.resting)
     fake.set(session.motion_panel.speed, 0.0)
     until(lambda: note.visible and session._faded)
@@ -187,7 +187,7 @@ def test_a_file_that_is_no_scene_is_named_and_changes_nothing(
     ]
     assert session.plan is good
     assert not session._faded
-    assert not any(note.visible for note in session.headings._notes.values())
+    assert not any(note.visible for note in session.stage_headers._notes.values())
 
 
 def test_what_is_not_listed_is_not_opened(tab: tuple[FakeTab, Session], tmp_path: Path) -> None:

@@ -39,7 +39,7 @@ _STAGE_OF_FIELD = {
 }
 
 
-class HeadingsLayer:
+class StageHeaders:
     """Owns the six folders; the panels put their inputs inside."""
 
     def __init__(self, gui: viser.GuiApi, wake: Wake) -> None:

@@ -25,7 +25,7 @@ _POSE = {"position", "wxyz"}
 _ROUNDING = 1e-9
 
 
-class ObstaclesPanel:
+class ObstacleGizmos:
     """One gizmo an obstacle; only the chosen one shows its handles.
 
     Attributes:
@@ -123,7 +123,7 @@ class ObstaclesPanel:
         self._wake(event)
 
 
-class PointsPanel:
+class EndGizmos:
     """Start and goal: a ball under a gizmo without rotations, and a label with coordinates.
 
     Attributes:

@@ -11,7 +11,7 @@ import viser
 from abi.arm.trajectory import Violation
 from abi.planner.plan import Plan
 from app import style
-from app.layers.headings import at_least
+from app.panels.stage_headers import at_least
 
 _TABLE = (
     '<table style="width:100%;border-collapse:collapse;font-size:12.5px;'
@@ -31,7 +31,7 @@ _WAITING = f"{_BOX}… counted when your hand rests.</div>"
 _LEGEND = f"{_BOX}✓ clear (curves: proven), ✗ too near: red in the scene.</div>"
 
 
-class NumbersLayer:
+class TablesLayer:
     """Two tables in the result tab, and the graph's and the curve's numbers in their folders."""
 
     def __init__(
