@@ -1,7 +1,8 @@
-"""What the fields of a scene are called on the page."""
+"""Names of a scene's fields on the page, and lengths as it writes them."""
 
 from __future__ import annotations
 
+import math
 import re
 
 from abi.errors import AbiError, SceneError
@@ -36,3 +37,8 @@ def as_labelled(error: AbiError, message: str) -> str:
         part = LABELS.get(field[found.end() :], field[found.end() :])
         label = f"obstacle {int(found[1]) + 1}" + (f": {part}" if part else "")
     return message.replace(error.field, label, 1)
+
+
+def at_least(distance: float) -> str:
+    """A distance in three decimals, rounded down: it is a bound, and less than it is also one."""
+    return f"{math.floor(1000 * distance + 1e-6) / 1000:.3f}"

@@ -11,7 +11,7 @@ import viser
 from abi.arm.trajectory import Violation
 from abi.planner.plan import Plan
 from app import style
-from app.panels.stage_headers import at_least
+from app.labels import at_least
 
 _TABLE = (
     '<table style="width:100%;border-collapse:collapse;font-size:12.5px;'

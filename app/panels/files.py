@@ -9,7 +9,7 @@ from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.scene.scene import Scene, load_scene, scene_names
 from abi.scene.scene_file import MAX_BYTES, dump, parse_bytes
 from app import page
-from app.panels.stages import Wake
+from app.panels.widgets import Wake
 
 _MOST = f"{MAX_BYTES // 1000} kB"
 _LONGEST = 40

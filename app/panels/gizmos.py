@@ -15,7 +15,7 @@ from abi.arrays import FloatArray
 from abi.obstacles.primitives import Box, Cylinder, MeshShape, Obstacle, Sphere
 from abi.scene.scene import Scene
 from app import style
-from app.panels.stages import Wake
+from app.panels.widgets import Wake
 
 _Body = viser.BoxHandle | viser.IcosphereHandle | viser.MeshHandle
 

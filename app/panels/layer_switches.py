@@ -5,7 +5,7 @@ from __future__ import annotations
 import viser
 
 from app import page, style
-from app.panels.stages import Wake
+from app.panels.widgets import Wake
 
 LAYERS: dict[str, tuple[str, style.Colour, bool]] = {
     "workspace": ("workspace box", style.WORKSPACE, True),

@@ -7,14 +7,12 @@ what was typed moves the gizmo, what was dragged rewrites the box.
 from __future__ import annotations
 
 import html
-import math
 from typing import Any
 
 import numpy as np
 import viser
 from viser.transforms import SO3
 
-from abi.errors import SceneError
 from abi.obstacles.mesh_shape import suggest_unit
 from abi.obstacles.pose import METRES
 from abi.obstacles.primitives import Box, Capsule, Cylinder, MeshShape, Obstacle, Sphere
@@ -22,50 +20,11 @@ from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.obstacles.triangle_mesh.repair import Surface
 from abi.scene.scene import Scene
 from app.panels.gizmos import EndGizmos, ObstacleGizmos
-from app.panels.stages import DIGITS, Wake
-
-Triple = tuple[float, float, float]
+from app.panels.widgets import DIGITS, NumberBox, Triple, Wake, label_of
 
 _NONE = "none"
-_DIGITS = 3
 _SIZES = ("size", "radius", "height", "scale", "unit")
 _UNITS: dict[str, str | None] = {"the scene's unit": None, "m": "m", "cm": "cm", "mm": "mm"}
-
-
-class NumberBox:
-    """Three numbers beside a gizmo."""
-
-    def __init__(self, gui: viser.GuiApi, label: str, step: float, hint: str, wake: Wake) -> None:
-        self.handle = gui.add_vector3(label, (0.0, 0.0, 0.0), step=step, hint=hint)
-        self.handle.precision = DIGITS
-        self.handle.on_update(wake)
-        self._shown: Triple = (0.0, 0.0, 0.0)
-
-    def typed(self, field: str) -> Triple | None:
-        """What was typed since it was last shown; None for nothing.
-
-        Raises:
-            SceneError: not finite; ``field`` is named.
-        """
-        value = self.handle.value
-        if value == self._shown:
-            return None
-        if not all(math.isfinite(number) and abs(number) <= 1e6 for number in value):
-            raise SceneError(field, value, "finite numbers")
-        self._shown = value
-        return value
-
-    def show(self, value: Any) -> None:
-        """Show ``value``, unless it is what stands there, rounded."""
-        shown = zip(map(float, value), self._shown, strict=True)
-        if any(abs(a - b) > 1.5 * 10**-_DIGITS for a, b in shown):
-            self.write(value)
-
-    def write(self, value: Any) -> None:
-        """Show ``value``, whatever was typed."""
-        x, y, z = (round(float(number), _DIGITS) for number in value)
-        self._shown = (x, y, z)
-        self.handle.value = self._shown
 
 
 FIELDS = ("obstacles", "start", "goal", "file")
@@ -133,7 +92,7 @@ class ObstacleEditor:
             self._add_mesh(self.upload.value, scene)
         if self.accept.value:
             self.accept.value = False
-            self.unit.value = _unit_label(self._suggested)
+            self.unit.value = label_of(_UNITS, self._suggested)
         if self._pressed:
             self._pressed = False
             self._change(self.buttons.value, scene)
@@ -292,7 +251,7 @@ class ObstacleEditor:
             handle = getattr(self, name)
             handle.visible = name in data
             if name == "unit" and name in data:
-                handle.value = _unit_label(data[name])
+                handle.value = label_of(_UNITS, data[name])
             elif name in data:
                 handle.value = tuple(data[name]) if name == "size" else data[name]
 
@@ -317,10 +276,6 @@ def _factor(data: dict[str, Any], scene: Scene) -> float:
     """The scene's [unit] per unit of a mesh file."""
     unit = data["unit"]
     return float(data["scale"] * (METRES[unit] / METRES[scene.unit] if unit else 1.0))
-
-
-def _unit_label(unit: str | None) -> str:
-    return next(label for label, value in _UNITS.items() if value == unit)
 
 
 def _plain(name: str) -> str:

@@ -7,7 +7,7 @@ import time
 
 import viser
 
-from app.panels.stages import Wake
+from app.panels.widgets import Wake
 
 SPEEDS = {"¼ ×": 0.25, "½ ×": 0.5, "real time": 1.0, "2 ×": 2.0}
 FRAME = 1 / 30

@@ -13,8 +13,8 @@ from abi.errors import AbiError, NoPath, SceneError, StageError
 from abi.planner.diagnosis import Reason
 from abi.planner.plan import Plan
 from app import style
-from app.labels import LABELS, as_labelled
-from app.panels.stages import Wake
+from app.labels import LABELS, as_labelled, at_least
+from app.panels.widgets import Wake
 
 STAGES = ("mesh", "graph", "search", "bspline", "quadratic", "arm")
 _TITLES = {
@@ -175,8 +175,3 @@ def _kept(clearance: Clearance, holds: bool, asked: float) -> str:
     if holds:
         return f"clear by {at_least(max(clearance.distance, 0.0))} ✓"
     return f"{at_least(clearance.distance)} of {asked:g} ✗"
-
-
-def at_least(distance: float) -> str:
-    """A distance in three decimals, rounded down: it is a bound, and less than it is also one."""
-    return f"{math.floor(1000 * distance + 1e-6) / 1000:.3f}"

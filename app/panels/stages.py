@@ -7,18 +7,13 @@ here) and ``write(scene)`` (show another scene). ``wake`` is the only callback t
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from typing import Any
 
 import viser
 
 from abi.scene.scene import Scene
 from app import style
-
-Wake = Callable[[Any], None]
-
-DIGITS = 6
-"""Decimals that a box takes; left to itself it takes no more than its first value has."""
+from app.panels.widgets import DIGITS, Wake, label_of, within
 
 LATTICES = {
     "BCC: congruent tetrahedra": "bcc",
@@ -53,7 +48,7 @@ class MeshPanel:
             low,
             high,
             step,
-            _within(scene.mesh.pitch, low, high),
+            within(scene.mesh.pitch, low, high),
             hint="Distance between neighbouring nodes. Half the pitch: eight times the nodes.",
         )
         self.seed = gui.add_number(
@@ -81,7 +76,7 @@ class MeshPanel:
         low, high, step = _pitch_range(scene)
         self.pitch.label = f"pitch [{scene.unit}]"
         self.pitch.min, self.pitch.max, self.pitch.step = low, high, step
-        self.lattice.value = _label(LATTICES, scene.mesh.lattice)
+        self.lattice.value = label_of(LATTICES, scene.mesh.lattice)
         self.pitch.value = scene.mesh.pitch
         self.seed.value = scene.mesh.seed
         self._max_nodes = scene.mesh.max_nodes
@@ -140,8 +135,8 @@ class SearchPanel:
 
     def write(self, scene: Scene) -> None:
         """Show ``scene``."""
-        self.algorithm.value = _label(ALGORITHMS, scene.search.algorithm)
-        self.weight.value = _label(WEIGHTS, scene.search.weight)
+        self.algorithm.value = label_of(ALGORITHMS, scene.search.algorithm)
+        self.weight.value = label_of(WEIGHTS, scene.search.weight)
         self.taut.value = scene.search.taut
 
 
@@ -158,7 +153,7 @@ class SplinePanel:
             0.0,
             high,
             high / 100,
-            _within(scene.spline.clearance, 0.0, high),
+            within(scene.spline.clearance, 0.0, high),
             hint="The distance that mesh, path and curve keep from every obstacle.",
         )
         self.clearance.precision = DIGITS
@@ -216,8 +211,8 @@ class MotionPanel:
         """Show ``scene``."""
         self.speed.label = f"V [{scene.unit}/s]"
         self.rates.label = f"a1, a3 [{scene.unit}/s²]"
-        self.fit.value = _label(FITS, scene.quadratic.mode)
-        self.curve.value = _label(FOLLOWED, scene.motion.curve)
+        self.fit.value = label_of(FITS, scene.quadratic.mode)
+        self.curve.value = label_of(FOLLOWED, scene.motion.curve)
         self.speed.value = scene.motion.speed
         self.rates.value = (scene.motion.acceleration, scene.motion.deceleration)
 
@@ -303,18 +298,10 @@ class ArmPanel:
         self.columns.value = (arm.a1, arm.a2)
         self.links.value = (arm.a3, arm.a4, arm.a5)
         self.extension.value = arm.q5
-        self.dynamics.value = _label(DYNAMICS, arm.dynamics)
+        self.dynamics.value = label_of(DYNAMICS, arm.dynamics)
         self.forces.value = arm.forces
         self.masses.value = arm.masses
         self.radii.value = arm.radii
-
-
-def _label(options: dict[str, str], value: str) -> str:
-    return next(label for label, option in options.items() if option == value)
-
-
-def _within(value: float, low: float, high: float) -> float:
-    return min(max(value, low), high)
 
 
 def _pitch_range(scene: Scene) -> tuple[float, float, float]:

@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial import cKDTree
 
 import abi
-from app.panels.stage_headers import at_least
+from app.labels import at_least
 from app.session import Session
 from tests.abi import meshes
 from tests.browser import drawn

@@ -76,7 +76,7 @@ def test_hostile_values_break_neither_their_tab_nor_another(page: Page, server: 
         for value in (NAN, math.inf, -1e308, "junk", None, [NAN]):
             fake.set(handle, value)
     fake.drag(hostile.obstacles.gizmos[0], [NAN, NAN, NAN])
-    fake.drag(hostile.points.gizmos["goal"], [1e308, NAN, 0.0])
+    fake.drag(hostile.ends.gizmos["goal"], [1e308, NAN, 0.0])
     fake.close()
     page.until(lambda: number not in server.sessions and not _threads(number), "its end")
     assert mine.plan is good
