@@ -25,7 +25,9 @@ from abi import assets
 from abi.errors import SceneError
 from abi.obstacles.primitives import LARGEST, Length, MeshShape, Obstacles, Vec3
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
+from abi.obstacles.triangle_mesh.repair import Surface
 from abi.scene.field_errors import first_error
+from abi.scene.scene_changes import changed_value, without_stale_meshes
 from abi.scene.scene_file import parse, write
 
 Name = Literal["bcc", "kuhn", "delaunay"]
@@ -248,23 +250,29 @@ class Scene(_Settings):
         shapes = [shape for shape in self.obstacles if isinstance(shape, MeshShape)]
         return MeshSource({shape.file: shape.surface for shape in shapes})
 
-    def replace(self, files: Mapping[str, bytes] | None = None, **changes: Any) -> Self:
-        """A copy with changed fields, checked again; a dict changes fields of a section.
+    def replace(self, files: Mapping[str, bytes | Surface] | None = None, **changes: Any) -> Self:
+        """The scene with changed fields; itself where they say what it holds already.
+
+        Only what differs is checked again, and what belongs together: a panel may be read at each
+        movement of a hand.
 
         Args:
             files: content of mesh files by name, for obstacles that name a new one; the scene's
                 own meshes need none.
-            changes: plain data by field.
+            changes: plain data by field; a dict changes fields of a section, and obstacles may be
+                given as they are.
 
         Raises:
             SceneError: names the field that is wrong.
         """
-        data = self.to_dict()
+        data = dict(self)
         for name, change in changes.items():
-            section = data.get(name)
-            if isinstance(section, dict) and isinstance(change, dict):
-                change = {**section, **change}
-            data[name] = change
+            data[name] = changed_value(data.get(name), change)
+        data["obstacles"] = without_stale_meshes(data["obstacles"], files or {})
+        if len(data) == len(type(self).model_fields) and all(
+            data[name] is held for name, held in self
+        ):
+            return self
         return self.from_dict(data, MeshSource({**self.meshes.files, **(files or {})}))
 
     def save(self, path: str | Path) -> None:

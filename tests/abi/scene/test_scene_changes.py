@@ -1,0 +1,111 @@
+"""A changed scene is the one that its plain data would make, and keeps what is not changed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from pydantic import BaseModel
+
+from abi.errors import SceneError
+from abi.obstacles.primitives import MeshShape, Sphere
+from abi.obstacles.triangle_mesh.mesh_source import MeshSource
+from abi.scene.scene import Scene, load_scene, scene_names
+from tests.abi import meshes
+
+NUMBERS = st.sampled_from([0, 1, 1.0, 2.0, 0.2, True, -1.0, float("nan"), "2", None])
+POINTS = st.lists(st.sampled_from([0.0, 3.0, 3, 6.0, 7.0, float("inf")]), min_size=2, max_size=4)
+SPHERE = {"shape": "sphere", "radius": 0.5, "position": [1, 1, 1]}
+BOX = load_scene("paper").to_dict()["obstacles"][0]
+CHANGES = st.fixed_dictionaries(
+    {},
+    optional={
+        "start": POINTS,
+        "goal": POINTS,
+        "unit": st.sampled_from(["cm", "mm", "ell"]),
+        "mesh": st.dictionaries(st.sampled_from(["pitch", "seed", "pich"]), NUMBERS),
+        "search": st.dictionaries(st.sampled_from(["taut", "weight"]), NUMBERS),
+        "spline": st.dictionaries(st.sampled_from(["degree", "clearance"]), NUMBERS),
+        "arm": st.dictionaries(st.sampled_from(["a1", "elbow", "forces"]), NUMBERS | POINTS),
+        "obstacles": st.lists(
+            st.sampled_from([BOX, SPHERE, {**SPHERE, "radius": -1}, {**BOX, "size": 3}, 5]),
+            max_size=3,
+        ),
+        "version": NUMBERS,
+    },
+)
+
+
+def checked_whole(scene: Scene, changes: dict[str, Any], files: Any = None) -> Scene:
+    """The changed scene by way of plain data, all of it checked."""
+    data = scene.to_dict()
+    for name, change in changes.items():
+        data[name] = {**data[name], **change} if isinstance(change, dict) else change
+    return Scene.from_dict(data, files)
+
+
+def outcome(make: Callable[[], Scene]) -> Scene | str:
+    """The scene made, or the sentence that says why there is none."""
+    try:
+        return make()
+    except SceneError as error:
+        return f"{error.field}: {error}"
+
+
+@given(changes=CHANGES)
+def test_a_change_makes_what_all_the_plain_data_would_make(changes: dict[str, Any]) -> None:
+    scene = load_scene("paper")
+    expected = outcome(partial(checked_whole, scene, changes))
+    assert outcome(partial(scene.replace, **changes)) == expected
+
+
+@pytest.mark.parametrize("name", scene_names())
+def test_a_scene_told_what_it_holds_is_the_same_object(name: str) -> None:
+    scene = load_scene(name)
+    assert scene.replace() is scene
+    assert scene.replace(**scene.to_dict()) is scene
+    assert scene.replace(**dict(scene)) is scene
+
+
+@pytest.mark.parametrize("name", scene_names())
+def test_only_what_is_changed_is_another_object(name: str) -> None:
+    scene = load_scene(name)
+    data = scene.to_dict()["obstacles"]
+    data[-1]["position"][2] += 1e-3
+    moved = scene.replace(obstacles=data)
+    assert moved.obstacles[-1].position == pytest.approx(data[-1]["position"])
+    kept = [a is b for a, b in zip(scene.obstacles, moved.obstacles, strict=True)]
+    assert kept == [True] * (len(kept) - 1) + [False]
+    for field, value in scene:
+        if isinstance(value, BaseModel):
+            assert getattr(moved, field) is value
+
+
+def test_a_mesh_file_with_another_content_is_read_again() -> None:
+    small, large = (meshes.stl(meshes.box((size, size, size))) for size in (1.0, 2.0))
+    mesh = {"shape": "mesh", "file": "part.stl", "position": [3, 3, 3]}
+    data = {"version": 1, "obstacles": [mesh, SPHERE]}
+    scene = Scene.from_dict(data, MeshSource({"part.stl": small}))
+    files = {"part.stl": large}
+    for changes in ({}, {"obstacles": scene.to_dict()["obstacles"]}, {"start": [0, 0, 1]}):
+        changed = scene.replace(files, **changes)
+        assert changed == checked_whole(scene, changes, MeshSource(files))
+        part, sphere = changed.obstacles
+        assert isinstance(part, MeshShape)
+        assert isinstance(sphere, Sphere)
+        np.testing.assert_allclose(np.ptp(part.surface.vertices, axis=0), 2.0)
+        assert sphere is scene.obstacles[1]
+
+
+def test_a_mesh_counts_in_the_unit_that_the_scene_is_changed_to() -> None:
+    mesh = {"shape": "mesh", "file": "part.stl", "unit": "cm", "position": [3, 3, 3]}
+    files = MeshSource({"part.stl": meshes.stl(meshes.box())})
+    scene = Scene.from_dict({"version": 1, "obstacles": [mesh]}, files)
+    changed = scene.replace(unit="mm")
+    assert changed == checked_whole(scene, {"unit": "mm"}, files)
+    assert changed != scene
