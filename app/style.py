@@ -42,6 +42,9 @@ CURVES: dict[str, tuple[str, Colour]] = {
     "quadratic": ("quadratic", QUADRATIC),
 }
 
+BOX = '<div style="margin:0 10px 4px;line-height:1.35;font-size:12.5px">'
+"""Begin of a paragraph between widgets, as HTML."""
+
 LEFT_WIDTH = 334
 RIGHT_WIDTH = 344
 

@@ -64,7 +64,7 @@ def measure(nodes: int, browser: Browser) -> dict[str, Any]:
     """
     scene = scene_with(nodes)
     with _tab(scene, browser) as (page, session):
-        gizmo = session.obstacles.gizmos[0].name
+        gizmo = session.panels.obstacles.gizmos[0].name
         grip = [0.0, 0.0, 0.85 * page.props(gizmo)["scale"]]
         times = [_step(page, gizmo, grip, up=number % 20 < 10) for number in range(STEPS)]
         page.until(lambda: session.resting, "the plan at rest")

@@ -8,7 +8,7 @@ from __future__ import annotations
 import functools
 import io
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 import viser
@@ -20,7 +20,9 @@ from abi.arm.trajectory import rest
 from abi.arrays import FloatArray
 from abi.planner.plan import Plan
 from app import style
+from app.frame import Frame, Switch
 from app.layers.lines import segments
+from app.layout import Layout
 
 if TYPE_CHECKING:
     import trimesh
@@ -56,23 +58,33 @@ class _Hinge:
 class ArmLayer:
     """One node a link, nested as in the URDF, so that a frame sends six poses and no geometry."""
 
-    def __init__(self, client: viser.ClientHandle) -> None:
-        self._scene = client.scene
-        self._base = client.scene.add_frame("/arm", show_axes=False)
+    switches: ClassVar[tuple[Switch, ...]] = (
+        Switch("trace", "tool trace", style.TRACE),
+        Switch("arm", "arm", style.POINT),
+    )
+
+    def __init__(self, layout: Layout) -> None:
+        self._scene = layout.client.scene
+        self._base = self._scene.add_frame("/arm", show_axes=False)
         self._hinges: list[_Hinge] = []
         self._arm: Arm | None = None
         self._built: tuple[str, float] | None = None
         self._posed: object = None
-        self._trace = client.scene.add_line_segments(
+        self._trace = self._scene.add_line_segments(
             "/trace", np.zeros((1, 2, 3)), style.TRACE, thickness=4.0, thickness_units="screen"
         )
         self._traced: tuple[object, int] = (None, -1)
 
-    def draw(self, plan: Plan) -> None:
+    def draw(self, frame: Frame) -> None:
+        """Draw the arm where it is at the frame's time, and the trace up to there."""
+        if frame.plan.arm is not None and frame.plan.arm is not self._arm:
+            self._place(frame.plan.arm)
+        self._pose(frame.plan, frame.time)
+        self._base.visible = "arm" in frame.shown
+        self._trace.visible = "trace" in frame.shown
+
+    def _place(self, arm: Arm) -> None:
         """Build the arm anew when its links changed, and put it on its base."""
-        if plan.arm is None or plan.arm is self._arm:
-            return
-        arm = plan.arm
         self._base.position = arm.base
         text, scale = urdf(arm), 1 / arm.metres
         if text != _shipped():
@@ -83,7 +95,7 @@ class ArmLayer:
             self._built = text, scale
         self._arm = arm
 
-    def pose(self, plan: Plan, time: float) -> None:
+    def _pose(self, plan: Plan, time: float) -> None:
         """Move the arm to where it is at ``time`` [s], and draw the trace up to there."""
         motion = plan.motion
         moment = (motion if motion is not None else plan, time)
@@ -107,11 +119,6 @@ class ArmLayer:
     def _move(self, positions: FloatArray) -> None:
         for hinge in self._hinges:
             hinge.move(positions)
-
-    def show(self, arm: bool, trace: bool) -> None:
-        """Switch arm and trace."""
-        self._base.visible = arm
-        self._trace.visible = trace
 
     def _build(self, robot: yourdfpy.URDF, scale: float) -> None:
         """Add the nodes of ``robot``, its metres times ``scale``."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 import numpy as np
 import viser
 
@@ -9,7 +11,9 @@ from abi.arrays import FloatArray
 from abi.curves.curve import Curve
 from abi.planner.plan import Plan
 from app import style
+from app.frame import Frame, Switch
 from app.layers.lines import segments
+from app.layout import Layout
 
 SAMPLES = 160
 
@@ -17,10 +21,16 @@ SAMPLES = 160
 class CurvesLayer:
     """Draws the curves of stages 4 and 5; the one the arm executes is the wider."""
 
-    def __init__(self, client: viser.ClientHandle) -> None:
-        self._scene = client.scene
+    switches: ClassVar[tuple[Switch, ...]] = (
+        Switch("bspline", "B-spline", style.BSPLINE),
+        Switch("control", "control points", style.BSPLINE),
+        Switch("quadratic", "quadratic", style.QUADRATIC),
+    )
+
+    def __init__(self, layout: Layout) -> None:
+        self._scene = layout.client.scene
         self._lines = {
-            name: client.scene.add_line_segments(
+            name: self._scene.add_line_segments(
                 f"/curve/{name}",
                 np.zeros((1, 2, 3)),
                 colour,
@@ -29,7 +39,7 @@ class CurvesLayer:
             )
             for name, (_, colour) in style.CURVES.items()
         }
-        self._polygon = client.scene.add_line_segments(
+        self._polygon = self._scene.add_line_segments(
             "/curve/control_polygon",
             np.zeros((1, 2, 3)),
             style.BSPLINE,
@@ -37,8 +47,7 @@ class CurvesLayer:
             thickness_units="screen",
         )
         self._control: viser.PointCloudHandle | None = None
-        self._show_control = True
-        self._entering = client.scene.add_line_segments(
+        self._entering = self._scene.add_line_segments(
             "/curve/entering",
             np.zeros((1, 2, 3)),
             style.ENTERS,
@@ -46,9 +55,20 @@ class CurvesLayer:
             thickness_units="screen",
         )
         self._drawn: dict[str, object] = {}
+        self._faded = False
 
-    def draw(self, plan: Plan) -> None:
+    def draw(self, frame: Frame) -> None:
         """Draw the plan's curves; none where there are none."""
+        self._draw_curves(frame.plan)
+        if frame.faded != self._faded:
+            self._fade(frame.faded)
+        self._lines["bspline"].visible = "bspline" in frame.shown
+        self._lines["quadratic"].visible = self._entering.visible = "quadratic" in frame.shown
+        self._polygon.visible = "control" in frame.shown
+        if self._control is not None:
+            self._control.visible = "control" in frame.shown
+
+    def _draw_curves(self, plan: Plan) -> None:
         curves: dict[str, Curve | None] = {
             "bspline": None if plan.bspline is None else plan.bspline.curve,
             "quadratic": None if plan.quadratic is None else plan.quadratic.curve,
@@ -65,21 +85,12 @@ class CurvesLayer:
             else:
                 self._draw_entering(plan)
 
-    def fade(self, faded: bool) -> None:
-        """Grey while a newer plan is on its way."""
+    def _fade(self, faded: bool) -> None:
+        self._faded = faded
         for name, line in self._lines.items():
             line.colors = np.array(style.FADED if faded else style.CURVES[name][1], np.uint8)
         self._polygon.colors = np.array(style.FADED if faded else style.BSPLINE, np.uint8)
         self._entering.colors = np.array(style.FADED if faded else style.ENTERS, np.uint8)
-
-    def show(self, bspline: bool, quadratic: bool, control: bool) -> None:
-        """Switch the curves and the control points."""
-        self._lines["bspline"].visible = bspline
-        self._lines["quadratic"].visible = self._entering.visible = quadratic
-        self._show_control = control
-        self._polygon.visible = control
-        if self._control is not None:
-            self._control.visible = control
 
     def _draw_entering(self, plan: Plan) -> None:
         """The stretches of the quadratic that come nearer than the clearance, in red."""
@@ -99,7 +110,7 @@ class CurvesLayer:
             point_size=0.012 * max(plan.scene.workspace.size),
             point_shape="circle",
             precision="float32",
-            visible=self._show_control and len(points) > 0,
+            visible=False,
         )
 
 

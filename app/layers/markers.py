@@ -2,23 +2,33 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 import numpy as np
 import viser
 
 from abi.planner.diagnosis import Reason
-from abi.scene.scene import Scene
 from app import style
+from app.frame import Frame, Switch
+from app.layout import Layout
 
 
 class MarkersLayer:
     """Bright balls that nothing hides for long."""
 
-    def __init__(self, client: viser.ClientHandle) -> None:
-        self._scene = client.scene
+    switches: ClassVar[tuple[Switch, ...]] = ()
+
+    def __init__(self, layout: Layout) -> None:
+        self._scene = layout.client.scene
+        self._drawn: Reason | None = None
         self._cloud: viser.PointCloudHandle | None = None
 
-    def draw(self, reason: Reason | None, scene: Scene) -> None:
+    def draw(self, frame: Frame) -> None:
         """Mark the reason's points; none without a reason."""
+        reason = frame.reason
+        if reason is self._drawn:
+            return
+        self._drawn = reason
         if reason is None or len(reason.points) == 0:
             if self._cloud is not None:
                 self._cloud.visible = False
@@ -27,7 +37,7 @@ class MarkersLayer:
             "/marks",
             reason.points.astype(np.float32),
             style.TRACE,
-            point_size=0.03 * max(scene.workspace.size),
+            point_size=0.03 * max(frame.plan.scene.workspace.size),
             point_shape="circle",
             precision="float32",
         )

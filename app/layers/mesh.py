@@ -1,6 +1,9 @@
-"""The tetrahedral mesh: its edges, its nodes, and what the obstacles took away."""
+"""The tetrahedral mesh: its edges, its nodes, what the obstacles took away, and the numbers."""
 
 from __future__ import annotations
+
+import html
+from typing import ClassVar
 
 import numpy as np
 import viser
@@ -9,10 +12,13 @@ from abi.arrays import FloatArray, IntArray
 from abi.planner.plan import Plan
 from abi.tet_mesh.subset import excerpt, fits
 from app import glb, style
+from app.frame import Frame, Switch
+from app.layout import Layout
 
 EDGE_BUDGET = 30_000
 """Edges a tab is sent at the most; beyond it a part of the mesh is shown."""
 
+_WAITING = f"{style.BOX}… counted when your hand rests.</div>"
 _WHAT = {
     "near": "those nearest to path and obstacles",
     "slice_x": "a slice across x",
@@ -23,63 +29,64 @@ _WHAT = {
 
 
 class MeshLayer:
-    """Draws edges as one line set and nodes as points.
+    """Draws edges as one line set and nodes as points, and writes how many there are."""
 
-    Attributes:
-        note: how much of the mesh is shown, empty when all is.
-        behind: whether the picture waits for the hand to rest.
-    """
+    switches: ClassVar[tuple[Switch, ...]] = (
+        Switch("edges", "mesh edges", style.MESH),
+        Switch("nodes", "mesh nodes", style.MESH),
+        Switch("excluded", "excluded", style.EXCLUDED),
+    )
 
-    def __init__(self, client: viser.ClientHandle) -> None:
-        self._scene = client.scene
+    def __init__(self, layout: Layout) -> None:
+        self._scene = layout.client.scene
+        with layout.folders["graph"]:
+            self._text = layout.client.gui.add_html("")
         self._edges: viser.GlbHandle | None = None
         self._clouds: dict[str, viser.PointCloudHandle] = {}
-        self._visible = {"edges": True, "nodes": True, "excluded": True}
+        self._seen: tuple[object, ...] = ()
         self._drawn: tuple[object, ...] = ()
-        self.note = ""
-        self.behind = False
+        self._written: tuple[object, ...] = ()
+        self._note = ""
+        self._behind = False
 
-    def draw(self, plan: Plan, view: str, hasty: bool) -> None:
-        """Draw the plan's mesh.
+    def draw(self, frame: Frame) -> None:
+        """Draw the plan's mesh, or the part of it that the frame asks for.
 
-        Args:
-            plan: what was planned last.
-            view: which part of the mesh to draw, of :data:`abi.tet_mesh.subset.VIEWS`.
-            hasty: whether the hand may still move: then a mesh that is more than the tab is sent
-                at once waits, and what it excludes is not shown meanwhile.
+        In haste a mesh that is more than the tab is sent at once waits, and what it excludes is not
+        shown meanwhile.
         """
+        if (seen := (frame.plan, frame.mesh_view, frame.hasty)) != self._seen:
+            self._seen = seen
+            self._draw_mesh(frame)
+        if self._edges is not None:
+            self._edges.visible = "edges" in frame.shown
+        for name, cloud in self._clouds.items():
+            cloud.visible = name in frame.shown and not (self._behind and name == "excluded")
+        if (state := (frame.plan, frame.partial, self._note)) != self._written:
+            self._written = state
+            self._text.content = _WAITING if frame.partial else _numbers(frame.plan, self._note)
+
+    def _draw_mesh(self, frame: Frame) -> None:
+        plan, view = frame.plan, frame.mesh_view
         whole = plan.free is None or fits(plan.free, EDGE_BUDGET)
         # where not all is shown, what is near the path
         state = (plan.free, plan.graph, view, None if whole else plan.path)
         if plan.free is None or state == self._drawn:
-            self.behind = False
+            self._behind = False
             return
-        self.behind = hasty and self._edges is not None and not whole
-        if self.behind:
-            self._hide("excluded")
+        self._behind = frame.hasty and self._edges is not None and not whole
+        if self._behind:
             return
         self._drawn = state
         near = plan.path.points if plan.path is not None else np.array([plan.scene.start])
         part = excerpt(plan.free, plan.graph, plan.scene.obstacles, near, view, EDGE_BUDGET)
-        self.note = ""
+        self._note = ""
         if len(part.edges) < part.edges_in_all:
-            self.note = f"{len(part.edges):,} of {part.edges_in_all:,} edges shown: {_WHAT[view]}"
+            self._note = f"{len(part.edges):,} of {part.edges_in_all:,} edges shown: {_WHAT[view]}"
         self._draw_edges(part.points, part.edges)
         size = min(0.05 * plan.free.mesh.pitch, 0.008 * max(plan.scene.workspace.size))
         self._draw_cloud("nodes", part.points, style.MESH, size)
         self._draw_cloud("excluded", part.excluded, style.EXCLUDED, 1.6 * size)
-
-    def show(self, edges: bool, nodes: bool, excluded: bool) -> None:
-        """Switch the three parts."""
-        self._visible = {"edges": edges, "nodes": nodes, "excluded": excluded}
-        if self._edges is not None:
-            self._edges.visible = edges
-        for name, cloud in self._clouds.items():
-            cloud.visible = self._visible[name] and not (self.behind and name == "excluded")
-
-    def _hide(self, name: str) -> None:
-        if name in self._clouds:
-            self._clouds[name].visible = False
 
     def _draw_edges(self, points: FloatArray, edges: IntArray) -> None:
         if len(edges) == 0:
@@ -92,7 +99,7 @@ class MeshLayer:
             self._edges = self._scene.add_glb(
                 "/mesh/edges",
                 data,
-                visible=self._visible["edges"],
+                visible=False,
                 cast_shadow=False,
                 receive_shadow=False,
             )
@@ -107,10 +114,30 @@ class MeshLayer:
             point_size=size,
             point_shape="circle",
             precision="float32",
-            visible=self._visible[name],
+            visible=False,
         )
 
 
 def _opacity(edges: int) -> float:
     """Fainter the more there are, so that the paths inside stay to be seen."""
     return float(np.clip(0.4 * (1000 / max(edges, 1)) ** 0.6, 0.1, 0.4))
+
+
+def _numbers(plan: Plan, note: str) -> str:
+    """Counts of the mesh and its graph; ``note`` says how much of it is drawn."""
+    if plan.graph is None or plan.mesh is None or plan.free is None:
+        return ""
+    graph = plan.graph
+    lines = [
+        f"Pitch {plan.mesh.pitch:.4g} {plan.scene.unit} (asked for {plan.scene.mesh.pitch:.4g}), "
+        f"{plan.free.tetrahedra_kept:,} tetrahedra, {int(plan.free.excluded.sum()):,} nodes "
+        "excluded.",
+        f"{graph.removed_edges:,} edges removed{_crossing(len(graph.crossing))}.",
+    ]
+    if note:
+        lines.append(html.escape(note) + ".")
+    return style.BOX + "<br>".join(lines) + "</div>"
+
+
+def _crossing(count: int) -> str:
+    return f", {count:,} of them between two free nodes: they cross an obstacle" if count else ""

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 import numpy as np
-import viser
 
 from abi.planner.plan import Plan
 from app import style
+from app.frame import Frame, Switch
 from app.layers.lines import dashes, segments
+from app.layout import Layout
 
 # Not along any edge of the lattices, so that coinciding paths lie beside each other everywhere.
 _ASIDE = np.array([0.53, -0.80, 0.27])
@@ -17,9 +20,15 @@ _SHIFT = {"a_star": 0.0, "dijkstra": 1.0, "bellman_ford": -1.0}
 class PathsLayer:
     """One fat line an algorithm; Dijkstra's is dashed, as in the paper's Fig. 3."""
 
-    def __init__(self, client: viser.ClientHandle) -> None:
+    switches: ClassVar[tuple[Switch, ...]] = (
+        *(Switch(name, label, colour) for name, (label, colour) in style.ALGORITHMS.items()),
+        Switch("taut", "taut path", style.TAUT),
+    )
+
+    def __init__(self, layout: Layout) -> None:
+        scene = layout.client.scene
         self._lines = {
-            name: client.scene.add_line_segments(
+            name: scene.add_line_segments(
                 f"/path/{name}",
                 np.zeros((1, 2, 3)),
                 colour,
@@ -28,7 +37,7 @@ class PathsLayer:
             )
             for name, (_, colour) in style.ALGORITHMS.items()
         }
-        self._taut = client.scene.add_line_segments(
+        self._taut = scene.add_line_segments(
             "/path/taut",
             np.zeros((1, 2, 3)),
             style.TAUT,
@@ -37,9 +46,18 @@ class PathsLayer:
         )
         self._drawn: object = None
         self._drawn_taut: object = self
+        self._faded = False
 
-    def draw(self, plan: Plan) -> None:
+    def draw(self, frame: Frame) -> None:
         """Draw the plan's paths; none where there are none."""
+        self._taut.visible = "taut" in frame.shown
+        for name, line in self._lines.items():
+            line.visible = name in frame.shown
+        if frame.faded != self._faded:
+            self._fade(frame.faded)
+        self._draw_paths(frame.plan)
+
+    def _draw_paths(self, plan: Plan) -> None:
         if plan.taut is not self._drawn_taut:
             self._drawn_taut = plan.taut
             points = np.zeros((0, 3)) if plan.taut is None else plan.taut.points
@@ -56,14 +74,8 @@ class PathsLayer:
             points = found[name].points + _SHIFT[name] * 0.006 * longest * _ASIDE
             line.points = dashes(points, 0.03 * longest) if name == "dijkstra" else segments(points)
 
-    def fade(self, faded: bool) -> None:
-        """Grey while a newer plan is on its way."""
+    def _fade(self, faded: bool) -> None:
+        self._faded = faded
         self._taut.colors = np.array(style.FADED if faded else style.TAUT, np.uint8)
         for name, line in self._lines.items():
             line.colors = np.array(style.FADED if faded else style.ALGORITHMS[name][1], np.uint8)
-
-    def show(self, visible: dict[str, bool]) -> None:
-        """Switch the paths, by algorithm and ``taut``."""
-        self._taut.visible = visible["taut"]
-        for name, line in self._lines.items():
-            line.visible = visible[name]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time as clock
+from typing import ClassVar
 
 import numpy as np
 import viser
@@ -11,6 +12,8 @@ from viser import uplot
 from abi.arrays import FloatArray
 from abi.planner.plan import Plan
 from app import style
+from app.frame import Frame, Switch
+from app.layout import Layout
 
 _GREY = "rgba(128,128,128,0.25)"
 _INK = "#868e96"
@@ -23,31 +26,34 @@ _PACE = 0.08
 class PlotsLayer:
     """The speed plot in two tabs, the joints in the second."""
 
-    def __init__(
-        self,
-        gui: viser.GuiApi,
-        result: viser.GuiTabHandle,
-        plots: viser.GuiTabHandle,
-        unit: str,
-    ) -> None:
+    switches: ClassVar[tuple[Switch, ...]] = ()
+
+    def __init__(self, layout: Layout) -> None:
+        gui, unit = layout.client.gui, layout.unit
         speed = (("|v|", style.TRACE), *zip(("vx", "vy", "vz"), style.AXES, strict=True))
         angles = tuple((f"q{i}", style.JOINTS[i - 1]) for i in (1, 2, 3, 4, 6))
-        with result:
+        with layout.result:
             self._speed = _plot(gui, _speed_title(unit), speed, 168)
-        with plots:
+        with layout.joints:
             self._none = gui.add_html(_NONE)
             self._angles = _plot(gui, "joint angles q1 q2 q3 q4 q6 [rad]", angles, 250)
             self._slide = _plot(gui, _slide_title(unit), (("q5", style.JOINTS[4]),), 170)
         self._unit = unit
         self._plots = (self._speed, self._angles, self._slide)
         self._motion: object = None
+        self._marked: tuple[object, float] = (None, -1.0)
         self._due = 0.0
         self._data: tuple[tuple[viser.GuiUplotHandle, tuple[FloatArray, ...]], ...] = ()
 
-    def draw(self, plan: Plan) -> None:
-        """Plot the plan's motion; nothing where there is none."""
-        if plan.motion is self._motion:
-            return
+    def draw(self, frame: Frame) -> None:
+        """Plot the plan's motion with a line at "now"; nothing where there is none."""
+        if frame.plan.motion is not self._motion:
+            self._take(frame.plan)
+        if (self._motion, frame.time) != self._marked:
+            self._mark(frame.time, frame.playing)
+
+    def _take(self, plan: Plan) -> None:
+        """Take over the plan's motion, to be plotted with its line."""
         self._motion = plan.motion
         self._due = 0.0
         self._none.visible = plan.motion is None
@@ -72,12 +78,13 @@ class PlotsLayer:
             (self._slide, (time, positions[:, 4])),
         )
 
-    def cursor(self, time: float, playing: bool) -> None:
+    def _mark(self, time: float, playing: bool) -> None:
         """Draw the line at ``time`` [s]; while ``playing`` not at every frame."""
         now = clock.monotonic()
         if playing and now < self._due:
             return
         self._due = now + _PACE
+        self._marked = self._motion, time
         for handle, (times, *series) in self._data:
             low = min(float(np.min(line)) for line in series)
             high = max(float(np.max(line)) for line in series)

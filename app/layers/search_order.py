@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 import numpy as np
 import viser
 
-from abi.planner.plan import Plan
 from app import style
+from app.frame import Frame, Switch
+from app.layout import Layout
 
 NODE_BUDGET = 20_000
 
@@ -14,20 +17,23 @@ NODE_BUDGET = 20_000
 class SearchOrderLayer:
     """Colours the nodes in the order in which the chosen algorithm expanded them."""
 
-    def __init__(self, client: viser.ClientHandle) -> None:
-        self._scene = client.scene
+    switches: ClassVar[tuple[Switch, ...]] = ()
+
+    def __init__(self, layout: Layout) -> None:
+        self._scene = layout.client.scene
         self._cloud: viser.PointCloudHandle | None = None
         self._drawn: object = None
 
-    def draw(self, plan: Plan, share: float) -> None:
-        """Draw the first ``share`` (0 to 1) of the expansions.
+    def draw(self, frame: Frame) -> None:
+        """Draw the first part of the expansions.
 
         Without a path and with nothing asked for, what the start can reach is shown instead.
         """
+        plan = frame.plan
         result = plan.path
         reached = getattr(plan.error, "reached", None)
         if result is not None and plan.graph is not None:
-            count = round(share * result.expanded)
+            count = round(frame.expanded_share * result.expanded)
             state: object = (result, count)
             order = result.order[:count]
             colour = style.ALGORITHMS[result.algorithm][1]

@@ -5,13 +5,14 @@ from __future__ import annotations
 import html
 import math
 from collections.abc import Iterable
-
-import viser
+from typing import ClassVar
 
 from abi.arm.trajectory import Violation
 from abi.planner.plan import Plan
 from app import style
+from app.frame import Frame, Switch
 from app.labels import at_least
+from app.layout import Layout
 
 _TABLE = (
     '<table style="width:100%;border-collapse:collapse;font-size:12.5px;'
@@ -19,55 +20,44 @@ _TABLE = (
 )
 _HEAD = "padding:3px 4px;font-weight:600;border-bottom:1px solid rgba(128,128,128,.5);"
 _CELL = "padding:3px 4px;border-bottom:1px solid rgba(128,128,128,.22);"
-_BOX = '<div style="margin:0 10px 4px;line-height:1.35;font-size:12.5px">'
 GOOD, BAD = "#12a67c", "#e03131"
 _PIECES_SHOWN = 2
 _COARSE = (
-    f"{_BOX}<b>≈ coarse while you move</b>: pitch {{:.3g}} {{}}, one search. "
+    f"{style.BOX}<b>≈ coarse while you move</b>: pitch {{:.3g}} {{}}, one search. "
     "The mesh you asked for follows when your hand rests.</div>"
 )
-_PARTIAL = f"{_BOX}One search while you move; the others follow when your hand rests.</div>"
-_WAITING = f"{_BOX}… counted when your hand rests.</div>"
-_LEGEND = f"{_BOX}✓ clear (curves: proven), ✗ too near: red in the scene.</div>"
+_PARTIAL = f"{style.BOX}One search while you move; the others follow when your hand rests.</div>"
+_LEGEND = f"{style.BOX}✓ clear (curves: proven), ✗ too near: red in the scene.</div>"
 
 
 class TablesLayer:
-    """Two tables in the result tab, and the graph's and the curve's numbers in their folders."""
+    """Two tables in the result tab, and the numbers of curves and arm in their folders."""
 
-    def __init__(
-        self,
-        gui: viser.GuiApi,
-        result: viser.GuiTabHandle,
-        graph: viser.GuiFolderHandle,
-        bspline: viser.GuiFolderHandle,
-        quadratic: viser.GuiFolderHandle,
-        arm: viser.GuiFolderHandle,
-    ) -> None:
-        with result:
+    switches: ClassVar[tuple[Switch, ...]] = ()
+
+    def __init__(self, layout: Layout) -> None:
+        gui = layout.client.gui
+        with layout.result:
             self._tables = gui.add_html("")
-        with graph:
-            self._graph = gui.add_html("")
-        with bspline:
+        with layout.folders["bspline"]:
             self._bspline = gui.add_html("")
-        with quadratic:
+        with layout.folders["quadratic"]:
             self._quadratic = gui.add_html("")
-        with arm:
+        with layout.folders["arm"]:
             self._arm = gui.add_html("")
+        self._drawn: tuple[object, ...] = ()
 
-    def draw(self, plan: Plan, mesh_note: str, coarse: bool, partial: bool) -> None:
-        """Write the plan's numbers.
-
-        Args:
-            plan: what was planned last.
-            mesh_note: how much of the mesh is shown.
-            coarse: whether its mesh is coarser than asked for, while the hand moves.
-            partial: whether it is, or two searches wait until the hand rests.
-        """
-        note = _PARTIAL if partial else ""
-        if coarse:
+    def draw(self, frame: Frame) -> None:
+        """Write the plan's numbers."""
+        plan = frame.plan
+        state = plan, frame.coarse, frame.partial
+        if state == self._drawn:
+            return
+        self._drawn = state
+        note = _PARTIAL if frame.partial else ""
+        if frame.coarse:
             note = _COARSE.format(plan.scene.mesh.pitch, plan.scene.unit)
-        self._tables.content = _searches(plan, partial) + _stages(plan) + note
-        self._graph.content = _WAITING if partial else _graph(plan, mesh_note)
+        self._tables.content = _searches(plan, frame.partial) + _stages(plan) + note
         self._bspline.content = _control_points(plan)
         self._quadratic.content = _coefficients(plan) + _motion(plan)
         self._arm.content = _arm(plan)
@@ -144,32 +134,13 @@ def _stage(title: str, length: float, shortest: float, kept: str) -> tuple[str, 
     return title, f"{length:.3f}", f"{100 * max(length / shortest - 1, 0):.1f} %", kept
 
 
-def _graph(plan: Plan, mesh_note: str) -> str:
-    if plan.graph is None or plan.mesh is None or plan.free is None:
-        return ""
-    graph = plan.graph
-    lines = [
-        f"Pitch {plan.mesh.pitch:.4g} {plan.scene.unit} (asked for {plan.scene.mesh.pitch:.4g}), "
-        f"{plan.free.tetrahedra_kept:,} tetrahedra, {int(plan.free.excluded.sum()):,} nodes "
-        "excluded.",
-        f"{graph.removed_edges:,} edges removed{_crossing(len(graph.crossing))}.",
-    ]
-    if mesh_note:
-        lines.append(html.escape(mesh_note) + ".")
-    return _BOX + "<br>".join(lines) + "</div>"
-
-
-def _crossing(count: int) -> str:
-    return f", {count:,} of them between two free nodes: they cross an obstacle" if count else ""
-
-
 def _control_points(plan: Plan) -> str:
     """What it took to keep the spline clear; nothing to say when it took nothing."""
     spline = None if plan.bspline is None else plan.bspline.curve
     if spline is None or not (spline.inserted or spline.moved):
         return ""
     return (
-        f"{_BOX}{len(spline.control_points)} control points: {spline.inserted} added, "
+        f"{style.BOX}{len(spline.control_points)} control points: {spline.inserted} added, "
         f"{spline.moved} pushed outward.</div>"
     )
 
@@ -204,7 +175,7 @@ def _motion(plan: Plan) -> str:
     peak = f"{profile.peak_speed:.3g} {plan.scene.unit}/s"
     shape = f", V not reached: {peak}" if profile.triangular else ""
     return (
-        f"{_BOX}t1 {profile.t1:.3f} + t2 {profile.t2:.3f} + t3 {profile.t3:.3f} = "
+        f"{style.BOX}t1 {profile.t1:.3f} + t2 {profile.t2:.3f} + t3 {profile.t3:.3f} = "
         f"{profile.duration:.2f} s{shape}.<br>"
         f"Theorem 1: t1 = t3·|a3/a1| {'✓' if abs(profile.theorem_residual) < 1e-9 else '✗'} "
         f"({profile.t1:.3f} = {profile.t1 - profile.theorem_residual:.3f})</div>"
@@ -227,7 +198,7 @@ def _arm(plan: Plan) -> str:
             else f"<b>✗ A link passes through {where}.</b> Only the tool's path is planned clear."
         )
     lines += [_passed(violation, unit) for violation in motion.limit_violations]
-    return _BOX + "<br>".join(lines) + "</div>" if lines else ""
+    return style.BOX + "<br>".join(lines) + "</div>" if lines else ""
 
 
 def _passed(violation: Violation, unit: str) -> str:

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import itertools
+from typing import ClassVar
 
 import numpy as np
 import viser
 
 from abi.scene.scene import Workspace
 from app import style
+from app.frame import Frame, Switch
+from app.layout import Layout
 
 _CORNERS = np.array(list(itertools.product((0.0, 1.0), repeat=3)))
 _EDGES = [(a, b) for a, b in itertools.combinations(range(8), 2) if bin(a ^ b).count("1") == 1]
@@ -17,9 +20,13 @@ _EDGES = [(a, b) for a, b in itertools.combinations(range(8), 2) if bin(a ^ b).c
 class WorkspaceLayer:
     """Draws the box that is meshed."""
 
-    def __init__(self, client: viser.ClientHandle) -> None:
-        self._client = client
-        self._box = client.scene.add_line_segments(
+    switches: ClassVar[tuple[Switch, ...]] = (
+        Switch("workspace", "workspace box", style.WORKSPACE),
+    )
+
+    def __init__(self, layout: Layout) -> None:
+        self._scene = layout.client.scene
+        self._box = self._scene.add_line_segments(
             "/workspace",
             np.zeros((12, 2, 3)),
             style.WORKSPACE,
@@ -29,17 +36,21 @@ class WorkspaceLayer:
         self._grid: viser.GridHandle | None = None
         self._drawn: tuple[Workspace, float] | None = None
 
-    def draw(self, workspace: Workspace, base: tuple[float, float, float]) -> None:
+    def draw(self, frame: Frame) -> None:
         """Draw the box, and a faint ground below it and the arm's base."""
-        if (workspace, base[2]) == self._drawn:
-            return
-        self._drawn = workspace, base[2]
+        self._box.visible = "workspace" in frame.shown
+        state = frame.plan.scene.workspace, frame.plan.scene.arm.base[2]
+        if state != self._drawn:
+            self._drawn = state
+            self._draw_box(*state)
+
+    def _draw_box(self, workspace: Workspace, base: float) -> None:
         corners = np.array(workspace.min) + _CORNERS * workspace.size
         self._box.points = corners[_EDGES].astype(np.float32)
         longest = max(workspace.size)
         centre = np.add(workspace.min, workspace.max) / 2
-        ground = min(workspace.min[2], base[2]) - 0.002 * longest
-        self._grid = self._client.scene.add_grid(
+        ground = min(workspace.min[2], base) - 0.002 * longest
+        self._grid = self._scene.add_grid(
             "/ground",
             width=4 * longest,
             height=4 * longest,
@@ -55,7 +66,3 @@ class WorkspaceLayer:
             shadow_opacity=0.1,
             position=(centre[0], centre[1], ground),
         )
-
-    def show(self, visible: bool) -> None:
-        """Switch the layer."""
-        self._box.visible = visible

@@ -6,7 +6,7 @@ The body is a child of its gizmo, so it moves in the browser at once; the server
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import viser
@@ -15,6 +15,7 @@ from abi.arrays import FloatArray
 from abi.obstacles.primitives import Box, Cylinder, MeshShape, Obstacle, Sphere
 from abi.scene.scene import Scene
 from app import style
+from app.frame import Frame, Switch
 from app.panels.widgets import Wake
 
 _Body = viser.BoxHandle | viser.IcosphereHandle | viser.MeshHandle
@@ -33,6 +34,8 @@ class ObstacleGizmos:
         chosen: which one has the handles, counted from 0.
     """
 
+    switches: ClassVar[tuple[Switch, ...]] = (Switch("obstacles", "obstacles", style.OBSTACLE),)
+
     def __init__(self, client: viser.ClientHandle, scene: Scene, wake: Wake) -> None:
         self._scene = client.scene
         self._wake = wake
@@ -43,6 +46,7 @@ class ObstacleGizmos:
         self._drawn: list[dict[str, Any]] = []
         self._added = 0
         self._visible = True
+        self._placed: Sequence[Obstacle] | None = None
         self.chosen = 0
         self.write(scene)
 
@@ -50,11 +54,7 @@ class ObstacleGizmos:
         """The ``obstacles`` list, at the poses of the gizmos."""
         return {
             "obstacles": [
-                {
-                    **data,
-                    "position": [float(number) for number in gizmo.position],
-                    "wxyz": [float(number) for number in gizmo.wxyz],
-                }
+                {**data, "position": gizmo.position.tolist(), "wxyz": gizmo.wxyz.tolist()}
                 for data, gizmo in zip(self.data, self.gizmos, strict=True)
             ]
         }
@@ -66,11 +66,21 @@ class ObstacleGizmos:
         self._size = max(scene.workspace.size)
         for shape in scene.obstacles:
             self.add(shape)
-        self.draw(scene.obstacles)
+        self._give_bodies(scene.obstacles)
         self.choose(0)
 
-    def draw(self, obstacles: Sequence[Obstacle]) -> None:
-        """Give each gizmo the body of its obstacle, where that has another shape or size now."""
+    def draw(self, frame: Frame) -> None:
+        """Give each gizmo the body of its obstacle, and show or hide all of them."""
+        if (visible := "obstacles" in frame.shown) != self._visible:
+            self._visible = visible
+            for gizmo in self.gizmos:
+                gizmo.visible = visible
+        if not frame.faded and frame.plan.scene.obstacles is not self._placed:
+            self._give_bodies(frame.plan.scene.obstacles)
+
+    def _give_bodies(self, obstacles: Sequence[Obstacle]) -> None:
+        """Draw bodies anew where a gizmo's obstacle has another shape or size now."""
+        self._placed = obstacles
         for number, shape in enumerate(obstacles):
             if self._drawn[number] == self.data[number]:
                 continue
@@ -81,7 +91,7 @@ class ObstacleGizmos:
             body.on_click(self._clicked)
 
     def add(self, shape: Obstacle) -> None:
-        """Put one more obstacle into the scene; :meth:`draw` gives it its body."""
+        """Put one more obstacle into the scene; the next frame gives it its body."""
         self._added += 1
         gizmo = self._scene.add_transform_controls(
             f"/obstacle_{self._added}",
@@ -98,6 +108,7 @@ class ObstacleGizmos:
         self.data.append(shape.model_dump(mode="json", exclude=_POSE))
         self._drawn.append({})
         self._bodies.append(None)  # type: ignore[arg-type]
+        self._placed = None
 
     def remove(self, number: int) -> None:
         """Take obstacle ``number`` away."""
@@ -111,12 +122,6 @@ class ObstacleGizmos:
         for index, gizmo in enumerate(self.gizmos):
             idle = index != number
             gizmo.disable_axes = gizmo.disable_sliders = gizmo.disable_rotations = idle
-
-    def show(self, visible: bool) -> None:
-        """Switch the obstacles, with their gizmos."""
-        self._visible = visible
-        for gizmo in self.gizmos:
-            gizmo.visible = visible
 
     def _clicked(self, event: viser.SceneNodePointerEvent[Any]) -> None:
         self.chosen = next(i for i, body in enumerate(self._bodies) if body is event.target)
@@ -186,10 +191,15 @@ class EndGizmos:
             gizmo.scale = 0.13 * size
             self._balls[name].radius = 0.018 * size
             self._labels[name].position = (0.0, 0.0, -0.05 * size)
-        self.label(scene)
+        self._label(scene)
 
-    def label(self, scene: Scene) -> None:
+    def draw(self, frame: Frame) -> None:
         """Write the coordinates on the labels."""
+        if not frame.faded and frame.plan.scene is not self._labelled:
+            self._label(frame.plan.scene)
+
+    def _label(self, scene: Scene) -> None:
+        self._labelled = scene
         for name, label in self._labels.items():
             label.text = f"{name} ({', '.join(f'{number:.3g}' for number in getattr(scene, name))})"
 

@@ -13,12 +13,16 @@ import numpy as np
 import viser
 from viser.transforms import SO3
 
+from abi.errors import AbiError
 from abi.obstacles.mesh_shape import suggest_unit
 from abi.obstacles.pose import METRES
 from abi.obstacles.primitives import Box, Capsule, Cylinder, MeshShape, Obstacle, Sphere
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.obstacles.triangle_mesh.repair import Surface
 from abi.scene.scene import Scene
+from app import page
+from app.frame import Frame
+from app.labels import as_labelled
 from app.panels.gizmos import EndGizmos, ObstacleGizmos
 from app.panels.widgets import DIGITS, NumberBox, Triple, Wake, label_of
 
@@ -27,20 +31,26 @@ _SIZES = ("size", "radius", "height", "scale", "unit")
 _UNITS: dict[str, str | None] = {"the scene's unit": None, "m": "m", "cm": "cm", "mm": "mm"}
 
 
-FIELDS = ("obstacles", "start", "goal", "file")
+_FIELDS = ("obstacles", "start", "goal", "file")
 """What fields of a scene are typed here, or uploaded."""
 
 
 class ObstacleEditor:
-    """The numbers of start, goal and the chosen obstacle."""
+    """The numbers of start, goal and the chosen obstacle.
+
+    Attributes:
+        surfaces: meshes that were uploaded, by the names of their files.
+    """
 
     def __init__(
         self,
-        gui: viser.GuiApi,
+        client: viser.ClientHandle,
         obstacles: ObstacleGizmos,
         points: EndGizmos,
         wake: Wake,
     ) -> None:
+        self._client = client
+        gui = client.gui
         self._obstacles, self._points = obstacles, points
         self._ends = {
             name: NumberBox(gui, name, 0.1, f"Where the tool's path has its {name}.", wake)
@@ -66,8 +76,10 @@ class ObstacleEditor:
             "Add a mesh…", mime_type=".stl,.obj,.glb", hint="STL, OBJ or GLB, up to 50 MB."
         )
         self._uploaded: object = self.upload.value
-        self._surfaces: dict[str, Surface] = {}
+        self.surfaces: dict[str, Surface] = {}
         self._suggested = ""
+        self._suggested_for: tuple[Scene, int] | None = None
+        self._refused = ""
         self._shown: dict[str, Any] = {}
         self._listed = -1
         self._pressed = False
@@ -120,7 +132,7 @@ class ObstacleEditor:
 
     def meshes(self, scene: Scene) -> MeshSource:
         """The surfaces that obstacles can name: those of ``scene`` and those uploaded here."""
-        return MeshSource({**scene.meshes.files, **self._surfaces})
+        return MeshSource({**scene.meshes.files, **self.surfaces})
 
     def _add_mesh(self, file: viser.UploadedFile, scene: Scene) -> None:
         """Put an uploaded mesh into the middle of the workspace.
@@ -130,7 +142,7 @@ class ObstacleEditor:
         """
         name = _plain(file.name)
         surface = MeshSource({name: file.content}).surface(name)
-        self._surfaces[name] = surface
+        self.surfaces[name] = surface
         middle = np.add(scene.workspace.min, scene.workspace.max) / 2
         centre = (surface.vertices.min(axis=0) + surface.vertices.max(axis=0)) / 2
         place = tuple(map(float, middle - centre))
@@ -140,13 +152,24 @@ class ObstacleEditor:
         self._obstacles.choose(len(self._obstacles.gizmos) - 1)
         self._forget()
 
-    def suggest(self, scene: Scene) -> None:
+    def draw(self, frame: Frame) -> None:
         """Ask when the chosen mesh is hugely out of scale, and say what was repaired in it.
 
-        Args:
-            scene: what was planned; it has the mesh that was added last.
+        What was typed here and is wrong is told of once: the heading that complains is far away.
         """
-        number = self._obstacles.chosen
+        if (refused := str(frame.refused or "")) != self._refused:
+            self._refused = refused
+            self._tell(frame.refused)
+        state = frame.plan.scene, self._obstacles.chosen
+        if not frame.faded and state != self._suggested_for:
+            self._suggested_for = state
+            self._suggest(*state)
+
+    def _tell(self, error: AbiError | None) -> None:
+        if isinstance(error, AbiError) and getattr(error, "field", "").startswith(_FIELDS):
+            page.refuse(self._client, "Not taken over", as_labelled(error, error.message))
+
+    def _suggest(self, scene: Scene, number: int) -> None:
         shape = scene.obstacles[number] if number < len(scene.obstacles) else None
         shown = isinstance(shape, MeshShape) and len(scene.obstacles) == len(self._obstacles.data)
         self._suggested, notes = "", []

@@ -13,6 +13,7 @@ from abi.errors import AbiError, NoPath, SceneError, StageError
 from abi.planner.diagnosis import Reason
 from abi.planner.plan import Plan
 from app import style
+from app.frame import Frame
 from app.labels import LABELS, as_labelled, at_least
 from app.panels.widgets import Wake
 
@@ -47,6 +48,7 @@ class StageHeaders:
         # viser lets checkers see a read-only value
         self._buttons: dict[str, Any] = {}
         self._change: dict[str, Any] | None = None
+        self._drawn: tuple[object, ...] = ()
         self.folders: dict[str, viser.GuiFolderHandle] = {}
         for stage in STAGES:
             self._notes[stage] = gui.add_html("", visible=False)
@@ -56,22 +58,27 @@ class StageHeaders:
                 _TITLES[stage], expand_by_default=stage not in ("graph", "arm")
             )
 
-    def draw(self, plan: Plan, coarse: bool) -> None:
-        """Put the plan's results into the headings.
-
-        Args:
-            plan: what was planned last.
-            coarse: whether its mesh is coarser than asked for, while the hand moves.
-        """
+    def draw(self, frame: Frame) -> None:
+        """Put the plan's results into the headings, and a sentence above the one that it is of."""
+        plan = frame.plan
+        state = plan, frame.coarse, frame.refused, frame.reason
+        if state == self._drawn:
+            return
+        self._drawn = state
         results = _results(plan)
-        if coarse and plan.free is not None:
+        if frame.coarse and plan.free is not None:
             results["mesh"] = f"≈ coarse, {plan.free.nodes:,} nodes"
         for stage, result in results.items():
             label = f"{_TITLES[stage]} — {result}" if result else _TITLES[stage]
             if self.folders[stage].label != label:
                 self.folders[stage].label = label
+        # what was typed last comes first
+        if frame.refused is not None:
+            self._complain(frame.refused, None)
+        else:
+            self._complain(plan.error, frame.reason)
 
-    def complain(self, error: AbiError | None, reason: Reason | None = None) -> None:
+    def _complain(self, error: AbiError | None, reason: Reason | None) -> None:
         """Show one sentence above the stage it belongs to; none clears it.
 
         Args:

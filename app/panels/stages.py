@@ -1,7 +1,8 @@
 """The inputs of stages 1 to 6, one panel each, docked left in the order of the method.
 
-Every panel has ``read() -> dict`` (its part of a scene file, as typed: checked by the scene, not
-here) and ``write(scene)`` (show another scene). ``wake`` is the only callback there is.
+Every panel has ``read() -> dict`` (what its widgets change of a scene, as typed: checked by
+:meth:`abi.Scene.replace`, not here) and ``write(scene)`` (show another scene). ``wake`` is the only
+callback there is.
 """
 
 from __future__ import annotations
@@ -13,6 +14,8 @@ import viser
 
 from abi.scene.scene import Scene
 from app import style
+from app.frame import Frame
+from app.layout import Layout
 from app.panels.widgets import DIGITS, Wake, label_of, within
 
 LATTICES = {
@@ -55,7 +58,6 @@ class MeshPanel:
             "seed", scene.mesh.seed, min=0, step=1, hint="Another seed jitters the nodes anew."
         )
         self.pitch.precision = DIGITS
-        self._max_nodes = scene.mesh.max_nodes
         for handle in (self.lattice, self.pitch, self.seed):
             handle.on_update(wake)
         self.write(scene)
@@ -67,7 +69,6 @@ class MeshPanel:
                 "lattice": LATTICES.get(self.lattice.value, self.lattice.value),
                 "pitch": self.pitch.value,
                 "seed": self.seed.value,
-                "max_nodes": self._max_nodes,
             }
         }
 
@@ -79,11 +80,14 @@ class MeshPanel:
         self.lattice.value = label_of(LATTICES, scene.mesh.lattice)
         self.pitch.value = scene.mesh.pitch
         self.seed.value = scene.mesh.seed
-        self._max_nodes = scene.mesh.max_nodes
-        self.offer(scene)
+        self._offer(scene)
 
-    def offer(self, scene: Scene) -> None:
-        """Show what there is to choose for the lattice of ``scene``."""
+    def draw(self, frame: Frame) -> None:
+        """Show what there is to choose for the lattice of the plan."""
+        if not frame.faded:
+            self._offer(frame.plan.scene)
+
+    def _offer(self, scene: Scene) -> None:
         self.seed.visible = scene.mesh.lattice == "delaunay"
 
 
@@ -302,6 +306,33 @@ class ArmPanel:
         self.forces.value = arm.forces
         self.masses.value = arm.masses
         self.radii.value = arm.radii
+
+
+class StagePanels:
+    """The panels of all stages, each in its stage's folder."""
+
+    def __init__(self, layout: Layout, scene: Scene, wake: Wake) -> None:
+        gui, folders = layout.client.gui, layout.folders
+        with folders["mesh"]:
+            self.mesh = MeshPanel(gui, scene, wake)
+        with folders["search"]:
+            self.search = SearchPanel(gui, scene, wake)
+        with folders["bspline"]:
+            self.spline = SplinePanel(gui, scene, wake)
+        with folders["quadratic"]:
+            self.motion = MotionPanel(gui, scene, wake)
+        with folders["arm"]:
+            self.arm = ArmPanel(gui, scene, wake)
+        self._panels = (self.mesh, self.search, self.spline, self.motion, self.arm)
+
+    def read(self) -> dict[str, Any]:
+        """The sections that the panels change."""
+        return {name: part for panel in self._panels for name, part in panel.read().items()}
+
+    def write(self, scene: Scene) -> None:
+        """Show ``scene``."""
+        for panel in self._panels:
+            panel.write(scene)
 
 
 def _pitch_range(scene: Scene) -> tuple[float, float, float]:

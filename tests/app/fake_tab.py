@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
-from typing import Any
+from typing import Any, TypeVar
 
 import msgspec
 import viser
 from websockets.sync.client import ClientConnection, connect
+
+from app.session import Session
+
+_Layer = TypeVar("_Layer")
 
 _CAMERA = {
     "type": "ViewerCameraMessage",
@@ -35,6 +39,12 @@ def until(condition: Callable[[], bool], patience: float = WAIT) -> None:
             return
         pause.wait(0.01)
     raise AssertionError("did not happen in time")
+
+
+def layer(session: Session, kind: type[_Layer]) -> _Layer:
+    """The session's layer of that kind."""
+    (found,) = (one for one in session.layers if isinstance(one, kind))
+    return found
 
 
 class FakeTab:

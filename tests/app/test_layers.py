@@ -11,20 +11,25 @@ import pytest
 
 from abi import load_scene, plan
 from abi.scene.scene import Scene
+from app.frame import Frame
+from app.layers.arm import ArmLayer
+from app.layers.mesh import MeshLayer
 from app.layers.plots import PlotsLayer
+from app.layers.workspace import WorkspaceLayer
+from app.layout import Layout
 from app.server import Server, start
 from app.session import Session
-from tests.app.fake_tab import FakeTab, until
+from tests.app.fake_tab import FakeTab, layer, until
 
 
 def test_the_mesh_shown_has_the_start_where_it_is(tab: tuple[FakeTab, Session]) -> None:
     fake, session = tab
     place = [5.7, 0.35, 0.1]
-    fake.drag(session.ends.gizmos["start"], place)
+    fake.drag(session.panels.ends.gizmos["start"], place)
     until(lambda: np.allclose(session.plan.scene.start, place))  # type: ignore[union-attr]
     until(lambda: session.resting and not session._changed.is_set())
 
-    nodes = np.asarray(session.mesh._clouds["nodes"].points, dtype=float)
+    nodes = np.asarray(layer(session, MeshLayer)._clouds["nodes"].points, dtype=float)
     assert np.linalg.norm(nodes - np.array(place), axis=1).min() < 1e-4
 
 
@@ -32,29 +37,29 @@ def test_the_part_of_a_fine_mesh_that_is_shown_goes_with_the_path(
     tab: tuple[FakeTab, Session],
 ) -> None:
     fake, session = tab
-    fake.set(session.mesh_panel.pitch, 0.2)
+    fake.set(session.panels.stages.mesh.pitch, 0.2)
     until(lambda: session.plan.scene.mesh.pitch == 0.2 and session.resting)  # type: ignore[union-attr]
-    fake.drag(session.ends.gizmos["start"], [5.7, 0.35, 0.1])
+    fake.drag(session.panels.ends.gizmos["start"], [5.7, 0.35, 0.1])
 
     def is_shown() -> bool:
         plan = session.plan
         assert plan is not None
         if plan.path is None or plan.mesh is None or plan.scene.start[0] < 5:
             return False
-        nodes = np.asarray(session.mesh._clouds["nodes"].points, dtype=float)
+        nodes = np.asarray(layer(session, MeshLayer)._clouds["nodes"].points, dtype=float)
         away = [np.linalg.norm(nodes - vertex, axis=1).min() for vertex in plan.path.points]
         return bool(max(away) < plan.mesh.pitch)
 
     until(is_shown)
-    assert session.mesh.note
+    assert layer(session, MeshLayer)._note
 
 
 def test_the_ground_is_below_the_arm(tab: tuple[FakeTab, Session]) -> None:
     fake, session = tab
     for height in (-4.0, 0.0):
-        fake.set(session.arm_panel.base, (3.0, -3.0, height))
+        fake.set(session.panels.stages.arm.base, (3.0, -3.0, height))
         until(lambda z=height: session.plan.scene.arm.base[2] == z)  # type: ignore[misc, union-attr]
-        until(lambda z=height: z - 0.1 < session.workspace._grid.position[2] < z)  # type: ignore[misc, union-attr]
+        until(lambda z=height: z - 0.1 < layer(session, WorkspaceLayer)._grid.position[2] < z)  # type: ignore[misc, union-attr]
 
 
 @pytest.mark.parametrize(
@@ -75,12 +80,13 @@ def test_an_arm_of_any_size_is_drawn_whole(tmp_path: Path, scene: dict[str, obje
         fake = FakeTab(server.url)
         until(lambda: any(session.plans for session in server.sessions.values()))
         (session,) = server.sessions.values()
-        until(lambda: session.arm._built is not None)
-        drawn = {node.frame.name.rpartition("/")[2] for node in session.arm._hinges}
+        until(lambda: layer(session, ArmLayer)._built is not None)
+        drawn = {node.frame.name.rpartition("/")[2] for node in layer(session, ArmLayer)._hinges}
         assert {"turret", "upper_arm", "forearm", "rod", "gripper", "tool"} <= drawn
         arm = made.arm
         reach = sum(
-            float(np.linalg.norm(hinge.origin.translation())) for hinge in session.arm._hinges
+            float(np.linalg.norm(hinge.origin.translation()))
+            for hinge in layer(session, ArmLayer)._hinges
         )
         assert reach == pytest.approx(arm.a1 + arm.a2 + arm.a3 + arm.a4 + arm.a5, rel=1e-6)
         fake.close()
@@ -90,26 +96,27 @@ def test_an_arm_of_any_size_is_drawn_whole(tmp_path: Path, scene: dict[str, obje
 
 def test_the_seed_is_offered_where_it_counts(tab: tuple[FakeTab, Session]) -> None:
     fake, session = tab
-    assert not session.mesh_panel.seed.visible
-    fake.set(session.mesh_panel.lattice, "Delaunay: jittered")
-    until(lambda: session.mesh_panel.seed.visible)
-    fake.set(session.mesh_panel.lattice, "Kuhn: six per cube")
-    until(lambda: not session.mesh_panel.seed.visible)
+    assert not session.panels.stages.mesh.seed.visible
+    fake.set(session.panels.stages.mesh.lattice, "Delaunay: jittered")
+    until(lambda: session.panels.stages.mesh.seed.visible)
+    fake.set(session.panels.stages.mesh.lattice, "Kuhn: six per cube")
+    until(lambda: not session.panels.stages.mesh.seed.visible)
 
 
-def test_a_plot_has_its_data_before_it_is_shown(server: Server) -> None:
+def test_a_plot_has_its_data_before_it_is_shown(tab: tuple[FakeTab, Session]) -> None:
     """A chart that is shown first and gets its data at once after stays without a time axis."""
-    gui = server.viser.gui
-    tabs = gui.add_tab_group()
-    layer = PlotsLayer(gui, tabs.add_tab("Result"), tabs.add_tab("Joints"), "cm")
+    _, session = tab
+    tabs = session.client.gui.add_tab_group()
+    one = tabs.add_tab("all of it")
+    layer = PlotsLayer(Layout(session.client, "cm", {}, one, one, one, one, one))
     told: list[tuple[object, str]] = []
     for plot in layer._plots:
         object.__setattr__(plot, "_queue_update", lambda name, _, of=plot: told.append((of, name)))
     found = plan(load_scene("paper"))
     assert found.motion is not None
-    layer.draw(found)
-    layer.cursor(0.0, playing=False)
-    layer.cursor(0.5, playing=False)
+    layer.draw(Frame(found))
+    layer.draw(Frame(found))
+    layer.draw(Frame(found, time=0.5))
     for plot in layer._plots:
         assert [name for of, name in told if of is plot] == ["data", "visible", "data"]
         assert plot.visible
@@ -123,9 +130,9 @@ def test_the_time_shown_is_the_arms(tab: tuple[FakeTab, Session]) -> None:
     fake.set(playback.slider, 2.0)
     until(lambda: playback._time == pytest.approx(2.0) and not playback.playing)
     inside, outside = [3.0, 3.0, 3.0], [6.0, 6.0, 6.0]
-    fake.drag(session.ends.gizmos["goal"], inside)
+    fake.drag(session.panels.ends.gizmos["goal"], inside)
     until(lambda: session.plan.error is not None)  # type: ignore[union-attr]
-    fake.drag(session.ends.gizmos["goal"], outside)
+    fake.drag(session.panels.ends.gizmos["goal"], outside)
     until(lambda: session.plan.error is None)  # type: ignore[union-attr]
 
     assert playback._time == pytest.approx(2.0)

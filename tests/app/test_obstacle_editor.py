@@ -14,10 +14,12 @@ import viser
 from abi import compiling
 from abi.scene.scene import Scene, load_scene
 from abi.scene.scene_file import dump
+from app.layers.arm import ArmLayer
+from app.layers.plots import PlotsLayer
 from app.server import start
 from app.session import Session
 from tests.abi import meshes
-from tests.app.fake_tab import FakeTab, until
+from tests.app.fake_tab import FakeTab, layer, until
 
 MILLIMETRES = {
     "version": 1,
@@ -52,7 +54,7 @@ def shows(session: Session, scene: Scene) -> bool:
 
 
 def boxes(session: Session) -> dict[str, list[float]]:
-    editor = session.editor
+    editor = session.panels.editor
     numbers = {name: box.handle.value for name, box in editor._ends.items()}
     numbers |= {"position": editor._position.handle.value, "turned": editor._angles.handle.value}
     return {name: list(value) for name, value in numbers.items()}
@@ -62,12 +64,12 @@ def boxes(session: Session) -> dict[str, list[float]]:
 def test_another_scene_is_in_the_numbers(tab: tuple[FakeTab, Session], name: str) -> None:
     fake, session = tab
     scene = load_scene(name)
-    fake.set(session.editor._ends["start"].handle, [0.5, 0.25, 0.0])
+    fake.set(session.panels.editor._ends["start"].handle, [0.5, 0.25, 0.0])
     until(lambda: session.plan.scene.start == (0.5, 0.25, 0.0))  # type: ignore[union-attr]
-    fake.set(session.files.choice, name)
+    fake.set(session.panels.files.choice, name)
     until(lambda: shows(session, scene))
 
-    assert len(session.editor.choice.options) == len(scene.obstacles)
+    assert len(session.panels.editor.choice.options) == len(scene.obstacles)
     found = boxes(session)
     np.testing.assert_allclose(found["start"], scene.start, atol=1e-3)
     np.testing.assert_allclose(found["goal"], scene.goal, atol=1e-3)
@@ -75,13 +77,13 @@ def test_another_scene_is_in_the_numbers(tab: tuple[FakeTab, Session], name: str
 
     # one typed number moves one thing, along one axis
     x, y, z = scene.start
-    fake.set(session.editor._ends["start"].handle, [x + 0.125, *found["start"][1:]])
+    fake.set(session.panels.editor._ends["start"].handle, [x + 0.125, *found["start"][1:]])
     until(lambda: shows(session, scene.replace(start=(x + 0.125, y, z))))
 
 
 def test_without_obstacles_there_is_nothing_to_edit(tab: tuple[FakeTab, Session]) -> None:
     fake, session = tab
-    editor = session.editor
+    editor = session.panels.editor
     fake.set(editor.buttons, "Delete")
     until(lambda: session.plan.scene.obstacles == ())  # type: ignore[union-attr]
     assert editor._position.handle.disabled
@@ -93,7 +95,7 @@ def test_without_obstacles_there_is_nothing_to_edit(tab: tuple[FakeTab, Session]
     assert not editor._position.handle.disabled
     assert not editor._angles.handle.disabled
     np.testing.assert_allclose(boxes(session)["position"], (3, 3, 4.5))
-    np.testing.assert_allclose(session.obstacles.gizmos[0].position, (3, 3, 4.5))
+    np.testing.assert_allclose(session.panels.obstacles.gizmos[0].position, (3, 3, 4.5))
 
 
 def test_while_a_number_is_wrong_the_rest_goes_on(
@@ -107,30 +109,30 @@ def test_while_a_number_is_wrong_the_rest_goes_on(
 
     monkeypatch.setattr(session.client, "send_file_download", keep)
     good = session.plan
-    fake.set(session.motion_panel.speed, 0.0)
-    until(lambda: session.stage_headers._notes["quadratic"].visible)
-    sentence = session.stage_headers._notes["quadratic"].content
+    fake.set(session.panels.stages.motion.speed, 0.0)
+    until(lambda: session.panels.stage_headers._notes["quadratic"].visible)
+    sentence = session.panels.stage_headers._notes["quadratic"].content
     assert "V is 0.0" in sentence
     assert "motion.speed" not in sentence
 
-    fake.set(session.layer_switches.switches["arm"], False)
-    until(lambda: not session.arm._base.visible)
-    fake.set(session.files.save, True)
+    fake.set(session.panels.layer_switches.boxes["arm"], False)
+    until(lambda: not layer(session, ArmLayer)._base.visible)
+    fake.set(session.panels.files.save, True)
     until(lambda: len(sent) == 1)
     assert good is not None
     assert sent[0].decode() == dump(good.scene.to_dict(), "scene.yaml")
 
-    fake.set(session.motion_panel.speed, 2.0)
+    fake.set(session.panels.stages.motion.speed, 2.0)
     until(lambda: session.plan.scene.motion.speed == 2.0)  # type: ignore[union-attr]
     assert len(sent) == 1
 
 
 def test_a_wrong_number_is_told_of_until_it_is_mended(tab: tuple[FakeTab, Session]) -> None:
     fake, session = tab
-    note = session.stage_headers._notes["quadratic"]
+    note = session.panels.stage_headers._notes["quadratic"]
     until(lambda: session.resting)
-    fake.set(session.motion_panel.speed, 0.0)
-    until(lambda: note.visible and session._faded)
+    fake.set(session.panels.stages.motion.speed, 0.0)
+    until(lambda: note.visible and session.frame.faded)
 
     # at rest the good scene is planned anew, as it is once everything is compiled
     plans = session.plans
@@ -139,10 +141,10 @@ def test_a_wrong_number_is_told_of_until_it_is_mended(tab: tuple[FakeTab, Sessio
     until(lambda: session.plans > plans and session._compiled)
     assert note.visible
     assert "V is 0.0" in note.content
-    assert session._faded
+    assert session.frame.faded
 
-    fake.set(session.motion_panel.speed, 4.0)
-    until(lambda: not note.visible and not session._faded)
+    fake.set(session.panels.stages.motion.speed, 4.0)
+    until(lambda: not note.visible and not session.frame.faded)
 
 
 def test_the_arm_is_as_large_as_the_scenes_unit_says(tmp_path: Path) -> None:
@@ -152,15 +154,18 @@ def test_the_arm_is_as_large_as_the_scenes_unit_says(tmp_path: Path) -> None:
     def size(session: Session) -> float:
         """How large the drawn arm is for its room."""
         assert session.plan is not None
-        places = [float(np.linalg.norm(hinge.frame.position)) for hinge in session.arm._hinges]
+        places = [
+            float(np.linalg.norm(hinge.frame.position))
+            for hinge in layer(session, ArmLayer)._hinges
+        ]
         return sum(places) / max(session.plan.scene.workspace.size)
 
     with served(path) as (fake, session):
-        until(lambda: session.arm._posed is not None)  # all of it is there
+        until(lambda: layer(session, ArmLayer)._posed is not None)  # all of it is there
         same = size(session)
         # the same arm in the same room, ten times as many of a unit a tenth as long
         for name in ("paper", str(path)):
-            fake.set(session.files.choice, name)
+            fake.set(session.panels.files.choice, name)
             scene = load_scene(name)
             until(lambda scene=scene: shows(session, scene))  # type: ignore[misc]
             until(lambda: size(session) == pytest.approx(same, rel=1e-6))
@@ -178,24 +183,24 @@ def test_a_file_that_is_no_scene_is_named_and_changes_nothing(
     )
     good = session.plan
     file = viser.UploadedFile("my scene.yaml", b"version: 1\nworkspace: [1, 2]")
-    session.files.upload._impl.value = file
-    fake.set(session.search_panel.shown, 10)
+    session.panels.files.upload._impl.value = file
+    fake.set(session.panels.stages.search.shown, 10)
     until(lambda: bool(told))
 
     assert told == [
         ("my scene.yaml is not opened", "workspace is [1, 2]; expected the fields min, max."),
     ]
     assert session.plan is good
-    assert not session._faded
-    assert not any(note.visible for note in session.stage_headers._notes.values())
+    assert not session.frame.faded
+    assert not any(note.visible for note in session.panels.stage_headers._notes.values())
 
 
 def test_what_is_not_listed_is_not_opened(tab: tuple[FakeTab, Session], tmp_path: Path) -> None:
     fake, session = tab
     path = tmp_path / "other.yaml"
     Scene.from_dict(MILLIMETRES).save(path)
-    fake.set(session.files.choice, str(path))
-    fake.set(session.spline_panel.degree, 3)
+    fake.set(session.panels.files.choice, str(path))
+    fake.set(session.panels.stages.spline.degree, 3)
     until(lambda: session.plan.scene.spline.degree == 3)  # type: ignore[union-attr]
     assert session.plan is not None
     assert session.plan.scene == load_scene("paper").replace(spline={"degree": 3})
@@ -215,7 +220,7 @@ def test_a_mesh_shrinks_about_its_middle(
     with served(path) as (fake, session):
         assert session.plan is not None
         before = session.plan.scene.obstacles[0].bounds()
-        fake.set(getattr(session.editor, widget), value)
+        fake.set(getattr(session.panels.editor, widget), value)
         until(lambda: session.plan.scene.obstacles[0].bounds()[1][0] != before[1][0])  # type: ignore[union-attr]
         after = session.plan.scene.obstacles[0].bounds()
     np.testing.assert_allclose(np.add(*after), np.add(*before), atol=1e-9)
@@ -224,11 +229,11 @@ def test_a_mesh_shrinks_about_its_middle(
 
 def test_plots_are_there_when_there_is_motion(tab: tuple[FakeTab, Session]) -> None:
     fake, session = tab
-    plots: list[viser.GuiUplotHandle] = list(session.plots._plots)
+    plots: list[viser.GuiUplotHandle] = list(layer(session, PlotsLayer)._plots)
     until(lambda: all(plot.visible for plot in plots))
-    fake.set(session.files.choice, "no-way")
+    fake.set(session.panels.files.choice, "no-way")
     until(lambda: not any(plot.visible for plot in plots))
-    fake.set(session.files.choice, "paper")
+    fake.set(session.panels.files.choice, "paper")
     until(lambda: all(plot.visible for plot in plots))
     # also around the joint that does not move there is a scale
     until(lambda: all(np.ptp(np.concatenate(plot.data[1:])) > 0 for plot in plots))

@@ -10,9 +10,10 @@ import pytest
 import viser
 
 from abi.scene.scene import load_scene
+from app.layers.arm import ArmLayer
 from app.server import Server, start
 from app.session import Session
-from tests.app.fake_tab import FakeTab, until
+from tests.app.fake_tab import FakeTab, layer, until
 
 
 def test_a_tab_begins_with_the_complete_plan_of_the_paper(
@@ -27,7 +28,7 @@ def test_a_tab_begins_with_the_complete_plan_of_the_paper(
 
 def test_dragging_the_obstacle_ends_on_its_last_position(tab: tuple[FakeTab, Session]) -> None:
     fake, session = tab
-    gizmo = session.obstacles.gizmos[0]
+    gizmo = session.panels.obstacles.gizmos[0]
     first = session.plan
     for step in range(60):
         fake.drag(gizmo, [3.0, 3.0, 3.0 - step * 0.05])
@@ -45,11 +46,11 @@ def test_dragging_the_obstacle_ends_on_its_last_position(tab: tuple[FakeTab, Ses
 
 def test_what_was_overtaken_is_not_planned(tab: tuple[FakeTab, Session]) -> None:
     fake, session = tab
-    fake.set(session.mesh_panel.pitch, 0.35)
+    fake.set(session.panels.stages.mesh.pitch, 0.35)
     until(lambda: session.plan.scene.mesh.pitch == 0.35)  # type: ignore[union-attr]
     before = session.plans
     for step in range(200):
-        fake.drag(session.obstacles.gizmos[0], [3.0, 3.0, 3.0 - step * 0.01])
+        fake.drag(session.panels.obstacles.gizmos[0], [3.0, 3.0, 3.0 - step * 0.01])
     until(
         lambda: math.isclose(session.plan.scene.obstacles[0].position[2], 1.01)  # type: ignore[union-attr]
     )
@@ -72,10 +73,10 @@ def test_a_fine_mesh_is_coarser_while_the_hand_moves_and_whole_once_it_rests(
         return math.isclose(place[2], 2.0) and len(session.plan.searches) == 3
 
     session._planner.budget.nodes = 6_000
-    fake.set(session.mesh_panel.pitch, 0.25)
+    fake.set(session.panels.stages.mesh.pitch, 0.25)
     for step in range(20):
-        fake.drag(session.obstacles.gizmos[0], [3.0, 3.0, 3.0 - step * 0.05])
-    fake.drag(session.obstacles.gizmos[0], [3.0, 3.0, 2.0])
+        fake.drag(session.panels.obstacles.gizmos[0], [3.0, 3.0, 3.0 - step * 0.05])
+    fake.drag(session.panels.obstacles.gizmos[0], [3.0, 3.0, 2.0])
     until(moved)
 
     assert session.plan is not None
@@ -91,14 +92,14 @@ def test_a_bad_number_keeps_the_last_plan_and_says_why(
 ) -> None:
     fake, session = tab
     good = session.plan
-    note = session.stage_headers._notes["mesh"]
-    fake.set(session.mesh_panel.pitch, value)
+    note = session.panels.stage_headers._notes["mesh"]
+    fake.set(session.panels.stages.mesh.pitch, value)
     until(lambda: note.visible)
 
     assert session.plan is good
     assert "pitch is" in note.content
 
-    fake.set(session.mesh_panel.pitch, 1.0)
+    fake.set(session.panels.stages.mesh.pitch, 1.0)
     until(lambda: session.plan.scene.mesh.pitch == 1.0)  # type: ignore[union-attr]
     until(lambda: not note.visible)
 
@@ -108,11 +109,11 @@ def test_a_value_of_another_kind_never_ends_the_session(
     tab: tuple[FakeTab, Session], value: Any
 ) -> None:
     fake, session = tab
-    fake.set(session.motion_panel.curve, value)
-    fake.set(session.arm_panel.elbow, value)
-    fake.set(session.spline_panel.degree, 3)
-    fake.set(session.motion_panel.curve, "quadratic")
-    fake.set(session.arm_panel.elbow, "down")
+    fake.set(session.panels.stages.motion.curve, value)
+    fake.set(session.panels.stages.arm.elbow, value)
+    fake.set(session.panels.stages.spline.degree, 3)
+    fake.set(session.panels.stages.motion.curve, "quadratic")
+    fake.set(session.panels.stages.arm.elbow, "down")
     until(lambda: session.plan.scene.arm.elbow == "down")  # type: ignore[union-attr]
 
     assert session.plan is not None
@@ -122,7 +123,7 @@ def test_a_value_of_another_kind_never_ends_the_session(
 def test_a_speed_runs_the_motion_only(tab: tuple[FakeTab, Session]) -> None:
     fake, session = tab
     before = session.plan
-    fake.set(session.motion_panel.speed, 2.0)
+    fake.set(session.panels.stages.motion.speed, 2.0)
     until(lambda: session.plan is not before)
 
     assert before is not None
@@ -133,17 +134,17 @@ def test_a_speed_runs_the_motion_only(tab: tuple[FakeTab, Session]) -> None:
 
 def test_another_scene_fills_the_panels(tab: tuple[FakeTab, Session]) -> None:
     fake, session = tab
-    fake.set(session.files.choice, "no-way")
+    fake.set(session.panels.files.choice, "no-way")
     until(lambda: session.plan.scene == load_scene("no-way"))  # type: ignore[union-attr]
 
     assert session.plan is not None
     assert session.plan.error is not None
-    assert session.stage_headers._notes["search"].visible
-    assert session.mesh_panel.pitch.value == load_scene("no-way").mesh.pitch
+    assert session.panels.stage_headers._notes["search"].visible
+    assert session.panels.stages.mesh.pitch.value == load_scene("no-way").mesh.pitch
 
-    fake.set(session.files.choice, "paper")
+    fake.set(session.panels.files.choice, "paper")
     until(lambda: session.plan.scene == load_scene("paper"))  # type: ignore[union-attr]
-    assert not session.stage_headers._notes["search"].visible
+    assert not session.panels.stage_headers._notes["search"].visible
 
 
 def test_play_moves_the_arm_and_pause_holds_it(tab: tuple[FakeTab, Session]) -> None:
@@ -161,7 +162,7 @@ def test_play_moves_the_arm_and_pause_holds_it(tab: tuple[FakeTab, Session]) -> 
     index = int(np.searchsorted(motion.time, 1.25))
 
     def traced() -> bool:
-        drawn = session.arm._trace.points.reshape(-1, 3)[-1]
+        drawn = layer(session, ArmLayer)._trace.points.reshape(-1, 3)[-1]
         return bool(np.linalg.norm(drawn[:2] - motion.tool[index][:2]) < 0.05)
 
     until(traced)
@@ -185,11 +186,11 @@ def test_two_tabs_share_nothing(server: Server, tab: tuple[FakeTab, Session]) ->
     second = next(s for s in server.sessions.values() if s is not session)
     until(lambda: second.plan is not None)
     before = second.plan
-    fake.set(session.spline_panel.degree, 5)
+    fake.set(session.panels.stages.spline.degree, 5)
     until(lambda: session.plan.scene.spline.degree == 5)  # type: ignore[union-attr]
 
     assert second.plan is before
-    assert second.spline_panel.degree.value == 4
+    assert second.panels.stages.spline.degree.value == 4
     other.close()
     until(lambda: len(server.sessions) == 1)
 
@@ -208,7 +209,7 @@ def test_surroundings_come_once_after_the_first_plan(monkeypatch: pytest.MonkeyP
     until(lambda: len(calls) == 2)
     (session,) = sessions.values()
     plans = session.plans
-    fake.set(session.motion_panel.speed, 3.0)
+    fake.set(session.panels.stages.motion.speed, 3.0)
     until(lambda: session.plans > plans)
     fake.close()
     running.stop()

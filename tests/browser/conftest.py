@@ -10,9 +10,8 @@ from playwright.sync_api import Browser, sync_playwright
 
 import abi
 from abi.scene.scene import load_scene
-from app.panels.layer_switches import LAYERS
 from app.server import Server, start
-from app.session import Session
+from app.session import SWITCHES, Session
 from tests.browser import drawn
 from tests.browser.page import FLAGS, Page
 
@@ -125,10 +124,11 @@ class Tabs:
 def _is_as_opened(session: Session) -> bool:
     """Whether all that "Back to the scene as loaded" leaves alone is as in a new tab."""
     return (
-        session.files.choice.value == "paper"
-        and session.layer_switches.read() == {name: shown for name, (_, _, shown) in LAYERS.items()}
-        and not session.layer_switches.dark.value
-        and session.search_panel.share() == 0
+        session.panels.files.choice.value == "paper"
+        and session.panels.layer_switches.shown()
+        == {switch.name for switch in SWITCHES if switch.on}
+        and not session.panels.layer_switches.dark.value
+        and session.panels.stages.search.share() == 0
         and session.playback.speed.value == "real time"
     )
 

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from fnmatch import fnmatch
 
-from app.panels.layer_switches import LAYERS
-from app.session import Session
+from app.session import SWITCHES, Session
 from tests.browser.page import Page
 
 NODES = {
@@ -38,14 +37,16 @@ def _nodes(page: Page, layer: str) -> set[str]:
 
 
 def _switch(page: Page, layer: str, on: bool) -> None:
-    page.tick(LAYERS[layer][0], on)
+    (label,) = (switch.label for switch in SWITCHES if switch.name == layer)
+    page.tick(label, on)
 
 
 def test_every_layer_has_its_switch(page: Page) -> None:
     page.click("Layers")
-    assert set(NODES) == set(LAYERS)
-    for label, _, on in LAYERS.values():
-        assert page.row(label).locator("input[type=checkbox]").is_checked() == on
+    assert list(NODES) == [switch.name for switch in SWITCHES]
+    for switch in SWITCHES:
+        box = page.row(switch.label).locator("input[type=checkbox]")
+        assert box.is_checked() == switch.on
 
 
 def test_a_switch_hides_and_shows_its_nodes_and_no_other(page: Page) -> None:

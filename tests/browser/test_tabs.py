@@ -72,11 +72,15 @@ def test_hostile_values_break_neither_their_tab_nor_another(page: Page, server: 
     (number,) = set(server.sessions) - known
     hostile = server.sessions[number]
     page.until(lambda: hostile.plan is not None, "its plan")
-    for handle in (hostile.mesh_panel.pitch, hostile.motion_panel.speed, hostile.playback.slider):
+    for handle in (
+        hostile.panels.stages.mesh.pitch,
+        hostile.panels.stages.motion.speed,
+        hostile.playback.slider,
+    ):
         for value in (NAN, math.inf, -1e308, "junk", None, [NAN]):
             fake.set(handle, value)
-    fake.drag(hostile.obstacles.gizmos[0], [NAN, NAN, NAN])
-    fake.drag(hostile.ends.gizmos["goal"], [1e308, NAN, 0.0])
+    fake.drag(hostile.panels.obstacles.gizmos[0], [NAN, NAN, NAN])
+    fake.drag(hostile.panels.ends.gizmos["goal"], [1e308, NAN, 0.0])
     fake.close()
     page.until(lambda: number not in server.sessions and not _threads(number), "its end")
     assert mine.plan is good
@@ -87,11 +91,11 @@ def test_hostile_values_break_neither_their_tab_nor_another(page: Page, server: 
         uuid = handle._impl.uuid
         page.send({"type": "GuiUpdateMessage", "uuid": uuid, "updates": {"value": value}})
 
-    say(mine.motion_panel.speed, NAN)
+    say(mine.panels.stages.motion.speed, NAN)
     page.reads("V is nan")
     shown = mine.playback.slider.value
     say(mine.playback.slider, NAN)
-    say(mine.motion_panel.speed, math.inf)
+    say(mine.panels.stages.motion.speed, math.inf)
     page.reads("V is inf")
     page.until(lambda: mine.playback.slider.value == shown, "the good time again")
     assert mine.plan is good
@@ -101,10 +105,10 @@ def test_hostile_values_break_neither_their_tab_nor_another(page: Page, server: 
     place = {
         "type": "TransformControlsUpdateMessage",
         "name": gizmo,
-        "owner": mine.obstacles.gizmos[0]._impl.api._owner_id,
+        "owner": mine.panels.obstacles.gizmos[0]._impl.api._owner_id,
         "wxyz": [1.0, 0.0, 0.0, 0.0],
     }
-    say(mine.motion_panel.speed, 4.0)
+    say(mine.panels.stages.motion.speed, 4.0)
     page.send({**place, "position": [NAN, 3.0, 3.0]})
     page.reads("obstacle 1: position")
     assert mine.plan is good

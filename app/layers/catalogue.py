@@ -1,0 +1,31 @@
+"""The layers of a tab, in the order in which they are drawn and stand in the legend.
+
+A new layer is a file beside this one and a line here. Its class takes the :class:`Layout`, has
+``switches`` (none, or lines of the legend) and ``draw(frame)``.
+"""
+
+from __future__ import annotations
+
+from app.layers.arm import ArmLayer
+from app.layers.curves import CurvesLayer
+from app.layers.lesson import LessonLayer
+from app.layers.markers import MarkersLayer
+from app.layers.mesh import MeshLayer
+from app.layers.paths import PathsLayer
+from app.layers.plots import PlotsLayer
+from app.layers.search_order import SearchOrderLayer
+from app.layers.tables import TablesLayer
+from app.layers.workspace import WorkspaceLayer
+
+LAYERS = (
+    TablesLayer,
+    PlotsLayer,
+    WorkspaceLayer,
+    MarkersLayer,
+    MeshLayer,
+    PathsLayer,
+    SearchOrderLayer,
+    CurvesLayer,
+)
+SLOW_LAYERS = (ArmLayer, LessonLayer)
+"""Sent by themselves: the first time they take the page longer than all the others."""

@@ -1,0 +1,32 @@
+"""The method and the paper's misprints, to be read beside the picture."""
+
+from __future__ import annotations
+
+import functools
+from typing import ClassVar
+
+from abi import assets
+from app.formulas import with_formulas
+from app.frame import Frame, Switch
+from app.layout import Layout
+
+
+class LessonLayer:
+    """Text that waits for the first picture, which it would hold up."""
+
+    switches: ClassVar[tuple[Switch, ...]] = ()
+
+    def __init__(self, layout: Layout) -> None:
+        with layout.paper:
+            self._text = layout.client.gui.add_markdown("")
+
+    def draw(self, frame: Frame) -> None:
+        """Write the text, whatever is in the frame."""
+        if not self._text.content:
+            self._text.content = _lesson()
+
+
+@functools.cache
+def _lesson() -> str:
+    """The text, with its formulas ready for the page."""
+    return with_formulas(assets.path("lessons", "paper.md").read_text(encoding="utf-8"))

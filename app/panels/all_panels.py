@@ -1,0 +1,88 @@
+"""All panels of a tab: built in the order of the page, read and written together."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import viser
+
+from abi.scene.scene import Scene
+from app.frame import Drawn, Frame, Switch
+from app.layout import Layout
+from app.panels.files import FilesPanel
+from app.panels.gizmos import EndGizmos, ObstacleGizmos
+from app.panels.layer_switches import LayerSwitches
+from app.panels.obstacle_editor import ObstacleEditor
+from app.panels.stage_headers import StageHeaders
+from app.panels.stages import StagePanels
+from app.panels.widgets import Wake
+
+
+class AllPanels:
+    """What the user moves, but for the playback.
+
+    Attributes:
+        layout: where layers can add to the page.
+        drawn: the panels that show something of a frame.
+    """
+
+    def __init__(
+        self,
+        client: viser.ClientHandle,
+        name: str,
+        scene: Scene,
+        switches: tuple[Switch, ...],
+        wake: Wake,
+        dark: bool,
+    ) -> None:
+        self._client = client
+        self.stage_headers = StageHeaders(client.gui, wake)
+        self.layout = Layout.of(client, scene.unit, self.stage_headers.folders)
+        self.stages = StagePanels(self.layout, scene, wake)
+        self.layer_switches = LayerSwitches(self.layout, switches, wake, dark)
+        self.obstacles = ObstacleGizmos(client, scene, wake)
+        self.ends = EndGizmos(client, scene, wake)
+        with self.layout.scene:
+            self.files = FilesPanel(client, name, scene, wake)
+            self.editor = ObstacleEditor(client, self.obstacles, self.ends, wake)
+        self._inputs = (self.stages, self.obstacles, self.ends)
+        self.drawn: tuple[Drawn, ...] = (
+            self.stage_headers,
+            self.stages.mesh,
+            self.ends,
+            self.obstacles,
+            self.editor,
+            self.layer_switches,
+        )
+
+    def read(self, scene: Scene) -> Scene:
+        """The scene that the panels show, checked where it differs from ``scene``, the last good one.
+
+        Raises:
+            SceneError: names the field.
+        """
+        requested = self.files.requested(self.editor.meshes(scene))
+        if requested is None and (change := self.stage_headers.accepted()) is not None:
+            requested = scene.replace(**change)
+        if requested is not None:
+            self._write(requested)
+            return requested
+        self.editor.apply(scene)
+        read = {name: part for panel in self._inputs for name, part in panel.read().items()}
+        return scene.replace(self.editor.surfaces, **read)
+
+    def switched(self, frame: Frame) -> Frame:
+        """The frame with what the switches say now."""
+        return replace(
+            frame,
+            shown=self.layer_switches.shown(),
+            mesh_view=self.layer_switches.mesh_part(),
+            expanded_share=self.stages.search.share(),
+        )
+
+    def _write(self, scene: Scene) -> None:
+        """Show another scene."""
+        with self._client.atomic():
+            for panel in self._inputs:
+                panel.write(scene)
+            self.editor.write(scene)
