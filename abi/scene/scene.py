@@ -265,12 +265,12 @@ class Scene(_Settings):
         Raises:
             SceneError: names the field that is wrong.
         """
-        data = dict(self)
+        data: dict[str, Any] = dict(vars(self))
         for name, change in changes.items():
             data[name] = changed_value(data.get(name), change)
         data["obstacles"] = without_stale_meshes(data["obstacles"], files or {})
         if len(data) == len(type(self).model_fields) and all(
-            data[name] is held for name, held in self
+            data[name] is held for name, held in vars(self).items()
         ):
             return self
         return self.from_dict(data, MeshSource({**self.meshes.files, **(files or {})}))

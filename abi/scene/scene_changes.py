@@ -6,8 +6,8 @@ the scene's own objects wherever these say the same.
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Mapping
-from typing import Any
 
 from pydantic import BaseModel
 
@@ -23,13 +23,10 @@ def changed_value(held: object, change: object) -> object:
             may have some of ``held`` in it as they are.
     """
     if isinstance(held, BaseModel) and isinstance(change, dict):
-        fields = dict(held)
-        same = all(name in fields and _same(value, fields[name]) for name, value in change.items())
-        return held if same else {**fields, **change}
+        return held if _says(change, held) else {**vars(held), **change}
     if isinstance(held, tuple) and isinstance(change, list | tuple):
-        values = [_kept(old, new) for old, new in zip(held, change, strict=False)]
-        same = len(held) == len(change)
-        same = same and all(old is new for old, new in zip(held, values, strict=True))
+        values = list(map(_kept, held, change))
+        same = len(held) == len(change) and all(map(operator.is_, held, values))
         return held if same else [*values, *change[len(values) :]]
     return _kept(held, change)
 
@@ -48,17 +45,23 @@ def _is_stale(shape: MeshShape, files: Mapping[str, object]) -> bool:
     return files.get(shape.file, shape.surface) is not shape.surface
 
 
-def _kept(held: object, given: object) -> Any:
-    """``held`` where ``given`` says the same, field by field and none left out."""
+def _kept(held: object, given: object) -> object:
+    """``held`` where ``given`` says the same; of an obstacle no field is left out."""
     if isinstance(held, BaseModel) and isinstance(given, dict):
-        fields = dict(held)
-        same = fields.keys() == given.keys()
-        return held if same and all(_same(given[name], fields[name]) for name in fields) else given
+        return held if len(given) == len(vars(held)) and _says(given, held) else given
     return held if _same(given, held) else given
+
+
+def _says(given: dict[str, object], held: BaseModel) -> bool:
+    """Whether all the fields given are what ``held`` has."""
+    fields = vars(held)
+    return all(name in fields and _same(value, fields[name]) for name, value in given.items())
 
 
 def _same(given: object, held: object) -> bool:
     """Whether plain data say what a checked field holds; 1, 1.0 and True differ."""
+    if given is held:
+        return True
     if isinstance(held, tuple) and isinstance(given, list | tuple):
         return len(given) == len(held) and all(map(_same, given, held))
     return type(given) is type(held) and given == held

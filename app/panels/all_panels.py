@@ -56,7 +56,10 @@ class AllPanels:
         )
 
     def read(self, scene: Scene) -> Scene:
-        """The scene that the panels show, checked where it differs from ``scene``, the last good one.
+        """The scene that the panels show; only what differs from ``scene`` is checked.
+
+        Args:
+            scene: the last good one.
 
         Raises:
             SceneError: names the field.

@@ -47,17 +47,17 @@ class ObstacleGizmos:
         self._added = 0
         self._visible = True
         self._placed: Sequence[Obstacle] | None = None
+        self._said: list[dict[str, Any]] = []
+        self._checked: list[tuple[dict[str, Any], Obstacle]] = []
+        self._handled = -1
         self.chosen = 0
         self.write(scene)
 
     def read(self) -> dict[str, Any]:
-        """The ``obstacles`` list, at the poses of the gizmos."""
-        return {
-            "obstacles": [
-                {**data, "position": gizmo.position.tolist(), "wxyz": gizmo.wxyz.tolist()}
-                for data, gizmo in zip(self.data, self.gizmos, strict=True)
-            ]
-        }
+        """The ``obstacles`` list, at the poses of the gizmos; what stayed is the scene's own."""
+        self._said = list(map(_placed, self.data, self.gizmos))
+        pairs = zip(self._said, self._checked, strict=True)
+        return {"obstacles": [shape if said == before else said for said, (before, shape) in pairs]}
 
     def write(self, scene: Scene) -> None:
         """Show ``scene``."""
@@ -66,6 +66,7 @@ class ObstacleGizmos:
         self._size = max(scene.workspace.size)
         for shape in scene.obstacles:
             self.add(shape)
+        self._said = [said for said, _ in self._checked]
         self._give_bodies(scene.obstacles)
         self.choose(0)
 
@@ -77,6 +78,7 @@ class ObstacleGizmos:
                 gizmo.visible = visible
         if not frame.faded and frame.plan.scene.obstacles is not self._placed:
             self._give_bodies(frame.plan.scene.obstacles)
+            self._checked = list(zip(self._said, frame.plan.scene.obstacles, strict=True))
 
     def _give_bodies(self, obstacles: Sequence[Obstacle]) -> None:
         """Draw bodies anew where a gizmo's obstacle has another shape or size now."""
@@ -106,19 +108,25 @@ class ObstacleGizmos:
         gizmo.on_update(self._wake)
         self.gizmos.append(gizmo)
         self.data.append(shape.model_dump(mode="json", exclude=_POSE))
+        self._checked.append((_placed(self.data[-1], gizmo), shape))
         self._drawn.append({})
         self._bodies.append(None)  # type: ignore[arg-type]
         self._placed = None
+        self._handled = -1
 
     def remove(self, number: int) -> None:
         """Take obstacle ``number`` away."""
         self.gizmos.pop(number).remove()
-        for kept in (self.data, self._drawn, self._bodies):
+        for kept in (self.data, self._drawn, self._bodies, self._checked):
             kept.pop(number)
+        self._handled = -1
 
     def choose(self, number: int) -> None:
         """Give the handles to obstacle ``number``, counted from 0."""
         self.chosen = number
+        if number == self._handled:
+            return
+        self._handled = number
         for index, gizmo in enumerate(self.gizmos):
             idle = index != number
             gizmo.disable_axes = gizmo.disable_sliders = gizmo.disable_rotations = idle
@@ -209,6 +217,11 @@ class EndGizmos:
         inside = np.clip(position, low, high)
         near = np.abs(position - inside).max() <= _ROUNDING * (high - low).max()
         return inside if near else position
+
+
+def _placed(data: dict[str, Any], gizmo: viser.TransformControlsHandle) -> dict[str, Any]:
+    """An obstacle as a scene file has it."""
+    return {**data, "position": gizmo.position.tolist(), "wxyz": gizmo.wxyz.tolist()}
 
 
 def _radius(shape: Obstacle) -> float:

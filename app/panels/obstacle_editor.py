@@ -225,8 +225,7 @@ class ObstacleEditor:
             number = listed
         self._listed = number
         self.choice.value = names[number]
-        if number != obstacles.chosen or not _has_handles(obstacles, number):
-            obstacles.choose(number)
+        obstacles.choose(number)
 
     def _edit(self, number: int, scene: Scene) -> None:
         """The numbers of the chosen obstacle."""
@@ -306,10 +305,6 @@ def _plain(name: str) -> str:
     stem, dot, ending = name.rpartition(".")
     kept = "".join(c if c.isalnum() or c in "-_" else "_" for c in stem)[:60] or "mesh"
     return f"{kept}{dot}{ending.lower()}"
-
-
-def _has_handles(obstacles: ObstacleGizmos, number: int) -> bool:
-    return all(gizmo.disable_axes == (i != number) for i, gizmo in enumerate(obstacles.gizmos))
 
 
 def _new(kind: str, scene: Scene) -> Obstacle:
