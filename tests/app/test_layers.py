@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import gc
+import threading
 import weakref
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+import viser
 
 from abi import load_scene, plan
 from abi.scene.scene import Scene
@@ -18,7 +21,7 @@ from app.layers.plots import PlotsLayer
 from app.layers.workspace import WorkspaceLayer
 from app.layout import Layout
 from app.server import Server, start
-from app.session import Session
+from app.session import SWITCHES, Session
 from tests.app.fake_tab import FakeTab, layer, until
 
 
@@ -122,6 +125,57 @@ def test_a_plot_has_its_data_before_it_is_shown(tab: tuple[FakeTab, Session]) ->
         assert plot.visible
         assert plot.data[0][-1] == found.motion.time[-1]
     tabs.remove()
+
+
+def _sent(
+    monkeypatch: pytest.MonkeyPatch, session: Session, frame: Frame
+) -> list[viser._messages.Message]:
+    """Messages to the page that drawing ``frame`` takes, while the arm stands still."""
+    session.playback.playing = False
+    until(lambda: session.resting and not session.frame.playing)
+    sent: list[viser._messages.Message] = []
+    here = threading.current_thread()
+
+    def keep(message: viser._messages.Message) -> None:
+        if threading.current_thread() is here:
+            sent.append(message)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(session.client._websock_connection, "queue_message", keep)
+        for group in session._groups:
+            for drawn in group:
+                drawn.draw(frame)
+    return sent
+
+
+@pytest.mark.parametrize("name", ["paper", "forest", "no-way"])
+def test_what_is_drawn_already_is_not_sent_again(
+    tab: tuple[FakeTab, Session], monkeypatch: pytest.MonkeyPatch, name: str
+) -> None:
+    fake, session = tab
+    fake.set(session.panels.files.choice, name)
+    until(lambda: session.frame.plan.scene == load_scene(name))
+    until(lambda: session.frame.plan.error is None or session.frame.reason is not None)
+    assert _sent(monkeypatch, session, session.frame) == []
+    assert _sent(monkeypatch, session, replace(session.frame)) == []
+
+
+def test_a_switch_sends_what_it_hides_and_nothing_else(
+    tab: tuple[FakeTab, Session], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    _, session = tab
+    until(lambda: session.resting)
+    hidden: list[str] = []
+    for switch in SWITCHES:
+        shown = session.frame.shown - {switch.name}
+        sent = _sent(monkeypatch, session, replace(session.frame, shown=shown))
+        assert sent
+        for message in sent:
+            assert isinstance(message, viser._messages.SetSceneNodeVisibilityMessage)
+            assert not message.visible
+            hidden.append(message.name)
+        _sent(monkeypatch, session, session.frame)
+    assert len(hidden) == len(set(hidden))
 
 
 def test_the_time_shown_is_the_arms(tab: tuple[FakeTab, Session]) -> None:
