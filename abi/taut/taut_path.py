@@ -94,10 +94,10 @@ def taut(graph: Graph, obstacles: ObstacleSet, margin: float, path: SearchResult
     boxed = obstacles.boxed
     margins = _margins(boxed.signed_distances(ends), margin)
     strings = _pulled(graph, path, boxed, margins)
-    if boxed is not obstacles:
-        margins = _margins(obstacles.signed_distances(ends), margin)
     limits = margins.min(axis=1, initial=margin)
     if boxed is not obstacles:
+        margins = _margins(obstacles.signed_distances(ends), margin)
+        limits = margins.min(axis=1, initial=margin)
         best, _ = _shortest_clear(path.points, strings, obstacles, limits)
         strings = [tightened(points, obstacles, limits) for points in (path.points, best)]
         strings.sort(key=_length)

@@ -14,10 +14,9 @@ from itertools import product
 import numpy as np
 
 from abi.arrays import FloatArray, IntArray, read_only
+from abi.obstacles.pose import Vec3
 from abi.tet_mesh import lattice
 from abi.tet_mesh.lattice import Cells, Step
-
-Vector = tuple[float, float, float]
 
 _KUHN = tuple(step for step in product((0, 2), repeat=3) if any(step))
 _CROSS = tuple((1 - 2 * x, 1 - 2 * y, 1 - 2 * z) for x, y, z in product((0, 1), repeat=3))
@@ -47,8 +46,8 @@ class Stencil:
     steps: IntArray
     lengths: FloatArray
     offsets: IntArray
-    low: Vector
-    cell: Vector
+    low: Vec3
+    cell: Vec3
     axes: FloatArray
 
     @classmethod
@@ -95,12 +94,12 @@ class Stencil:
         there = int(found[0])
         return there, (there if there < self.cross else there ^ 1)
 
-    def cell_of(self, point: Vector) -> Vector:
+    def cell_of(self, point: Vec3) -> Vec3:
         """A place, [unit], world, in half cells."""
         (x, y, z), (a, b, c), (u, v, w) = point, self.low, self.cell
         return 2 * (x - a) / u, 2 * (y - b) / v, 2 * (z - c) / w
 
-    def node_at(self, point: Vector) -> int:
+    def node_at(self, point: Vec3) -> int:
         """The node nearest to a place of the box, or -1 where none is within a quarter cell."""
         (nx, ny, nz), (x, y, z) = self.cells, self.cell_of(point)
         a, b, c = round(x), round(y), round(z)
@@ -130,6 +129,6 @@ class Stencil:
         return heads.astype(np.int32)
 
 
-def _vector(values: FloatArray) -> Vector:
+def _vector(values: FloatArray) -> Vec3:
     x, y, z = values.tolist()
     return x, y, z
