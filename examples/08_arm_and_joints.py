@@ -1,0 +1,44 @@
+"""
+The arm and its joints
+======================
+
+Read the joints of the arm's motion, find the fastest moment and try the other elbow.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+import abi
+
+scene = abi.load_scene("paper")
+plan = abi.plan(scene)
+motion, profile = plan.motion, plan.profile
+assert motion is not None and profile is not None
+
+names = plan.to_dict()["arm"]["joints"]
+print("time [s]  " + "  ".join(f"{name:>7}" for name in names) + "   [rad], q5 [cm]")
+for row in np.linspace(0, len(motion.time) - 1, 6).astype(int):
+    print(f"{motion.time[row]:8.2f}  " + "  ".join(f"{q:7.3f}" for q in motion.positions[row]))
+
+# %%
+# The tool follows the curve: inverse kinematics and then forward kinematics come back to it.
+off = np.abs(motion.tool - motion.target).max()
+speed = np.linalg.norm(motion.velocity, axis=1)
+fastest = int(speed.argmax())
+print(f"tool off the curve by {off:.1e} cm at most")
+print(f"fastest at {motion.time[fastest]:.2f} s with {speed[fastest]:.2f} cm/s, asked: 4")
+print(f"three phases: {profile.t1:.2f} s, {profile.t2:.2f} s and {profile.t3:.2f} s")
+
+# %%
+# The links are looked at, too: how near they come, and to which obstacle.
+planner = abi.Planner()
+for elbow in ("up", "down"):
+    plan = planner(scene.replace(arm={"elbow": elbow}))
+    motion = plan.motion
+    assert motion is not None
+    print(
+        f"elbow {elbow:4}  links' centre lines {motion.clearance:6.3f} cm from obstacle "
+        f"{motion.clearance_obstacle + 1} at {motion.clearance_time:.2f} s, "
+        f"limits {'kept' if motion.within_limits else 'passed'}"
+    )
