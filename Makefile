@@ -4,6 +4,11 @@
 #   make run ARGS="--port 8123 --no-open"    start the visualiser
 #   make test                                every check and every test, the browser's too
 #   make check                               the same without the browser
+#   make quick ARGS=tests/abi/test_kernels.py    some tests at once; without ARGS, most of them
+#   make coverage                            the lines that make check's tests leave out
+#   make test-wheel                          build the wheel, install it elsewhere, plan with it
+#   make docs                                the documentation, into docs/_build/html
+#   make pictures                            take the pictures of README and documentation anew
 #   make bench ARGS="quality --scenes 10"    measure speed and quality, beside peers where installed
 #   make format                              format the code and mend what the linter can mend
 #   make lock                                lock the dependencies (ARGS=--upgrade: the newest)
@@ -12,11 +17,13 @@
 BIN := .venv/bin
 RUN := .venv/.installed-run
 DEV := .venv/.installed-dev
-PYTEST := $(BIN)/pytest --numprocesses auto --dist loadgroup
+DOCS := .venv/.installed-docs
+PARALLEL := --numprocesses auto --dist loadgroup
+PYTEST := $(BIN)/pytest $(PARALLEL)
 COMPILE := $(BIN)/uv pip compile pyproject.toml --no-config --no-header --quiet \
 	--universal --python-version 3.11 --fork-strategy fewest --generate-hashes
 
-.PHONY: run test check lint bench format lock clean
+.PHONY: run test check quick coverage test-wheel lint docs pictures bench format lock clean
 .DEFAULT_GOAL := run
 
 $(RUN): requirements.lock pyproject.toml tools/install
@@ -25,6 +32,10 @@ $(RUN): requirements.lock pyproject.toml tools/install
 
 $(DEV): requirements-dev.lock pyproject.toml tools/install
 	@tools/install requirements-dev.lock
+	@touch $(RUN) $@
+
+$(DOCS): requirements-docs.lock pyproject.toml tools/install
+	@tools/install requirements-docs.lock
 	@touch $(RUN) $@
 
 run: $(RUN)
@@ -36,6 +47,25 @@ test: lint
 
 check: lint
 	$(PYTEST) -m "not browser" $(ARGS)
+
+# one file is done before the workers have started
+quick: $(DEV)
+	$(BIN)/ruff check --quiet $(filter %.py,$(ARGS))
+	$(BIN)/pytest --quiet -m "not browser and not slow" $(if $(ARGS),$(ARGS),$(PARALLEL))
+
+coverage: $(DEV)
+	$(PYTEST) -m "not browser" --cov --cov-report term $(ARGS)
+
+test-wheel: $(DEV)
+	tools/test-wheel $(BIN)/python
+
+docs: $(DOCS)
+	$(BIN)/sphinx-build --fail-on-warning --keep-going --quiet docs docs/_build/html $(ARGS)
+	@echo "The documentation is at docs/_build/html/index.html"
+
+pictures: $(DEV)
+	tools/chromium
+	$(BIN)/python -m tools.pictures $(ARGS)
 
 lint: $(DEV)
 	$(BIN)/ruff format --check
@@ -52,9 +82,10 @@ format: $(DEV)
 lock: $(DEV)
 	$(COMPILE) --group build $(ARGS) --output-file requirements.lock
 	$(COMPILE) --group dev --constraint requirements.lock $(ARGS) --output-file requirements-dev.lock
-	@! grep -nE '://|^ *-[^-]|^--' requirements.lock requirements-dev.lock || \
+	$(COMPILE) --group docs --constraint requirements-dev.lock $(ARGS) --output-file requirements-docs.lock
+	@! grep -nE '://|^ *-[^-]|^--' requirements*.lock || \
 		{ echo "A lock file names a place; it may only hold names, versions and hashes." >&2; exit 1; }
 
 clean:
-	rm -rf .venv .mypy_cache .pytest_cache .ruff_cache .hypothesis dist
+	rm -rf .venv .mypy_cache .pytest_cache .ruff_cache .hypothesis .coverage dist docs/_build docs/gallery
 	find abi app tests -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -10,7 +10,7 @@ from __future__ import annotations
 import json
 
 import abi
-from abi.proof.verify import verify
+from abi.verify.verify import verify
 
 plan = abi.plan(abi.load_scene("forest"))
 curve = plan.bspline

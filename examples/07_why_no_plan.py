@@ -8,7 +8,7 @@ Ask what stands in the way and what would help, and apply the change that was fo
 from __future__ import annotations
 
 import abi
-from abi.reasons import explain
+from abi.planner.diagnosis import explain
 
 # %%
 # A scene without a plan is no exception: the plan ends early and holds the error.

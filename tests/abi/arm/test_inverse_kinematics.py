@@ -136,6 +136,7 @@ def test_the_corrected_printed_formula_gives_both_elbows(arm: Arm, seed: int) ->
     np.testing.assert_allclose(np.sort(np.cos(ours)), np.sort(printed), atol=1e-5)
 
 
+@pytest.mark.slow
 @settings(max_examples=60, deadline=None)
 @given(SEED, st.sampled_from(ELBOWS))
 def test_joints_are_as_continuous_as_the_path(seed: int, elbow: Elbow) -> None:

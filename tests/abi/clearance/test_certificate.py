@@ -53,6 +53,7 @@ def covered(result: Certificate, obstacle: int) -> list[tuple[float, float]]:
     return joined
 
 
+@pytest.mark.slow
 def test_no_certified_curve_is_refuted_and_no_clear_one_rejected() -> None:
     found = campaign(2500, seed=10**6)
     assert found.false_accepts == []
@@ -137,6 +138,7 @@ def test_quadratics_in_pieces_are_bezier_pieces() -> None:
     assert isinstance(certify(curve, ObstacleSet(ball), 0.1), Certificate)
 
 
+@pytest.mark.slow
 @settings(max_examples=25, deadline=None)
 @given(seeds, st.booleans())
 def test_compiled_and_plain_agree(seed: int, solid: bool) -> None:
@@ -280,6 +282,7 @@ def test_a_mesh_box_is_decided_like_the_box() -> None:
     assert certified >= 40
 
 
+@pytest.mark.slow
 def test_a_scaled_mesh_of_many_triangles_is_certified_up_to_its_distance() -> None:
     vertices, faces = meshes.bumpy(4)
     blob = MeshShape.of(Surface(vertices, faces, True), position=(3, 3, 3), scale=0.7)
@@ -318,6 +321,7 @@ def test_a_mesh_needs_a_margin_that_is_not_negative() -> None:
     assert isinstance(certify(line, ObstacleSet((mesh(meshes.box()),)), 0.0), Certificate)
 
 
+@pytest.mark.slow
 def test_a_soup_is_kept_clear_of() -> None:
     soup = mesh(meshes.soup(400, seed=3, size=0.3), position=(3, 3, 3), scale=3.0)
     certified = 0

@@ -109,6 +109,7 @@ def test_two_vertices_give_a_straight_line() -> None:
     assert line.holds
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("degree", [2, 3, 4, 5])
 @pytest.mark.parametrize("slack", [0.006, 0.001])
 def test_keeps_clear_wherever_the_path_is_clearer(degree: int, slack: float) -> None:

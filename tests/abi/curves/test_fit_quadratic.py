@@ -163,6 +163,7 @@ def test_pieces_hold_where_the_spline_holds(seed: int) -> None:
         assert "pieces" in single.note
 
 
+@pytest.mark.slow
 def test_past_the_most_pieces_the_control_polygon_decides() -> None:
     # teeth of a comb from below and above, too many for few pieces
     teeth: tuple[Obstacle, ...] = tuple(

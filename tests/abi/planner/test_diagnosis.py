@@ -157,6 +157,7 @@ def test_a_gap_too_narrow_for_both_gets_both() -> None:
     assert not passes(plan(scene.replace(spline=found.change["spline"])), "search")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("start", [[0.6, 0.6, 3.0], [0.0, 0.0, 0.0], [0.61, 0.57, 2.93]])
 def test_walled_in_agrees_with_networkx_and_with_a_flood(start: list[float]) -> None:
     scene = load_scene("no-way").replace(start=start)

@@ -313,6 +313,7 @@ def _crowd(seed: int) -> Scene:
     )
 
 
+@pytest.mark.slow
 def test_no_certified_way_among_several_obstacles_is_shorter_than_the_bound() -> None:
     exact = bounded = 0
     for seed in range(36):

@@ -57,6 +57,7 @@ def exactly(point: FloatArray, triangle: FloatArray) -> float:
     return math.sqrt(min(ways))
 
 
+@pytest.mark.slow
 @settings(max_examples=20, deadline=None)
 @given(st.sampled_from(sorted(MESHES)), seeds)
 def test_ways_lead_from_the_nearest_place(name: str, seed: int) -> None:
@@ -118,6 +119,7 @@ def test_slivers_shorten_a_distance_but_never_lengthen_it(power: float, seed: in
     assert (found >= expected - 1e-6).all()
 
 
+@pytest.mark.slow
 def test_a_scene_without_a_mesh_does_not_load_the_library() -> None:
     code = """
 import abi, app.server, sys

@@ -1,0 +1,28 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import nbformat
+import pytest
+from nbclient import NotebookClient
+
+NOTEBOOK = Path(__file__).parents[2] / "examples" / "notebook" / "tour.ipynb"
+
+
+@pytest.mark.slow
+def test_runs_from_top_to_bottom_and_shows_numbers_and_pictures(tmp_path: Path) -> None:
+    notebook = nbformat.read(NOTEBOOK, as_version=4)
+
+    NotebookClient(notebook, timeout=120, resources={"metadata": {"path": str(tmp_path)}}).execute()
+
+    outputs = [output for cell in notebook.cells for output in cell.get("outputs", [])]
+    assert [one for one in outputs if one.get("name") == "stderr"] == []
+    assert sum("image/png" in one.get("data", {}) for one in outputs) == 2
+    lengths = [one["text"] for one in outputs if "nodes expanded" in one.get("text", "")]
+    assert lengths[0].count("cm") == 3
+
+
+def test_is_stored_without_results() -> None:
+    notebook = nbformat.read(NOTEBOOK, as_version=4)
+
+    assert all(not cell.outputs for cell in notebook.cells if cell.cell_type == "code")
