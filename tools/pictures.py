@@ -1,0 +1,120 @@
+"""Take the pictures of README and documentation anew, from the running application.
+
+    python -m tools.pictures [NAME ...]
+
+Without a name: all of them. ``film`` is the moving one; see :mod:`tools.film`.
+"""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from PIL import Image
+from playwright.sync_api import Browser
+
+from abi import kernels
+from abi.scene.scene import Scene, load_scene
+from benchmarks.browser import chromium
+from tools import film
+from tools.visit import Visit, visit
+
+FOLDER = Path(__file__).parents[1] / "docs" / "pictures"
+WIDE = 1500
+"""Width of a page whose middle is cut out, [px]."""
+
+BASE = ("workspace", "obstacles")
+STAGES: dict[str, tuple[str, ...]] = {
+    "stage-1-mesh": (*BASE, "edges", "nodes", "excluded"),
+    "stage-2-graph": (*BASE, "edges", "nodes"),
+    "stage-3-search": (*BASE, "a_star", "dijkstra", "bellman_ford"),
+    "stage-3-taut": (*BASE, "a_star", "taut"),
+    "stage-4-bspline": (*BASE, "taut", "bspline", "control"),
+    "stage-5-quadratic": (*BASE, "bspline", "quadratic"),
+    "stage-6-arm": (*BASE, "bspline", "trace", "arm"),
+}
+SEARCHED = 100  # percent of the search that its picture shows
+UNDERWAY = 0.62  # of the motion: where the arm is
+PAGES: dict[str, tuple[str, str | None]] = {
+    "page": ("paper", None),
+    "page-two-boxes": ("two-boxes", None),
+    "page-scene-tab": ("forest", "Scene"),
+    "page-joints-tab": ("wall-with-window", "Joints"),
+    "page-no-way": ("no-way", None),
+}
+"""Scene and tab of the pictures that show the whole page."""
+
+
+def take(names: list[str], browser: Browser) -> None:
+    """Take these pictures, or all; each is written into :data:`FOLDER`."""
+    wanted = names or [*STAGES, *PAGES, "film"]
+    FOLDER.mkdir(exist_ok=True)
+    if stages := [name for name in wanted if name in STAGES]:
+        with visit(browser, stage_scene(), width=WIDE) as visited:
+            _stand(visited)
+            for name in stages:
+                _keep(name, _stage(visited, name))
+    for name in wanted:
+        if name in PAGES:
+            _keep(name, _page(browser, *PAGES[name]))
+    if "film" in wanted:
+        film.write(film.shoot(browser), FOLDER / "film.webp")
+        print("film", flush=True)
+
+
+def stage_scene() -> Scene:
+    """The scene that all stages are shown on, coarse enough to see single edges."""
+    return load_scene("two-boxes").replace(mesh={"pitch": 0.75})
+
+
+def _stand(visited: Visit) -> None:
+    """Stand where both boxes and the way between them are seen."""
+    visited.hide_handles()
+    visited.look((9.6, -6.4, 8.2), (3.0, 2.6, 2.7))
+    visited.rest()
+
+
+def _stage(visited: Visit, name: str) -> Image.Image:
+    visited.show(*STAGES[name])
+    visited.search(SEARCHED if name == "stage-3-search" else 0)
+    if "arm" in STAGES[name]:
+        visited.look((12.5, -8.5, 8.5), (3.0, 0.8, 3.4))
+        visited.time(UNDERWAY)
+    return visited.picture(panels=False)
+
+
+def _page(browser: Browser, scene: str, tab: str | None) -> Image.Image:
+    with visit(browser, load_scene(scene)) as visited:
+        plan = visited.session.plan
+        if plan is not None and plan.error is None:
+            visited.time(UNDERWAY)
+        else:
+            visited.page.until(lambda: bool(visited.page.complaints()), "the reason")
+            visited.rest()
+        if tab is not None:
+            visited.page.click(tab)
+            visited.rest()
+        return visited.picture()
+
+
+def _keep(name: str, image: Image.Image) -> None:
+    image.save(FOLDER / f"{name}.webp", quality=88, method=6)
+    print(name, flush=True)
+
+
+def main() -> None:
+    """Take the pictures that are named."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument(
+        "names", nargs="*", metavar="NAME", help=", ".join([*STAGES, *PAGES, "film"])
+    )
+    names = parser.parse_args().names
+    if unknown := set(names) - {*STAGES, *PAGES, "film"}:
+        parser.error(f"no picture {sorted(unknown)[0]!r}")
+    kernels.warm()
+    with chromium() as browser:
+        take(names, browser)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,99 @@
+"""A tab of the running application for taking pictures: what it shows is chosen here."""
+
+from __future__ import annotations
+
+import io
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from types import SimpleNamespace
+
+from PIL import Image
+from playwright.sync_api import Browser
+
+from abi.scene.scene import Scene
+from app import style
+from app.server import start
+from app.session import Session
+from tests.browser.page import Page
+
+WIDTH, HEIGHT = 1280, 720
+
+
+class Visit:
+    """One tab, drawn and at rest, with the arm standing still."""
+
+    def __init__(self, page: Page, session: Session) -> None:
+        self.page, self.session = page, session
+
+    def show(self, *layers: str) -> None:
+        """Show these layers and no others, by their names in the Layers tab's table."""
+        unknown = set(layers) - set(self.session.view.switches)
+        assert not unknown, f"no layer {unknown}"
+        for name, switch in self.session.view.switches.items():
+            switch.value = name in layers
+        self.follow()
+
+    def search(self, percent: int) -> None:
+        """Colour the nodes that the search has looked at by then."""
+        self.session.search_panel.shown.value = percent
+        self.follow()
+
+    def time(self, part: float) -> None:
+        """Put the arm where it is after ``part`` (0 to 1) of its motion."""
+        plan = self.session.plan
+        assert plan is not None
+        assert plan.profile is not None
+        self.session.playback.slider.value = round(part * plan.profile.duration, 2)
+        self.follow()
+
+    def look(self, position: tuple[float, float, float], at: tuple[float, float, float]) -> None:
+        """Put the camera somewhere, [unit], world."""
+        with self.session.client.atomic():
+            self.session.client.camera.position = position
+            self.session.client.camera.look_at = at
+
+    def hide_handles(self) -> None:
+        """Take the gizmos away, which no stage is about."""
+        for gizmo in (*self.session.obstacles.gizmos, *self.session.points.gizmos.values()):
+            gizmo.scale = 1e-3
+
+    def follow(self) -> None:
+        """Let the session see what was changed, and wait until the page shows it."""
+        self.session.wake(SimpleNamespace(client=self.session.client))
+        self.rest()
+
+    def rest(self) -> None:
+        """Wait until the plan is whole and drawn."""
+        self.page.until(lambda: self.session.resting, "the plan at rest")
+        self.page.settle()
+
+    def picture(self, panels: bool = True) -> Image.Image:
+        """What the tab shows, or only the scene between the panels."""
+        image = Image.open(io.BytesIO(self.page.tab.screenshot())).convert("RGB")
+        if panels:
+            return image
+        return image.crop((style.LEFT_WIDTH + 4, 0, image.width - style.RIGHT_WIDTH - 4, HEIGHT))
+
+
+@contextmanager
+def visit(browser: Browser, scene: Scene, dark: bool = True, width: int = WIDTH) -> Iterator[Visit]:
+    """The scene in a tab of a server of its own."""
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "scene.json"
+        scene.save(file)
+        server = start(port=0, scene=str(file), plain=True, dark=dark)
+    # of two ratios in an address the first counts: every pixel, where tests take few
+    page = Page(browser, server.url + "/?fixedDpr=1", width, HEIGHT)
+    try:
+        page.until(lambda: len(server.sessions) == 1, "a session")
+        (session,) = server.sessions.values()
+        visited = Visit(page, session)
+        visited.rest()
+        if session.playback.playing:
+            page.click("Pause")
+        yield visited
+    finally:
+        page.close()
+        server.stop()
