@@ -13,7 +13,7 @@ from pathlib import Path
 from PIL import Image
 from playwright.sync_api import Browser
 
-from abi import kernels
+import abi
 from abi.scene.scene import Scene, load_scene
 from benchmarks.browser import chromium
 from tools import film
@@ -70,7 +70,7 @@ def stage_scene() -> Scene:
 def _stand(visited: Visit) -> None:
     """Stand where both boxes and the way between them are seen."""
     visited.hide_handles()
-    visited.look((9.6, -6.4, 8.2), (3.0, 2.6, 2.7))
+    visited.look((7.9, -4.4, 6.6), (3.0, 2.9, 2.75))
     visited.rest()
 
 
@@ -78,7 +78,7 @@ def _stage(visited: Visit, name: str) -> Image.Image:
     visited.show(*STAGES[name])
     visited.search(SEARCHED if name == "stage-3-search" else 0)
     if "arm" in STAGES[name]:
-        visited.look((12.5, -8.5, 8.5), (3.0, 0.8, 3.4))
+        visited.look((10.2, -7.6, 6.6), (3.0, 0.9, 3.6))
         visited.time(UNDERWAY)
     return visited.picture(panels=False)
 
@@ -111,7 +111,7 @@ def main() -> None:
     names = parser.parse_args().names
     if unknown := set(names) - {*STAGES, *PAGES, "film"}:
         parser.error(f"no picture {sorted(unknown)[0]!r}")
-    kernels.warm()
+    abi.compile()
     with chromium() as browser:
         take(names, browser)
 

@@ -68,6 +68,7 @@ class Visit:
         """Wait until the plan is whole and drawn."""
         self.page.until(lambda: self.session.resting, "the plan at rest")
         self.page.settle()
+        assert "This did not work" not in self.page.text(), "the page tells of a fault: see its log"
 
     def picture(self, panels: bool = True) -> Image.Image:
         """What the tab shows, or only the scene between the panels."""

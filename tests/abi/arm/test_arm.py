@@ -134,7 +134,7 @@ def test_equal_link_lengths_give_equal_text_wherever_the_arm_stands() -> None:
 
 
 def test_the_shipped_file_is_the_generators() -> None:
-    shipped = assets.path("urdf", "abi.arm.urdf").read_text(encoding="utf-8")
+    shipped = assets.path("urdf", "abi.urdf").read_text(encoding="utf-8")
     assert shipped == urdf(Arm.from_settings(ArmSettings(), "cm"))
 
 
