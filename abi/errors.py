@@ -1,12 +1,12 @@
-"""Everything that can go wrong on purpose.
+"""Everything that can go wrong on purpose::
 
-AbiError
-├── SceneError        the input is not a scene: names the field, the value and what would work
-└── StageError        the scene is valid but a stage has no result; ends the chain of stages
-    ├── PointBlocked      start or goal lies inside an obstacle or its clearance
-    ├── NoPath            no path joins start and goal on this mesh
-    ├── ClearanceNotHeld  a curve could not be kept clear of the obstacles
-    └── OutOfReach        the arm cannot follow the curve all the way
+    AbiError
+    ├── SceneError        the input is not a scene: names the field, the value and what would work
+    └── StageError        the scene is valid but a stage has no result; ends the chain of stages
+        ├── PointBlocked      start or goal lies inside an obstacle or its clearance
+        ├── NoPath            no path joins start and goal on this mesh
+        ├── ClearanceNotHeld  a curve could not be kept clear of the obstacles
+        └── OutOfReach        the arm cannot follow the curve all the way
 """
 
 from __future__ import annotations

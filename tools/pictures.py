@@ -23,6 +23,9 @@ FOLDER = Path(__file__).parents[1] / "docs" / "pictures"
 WIDE = 1500
 """Width of a page whose middle is cut out, [px]."""
 
+MARGIN = 60
+"""What is cut off above and below, [px]."""
+
 BASE = ("workspace", "obstacles")
 STAGES: dict[str, tuple[str, ...]] = {
     "stage-1-mesh": (*BASE, "edges", "nodes", "excluded"),
@@ -70,7 +73,7 @@ def stage_scene() -> Scene:
 def _stand(visited: Visit) -> None:
     """Stand where both boxes and the way between them are seen."""
     visited.hide_handles()
-    visited.look((7.9, -4.4, 6.6), (3.0, 2.9, 2.75))
+    visited.look((0.4, -5.6, 5.4), (3.0, 3.0, 2.6))
     visited.rest()
 
 
@@ -78,9 +81,10 @@ def _stage(visited: Visit, name: str) -> Image.Image:
     visited.show(*STAGES[name])
     visited.search(SEARCHED if name == "stage-3-search" else 0)
     if "arm" in STAGES[name]:
-        visited.look((10.2, -7.6, 6.6), (3.0, 0.9, 3.6))
+        visited.look((-6.4, -6.6, 6.4), (3.0, 0.7, 3.5))
         visited.time(UNDERWAY)
-    return visited.picture(panels=False)
+    scene = visited.picture(panels=False)
+    return scene.crop((0, MARGIN, scene.width, scene.height - MARGIN))
 
 
 def _page(browser: Browser, scene: str, tab: str | None) -> Image.Image:

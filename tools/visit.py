@@ -19,6 +19,8 @@ from app.session import Session
 from tests.browser.page import Page
 
 WIDTH, HEIGHT = 1280, 720
+PATIENCE = 600.0
+"""Seconds: every pixel is drawn here, on machines without a graphics card, too."""
 
 
 class Visit:
@@ -66,8 +68,8 @@ class Visit:
 
     def rest(self) -> None:
         """Wait until the plan is whole and drawn."""
-        self.page.until(lambda: self.session.resting, "the plan at rest")
-        self.page.settle()
+        self.page.until(lambda: self.session.resting, "the plan at rest", PATIENCE)
+        self.page.settle(PATIENCE)
         assert "This did not work" not in self.page.text(), "the page tells of a fault: see its log"
 
     def picture(self, panels: bool = True) -> Image.Image:
@@ -87,13 +89,18 @@ def visit(browser: Browser, scene: Scene, dark: bool = True, width: int = WIDTH)
         server = start(port=0, scene=str(file), plain=True, dark=dark)
     # of two ratios in an address the first counts: every pixel, where tests take few
     page = Page(browser, server.url + "/?fixedDpr=1", width, HEIGHT)
+    page.tab.set_default_timeout(1000 * PATIENCE)
     try:
         page.until(lambda: len(server.sessions) == 1, "a session")
         (session,) = server.sessions.values()
         visited = Visit(page, session)
-        visited.rest()
+        page.until(lambda: session.plan is not None, "a plan", PATIENCE)
         if session.playback.playing:
             page.click("Pause")
+        # now, instead of when the hand has rested for a while
+        session.client.scene.configure_default_lights()
+        session.client.scene.configure_environment_map()
+        visited.rest()
         yield visited
     finally:
         page.close()

@@ -182,9 +182,9 @@ class Page:
         """Wait until the scene has the node."""
         self.until(lambda: self.tab.evaluate(_POSITION, name) is not None, f"node {name}")
 
-    def settle(self) -> None:
+    def settle(self, seconds: float = PATIENCE) -> None:
         """Wait until all that has arrived is on screen; closes the notice about software WebGL."""
-        seen = self.tab.evaluate(_SETTLE, 1000 * PATIENCE)
+        seen = self.tab.evaluate(_SETTLE, 1000 * seconds)
         assert seen == "", f"the page still changes: {seen}"
         notice = self.tab.locator("#webgl-software-rendering")
         if notice.is_visible():
