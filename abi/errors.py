@@ -1,4 +1,6 @@
-"""Everything that can go wrong on purpose::
+"""Everything that can go wrong on purpose.
+
+::
 
     AbiError
     ├── SceneError        the input is not a scene: names the field, the value and what would work

@@ -9,10 +9,9 @@ from typing import Any
 
 HERE = Path(__file__).parent
 ROOT = HERE.parent
-sys.path[:0] = [str(ROOT), str(HERE)]
+sys.path.insert(0, str(ROOT))
 
-import api_pages  # noqa: E402
-import plot_benchmarks  # noqa: E402
+from docs import api_pages, plot_benchmarks  # noqa: E402
 
 _project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 
@@ -29,9 +28,8 @@ extensions = [
     "sphinx.ext.mathjax",
     "sphinx_gallery.gen_gallery",
 ]
-exclude_patterns = ["_build", "pictures/README.md"]
-nitpicky = False
-# What a function returns has a name that Sphinx takes for a type; some modules have such a name too.
+exclude_patterns = ["_build"]
+# What a function returns has a name that is taken for a type; some have it in several modules.
 suppress_warnings = ["ref.python"]
 
 myst_enable_extensions = ["dollarmath", "colon_fence", "deflist"]
@@ -57,8 +55,8 @@ sphinx_gallery_conf = {
     "gallery_dirs": "gallery",
     "filename_pattern": "/",
     "ignore_pattern": r"__init__\.py",
-    "image_scrapers": ("gallery_pictures",),
-    "reset_argv": "gallery_pictures.arguments",
+    "image_scrapers": ("docs.gallery_pictures",),
+    "reset_argv": "docs.gallery_pictures.arguments",
     "default_thumb_file": str(HERE / "pictures" / "page.webp"),
     "within_subsection_order": "FileNameSortKey",
     "abort_on_example_error": True,
