@@ -25,13 +25,14 @@ extensions = [
     "sphinx.ext.autodoc",
     "sphinx.ext.napoleon",
     "sphinx.ext.viewcode",
-    "sphinx.ext.mathjax",
+    "docs.mathml",
     "sphinx_gallery.gen_gallery",
 ]
 exclude_patterns = ["_build"]
 # What a function returns has a name that is taken for a type; some have it in several modules.
 suppress_warnings = ["ref.python"]
 
+html_math_renderer = "mathml"
 myst_enable_extensions = ["dollarmath", "colon_fence", "deflist"]
 myst_heading_anchors = 3
 
@@ -55,7 +56,7 @@ sphinx_gallery_conf = {
     "gallery_dirs": "gallery",
     "filename_pattern": "/",
     "ignore_pattern": r"__init__\.py",
-    "image_scrapers": ("docs.gallery_pictures",),
+    "image_scrapers": ("docs.gallery_pictures.scrape",),
     "reset_argv": "docs.gallery_pictures.arguments",
     "default_thumb_file": str(HERE / "pictures" / "page.webp"),
     "within_subsection_order": "FileNameSortKey",

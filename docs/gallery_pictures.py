@@ -24,11 +24,7 @@ def arguments(gallery_conf: dict[str, Any], script_vars: dict[str, Any]) -> list
     return ["--once"] if "own" in Path(script_vars["src_file"]).name else []
 
 
-def _get_sg_image_scraper() -> Any:
-    return _scrape
-
-
-def _scrape(block: object, block_vars: dict[str, Any], gallery_conf: dict[str, Any]) -> str:
+def scrape(block: object, block_vars: dict[str, Any], gallery_conf: dict[str, Any]) -> str:
     """Draw each new plan among the example's variables."""
     files = []
     for value in list(block_vars["example_globals"].values()):
@@ -45,6 +41,7 @@ def _draw(plan: Plan) -> Figure:
     figure = Figure(figsize=(6.4, 4.8))
     axes: Any = figure.add_axes((0, 0, 1, 1), projection="3d")
     low, high = np.array(plan.scene.workspace.min), np.array(plan.scene.workspace.max)
+    bounds = [obstacle.bounds() for obstacle in plan.scene.obstacles]
     for obstacle in plan.scene.obstacles:
         axes.add_collection3d(_solid(obstacle))
     for points, colour, width in _lines(plan):
@@ -53,12 +50,15 @@ def _draw(plan: Plan) -> Figure:
     for point in (plan.scene.start, plan.scene.goal):
         axes.scatter(*point, color=_rgb(style.POINT), s=30)
     _frame(axes, low, high)
+    low = np.min([low, *(lowest for lowest, _ in bounds)], axis=0)
+    high = np.max([high, *(highest for _, highest in bounds)], axis=0)
+    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
+    axes.set_box_aspect(high - low, zoom=1.25)
     return figure
 
 
 def _frame(axes: Any, low: Any, high: Any) -> None:
-    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
-    axes.set_box_aspect(high - low, zoom=1.25)
+    """The workspace as a box of lines."""
     axes.set_axis_off()
     axes.view_init(elev=24, azim=-38)
     corners = np.array(np.meshgrid(*zip(low, high, strict=True))).reshape(3, -1).T
