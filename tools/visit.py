@@ -95,7 +95,7 @@ def visit(browser: Browser, scene: Scene, dark: bool = True, width: int = WIDTH)
         (session,) = server.sessions.values()
         visited = Visit(page, session)
         page.until(lambda: session.plan is not None, "a plan", PATIENCE)
-        if session.playback.playing:
+        if session.playback.playing and not session.playback.button.disabled:
             page.click("Pause")
         # now, instead of when the hand has rested for a while
         session.client.scene.configure_default_lights()
