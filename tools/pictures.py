@@ -88,7 +88,7 @@ def _stage(visited: Visit, name: str) -> Image.Image:
 
 
 def _page(browser: Browser, scene: str, tab: str | None) -> Image.Image:
-    with visit(browser, load_scene(scene)) as visited:
+    with visit(browser, scene) as visited:
         plan = visited.session.plan
         if plan is not None and plan.error is None:
             visited.time(UNDERWAY)

@@ -14,7 +14,7 @@ from playwright.sync_api import Browser
 
 from abi.scene.scene import Scene
 from app import style
-from app.server import start
+from app.server import Server, start
 from app.session import Session
 from tests.browser.page import Page
 
@@ -81,12 +81,9 @@ class Visit:
 
 
 @contextmanager
-def visit(browser: Browser, scene: Scene, dark: bool = True, width: int = WIDTH) -> Iterator[Visit]:
-    """The scene in a tab of a server of its own."""
-    with tempfile.TemporaryDirectory() as folder:
-        file = Path(folder) / "scene.json"
-        scene.save(file)
-        server = start(port=0, scene=str(file), plain=True, dark=dark)
+def visit(browser: Browser, scene: Scene | str, width: int = WIDTH) -> Iterator[Visit]:
+    """The scene, or the shipped one of that name, in a tab of a server of its own."""
+    server = _server(scene)
     # of two ratios in an address the first counts: every pixel, where tests take few
     page = Page(browser, server.url + "/?fixedDpr=1", width, HEIGHT)
     page.tab.set_default_timeout(1000 * PATIENCE)
@@ -105,3 +102,12 @@ def visit(browser: Browser, scene: Scene, dark: bool = True, width: int = WIDTH)
     finally:
         page.close()
         server.stop()
+
+
+def _server(scene: Scene | str) -> Server:
+    if isinstance(scene, str):
+        return start(port=0, scene=scene, plain=True, dark=True)
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "scene.json"
+        scene.save(file)
+        return start(port=0, scene=str(file), plain=True, dark=True)
