@@ -1,4 +1,4 @@
-"""What the ABI arm looks like: the solids of its links, sized by its link lengths.
+"""Looks of the ABI arm: the solids of its links, sized by its link lengths.
 
 A pedestal carries a turret with a fork; the upper arm tapers from the shoulder to the elbow; a
 second fork carries the sleeve of the forearm, in which a rod slides with a wrist and a gripper.
@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from abi.arm.urdf import Link, Solid, Triple
+from abi.arm.urdf import LinkSolid, Triple
 
 COLOURS: dict[str, Triple] = {
     "shell": (0.87, 0.88, 0.90),
@@ -55,8 +55,10 @@ def proportions(a1: float, a2: float, a3: float, a4: float, a5: float) -> Propor
     )
 
 
-def links(a1: float, a2: float, a3: float, a4: float, a5: float) -> tuple[Link, ...]:
-    """The links from the floor to the tool.
+def links(
+    a1: float, a2: float, a3: float, a4: float, a5: float
+) -> dict[str, tuple[LinkSolid, ...]]:
+    """Solids of each link, from the floor to the tool.
 
     Args:
         a1: height of q1 above the floor, [m].
@@ -69,19 +71,19 @@ def links(a1: float, a2: float, a3: float, a4: float, a5: float) -> tuple[Link, 
         base_link, turret, upper_arm, elbow, forearm, rod, gripper and the frame tool.
     """
     size = proportions(a1, a2, a3, a4, a5)
-    return (
-        Link("base_link", _base(size, a1)),
-        Link("turret", _turret(size, a2)),
-        Link("upper_arm", _upper_arm(size, a3)),
-        Link("elbow", _elbow(size)),
-        Link("forearm", _forearm(size, a4)),
-        Link("rod", _rod(size, a4)),
-        Link("gripper", _gripper(size, a5)),
-        Link("tool"),
-    )
+    return {
+        "base_link": _base(size, a1),
+        "turret": _turret(size, a2),
+        "upper_arm": _upper_arm(size, a3),
+        "elbow": _elbow(size),
+        "forearm": _forearm(size, a4),
+        "rod": _rod(size, a4),
+        "gripper": _gripper(size, a5),
+        "tool": (),
+    }
 
 
-def _base(size: Proportions, a1: float) -> tuple[Solid, ...]:
+def _base(size: Proportions, a1: float) -> tuple[LinkSolid, ...]:
     s = size.shoulder
     plate = min(0.22 * s, 0.25 * a1)
     step = plate + 0.45 * (a1 - plate)
@@ -105,14 +107,14 @@ def _base(size: Proportions, a1: float) -> tuple[Solid, ...]:
     )
 
 
-def _turret(size: Proportions, a2: float) -> tuple[Solid, ...]:
+def _turret(size: Proportions, a2: float) -> tuple[LinkSolid, ...]:
     s = size.shoulder
     seam = min(0.06 * s, 0.05 * a2)
     top = max(a2 - 1.15 * s, 0.3 * a2)
     ring = min(0.12 * s, 0.2 * top)
     inner, outer = _fork(size)
     cheeks = tuple(
-        Solid(
+        LinkSolid(
             "box",
             (outer - inner, 1.88 * s, a2 - 0.5 * top),
             "shell",
@@ -129,13 +131,13 @@ def _turret(size: Proportions, a2: float) -> tuple[Solid, ...]:
     )
 
 
-def _upper_arm(size: Proportions, a3: float) -> tuple[Solid, ...]:
+def _upper_arm(size: Proportions, a3: float) -> tuple[LinkSolid, ...]:
     lower, upper = 0.88 * size.shoulder, 0.9 * size.elbow
     half = 0.55 * size.elbow
     length = a3 - 1.25 * size.shoulder - 1.5 * size.elbow
     middle = 1.25 * size.shoulder + length / 2
     sides = tuple(
-        Solid(
+        LinkSolid(
             "box",
             (0.08 * half, 0.62 * size.elbow, length),
             "joint",
@@ -152,7 +154,7 @@ def _upper_arm(size: Proportions, a3: float) -> tuple[Solid, ...]:
     )
 
 
-def _elbow(size: Proportions) -> tuple[Solid, ...]:
+def _elbow(size: Proportions) -> tuple[LinkSolid, ...]:
     e, top = size.elbow, size.turn
     inner, outer = _fork(size)
     floor = 0.62 * top
@@ -167,7 +169,7 @@ def _elbow(size: Proportions) -> tuple[Solid, ...]:
     )
 
 
-def _forearm(size: Proportions, a4: float) -> tuple[Solid, ...]:
+def _forearm(size: Proportions, a4: float) -> tuple[LinkSolid, ...]:
     e, length = size.elbow, a4 - size.turn
     collar = min(0.34 * e, 0.3 * length)
     ring = 0.3 * collar
@@ -181,7 +183,7 @@ def _forearm(size: Proportions, a4: float) -> tuple[Solid, ...]:
     )
 
 
-def _rod(size: Proportions, a4: float) -> tuple[Solid, ...]:
+def _rod(size: Proportions, a4: float) -> tuple[LinkSolid, ...]:
     # The rod's tail stays in the sleeve at the largest extension, 0.8·a4.
     e, wrist = size.elbow, size.wrist
     ring = 0.16 * wrist
@@ -192,7 +194,7 @@ def _rod(size: Proportions, a4: float) -> tuple[Solid, ...]:
     )
 
 
-def _gripper(size: Proportions, a5: float) -> tuple[Solid, ...]:
+def _gripper(size: Proportions, a5: float) -> tuple[LinkSolid, ...]:
     g, length = size.grip, a5 - size.wrist
     plate, palm, knuckle = 0.1 * length, 0.32 * length, 0.62 * length
     thick = 0.26 * g
@@ -217,7 +219,7 @@ def _fork(size: Proportions) -> tuple[float, float]:
     return 0.62 * size.elbow, 0.98 * size.elbow
 
 
-def _hinge(size: Proportions, radius: float, z: float) -> tuple[Solid, ...]:
+def _hinge(size: Proportions, radius: float, z: float) -> tuple[LinkSolid, ...]:
     """A fork's rounded ends about the x axis at height ``z``, an accent ring and a dark cap."""
     inner, outer = _fork(size)
     boss, ring, cap = outer + 0.05 * radius, outer + 0.1 * radius, outer + 0.22 * radius
@@ -231,7 +233,7 @@ def _hinge(size: Proportions, radius: float, z: float) -> tuple[Solid, ...]:
 
 def _belt(
     lower: float, upper: float, length: float, left: float, right: float, material: str
-) -> tuple[Solid, ...]:
+) -> tuple[LinkSolid, ...]:
     """A plate between discs at z = 0 and z = length, bounded by their common tangents.
 
     Each box has one edge on a tangent; together with the discs they fill the hull exactly.
@@ -248,7 +250,7 @@ def _belt(
         y = lower * normal[0] + run / 2 * along[0] - width / 2 * normal[0]
         z = lower * normal[1] + run / 2 * along[1] - width / 2 * normal[1]
         boxes.append(
-            Solid(
+            LinkSolid(
                 "box",
                 (right - left, width, run),
                 material,
@@ -261,10 +263,10 @@ def _belt(
 
 def _disc(
     radius: float, left: float, right: float, z: float, material: str, *, body: bool = True
-) -> Solid:
+) -> LinkSolid:
     """A cylinder about the x axis at height ``z``, from x = left to right."""
     size = (radius, radius, right - left)
-    return Solid("cylinder", size, material, ((left + right) / 2, 0.0, z), _ALONG_X, body)
+    return LinkSolid("cylinder", size, material, ((left + right) / 2, 0.0, z), _ALONG_X, body)
 
 
 def _column(
@@ -275,12 +277,14 @@ def _column(
     centre: tuple[float, float] = (0.0, 0.0),
     *,
     body: bool = True,
-) -> Solid:
+) -> LinkSolid:
     """An upright cylinder from z = low to high."""
     size = (radius, radius, high - low)
-    return Solid("cylinder", size, material, (*centre, (low + high) / 2), body=body)
+    return LinkSolid("cylinder", size, material, (*centre, (low + high) / 2), body=body)
 
 
-def _block(size: tuple[float, float], low: float, high: float, x: float, material: str) -> Solid:
+def _block(
+    size: tuple[float, float], low: float, high: float, x: float, material: str
+) -> LinkSolid:
     """A box of that size in x and y, about (x, 0), from z = low to high."""
-    return Solid("box", (*size, high - low), material, (x, 0.0, (low + high) / 2))
+    return LinkSolid("box", (*size, high - low), material, (x, 0.0, (low + high) / 2))

@@ -1,16 +1,19 @@
-"""URDF text from solids, links and joints; masses and inertias follow from the solids.
+"""URDF text from solids and joints; masses and inertias follow from the solids.
 
 The format: http://wiki.ros.org/urdf/XML. Lengths in [m], angles in [rad], masses in [kg].
 """
 
 from __future__ import annotations
 
+import io
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+from numpy.typing import ArrayLike
+from yourdfpy import urdf as model
 
 from abi.arrays import FloatArray
 
@@ -19,9 +22,15 @@ Triple = tuple[float, float, float]
 DENSITY = 2700.0
 """Density of every solid, [kg/m³]: aluminium."""
 
+EFFORT = 1000.0
+"""Largest torque or force of every joint, [N·m] or [N]."""
+
+_WORDS = {"name", "type", "link"}
+"""Attributes that are not numbers."""
+
 
 @dataclass(frozen=True)
-class Solid:
+class LinkSolid:
     """A box or a cylinder of a link.
 
     Attributes:
@@ -41,81 +50,71 @@ class Solid:
     body: bool = True
 
 
-@dataclass(frozen=True)
-class Link:
-    """A rigid body; one without solids is a frame."""
-
-    name: str
-    solids: tuple[Solid, ...] = ()
-
-
-@dataclass(frozen=True)
-class Joint:
-    """What joins a link to its parent.
-
-    Attributes:
-        name: name of the joint.
-        kind: type of the joint.
-        parent: name of the link nearer to the root.
-        child: name of the link that moves.
-        xyz: the child's origin in the parent's frame at position 0, [m].
-        axis: unit axis in the child's frame.
-        limits: lowest and highest position, [rad] or [m].
-        speed: largest speed, [rad/s] or [m/s].
-        effort: largest torque or force, [N·m] or [N].
-    """
-
-    name: str
-    kind: Literal["revolute", "prismatic", "fixed"]
-    parent: str
-    child: str
-    xyz: Triple
-    axis: Triple = (0.0, 0.0, 1.0)
-    limits: tuple[float, float] = (0.0, 0.0)
-    speed: float = 0.0
-    effort: float = 0.0
-
-
 def write(
     name: str,
     materials: Mapping[str, Triple],
-    links: Iterable[Link],
-    joints: Iterable[Joint],
-    comment: str = "",
+    links: Mapping[str, Sequence[LinkSolid]],
+    joints: Iterable[model.Joint],
+    comment: str,
 ) -> str:
     """Write a robot as URDF text.
 
     Args:
         name: the robot's name.
         materials: red, green and blue from 0 to 1 of each colour the solids use.
-        links: the bodies, in the order they are written.
+        links: the solids of each body, in the order they are written; one without is a frame.
         joints: what joins them.
         comment: text of an XML comment at the top.
 
     Returns:
         The text, ending in a newline; equal arguments give equal text.
     """
-    lines = ['<?xml version="1.0" encoding="utf-8"?>']
-    if comment:
-        lines.append(f"<!-- {comment} -->")
-    lines.append(f'<robot name="{name}">')
-    for label, colour in materials.items():
-        lines += [
-            f'  <material name="{label}">',
-            f'    <color rgba="{_numbers(colour)} 1"/>',
-            "  </material>",
-        ]
-    for link in links:
-        lines += _link(link)
-    for joint in joints:
-        lines += _joint(joint)
-    return "\n".join([*lines, "</robot>", ""])
+    robot = model.Robot(
+        name,
+        links=[_link(link, solids) for link, solids in links.items()],
+        joints=list(joints),
+        materials=[
+            model.Material(label, model.Color((*colour, 1.0)))
+            for label, colour in materials.items()
+        ],
+    )
+    tree = model.URDF(robot, build_scene_graph=False).write_xml()
+    for element in tree.iter():
+        for key in set(element.keys()) - _WORDS:
+            element.set(key, _rounded(element.get(key)))
+    text = io.BytesIO()
+    tree.write(text, encoding="utf-8", pretty_print=True)
+    return f'<?xml version="1.0" encoding="utf-8"?>\n<!-- {comment} -->\n{text.getvalue().decode()}'
 
 
-def inertia(solids: Iterable[Solid]) -> tuple[float, FloatArray, FloatArray]:
+def joint(
+    name: str,
+    kind: Literal["revolute", "prismatic", "fixed"],
+    links: tuple[str, str],
+    height: float,
+    axis: Triple | None = None,
+    limits: tuple[float, float] | None = None,
+    speed: float = 0.0,
+) -> model.Joint:
+    """Join two links.
+
+    Args:
+        name: name of the joint.
+        kind: its type.
+        links: names of the parent and of the child.
+        height: of the child's origin above the parent's at position 0, [m].
+        axis: unit axis in the child's frame; None for a fixed joint.
+        limits: lowest and highest position, [rad] or [m]; None for a fixed joint.
+        speed: largest speed, [rad/s] or [m/s].
+    """
+    limit = None if limits is None else model.Limit(EFFORT, speed, *limits)
+    return model.Joint(name, kind, *links, _pose((0.0, 0.0, height)), axis, limit=limit)
+
+
+def inertia(solids: Iterable[LinkSolid]) -> tuple[float, FloatArray, FloatArray]:
     """Mass, centre of mass and inertia of the bodies among ``solids``.
 
-    Solids that overlap count twice where they do: the shape of a link is a picture, its masses
+    LinkSolids that overlap count twice where they do: the shape of a link is a picture, its masses
     are nominal.
 
     Args:
@@ -139,12 +138,12 @@ def inertia(solids: Iterable[Solid]) -> tuple[float, FloatArray, FloatArray]:
     return float(mass), centre, total
 
 
-def _mass(solid: Solid) -> float:
+def _mass(solid: LinkSolid) -> float:
     x, y, z = solid.size
     return DENSITY * x * y * z * (1.0 if solid.shape == "box" else math.pi)
 
 
-def _squared_radii(solid: Solid) -> FloatArray:
+def _squared_radii(solid: LinkSolid) -> FloatArray:
     """Squares of the radii of inertia about the solid's own axes, shape (3,), [m²]."""
     x, y, z = (edge * edge for edge in solid.size)
     if solid.shape == "box":
@@ -161,66 +160,33 @@ def _rotation(rpy: Triple) -> FloatArray:
     return np.asarray(about_z @ about_y @ about_x)
 
 
-def _link(link: Link) -> list[str]:
-    if not link.solids:
-        return [f'  <link name="{link.name}"/>']
-    mass, centre, tensor = inertia(link.solids)
-    names = {"ixx": (0, 0), "ixy": (0, 1), "ixz": (0, 2), "iyy": (1, 1), "iyz": (1, 2)}
-    tensor = np.where(np.abs(tensor) < 1e-12 * np.trace(tensor), 0.0, tensor)
-    parts = " ".join(
-        f'{key}="{_number(tensor[at])}"' for key, at in {**names, "izz": (2, 2)}.items()
-    )
-    lines = [
-        f'  <link name="{link.name}">',
-        "    <inertial>",
-        f'      <origin xyz="{_numbers(centre)}"/>',
-        f'      <mass value="{_number(mass)}"/>',
-        f"      <inertia {parts}/>",
-        "    </inertial>",
-    ]
-    for solid in link.solids:
-        colour = f'<material name="{solid.material}"/>'
-        lines += [f"    <visual>{_placed(solid)}{colour}</visual>"]
-    for solid in link.solids:
+def _pose(xyz: ArrayLike, rpy: Triple = (0.0, 0.0, 0.0)) -> FloatArray:
+    """Homogeneous matrix (4, 4)."""
+    pose = np.eye(4)
+    pose[:3, :3], pose[:3, 3] = _rotation(rpy), xyz
+    return pose
+
+
+def _link(name: str, solids: Sequence[LinkSolid]) -> model.Link:
+    link = model.Link(name)
+    if solids:
+        mass, centre, tensor = inertia(solids)
+        tensor[np.abs(tensor) < 1e-12 * np.trace(tensor)] = 0.0
+        link.inertial = model.Inertial(_pose(centre), mass, tensor)
+    for solid in solids:
+        pose, (x, y, z) = _pose(solid.xyz, solid.rpy), solid.size
+        if solid.shape == "box":
+            geometry = model.Geometry(box=model.Box((x, y, z)))
+        else:
+            geometry = model.Geometry(cylinder=model.Cylinder(x, z))
+        link.visuals.append(model.Visual(None, pose, geometry, model.Material(solid.material)))
         if solid.body:
-            lines += [f"    <collision>{_placed(solid)}</collision>"]
-    return [*lines, "  </link>"]
+            link.collisions.append(model.Collision(None, pose, geometry))
+    return link
 
 
-def _placed(solid: Solid) -> str:
-    turned = f' rpy="{_numbers(solid.rpy)}"' if any(solid.rpy) else ""
-    shape = (
-        f'<box size="{_numbers(solid.size)}"/>'
-        if solid.shape == "box"
-        else f'<cylinder radius="{_number(solid.size[0])}" length="{_number(solid.size[2])}"/>'
-    )
-    return f'<origin xyz="{_numbers(solid.xyz)}"{turned}/><geometry>{shape}</geometry>'
-
-
-def _joint(joint: Joint) -> list[str]:
-    lines = [
-        f'  <joint name="{joint.name}" type="{joint.kind}">',
-        f'    <parent link="{joint.parent}"/>',
-        f'    <child link="{joint.child}"/>',
-        f'    <origin xyz="{_numbers(joint.xyz, 15)}"/>',
-    ]
-    if joint.kind != "fixed":
-        low, high = joint.limits
-        lines += [
-            f'    <axis xyz="{_numbers(joint.axis)}"/>',
-            f'    <limit lower="{_number(low, 12)}" upper="{_number(high, 12)}" '
-            f'velocity="{_number(joint.speed)}" effort="{_number(joint.effort)}"/>',
-        ]
-    return [*lines, "  </joint>"]
-
-
-def _number(value: float, digits: int = 6) -> str:
-    # Adding zero turns -0 into 0.
-    return f"{value + 0.0:.{digits}g}"
-
-
-def _numbers(values: Iterable[float], digits: int = 6) -> str:
+def _rounded(text: str) -> str:
     """Numbers of one vector; what is only the rounding of a sine is 0, on every machine."""
-    numbers = [float(value) for value in values]
-    least = 1e-12 * max(map(abs, numbers))
-    return " ".join(_number(n if abs(n) > least else 0.0, digits) for n in numbers)
+    numbers = np.array(text.split(), dtype=float)
+    numbers[np.abs(numbers) <= 1e-12 * np.abs(numbers).max()] = 0.0
+    return " ".join(f"{number:.12g}" for number in numbers)

@@ -17,7 +17,7 @@ from scipy.spatial.transform import Rotation
 from abi import assets
 from abi.arm import arm_links
 from abi.arm.arm import JOINTS, STROKE, Arm, forward, skeleton, urdf
-from abi.arm.urdf import DENSITY, Solid, inertia
+from abi.arm.urdf import DENSITY, LinkSolid, inertia
 from abi.arrays import FloatArray
 from abi.scene.scene import ArmSettings
 
@@ -43,9 +43,9 @@ def random_positions(arm: Arm, count: int, seed: int) -> FloatArray:
     return np.asarray(low + np.random.default_rng(seed).random((count, 6)) * (high - low))
 
 
-def solids(arm: Arm) -> list[Solid]:
+def solids(arm: Arm) -> list[LinkSolid]:
     links = arm_links.links(arm.a1, arm.a2, arm.a3, arm.a4, arm.a5)
-    return [solid for link in links for solid in link.solids]
+    return [solid for link in links.values() for solid in link]
 
 
 @settings(max_examples=12, deadline=None)
@@ -158,8 +158,8 @@ def test_every_solid_has_a_size(arm: Arm) -> None:
 def test_solids_of_different_colours_never_share_a_face(arm: Arm) -> None:
     """Faces in one plane flicker: caps of cylinders along one axis must lie apart or inside."""
     links = arm_links.links(arm.a1, arm.a2, arm.a3, arm.a4, arm.a5)
-    for link in links:
-        upright = [s for s in link.solids if s.shape == "cylinder" and not any(s.rpy)]
+    for link in links.values():
+        upright = [s for s in link if s.shape == "cylinder" and not any(s.rpy)]
         for a, b in itertools.combinations(upright, 2):
             if a.material == b.material or a.xyz[:2] != b.xyz[:2]:
                 continue
@@ -172,10 +172,10 @@ def test_solids_of_different_colours_never_share_a_face(arm: Arm) -> None:
 @settings(max_examples=200, deadline=None)
 @given(arms())
 def test_the_base_stands_on_the_floor_and_the_fingers_end_at_the_tool(arm: Arm) -> None:
-    links = {link.name: link for link in arm_links.links(arm.a1, arm.a2, arm.a3, arm.a4, arm.a5)}
-    lows = [solid.xyz[2] - solid.size[2] / 2 for solid in links["base_link"].solids]
+    links = arm_links.links(arm.a1, arm.a2, arm.a3, arm.a4, arm.a5)
+    lows = [solid.xyz[2] - solid.size[2] / 2 for solid in links["base_link"]]
     assert min(lows) == pytest.approx(0, abs=1e-12)
-    highs = [solid.xyz[2] + solid.size[2] / 2 for solid in links["gripper"].solids]
+    highs = [solid.xyz[2] + solid.size[2] / 2 for solid in links["gripper"]]
     wrist = arm_links.proportions(arm.a1, arm.a2, arm.a3, arm.a4, arm.a5).wrist
     assert max(highs) == pytest.approx(arm.a5 - wrist, rel=1e-9)
 
@@ -183,21 +183,21 @@ def test_the_base_stands_on_the_floor_and_the_fingers_end_at_the_tool(arm: Arm) 
 @settings(max_examples=200, deadline=None)
 @given(arms())
 def test_the_rod_never_leaves_its_sleeve(arm: Arm) -> None:
-    links = {link.name: link for link in arm_links.links(arm.a1, arm.a2, arm.a3, arm.a4, arm.a5)}
-    rod = links["rod"].solids[0]
+    links = arm_links.links(arm.a1, arm.a2, arm.a3, arm.a4, arm.a5)
+    rod = links["rod"][0]
     tail = rod.xyz[2] - rod.size[2] / 2
     assert tail + arm.limits[4, 1] < 0
     assert tail + arm.a4 > 0
-    assert rod.size[0] < min(solid.size[0] for solid in links["forearm"].solids)
+    assert rod.size[0] < min(solid.size[0] for solid in links["forearm"])
 
 
 @settings(max_examples=100, deadline=None)
 @given(arms())
 def test_the_upper_arm_is_the_hull_of_its_ends(arm: Arm) -> None:
-    link = arm_links.links(arm.a1, arm.a2, arm.a3, arm.a4, arm.a5)[2]
+    link = arm_links.links(arm.a1, arm.a2, arm.a3, arm.a4, arm.a5)["upper_arm"]
     size = arm_links.proportions(arm.a1, arm.a2, arm.a3, arm.a4, arm.a5)
     lower, upper = 0.88 * size.shoulder, 0.9 * size.elbow
-    plates = [s for s in link.solids if s.shape == "box" and s.material == "shell"]
+    plates = [s for s in link if s.shape == "box" and s.material == "shell"]
     angles = np.linspace(0, 2 * np.pi, 720)
     normals = np.stack([np.sin(angles), np.cos(angles)], axis=1)
     support = np.maximum(lower, normals[:, 1] * arm.a3 + upper)
@@ -212,14 +212,14 @@ def test_the_upper_arm_is_the_hull_of_its_ends(arm: Arm) -> None:
         assert any(_inside(plate, z) for plate in plates)
 
 
-def _corners(plate: Solid) -> FloatArray:
+def _corners(plate: LinkSolid) -> FloatArray:
     """The corners of a box that is turned about x only, in (y, z)."""
     cos, sin = math.cos(plate.rpy[0]), math.sin(plate.rpy[0])
     half = np.array(plate.size[1:]) / 2 * np.array([[1, 1], [1, -1], [-1, -1], [-1, 1]])
     return np.asarray(np.array(plate.xyz[1:]) + half @ np.array([[cos, sin], [-sin, cos]]))
 
 
-def _inside(plate: Solid, z: float) -> bool:
+def _inside(plate: LinkSolid, z: float) -> bool:
     """Whether a box that is turned about x only holds (y, z) = (0, z) or ends beside it."""
     cos, sin = math.cos(plate.rpy[0]), math.sin(plate.rpy[0])
     y, z = -plate.xyz[1], z - plate.xyz[2]
@@ -230,9 +230,9 @@ def _inside(plate: Solid, z: float) -> bool:
 
 def test_inertia_is_that_of_the_solid_geometry() -> None:
     parts = (
-        Solid("box", (0.1, 0.2, 0.3), "shell", (0.0, 0.0, 0.1), (0.3, -0.4, 0.5)),
-        Solid("cylinder", (0.05, 0.05, 0.4), "joint", (1.0, 0.5, -0.2), (1.1, 0.2, -0.7)),
-        Solid("box", (1.0, 1.0, 1.0), "steel", body=False),
+        LinkSolid("box", (0.1, 0.2, 0.3), "shell", (0.0, 0.0, 0.1), (0.3, -0.4, 0.5)),
+        LinkSolid("cylinder", (0.05, 0.05, 0.4), "joint", (1.0, 0.5, -0.2), (1.1, 0.2, -0.7)),
+        LinkSolid("box", (1.0, 1.0, 1.0), "steel", body=False),
     )
     meshes: list[trimesh.Trimesh] = []
     for part in parts[:2]:
