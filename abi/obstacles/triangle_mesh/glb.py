@@ -2,6 +2,9 @@
 
 Read are the positions and triangles of the default scene, placed by its nodes. Everything must lie
 in the file's own binary part; looks (materials, textures, cameras, lights) are left aside.
+
+trimesh reads GLB too, but needs every check below beforehand, and leaves out meshes that hang on a
+node with a camera.
 """
 
 from __future__ import annotations
@@ -14,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from abi.arrays import FloatArray, IntArray
+from abi.obstacles.pose import rotation
 
 _TYPES = {5121: "<u1", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
 _LOOKS = {"KHR_materials_unlit", "KHR_texture_transform", "KHR_lights_punctual"}
@@ -55,23 +59,23 @@ def _chunks(data: bytes) -> tuple[dict[str, Any], bytes]:
     if len(data) < 20 or data[:4] != b"glTF":
         raise ValueError("a GLB file, this does not begin like one")
     version, total, length, kind = struct.unpack_from("<III4s", data, 4)
+    end = 20 + length
     if version != 2:
         raise ValueError(f"glTF 2, this is version {version}")
-    if total != len(data) or kind != b"JSON" or 20 + length > len(data):
+    if total != len(data) or kind != b"JSON" or end > len(data):
         raise ValueError(f"a whole GLB file, it announces {total:,} bytes and has {len(data):,}")
     if length > _MOST_JSON:
         raise ValueError("a GLB file whose description is under 8 MB")
     binary = b""
-    rest = 20 + length
-    if rest < len(data):
-        if rest + 8 > len(data):
+    if end < len(data):
+        if end + 8 > len(data):
             raise ValueError("a whole GLB file, its second part is cut off")
-        size, kind = struct.unpack_from("<I4s", data, rest)
-        if kind != b"BIN\0" or rest + 8 + size != len(data):
+        size, kind = struct.unpack_from("<I4s", data, end)
+        if kind != b"BIN\0" or end + 8 + size != len(data):
             raise ValueError("a whole GLB file, its binary part has another length than announced")
-        binary = data[rest + 8 :]
+        binary = data[end + 8 :]
     try:
-        document = json.loads(data[20 : 20 + length].decode(), parse_constant=_refuse)
+        document = json.loads(data[20:end].decode(), parse_constant=_refuse)
     except (ValueError, RecursionError):
         raise ValueError("a GLB file, its description is not JSON") from None
     if not isinstance(document, dict):
@@ -189,17 +193,10 @@ def _pose(node: dict[str, Any]) -> FloatArray:
     if "matrix" in node:
         return _floats(node["matrix"], 16).reshape(4, 4).T
     pose = np.eye(4)
-    x, y, z, w = _floats(node.get("rotation", [0, 0, 0, 1]), 4)
-    norm = math.hypot(x, y, z, w)
-    if not norm > 1e-6:
+    x, y, z, w = _floats(node.get("rotation", [0, 0, 0, 1]), 4).tolist()
+    if not math.hypot(x, y, z, w) > 1e-6:
         raise ValueError("a GLB file whose rotations are not zero")
-    x, y, z, w = x / norm, y / norm, z / norm, w / norm
-    pose[:3, :3] = [
-        [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-        [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-        [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
-    ]
-    pose[:3, :3] *= _floats(node.get("scale", [1, 1, 1]), 3)
+    pose[:3, :3] = rotation((w, x, y, z)) * _floats(node.get("scale", [1, 1, 1]), 3)
     pose[:3, 3] = _floats(node.get("translation", [0, 0, 0]), 3)
     return pose
 

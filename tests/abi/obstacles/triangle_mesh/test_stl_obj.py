@@ -112,6 +112,11 @@ def test_the_nodes_of_a_glb_place_its_mesh() -> None:
     np.testing.assert_allclose(corners(glb(matrix=matrix), "m.glb")[0], expected, atol=1e-6)
 
 
+def test_a_mesh_that_hangs_on_a_camera_is_read() -> None:
+    eye = {"cameras": [{"type": "perspective", "perspective": {"yfov": 1.0, "znear": 0.1}}]}
+    np.testing.assert_array_equal(corners(glb(eye, camera=0), "m.glb"), corners(glb(), "m.glb"))
+
+
 def test_polygons_and_indices_from_the_end_of_an_obj() -> None:
     text = "# a square\nv 0 0 0\nv 1 0 0\nv 1 1 0 1.0\nv 0 1 \\\n0\nvn 0 0 1\nmtllib m.mtl\n"
     found = corners((text + "usemtl red\nf -4//1 2/1/1 3 4\n").encode(), "m.obj")
