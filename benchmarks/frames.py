@@ -64,8 +64,8 @@ from abi.search.search import SEARCHES
 from abi.taut.taut_path import taut
 from abi.tet_mesh import adjacency as net
 from abi.tet_mesh import tet_mesh as mesh
-from benchmarks.quality import box_scene
 from benchmarks.report import table
+from tests.random_scenes import box_scene
 
 SIZES = (200, 2_000, 20_000, 200_000, 1_000_000)
 CLEARANCE = 0.2

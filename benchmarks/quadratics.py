@@ -9,7 +9,6 @@ import sys
 import time
 from collections import Counter
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 
@@ -17,37 +16,9 @@ from abi.curves.fit_quadratic import Mode, fit
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner.planner import plan
 from abi.scene.scene import Scene
+from tests.random_scenes import scattered, slalom
 
 MODES: tuple[Mode, ...] = ("least_squares", "clear", "pieces")
-
-
-def scattered(rng: np.random.Generator, most: int = 4) -> Scene:
-    """One to ``most`` obstacles of all shapes between start and goal."""
-    obstacles: list[dict[str, Any]] = []
-    for _ in range(rng.integers(1, most + 1)):
-        shape = str(rng.choice(["box", "sphere", "cylinder", "capsule"]))
-        a, b, c = rng.uniform(0.6, 2.6, 3).tolist()
-        sizes: dict[str, dict[str, Any]] = {
-            "box": {"size": [a, b, c]},
-            "sphere": {"radius": a / 2},
-            "cylinder": {"radius": a / 2, "height": b},
-            "capsule": {"radius": a / 3, "height": b},
-        }
-        pose = {"position": rng.uniform(1.2, 4.8, 3).tolist(), "wxyz": rng.normal(size=4).tolist()}
-        obstacles.append({"shape": shape, **sizes[shape], **pose})
-    return _scene(rng, obstacles)
-
-
-def slalom(rng: np.random.Generator) -> Scene:
-    """Two to four walls across the workspace and far beyond, open on alternate sides."""
-    count = int(rng.integers(2, 5))
-    obstacles = []
-    for k in range(count):
-        end = float(rng.uniform(2.2, 4.2))
-        y = end - 20 if k % 2 else end + 20
-        x = 1.2 + 3.6 * (k + 0.5) / count + float(rng.uniform(-0.2, 0.2))
-        obstacles.append({"shape": "box", "size": [0.2, 40, 40], "position": [x, y, 3]})
-    return _scene(rng, obstacles)
 
 
 def run(name: str, make: Callable[[np.random.Generator], Scene], scenes: int, seed: int) -> None:
@@ -80,19 +51,6 @@ def run(name: str, make: Callable[[np.random.Generator], Scene], scenes: int, se
         print(f"{mode:14} clear {holds[mode] / planned:8.2%}   {times}")
     print("pieces needed       ", dict(sorted(pieces.items())), "(0: none found)")
     print(f"clear, where it had to search: median {np.median(moved or [0]):.1f} ms")
-
-
-def _scene(rng: np.random.Generator, obstacles: list[dict[str, Any]]) -> Scene:
-    return Scene.from_dict(
-        {
-            "version": 1,
-            "start": rng.uniform(0, [1, 6, 6]).tolist(),
-            "goal": rng.uniform([5, 0, 0], 6).tolist(),
-            "obstacles": obstacles,
-            "mesh": {"pitch": 0.6},
-            "spline": {"clearance": 0.1},
-        }
-    )
 
 
 if __name__ == "__main__":

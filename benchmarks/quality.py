@@ -41,9 +41,9 @@ from abi.taut.taut_path import taut
 from abi.tet_mesh import tet_mesh as mesh
 from abi.tet_mesh.tet_mesh import TetMesh
 from benchmarks.best_known import best_known
+from tests.random_scenes import CLEARANCE, box_scene
 
 _TIMES = 5
-CLEARANCE = 0.2
 CUBE_PITCHES = (1.3, 0.58, 0.247, 0.113, 0.0658)  # 189 to 1,005,039 nodes
 
 # past an edge of the cube, which the clearance rounds: a helix between two tangents
@@ -52,26 +52,6 @@ _TURN = math.pi / 2 - 2 * (math.atan2(1.5, 4.5) - math.asin(CLEARANCE / _AWAY))
 CUBE_OPTIMUM = math.hypot(2 * math.sqrt(_AWAY**2 - CLEARANCE**2) + CLEARANCE * _TURN, 6)
 
 Runs = dict[str, list[tuple[float, float]]]  # by method: ratio (inf: not solved) and ms
-
-
-def box_scene(seed: int, pitch: float) -> Scene:
-    """Eight boxes at random, as many as fit between the start's and the goal's corners."""
-    random = np.random.default_rng(seed)
-    boxes: list[dict[str, Any]] = []
-    while len(boxes) < 8:
-        size = random.uniform(0.9, 2.2, 3)
-        low = random.uniform(0.35, 5.65 - size)
-        if (low >= 0.1 + CLEARANCE).all() and (low + size <= 5.9 - CLEARANCE).all():
-            position = (low + size / 2).tolist()
-            boxes.append({"shape": "box", "size": size.tolist(), "position": position})
-    return Scene.from_dict(
-        {
-            "version": 1,
-            "obstacles": boxes,
-            "mesh": {"lattice": "bcc", "pitch": pitch},
-            "spline": {"clearance": CLEARANCE},
-        }
-    )
 
 
 def ompl_there() -> bool:

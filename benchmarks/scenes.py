@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import argparse
 import collections
-import functools
 import json
 import multiprocessing
 import os
@@ -21,50 +20,15 @@ from typing import Any
 
 import networkx
 import numpy as np
-import trimesh
 
 from abi import compiling
 from abi.obstacles.obstacle_set import ObstacleSet
-from abi.obstacles.triangle_mesh.mesh_source import MeshSource
-from abi.obstacles.triangle_mesh.repair import Surface, clean
 from abi.planner.plan import Plan
 from abi.planner.planner import plan
-from abi.scene.scene import Scene
+from tests.random_scenes import random_scene
 
 DENSE = 2000
 FAULTS = ("exception", "refuted", "no tie", "refused")
-SHAPES = ("box", "sphere", "cylinder", "capsule", "mesh")
-
-
-def random_scene(seed: int) -> Scene:
-    """A scene from its number: workspace 6 × 6 × 6, obstacles of every shape in any pose.
-
-    Every fourth scene may have triangle meshes: closed, inside out, or open.
-    """
-    random = np.random.default_rng(seed)
-    count = int(random.integers(1, 21))
-    reach = 0.3 + 1.2 / np.sqrt(count)
-    data: dict[str, Any] = {
-        "version": 1,
-        "start": random.uniform(0, 1, 3).tolist(),
-        "goal": random.uniform(5, 6, 3).tolist(),
-        "obstacles": _wall(random) * (seed % 5 == 1)
-        + [_obstacle(random, reach, SHAPES[: 5 if seed % 4 == 0 else 4]) for _ in range(count)],
-        "mesh": {
-            "lattice": str(random.choice(["bcc", "kuhn", "delaunay"])),
-            "pitch": float(random.uniform(0.45, 1.5)),
-            "seed": seed,
-        },
-        "search": {"weight": str(random.choice(["length", "hops"]))},
-        "spline": {
-            "degree": int(random.integers(2, 6)),
-            "clearance": float(random.choice([0.0, 0.02, 0.1, 0.2, 0.6])),
-        },
-        "quadratic": {"mode": str(random.choice(["least_squares", "clear", "pieces"]))},
-    }
-    if random.random() < 0.5:
-        data["search"]["taut"] = False
-    return Scene.from_dict(data, _meshes())
 
 
 def check(seed: int) -> dict[str, Any]:
@@ -99,54 +63,6 @@ def main() -> None:
         if result["fault"]:
             print(result)
     raise SystemExit(any(result["fault"] for result in results))
-
-
-def _wall(random: np.random.Generator) -> list[dict[str, Any]]:
-    """Two boxes across the workspace with a slit between them, or none."""
-    slit = float(random.choice([0.0, random.uniform(0.01, 1)]))
-    middle = float(random.uniform(1.5, 4.5))
-    return [
-        {"shape": "box", "size": [0.2, 10, 8], "position": [3, middle + side * (slit / 2 + 5), 3]}
-        for side in (-1, 1)
-    ]
-
-
-@functools.cache
-def _meshes() -> MeshSource:
-    """A closed mesh that is not convex, the same inside out, and triangles that close nothing."""
-    torus = trimesh.creation.torus(0.7, 0.3, major_sections=24, minor_sections=12)
-    random = np.random.default_rng(0)
-    soup = random.uniform(-0.7, 0.7, (20, 1, 3)) + random.uniform(-0.3, 0.3, (20, 3, 3))
-    shapes = {
-        "ring.stl": (torus.vertices, torus.faces),
-        "inverted.stl": (torus.vertices, torus.faces[:, ::-1]),
-        "soup.stl": (soup.reshape(-1, 3), np.arange(60).reshape(-1, 3)),
-    }
-    surfaces: dict[str, bytes | Surface] = {
-        name: clean(np.asarray(vertices, float), np.asarray(faces, np.int32), name)
-        for name, (vertices, faces) in shapes.items()
-    }
-    return MeshSource(surfaces)
-
-
-def _obstacle(random: np.random.Generator, reach: float, shapes: tuple[str, ...]) -> dict[str, Any]:
-    shape = str(random.choice(shapes))
-    sizes = random.uniform(0.1, reach, 3)
-    data: dict[str, Any] = {
-        "shape": shape,
-        "position": random.uniform(0.5, 5.5, 3).tolist(),
-        "wxyz": random.normal(size=4).tolist(),
-    }
-    if shape == "box":
-        data["size"] = (2 * sizes).tolist()
-    elif shape == "mesh":
-        data["file"] = str(random.choice(list(_meshes().files)))
-        data["scale"] = float(sizes[0])
-    else:
-        data["radius"] = float(sizes[0])
-        if shape != "sphere":
-            data["height"] = float(2 * sizes[1])
-    return data
 
 
 def _fault(made: Plan) -> str:

@@ -17,8 +17,8 @@ from abi.curves.bspline import BSpline, clamped
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.primitives import Obstacles
 from abi.scene.scene import ArmSettings
-from benchmarks.certificates import random_obstacle
 from tests.kernel_forms import compiled, plain
+from tests.random_curves import random_obstacle
 
 seeds = st.integers(0, 2**32 - 1)
 

@@ -17,16 +17,11 @@ from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import NO_OBSTACLES, ObstacleSet
 from abi.obstacles.primitives import Box, Capsule, Cylinder, Obstacles, Sphere
 from abi.obstacles.triangle_mesh.repair import Surface, clean
-from benchmarks.certificates import (
-    SIZE,
-    campaign,
-    random_curve,
-    random_obstacle,
-    true_clearance,
-)
+from benchmarks.certificates import campaign, true_clearance
 from tests.abi import meshes
 from tests.abi.bezier import polyline
 from tests.kernel_forms import kernels_as
+from tests.random_curves import SIZE, random_curve, random_obstacle
 
 seeds = st.integers(0, 2**32 - 1)
 

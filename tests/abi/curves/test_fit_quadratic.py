@@ -18,8 +18,8 @@ from abi.obstacles.primitives import Box, MeshShape, Obstacle, Sphere
 from abi.obstacles.triangle_mesh.repair import clean
 from abi.planner.planner import plan
 from abi.scene.scene import Scene, load_scene
-from benchmarks.quadratics import scattered, slalom
 from tests.abi import meshes
+from tests.random_scenes import scattered, slalom
 
 CLEARANCE = 0.1
 seeds = st.integers(0, 2**32 - 1)

@@ -18,8 +18,8 @@ from abi.arrays import FloatArray
 from abi.errors import StageError
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner.planner import SLACK
-from benchmarks.quadratics import scattered, slalom
 from tests.abi.scene.test_scene import obstacles, points
+from tests.random_scenes import scattered, slalom
 
 TOP = {
     "mesh": {"lattice", "pitch", "nodes", "tetrahedra", "excluded_nodes", "ms"},

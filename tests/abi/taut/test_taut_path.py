@@ -25,9 +25,9 @@ from abi.taut.lower_bound import lower_bound
 from abi.taut.taut_path import TautPath, taut
 from abi.tet_mesh import tet_mesh as mesh
 from abi.tet_mesh.exclusion import exclude
-from benchmarks.quality import CLEARANCE, box_scene
 from tests.abi.scene.test_scene import obstacles, points
 from tests.kernel_forms import kernels_as
+from tests.random_scenes import CLEARANCE, box_scene
 
 CUBE = {"shape": "box", "size": [3, 3, 3], "position": [3, 3, 3]}
 

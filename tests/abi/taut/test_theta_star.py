@@ -21,9 +21,9 @@ from abi.tet_mesh import tet_mesh as mesh
 from abi.tet_mesh.adjacency_kernels import BCC, KUHN
 from abi.tet_mesh.exclusion import exclude
 from abi.tet_mesh.tet_mesh import TetMesh
-from benchmarks.quality import box_scene
 from tests.abi.scene.test_scene import obstacles, points
 from tests.abi.taut.test_taut_path import CUBE, round_cube, scene_of
+from tests.random_scenes import box_scene
 
 MARGIN = 0.1
 

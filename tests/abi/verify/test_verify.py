@@ -30,14 +30,9 @@ from abi.verify.exact import Solid, Spline, into_body, root, vector
 from abi.verify.exact_mesh import Mesh
 from abi.verify.verify import Verdict, verify
 from app.__main__ import main
-from benchmarks.certificates import (
-    as_plan,
-    name_of,
-    random_curve,
-    random_obstacle,
-    true_clearance,
-)
+from benchmarks.certificates import as_plan, name_of, true_clearance
 from tests.abi import meshes
+from tests.random_curves import random_curve, random_obstacle
 
 seeds = st.integers(0, 2**32 - 1)
 Data = dict[str, Any]
