@@ -70,7 +70,7 @@ class Arm:
 
     @property
     def shoulder(self) -> FloatArray:
-        """Where q2 turns, shape (3,), [unit], world; it never moves."""
+        """Centre of q2, shape (3,), [unit], world; it never moves."""
         return np.asarray(self.base + np.array([0.0, 0.0, self.a1 + self.a2]))
 
     @property
@@ -84,7 +84,7 @@ class Arm:
 
 
 def forward(arm: Arm, positions: FloatArray) -> FloatArray:
-    """Forward kinematics: where the tool is.
+    """Forward kinematics: positions of the tool.
 
     Paper, stage 6: x6 = sin q1·r, y6 = −cos q1·r, z6 = a1 + a2 + a3·cos q2 + a6·cos(q2 + q3),
     with r = a3·sin q2 + a6·sin(q2 + q3), a6 = a4 + a5 + q5; the base is added.

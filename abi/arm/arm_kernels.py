@@ -41,7 +41,7 @@ def _nearest_to_axis(points: FloatArray, tangents: FloatArray, i: int) -> float:
 
 
 @compiled(example=(FLOATS, FLOATS, 0.0, 0.0, NEW_FLOATS, NEW_FLOATS))
-def turn(
+def base_angle(
     points: FloatArray,
     tangents: FloatArray,
     rounding: float,
@@ -98,7 +98,7 @@ def turn(
 
 
 @compiled(example=(FLOATS, FLOATS, FLOATS, 1.0, 1.0, 0.0, NEW_FLOATS, NEW_FLOATS, NEW_FLOATS))
-def bend(
+def elbow_angles(
     across: FloatArray,
     height: FloatArray,
     forearm: FloatArray,

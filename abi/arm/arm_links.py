@@ -10,9 +10,10 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from abi.arm.urdf import LinkSolid, Triple
+from abi.arm.urdf import LinkSolid
+from abi.obstacles.pose import Vec3
 
-COLOURS: dict[str, Triple] = {
+COLOURS: dict[str, Vec3] = {
     "shell": (0.87, 0.88, 0.90),
     "joint": (0.27, 0.29, 0.33),
     "steel": (0.60, 0.63, 0.67),
@@ -20,7 +21,7 @@ COLOURS: dict[str, Triple] = {
 }
 """Colours by what they mark; each shows on white and on near-black."""
 
-_ALONG_X: Triple = (0.0, math.pi / 2, 0.0)
+_ALONG_X: Vec3 = (0.0, math.pi / 2, 0.0)
 
 
 @dataclass(frozen=True)

@@ -14,12 +14,10 @@ in one quadrant only.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from abi.arm import arm_kernels as kernels
 from abi.arm.arm import Arm
@@ -49,7 +47,7 @@ class Solution:
 
     @property
     def reachable(self) -> BoolArray:
-        """Where the tool is on the point, shape (n,)."""
+        """Flags of the points that the tool is on, shape (n,)."""
         return np.asarray(self.shortfall == 0)
 
 
@@ -85,74 +83,19 @@ def solve(
         + arm.a3
         + float(np.abs(forearm).max())
     )
-    q1, across = _turn(arm, offset, tangents, rounding)
+    q1, across, q2, q3, shortfall = np.empty((5, len(offset)))
+    path = flat(offset), flat(np.asarray(tangents, dtype=float))
+    through = THROUGH * (arm.a3 + arm.a4 + arm.a5)
+    kernels.base_angle(*path, rounding, through, q1, across)
     side = 1.0 if elbow == "up" else -1.0
-    q2, q3, shortfall = _bend(arm, across, offset[:, 2], forearm, side, rounding)
+    places = across, flat(offset[:, 2]), flat(forearm)
+    kernels.elbow_angles(*places, float(arm.a3), side, rounding, q2, q3, shortfall)
     return Solution(
         q1=read_only(_centred(q1)),
         q2=read_only(_centred(q2)),
         q3=read_only(q3),
         shortfall=read_only(shortfall),
     )
-
-
-def branches(arm: Arm, point: ArrayLike, q5: float = 0.0) -> FloatArray:
-    """All q1, q2, q3 that reach one point: facing it or turned away, elbow up or down.
-
-    Args:
-        arm: the arm.
-        point: shape (3,), [unit], world.
-        q5: extension, [unit].
-
-    Returns:
-        Shape (k, 3), [rad], each within (−π, π]: four in general, two at full stretch or fold,
-        none out of reach. On the base axis, where any q1 will do, those with q1 = 0 and π.
-    """
-    x, y, z = np.asarray(point, dtype=float) - arm.shoulder
-    forearm = arm.forearm(q5)
-    across = math.hypot(x, y)
-    rounding = 1e-13 * (math.hypot(across, z) + float(np.abs(arm.base).max()) + arm.a3)
-    found = []
-    for facing, turn in ((1, 0.0), (-1, math.pi)):
-        place = np.array([facing * across]), np.array([z]), forearm.reshape(1)
-        for side in (1.0, -1.0):
-            q2, q3, shortfall = _bend(arm, *place, side, rounding)
-            if shortfall[0]:
-                return np.empty((0, 3))
-            found.append((math.atan2(x, -y) + turn, float(q2[0]), float(q3[0])))
-            if math.sin(q3[0]) == 0 or abs(q3[0]) == math.pi:
-                break
-    angles = np.array(found)
-    return np.asarray(angles - 2 * np.pi * np.ceil((angles - np.pi) / (2 * np.pi)))
-
-
-def _reach(arm: Arm) -> float:
-    return arm.a3 + arm.a4 + arm.a5
-
-
-def _bend(
-    arm: Arm,
-    across: FloatArray,
-    height: FloatArray,
-    forearm: FloatArray,
-    side: float,
-    rounding: float,
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """q2, q3 and the shortfall for tools in the arm's plane, as seen from the shoulder, (n,)."""
-    q2, q3, shortfall = np.empty((3, len(across)))
-    places = flat(across), flat(height), flat(forearm)
-    kernels.bend(*places, float(arm.a3), side, rounding, q2, q3, shortfall)
-    return q2, q3, shortfall
-
-
-def _turn(
-    arm: Arm, offset: FloatArray, tangents: FloatArray, rounding: float
-) -> tuple[FloatArray, FloatArray]:
-    """q1 and the signed distance r from the base axis along a path, shapes (n,)."""
-    q1, across = np.empty((2, len(offset)))
-    path = flat(offset), flat(np.asarray(tangents, dtype=float))
-    kernels.turn(*path, rounding, THROUGH * _reach(arm), q1, across)
-    return q1, across
 
 
 def _centred(angle: FloatArray) -> FloatArray:

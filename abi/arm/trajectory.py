@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 
 from abi.arm.arm import JOINTS, Arm, skeleton
 from abi.arm.inverse_kinematics import solve
-from abi.arm.wrist_drives import driven
+from abi.arm.wrist_drives import wrist_positions
 from abi.arrays import FloatArray, read_only
 from abi.curves.curve import ArcLength, Curve
 from abi.curves.speed_profile import Profile
@@ -206,9 +206,9 @@ def follow(
     trajectory = Trajectory(curve, arc, profile)
     time = np.linspace(0.0, profile.duration, samples)
     target, tangent, velocity = trajectory.sampled(time)
-    drives = driven(settings, time)
-    found = solve(arm, target, drives[:, 1], settings.elbow, tangent)
-    joints = np.concatenate([[found.q1, found.q2, found.q3], drives.T])
+    wrist = wrist_positions(settings, time)
+    found = solve(arm, target, wrist[:, 1], settings.elbow, tangent)
+    joints = np.concatenate([[found.q1, found.q2, found.q3], wrist.T])
     positions = np.ascontiguousarray(joints.T)
     points = skeleton(arm, positions)
     distance, when, whose = obstacles.nearest_polyline(points)
@@ -229,7 +229,7 @@ def follow(
     )
 
 
-def rest(arm: Arm, settings: ArmSettings, point: Vec3) -> FloatArray:
+def rest_pose(arm: Arm, settings: ArmSettings, point: Vec3) -> FloatArray:
     """Joint positions with the tool at ``point``, or as near as can be: a pose without a plan.
 
     Returns:

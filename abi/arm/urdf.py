@@ -16,8 +16,7 @@ from numpy.typing import ArrayLike
 from yourdfpy import urdf as model
 
 from abi.arrays import FloatArray
-
-Triple = tuple[float, float, float]
+from abi.obstacles.pose import Vec3
 
 DENSITY = 2700.0
 """Density of every solid, [kg/m³]: aluminium."""
@@ -43,16 +42,16 @@ class LinkSolid:
     """
 
     shape: Literal["box", "cylinder"]
-    size: Triple
+    size: Vec3
     material: str
-    xyz: Triple = (0.0, 0.0, 0.0)
-    rpy: Triple = (0.0, 0.0, 0.0)
+    xyz: Vec3 = (0.0, 0.0, 0.0)
+    rpy: Vec3 = (0.0, 0.0, 0.0)
     body: bool = True
 
 
 def write(
     name: str,
-    materials: Mapping[str, Triple],
+    materials: Mapping[str, Vec3],
     links: Mapping[str, Sequence[LinkSolid]],
     joints: Iterable[model.Joint],
     comment: str,
@@ -92,7 +91,7 @@ def joint(
     kind: Literal["revolute", "prismatic", "fixed"],
     links: tuple[str, str],
     height: float,
-    axis: Triple | None = None,
+    axis: Vec3 | None = None,
     limits: tuple[float, float] | None = None,
     speed: float = 0.0,
 ) -> model.Joint:
@@ -151,7 +150,7 @@ def _squared_radii(solid: LinkSolid) -> FloatArray:
     return np.array([3 * x + z, 3 * x + z, 6 * x]) / 12
 
 
-def _rotation(rpy: Triple) -> FloatArray:
+def _rotation(rpy: Vec3) -> FloatArray:
     """Rz(yaw)·Ry(pitch)·Rx(roll), URDF's order, shape (3, 3)."""
     (a, b, c), (u, v, w) = np.cos(rpy), np.sin(rpy)
     about_x = np.array([[1, 0, 0], [0, a, -u], [0, u, a]])
@@ -160,7 +159,7 @@ def _rotation(rpy: Triple) -> FloatArray:
     return np.asarray(about_z @ about_y @ about_x)
 
 
-def _pose(xyz: ArrayLike, rpy: Triple = (0.0, 0.0, 0.0)) -> FloatArray:
+def _pose(xyz: ArrayLike, rpy: Vec3 = (0.0, 0.0, 0.0)) -> FloatArray:
     """Homogeneous matrix (4, 4)."""
     pose = np.eye(4)
     pose[:3, :3], pose[:3, 3] = _rotation(rpy), xyz
@@ -186,7 +185,7 @@ def _link(name: str, solids: Sequence[LinkSolid]) -> model.Link:
 
 
 def _rounded(text: str) -> str:
-    """Numbers of one vector; what is only the rounding of a sine is 0, on every machine."""
+    """Round the numbers of a vector; what is only the rounding of a sine is 0, on every machine."""
     numbers = np.array(text.split(), dtype=float)
     numbers[np.abs(numbers) <= 1e-12 * np.abs(numbers).max()] = 0.0
     return " ".join(f"{number:.12g}" for number in numbers)

@@ -1,4 +1,4 @@
-"""Stage 6, the drives: the joints that do not move the tool about, under constant forces."""
+"""Stage 6, the drives of the joints that do not move the tool about, under constant forces."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from abi.arrays import FloatArray
 from abi.scene.scene import ArmSettings
 
 
-def driven(settings: ArmSettings, time: ArrayLike) -> FloatArray:
+def wrist_positions(settings: ArmSettings, time: ArrayLike) -> FloatArray:
     """q4, q5 and q6 under constant generalised forces from rest.
 
     The paper (end of stage 6) prints q = t²·Q / I with I4 = i4²m4 + i5²m5 + i6²m6,

@@ -8,7 +8,7 @@ import numpy as np
 
 from abi.arm import inverse_kinematics as ik
 from abi.arm.arm import Arm, forward
-from abi.arm.wrist_drives import driven
+from abi.arm.wrist_drives import wrist_positions
 from abi.arrays import FloatArray
 from abi.paper import printed
 from abi.paper.comparison import Comparison
@@ -61,7 +61,7 @@ def of_drives(scene: Scene) -> Iterator[Comparison]:
     time = np.linspace(0, 1, 1001)
     forces = {}
     for dynamics in ("as_printed", "corrected"):
-        q4 = driven(still.model_copy(update={"dynamics": dynamics}), time)[:, 0]
+        q4 = wrist_positions(still.model_copy(update={"dynamics": dynamics}), time)[:, 0]
         forces[dynamics] = inertia * float(np.diff(q4, 2).mean()) / time[1] ** 2
     yield Comparison(
         "stage 6, drives",

@@ -12,24 +12,24 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
 
-Vector = tuple[Fraction, Fraction, Fraction]
+Vec3 = tuple[Fraction, Fraction, Fraction]
 
 _DIGITS = 100
 """Binary digits to which roots are bounded."""
 
 
-def vector(numbers: Sequence[float]) -> Vector:
-    """The three floating-point numbers, exactly."""
+def vector(numbers: Sequence[float]) -> Vec3:
+    """Three floating-point numbers, exactly."""
     x, y, z = map(Fraction, numbers)
     return x, y, z
 
 
-def dot(a: Vector, b: Vector) -> Fraction:
+def dot(a: Vec3, b: Vec3) -> Fraction:
     """a·b."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-def minus(a: Vector, b: Vector) -> Vector:
+def minus(a: Vec3, b: Vec3) -> Vec3:
     """a - b."""
     return a[0] - b[0], a[1] - b[1], a[2] - b[2]
 
@@ -44,7 +44,7 @@ def root(square: Fraction) -> tuple[Fraction, Fraction]:
     return Fraction(below, scale), Fraction(above, scale)
 
 
-def into_body(v: Vector, wxyz: Sequence[float]) -> Vector:
+def into_body(v: Vec3, wxyz: Sequence[float]) -> Vec3:
     """Turn a vector back by a quaternion of any length but zero: exact, as it is not normalised."""
     w, x, y, z = map(Fraction, wxyz)
     a, b, c = v
@@ -60,7 +60,7 @@ def into_body(v: Vector, wxyz: Sequence[float]) -> Vector:
 
 
 @dataclass(frozen=True)
-class Solid:
+class ExactSolid:
     """A box, a disc across the body's z and a ball, added up (Minkowski), then placed.
 
     Attributes:
@@ -71,10 +71,10 @@ class Solid:
         wxyz: rotation as a quaternion of any length but zero.
     """
 
-    half: Vector
+    half: Vec3
     disc: Fraction
     ball: Fraction
-    position: Vector
+    position: Vec3
     wxyz: tuple[float, float, float, float]
 
     @property
@@ -83,8 +83,8 @@ class Solid:
         across = min(self.half[:2]) + self.disc
         return min(across, self.half[2]) + self.ball
 
-    def separated(self, normal: Vector, least: Fraction, margin: Fraction) -> bool:
-        """Whether all x with normal·x >= ``least`` are farther than ``margin`` from the solid.
+    def separated(self, normal: Vec3, least: Fraction, margin: Fraction) -> bool:
+        """Test whether all x with normal·x >= ``least`` are farther than ``margin`` from the solid.
 
         The normal need not be of length 1.
         """
@@ -95,7 +95,7 @@ class Solid:
         return least - support > times_length(self.ball + margin, normal)
 
 
-def times_length(factor: Fraction, normal: Vector) -> Fraction:
+def times_length(factor: Fraction, normal: Vec3) -> Fraction:
     """Upper bound of the factor times the length of the normal."""
     below, above = root(dot(normal, normal))
     return factor * (above if factor > 0 else below)
@@ -113,7 +113,7 @@ class Spline:
 
     degree: int
     knots: tuple[Fraction, ...]
-    control_points: tuple[Vector, ...]
+    control_points: tuple[Vec3, ...]
 
     @property
     def spans(self) -> list[tuple[Fraction, Fraction, int]]:
@@ -122,12 +122,12 @@ class Spline:
         ends = ((self.knots[k], self.knots[k + 1], k) for k in inside)
         return [(start, end, k) for start, end, k in ends if start < end]
 
-    def points(self, span: int, start: Fraction, end: Fraction) -> list[Vector]:
+    def points(self, span: int, start: Fraction, end: Fraction) -> list[Vec3]:
         """Bézier points of the span's polynomial on [start, end]."""
         p = self.degree
         return [self._blossom(span, [start] * (p - j) + [end] * j) for j in range(p + 1)]
 
-    def _blossom(self, span: int, arguments: list[Fraction]) -> Vector:
+    def _blossom(self, span: int, arguments: list[Fraction]) -> Vec3:
         p, u = self.degree, self.knots
         found = list(self.control_points[span - p : span + 1])
         for level, at in enumerate(arguments, start=1):
@@ -148,14 +148,14 @@ class Powers:
     """
 
     ends: tuple[tuple[Fraction, Fraction], ...]
-    coefficients: tuple[tuple[Vector, Vector, Vector], ...]
+    coefficients: tuple[tuple[Vec3, Vec3, Vec3], ...]
 
     @property
     def spans(self) -> list[tuple[Fraction, Fraction, int]]:
         """First and last parameter of each polynomial, and its number."""
         return [(start, end, k) for k, (start, end) in enumerate(self.ends)]
 
-    def points(self, span: int, start: Fraction, end: Fraction) -> list[Vector]:
+    def points(self, span: int, start: Fraction, end: Fraction) -> list[Vec3]:
         """Bézier points of the span's polynomial on [start, end]."""
         c0, c1, c2 = self.coefficients[span]
         return [
@@ -171,9 +171,9 @@ class Powers:
 Exact = Spline | Powers
 
 
-def hull(curve: Exact, start: Fraction, end: Fraction) -> list[Vector]:
+def hull(curve: Exact, start: Fraction, end: Fraction) -> list[Vec3]:
     """Points in whose convex hull the curve stays from ``start`` to ``end``."""
-    found: list[Vector] = []
+    found: list[Vec3] = []
     for first, last, span in curve.spans:
         a, b = max(first, start), min(last, end)
         if a < b:
@@ -182,11 +182,11 @@ def hull(curve: Exact, start: Fraction, end: Fraction) -> list[Vector]:
 
 
 @lru_cache(maxsize=4096)
-def _points(curve: Exact, span: int, start: Fraction, end: Fraction) -> list[Vector]:
+def _points(curve: Exact, span: int, start: Fraction, end: Fraction) -> list[Vec3]:
     return curve.points(span, start, end)
 
 
-def _between(a: Vector, b: Vector, share: Fraction) -> Vector:
+def _between(a: Vec3, b: Vec3, share: Fraction) -> Vec3:
     rest = 1 - share
     return (
         rest * a[0] + share * b[0],

@@ -1,4 +1,4 @@
-"""A triangle mesh in exact rational numbers: what :mod:`abi.verify.verify` asks about it.
+"""Triangle mesh in exact rational numbers, for :mod:`abi.verify.verify`.
 
 Most of its many inequalities are far from equality. Those are decided in floating point with a
 bound of the error, and only the others in rationals, so every answer is exact.
@@ -15,17 +15,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from abi.arrays import BoolArray, FloatArray, IntArray
-from abi.verify.exact import Vector, dot, into_body, minus, times_length, vector
+from abi.verify.exact import Vec3, dot, into_body, minus, times_length, vector
 
 _ROUNDING = 2.0**-48  # of the sum of the products' magnitudes: over ten times what can occur
 _SMALLEST = 1e-300  # and over what is lost where products are too small for their digits
 
-Side = tuple[Fraction, Fraction, Vector, Fraction]
+Side = tuple[Fraction, Fraction, Vec3, Fraction]
 """First and last parameter of a piece, a direction, and its least product with the piece."""
 
 
 @dataclass(frozen=True, eq=False)
-class Mesh:
+class ExactMesh:
     """Triangles, placed.
 
     Attributes:
@@ -41,13 +41,13 @@ class Mesh:
     faces: IntArray
     closed: bool
     factor: float
-    position: Vector
+    position: Vec3
     wxyz: tuple[float, float, float, float]
 
     def uncovered(
         self, sides: Sequence[Side], first: Fraction, last: Fraction, margin: Fraction
     ) -> Fraction | None:
-        """A parameter from which on some triangle is not separated; None when there is none.
+        """Parameter from which on some triangle is not separated; None when there is none.
 
         Args:
             sides: pieces, in the order of their first parameters.
@@ -67,26 +67,26 @@ class Mesh:
         return at if at < last else None
 
     def _separated(
-        self, rows: NDArray[np.intp], normal: Vector, least: Fraction, margin: Fraction
+        self, rows: NDArray[np.intp], normal: Vec3, least: Fraction, margin: Fraction
     ) -> BoolArray:
-        """Which triangles all x with normal·x >= ``least`` are farther than ``margin`` from."""
+        """Find triangles that all x with normal·x >= ``least`` are farther from than ``margin``."""
         factor = Fraction(self.factor)
         direction = into_body(normal, self.wxyz)
         limit = (least - dot(normal, self.position) - times_length(margin, normal)) / factor
         rounded = np.array([float(part) for part in direction])
         corners = np.unique(self.faces[rows])
         points = self.vertices[corners]
-        level = points @ rounded
+        products = points @ rounded
         error = _ROUNDING * (np.abs(points) @ np.abs(rounded) + abs(float(limit))) + _SMALLEST
-        below = level + error < float(limit)
-        for k in np.flatnonzero(~below & (level - error < float(limit))):
+        below = products + error < float(limit)
+        for k in np.flatnonzero(~below & (products - error < float(limit))):
             below[k] = dot(vector(points[k].tolist()), direction) < limit
         of_corner = np.zeros(len(self.vertices), dtype=bool)
         of_corner[corners] = below
         return np.asarray(of_corner[self.faces[rows]].all(axis=1))
 
-    def inside(self, point: Vector) -> bool:
-        """Whether the mesh winds around a point that is not on its surface.
+    def inside(self, point: Vec3) -> bool:
+        """Test whether the mesh winds around a point that is not on its surface.
 
         Counts the triangles that a ray along the body's x passes, by the side it comes from. A ray
         that meets an edge counts as passing where its y and z are greater by next to nothing.
@@ -110,13 +110,13 @@ class Mesh:
         return winding != 0
 
 
-def _cross(a: Vector, b: Vector) -> Fraction:
-    """Of the y and z parts."""
+def _cross(a: Vec3, b: Vec3) -> Fraction:
+    """Cross product of the y and z parts."""
     return a[1] * b[2] - a[2] * b[1]
 
 
-def _right_of_origin(a: Vector, b: Vector) -> bool:
-    """Whether, in the plane of y and z, the ray from the origin along y passes the edge."""
+def _right_of_origin(a: Vec3, b: Vec3) -> bool:
+    """Test whether, in the plane of y and z, the ray from the origin along y passes the edge."""
     if (a[2] > 0) == (b[2] > 0):
         return False
     return _cross(a, b) > 0 if b[2] > a[2] else _cross(a, b) < 0

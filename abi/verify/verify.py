@@ -23,8 +23,8 @@ from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.obstacles.triangle_mesh.repair import Surface
 from abi.scene.scene import Scene
-from abi.verify.exact import Exact, Powers, Solid, Spline, Vector, dot, hull, vector
-from abi.verify.exact_mesh import Mesh
+from abi.verify.exact import Exact, ExactSolid, Powers, Spline, Vec3, dot, hull, vector
+from abi.verify.exact_mesh import ExactMesh
 
 CURVES = ("bspline", "quadratic")
 
@@ -34,7 +34,7 @@ _TOUCH = Fraction(1, 10**9)
 
 @dataclass(frozen=True)
 class Verdict:
-    """What was found about one curve.
+    """Finding about one curve.
 
     Attributes:
         curve: ``bspline`` or ``quadratic``.
@@ -54,15 +54,15 @@ class Verdict:
 class _Plane:
     start: float
     end: float
-    normal: Vector
+    normal: Vec3
 
 
 class _Wrong(Exception):
-    """The certificate does not prove the claim; the message says why."""
+    """Fault of a certificate that leaves its claim unproven; the message says which."""
 
 
 class PlanMeshes(MeshSource):
-    """Mesh files beside a plan; those of a shipped scene, where they are not there, from that.
+    """ExactMesh files beside a plan; those of a shipped scene, where they are not there, from that.
 
     Attributes:
         shipped: names of the files that were not beside the plan but with the shipped scenes.
@@ -106,7 +106,9 @@ def verify(plan: object, folder: Path | MeshSource | None = None) -> tuple[Verdi
     return tuple(_verdict(name, plan[name], obstacles, asked) for name in CURVES)
 
 
-def _verdict(name: str, section: Any, obstacles: list[Solid | Mesh], asked: Fraction) -> Verdict:
+def _verdict(
+    name: str, section: Any, obstacles: list[ExactSolid | ExactMesh], asked: Fraction
+) -> Verdict:
     if section is None:
         return Verdict(name, False, "the plan has no such curve")
     curve = _curve(name, _mapping(name, section))
@@ -143,22 +145,22 @@ def _check_claim(section: dict[str, Any], margin: Fraction | None, asked: Fracti
         raise _Wrong("its margin is not the clearance stated")
     enough = margin is None or margin >= asked - _TOUCH
     if section.get("certified") is not enough:
-        said = "said to be certified" if not enough else "not said to be certified"
-        raise _Wrong(f"as the curve is {said}")
+        claim = "said to be certified" if not enough else "not said to be certified"
+        raise _Wrong(f"as the curve is {claim}")
 
 
-def _check_margin(margin: Fraction | None, obstacles: list[Solid | Mesh]) -> None:
+def _check_margin(margin: Fraction | None, obstacles: list[ExactSolid | ExactMesh]) -> None:
     if (margin is None) != (not obstacles):
         raise _Wrong("a margin belongs to obstacles")
     if margin is None or margin >= 0:
         return
-    deep = all(isinstance(solid, Solid) and solid.depth > 4 * _TOUCH for solid in obstacles)
+    deep = all(isinstance(solid, ExactSolid) and solid.depth > 4 * _TOUCH for solid in obstacles)
     if margin < -_TOUCH or not deep:
         raise _Wrong("its margin is negative")
 
 
 def _check_obstacle(
-    curve: Exact, obstacle: Solid | Mesh, planes: list[_Plane], margin: Fraction
+    curve: Exact, obstacle: ExactSolid | ExactMesh, planes: list[_Plane], margin: Fraction
 ) -> None:
     spans = curve.spans
     first, last = spans[0][0], spans[-1][1]
@@ -170,7 +172,7 @@ def _check_obstacle(
         if not points:
             raise _Wrong(f"a piece from {plane.start:g} to {plane.end:g} is not on the curve")
         sides.append((start, end, plane.normal, min(dot(plane.normal, at) for at in points)))
-    if isinstance(obstacle, Mesh):
+    if isinstance(obstacle, ExactMesh):
         if (at := obstacle.uncovered(sides, first, last, margin)) is not None:
             raise _Wrong(f"nothing separates a triangle from the curve at {float(at):g}")
         if obstacle.closed and any(obstacle.inside(point) for point in _beginnings(curve)):
@@ -187,9 +189,9 @@ def _check_obstacle(
         raise _Wrong(f"no piece covers the curve after {float(reached):g}")
 
 
-def _beginnings(curve: Exact) -> list[Vector]:
-    """Where the curve starts, and where it goes on elsewhere than it has come to."""
-    found: list[Vector] = []
+def _beginnings(curve: Exact) -> list[Vec3]:
+    """Points where the curve starts or goes on elsewhere than it has come to."""
+    found: list[Vec3] = []
     before = None
     for start, end, span in curve.spans:
         points = curve.points(span, start, end)
@@ -213,7 +215,7 @@ def _curve(name: str, section: dict[str, Any]) -> Exact:
             raise SceneError("bspline.knots", knots, "numbers that do not fall")
         return Spline(degree, tuple(map(Fraction, knots)), control)
     ends: list[tuple[Fraction, Fraction]] = []
-    coefficients: list[tuple[Vector, Vector, Vector]] = []
+    coefficients: list[tuple[Vec3, Vec3, Vec3]] = []
     for piece in _list("quadratic.pieces", section.get("pieces")):
         part = _mapping("quadratic.pieces", piece)
         start, end = (_finite("quadratic.pieces.t", part.get(key)) for key in ("t0", "t1"))
@@ -245,7 +247,7 @@ def _certificate(
     return None if margin is None else Fraction(_finite(f"{field}.margin", margin)), planes
 
 
-def _obstacles(data: Any, scene: Scene) -> list[Solid | Mesh]:
+def _obstacles(data: Any, scene: Scene) -> list[ExactSolid | ExactMesh]:
     entries = _list("scene.obstacles", _mapping("scene", data).get("obstacles", []))
     if len(entries) != len(scene.obstacles):
         raise SceneError("scene.obstacles", len(entries), "those of the scene")
@@ -255,12 +257,12 @@ def _obstacles(data: Any, scene: Scene) -> list[Solid | Mesh]:
     ]
 
 
-def _obstacle(entry: dict[str, Any], known: object) -> Solid | Mesh:
+def _obstacle(entry: dict[str, Any], known: object) -> ExactSolid | ExactMesh:
     position = _vector("scene.obstacles.position", entry.get("position", (0.0, 0.0, 0.0)))
     w, x, y, z = _numbers("scene.obstacles.wxyz", entry.get("wxyz", (1.0, 0.0, 0.0, 0.0)))
     if isinstance(known, MeshShape):
         surface = known.surface
-        return Mesh(
+        return ExactMesh(
             surface.vertices, surface.faces, surface.closed, known.factor, position, (w, x, y, z)
         )
     zero = Fraction(0)
@@ -272,7 +274,7 @@ def _obstacle(entry: dict[str, Any], known: object) -> Solid | Mesh:
         radius = Fraction(entry["radius"])
         disc, ball = (radius, zero) if entry["shape"] == "cylinder" else (zero, radius)
         half = (zero, zero, Fraction(entry.get("height", 0)) / 2)
-    return Solid(half, disc, ball, position, (w, x, y, z))
+    return ExactSolid(half, disc, ball, position, (w, x, y, z))
 
 
 def _number(value: object) -> Fraction | None:
@@ -292,7 +294,7 @@ def _numbers(field: str, value: object) -> list[float]:
     return [_finite(field, number) for number in _list(field, value)]
 
 
-def _vector(field: str, value: object) -> Vector:
+def _vector(field: str, value: object) -> Vec3:
     numbers = _numbers(field, value)
     if len(numbers) != 3:
         raise SceneError(field, value, "three numbers")

@@ -16,7 +16,7 @@ import viser.transforms
 
 from abi import assets
 from abi.arm.arm import JOINTS, Arm, urdf
-from abi.arm.trajectory import rest
+from abi.arm.trajectory import rest_pose
 from abi.arrays import FloatArray
 from abi.planner.plan import Plan
 from app import style
@@ -105,7 +105,7 @@ class ArmLayer:
         if motion is None:
             self._trace.points = segments(np.zeros((0, 3)))
             if plan.arm is not None:
-                self._move(rest(plan.arm, plan.scene.arm, plan.scene.start))
+                self._move(rest_pose(plan.arm, plan.scene.arm, plan.scene.start))
             return
         self._move(np.array([np.interp(time, motion.time, q) for q in motion.positions.T]))
         count = int(np.searchsorted(motion.time, time, side="right"))

@@ -70,7 +70,7 @@ def read(data: bytes, name: str) -> tuple[FloatArray, IntArray]:
 
 
 def _read_stl(data: bytes) -> tuple[FloatArray, IntArray]:
-    """Binary when the length fits the count in its header, which a text of that length cannot."""
+    """Triangles of an STL; binary when the length fits the count in its header."""
     count = int.from_bytes(data[80:84], "little") if len(data) >= 84 else 0
     length = 84 + _TRIANGLE.itemsize * count
     if len(data) >= 84 and len(data) == length:
@@ -96,8 +96,8 @@ def _text_facets(data: bytes) -> FloatArray:
         raise ValueError("a whole STL text, it is cut off: endsolid is missing at its end")
     words = re.sub(rb"(?m)^[ \t]*(?:end)?solid\b[^\n]*$", b"", lines).split()
     pattern = _FACET.split()
-    count, rest = divmod(len(words), len(pattern))
-    if rest or max(map(len, words), default=0) > 40:
+    count, surplus = divmod(len(words), len(pattern))
+    if surplus or max(map(len, words), default=0) > 40:
         raise ValueError("a whole STL text, a facet of it is not complete")
     _refuse_count(count)
     table = np.array(words, dtype="S40").reshape(count, len(pattern))

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from abi.arm.arm import Arm, forward
-from abi.arm.inverse_kinematics import Solution, branches, solve
+from abi.arm.inverse_kinematics import Solution, solve
 from abi.arrays import FloatArray
 from abi.scene.scene import ArmSettings
 
@@ -75,28 +75,18 @@ def test_the_tool_is_on_every_reachable_point(arm: Arm, seed: int, elbow: Elbow)
 
 @settings(max_examples=150, deadline=None)
 @given(arms(), SEED)
-def test_branches_hold_the_joints_that_made_the_point(arm: Arm, seed: int) -> None:
+def test_solving_gives_back_the_joints_that_made_the_point(arm: Arm, seed: int) -> None:
     rng = np.random.default_rng(seed)
     positions = rng.uniform(-np.pi, np.pi, (1, 6))
-    q5 = positions[0, 4] = rng.uniform(0, arm.limits[4, 1])
-    point = forward(arm, positions)[0]
-    found = branches(arm, point, q5)
-    assert found.shape == (4, 3)
-    assert np.all(np.abs(found) <= np.pi + 1e-12)
-    rows = np.zeros((4, 6))
-    rows[:, :3], rows[:, 4] = found, q5
-    np.testing.assert_allclose(forward(arm, rows), np.tile(point, (4, 1)), rtol=0, atol=1e-9)
-    difference = np.exp(1j * found) - np.exp(1j * positions[0, :3])
-    assert np.abs(difference).max(axis=1).min() < 1e-5
-
-
-def test_branches_at_the_ends_of_reach() -> None:
-    arm = default_arm()
-    assert len(branches(arm, np.add(arm.shoulder, [0.0, 11.5, 0.0]))) == 2
-    assert len(branches(arm, np.add(arm.shoulder, [0.0, 0.5, 0.0]))) == 2
-    assert len(branches(arm, np.add(arm.shoulder, [0.0, 11.6, 0.0]))) == 0
-    assert len(branches(arm, np.add(arm.shoulder, [0.0, 0.4, 0.0]))) == 0
-    assert len(branches(arm, np.add(arm.shoulder, [0.0, 0.0, 7.0]))) == 4
+    q5 = positions[:, 4] = rng.uniform(0, arm.limits[4, 1], 1)
+    q1, q2, q3 = positions[0, :3]
+    if arm.a3 * math.sin(q2) + (arm.a4 + arm.a5 + q5[0]) * math.sin(q2 + q3) < 0:
+        # The same pose, facing the point.
+        q1, q2, q3 = q1 + math.pi, -q2, -q3
+    elbow: Elbow = "up" if q3 >= 0 else "down"
+    found = solve(arm, forward(arm, positions), q5, elbow, np.zeros((1, 3)))
+    joints = np.array([found.q1[0], found.q2[0], found.q3[0]])
+    np.testing.assert_allclose(np.exp(1j * joints), np.exp(1j * np.array([q1, q2, q3])), atol=1e-5)
 
 
 @pytest.mark.parametrize("elbow", ELBOWS)

@@ -14,7 +14,7 @@ from scipy.integrate import solve_ivp
 
 from abi.arm.arm import JOINTS, Arm, skeleton
 from abi.arm.trajectory import ArmMotion, Trajectory, follow
-from abi.arm.wrist_drives import driven
+from abi.arm.wrist_drives import wrist_positions
 from abi.arrays import FloatArray
 from abi.clearance.bezier import Bezier
 from abi.curves.curve import arc_length
@@ -156,7 +156,7 @@ def test_corrected_drives_solve_the_equation_of_motion(given_settings: ArmSettin
         rtol=1e-10,
         atol=1e-10,
     )
-    found = driven(given_settings, time)
+    found = wrist_positions(given_settings, time)
     np.testing.assert_allclose(found, solved.y[:3].T, rtol=1e-7, atol=1e-7)
 
 
@@ -168,10 +168,10 @@ def test_printed_drives_are_the_papers(corrected: ArmSettings) -> None:
     inertia = [i4**2 * m4 + i5**2 * m5 + i6**2 * m6, i5**2 * m5 + i6**2 * m6, i6**2 * m6]
     time = np.array([0.0, 0.5, 3.0])
     expected = time[:, None] ** 2 * np.array(printed.forces) / np.array(inertia)
-    found = driven(printed, time)
+    found = wrist_positions(printed, time)
     np.testing.assert_allclose(found, expected, rtol=1e-12, atol=1e-200)
     # The turning joints differ by the missing half, and only by that.
-    halved = driven(corrected, time)[:, [0, 2]]
+    halved = wrist_positions(corrected, time)[:, [0, 2]]
     np.testing.assert_allclose(found[:, [0, 2]], 2 * halved, rtol=1e-12, atol=1e-200)
 
 
@@ -195,7 +195,7 @@ def test_the_arm_follows_the_papers_curve(elbow: str) -> None:
     np.testing.assert_allclose(motion.tool, motion.target, rtol=0, atol=1e-9)
     np.testing.assert_allclose(motion.target[[0, -1]], [[0, 0, 0], [6, 6, 6]], atol=1e-9)
     assert len(motion.time) == 200
-    np.testing.assert_allclose(motion.positions[:, 3:], driven(arm, motion.time))
+    np.testing.assert_allclose(motion.positions[:, 3:], wrist_positions(arm, motion.time))
     assert motion.positions[-1, 4] > 0
     assert motion.clearance == math.inf
     assert motion.clearance_obstacle == -1

@@ -26,8 +26,8 @@ from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.obstacles.triangle_mesh.repair import Surface, clean
 from abi.planner.planner import plan
 from abi.scene.scene import load_scene, scene_names
-from abi.verify.exact import Solid, Spline, into_body, root, vector
-from abi.verify.exact_mesh import Mesh
+from abi.verify.exact import ExactSolid, Spline, into_body, root, vector
+from abi.verify.exact_mesh import ExactMesh
 from abi.verify.verify import Verdict, verify
 from app.__main__ import main
 from benchmarks.certificates import as_plan, name_of, true_clearance
@@ -459,7 +459,7 @@ def test_solids_are_separated_up_to_their_support(shape: str) -> None:
         "capsule": (Capsule(radius=0.7, height=3, **pose), (0.0, 0.0, 1.5), 0.0, 0.7),
     }
     solid, half, disc, ball = sizes[shape]
-    exact = Solid(
+    exact = ExactSolid(
         vector(half), Fraction(disc), Fraction(ball), vector(pose["position"]), solid.wxyz
     )
     for normal in random.normal(size=(30, 3)):
@@ -530,7 +530,7 @@ def test_inside_is_where_the_mesh_winds_around(seed: int) -> None:
     vertices, faces = meshes.box((2, 2, 2))
     quaternion = (1.0, 0.0, 0.0, 0.0) if seed % 2 else tuple(random.normal(size=4).tolist())
     w, x, y, z = quaternion
-    one = Mesh(vertices, faces, True, 0.5, vector((1.0, 2.0, 3.0)), (w, x, y, z))
+    one = ExactMesh(vertices, faces, True, 0.5, vector((1.0, 2.0, 3.0)), (w, x, y, z))
     box = Box(size=(1, 1, 1), position=(1, 2, 3), wxyz=(w, x, y, z))
     # multiples of a quarter meet edges and corners along the ray
     points = random.integers(-4, 5, (20, 3)) / 4 if seed % 2 else random.uniform(-1, 1, (20, 3))
