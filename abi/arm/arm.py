@@ -55,8 +55,8 @@ class Arm:
     @classmethod
     def from_settings(cls, settings: ArmSettings, unit: Literal["m", "cm", "mm"] = "cm") -> Self:
         """The arm of a scene's settings; lengths in the scene's unit."""
-        turn = (-2 * math.pi, 2 * math.pi)
-        limits = [turn, (-2.8, 2.8), (-2.9, 2.9), turn, (0.0, STROKE * settings.a4), turn]
+        roll = (-2 * math.pi, 2 * math.pi)
+        limits = [roll, (-2.8, 2.8), (-2.9, 2.9), roll, (0.0, STROKE * settings.a4), roll]
         return cls(
             base=read_only(np.array(settings.base, dtype=float)),
             a1=settings.a1,
@@ -140,7 +140,7 @@ def urdf(arm: Arm, scale: float | None = None) -> str:
     )
     size = arm_links.proportions(a1, a2, a3, a4, a5)
     links = arm_links.links(a1, a2, a3, a4, a5)
-    heights = (a1, a2, a3, size.turn, a4 - size.turn, size.wrist, a5 - size.wrist)
+    heights = (a1, a2, a3, size.roll, a4 - size.roll, size.wrist, a5 - size.wrist)
     pairs = list(itertools.pairwise(links))
     joints = []
     for k, name in enumerate(JOINTS):

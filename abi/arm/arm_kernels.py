@@ -49,7 +49,7 @@ def base_angle(
     q1: FloatArray,
     across: FloatArray,
 ) -> None:
-    """The turn about the base axis along a path, and the distance from it (``inverse_kinematics``).
+    """Angle about the base axis along a path, and distance from it (``inverse_kinematics``).
 
     Args:
         points: from the shoulder, flat (3 n,), [unit].

@@ -31,14 +31,14 @@ class Proportions:
     Attributes:
         shoulder: radius of the shoulder, q2.
         elbow: radius of the elbow, q3; the widths of all links are multiples of it.
-        turn: height of the forearm's turning joint, q4, above the elbow.
+        roll: height of the forearm's turning joint, q4, above the elbow.
         wrist: height of the wrist's turning joint, q6, above the end of the sleeve at q5 = 0.
         grip: half of the gripper's width.
     """
 
     shoulder: float
     elbow: float
-    turn: float
+    roll: float
     wrist: float
     grip: float
 
@@ -50,7 +50,7 @@ def proportions(a1: float, a2: float, a3: float, a4: float, a5: float) -> Propor
     return Proportions(
         shoulder=min(hub, 1.8 * elbow),
         elbow=elbow,
-        turn=min(1.75 * elbow, 0.7 * a4),
+        roll=min(1.75 * elbow, 0.7 * a4),
         wrist=0.4 * a5,
         grip=min(elbow, 0.45 * a5),
     )
@@ -156,7 +156,7 @@ def _upper_arm(size: Proportions, a3: float) -> tuple[LinkSolid, ...]:
 
 
 def _elbow(size: Proportions) -> tuple[LinkSolid, ...]:
-    e, top = size.elbow, size.turn
+    e, top = size.elbow, size.roll
     inner, outer = _fork(size)
     floor = 0.62 * top
     seam = min(0.07 * e, 0.1 * top)
@@ -171,7 +171,7 @@ def _elbow(size: Proportions) -> tuple[LinkSolid, ...]:
 
 
 def _forearm(size: Proportions, a4: float) -> tuple[LinkSolid, ...]:
-    e, length = size.elbow, a4 - size.turn
+    e, length = size.elbow, a4 - size.roll
     collar = min(0.34 * e, 0.3 * length)
     ring = 0.3 * collar
     foot = min(0.07 * e, 0.1 * length)
