@@ -66,12 +66,5 @@ class Posed(BaseModel):
     position: Vec3 = (0.0, 0.0, 0.0)
     wxyz: Quaternion = (1.0, 0.0, 0.0, 0.0)
 
-    def world_from_body(self) -> FloatArray:
-        """Pose of the solid: homogeneous matrix (4, 4), translation in [unit]."""
-        pose = np.eye(4)
-        pose[:3, :3] = rotation(self.wxyz)
-        pose[:3, 3] = self.position
-        return read_only(pose)
-
     def _to_body(self, points: FloatArray) -> FloatArray:
         return np.asarray((points - np.array(self.position)) @ rotation(self.wxyz))

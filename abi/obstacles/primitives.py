@@ -120,24 +120,6 @@ class _Primitive(Posed):
     def _reach(self, rotation: FloatArray) -> FloatArray:
         """Half extents (3,) of the solid along the world's axes."""
 
-    @abstractmethod
-    def _support(self, n: FloatArray) -> FloatArray:
-        """Greatest n·x (k,) over the solid for body directions n (k, 3)."""
-
-    @abstractmethod
-    def _nearest(self, x: FloatArray) -> FloatArray:
-        """Points (n, 3) of the solid nearest to body points (n, 3)."""
-
-    def support(self, directions: FloatArray) -> FloatArray:
-        """Greatest n·x (k,) over the solid for unit directions n (k, 3), world, [unit]."""
-        turned = self._support(directions @ rotation(self.wxyz))
-        return np.asarray(turned + directions @ np.array(self.position))
-
-    def nearest_points(self, points: FloatArray) -> FloatArray:
-        """Points (n, 3) of the solid nearest to points (n, 3), [unit], world; itself inside."""
-        found = self._nearest(self._to_body(points)) @ rotation(self.wxyz).T
-        return np.asarray(found + np.array(self.position))
-
     def bounds(self) -> tuple[FloatArray, FloatArray]:
         """Low and high corner, each (3,), of the tightest axis-parallel box, [unit], world."""
         reach = self._reach(rotation(self.wxyz))
@@ -216,13 +198,6 @@ class Box(_Primitive):
     def _reach(self, rotation: FloatArray) -> FloatArray:
         return np.asarray(np.abs(rotation) @ (np.array(self.size) / 2))
 
-    def _support(self, n: FloatArray) -> FloatArray:
-        return np.asarray(np.abs(n) @ (np.array(self.size) / 2))
-
-    def _nearest(self, x: FloatArray) -> FloatArray:
-        half = np.array(self.size) / 2
-        return np.clip(x, -half, half)
-
 
 class _Rounded(_Primitive):
     """All points within ``radius`` of a core, which is a point or a segment of the z axis."""
@@ -245,16 +220,6 @@ class _Rounded(_Primitive):
 
     def _reach(self, rotation: FloatArray) -> FloatArray:
         return np.asarray(np.abs(rotation) @ self._core() + self.radius)
-
-    def _support(self, n: FloatArray) -> FloatArray:
-        return np.asarray(np.abs(n) @ self._core() + self.radius * np.sqrt(_dot(n, n)))
-
-    def _nearest(self, x: FloatArray) -> FloatArray:
-        core = self._core()
-        on_core = np.clip(x, -core, core)
-        away = np.linalg.norm(x - on_core, axis=1, keepdims=True)
-        share = np.where(away > self.radius, self.radius / np.where(away > 0, away, 1), 1)
-        return np.asarray(on_core + share * (x - on_core))
 
 
 class Sphere(_Rounded):
@@ -308,16 +273,6 @@ class Cylinder(_Primitive):
     def _reach(self, rotation: FloatArray) -> FloatArray:
         across = np.hypot(rotation[:, 0], rotation[:, 1])
         return np.asarray(np.abs(rotation[:, 2]) * self.height / 2 + across * self.radius)
-
-    def _support(self, n: FloatArray) -> FloatArray:
-        across = np.hypot(n[:, 0], n[:, 1])
-        return np.asarray(np.abs(n[:, 2]) * self.height / 2 + across * self.radius)
-
-    def _nearest(self, x: FloatArray) -> FloatArray:
-        across = np.hypot(x[:, 0], x[:, 1])[:, None]
-        share = np.where(across > self.radius, self.radius / np.where(across > 0, across, 1), 1)
-        z = np.clip(x[:, 2:], -self.height / 2, self.height / 2)
-        return np.concatenate([share * x[:, :2], z], axis=1)
 
 
 Primitive = Box | Sphere | Cylinder | Capsule

@@ -20,6 +20,7 @@ from abi.obstacles.triangle_mesh.repair import Surface, clean
 from benchmarks.certificates import campaign, true_clearance
 from tests.abi import meshes
 from tests.abi.bezier import polyline
+from tests.abi.solids import support
 from tests.kernel_forms import kernels_as
 from tests.random_curves import SIZE, random_curve, random_obstacle
 
@@ -75,28 +76,24 @@ def test_planes_separate_their_pieces_and_cover_the_curve(seed: int) -> None:
         result.pieces, result.obstacle, result.directions, strict=True
     ):
         level = (curve(np.linspace(start, end, 40)) @ normal).min()
-        assert level - obstacles[k].support(normal[None])[0] > margin
+        assert level - support(obstacles[k], normal[None])[0] > margin
     assert all(covered(result, k) == [(0.0, 1.0)] for k in range(len(obstacles)))
 
 
 @settings(max_examples=60, deadline=None)
 @given(seeds)
-def test_supports_and_nearest_points_belong_to_the_solid(seed: int) -> None:
+def test_distances_from_far_away_are_those_to_the_support(seed: int) -> None:
     random = np.random.default_rng(seed)
     solid = random_obstacle(random)
-    assert not isinstance(solid, MeshShape)
-    points = random.uniform(-SIZE, 2 * SIZE, (40, 3))
-    near = solid.nearest_points(points)
-    away = solid.signed_distance(points)
-    assert np.linalg.norm(points - near, axis=1) == pytest.approx(np.maximum(away, 0), abs=1e-12)
-    assert solid.signed_distance(near).max() <= 1e-12
     normals = random.normal(size=(20, 3))
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-    support = solid.support(normals)
-    assert ((near @ normals.T).max(axis=0) <= support + 1e-12).all()
-    # The point nearest to one far away along the normal is where the support is reached.
-    reached = solid.nearest_points(np.array(solid.position) + 1e7 * normals)
-    assert np.einsum("ij,ij->i", reached, normals) == pytest.approx(support, abs=1e-6)
+    reach = support(solid, normals) - normals @ np.array(solid.position)
+    far = 1e7
+    found = solid.signed_distance(np.array(solid.position) + far * normals)
+    assert far - found == pytest.approx(reach, abs=1e-6)
+    points = random.uniform(-SIZE, 2 * SIZE, (400, 3))
+    inside = points[solid.signed_distance(points) <= 0]
+    assert (inside @ normals.T <= support(solid, normals) + 1e-12).all()
 
 
 @settings(max_examples=60, deadline=None)

@@ -27,6 +27,7 @@ from abi.obstacles.primitives import (
 from abi.obstacles.triangle_mesh.repair import clean
 from tests.abi import meshes
 from tests.abi.bezier import interpolated
+from tests.abi.solids import world_from_body
 
 
 @dataclass(frozen=True, eq=False)
@@ -222,7 +223,7 @@ def test_a_path_that_starts_at_the_distance_asked_does_not_violate() -> None:
 
 def test_a_path_along_a_wall_at_the_distance_asked_does_not_violate() -> None:
     wall = (Box(size=(10, 10, 1), wxyz=(0.9, 0.3, 0, 0)),)
-    pose = wall[0].world_from_body()[:3, :3]
+    pose = world_from_body(wall[0])[:3, :3]
     control = np.array([(-3, -2, 0.7), (0, 3, 0.7), (1, -3, 0.7), (2, 1, 0.7), (4, 2, 0.7)])
     found = curve_clearance(spline(control @ pose.T, 4), ObstacleSet(wall), 0.2, 1e-6)
     assert found.holds

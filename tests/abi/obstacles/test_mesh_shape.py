@@ -23,6 +23,7 @@ from abi.scene.scene import MeshSettings, Workspace
 from abi.tet_mesh.exclusion import exclude
 from abi.tet_mesh.tet_mesh import tetrahedralise
 from tests.abi import meshes
+from tests.abi.solids import world_from_body
 
 Pose = dict[str, Any]
 
@@ -161,8 +162,8 @@ def test_moving_mesh_and_points_together_changes_nothing(name: str, seed: int) -
     rng = np.random.default_rng(seed)
     still, moved = MeshShape.of(SURFACES[name]), MeshShape.of(SURFACES[name], **pose(rng))
     points = around(still, rng, 50)
-    turn = moved.world_from_body()[:3, :3] * moved.scale
-    there = points @ turn.T + moved.world_from_body()[:3, 3]
+    turn = world_from_body(moved)[:3, :3] * moved.scale
+    there = points @ turn.T + world_from_body(moved)[:3, 3]
     tolerance = 1e-9 * size(moved)
 
     expected = still.signed_distance(points) * moved.scale

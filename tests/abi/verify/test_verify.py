@@ -32,6 +32,7 @@ from abi.verify.verify import Verdict, verify
 from app.__main__ import main
 from benchmarks.certificates import as_plan, name_of, true_clearance
 from tests.abi import meshes
+from tests.abi.solids import support
 from tests.random_curves import random_curve, random_obstacle
 
 seeds = st.integers(0, 2**32 - 1)
@@ -465,7 +466,7 @@ def test_solids_are_separated_up_to_their_support(shape: str) -> None:
     for normal in random.normal(size=(30, 3)):
         direction = vector(normal.tolist())
         for margin in (zero, Fraction(1, 3), Fraction(-1, 9)):
-            edge = solid.support(normal[None])[0] + float(margin) * np.linalg.norm(normal)
+            edge = support(solid, normal[None])[0] + float(margin) * np.linalg.norm(normal)
             assert exact.separated(direction, Fraction(edge + 1e-12), margin)
             assert not exact.separated(direction, Fraction(edge - 1e-12), margin)
     assert float(exact.depth) == pytest.approx(
