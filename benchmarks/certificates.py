@@ -25,7 +25,7 @@ from abi.curves.quadratic import Quadratic
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.primitives import Obstacles
 from abi.verify.verify import Verdict, verify
-from tests.random_curves import SIZE, random_curve, random_obstacle
+from tests.random_geometry import SIZE, random_curve, random_obstacle
 
 DENSE = 2001
 CLOSE = 1e-6 * SIZE

@@ -18,7 +18,7 @@ from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.primitives import Obstacles
 from abi.scene.scene import ArmSettings
 from tests.kernel_forms import compiled, plain
-from tests.random_curves import random_obstacle
+from tests.random_geometry import random_obstacle
 
 seeds = st.integers(0, 2**32 - 1)
 

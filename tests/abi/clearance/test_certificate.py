@@ -22,7 +22,7 @@ from tests.abi import meshes
 from tests.abi.bezier import polyline
 from tests.abi.solids import support
 from tests.kernel_forms import kernels_as
-from tests.random_curves import SIZE, random_curve, random_obstacle
+from tests.random_geometry import SIZE, random_curve, random_obstacle
 
 seeds = st.integers(0, 2**32 - 1)
 

@@ -13,8 +13,8 @@ from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.primitives import Box, Obstacle
 from abi.obstacles.triangle_mesh.repair import clean
-from benchmarks.certificates import random_obstacle
 from tests.abi import meshes
+from tests.random_geometry import random_obstacle
 
 seeds = st.integers(0, 2**32 - 1)
 

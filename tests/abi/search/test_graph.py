@@ -14,9 +14,6 @@ from abi.errors import PointBlocked, StageError
 from abi.obstacles.obstacle_set import NO_OBSTACLES, ObstacleSet
 from abi.obstacles.primitives import (
     Box,
-    Capsule,
-    Cylinder,
-    Obstacle,
     Obstacles,
     Sphere,
     Vec3,
@@ -25,6 +22,7 @@ from abi.scene.scene import MeshSettings, Workspace
 from abi.search.graph import Graph, build
 from abi.tet_mesh.exclusion import FreeMesh, exclude
 from abi.tet_mesh.tet_mesh import tetrahedralise
+from tests.random_geometry import random_obstacles
 
 Lattice = Literal["bcc", "kuhn", "delaunay"]
 LATTICES: tuple[Lattice, ...] = ("bcc", "kuhn", "delaunay")
@@ -41,21 +39,6 @@ def free_mesh(
         ObstacleSet(obstacles),
         margin,
     )
-
-
-def random_obstacles(rng: np.random.Generator, count: int) -> Obstacles:
-    made: list[Obstacle] = []
-    for _ in range(count):
-        pose: Any = {"position": tuple(rng.uniform(0, SIDE, 3)), "wxyz": tuple(rng.normal(size=4))}
-        radius, height = rng.uniform(0.05, 0.5, 2)
-        shapes = (
-            Box(size=tuple(rng.uniform(0.02, 1.5, 3)), **pose),
-            Sphere(radius=radius, **pose),
-            Cylinder(radius=radius, height=height, **pose),
-            Capsule(radius=radius, height=height, **pose),
-        )
-        made.append(shapes[rng.integers(4)])
-    return tuple(made)
 
 
 def free_point(rng: np.random.Generator, obstacles: Obstacles, clearance: float) -> Vec3:
@@ -77,7 +60,7 @@ def sampled_distance(graph: Graph, obstacles: Obstacles) -> FloatArray:
 @pytest.mark.parametrize("seed", range(30))
 def test_no_edge_comes_nearer_than_the_margin(seed: int) -> None:
     rng = np.random.default_rng(seed)
-    obstacles = random_obstacles(rng, int(rng.integers(1, 8)))
+    obstacles = random_obstacles(rng, int(rng.integers(1, 8)), SIDE, 1.5)
     clearance = float(rng.choice([0.0, 0.05, 0.2]))
     margin = clearance + float(rng.choice([0.0, 0.05]))
     free = free_mesh(obstacles, margin, LATTICES[seed % 3])
@@ -98,7 +81,7 @@ def test_no_edge_comes_nearer_than_the_margin(seed: int) -> None:
 @pytest.mark.parametrize("seed", range(30))
 def test_only_edges_that_come_too_near_are_removed(seed: int) -> None:
     rng = np.random.default_rng(seed)
-    obstacles = random_obstacles(rng, 5)
+    obstacles = random_obstacles(rng, 5, SIDE, 1.5)
     margin = 0.1
     free = free_mesh(obstacles, margin, LATTICES[seed % 3])
     start, goal = (free_point(rng, obstacles, margin) for _ in range(2))
@@ -120,7 +103,7 @@ def test_only_edges_that_come_too_near_are_removed(seed: int) -> None:
 
 
 def test_crossings_occur_at_all() -> None:
-    obstacles = random_obstacles(np.random.default_rng(0), 5)
+    obstacles = random_obstacles(np.random.default_rng(0), 5, SIDE, 1.5)
     free = free_mesh(obstacles, 0.0)
     clear = free_point(np.random.default_rng(1), obstacles, 0.0)
     corner = free_point(np.random.default_rng(2), obstacles, 0.0)
@@ -166,7 +149,7 @@ def test_start_and_goal_can_be_anywhere_in_the_box(a: Vec3, b: Vec3, lattice: La
 @pytest.mark.parametrize("seed", range(10))
 def test_rows_hold_each_edge_twice_with_its_length(seed: int) -> None:
     rng = np.random.default_rng(seed)
-    obstacles = random_obstacles(rng, 3)
+    obstacles = random_obstacles(rng, 3, SIDE, 1.5)
     free = free_mesh(obstacles, 0.05, LATTICES[seed % 3])
     start, goal = (free_point(rng, obstacles, 0.05) for _ in range(2))
     graph = build(free, ObstacleSet(obstacles), 0.05, start, goal, 0.05)
@@ -188,7 +171,7 @@ def test_rows_hold_each_edge_twice_with_its_length(seed: int) -> None:
 @pytest.mark.parametrize("seed", range(10))
 def test_a_point_is_joined_to_all_near_nodes_it_sees(seed: int) -> None:
     rng = np.random.default_rng(seed)
-    obstacles = random_obstacles(rng, 6)
+    obstacles = random_obstacles(rng, 6, SIDE, 1.5)
     free = free_mesh(obstacles, 0.05, LATTICES[seed % 3])
     start, goal = (free_point(rng, obstacles, 0.05) for _ in range(2))
     graph = build(free, ObstacleSet(obstacles), 0.05, start, goal, 0.05)
@@ -303,7 +286,7 @@ def test_without_a_free_node_no_nearest_is_named() -> None:
 @pytest.mark.parametrize("seed", range(5))
 def test_networkx_graph_is_the_same_graph(seed: int) -> None:
     rng = np.random.default_rng(seed)
-    obstacles = random_obstacles(rng, 4)
+    obstacles = random_obstacles(rng, 4, SIDE, 1.5)
     free = free_mesh(obstacles, 0.1)
     start, goal = (free_point(rng, obstacles, 0.1) for _ in range(2))
     graph = build(free, ObstacleSet(obstacles), 0.1, start, goal, 0.1)

@@ -14,7 +14,7 @@ from scipy.sparse.csgraph import dijkstra as scipy_dijkstra
 from abi.arrays import FloatArray, read_only
 from abi.errors import NoPath
 from abi.obstacles.obstacle_set import NO_OBSTACLES, ObstacleSet
-from abi.obstacles.primitives import Box, Capsule, Obstacle, Obstacles, Sphere
+from abi.obstacles.primitives import Box, Obstacles, Sphere
 from abi.scene.scene import MeshSettings, Workspace
 from abi.search import search
 from abi.search import search_kernels as kernels
@@ -27,6 +27,7 @@ from abi.tet_mesh.adjacency_kernels import BCC, KUHN, cell, node_at
 from abi.tet_mesh.exclusion import exclude
 from abi.tet_mesh.tet_mesh import tetrahedralise
 from tests.kernel_forms import compiled, kernels_as, plain
+from tests.random_geometry import random_obstacles
 
 Lattice = Literal["bcc", "kuhn", "delaunay"]
 LATTICES: tuple[Lattice, ...] = ("bcc", "kuhn", "delaunay")
@@ -36,26 +37,15 @@ WEIGHTS: tuple[Weight, ...] = ("length", "hops")
 def random_graph(seed: int) -> Graph:
     """A mesh of up to 300 nodes with obstacles, start and goal anywhere or in the corners."""
     rng = np.random.default_rng(seed)
-    obstacles: list[Obstacle] = []
-    for _ in range(rng.integers(0, 6)):
-        pose: Any = {"position": tuple(rng.uniform(0, 4, 3)), "wxyz": tuple(rng.normal(size=4))}
-        radius, height = rng.uniform(0.1, 0.7, 2)
-        shapes = (
-            Box(size=tuple(rng.uniform(0.05, 2.5, 3)), **pose),
-            Sphere(radius=radius, **pose),
-            Capsule(radius=radius, height=height, **pose),
-        )
-        obstacles.append(shapes[rng.integers(3)])
+    obstacles = random_obstacles(rng, int(rng.integers(0, 6)), 4.0, 2.4)
     workspace = Workspace(max=(4, 3.3, 4.7))
     settings = MeshSettings(lattice=LATTICES[seed % 3], pitch=rng.uniform(0.7, 1.5), seed=seed)
     points = rng.uniform(0, 1, (200, 3)) * workspace.size
-    points = points[ObstacleSet(tuple(obstacles)).nearest(points)[0] > 0.05]
+    points = points[ObstacleSet(obstacles).nearest(points)[0] > 0.05]
     corners = ((0, 0, 0), workspace.max)
-    free_corners = (
-        ObstacleSet(tuple(obstacles)).nearest(np.array(corners, dtype=float))[0].min() > 0.05
-    )
+    free_corners = ObstacleSet(obstacles).nearest(np.array(corners, dtype=float))[0].min() > 0.05
     start, goal = corners if free_corners and seed % 2 else map(tuple, points[:2].tolist())
-    return graph_of(workspace, settings, tuple(obstacles), start, goal)
+    return graph_of(workspace, settings, obstacles, start, goal)
 
 
 def graph_of(

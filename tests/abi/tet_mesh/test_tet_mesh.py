@@ -1,7 +1,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 import pytest
@@ -10,10 +10,11 @@ from hypothesis import strategies as st
 from scipy.spatial import cKDTree
 
 from abi.obstacles.obstacle_set import NO_OBSTACLES, ObstacleSet
-from abi.obstacles.primitives import Box, Capsule, Cylinder, Obstacle, Obstacles, Sphere
+from abi.obstacles.primitives import Sphere
 from abi.scene.scene import MeshSettings, Workspace
 from abi.tet_mesh.exclusion import exclude, within
 from abi.tet_mesh.tet_mesh import TetMesh, edges_of, tetrahedralise, volumes
+from tests.random_geometry import random_obstacles
 
 Lattice = Literal["bcc", "kuhn", "delaunay"]
 LATTICES: tuple[Lattice, ...] = ("bcc", "kuhn", "delaunay")
@@ -36,21 +37,6 @@ def meshes(draw: st.DrawFn) -> tuple[Workspace, TetMesh]:
     return workspace, tetrahedralise(
         workspace, MeshSettings(lattice=lattice, pitch=pitch, seed=seed)
     )
-
-
-def random_obstacles(rng: np.random.Generator, count: int) -> Obstacles:
-    made: list[Obstacle] = []
-    for _ in range(count):
-        pose: Any = {"position": tuple(rng.uniform(0, 3, 3)), "wxyz": tuple(rng.normal(size=4))}
-        radius, height = rng.uniform(0.1, 0.8, 2)
-        shapes = (
-            Box(size=tuple(rng.uniform(0.05, 1.5, 3)), **pose),
-            Sphere(radius=radius, **pose),
-            Cylinder(radius=radius, height=height, **pose),
-            Capsule(radius=radius, height=height, **pose),
-        )
-        made.append(shapes[rng.integers(4)])
-    return tuple(made)
 
 
 @settings(max_examples=150, deadline=None)
@@ -171,7 +157,7 @@ def test_a_large_mesh_makes_no_table_until_asked(lattice: Lattice) -> None:
 def test_exactly_the_nodes_nearer_than_the_margin_are_excluded(lattice: Lattice, seed: int) -> None:
     rng = np.random.default_rng(seed)
     mesh = tetrahedralise(Workspace(max=(3, 3, 3)), MeshSettings(lattice=lattice, pitch=0.4))
-    obstacles = random_obstacles(rng, int(rng.integers(0, 5)))
+    obstacles = random_obstacles(rng, int(rng.integers(0, 5)), 3.0, 2.0)
     margin = float(rng.choice([0.0, 0.1, 0.5]))
     free = exclude(mesh, ObstacleSet(obstacles), margin)
     distances = [obstacle.signed_distance(mesh.points) for obstacle in obstacles]

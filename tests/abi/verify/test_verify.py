@@ -33,7 +33,7 @@ from app.__main__ import main
 from benchmarks.certificates import as_plan, name_of, true_clearance
 from tests.abi import meshes
 from tests.abi.solids import support
-from tests.random_curves import random_curve, random_obstacle
+from tests.random_geometry import random_curve, random_obstacle
 
 seeds = st.integers(0, 2**32 - 1)
 Data = dict[str, Any]

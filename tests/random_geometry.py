@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from abi.curves.bspline import BSpline, clamped
 from abi.curves.quadratic import Quadratic
-from abi.obstacles.primitives import Box, Capsule, Cylinder, Obstacle, Sphere
+from abi.obstacles.primitives import Box, Capsule, Cylinder, Obstacle, Obstacles, Sphere
 
 SIZE = 6.0
 """Edge of the cube that curves and solids are in, [unit]."""
@@ -48,3 +50,25 @@ def random_obstacle(random: np.random.Generator) -> Obstacle:
             return Cylinder(radius=a, height=b, **pose)
         case _:
             return Capsule(radius=a / 2, height=b, **pose)
+
+
+def random_obstacles(
+    random: np.random.Generator, count: int, side: float, widest: float
+) -> Obstacles:
+    """Solids of every shape in any pose, up to ``widest``, with centres in a cube at the origin."""
+    made: list[Obstacle] = []
+    for _ in range(count):
+        pose: Any = {
+            "position": tuple(random.uniform(0, side, 3).tolist()),
+            "wxyz": tuple(random.normal(size=4).tolist()),
+        }
+        x, y, z = random.uniform(0.03, 1, 3).tolist()
+        radius, height = widest * x / 3, widest * y / 3
+        shapes = (
+            Box(size=(widest * x, widest * y, widest * z), **pose),
+            Sphere(radius=radius, **pose),
+            Cylinder(radius=radius, height=height, **pose),
+            Capsule(radius=radius, height=height, **pose),
+        )
+        made.append(shapes[random.integers(4)])
+    return tuple(made)
