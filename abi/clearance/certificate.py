@@ -30,18 +30,15 @@ from functools import lru_cache
 import numpy as np
 
 from abi.arrays import FloatArray, IntArray, flat, read_only
-from abi.clearance import certify_mesh_kernels as certify_surface
-from abi.clearance import certify_primitives_kernels as certify_solids
 from abi.clearance.bezier import Bezier, PolynomialCurve
+from abi.clearance.certify_mesh_kernels import separate_from_mesh
+from abi.clearance.certify_primitives_kernels import separate_from_primitives
 from abi.clearance.separation_kernels import CERTIFIED, MOST_HALVINGS, REFUTED, Outcome
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.pose import rotation
 from abi.obstacles.triangle_mesh.bvh import TriangleTree, build
 from abi.obstacles.triangle_mesh.repair import Surface
-
-FINEST = 2.0**-36
-"""Pieces smaller than this part of the largest coordinate are not halved."""
 
 _MOST_TRIES = 20_000  # for each obstacle, and 64 for each polynomial
 
@@ -107,7 +104,7 @@ def certify(
     solids = obstacles.primitive_numbers
     planes: list[FloatArray] = []
     if obstacles.primitives:
-        status, at, which, distance, found = _run_solids(pieces, obstacles, margin)
+        status, at, which, distance, found = _against_primitives(pieces, obstacles, margin)
         if status != CERTIFIED:
             decided = status == REFUTED
             return Refutation(margin, at, int(solids[which]), distance, decided)
@@ -121,10 +118,14 @@ def certify(
     return _certificate(margin, planes)
 
 
-def _run_solids(curve: Bezier, obstacles: ObstacleSet, margin: float) -> Outcome:
-    outcome: Outcome = certify_solids.solids(
-        *(flat(curve.points), flat(curve.breaks), curve.degree, _room(curve)),
-        *(obstacles.packed, curve.size, float(margin), FINEST),
+def _against_primitives(curve: Bezier, obstacles: ObstacleSet, margin: float) -> Outcome:
+    outcome: Outcome = separate_from_primitives(
+        flat(curve.points),
+        flat(curve.breaks),
+        _room(curve),
+        obstacles.packed,
+        curve.size,
+        float(margin),
         _MOST_TRIES + 64 * len(curve.points),
     )
     return outcome
@@ -142,17 +143,13 @@ def _against_mesh(
     room = _room(curve)
     room[: curve.points.size] = ((curve.points - position) @ axes / factor).ravel()
     scale = (curve.size + float(np.abs(position).max())) / factor + 2 * tree.size
-    status, at, _, distance, found = certify_surface.surface(
+    status, at, _, distance, found = separate_from_mesh(
         room,
         curve.breaks.copy(),
         curve.degree,
-        tree.low,
-        tree.high,
-        tree.leaves,
-        tree.corners,
+        tree,
         scale,
         margin / factor,
-        FINEST * scale,
         10 * _MOST_TRIES + 64 * len(curve.points),
     )
     if status != CERTIFIED:

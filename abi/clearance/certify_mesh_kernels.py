@@ -1,8 +1,8 @@
 """Certificates against a surface of triangles.
 
-Compiled by numba; ``surface`` runs uncompiled too, by its ``py_func``, with lists in place of the
-small arrays. Geometry is in the surface's own coordinates; for pieces and planes see
-``abi.clearance.separation_kernels``.
+Geometry is in the surface's own coordinates; for pieces and planes see
+``abi.clearance.separation_kernels``. Nodes are numbered as the tree's boxes are, and the triangles
+after them.
 """
 
 from __future__ import annotations
@@ -11,42 +11,52 @@ import math
 
 from numba.extending import register_jitable
 
-from abi.arrays import FloatArray, IntArray
+from abi.arrays import FloatArray
 from abi.clearance.separation_kernels import (
     CERTIFIED,
+    FINEST,
     MOST_HALVINGS,
+    NO_PLANE,
     REFUTED,
     TINY,
     UNDECIDED,
     Outcome,
+    Piece,
+    Plane,
     allowance_of,
     extent_of,
     halve,
+    halves_of,
     least_product,
     table_of,
 )
 from abi.compiled import FLOATS, IDS, NEW_FLOATS, compiled
+from abi.obstacles.triangle_mesh.bvh import TriangleTree
+from abi.obstacles.vector_kernels import Vec3, axpy, dot, norm, sub, vec3_at
 
 _KEPT = 4  # directions of a piece that are tried again on the next node
 
+Triangle = tuple[Vec3, Vec3, Vec3]
+
 
 @register_jitable
-def _from_triangle(
-    px: float, py: float, pz: float, corners: FloatArray, t: int
-) -> tuple[float, float, float, float]:
+def _triangle_at(corners: FloatArray, t: int) -> Triangle:
+    """The triangle at ``corners[t:]``."""
+    return vec3_at(corners, t), vec3_at(corners, t + 3), vec3_at(corners, t + 6)
+
+
+@register_jitable
+def _from_triangle(p: Vec3, triangle: Triangle) -> tuple[float, Vec3]:
     """Distance of a point to a triangle, and the direction away from it; 0, 0, 0 when on it.
 
     Ericson, Real-Time Collision Detection, section 5.1.5.
     """
-    ax, ay, az = corners[t], corners[t + 1], corners[t + 2]
-    abx, aby, abz = corners[t + 3] - ax, corners[t + 4] - ay, corners[t + 5] - az
-    acx, acy, acz = corners[t + 6] - ax, corners[t + 7] - ay, corners[t + 8] - az
-    apx, apy, apz = px - ax, py - ay, pz - az
-    bpx, bpy, bpz = apx - abx, apy - aby, apz - abz
-    cpx, cpy, cpz = apx - acx, apy - acy, apz - acz
-    d1, d2 = abx * apx + aby * apy + abz * apz, acx * apx + acy * apy + acz * apz
-    d3, d4 = abx * bpx + aby * bpy + abz * bpz, acx * bpx + acy * bpy + acz * bpz
-    d5, d6 = abx * cpx + aby * cpy + abz * cpz, acx * cpx + acy * cpy + acz * cpz
+    a = triangle[0]
+    ab, ac, ap = sub(triangle[1], a), sub(triangle[2], a), sub(p, a)
+    bp, cp = sub(ap, ab), sub(ap, ac)
+    d1, d2 = dot(ab, ap), dot(ac, ap)
+    d3, d4 = dot(ab, bp), dot(ac, bp)
+    d5, d6 = dot(ab, cp), dot(ac, cp)
     va, vb, vc = d3 * d6 - d5 * d4, d5 * d2 - d1 * d6, d1 * d4 - d3 * d2
     v = w = 0.0  # the nearest point is a + v ab + w ac
     if d1 <= 0 and d2 <= 0:
@@ -64,48 +74,107 @@ def _from_triangle(
         v = 1 - w
     elif va + vb + vc > 0:
         v, w = vb / (va + vb + vc), vc / (va + vb + vc)
-    x = apx - v * abx - w * acx
-    y = apy - v * aby - w * acy
-    z = apz - v * abz - w * acz
-    distance = math.sqrt(x * x + y * y + z * z)
+    way = axpy(-w, ac, axpy(-v, ab, ap))
+    distance = norm(way)
     if distance <= TINY:
-        return 0.0, 0.0, 0.0, 0.0
-    return distance, x / distance, y / distance, z / distance
+        return 0.0, (0.0, 0.0, 0.0)
+    return distance, (way[0] / distance, way[1] / distance, way[2] / distance)
 
 
 @register_jitable
-def _box_support(x: float, y: float, z: float, low: FloatArray, high: FloatArray, b: int) -> float:
-    """Support along a direction of the box with its corners at ``low[b:]`` and ``high[b:]``."""
-    sx = x * high[b] if x > 0 else x * low[b]
-    sy = y * high[b + 1] if y > 0 else y * low[b + 1]
-    sz = z * high[b + 2] if z > 0 else z * low[b + 2]
-    return float(sx + sy + sz)
+def _box_support(direction: Vec3, low: Vec3, high: Vec3) -> float:
+    """Support of a box along a direction."""
+    x = direction[0] * (high[0] if direction[0] > 0 else low[0])
+    y = direction[1] * (high[1] if direction[1] > 0 else low[1])
+    z = direction[2] * (high[2] if direction[2] > 0 else low[2])
+    return x + y + z
 
 
 @register_jitable
-def _triangle_support(x: float, y: float, z: float, corners: FloatArray, t: int) -> float:
-    """Support along a direction of the triangle at ``corners[t:]``."""
-    a = x * corners[t] + y * corners[t + 1] + z * corners[t + 2]
-    b = x * corners[t + 3] + y * corners[t + 4] + z * corners[t + 5]
-    c = x * corners[t + 6] + y * corners[t + 7] + z * corners[t + 8]
-    return float(max(a, b, c))
+def _triangle_support(direction: Vec3, triangle: Triangle) -> float:
+    """Support of a triangle along a direction."""
+    a, b, c = triangle
+    return max(dot(direction, a), dot(direction, b), dot(direction, c))
+
+
+@register_jitable
+def _support(direction: Vec3, tree: TriangleTree, node: int) -> float:
+    """Support of a box of the tree, or of a triangle, along a direction."""
+    nodes = 2 * len(tree.leaves) - 3
+    if node < nodes:
+        return _box_support(direction, vec3_at(tree.low, 3 * node), vec3_at(tree.high, 3 * node))
+    return _triangle_support(direction, _triangle_at(tree.corners, 9 * (node - nodes)))
+
+
+@register_jitable
+def _from_box(low: Vec3, high: Vec3, extent: tuple[Vec3, Vec3], middle: Vec3, need: float) -> Vec3:
+    """Direction in which a box may be separated from a piece.
+
+    Args:
+        low, high: corners of the box.
+        extent: corners of the box around the piece.
+        middle: a point in the middle of the piece.
+        need: distance to prove, [unit].
+    """
+    # along an axis first: that costs next to nothing
+    x0, y0, z0 = extent[0]
+    x1, y1, z1 = extent[1]
+    gx = max(x0 - high[0], low[0] - x1)
+    gy = max(y0 - high[1], low[1] - y1)
+    gz = max(z0 - high[2], low[2] - z1)
+    if max(gx, gy, gz) > need:
+        if gx >= gy and gx >= gz:
+            return (1.0 if x0 - high[0] == gx else -1.0, 0.0, 0.0)
+        if gy >= gz:
+            return (0.0, 1.0 if y0 - high[1] == gy else -1.0, 0.0)
+        return (0.0, 0.0, 1.0 if z0 - high[2] == gz else -1.0)
+    way = (
+        middle[0] - min(max(middle[0], low[0]), high[0]),
+        middle[1] - min(max(middle[1], low[1]), high[1]),
+        middle[2] - min(max(middle[2], low[2]), high[2]),
+    )
+    away = norm(way)
+    return (way[0] / away, way[1] / away, way[2] / away) if away > TINY else way
+
+
+@register_jitable
+def _separated_again(
+    planes: list[Plane], made: int, tree: TriangleTree, node: int, need: float
+) -> bool:
+    """Whether one of the latest planes of a piece, from ``made`` on, separates a node too."""
+    for i in range(len(planes) - 1, max(made, len(planes) - _KEPT) - 1, -1):
+        if planes[i].level - _support(planes[i].direction, tree, node) > need:
+            return True
+    return False
+
+
+@register_jitable
+def _open(tree: TriangleTree, node: int, work: list[int]) -> None:
+    """Add what is in a box of the tree: two boxes or some triangles."""
+    inner = len(tree.leaves) - 2
+    if node < inner:
+        work.append(2 * node + 1)
+        work.append(2 * node + 2)
+        return
+    nodes = 2 * inner + 1
+    for i in range(tree.leaves[node - inner], tree.leaves[node - inner + 1]):
+        work.append(nodes + i)
 
 
 @compiled(
-    example=(NEW_FLOATS, NEW_FLOATS, 1, FLOATS, FLOATS, IDS, FLOATS, 1.0, 0.0, 1e-9, 9),
+    example=(
+        *(NEW_FLOATS, NEW_FLOATS, 1, TriangleTree(FLOATS, FLOATS, IDS, FLOATS, 1.0)),
+        *(1.0, 0.0, 9),
+    ),
     fallback=False,
 )
-def surface(
+def separate_from_mesh(
     points: FloatArray,
     breaks: FloatArray,
     degree: int,
-    low: FloatArray,
-    high: FloatArray,
-    leaves: IntArray,
-    corners: FloatArray,
+    tree: TriangleTree,
     scale: float,
     margin: float,
-    finest: float,
     most: int,
 ) -> Outcome:
     """Separate every piece of a curve from every triangle of a surface.
@@ -120,113 +189,65 @@ def surface(
             ``abi.clearance.certify_primitives_kernels``.
         breaks: parameters between them (s + 1,).
         degree: of each polynomial.
-        low: corners of the tree's boxes, flat (3 n,); node k has the children 2 k + 1 and 2 k + 2.
-        high: the opposite corners, flat (3 n,).
-        leaves: leaf i holds the triangles from ``leaves[i]`` up to ``leaves[i + 1]``; the leaves
-            are the last nodes.
-        corners: of the triangles, flat (9 m,).
+        tree: over the triangles.
         scale: largest coordinate of curve and surface together, [unit].
         margin: distance to prove, at least 0, [unit].
-        finest: pieces smaller than this are not halved, [unit].
         most: tries it may take.
     """
-    width = degree + 1
-    spans = len(breaks) - 1
-    inner = len(leaves) - 2
-    nodes = inner + len(leaves) - 1
-    planes = [(0.0, 0.0, 0, 0.0, 0.0, 0.0, 0.0)]
-    candidates = [0]
-    work = [0]
-    tries = 0
-    pending = [(0, spans * width, 0, breaks[0], breaks[spans], 0, 1)]
+    width, spans = degree + 1, len(breaks) - 1
+    nodes = 2 * len(tree.leaves) - 3
+    planes, candidates, work, tries = [NO_PLANE], [0], [0], 0
+    whole = Piece(0, spans * width, 0, breaks[0], breaks[spans])
+    pending = [(whole, 0, 1)]
     while len(pending) > 0:
-        first, last, halvings, start, end, lowest, highest = pending.pop()
+        piece, lowest, highest = pending.pop()
         while len(candidates) > highest:
             candidates.pop()
-        run = last - first > width
-        if run:
-            span = (first + last) // width // 2
-            left, middle, at = first, span * width, breaks[span]
-        else:
-            left = (spans + 2 * halvings) * width
-            middle, at = left + width, 0.5 * (start + end)
-            halve(points, first, left, middle, width, (at - start) / (end - start))
-        cx, cy, cz = points[3 * middle], points[3 * middle + 1], points[3 * middle + 2]
-        x0, y0, z0, x1, y1, z1 = extent_of(points, first, last)
-        size = max(x1 - x0, y1 - y0, z1 - z0)
-        allowance = allowance_of(scale, degree, halvings, margin)
+        run = piece.last - piece.first > width
+        span = (piece.first + piece.last) // width // 2
+        at = breaks[span] if run else 0.5 * (piece.start + piece.end)
+        ahead, behind = halves_of(piece, width, spans, at)
+        if not run:
+            halve(points, piece, ahead.first, at)
+        middle = vec3_at(points, 3 * behind.first)
+        extent = extent_of(points, piece.first, piece.last)
+        size = max(
+            extent[1][0] - extent[0][0], extent[1][1] - extent[0][1], extent[1][2] - extent[0][2]
+        )
+        allowance = allowance_of(scale, degree, piece.halvings, margin)
         need = margin + allowance
-        made = len(planes)
-        nearest = math.inf
+        made, nearest = len(planes), math.inf
         work.clear()
         for i in range(lowest, highest):
             work.append(candidates[i])
         while len(work) > 0:
             node = work.pop()
             tries += 1
-            b, t = 3 * node, 9 * (node - nodes)
-            separated = False
-            for i in range(len(planes) - 1, max(made, len(planes) - _KEPT) - 1, -1):
-                x, y, z, level = planes[i][3], planes[i][4], planes[i][5], planes[i][6]
-                if node < nodes:
-                    separated = level - _box_support(x, y, z, low, high, b) > need
-                else:
-                    separated = level - _triangle_support(x, y, z, corners, t) > need
-                if separated:
-                    break
-            if separated:
+            if _separated_again(planes, made, tree, node, need):
                 continue
             if node < nodes:
-                # along an axis first: that costs next to nothing
-                gx, gy, gz = max(x0 - high[b], low[b] - x1), 0.0, 0.0
-                gy = max(y0 - high[b + 1], low[b + 1] - y1)
-                gz = max(z0 - high[b + 2], low[b + 2] - z1)
-                if max(gx, gy, gz) > need:
-                    x = y = z = 0.0
-                    if gx >= gy and gx >= gz:
-                        x = 1.0 if x0 - high[b] == gx else -1.0
-                    elif gy >= gz:
-                        y = 1.0 if y0 - high[b + 1] == gy else -1.0
-                    else:
-                        z = 1.0 if z0 - high[b + 2] == gz else -1.0
-                else:
-                    x = cx - min(max(cx, low[b]), high[b])
-                    y = cy - min(max(cy, low[b + 1]), high[b + 1])
-                    z = cz - min(max(cz, low[b + 2]), high[b + 2])
-                    away = math.sqrt(x * x + y * y + z * z)
-                    if away > TINY:
-                        x, y, z = x / away, y / away, z / away
-                level = least_product(points, first, last, x, y, z)
-                separated = level - _box_support(x, y, z, low, high, b) > need
+                low, high = vec3_at(tree.low, 3 * node), vec3_at(tree.high, 3 * node)
+                direction = _from_box(low, high, extent, middle, need)
+                wide = 2 * max(high[0] - low[0], high[1] - low[1], high[2] - low[2]) > size
             else:
-                away, x, y, z = _from_triangle(cx, cy, cz, corners, t)
+                wide = False
+                triangle = _triangle_at(tree.corners, 9 * (node - nodes))
+                away, direction = _from_triangle(middle, triangle)
                 if away < margin - allowance:
                     return REFUTED, at, 0, away, table_of(planes)
                 nearest = min(nearest, away)
-                level = least_product(points, first, last, x, y, z)
-                separated = level - _triangle_support(x, y, z, corners, t) > need
-            if separated:
-                planes.append((start, end, 0, x, y, z, level))
-                continue
-            if node < nodes:
-                dx, dy = high[b] - low[b], high[b + 1] - low[b + 1]
-                if 2 * max(dx, dy, high[b + 2] - low[b + 2]) > size:
-                    if node < inner:
-                        work.append(2 * node + 1)
-                        work.append(2 * node + 2)
-                    else:
-                        for i in range(leaves[node - inner], leaves[node - inner + 1]):
-                            work.append(nodes + i)
-                    continue
-            candidates.append(node)
+            level = least_product(points, piece.first, piece.last, direction)
+            if level - _support(direction, tree, node) > need:
+                planes.append(Plane(piece.start, piece.end, 0, direction, level))
+            elif wide:
+                _open(tree, node, work)
+            else:
+                candidates.append(node)
         if len(candidates) == highest:
             continue
-        if not run and (size < finest or halvings == MOST_HALVINGS or not start < at < end):
+        final = size < FINEST * scale or piece.halvings == MOST_HALVINGS
+        if tries > most or (not run and (final or not piece.start < at < piece.end)):
             return UNDECIDED, at, 0, nearest, table_of(planes)
-        if tries > most:
-            return UNDECIDED, at, 0, nearest, table_of(planes)
-        deeper = 0 if run else halvings + 1
-        total = len(candidates)
-        pending.append((middle, last if run else middle + width, deeper, at, end, highest, total))
-        pending.append((left, middle, deeper, start, at, highest, total))
+        pending.append((behind, highest, len(candidates)))
+        pending.append((ahead, highest, len(candidates)))
     return CERTIFIED, 0.0, -1, math.inf, table_of(planes)

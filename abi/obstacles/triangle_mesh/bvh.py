@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -11,8 +11,7 @@ from abi.arrays import FloatArray, IntArray, read_only
 _LEAF = 4  # triangles, about
 
 
-@dataclass(frozen=True, eq=False)
-class TriangleTree:
+class TriangleTree(NamedTuple):
     """A complete binary tree of boxes: node k has the children 2 k + 1 and 2 k + 2.
 
     Attributes:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -10,8 +10,7 @@ from abi.arrays import FloatArray, read_only
 from abi.obstacles.triangle_mesh.bvh import TriangleTree
 
 
-@dataclass(frozen=True, eq=False)
-class Dipoles:
+class Dipoles(NamedTuple):
     """First term of the far field of each node's triangles (Barill and others, 2018, section 3).
 
     Attributes:

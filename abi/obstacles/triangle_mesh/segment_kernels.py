@@ -1,4 +1,4 @@
-"""Distance from segments to triangles by a tree of boxes, compiled by numba.
+"""Distance from segments to triangles, by a tree of boxes.
 
 The formulas are Ericson's (Real-Time Collision Detection, 2005, sections 5.1.9 and 5.1.10).
 """
@@ -10,8 +10,9 @@ import math
 import numpy as np
 from numba.extending import register_jitable
 
-from abi.arrays import FloatArray, IntArray
+from abi.arrays import FloatArray
 from abi.compiled import FLOATS, IDS, NEW_FLOATS, PLACES, compiled
+from abi.obstacles.triangle_mesh.bvh import TriangleTree
 from abi.obstacles.vector_kernels import Vec3, axpy, cross, dot, norm, sub, vec3_at
 
 
@@ -102,13 +103,14 @@ def _to_box(p: Vec3, q: Vec3, low: Vec3, high: Vec3) -> float:
 
 
 @compiled(
-    example=(FLOATS, FLOATS, IDS, FLOATS, PLACES, PLACES, NEW_FLOATS, NEW_FLOATS), fallback=False
+    example=(
+        *(TriangleTree(FLOATS, FLOATS, IDS, FLOATS, 1.0), PLACES, PLACES),
+        *(NEW_FLOATS, NEW_FLOATS),
+    ),
+    fallback=False,
 )
 def segment_distances(
-    low: FloatArray,
-    high: FloatArray,
-    leaves: IntArray,
-    corners: FloatArray,
+    tree: TriangleTree,
     starts: FloatArray,
     ends: FloatArray,
     enough: FloatArray,
@@ -117,16 +119,14 @@ def segment_distances(
     """Distance (n,) of segments to the nearest of all triangles in a tree.
 
     Args:
-        low: lowest corners of the boxes, flat, see :mod:`abi.obstacles.triangle_mesh.bvh`.
-        high: highest corners.
-        leaves: where the triangles of each leaf begin, and the end of the last.
-        corners: of the triangles, flat.
+        tree: over the triangles.
         starts: (n, 3) first ends.
         ends: (n, 3) second ends, which may be the same.
         enough: (n,) a distance that ends the search when it is found or less: it is then the
             distance of some triangle, not of the nearest.
         most: (n,) a distance past which the outcome may be any greater one, inf too.
     """
+    low, high, leaves, corners, _ = tree
     found = np.empty(len(starts))
     inner = len(leaves) - 2
     stack = np.empty(128, np.int64)

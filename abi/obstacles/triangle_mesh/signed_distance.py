@@ -12,7 +12,7 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from abi.arrays import BoolArray, FloatArray, read_only
+from abi.arrays import BoolArray, FloatArray
 from abi.obstacles.triangle_mesh import winding_kernels as winding
 from abi.obstacles.triangle_mesh.bvh import TriangleTree, build
 from abi.obstacles.triangle_mesh.closest_points import NearestPlaces
@@ -140,11 +140,8 @@ class SurfaceDistance:
         self, a: FloatArray, b: FloatArray, enough: FloatArray, most: FloatArray
     ) -> FloatArray:
         """Distance (n,) of segments from a (n, 3) to b (n, 3), see ``segment_distances``."""
-        tree = self.tree
         a, b = np.ascontiguousarray(a), np.ascontiguousarray(b)
-        return np.asarray(
-            segment_distances(tree.low, tree.high, tree.leaves, tree.corners, a, b, enough, most)
-        )
+        return np.asarray(segment_distances(self.tree, a, b, enough, most))
 
     def _signed(self, x: FloatArray) -> FloatArray:
         """Signed distance (n,), shortened by what the library may be off by."""
@@ -162,15 +159,9 @@ class SurfaceDistance:
         """
         if not self._closed:
             return np.zeros(len(x), dtype=np.bool_)
-        tree, far = self.tree, self.dipoles
         inside = winding.inside(
-            tree.leaves,
-            tree.corners,
-            far.centres,
-            far.radii,
-            far.normals,
-            far.areas,
-            read_only(np.concatenate([tree.low[:3], tree.high[:3]])),
+            self.tree,
+            self.dipoles,
             np.ascontiguousarray(x),
             distance,
             _DOUBT * self._extent,

@@ -1,4 +1,4 @@
-"""How often a surface winds around points, by a tree of dipoles, compiled by numba.
+"""Winding numbers of a surface around points, by a tree of dipoles.
 
 From far a group of triangles looks like one dipole: its summed normals at its centre (Barill and
 others, Fast winding numbers for soups and clouds, 2018). Near ones are taken one by one, with their
@@ -14,6 +14,8 @@ from numba.extending import register_jitable
 
 from abi.arrays import BoolArray, FloatArray, IntArray
 from abi.compiled import FLOATS, IDS, NEW_FLOATS, PLACES, compiled
+from abi.obstacles.triangle_mesh.bvh import TriangleTree
+from abi.obstacles.triangle_mesh.dipoles import Dipoles
 from abi.obstacles.vector_kernels import Vec3, cross, dot, sub, vec3_at
 
 OPENING = 2.5
@@ -44,12 +46,8 @@ def _half_solid_angle(a: Vec3, b: Vec3, c: Vec3) -> float:
 @register_jitable
 def winding_number(
     x: Vec3,
-    leaves: IntArray,
-    corners: FloatArray,
-    centres: FloatArray,
-    radii: FloatArray,
-    normals: FloatArray,
-    areas: FloatArray,
+    tree: TriangleTree,
+    dipoles: Dipoles,
     opening: float,
     stack: IntArray,
 ) -> tuple[float, float]:
@@ -57,20 +55,18 @@ def winding_number(
 
     Args:
         x: a point.
-        leaves: where the triangles of each leaf begin, see :mod:`abi.obstacles.triangle_mesh.bvh`.
-        corners: of the triangles, flat.
-        centres: of the dipoles, flat, see :class:`abi.obstacles.triangle_mesh.dipoles.Dipoles`.
-        radii: around the centres.
-        normals: of the dipoles, flat.
-        areas: of the nodes.
+        tree: over the triangles.
+        dipoles: of the nodes of the tree.
         opening: distance, in radii, from which a node is a dipole; exact where it is inf.
         stack: room for 128 nodes.
 
     Returns:
         The number, and the area seen as dipoles, over its distances squared by 4 pi.
     """
+    leaves, corners = tree.leaves, tree.corners
+    centres, radii, normals, areas = dipoles
     inner = len(leaves) - 2
-    halves, dipoles, strain = 0.0, 0.0, 0.0
+    halves, far_field, strain = 0.0, 0.0, 0.0
     stack[0] = 0
     waiting = 1
     while waiting > 0:
@@ -80,7 +76,7 @@ def winding_number(
         far = dot(way, way)
         reach = opening * radii[node]
         if far > reach * reach:
-            dipoles += dot(vec3_at(normals, 3 * node), way) / (far * math.sqrt(far))
+            far_field += dot(vec3_at(normals, 3 * node), way) / (far * math.sqrt(far))
             strain += areas[node] / far
         elif node >= inner:
             for t in range(9 * leaves[node - inner], 9 * leaves[node - inner + 1], 9):
@@ -89,21 +85,20 @@ def winding_number(
         else:
             stack[waiting], stack[waiting + 1] = 2 * node + 1, 2 * node + 2
             waiting += 2
-    return halves / (2 * math.pi) + dipoles / (4 * math.pi), strain / (4 * math.pi)
+    return halves / (2 * math.pi) + far_field / (4 * math.pi), strain / (4 * math.pi)
 
 
 @compiled(
-    example=(IDS, FLOATS, FLOATS, FLOATS, FLOATS, FLOATS, FLOATS, PLACES, NEW_FLOATS, 0.0),
+    example=(
+        TriangleTree(FLOATS, FLOATS, IDS, FLOATS, 1.0),
+        Dipoles(FLOATS, FLOATS, FLOATS, FLOATS),
+        *(PLACES, NEW_FLOATS, 0.0),
+    ),
     fallback=False,
 )
 def inside(
-    leaves: IntArray,
-    corners: FloatArray,
-    centres: FloatArray,
-    radii: FloatArray,
-    normals: FloatArray,
-    areas: FloatArray,
-    box: FloatArray,
+    tree: TriangleTree,
+    dipoles: Dipoles,
     points: FloatArray,
     distances: FloatArray,
     doubt: float,
@@ -113,20 +108,15 @@ def inside(
     A point that is nearer to the one before it than the surface is on the same side: order helps.
 
     Args:
-        leaves: as in :func:`winding_number`, like the next five.
-        corners: of the triangles.
-        centres: of the dipoles.
-        radii: around the centres.
-        normals: of the dipoles.
-        areas: of the nodes.
-        box: (6,) lowest and highest corner of the surface's bounding box.
+        tree: over the triangles of the surface.
+        dipoles: of the nodes of the tree.
         points: (n, 3).
         distances: (n,) to the surface, or less.
         doubt: a distance up to which rounding may hide the side.
     """
     found = np.empty(len(points), np.bool_)
     stack = np.empty(128, np.int32)
-    low, high = vec3_at(box, 0), vec3_at(box, 3)
+    low, high = vec3_at(tree.low, 0), vec3_at(tree.high, 0)
     last = (math.inf, math.inf, math.inf)
     for i in range(len(points)):
         x = vec3_at(points[i], 0)
@@ -146,9 +136,7 @@ def inside(
             for attempt in range(_DOUBLINGS + 2):
                 if attempt > _DOUBLINGS:
                     opening = math.inf
-                number, strain = winding_number(
-                    x, leaves, corners, centres, radii, normals, areas, opening, stack
-                )
+                number, strain = winding_number(x, tree, dipoles, opening, stack)
                 if strain <= most and abs(number - round(number)) <= _FRACTION:
                     found[i] = abs(number) > 0.5
                     break

@@ -73,30 +73,16 @@ def _chord(p: FloatArray, q: FloatArray) -> FloatArray:
 
 def numbers(mesh: Mesh, points: FloatArray, opening: float) -> FloatArray:
     tree, far = _far(mesh)
-    surface = (tree.leaves, tree.corners, far.centres, far.radii, far.normals, far.areas)
     stack = np.empty(128, np.int32)
-    found = [_number(tuple(x), *surface, opening, stack)[0] for x in points.tolist()]
+    found = [_number(tuple(x), tree, far, opening, stack)[0] for x in points.tolist()]
     return np.array(found)
 
 
 def inside(mesh: Mesh, points: FloatArray) -> np.ndarray:
     """Sides by a kernel that gets no distances to reason from."""
     tree, far = _far(mesh)
-    box = np.concatenate([tree.low[:3], tree.high[:3]])
-    box.setflags(write=False)
     distances = np.full(len(points), 1e-300)
-    found = winding.inside(
-        tree.leaves,
-        tree.corners,
-        far.centres,
-        far.radii,
-        far.normals,
-        far.areas,
-        box,
-        points,
-        distances,
-        0.0,
-    )
+    found = winding.inside(tree, far, points, distances, 0.0)
     return np.asarray(found)
 
 
@@ -240,22 +226,9 @@ def test_the_order_of_points_changes_no_side(name: str, seed: int) -> None:
     tree, far = _far(mesh)
     steps = rng.normal(size=(300, 3)) * 10.0 ** rng.uniform(-3, -0.5, (300, 1))
     points = np.clip(np.cumsum(steps, axis=0), -1.4, 1.4)
-    box = np.concatenate([tree.low[:3], tree.high[:3]])
     ways, _ = NearestPlaces(*mesh).to(points)
     distances = np.linalg.norm(ways, axis=1)
-    box.setflags(write=False)
-    found = winding.inside(
-        tree.leaves,
-        tree.corners,
-        far.centres,
-        far.radii,
-        far.normals,
-        far.areas,
-        box,
-        points,
-        distances,
-        0.0,
-    )
+    found = winding.inside(tree, far, points, distances, 0.0)
     np.testing.assert_array_equal(found, np.abs(numbers(mesh, points, np.inf)) > 0.5)
 
 
