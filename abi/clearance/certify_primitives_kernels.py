@@ -166,10 +166,10 @@ def separate_from_primitives(
             need = margin + allowance
             level = least_product(points, piece.first, piece.last, direction)
             separated = level - _support(direction, summands) > need
-            size = math.inf
+            extent = math.inf
             if not separated:
                 low, high = extent_of(points, piece.first, piece.last)
-                size = max(high[0] - low[0], high[1] - low[1], high[2] - low[2])
+                extent = max(high[0] - low[0], high[1] - low[1], high[2] - low[2])
                 level, direction = _behind_a_face(low, high, summands)
                 separated = level > need
             if separated:
@@ -177,7 +177,7 @@ def separate_from_primitives(
                 planes.append(Plane(piece.start, piece.end, s, normal, level))
                 continue
             tries += 1
-            final = piece.halvings == MOST_HALVINGS or (size < finest and not run)
+            final = piece.halvings == MOST_HALVINGS or (extent < finest and not run)
             if final or tries > most or not piece.start < at < piece.end:
                 return UNDECIDED, at, s, away, table_of(planes)
             pending.append(behind)
