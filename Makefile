@@ -71,6 +71,7 @@ lint: $(DEV)
 	$(BIN)/ruff format --check
 	$(BIN)/ruff check
 	$(BIN)/mypy
+	$(BIN)/lint-imports --no-cache
 
 bench: $(DEV)
 	@$(BIN)/python -m app bench $(ARGS)

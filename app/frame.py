@@ -41,7 +41,7 @@ class Frame:
         hasty: whether the hand may still move: what takes long to draw can wait.
         outdated: whether a newer plan is on its way.
         shown: names of the switches that are on.
-        mesh_view: which part of the mesh to draw, of :data:`abi.tet_mesh.subset.VIEWS`.
+        mesh_view: which part of the mesh to draw, of :data:`abi.search.subset.VIEWS`.
         expanded_share: part of the chosen search's expansions to draw, 0 to 1.
         time: moment of the motion, [s].
         playing: whether that moment goes on by itself.

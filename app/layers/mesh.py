@@ -10,7 +10,7 @@ import viser
 
 from abi.arrays import FloatArray, IntArray
 from abi.planner.plan import Plan
-from abi.tet_mesh.subset import excerpt, fits
+from abi.search.subset import excerpt, fits
 from app import glb, style
 from app.frame import Frame, Switch
 from app.layout import Layout

@@ -43,7 +43,7 @@ class LayerSwitches:
         return frozenset(name for name, handle in self.boxes.items() if handle.value)
 
     def mesh_part(self) -> str:
-        """Which part of the mesh to draw, of :data:`abi.tet_mesh.subset.VIEWS`."""
+        """Which part of the mesh to draw, of :data:`abi.search.subset.VIEWS`."""
         return MESH_VIEWS.get(self.mesh_view.value, "near")
 
     def draw(self, frame: Frame) -> None:

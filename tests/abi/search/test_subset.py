@@ -9,7 +9,7 @@ from abi.obstacles.primitives import Box, Obstacles, Sphere
 from abi.planner.plan import Plan
 from abi.planner.planner import plan
 from abi.scene.scene import load_scene
-from abi.tet_mesh.subset import VIEWS, excerpt, fits
+from abi.search.subset import VIEWS, excerpt, fits
 
 
 def planned(pitch: float, lattice: str = "bcc", name: str = "paper") -> Plan:
