@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import gc
-import threading
 import weakref
 from dataclasses import replace
 from pathlib import Path
@@ -127,25 +126,19 @@ def test_a_plot_has_its_data_before_it_is_shown(tab: tuple[FakeTab, Session]) ->
     tabs.remove()
 
 
-def _sent(
-    monkeypatch: pytest.MonkeyPatch, session: Session, frame: Frame
-) -> list[viser._messages.Message]:
-    """Messages to the page that drawing ``frame`` takes, while the arm stands still."""
-    session.playback.playing = False
-    until(lambda: session.resting and not session.frame.playing)
-    sent: list[viser._messages.Message] = []
-    here = threading.current_thread()
+def _still(session: Session) -> Frame:
+    """The session's last frame, drawn to its end while nothing moves any more."""
+    until(lambda: session.resting)
+    session.close()
+    frame = replace(session.frame, playing=False)
+    _draw(session, frame)
+    return frame
 
-    def keep(message: viser._messages.Message) -> None:
-        if threading.current_thread() is here:
-            sent.append(message)
 
-    with monkeypatch.context() as patch:
-        patch.setattr(session.client._websock_connection, "queue_message", keep)
-        for group in session._groups:
-            for drawn in group:
-                drawn.draw(frame)
-    return sent
+def _draw(session: Session, frame: Frame) -> None:
+    for group in session._groups:
+        for drawn in group:
+            drawn.draw(frame)
 
 
 @pytest.mark.parametrize("name", ["paper", "forest", "no-way"])
@@ -156,25 +149,30 @@ def test_what_is_drawn_already_is_not_sent_again(
     fake.set(session.panels.files.choice, name)
     until(lambda: session.frame.plan.scene == load_scene(name))
     until(lambda: session.frame.plan.error is None or session.frame.reason is not None)
-    assert _sent(monkeypatch, session, session.frame) == []
-    assert _sent(monkeypatch, session, replace(session.frame)) == []
+    frame = _still(session)
+    sent: list[object] = []
+    monkeypatch.setattr(session.client._websock_connection, "queue_message", sent.append)
+    _draw(session, replace(frame))
+    assert sent == []
 
 
 def test_a_switch_sends_what_it_hides_and_nothing_else(
     tab: tuple[FakeTab, Session], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     _, session = tab
-    until(lambda: session.resting)
+    frame = _still(session)
+    sent: list[object] = []
+    monkeypatch.setattr(session.client._websock_connection, "queue_message", sent.append)
     hidden: list[str] = []
     for switch in SWITCHES:
-        shown = session.frame.shown - {switch.name}
-        sent = _sent(monkeypatch, session, replace(session.frame, shown=shown))
+        _draw(session, replace(frame, shown=frame.shown - {switch.name}))
         assert sent
         for message in sent:
             assert isinstance(message, viser._messages.SetSceneNodeVisibilityMessage)
             assert not message.visible
             hidden.append(message.name)
-        _sent(monkeypatch, session, session.frame)
+        _draw(session, frame)
+        sent.clear()
     assert len(hidden) == len(set(hidden))
 
 
