@@ -179,7 +179,7 @@ def separate_from_mesh(
 ) -> Outcome:
     """Separate every piece of a curve from every triangle of a surface.
 
-    The nodes of a tree over the triangles are boxes, hence solids as any other: what is separated
+    The nodes of a tree over the triangles are boxes, convex as any primitive: what is separated
     from a box is separated from all triangles in it. A piece carries the nodes that its parents
     were not separated from; a node larger than the piece is opened, and the piece is halved when
     smaller nodes or triangles are left.

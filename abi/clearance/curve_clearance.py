@@ -93,13 +93,13 @@ def curve_clearance(
     parts = -(-_FIRST_PIECES // (len(breaks) - 1))
     finest = float(breaks[-1] - breaks[0]) / _FINEST_STRETCH
     if obstacles.all_convex:
-        seen = curve_clearance_kernels.curve(
+        measured = curve_clearance_kernels.measure_curve(
             *(flat(pieces.points), flat(breaks), parts, obstacles.packed),
             *(float(asked), tolerance, finest),
         )
     else:
-        seen = measure_by_halving(pieces, parts, obstacles, asked, tolerance, finest)
-    distance, at, nearest, obstacle, stretches = seen
+        measured = measure_by_halving(pieces, parts, obstacles, asked, tolerance, finest)
+    distance, at, nearest, obstacle, stretches = measured
     return Clearance(distance, at, nearest, obstacle, _joined(stretches[1:]))
 
 

@@ -1,12 +1,13 @@
-"""How near a curve of Bézier pieces comes to convex solids.
+"""Distance of a curve of Bézier pieces to convex primitives.
 
-Compiled by numba; ``curve`` runs uncompiled too, by its ``py_func`` on plain lists. For the rows of
-numbers that describe solids see ``primitive_kernels``. A point is three successive numbers.
+For the rows of numbers that describe primitives see ``primitive_kernels``. A point is three
+successive numbers.
 """
 
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 from numba.extending import register_jitable
 
@@ -28,13 +29,48 @@ from abi.obstacles.vector_kernels import Vec3, sub, vec3_at
 MOST_HALVINGS = 40
 MOST_PIECES = 200_000
 
-Seen = tuple[float, float, float, int, list[tuple[float, float]]]
-"""What the distance does not go below; the parameter, distance and solid of the nearest sample;
+_ROUNDING = 1e-9  # by which a sample may be nearer than asked
+
+Measured = tuple[float, float, float, int, list[tuple[float, float]]]
+"""Lower bound of the distance; the parameter, distance and obstacle of the nearest sample;
 stretches that are too near, in no order, after one that means nothing."""
 
 
-@register_jitable
-def _divided(
+# calls for each piece of the curve, in which lists and arrays would be counted in and out
+_inlined = register_jitable(forceinline=True)
+
+
+class _Pieces(NamedTuple):
+    """Bézier pieces of the curve, n in number, along it.
+
+    Attributes:
+        points: their points, flat (3 n (degree + 1),), [unit], world.
+        starts: first parameters (n,).
+        ends: last parameters (n,).
+        at_starts: signed distances at their first points (n,), [unit].
+        at_ends: signed distances at their last points (n,), [unit].
+    """
+
+    points: list[float]
+    starts: list[float]
+    ends: list[float]
+    at_starts: list[float]
+    at_ends: list[float]
+
+
+class _Nearest(NamedTuple):
+    """The sample nearest to a primitive: its signed distance, [unit], parameter, and whose it is.
+
+    The primitive is -1 before there is any.
+    """
+
+    distance: float
+    at: float
+    primitive: int
+
+
+@_inlined
+def _divide(
     points: list[float], piece: int, into: list[float], left: int, right: int, width: int, r: float
 ) -> None:
     """De Casteljau: both parts, divided at r, of the piece at ``points[piece:]``."""
@@ -47,27 +83,27 @@ def _divided(
             into[i] = (1 - r) * into[i] + r * into[i + 3]
 
 
-@register_jitable
-def _sampled(solids: FloatArray, enough: float, p: Vec3) -> tuple[float, int]:
+@_inlined
+def _sample(primitives: FloatArray, enough: float, p: Vec3) -> tuple[float, int]:
     """Least signed distance of a point and whose it is; ``enough`` and -1 if it is not below."""
     best, whose = enough, -1
-    for s in range(len(solids) // WIDTH):
-        if not bounds_apart(solids, s, best, p, p):
-            q = in_body(axes_of(solids, s), sub(p, centre_of(solids, s)))
-            found = signed_distance(core_of(solids, s), q)
+    for s in range(len(primitives) // WIDTH):
+        if not bounds_apart(primitives, s, best, p, p):
+            q = in_body(axes_of(primitives, s), sub(p, centre_of(primitives, s)))
+            found = signed_distance(core_of(primitives, s), q)
             if found < best:
                 best, whose = found, s
     return best, whose
 
 
-@register_jitable
-def _bounded(
-    solids: FloatArray, enough: float, points: list[float], piece: int, width: int, x: Vec3
+@_inlined
+def _bound(
+    primitives: FloatArray, enough: float, points: list[float], piece: int, width: int, x: Vec3
 ) -> tuple[float, int, float]:
     """Of a piece: the least signed distance at its point x, whose it is, and a lower bound.
 
-    Solids that no point of the piece is nearer to than ``enough`` are left out: the result is at
-    most ``enough``, inf and -1 when all are.
+    Primitives that no point of the piece is nearer to than ``enough`` are left out: the result is
+    at most ``enough``, inf and -1 when all are.
     """
     lx, ly, lz = points[piece], points[piece + 1], points[piece + 2]
     hx, hy, hz = lx, ly, lz
@@ -76,12 +112,12 @@ def _bounded(
         ly, hy = min(ly, points[i + 1]), max(hy, points[i + 1])
         lz, hz = min(lz, points[i + 2]), max(hz, points[i + 2])
     best, whose, bound = math.inf, -1, math.inf
-    for s in range(len(solids) // WIDTH):
-        if bounds_apart(solids, s, enough, (lx, ly, lz), (hx, hy, hz)):
+    for s in range(len(primitives) // WIDTH):
+        if bounds_apart(primitives, s, enough, (lx, ly, lz), (hx, hy, hz)):
             continue
-        axes = axes_of(solids, s)
-        p = in_body(axes, sub(x, centre_of(solids, s)))
-        away, outward = signed_distance_gradient(core_of(solids, s), p)
+        axes = axes_of(primitives, s)
+        p = in_body(axes, sub(x, centre_of(primitives, s)))
+        away, outward = signed_distance_gradient(core_of(primitives, s), p)
         gx, gy, gz = in_world(axes, outward)
         rise = 0.0
         for i in range(piece, piece + 3 * width, 3):
@@ -93,28 +129,9 @@ def _bounded(
     return best, whose, bound
 
 
-@compiled(example=(FLOATS, FLOATS, 1, FLOATS, 1.0, 0.1, 0.1))
-def curve(
-    control: FloatArray,
-    breaks: FloatArray,
-    parts: int,
-    solids: FloatArray,
-    asked: float,
-    tolerance: float,
-    finest: float,
-) -> Seen:
-    """How near a curve of Bézier pieces comes to solids; see ``curve_clearance.measure``.
-
-    Args:
-        control: Bézier points of the s polynomials, flat (3 s (degree + 1),), [unit], world.
-        breaks: parameters between them (s + 1,).
-        parts: equal parts that each polynomial is first cut into.
-        solids: rows (k WIDTH,), k >= 1.
-        asked: stretches that are nearer than this are told, [unit].
-        tolerance: largest excess of the nearest sample over the bound, [unit].
-        finest: stretches are not made finer than this just to tell where they end, in the
-            parameter.
-    """
+@register_jitable
+def _first_pieces(control: FloatArray, breaks: FloatArray, parts: int) -> _Pieces:
+    """The polynomials, each cut into ``parts`` equal parts; the distances are left open."""
     spans = len(breaks) - 1
     width = len(control) // (3 * spans)
     size = 3 * width
@@ -127,77 +144,156 @@ def curve(
             rest[i] = control[k * size + i]
         for j in range(parts):
             piece = k * parts + j
-            ratio = 1.0 / (parts - j)
-            _divided(rest, 0, rest, size, 0, width, ratio)
+            _divide(rest, 0, rest, size, 0, width, 1.0 / (parts - j))
             for i in range(size):
                 points[piece * size + i] = rest[size + i]
             starts[piece] = breaks[k] + (breaks[k + 1] - breaks[k]) * (j / parts)
             ends[piece] = breaks[k] + (breaks[k + 1] - breaks[k]) * ((j + 1) / parts)
         ends[k * parts + parts - 1] = breaks[k + 1]
+    return _Pieces(points, starts, ends, [math.inf] * count, [math.inf] * count)
 
-    at, nearest = starts[0], math.inf
-    whose = -1
-    at_starts, at_ends = [math.inf] * count, [math.inf] * count
+
+@register_jitable
+def _sample_ends(primitives: FloatArray, pieces: _Pieces, asked: float) -> _Nearest:
+    """Fill in the distances at the ends of pieces that are one curve; the nearest of them."""
+    points, starts, ends, at_starts, at_ends = pieces
+    count = len(starts)
+    size = len(points) // count
+    at, nearest, whose = starts[0], math.inf, -1
     for piece in range(count + 1):
         last = piece == count
-        i = count * size - 3 if last else piece * size
-        enough = max(nearest, asked)
-        away, solid = _sampled(solids, enough, vec3_at(points, i))
+        p = vec3_at(points, count * size - 3 if last else piece * size)
+        away, primitive = _sample(primitives, max(nearest, asked), p)
         if piece > 0:
             at_ends[piece - 1] = away
         if not last:
             at_starts[piece] = away
-        if solid >= 0 and away < nearest:
+        if primitive >= 0 and away < nearest:
             at = ends[count - 1] if last else starts[piece]
-            nearest, whose = away, solid
-    bottom = nearest
+            nearest, whose = away, primitive
+    return _Nearest(nearest, at, whose)
+
+
+@register_jitable
+def _sample_middles(
+    primitives: FloatArray, pieces: _Pieces, asked: float, before: _Nearest
+) -> tuple[list[float], list[float], _Nearest]:
+    """Distances at the middles of pieces and lower bounds of theirs; the nearest of all samples."""
+    points, starts, ends, _, _ = pieces
+    count = len(starts)
+    width = len(points) // (3 * count)
+    size = 3 * width
+    middles, bounds = [math.inf] * count, [math.inf] * count
+    halves = [0.0] * (2 * size)
+    nearest, at, whose = before
+    for piece in range(count):
+        _divide(points, piece * size, halves, 0, size, width, 0.5)
+        x = (halves[size], halves[size + 1], halves[size + 2])
+        enough = max(nearest, asked)
+        away, primitive, bound = _bound(primitives, enough, points, piece * size, width, x)
+        middles[piece], bounds[piece] = away, bound
+        if away < nearest:
+            nearest, at, whose = away, (starts[piece] + ends[piece]) / 2, primitive
+    return middles, bounds, _Nearest(nearest, at, whose)
+
+
+@register_jitable
+def _undecided(
+    pieces: _Pieces,
+    middles: list[float],
+    bounds: list[float],
+    nearest: float,
+    demand: tuple[float, float, float],
+) -> list[int]:
+    """Pieces that may hold a nearer place, or of which it is open where they are too near.
+
+    Args:
+        pieces: the pieces.
+        middles, bounds: of each, see :func:`_sample_middles`.
+        nearest: distance of the nearest sample, [unit].
+        demand: asked, tolerance and finest, see :func:`measure_curve`.
+    """
+    _, starts, ends, at_starts, at_ends = pieces
+    asked, tolerance, finest = demand
+    line = asked - _ROUNDING
+    found = [0] * 0
+    for piece in range(len(starts)):
+        first, middle, last = at_starts[piece], middles[piece], at_ends[piece]
+        violating = min(first, middle, last) < line
+        partly = violating and max(first, middle, last) >= line
+        if (
+            bounds[piece] < nearest - tolerance
+            or (not violating and bounds[piece] < asked - tolerance)
+            or (partly and ends[piece] - starts[piece] > finest)
+        ):
+            found.append(piece)
+    return found
+
+
+@register_jitable
+def _halves(pieces: _Pieces, middles: list[float], chosen: list[int]) -> _Pieces:
+    """Both halves of the chosen pieces, whose distances at the middles are known."""
+    points, starts, ends, at_starts, at_ends = pieces
+    width = len(points) // (3 * len(starts))
+    size = 3 * width
+    number = 2 * len(chosen)
+    halves = [0.0] * (number * size)
+    froms, tos = [0.0] * number, [0.0] * number
+    at_froms, at_tos = [0.0] * number, [0.0] * number
+    for j in range(len(chosen)):
+        piece, left = chosen[j], 2 * j
+        middle = (starts[piece] + ends[piece]) / 2
+        _divide(points, piece * size, halves, left * size, left * size + size, width, 0.5)
+        froms[left], tos[left], tos[left + 1] = starts[piece], middle, ends[piece]
+        froms[left + 1] = middle
+        at_froms[left], at_tos[left] = at_starts[piece], middles[piece]
+        at_froms[left + 1], at_tos[left + 1] = middles[piece], at_ends[piece]
+    return _Pieces(halves, froms, tos, at_froms, at_tos)
+
+
+@compiled(example=(FLOATS, FLOATS, 1, FLOATS, 1.0, 0.1, 0.1))
+def measure_curve(
+    control: FloatArray,
+    breaks: FloatArray,
+    parts: int,
+    primitives: FloatArray,
+    asked: float,
+    tolerance: float,
+    finest: float,
+) -> Measured:
+    """Distance of a curve of Bézier pieces to primitives; see ``curve_clearance``.
+
+    Args:
+        control: Bézier points of the s polynomials, flat (3 s (degree + 1),), [unit], world.
+        breaks: parameters between them (s + 1,).
+        parts: equal parts that each polynomial is first cut into.
+        primitives: rows (k WIDTH,), k >= 1.
+        asked: stretches that are nearer than this are told, [unit].
+        tolerance: largest excess of the nearest sample over the bound, [unit].
+        finest: stretches are not made finer than this just to tell where they end, in the
+            parameter.
+    """
+    pieces = _first_pieces(control, breaks, parts)
+    nearest = _sample_ends(primitives, pieces, asked)
+    bottom = nearest.distance
     stretches = [(0.0, 0.0)]
-    line = asked - 1e-9
+    demand = (asked, tolerance, finest)
     for halvings in range(MOST_HALVINGS + 1):
-        middles, bounds = [math.inf] * count, [math.inf] * count
-        for piece in range(count):
-            _divided(points, piece * size, rest, 0, size, width, 0.5)
-            x = (rest[size], rest[size + 1], rest[size + 2])
-            enough = max(nearest, asked)
-            away, solid, bound = _bounded(solids, enough, points, piece * size, width, x)
-            middles[piece], bounds[piece] = away, bound
-            if away < nearest:
-                nearest, whose = away, solid
-                at = (starts[piece] + ends[piece]) / 2
-        unsure = [0] * 0
-        for piece in range(count):
-            first, middle, last_ = at_starts[piece], middles[piece], at_ends[piece]
-            violating = min(first, middle, last_) < line
-            partly = violating and max(first, middle, last_) >= line
-            if (
-                bounds[piece] < nearest - tolerance
-                or (not violating and bounds[piece] < asked - tolerance)
-                or (partly and ends[piece] - starts[piece] > finest)
-            ):
-                unsure.append(piece)
-        if halvings == MOST_HALVINGS or 2 * len(unsure) > MOST_PIECES:
-            unsure.clear()
-        number = 2 * len(unsure)
-        halves = [0.0] * (number * size)
-        froms, tos = [0.0] * number, [0.0] * number
-        at_froms, at_tos = [0.0] * number, [0.0] * number
+        middles, bounds, nearest = _sample_middles(primitives, pieces, asked, nearest)
+        chosen = _undecided(pieces, middles, bounds, nearest.distance, demand)
+        if halvings == MOST_HALVINGS or 2 * len(chosen) > MOST_PIECES:
+            chosen.clear()
         j = 0
-        for piece in range(count):
-            middle = (starts[piece] + ends[piece]) / 2
-            if 2 * j < number and unsure[j] == piece:
-                left = 2 * j
-                _divided(points, piece * size, halves, left * size, left * size + size, width, 0.5)
-                froms[left], tos[left], tos[left + 1] = starts[piece], middle, ends[piece]
-                froms[left + 1] = middle
-                at_froms[left], at_tos[left] = at_starts[piece], middles[piece]
-                at_froms[left + 1], at_tos[left + 1] = middles[piece], at_ends[piece]
+        for piece in range(len(middles)):
+            if j < len(chosen) and chosen[j] == piece:
                 j += 1
                 continue
             bottom = min(bottom, bounds[piece])
-            if min(at_starts[piece], middles[piece], at_ends[piece]) < line:
-                stretches.append((starts[piece], ends[piece]))
-        if number == 0:
+            ends = min(pieces.at_starts[piece], pieces.at_ends[piece])
+            if min(ends, middles[piece]) < asked - _ROUNDING:
+                stretches.append((pieces.starts[piece], pieces.ends[piece]))
+        if len(chosen) == 0:
             break
-        points, count = halves, number
-        starts, ends, at_starts, at_ends = froms, tos, at_froms, at_tos
-    return min(bottom, nearest), at, nearest, whose, stretches
+        pieces = _halves(pieces, middles, chosen)
+    distance, at, primitive = nearest
+    return min(bottom, distance), at, distance, primitive, stretches

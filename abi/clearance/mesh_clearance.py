@@ -10,7 +10,7 @@ import numpy as np
 
 from abi.arrays import BoolArray, FloatArray, read_only
 from abi.clearance.bezier import Bezier
-from abi.clearance.curve_clearance_kernels import MOST_HALVINGS, MOST_PIECES, Seen
+from abi.clearance.curve_clearance_kernels import MOST_HALVINGS, MOST_PIECES, Measured
 from abi.obstacles.obstacle_set import ObstacleSet
 
 
@@ -53,8 +53,8 @@ def measure_by_halving(
     asked: float,
     tolerance: float,
     finest: float,
-) -> Seen:
-    """Measure among any obstacles as ``curve_clearance_kernels.curve`` does among convex ones.
+) -> Measured:
+    """Measure among any obstacles, as ``measure_curve`` of the kernels does among convex ones.
 
     Args:
         curve: the curve.

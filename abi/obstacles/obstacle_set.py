@@ -128,7 +128,7 @@ class ObstacleSet:
         """Signed distance (n, k) of points (n, 3) to each obstacle, [unit]."""
         found = np.empty((len(points), len(self.obstacles)))
         of_primitives = np.empty(len(points) * len(self.primitives))
-        kernels.levels(flat(points), self.packed, of_primitives)
+        kernels.signed_distances(flat(points), self.packed, of_primitives)
         found[:, self.primitive_numbers] = of_primitives.reshape(len(points), len(self.primitives))
         for number, mesh in zip(self.mesh_numbers, self.meshes, strict=True):
             found[:, number] = mesh.signed_distance(points)
@@ -187,7 +187,7 @@ class ObstacleSet:
         """Clearances (n,) of polylines of equally many vertices (n, k, 3), k >= 2, [unit]."""
         count, size, _ = polylines.shape
         found = np.empty(count)
-        kernels.polylines(flat(polylines), size, self.packed, found)
+        kernels.polyline_distances(flat(polylines), size, self.packed, found)
         for mesh in self.meshes:
             legs = mesh.segment_distance(*_segments(polylines)).reshape(count, size - 1)
             np.minimum(found, legs.min(axis=1), out=found)
@@ -212,7 +212,7 @@ class ObstacleSet:
         best, which, whose = math.inf, 0, -1
         size = polylines.shape[1]
         if self.primitives:
-            best, which, primitive = kernels.skeletons(flat(polylines), size, self.packed)
+            best, which, primitive = kernels.nearest_polyline(flat(polylines), size, self.packed)
             whose = int(self.primitive_numbers[primitive])
         starts, ends = _segments(polylines)
         for number, mesh in zip(self.mesh_numbers.tolist(), self.meshes, strict=True):

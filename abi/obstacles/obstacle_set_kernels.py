@@ -1,7 +1,7 @@
-"""Distances of polylines and points to convex solids.
+"""Distances of polylines and points to convex primitives.
 
-Compiled by numba; each runs uncompiled too, by its ``py_func`` on plain lists. For the rows of
-numbers that describe solids see ``primitive_kernels``. A point is three successive numbers.
+For the rows of numbers that describe primitives see ``primitive_kernels``. A point is three
+successive numbers.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ _ROUNDING = 4 * 2.0**-52
 
 
 @register_jitable
-def _lowest(core: Core, best: float, p: Vec3, d: Vec3) -> float:
+def _least_along(core: Core, best: float, p: Vec3, d: Vec3) -> float:
     """Least signed distance along the segment from p to p + d, body frame; ``best`` if above.
 
     Tangents bound a convex function from below. The next place is where those at both ends of the
@@ -72,53 +72,55 @@ def _lowest(core: Core, best: float, p: Vec3, d: Vec3) -> float:
 
 
 @register_jitable
-def _along(solids: FloatArray, s: int, best: float, a: Vec3, b: Vec3) -> float:
-    """Least signed distance from the segment a..b, world, to a solid; ``best`` if above."""
-    if bounds_apart(solids, s, best, a, b):
+def _to_segment(primitives: FloatArray, s: int, best: float, a: Vec3, b: Vec3) -> float:
+    """Least signed distance from the segment a..b, world, to primitive s; ``best`` if above."""
+    if bounds_apart(primitives, s, best, a, b):
         return best
-    axes = axes_of(solids, s)
-    p = in_body(axes, sub(a, centre_of(solids, s)))
-    return _lowest(core_of(solids, s), best, p, in_body(axes, sub(b, a)))
+    axes = axes_of(primitives, s)
+    p = in_body(axes, sub(a, centre_of(primitives, s)))
+    return _least_along(core_of(primitives, s), best, p, in_body(axes, sub(b, a)))
 
 
 @compiled(example=(FLOATS, 2, FLOATS, NEW_FLOATS))
-def polylines(points: FloatArray, size: int, solids: FloatArray, found: FloatArray) -> None:
-    """Least signed distances from polylines to all solids.
+def polyline_distances(
+    points: FloatArray, size: int, primitives: FloatArray, found: FloatArray
+) -> None:
+    """Least signed distances from polylines to all primitives.
 
     Args:
         points: of one polyline after the other, flat (3 n size,), [unit], world.
         size: points of each polyline, at least 2.
-        solids: rows (k WIDTH,).
-        found: of each polyline (n,), [unit], inf without solids; written.
+        primitives: rows (k WIDTH,).
+        found: of each polyline (n,), [unit], inf without primitives; written.
     """
     for run in range(len(found)):
         best = math.inf
-        for s in range(len(solids) // WIDTH):
+        for s in range(len(primitives) // WIDTH):
             for i in range(3 * run * size, 3 * (run * size + size - 1), 3):
-                a = vec3_at(points, i)
-                b = vec3_at(points, i + 3)
-                best = _along(solids, s, best, a, b)
+                a, b = vec3_at(points, i), vec3_at(points, i + 3)
+                best = _to_segment(primitives, s, best, a, b)
         found[run] = best
 
 
 @compiled(example=(FLOATS, 2, FLOATS))
-def skeletons(points: FloatArray, size: int, solids: FloatArray) -> tuple[float, int, int]:
-    """Least signed distance from polylines to all solids; of which polyline, and to which solid.
+def nearest_polyline(
+    points: FloatArray, size: int, primitives: FloatArray
+) -> tuple[float, int, int]:
+    """Least signed distance from polylines to primitives, of which polyline, and to which of them.
 
     Args:
         points: of one polyline after the other, flat (3 n size,), [unit], world.
         size: points of each polyline, at least 2.
-        solids: rows (k WIDTH,), k >= 1.
+        primitives: rows (k WIDTH,), k >= 1.
     """
     best, which, whose = math.inf, 0, -1
     # A few first: what they come to leaves little to look for in the others.
     for stride in (_STRIDE, 1):
         for run in range(0, len(points) // (3 * size), stride):
             for i in range(3 * run * size, 3 * (run * size + size - 1), 3):
-                a = vec3_at(points, i)
-                b = vec3_at(points, i + 3)
-                for s in range(len(solids) // WIDTH):
-                    found = _along(solids, s, best, a, b)
+                a, b = vec3_at(points, i), vec3_at(points, i + 3)
+                for s in range(len(primitives) // WIDTH):
+                    found = _to_segment(primitives, s, best, a, b)
                     if found < best:
                         best, which, whose = found, run, s
     return best, which, whose
@@ -127,48 +129,48 @@ def skeletons(points: FloatArray, size: int, solids: FloatArray) -> tuple[float,
 @compiled(example=(FLOATS, FLOATS, NEW_FLOATS, NEW_FLOATS))
 def nearest(
     points: FloatArray,
-    solids: FloatArray,
+    primitives: FloatArray,
     away: FloatArray,
     outward: FloatArray,
 ) -> None:
-    """Signed distances of points to the nearest solid, and the way out of it.
+    """Signed distances of points to the nearest primitive, and the way out of it.
 
     Args:
         points: flat (3 n,), [unit], world.
-        solids: rows (k WIDTH,).
-        away: least distance (n,), inf without solids; written.
+        primitives: rows (k WIDTH,).
+        away: least distance (n,), inf without primitives; written.
         outward: unit subgradients of that distance, flat (3 n,), world; written.
     """
     for i in range(len(away)):
         best, chosen = math.inf, -1
         x = vec3_at(points, 3 * i)
-        for s in range(len(solids) // WIDTH):
-            if bounds_apart(solids, s, best, x, x):
+        for s in range(len(primitives) // WIDTH):
+            if bounds_apart(primitives, s, best, x, x):
                 continue
-            p = in_body(axes_of(solids, s), sub(x, centre_of(solids, s)))
-            found = signed_distance(core_of(solids, s), p)
+            p = in_body(axes_of(primitives, s), sub(x, centre_of(primitives, s)))
+            found = signed_distance(core_of(primitives, s), p)
             if found < best:
                 best, chosen = found, s
         away[i] = best
         if chosen >= 0:
-            axes = axes_of(solids, chosen)
-            p = in_body(axes, sub(x, centre_of(solids, chosen)))
-            way = in_world(axes, signed_distance_gradient(core_of(solids, chosen), p)[1])
+            axes = axes_of(primitives, chosen)
+            p = in_body(axes, sub(x, centre_of(primitives, chosen)))
+            way = in_world(axes, signed_distance_gradient(core_of(primitives, chosen), p)[1])
             outward[3 * i], outward[3 * i + 1], outward[3 * i + 2] = way
 
 
 @compiled(example=(FLOATS, FLOATS, NEW_FLOATS))
-def levels(points: FloatArray, solids: FloatArray, found: FloatArray) -> None:
-    """Signed distance of each point to each solid.
+def signed_distances(points: FloatArray, primitives: FloatArray, found: FloatArray) -> None:
+    """Signed distance of each point to each primitive.
 
     Args:
         points: flat (3 n,), [unit], world.
-        solids: rows (k WIDTH,).
-        found: (n k,), [unit], the solids of the first point first; written.
+        primitives: rows (k WIDTH,).
+        found: (n k,), [unit], the primitives of the first point first; written.
     """
-    count = len(solids) // WIDTH
+    count = len(primitives) // WIDTH
     for i in range(len(points) // 3):
         x = vec3_at(points, 3 * i)
         for s in range(count):
-            p = in_body(axes_of(solids, s), sub(x, centre_of(solids, s)))
-            found[i * count + s] = signed_distance(core_of(solids, s), p)
+            p = in_body(axes_of(primitives, s), sub(x, centre_of(primitives, s)))
+            found[i * count + s] = signed_distance(core_of(primitives, s), p)

@@ -30,28 +30,28 @@ _STEPS = 90
 
 
 @register_jitable
-def core_of(solids: FloatArray, s: int) -> Core:
+def core_of(primitives: FloatArray, s: int) -> Core:
     """Core of primitive s."""
     k = WIDTH * s + 12
-    return solids[k], solids[k + 1], solids[k + 2], solids[k + 3], solids[k + 4]
+    return primitives[k], primitives[k + 1], primitives[k + 2], primitives[k + 3], primitives[k + 4]
 
 
 @register_jitable
-def axes_of(solids: FloatArray, s: int) -> Axes:
+def axes_of(primitives: FloatArray, s: int) -> Axes:
     """Axes of primitive s."""
     k = WIDTH * s + 3
     return (
-        (solids[k], solids[k + 1], solids[k + 2]),
-        (solids[k + 3], solids[k + 4], solids[k + 5]),
-        (solids[k + 6], solids[k + 7], solids[k + 8]),
+        (primitives[k], primitives[k + 1], primitives[k + 2]),
+        (primitives[k + 3], primitives[k + 4], primitives[k + 5]),
+        (primitives[k + 6], primitives[k + 7], primitives[k + 8]),
     )
 
 
 @register_jitable
-def centre_of(solids: FloatArray, s: int) -> Vec3:
+def centre_of(primitives: FloatArray, s: int) -> Vec3:
     """Centre of primitive s, [unit], world."""
     k = WIDTH * s
-    return solids[k], solids[k + 1], solids[k + 2]
+    return primitives[k], primitives[k + 1], primitives[k + 2]
 
 
 @register_jitable
@@ -157,66 +157,66 @@ def segment_within(core: Core, margin: float, p: Vec3, d: Vec3) -> bool:
 
 
 @register_jitable
-def bounds_apart(solids: FloatArray, s: int, margin: float, a: Vec3, b: Vec3) -> bool:
+def bounds_apart(primitives: FloatArray, s: int, margin: float, a: Vec3, b: Vec3) -> bool:
     """Whether the box around a and b is ``margin`` or farther from that around primitive s.
 
     Along one of the world's axes.
     """
     k = WIDTH * s + 17
     result: bool = (
-        min(a[0], b[0]) - solids[k + 3] >= margin
-        or solids[k] - max(a[0], b[0]) >= margin
-        or min(a[1], b[1]) - solids[k + 4] >= margin
-        or solids[k + 1] - max(a[1], b[1]) >= margin
-        or min(a[2], b[2]) - solids[k + 5] >= margin
-        or solids[k + 2] - max(a[2], b[2]) >= margin
+        min(a[0], b[0]) - primitives[k + 3] >= margin
+        or primitives[k] - max(a[0], b[0]) >= margin
+        or min(a[1], b[1]) - primitives[k + 4] >= margin
+        or primitives[k + 1] - max(a[1], b[1]) >= margin
+        or min(a[2], b[2]) - primitives[k + 5] >= margin
+        or primitives[k + 2] - max(a[2], b[2]) >= margin
     )
     return result
 
 
 @register_jitable
-def any_within(solids: FloatArray, margin: float, p: Vec3) -> bool:
+def any_within(primitives: FloatArray, margin: float, p: Vec3) -> bool:
     """Whether any primitive is nearer to a point of the world than ``margin``."""
-    for s in range(len(solids) // WIDTH):
-        if bounds_apart(solids, s, margin, p, p):
+    for s in range(len(primitives) // WIDTH):
+        if bounds_apart(primitives, s, margin, p, p):
             continue
-        q = in_body(axes_of(solids, s), sub(p, centre_of(solids, s)))
-        if signed_distance(core_of(solids, s), q) < margin:
+        q = in_body(axes_of(primitives, s), sub(p, centre_of(primitives, s)))
+        if signed_distance(core_of(primitives, s), q) < margin:
             return True
     return False
 
 
 @register_jitable
-def blocked(solids: FloatArray, margins: FloatArray, first: int, a: Vec3, b: Vec3) -> bool:
+def blocked(primitives: FloatArray, margins: FloatArray, first: int, a: Vec3, b: Vec3) -> bool:
     """Whether the segment a..b comes nearer to a primitive than that one's margin.
 
     Args:
-        solids: (k WIDTH,) rows, one after the other.
+        primitives: (k WIDTH,) rows, one after the other.
         margins: [unit]; those of the k primitives begin at ``first``.
         first: index.
         a: one end, [unit], world.
         b: the other end.
     """
-    return blocker(solids, margins, first, 0, a, b) >= 0
+    return blocker(primitives, margins, first, 0, a, b) >= 0
 
 
 @register_jitable
 def blocker(
-    solids: FloatArray, margins: FloatArray, first: int, guess: int, a: Vec3, b: Vec3
+    primitives: FloatArray, margins: FloatArray, first: int, guess: int, a: Vec3, b: Vec3
 ) -> int:
     """A primitive to which the segment a..b comes nearer than that one's margin, or -1.
 
     Args:
-        solids, margins, first, a, b: see :func:`blocked`.
+        primitives, margins, first, a, b: see :func:`blocked`.
         guess: the primitive that is looked at first.
     """
-    for turn in range(len(solids) // WIDTH):
+    for turn in range(len(primitives) // WIDTH):
         s = guess if turn == 0 else (turn - 1 if turn <= guess else turn)
         margin = margins[first + s]
-        if bounds_apart(solids, s, margin, a, b):
+        if bounds_apart(primitives, s, margin, a, b):
             continue
-        axes = axes_of(solids, s)
-        p = in_body(axes, sub(a, centre_of(solids, s)))
-        if segment_within(core_of(solids, s), margin, p, in_body(axes, sub(b, a))):
+        axes = axes_of(primitives, s)
+        p = in_body(axes, sub(a, centre_of(primitives, s)))
+        if segment_within(core_of(primitives, s), margin, p, in_body(axes, sub(b, a))):
             return s
     return -1
