@@ -83,13 +83,14 @@ def solve(
         + arm.a3
         + float(np.abs(forearm).max())
     )
-    q1, across, q2, q3, shortfall = np.empty((5, len(offset)))
+    found = np.empty((5, len(offset)))
+    q1, across, q2, q3, shortfall = found
     path = flat(offset), flat(np.asarray(tangents, dtype=float))
     through = THROUGH * (arm.a3 + arm.a4 + arm.a5)
     kernels.base_angle(*path, rounding, through, q1, across)
     side = 1.0 if elbow == "up" else -1.0
     places = across, flat(offset[:, 2]), flat(forearm)
-    kernels.elbow_angles(*places, float(arm.a3), side, rounding, q2, q3, shortfall)
+    kernels.elbow_angles(*places, float(arm.a3), side, rounding, found[2:].reshape(-1))
     return Solution(
         q1=read_only(_centred(q1)),
         q2=read_only(_centred(q2)),

@@ -1,7 +1,4 @@
-"""The arc length of curves made of polynomials, in both directions.
-
-Compiled by numba; each runs uncompiled too, by its ``py_func`` on plain lists.
-"""
+"""Arc length of curves made of polynomials, in both directions."""
 
 from __future__ import annotations
 
@@ -28,8 +25,85 @@ def _speed(derivative: FloatArray, first: int, width: int, v: float, work: list[
     return math.sqrt(work[0] * work[0] + work[1] * work[1] + work[2] * work[2])
 
 
+@register_jitable
+def _speeds(
+    derivative: FloatArray,
+    span: int,
+    extent: float,
+    part: tuple[float, float],
+    nodes: FloatArray,
+    work: list[float],
+    speeds: list[float],
+) -> None:
+    """Write the speeds at the Gauss points of a part of a polynomial.
+
+    Args:
+        derivative: as in :func:`measured_pieces`.
+        span: number of the polynomial.
+        extent: how much its parameter grows.
+        part: the part's middle and half its width in [0, 1].
+        nodes: as in :func:`measured_pieces`.
+        work: for the derivative's points (3 degree,); overwritten.
+        speeds: (g,), [unit] by the part's own parameter in (-1, 1); written.
+    """
+    middle, half = part
+    width = len(work) // 3
+    for i in range(len(nodes)):
+        v = middle + half * nodes[i]
+        speeds[i] = half * extent * _speed(derivative, 3 * width * span, width, v, work)
+
+
+@register_jitable
+def _weighted(weights: FloatArray, first: int, speeds: list[float]) -> float:
+    """Sum of the speeds, with the weights from ``first`` on."""
+    total = 0.0
+    for i in range(len(speeds)):
+        total += weights[first + i] * speeds[i]
+    return total
+
+
+@register_jitable
+def _halved(
+    breaks: FloatArray,
+    derivative: FloatArray,
+    nodes: FloatArray,
+    tails: FloatArray,
+    work: list[float],
+    negligible: float,
+) -> tuple[list[float], list[float]]:
+    """Cut the polynomials until the last coefficients of each piece's speed are negligible.
+
+    Args:
+        breaks, derivative, nodes, tails: as in :func:`measured_pieces`.
+        work: as in :func:`_speeds`.
+        negligible: the sum of the last two coefficients' sizes that is small enough, [unit].
+
+    Returns:
+        Parameters at the beginnings of the m pieces and at the end of the last (m + 1,), and the
+        speeds at their Gauss points (m g,).
+    """
+    gauss = len(nodes)
+    speeds, starts, found = [0.0] * gauss, [0.0] * 0, [0.0] * 0
+    for k in range(len(breaks) - 1):
+        extent = breaks[k + 1] - breaks[k]
+        pending = [(0.0, 1.0, 0)]
+        while len(pending) > 0:
+            start, end, halvings = pending.pop()
+            middle = (start + end) / 2
+            _speeds(derivative, k, extent, (middle, (end - start) / 2), nodes, work, speeds)
+            last = abs(_weighted(tails, 0, speeds)) + abs(_weighted(tails, gauss, speeds))
+            if halvings == _MOST_HALVINGS or last <= negligible:
+                starts.append(breaks[k] + extent * start)
+                found.extend(speeds)
+            else:
+                pending.append((middle, end, halvings + 1))
+                pending.append((start, middle, halvings + 1))
+    starts.append(breaks[len(breaks) - 1])
+    return starts, found
+
+
 @compiled(example=(FLOATS, FLOATS, FLOATS, FLOATS, FLOATS, FLOATS, 1.0))
-def pieces(
+def measured_pieces(
     breaks: FloatArray,
     derivative: FloatArray,
     nodes: FloatArray,
@@ -57,40 +131,13 @@ def pieces(
         parameters of the Gauss points (m g,) and the arc length each stands for (m g,), [unit].
     """
     spans, gauss = len(breaks) - 1, len(nodes)
-    width = len(derivative) // (3 * spans)
-    work = [0.0] * (3 * width)
-    speeds = [0.0] * gauss
-    starts, found = [0.0] * 0, [0.0] * 0
+    work, speeds = [0.0] * (len(derivative) // spans), [0.0] * gauss
     total = 0.0
-    for measuring in (True, False):
-        for k in range(spans):
-            extent = breaks[k + 1] - breaks[k]
-            pending = [(0.0, 1.0, 0)]
-            while len(pending) > 0:
-                start, end, halvings = pending.pop()
-                middle, half = (start + end) / 2, (end - start) / 2
-                length, last, before = 0.0, 0.0, 0.0
-                for i in range(gauss):
-                    v = middle + half * nodes[i]
-                    speed = half * extent * _speed(derivative, 3 * width * k, width, v, work)
-                    speeds[i] = speed
-                    length += weights[i] * speed
-                    before += tails[i] * speed
-                    last += tails[gauss + i] * speed
-                if measuring:
-                    total += length
-                elif (
-                    halvings == _MOST_HALVINGS
-                    or abs(before) + abs(last) <= 1e-13 * total + rounding
-                ):
-                    starts.append(breaks[k] + extent * start)
-                    for i in range(gauss):
-                        found.append(speeds[i])
-                else:
-                    pending.append((middle, end, halvings + 1))
-                    pending.append((start, middle, halvings + 1))
-    count, terms = len(starts), len(integral) // gauss
-    starts.append(breaks[spans])
+    for k in range(spans):
+        _speeds(derivative, k, breaks[k + 1] - breaks[k], (0.5, 0.5), nodes, work, speeds)
+        total += _weighted(weights, 0, speeds)
+    starts, found = _halved(breaks, derivative, nodes, tails, work, 1e-13 * total + rounding)
+    count, terms = len(starts) - 1, len(integral) // gauss
     edges, travelled = np.empty(count + 1), np.empty(count + 1)
     series, places = np.zeros(count * terms), np.empty(count * gauss)
     lengths = np.empty(count * gauss)
@@ -111,8 +158,8 @@ def pieces(
 
 
 @register_jitable
-def _piece(edges: FloatArray, value: float) -> int:
-    """Which piece between ``edges`` a value is on, the later where two meet."""
+def _piece_at(edges: FloatArray, value: float) -> int:
+    """Number of the piece between ``edges`` that a value is on, the later where two meet."""
     low, high = 0, len(edges) - 2
     while low < high:
         middle = (low + high + 1) // 2
@@ -125,7 +172,7 @@ def _piece(edges: FloatArray, value: float) -> int:
 
 @register_jitable
 def _factors(terms: int) -> tuple[list[float], list[float]]:
-    """What Clenshaw's recurrence multiplies with at each term of a Legendre series."""
+    """Factors of Clenshaw's recurrence at each term of a Legendre series."""
     first, second = [0.0] * terms, [0.0] * terms
     for n in range(terms):
         first[n], second[n] = (2 * n + 1) / (n + 1), (n + 1) / (n + 2)
@@ -141,7 +188,7 @@ def _derive(series: FloatArray, start: int, terms: int, found: list[float]) -> N
 
 
 @compiled(example=(FLOATS, FLOATS, FLOATS, FLOATS, NEW_FLOATS))
-def distances(
+def arc_lengths(
     edges: FloatArray,
     travelled: FloatArray,
     series: FloatArray,
@@ -159,13 +206,30 @@ def distances(
         elif u >= edges[last]:
             found[i] = travelled[last]
         else:
-            k = _piece(edges, u)
+            k = _piece_at(edges, u)
             place = 2 * (u - edges[k]) / (edges[k + 1] - edges[k]) - 1
             value, before = 0.0, 0.0
             for n in range(terms - 1, -1, -1):
                 ahead = series[k * terms + n] + first[n] * place * value - second[n] * before
                 value, before = ahead, value
             found[i] = min(max(travelled[k] + value, 0.0), travelled[last])
+
+
+@register_jitable
+def _significant(series: FloatArray, start: int, terms: int, negligible: float) -> int:
+    """Number of a series' terms without the last that are too small to matter."""
+    while terms > 2 and abs(series[start + terms - 1]) <= negligible:
+        terms -= 1
+    return terms
+
+
+@register_jitable
+def _steepest(derived: list[float], count: int) -> float:
+    """Bound of a series' slope on [-1, 1], where abs(P'_n) <= n (n + 1) / 2."""
+    bound = 0.0
+    for n in range(count):
+        bound += abs(derived[n]) * (n * (n + 1) / 2)
+    return bound
 
 
 @compiled(example=(FLOATS, FLOATS, FLOATS, FLOATS, FLOATS, FLOATS, NEW_FLOATS))
@@ -203,21 +267,15 @@ def parameters(
         if distance <= 0:
             found[i] = edges[0]
             continue
-        k = _piece(travelled, distance)
+        k = _piece_at(travelled, distance)
         left, right = edges[k], edges[k + 1]
         wanted = distance - travelled[k]
         if k != of:
             of = k
-            # terms too small to matter, all together, are left out
-            used = terms
-            while used > 2 and abs(series[k * terms + used - 1]) <= 1e-16 * length:
-                used -= 1
+            used = _significant(series, k * terms, terms, 1e-16 * length)
             _derive(series, k * terms, used, derived)
-            # abs(P'_n) <= n (n + 1) / 2 on [-1, 1]: no second derivative is above this
-            curvature = 0.0
-            for n in range(used - 1):
-                curvature += abs(derived[n]) * (n * (n + 1) / 2)
-        # the guess: straight between the Gauss points
+            curvature = _steepest(derived, used - 1)
+        # the guess: straight between the Gauss points; here, for a call costs a fifth of the whole
         passed, here, u = 0.0, 0.0, left
         for j in range(k * gauss, (k + 1) * gauss):
             there = passed + weights[j] / 2
@@ -245,7 +303,7 @@ def parameters(
                 high = place
             step = place - error / slope if slope > 0 else low
             if low < step < high and -1 <= step <= 1:
-                # what Taylor's theorem leaves of the error after a step
+                # Taylor's theorem bounds the error that is left after a step
                 left_over = curvature / 2 * (step - place) ** 2
                 place = step
                 if left_over <= tolerance:

@@ -1,7 +1,4 @@
-"""Splines: their points, Bézier points and basis functions.
-
-Compiled by numba; each runs uncompiled too, by its ``py_func`` on plain lists.
-"""
+"""Points, Bézier points and basis functions of splines."""
 
 from __future__ import annotations
 

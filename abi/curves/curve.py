@@ -83,7 +83,7 @@ class ArcLength:
         """
         asked = np.asarray(parameter, dtype=float)
         found = np.empty(asked.size)
-        kernels.distances(*self._table, flat(asked), found)
+        kernels.arc_lengths(*self._table, flat(asked), found)
         return found.reshape(asked.shape)
 
     def parameter(self, distance: ArrayLike) -> FloatArray:
@@ -127,7 +127,7 @@ def arc_length(curve: PolynomialCurve) -> ArcLength:
     rounding = 8 * np.finfo(float).eps * float(np.abs(points[:, [0, -1]]).max())
     # Bézier points of the derivative (Farin, Curves and Surfaces for CAGD, section 4.4)
     control = pieces.degree * np.diff(points, axis=1) / np.diff(breaks)[:, None, None]
-    edges, travelled, series, nodes, weights = kernels.pieces(
+    edges, travelled, series, nodes, weights = kernels.measured_pieces(
         flat(breaks), flat(control), *_RULE, rounding
     )
     return ArcLength(
