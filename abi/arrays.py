@@ -23,9 +23,3 @@ def read_only(array: _Array) -> _Array:
 def flat(array: NDArray[np.float64]) -> FloatArray:
     """The numbers of ``array`` in a row, read-only: the form in which kernels are given them."""
     return read_only(np.ascontiguousarray(array).reshape(-1))
-
-
-def columns(points: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """The coordinates of points (n, 3), each (n,), in the layout that kernels are compiled for."""
-    x, y, z = (read_only(column) for column in np.array(points.T, order="C"))
-    return x, y, z

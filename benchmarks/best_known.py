@@ -10,13 +10,14 @@ import numpy as np
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 
-from abi.arrays import BoolArray, FloatArray, IntArray, columns, read_only
+from abi.arrays import BoolArray, FloatArray, IntArray, read_only
 from abi.obstacles import primitive_kernels as sight
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.packing import pack
 from abi.obstacles.primitives import Box
 from abi.obstacles.vector_kernels import vec3_at
 from abi.scene.scene import Scene
+from abi.taut.free_space_kernels import FreeSpace
 from abi.taut.tighten_kernels import tighten
 
 SAMPLES = 21  # places on each edge
@@ -46,10 +47,10 @@ def best_known(scene: Scene) -> float:
     graph = csr_array((lengths, (i, j)), shape=(len(places), len(places)))
     cost, parent = dijkstra(graph, directed=False, indices=[0, 1], return_predecessors=True)
     margins = read_only(np.full(4 * len(boxes), margin * (1 + 1e-12)))
-    box = read_only(np.concatenate([scene.workspace.min, scene.workspace.max]))
+    space = FreeSpace(solids, margins, scene.workspace.min, scene.workspace.max)
     best = np.inf
     for way in itertools.islice(_sequences(cost, parent, edge), SEQUENCES):
-        path = np.stack(_tightened(*columns(places[way]), solids, margins, box), axis=1)
+        path = _tightened(places[way], space)
         length = float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum())
         clear = not ObstacleSet(scene.obstacles).blocked(path[:-1], path[1:], margin).any()
         best = min(best, length if clear else np.inf)
@@ -77,17 +78,10 @@ def _places(scene: Scene, margin: float) -> tuple[FloatArray, IntArray]:
 
 
 @numba.njit(cache=True)
-def _tightened(
-    x: FloatArray,
-    y: FloatArray,
-    z: FloatArray,
-    solids: FloatArray,
-    margins: FloatArray,
-    box: FloatArray,
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """The path with corners as round as can be."""
-    px, py, pz = tighten(list(x), list(y), list(z), solids, margins, box, WORTH)
-    return np.array(px), np.array(py), np.array(pz)
+def _tightened(points: FloatArray, space: FreeSpace) -> FloatArray:
+    """The path (m, 3) with corners as round as can be, from points (n, 3), [unit], world."""
+    path = [vec3_at(points[i], 0) for i in range(len(points))]
+    return np.array(tighten(path, space, WORTH))
 
 
 @numba.njit(cache=True)

@@ -1,7 +1,7 @@
 """Shortest ways around a box with round edges, by unrolling its faces and edges into a plane.
 
-Plain Python that numba compiles with its caller. Points are triples of numbers, [unit]. A way is
-its length, below which there is none, [unit], and whether there is one of that length.
+Plain Python that numba compiles with its caller. Points are triples of numbers, [unit]. A face of
+the box is a number: twice its axis, and one more on the positive side.
 """
 
 from __future__ import annotations
@@ -10,8 +10,18 @@ import math
 
 from numba.extending import register_jitable
 
-from abi.obstacles.vector_kernels import Vec3, distance
-from abi.taut.geodesic_round_kernels import Way
+from abi.obstacles.vector_kernels import Vec3, distance, dot, sub
+
+Way = tuple[float, bool]
+"""A length below which there is no way, [unit], and whether there is one of that length."""
+Faces = tuple[int, int]
+"""The face over which a way comes, and that over which it goes on."""
+Tangent = tuple[float, float]
+"""Its length across the edge to the round edge, [unit], -1 where it touches none; and the angle of
+the edge's arc from there to the far face, in [0, π/2]."""
+Gate = tuple[complex, complex, complex, float]
+"""A line across an edge in the unrolled plane, which a way crosses between the edge's ends: a place
+on it, its unit normal, the edge's direction, and half the edge's length."""
 
 _QUARTER = math.pi / 2
 _ANGLE = 1e-9  # by which an angle may miss its range, for rounding
@@ -32,11 +42,12 @@ def around_box(half: Vec3, radius: float, start: Vec3, goal: Vec3) -> Way:
         for second in range(6):
             if first >> 1 == second >> 1:
                 continue
-            touch, arc = _tangent(half, radius, start, first, second)
-            if touch < 0:
+            faces = (first, second)
+            tangent = _tangent(half, radius, start, faces)
+            if tangent[0] < 0:
                 continue
-            best = min(best, _over_edge(half, radius, start, goal, first, second, touch, arc))
-            best = min(best, _rolled(half, radius, start, goal, first, second, touch, arc))
+            best = min(best, _over_edge(half, radius, start, goal, faces, tangent))
+            best = min(best, _rolled(half, radius, start, goal, faces, tangent))
     for x in (-1.0, 1.0):
         for y in (-1.0, 1.0):
             for z in (-1.0, 1.0):
@@ -48,7 +59,7 @@ def around_box(half: Vec3, radius: float, start: Vec3, goal: Vec3) -> Way:
 
 @register_jitable
 def _by_corner(radius: float, a: Vec3, b: Vec3) -> float:
-    """No way that touches the rounded corner at 0 is shorter; inf where a shortest one does not.
+    """Bound of ways that touch the rounded corner at 0; inf where a shortest one does not.
 
     A shortest way touches a point in its tangent plane, so an end that lies beyond the tangent
     planes of all of the corner's points sees them all, but not along one of them.
@@ -63,17 +74,17 @@ def _by_corner(radius: float, a: Vec3, b: Vec3) -> float:
     third = 1 / math.sqrt(3)
     bound = 0.0
     for y in ((third, third, third), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)):
-        p, q, r = radius * y[0], radius * y[1], radius * y[2]
-        to_a, to_b = distance((p, q, r), a), distance((p, q, r), b)
+        p = (radius * y[0], radius * y[1], radius * y[2])
+        to_a, to_b = distance(p, a), distance(p, b)
         u = 1 / to_a if to_a > 0 else 0.0
         v = 1 / to_b if to_b > 0 else 0.0
+        from_a, from_b = sub(p, a), sub(p, b)
         slope = (
-            (p - a[0]) * u + (p - b[0]) * v,
-            (q - a[1]) * u + (q - b[1]) * v,
-            (r - a[2]) * u + (r - b[2]) * v,
+            from_a[0] * u + from_b[0] * v,
+            from_a[1] * u + from_b[1] * v,
+            from_a[2] * u + from_b[2] * v,
         )
-        along = slope[0] * y[0] + slope[1] * y[1] + slope[2] * y[2]
-        bound = max(bound, to_a + to_b + radius * (_lowest(slope) - along))
+        bound = max(bound, to_a + to_b + radius * (_lowest(slope) - dot(slope, y)))
     return bound
 
 
@@ -88,17 +99,9 @@ def _lowest(slope: Vec3) -> float:
 
 
 @register_jitable
-def _tangent(
-    half: Vec3, radius: float, point: Vec3, near_face: int, far_face: int
-) -> tuple[float, float]:
-    """Tangent from a point beyond one face to the round edge, towards another.
-
-    A face is twice its axis, and one more on the positive side.
-
-    Returns:
-        Its length across the edge, -1 where no tangent touches the arc, and the angle of the edge's
-        arc from there to the far face, in [0, π/2].
-    """
+def _tangent(half: Vec3, radius: float, point: Vec3, faces: Faces) -> Tangent:
+    """Tangent from a point beyond one face to the round edge, towards another."""
+    near_face, far_face = faces
     u = (2 * (near_face & 1) - 1) * point[near_face >> 1] - half[near_face >> 1]
     v = (2 * (far_face & 1) - 1) * point[far_face >> 1] - half[far_face >> 1]
     length = math.sqrt(max(u * u + v * v - radius * radius, 0.0))
@@ -110,17 +113,12 @@ def _tangent(
 
 @register_jitable
 def _over_edge(
-    half: Vec3,
-    radius: float,
-    start: Vec3,
-    goal: Vec3,
-    first: int,
-    second: int,
-    touch: float,
-    angle: float,
+    half: Vec3, radius: float, start: Vec3, goal: Vec3, faces: Faces, tangent: Tangent
 ) -> float:
     """Length of the way over one edge alone, a helix between two tangents; inf if there is none."""
-    leave, other_angle = _tangent(half, radius, goal, second, first)
+    first, second = faces
+    touch, angle = tangent
+    leave, other_angle = _tangent(half, radius, goal, (second, first))
     arc = angle + other_angle - _QUARTER
     if leave < 0 or arc < -_ANGLE:
         return math.inf
@@ -136,32 +134,22 @@ def _over_edge(
 
 @register_jitable
 def _rolled(
-    half: Vec3,
-    radius: float,
-    start: Vec3,
-    goal: Vec3,
-    first: int,
-    second: int,
-    touch: float,
-    angle: float,
+    half: Vec3, radius: float, start: Vec3, goal: Vec3, faces: Faces, tangent: Tangent
 ) -> float:
-    """Length of the shortest way over ``second`` and further faces; inf if there is none.
+    """Length of the shortest way over the second and further faces; inf if there is none.
 
-    The box is rolled from face to face over a plane, in which places are complex numbers. A gate is
-    a line across an edge, which the way crosses between the edge's ends: a place on it, its unit
-    normal, the edge's direction and half length. Depth first: each depth has the face that the box
-    lies on, the place of its centre, the plane's directions of the box's axes, and two gates.
+    The box is rolled from face to face over a plane, in which places are complex numbers. Depth
+    first: each depth has the face that the box lies on, the place of its centre, the plane's
+    directions of the box's axes, and two gates.
     """
     best = math.inf
+    first, second = faces
     axis = 3 - (first >> 1) - (second >> 1)
     away = complex(0.0, -1.0)
     edge = half[first >> 1] * away
-    origin = edge + (radius * angle + touch) * away + start[axis]
-    place, normal = [0j] * 14, [0j] * 14
-    along, width = [0j] * 14, [0.0] * 14
-    place[0], place[1] = edge + radius * angle * away, edge
-    for k in range(2):
-        normal[k], along[k], width[k] = -away, complex(1.0, 0.0), half[axis]
+    origin = edge + (radius * tangent[1] + tangent[0]) * away + start[axis]
+    gates = [(edge + radius * tangent[1] * away, -away, complex(1.0, 0.0), half[axis])] * 14
+    gates[1] = (edge, -away, complex(1.0, 0.0), half[axis])
     face, turn = [0] * 7, [0] * 7
     centre, directions = [0j] * 7, [0j] * 21
     face[0] = second
@@ -183,19 +171,17 @@ def _rolled(
         ahead = (2 * (following & 1) - 1) * directions[3 * depth + axis]
         across = directions[3 * depth + other]
         edge = centre[depth] + half[axis] * ahead
-        gates = 2 * depth + 2
-        for k in range(gates, gates + 2):
-            normal[k], along[k], width[k] = ahead, across, half[other]
-        place[gates] = edge
-        leave, arc = _tangent(half, radius, goal, following, here)
+        count = 2 * depth + 4
+        gates[count - 2] = (edge, ahead, across, half[other])
+        leave, arc = _tangent(half, radius, goal, (following, here))
         if leave >= 0:
             end = edge + (radius * arc + leave) * ahead + goal[other] * across
-            place[gates + 1] = edge + radius * arc * ahead
-            if _passes(origin, end, place, normal, along, width, gates + 2):
+            gates[count - 1] = (edge + radius * arc * ahead, ahead, across, half[other])
+            if _passes(origin, end, gates, count):
                 best = min(best, abs(end - origin))
         if depth < 4:
             over = edge + radius * _QUARTER * ahead
-            place[gates + 1] = over
+            gates[count - 1] = (over, ahead, across, half[other])
             depth += 1
             face[depth], turn[depth] = following, 0
             centre[depth] = over + half[here >> 1] * ahead
@@ -206,24 +192,17 @@ def _rolled(
 
 
 @register_jitable
-def _passes(
-    origin: complex,
-    end: complex,
-    place: list[complex],
-    normal: list[complex],
-    along: list[complex],
-    width: list[float],
-    gates: int,
-) -> bool:
+def _passes(origin: complex, end: complex, gates: list[Gate], count: int) -> bool:
     """Whether the straight line crosses the gates forwards, in order and between their ends."""
     way = end - origin
     before = 0.0
-    for k in range(gates):
-        speed = (way * normal[k].conjugate()).real
-        gone = ((place[k] - origin) * normal[k].conjugate()).real
+    for k in range(count):
+        place, normal, along, width = gates[k]
+        speed = (way * normal.conjugate()).real
+        gone = ((place - origin) * normal.conjugate()).real
         if speed <= 0 or gone < before * speed - _ANGLE or gone > speed + _ANGLE:
             return False
         before = gone / speed
-        if abs(((origin + before * way - place[k]) * along[k].conjugate()).real) > width[k]:
+        if abs(((origin + before * way - place) * along.conjugate()).real) > width:
             return False
     return True

@@ -5,9 +5,7 @@ one tangent all along. Where the surface is developable (flat faces, round edges
 it unrolls into a plane, in which that whole way is one straight line. What is left, ways that touch
 a rounded corner or an end, is bounded from below.
 
-Compiled by numba; ``around`` runs uncompiled too, by its ``py_func`` on plain lists. Points are
-triples of numbers, [unit]. Widened means: all points within the radius of the solid. A way is its
-length, below which there is none, [unit], and whether there is one of that length.
+Points are triples of numbers, [unit]. Widened means: all points within the radius of the solid.
 """
 
 from __future__ import annotations
@@ -21,7 +19,6 @@ from abi.arrays import BoolArray, FloatArray
 from abi.compiled import FLOATS, compiled
 from abi.obstacles.primitive_kernels import (
     WIDTH,
-    Axes,
     Core,
     axes_of,
     centre_of,
@@ -30,12 +27,69 @@ from abi.obstacles.primitive_kernels import (
     segment_within,
     signed_distance,
 )
-from abi.obstacles.vector_kernels import Vec3, distance, sub
-from abi.taut.geodesic_box_kernels import around_box
-from abi.taut.geodesic_round_kernels import Way, around_ball, around_bar
+from abi.obstacles.vector_kernels import Vec3, axpy, distance, dot, norm, sub
+from abi.taut.geodesic_box_kernels import Way, around_box
 
 _SAMPLES = 65  # of the straight line and of a bar's axis, for balls that bound
 _PRISMS = 4  # square prisms inscribed in a cylinder, turned evenly
+
+
+@register_jitable
+def around_ball(radius: float, start: Vec3, goal: Vec3) -> float:
+    """Exact length of the shortest way around a ball at the origin, by two tangents and an arc.
+
+    Args:
+        radius: of the ball, [unit].
+        start: not inside the ball.
+        goal: not inside the ball.
+    """
+    a, b = norm(start), norm(goal)
+    straight = distance(start, goal)
+    if radius <= 0 or a <= radius or b <= radius:
+        return straight
+    cosine = dot(start, goal) / (a * b)
+    arc = math.acos(max(-1.0, min(1.0, cosine))) - math.acos(radius / a) - math.acos(radius / b)
+    if arc <= 0:
+        return straight
+    return math.sqrt(a * a - radius**2) + math.sqrt(b * b - radius**2) + radius * arc
+
+
+@register_jitable
+def around_bar(radius: float, half: float, start: Vec3, goal: Vec3) -> Way:
+    """Shortest way around a bar along z: round in section, its ends beyond |z| = ``half``.
+
+    The bar widened is the cylinder |z| <= half with anything beyond that lies in the cylinder's
+    extension, as a capsule's caps do. A way that meets it only on the cylinder unrolls; any other
+    crosses a plane |z| = half, so mirroring about that plane bounds its length.
+    """
+    straight = distance(start, goal)
+    ends = min(_by_plane(half, 1.0, start, goal), _by_plane(half, -1.0, start, goal))
+    a, b = math.hypot(start[0], start[1]), math.hypot(goal[0], goal[1])
+    if a < radius or b < radius:
+        return max(ends, straight), False
+    turn = abs(math.atan2(start[1], start[0]) - math.atan2(goal[1], goal[0]))
+    before, after = math.sqrt(a * a - radius**2), math.sqrt(b * b - radius**2)
+    unseen = math.acos(radius / a) + math.acos(radius / b)
+    rise = goal[2] - start[2]
+    best = math.inf
+    for angle in (turn, 2 * math.pi - turn):
+        if angle < unseen:
+            return straight, False
+        across = before + after + radius * (angle - unseen)
+        first = start[2] + rise * before / across if across > 0 else start[2]
+        last = goal[2] - rise * after / across if across > 0 else goal[2]
+        if max(abs(first), abs(last)) <= half:
+            best = min(best, math.hypot(across, rise))
+    return min(best, ends), best <= ends
+
+
+@register_jitable
+def _by_plane(height: float, sign: float, start: Vec3, goal: Vec3) -> float:
+    """Length of the shortest way from start to goal by z = sign height, on the side away from 0."""
+    a, b = max(height - sign * start[2], 0.0), max(height - sign * goal[2], 0.0)
+    if a == 0 or b == 0:
+        return distance(start, goal)
+    return distance((start[0], start[1], 0.0), (goal[0], goal[1], a + b))
 
 
 @register_jitable
@@ -44,18 +98,11 @@ def _by_balls(core: Core, clearance: float, start: Vec3, goal: Vec3) -> float:
     radius, place = -math.inf, start
     for k in range(_SAMPLES):
         t = k / (_SAMPLES - 1)
-        x = start[0] + t * (goal[0] - start[0])
-        y = start[1] + t * (goal[1] - start[1])
-        z = start[2] + t * (goal[2] - start[2])
-        room = clearance - signed_distance(core, (x, y, z))
+        p = axpy(t, sub(goal, start), start)
+        room = clearance - signed_distance(core, p)
         if room > radius:
-            radius, place = room, (x, y, z)
-    x, y, z = place
-    return around_ball(
-        radius,
-        (start[0] - x, start[1] - y, start[2] - z),
-        (goal[0] - x, goal[1] - y, goal[2] - z),
-    )
+            radius, place = room, p
+    return around_ball(radius, sub(start, place), sub(goal, place))
 
 
 @register_jitable
@@ -63,15 +110,8 @@ def _by_balls_on_axis(radius: float, half: float, start: Vec3, goal: Vec3) -> fl
     """Bound by balls around places of the z axis up to ``half``."""
     bound = 0.0
     for k in range(_SAMPLES):
-        height = half * (2 * k / (_SAMPLES - 1) - 1)
-        bound = max(
-            bound,
-            around_ball(
-                radius,
-                (start[0], start[1], start[2] - height),
-                (goal[0], goal[1], goal[2] - height),
-            ),
-        )
+        place = (0.0, 0.0, half * (2 * k / (_SAMPLES - 1) - 1))
+        bound = max(bound, around_ball(radius, sub(start, place), sub(goal, place)))
     return bound
 
 
@@ -116,24 +156,17 @@ def _around(core: Core, clearance: float, start: Vec3, goal: Vec3) -> Way:
     return max(length, other), exact
 
 
-@compiled(example=(FLOATS, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0))
+@compiled(example=(FLOATS, 0.0, (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)))
 def around(
-    solids: FloatArray,
-    clearance: float,
-    ax: float,
-    ay: float,
-    az: float,
-    bx: float,
-    by: float,
-    bz: float,
+    solids: FloatArray, clearance: float, start: Vec3, goal: Vec3
 ) -> tuple[FloatArray, BoolArray]:
-    """Bounds of the ways from a to b around each of the solids alone.
+    """Bounds of the ways from start to goal around each of the solids alone.
 
     Args:
         solids: (k WIDTH,) rows, one after the other.
         clearance: distance to keep from them, [unit].
-        ax, ay, az: start, [unit], world.
-        bx, by, bz: goal.
+        start: start, [unit], world.
+        goal: goal.
 
     Returns:
         No way is shorter, (k,), [unit], 0 for a solid that is not in the way; and whether there is
@@ -142,10 +175,9 @@ def around(
     count = len(solids) // WIDTH
     lengths, exact = np.zeros(count), np.zeros(count, np.bool_)
     for s in range(count):
-        axes: Axes = axes_of(solids, s)
-        core = core_of(solids, s)
-        start = in_body(axes, sub((ax, ay, az), centre_of(solids, s)))
-        goal = in_body(axes, sub((bx, by, bz), centre_of(solids, s)))
-        if segment_within(core, clearance, start, sub(goal, start)):
-            lengths[s], exact[s] = _around(core, clearance, start, goal)
+        axes, core = axes_of(solids, s), core_of(solids, s)
+        a = in_body(axes, sub(start, centre_of(solids, s)))
+        b = in_body(axes, sub(goal, centre_of(solids, s)))
+        if segment_within(core, clearance, a, sub(b, a)):
+            lengths[s], exact[s] = _around(core, clearance, a, b)
     return lengths, exact

@@ -14,7 +14,6 @@ from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.pose import Vec3
 from abi.scene.scene import Workspace
 from abi.taut import geodesic_kernels as kernels
-from abi.taut.geodesic_round_kernels import around_ball
 
 _DOWN = 1 - 1e-15  # for what is rounded to nearest is no bound
 _SAMPLES = 65  # of the straight line, for balls that bound
@@ -62,7 +61,7 @@ def lower_bound(
     asked = max(clearance - ROUNDING, 0.0)
     ends = np.array([start, goal])
     straight = _DOWN * math.dist(start, goal)
-    lengths, exact = kernels.around(obstacles.packed, asked, *map(float, (*start, *goal)))
+    lengths, exact = kernels.around(obstacles.packed, asked, *map(tuple, ends.tolist()))
     ways = [(float(length), bool(whether)) for length, whether in zip(lengths, exact, strict=True)]
     ways += [(_past(surface, ends, asked), False) for surface in obstacles.meshes]
     longest = max((length for length, _ in ways), default=0.0)
@@ -100,4 +99,4 @@ def _past(surface: MeshShape, ends: FloatArray, clearance: float) -> float:
     radius = clearance - surface.signed_distance(line)
     k = int(radius.argmax())
     (a, b, c), (d, e, f) = (ends - line[k]).tolist()
-    return float(around_ball(float(radius[k]), (a, b, c), (d, e, f)))
+    return float(kernels.around_ball(float(radius[k]), (a, b, c), (d, e, f)))

@@ -11,12 +11,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from abi.arrays import FloatArray, columns, read_only
+from abi.arrays import FloatArray, flat, read_only
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.search.graph import REACH, Graph
 from abi.search.search import SearchResult
 from abi.taut import taut_kernels as kernels
 from abi.taut import theta_star_kernels as any_angles
+from abi.taut.free_space_kernels import FreeSpace
 from abi.taut.obstacle_edges import edges
 from abi.taut.tighten_near_meshes import tightened
 
@@ -26,17 +27,8 @@ _ROUNDING = 1e-9
 _PAD = 1e-13
 """Part of the largest coordinate that the kernels keep beyond the margin, for their rounding."""
 
-_WORTH = 5e-6
-"""Part of the length that a cut corner must win."""
-
-_SLACK = 1.015
-"""A path by the obstacles' edges may be this much longer before it is tightened."""
-
-_SAMPLES = 5
-"""Places evenly apart on each edge of an obstacle."""
-
-_WAYS = 6
-"""Paths by the obstacles' edges that are looked at."""
+_EFFORT = kernels.Effort(samples=5, slack=1.015, ways=6, worth=5e-6)
+"""How much is tried by the obstacles' edges, and at corners."""
 
 _NODES = 4_000
 """Of a lattice about so many nodes are searched for any angle."""
@@ -120,18 +112,18 @@ def _pulled(
     graph: Graph, path: SearchResult, boxed: ObstacleSet, margins: FloatArray
 ) -> list[FloatArray]:
     """All the paths past convex obstacles, tightened; first the best."""
-    bounds = read_only(np.concatenate(graph.mesh.box))
-    limits = read_only((margins + _PAD * float(np.abs(bounds).max())).ravel())
+    low, high = graph.mesh.box
+    pad = _PAD * max(float(np.abs(low).max()), float(np.abs(high).max()))
+    limits = read_only((margins + pad).ravel())
     found = [path.points, _any_angle(graph, path, boxed.packed, limits)]
     begins = np.cumsum([0, *(len(points) for points in found if len(points))], dtype=np.int32)
 
     x, y, z = (path.points[-1] - path.points[0]).tolist()
     by = edges(boxed.primitives, float(margins[0].max(initial=0)), (x, y, z))
-    *coordinates, ends, lengths = kernels.pull(
-        *(*columns(np.concatenate(found)), read_only(begins), by, boxed.packed, limits, bounds),
-        *(_SAMPLES, _SLACK, _WAYS, _WORTH),
+    space = FreeSpace(boxed.packed, limits, tuple(low.tolist()), tuple(high.tolist()))
+    points, ends, lengths = kernels.pull(
+        flat(np.concatenate(found)), read_only(begins), by, space, _EFFORT
     )
-    points = np.stack(coordinates, axis=1)
     return [points[ends[k] : ends[k + 1]] for k in np.argsort(lengths)]
 
 

@@ -1,7 +1,7 @@
 """Short paths by places that see each other, between convex solids.
 
-Plain Python that numba compiles with its caller; uncompiled it runs on lists. For the rows of
-numbers that describe solids see ``abi.obstacles.primitive_kernels``.
+Plain Python that numba compiles with its caller; uncompiled it runs on lists. Places are points,
+[unit], world.
 """
 
 from __future__ import annotations
@@ -11,72 +11,66 @@ import math
 from numba.extending import register_jitable
 
 from abi.arrays import FloatArray
-from abi.obstacles.primitive_kernels import WIDTH, any_within, blocked, blocker
-from abi.obstacles.vector_kernels import distance
+from abi.obstacles.primitive_kernels import WIDTH, any_within, blocker
+from abi.obstacles.vector_kernels import Vec3, axpy, distance, dot, sub, vec3_at
+from abi.taut.free_space_kernels import FreeSpace, in_bounds, is_clear, kind_of
+
+
+@register_jitable
+def _best_share(p: Vec3, edge: Vec3, a: Vec3, b: Vec3) -> float:
+    """Part of an edge from p at which the way from a by the edge to b is shortest."""
+    square = dot(edge, edge)
+    if square == 0:
+        return 0.0
+    # the way by a line is shortest where the mirror image of one end about it is in line
+    foot_a, foot_b = dot(sub(a, p), edge) / square, dot(sub(b, p), edge) / square
+    off_a, off_b = distance(a, axpy(foot_a, edge, p)), distance(b, axpy(foot_b, edge, p))
+    if off_a + off_b == 0:
+        return 0.0
+    return min(max((foot_a * off_b + foot_b * off_a) / (off_a + off_b), 0.0), 1.0)
 
 
 @register_jitable
 def places(
-    edges: FloatArray,
-    ends: list[float],
-    samples: int,
-    most: float,
-    margin: float,
-    bounds: FloatArray,
-    solids: FloatArray,
-) -> tuple[list[float], list[float], list[float], list[int]]:
+    edges: FloatArray, start: Vec3, goal: Vec3, samples: int, most: float, space: FreeSpace
+) -> tuple[list[Vec3], list[int]]:
     """Start, goal, and places on edges by which a path between them may be short.
 
     On each edge: ``samples`` places evenly apart, and the one by which the way between the ends is
-    shortest; those that keep the margin, lie in the box and are not too far off.
+    shortest; those that keep the general margin, lie in the box and are not too far off.
 
     Args:
         edges: (6 e,) both ends of each, [unit], world.
-        ends: (6,) start and goal, [unit], world.
+        start: start.
+        goal: goal.
         samples: number on each edge.
         most: length that a way from start to goal by a place must be below, [unit].
-        margin: distance to keep from the solids, [unit].
-        bounds: (6,) low and high corner of the box, [unit].
-        solids: (k WIDTH,) rows, one after the other.
+        space: free space.
 
     Returns:
-        Their coordinates (n,) each, and numbers of the edges (n,).
+        The places (n,), and numbers of their edges (n,).
     """
-    ax, ay, az, bx, by, bz = ends[0], ends[1], ends[2], ends[3], ends[4], ends[5]
-    x, y, z, labels = [ax, bx], [ay, by], [az, bz], [-1, -1]
-    for e in range(0, len(edges), 6):
-        px, py, pz = edges[e], edges[e + 1], edges[e + 2]
-        dx, dy, dz = edges[e + 3] - px, edges[e + 4] - py, edges[e + 5] - pz
-        square = dx * dx + dy * dy + dz * dz
-        # the way by a line is shortest where the mirror image of one end about it is in line
-        best = 0.0
-        if square > 0:
-            foot_a = ((ax - px) * dx + (ay - py) * dy + (az - pz) * dz) / square
-            foot_b = ((bx - px) * dx + (by - py) * dy + (bz - pz) * dz) / square
-            off_a = distance((ax, ay, az), (px + foot_a * dx, py + foot_a * dy, pz + foot_a * dz))
-            off_b = distance((bx, by, bz), (px + foot_b * dx, py + foot_b * dy, pz + foot_b * dz))
-            if off_a + off_b > 0:
-                best = (foot_a * off_b + foot_b * off_a) / (off_a + off_b)
-                best = min(max(best, 0.0), 1.0)
-        qx, qy, qz = px + best * dx, py + best * dy, pz + best * dz
-        if distance((qx, qy, qz), (ax, ay, az)) + distance((qx, qy, qz), (bx, by, bz)) >= most:
+    margin = 0.0
+    for s in range(len(space.margins) // 4):
+        margin = max(margin, space.margins[s])
+    found, labels = [start, goal], [-1, -1]
+    for e in range(len(edges) // 6):
+        p = vec3_at(edges, 6 * e)
+        edge = sub(vec3_at(edges, 6 * e + 3), p)
+        best = _best_share(p, edge, start, goal)
+        q = axpy(best, edge, p)
+        if distance(q, start) + distance(q, goal) >= most:
             continue
-        for k in range(samples + 1 if square > 0 else 1):
-            share = best if k == 0 else k / (samples + 1)
-            qx, qy, qz = px + share * dx, py + share * dy, pz + share * dz
+        for k in range(samples + 1 if dot(edge, edge) > 0 else 1):
+            q = axpy(best if k == 0 else k / (samples + 1), edge, p)
             if (
-                bounds[0] <= qx <= bounds[3]
-                and bounds[1] <= qy <= bounds[4]
-                and bounds[2] <= qz <= bounds[5]
-                and distance((qx, qy, qz), (ax, ay, az)) + distance((qx, qy, qz), (bx, by, bz))
-                < most
-                and not any_within(solids, margin, (qx, qy, qz))
+                in_bounds(space, q)
+                and distance(q, start) + distance(q, goal) < most
+                and not any_within(space.solids, margin, q)
             ):
-                x.append(qx)
-                y.append(qy)
-                z.append(qz)
-                labels.append(e // 6)
-    return x, y, z, labels
+                found.append(q)
+                labels.append(e)
+    return found, labels
 
 
 @register_jitable
@@ -95,15 +89,20 @@ def _same_way(parent: list[int], labels: list[int], node: int, other: int) -> bo
 
 
 @register_jitable
+def _reconstruct_paths(parent: list[int], lasts: list[int]) -> list[int]:
+    """The paths from 0 to 1 by way of each of the places ``lasts``, one after the other."""
+    nodes = [0] * 0
+    for last in lasts:
+        way = [1, last]
+        while way[-1] != 0:
+            way.append(parent[way[-1]])
+        nodes.extend(way[::-1])
+    return nodes
+
+
+@register_jitable
 def ways(
-    x: list[float],
-    y: list[float],
-    z: list[float],
-    labels: list[int],
-    solids: FloatArray,
-    margins: FloatArray,
-    most: float,
-    count: int,
+    places: list[Vec3], labels: list[int], space: FreeSpace, most: float, count: int
 ) -> list[int]:
     """Short paths from the first place to the second by places that see each other.
 
@@ -112,44 +111,40 @@ def ways(
     path there is. Whether two places see each other is tested only where it matters.
 
     Args:
-        x, y, z: (n,) places, n >= 2, [unit], world.
+        places: n >= 2.
         labels: (n,) which places count as the same, from the third on.
-        solids: (k WIDTH,) rows, one after the other.
-        margins: (4k,), see ``abi.taut.tighten_kernels``.
+        space: free space.
         most: length that the paths must be below, [unit].
         count: how many paths at most.
 
     Returns:
         Indices of the paths, one after the other, each from 0 to 1 (m,); empty when there is none.
     """
-    total = len(x)
-    solid_count = len(solids) // WIDTH
-    cost = [math.inf] * total
-    parent = [0] * total
-    to_go = [distance((x[i], y[i], z[i]), (x[1], y[1], z[1])) for i in range(total)]
-    left = list(range(2, total))
-    lasts = [0] * count
-    found, guess = 0, 0
+    solids, margins = space.solids, space.margins
+    cost = [math.inf] * len(places)
+    parent = [0] * len(places)
+    to_go = [distance(place, places[1]) for place in places]
+    left = list(range(2, len(places)))
+    lasts = [0] * 0
+    guess = 0
     node, cost[0] = 0 if to_go[0] < most else -1, 0.0
-    while node >= 0 and found < count:
-        px, py, pz, so_far = x[node], y[node], z[node], cost[node]
-        first = solid_count if node == 0 else 0
-        if not blocked(solids, margins, first + 2 * solid_count, (px, py, pz), (x[1], y[1], z[1])):
+    while node >= 0 and len(lasts) < count:
+        here, so_far = places[node], cost[node]
+        if is_clear(space, kind_of(node, 1, 1), here, places[1]):
             new = True
-            for k in range(found):
-                if _same_way(parent, labels, node, lasts[k]):
+            for other in lasts:
+                if _same_way(parent, labels, node, other):
                     new = False
-            lasts[found] = node
-            found += 1 if new else 0
+            if new:
+                lasts.append(node)
+        first = kind_of(node, 0, 1) * (len(solids) // WIDTH)
         last, node, at, least = node, -1, 0, most
         for k in range(len(left)):
             i = left[k]
-            through = so_far + distance((px, py, pz), (x[i], y[i], z[i]))
+            through = so_far + distance(here, places[i])
             if through < cost[i] and through + to_go[i] < most:
                 # what was in the way is likely to be in the way of the next place too
-                in_the_way = blocker(
-                    solids, margins, first, guess, (px, py, pz), (x[i], y[i], z[i])
-                )
+                in_the_way = blocker(solids, margins, first, guess, here, places[i])
                 if in_the_way >= 0:
                     guess = in_the_way
                 else:
@@ -160,10 +155,4 @@ def ways(
         if node >= 0:
             left[at] = left[len(left) - 1]
             left.pop()
-    nodes = [0] * 0
-    for k in range(found):
-        way = [1, lasts[k]]
-        while way[-1] != 0:
-            way.append(parent[way[-1]])
-        nodes.extend(way[::-1])
-    return nodes
+    return _reconstruct_paths(parent, lasts)

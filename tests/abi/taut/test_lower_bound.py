@@ -8,7 +8,7 @@ import pytest
 from hypothesis import HealthCheck, assume, example, given, settings
 from hypothesis import strategies as st
 
-from abi.arrays import FloatArray, columns, read_only
+from abi.arrays import FloatArray, flat, read_only
 from abi.clearance.certificate import Certificate, certify
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.packing import pack
@@ -18,6 +18,7 @@ from abi.planner.planner import Planner
 from abi.scene.scene import Scene, Workspace
 from abi.taut import geodesic_kernels as around
 from abi.taut import taut_kernels as pull
+from abi.taut.free_space_kernels import FreeSpace
 from abi.taut.lower_bound import Bound, lower_bound
 from abi.taut.obstacle_edges import edges
 from tests.abi import meshes
@@ -37,17 +38,16 @@ def _tightened(path: FloatArray, solids: tuple[Primitive, ...]) -> float:
     """Length of the path and the ways by the obstacles' edges, tightened again and again."""
     x, y, z = (path[-1] - path[0]).tolist()
     by = edges(solids, CLEARANCE, (x, y, z))
-    room = read_only(np.array([-20.0] * 3 + [20.0] * 3))
     limits = read_only(np.full(4 * len(solids), CLEARANCE))
+    space = FreeSpace(pack(solids), limits, (-20.0, -20.0, -20.0), (20.0, 20.0, 20.0))
+    effort = pull.Effort(samples=21, slack=1.5, ways=30, worth=1e-7)
     length = math.inf
     pulled: Any = pull.pull
     for _ in range(20):
         begins = read_only(np.array([0, len(path)], dtype=np.int32))
-        *found, begins, lengths = pulled(
-            *columns(path), begins, by, pack(solids), limits, room, 21, 1.5, 30, 1e-7
-        )
+        found, begins, lengths = pulled(flat(path), begins, by, space, effort)
         best = int(np.argmin(lengths))
-        path = np.stack(found, axis=1)[begins[best] : begins[best + 1]]
+        path = found[begins[best] : begins[best + 1]]
         if lengths[best] > (1 - 1e-5) * length:
             break
         length = float(lengths[best])
@@ -96,8 +96,8 @@ def test_compiled_and_plain_bounds_are_the_same(
     rows = pack(solids)
     kernel: Any = around.around
 
-    lengths, exact = kernel(rows, CLEARANCE, *start, *goal)
-    plain, plain_exact = kernel.py_func(rows.tolist(), CLEARANCE, *start, *goal)
+    lengths, exact = kernel(rows, CLEARANCE, scene.start, scene.goal)
+    plain, plain_exact = kernel.py_func(rows.tolist(), CLEARANCE, scene.start, scene.goal)
 
     np.testing.assert_allclose(lengths, plain, rtol=1e-12)
     np.testing.assert_array_equal(exact, plain_exact)

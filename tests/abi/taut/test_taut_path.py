@@ -20,7 +20,7 @@ from abi.search.graph import Graph
 from abi.search.search import SearchResult, a_star
 from abi.taut import taut_path as stage
 from abi.taut import theta_star_kernels as any_angle
-from abi.taut.geodesic_round_kernels import around_ball
+from abi.taut.geodesic_kernels import around_ball
 from abi.taut.lower_bound import lower_bound
 from abi.taut.taut_path import TautPath, taut
 from abi.tet_mesh import tet_mesh as mesh

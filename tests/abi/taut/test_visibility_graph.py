@@ -14,6 +14,7 @@ from abi.obstacles.packing import pack
 from abi.obstacles.primitives import MeshShape, Primitive
 from abi.scene.scene import Scene
 from abi.taut import visibility_graph_kernels as visibility
+from abi.taut.free_space_kernels import FreeSpace
 from tests.abi.scene.test_scene import obstacles, points
 
 
@@ -63,10 +64,10 @@ def test_ways_by_places_are_the_shortest_there_are(bodies: list[dict[str, Any]],
     random = np.random.default_rng(seed)
     places = random.uniform(0, 6, (9, 3))
     labels = [-1, -1, *random.integers(0, 4, 7).tolist()]
-    columns: list[Any] = [*(column.tolist() for column in places.T), labels]
+    space = FreeSpace(solids, margins, (0.0, 0.0, 0.0), (6.0, 6.0, 6.0))
+    spots: Any = list(map(tuple, places.tolist()))
 
-    search: Any = visibility.ways
-    nodes = search(*columns, solids, margins, 1e9, 5)
+    nodes = visibility.ways(spots, labels, space, 1e9, 5)
 
     # Floyd and Warshall on the whole visibility graph
     n = len(places)
@@ -96,7 +97,7 @@ def test_ways_by_places_are_the_shortest_there_are(bodies: list[dict[str, Any]],
     ]
     assert len(set(sequences)) == len(sequences)
     # a path must be shorter than asked
-    assert len(search(*columns, solids, margins, lengths[0] * (1 - 1e-9), 5)) == 0
+    assert len(visibility.ways(spots, labels, space, lengths[0] * (1 - 1e-9), 5)) == 0
 
 
 @settings(max_examples=100, deadline=None)
