@@ -14,9 +14,8 @@ import numpy as np
 
 from abi.arrays import BoolArray, FloatArray
 from abi.obstacles.triangle_mesh import winding_kernels as winding
-from abi.obstacles.triangle_mesh.bvh import TriangleTree, build
+from abi.obstacles.triangle_mesh.bvh import Dipoles, TriangleTree, build, dipoles
 from abi.obstacles.triangle_mesh.closest_points import NearestPlaces
-from abi.obstacles.triangle_mesh.dipoles import Dipoles, dipoles
 from abi.obstacles.triangle_mesh.distance_grid import DistanceGrid
 from abi.obstacles.triangle_mesh.repair import Surface
 from abi.obstacles.triangle_mesh.segment_kernels import segment_distances

@@ -14,8 +14,7 @@ from numba.extending import register_jitable
 
 from abi.arrays import BoolArray, FloatArray, IntArray
 from abi.compiled import FLOATS, IDS, NEW_FLOATS, PLACES, compiled
-from abi.obstacles.triangle_mesh.bvh import TriangleTree
-from abi.obstacles.triangle_mesh.dipoles import Dipoles
+from abi.obstacles.triangle_mesh.bvh import Dipoles, TriangleTree
 from abi.obstacles.vector_kernels import Vec3, cross, dot, sub, vec3_at
 
 OPENING = 2.5

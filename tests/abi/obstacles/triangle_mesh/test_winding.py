@@ -10,9 +10,8 @@ from hypothesis import strategies as st
 
 from abi.arrays import FloatArray
 from abi.obstacles.triangle_mesh import winding_kernels as winding
-from abi.obstacles.triangle_mesh.bvh import TriangleTree, build
+from abi.obstacles.triangle_mesh.bvh import Dipoles, TriangleTree, build, dipoles
 from abi.obstacles.triangle_mesh.closest_points import NearestPlaces
-from abi.obstacles.triangle_mesh.dipoles import Dipoles, dipoles
 from abi.obstacles.triangle_mesh.repair import clean
 from abi.obstacles.triangle_mesh.signed_distance import SurfaceDistance
 from tests.abi import meshes
