@@ -92,7 +92,7 @@ def visit(browser: Browser, scene: Scene | str, width: int = WIDTH) -> Iterator[
         (session,) = server.sessions.values()
         visited = Visit(page, session)
         page.until(lambda: session.plan is not None, "a plan", PATIENCE)
-        if session.playback.playing and not session.playback.button.disabled:
+        if session.plan is not None and session.plan.motion is not None:
             page.click("Pause")
         # now, instead of when the hand has rested for a while
         session.client.scene.configure_default_lights()
