@@ -88,5 +88,5 @@ lock: $(DEV)
 		{ echo "A lock file names a place; it may only hold names, versions and hashes." >&2; exit 1; }
 
 clean:
-	rm -rf .venv .mypy_cache .pytest_cache .ruff_cache .hypothesis .coverage dist docs/_build docs/gallery
+	rm -rf .venv .mypy_cache .pytest_cache .ruff_cache .hypothesis .coverage dist docs/_build docs/gallery docs/api/*.rst docs/data/*.svg
 	find abi app tests -name __pycache__ -type d -prune -exec rm -rf {} +
