@@ -16,7 +16,7 @@ import numpy as np
 from numba.core import caching
 
 from abi.arrays import read_only
-from abi.kernel_stamp import stamp
+from abi.kernel_stamp import fields_of, stamp
 
 _P = ParamSpec("_P")
 _R = TypeVar("_R")
@@ -126,7 +126,9 @@ class Kernel(Generic[_P, _R]):
                 cache._cache_file = caching.IndexDataCacheFile(  # type: ignore[no-untyped-call]
                     cache_path=cache._cache_path,
                     filename_base=cache._impl.filename_base.replace(line, "."),
-                    source_stamp=stamp(self.py_func, repr(sorted(self._options.items()))),
+                    source_stamp=stamp(
+                        self.py_func, repr(sorted(self._options.items())) + fields_of(self.example)
+                    ),
                 )
             self._dispatcher = dispatcher
         return self._dispatcher

@@ -44,9 +44,18 @@ def stamp(function: Callable[..., Any], options: str = "") -> str:
                 value = one.__globals__.get(used)
                 if isinstance(value, FunctionType):
                     todo.append(value)
+                elif hasattr(value, "_fields"):  # a named tuple that it makes
+                    whole.update(repr((used, value._fields)).encode())
                 elif isinstance(value, _CONSTANT):
                     whole.update(repr((used, value)).encode())
     return whole.hexdigest()
+
+
+def fields_of(example: Any) -> str:
+    """Names of the fields of named tuples among arguments: compiled, they are numbers."""
+    if not isinstance(example, tuple):
+        return ""
+    return repr((getattr(example, "_fields", ""), *map(fields_of, example)))
 
 
 def _codes(code: CodeType) -> Iterator[CodeType]:

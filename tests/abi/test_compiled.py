@@ -8,7 +8,7 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numba
 import numpy as np
@@ -17,7 +17,7 @@ import pytest
 import abi
 from abi import compiling, load_scene, plan
 from abi.compiled import FLOATS, KERNELS, NEW_FLOATS, Kernel, compiled
-from abi.kernel_stamp import stamp
+from abi.kernel_stamp import fields_of, stamp
 from tests.kernel_forms import kernels_as
 
 
@@ -95,6 +95,22 @@ def test_a_stamp_changes_with_what_is_compiled_and_with_nothing_else(
 
     monkeypatch.setitem(globals(), "helper", lambda a: 3 * a)
     assert stamp(doubled) != before
+
+
+class Range(NamedTuple):
+    low: float
+    high: float
+
+
+class Turned(NamedTuple):
+    high: float
+    low: float
+
+
+def test_a_stamp_changes_with_the_order_of_fields() -> None:
+    fields = fields_of((1, (FLOATS, Range(0.0, 1.0))))
+    assert fields_of((1, (FLOATS, Turned(0.0, 1.0)))) != fields
+    assert fields_of((2, (FLOATS, Range(3.0, 4.0)))) == fields
 
 
 PLANS = """
