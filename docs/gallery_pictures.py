@@ -72,10 +72,11 @@ def _lines(plan: Plan) -> list[tuple[Any, style.Colour, float]]:
     if plan.path is not None:
         found.append((plan.path.points, style.A_STAR, 1.6))
     if plan.quadratic is not None:
-        parameters = np.linspace(*plan.quadratic.interval, 200)
-        found.append((plan.quadratic(parameters), style.QUADRATIC, 2.0))
+        quadratic = plan.quadratic.curve
+        points = quadratic(np.linspace(*quadratic.interval, 200))
+        found.append((points, style.QUADRATIC, 2.0))
     if plan.bspline is not None:
-        found.append((plan.bspline(np.linspace(0, 1, 400)), style.BSPLINE, 2.6))
+        found.append((plan.bspline.curve(np.linspace(0, 1, 400)), style.BSPLINE, 2.6))
     return found
 
 

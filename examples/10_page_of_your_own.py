@@ -30,8 +30,10 @@ def main(port: int = 8081, once: bool = False) -> int:
         moved.clear()
         box = {"shape": "box", "size": [2, 2, 2], "position": [float(x) for x in hand.position]}
         plan = planner(scene.replace(obstacles=[box]))
-        points = np.zeros((0, 3)) if plan.bspline is None else plan.bspline(np.linspace(0, 1, 200))
-        line.points = np.stack([points[:-1], points[1:]], axis=1)
+        if plan.bspline is not None:
+            points = plan.bspline.curve(np.linspace(0, 1, 200))
+            line.points = np.stack([points[:-1], points[1:]], axis=1)
+        line.visible = plan.bspline is not None
         print(f"box at {np.round(hand.position, 2)}: {plan.error or f'{plan.total_ms:.0f} ms'}")
         if once:
             break

@@ -21,15 +21,15 @@ scene = abi.Scene.from_dict(
 print("mode            pieces  length  clearance  proven   the arm follows")
 for mode in ("least_squares", "clear", "pieces"):
     plan = planner(scene.replace(quadratic={"mode": mode}))
-    curve, arc = plan.quadratic, plan.quadratic_arc
-    assert curve is not None and arc is not None
+    fit, arc = plan.quadratic, plan.quadratic_arc
+    assert fit is not None and arc is not None
     print(
-        f"{mode:14}  {len(curve.pieces):6}  {arc.length:6.3f}  {curve.clearance.distance:9.3f}"
-        f"  {'yes' if curve.holds else 'no':6}   {plan.followed}"
+        f"{mode:14}  {len(fit.curve.pieces):6}  {arc.length:6.3f}  {fit.clearance.distance:9.3f}"
+        f"  {'yes' if fit.holds else 'no':6}   {plan.followed}"
     )
 
 # %%
 # A piece is c0 + c1·t + c2·t² between t0 and t1.
 assert plan.quadratic is not None
-for t0, t1, coefficients in plan.quadratic.pieces:
+for t0, t1, coefficients in plan.quadratic.curve.pieces:
     print(f"t from {t0:.3f} to {t1:.3f}:", *(f"{row.round(3).tolist()}" for row in coefficients))

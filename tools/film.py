@@ -83,7 +83,7 @@ def write(frames: list[Image.Image], file: Path) -> None:
 def _drag(visited: Visit) -> list[Image.Image]:
     """Pull the obstacle up and down again by an arrow of its gizmo."""
     page, mouse = visited.page, visited.page.tab.mouse
-    gizmo = visited.session.obstacles.gizmos[0].name
+    gizmo = visited.session.panels.obstacles.gizmos[0].name
     grip = 0.85 * float(page.props(gizmo)["scale"])
     start, end = page.pixel(gizmo, (0, 0, grip)), page.pixel(gizmo, (0, 0, grip + RISE))
     frames = []

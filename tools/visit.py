@@ -31,15 +31,16 @@ class Visit:
 
     def show(self, *layers: str) -> None:
         """Show these layers and no others, by their names in the Layers tab's table."""
-        unknown = set(layers) - set(self.session.view.switches)
+        boxes = self.session.panels.layer_switches.boxes
+        unknown = set(layers) - set(boxes)
         assert not unknown, f"no layer {unknown}"
-        for name, switch in self.session.view.switches.items():
-            switch.value = name in layers
+        for name, box in boxes.items():
+            box.value = name in layers
         self.follow()
 
     def search(self, percent: int) -> None:
         """Colour the nodes that the search has looked at by then."""
-        self.session.search_panel.shown.value = percent
+        self.session.panels.stages.search.shown.value = percent
         self.follow()
 
     def time(self, part: float) -> None:
@@ -58,7 +59,8 @@ class Visit:
 
     def hide_handles(self) -> None:
         """Take the gizmos away, which no stage is about."""
-        for gizmo in (*self.session.obstacles.gizmos, *self.session.points.gizmos.values()):
+        panels = self.session.panels
+        for gizmo in (*panels.obstacles.gizmos, *panels.ends.gizmos.values()):
             gizmo.scale = 1e-3
 
     def follow(self) -> None:
