@@ -8,7 +8,9 @@ Helpers that kernels share are decorated with numba's ``register_jitable``.
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from functools import partial
+from pathlib import Path
 from typing import Any, Generic, ParamSpec, TypeVar
 
 import numba
@@ -63,6 +65,7 @@ class Kernel(Generic[_P, _R]):
         self.__doc__ = function.__doc__
         self._options = {"nogil": True, **options}
         self._dispatcher: Any = None
+        self._stale: tuple[Path, str, str] | None = None
         self._run: Callable[..., Any] = self.interpret if fallback else self._compile_and_run
         KERNELS[self.name] = self
 
@@ -91,6 +94,8 @@ class Kernel(Generic[_P, _R]):
         if self.compiled or numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
             return
         dispatcher = self._prepared()
+        if not self.cached:
+            _forget(self._stale)
         dispatcher.compile(self._signature())
         dispatcher.disable_compile()
         self._run = dispatcher
@@ -120,16 +125,20 @@ class Kernel(Generic[_P, _R]):
             except RuntimeError:  # there is no folder that can be written
                 dispatcher = numba.njit(**self._options)(self.py_func)
             cache: Any = getattr(dispatcher, "_cache", None)
-            line = f"-{self.py_func.__code__.co_firstlineno}."
             if hasattr(cache, "_cache_file") and hasattr(cache, "_impl"):
                 # a numba without these private names stamps as it likes
+                options = repr(sorted(self._options.items())) + fields_of(self.example)
+                current = stamp(self.py_func, options)
+                line = f"-{self.py_func.__code__.co_firstlineno}."
+                name, version = cache._impl.filename_base.split(line, 1)
+                # in the name, since an index of other sources may name classes that are gone
                 cache._cache_file = caching.IndexDataCacheFile(  # type: ignore[no-untyped-call]
                     cache_path=cache._cache_path,
-                    filename_base=cache._impl.filename_base.replace(line, "."),
-                    source_stamp=stamp(
-                        self.py_func, repr(sorted(self._options.items())) + fields_of(self.example)
-                    ),
+                    filename_base=f"{name}-{current[:16]}.{version}",
+                    source_stamp=current,
                 )
+                folder = Path(cache._cache_path)
+                self._stale = (folder, f"{name}-*.{version}*.nb?", current[:16])
             self._dispatcher = dispatcher
         return self._dispatcher
 
@@ -150,6 +159,17 @@ def compiled(
         options: what else ``numba.njit`` is given.
     """
     return partial(Kernel, example=example, fallback=fallback, options=options)
+
+
+def _forget(stale: tuple[Path, str, str] | None) -> None:
+    """Remove what was kept of other sources: the folder, a pattern, and what to leave."""
+    if stale is None:
+        return
+    folder, pattern, current = stale
+    for file in folder.glob(pattern):
+        if current not in file.name:
+            with suppress(OSError):
+                file.unlink()
 
 
 def _plain(value: Any) -> Any:

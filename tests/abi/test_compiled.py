@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+import shutil
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -156,6 +157,39 @@ def test_a_script_ends_well_while_kernels_are_compiled(tmp_path: Path) -> None:
     run(late, "1", NUMBA_CACHE_DIR=str(tmp_path))
 
 
+CACHED = """
+import sys
+from abi.obstacles import obstacle_set_kernels
+from abi.tet_mesh import exclusion_kernels
+for kernel in (exclusion_kernels.mark, obstacle_set_kernels.signed_distances):
+    print(int(kernel.cached), end=" ")
+    kernel.compile()
+"""
+
+
+def test_after_an_edit_only_what_depends_on_it_is_compiled_anew(tmp_path: Path) -> None:
+    ours = shutil.copytree(
+        Path(abi.__file__).parent, tmp_path / "abi", ignore=shutil.ignore_patterns("__pycache__")
+    )
+    there = {"PYTHONPATH": str(tmp_path), "NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+    assert run(CACHED, **there).split() == ["0", "0"]
+    assert run(CACHED, **there).split() == ["1", "1"]
+    kept = len(list(tmp_path.rglob("*.nbi")))
+
+    # a comment, and lines that move
+    source = ours / "tet_mesh" / "exclusion_kernels.py"
+    source.write_text(source.read_text().replace("@compiled", "# a comment\n\n@compiled"))
+    assert run(CACHED, **there).split() == ["1", "1"]
+
+    # in a file that one of the kernels takes functions from
+    helper = ours / "obstacles" / "primitive_kernels.py"
+    before = helper.read_text()
+    helper.write_text(before.replace("return most - core[3]", "return most - 1.0 * core[3]"))
+    assert helper.read_text() != before
+    assert run(CACHED, **there).split() == ["1", "0"]
+    assert len(list(tmp_path.rglob("*.nbi"))) == kept
+
+
 def test_without_a_compiler_all_runs_as_python() -> None:
     code = "import abi; abi.compile(); print(abi.plan(abi.load_scene('paper')).error)"
     assert run(code, NUMBA_DISABLE_JIT="1").strip() == "None"
@@ -163,8 +197,8 @@ def test_without_a_compiler_all_runs_as_python() -> None:
 
 def test_where_nothing_can_be_kept_one_kernel_is_compiled_where_it_is(tmp_path: Path) -> None:
     code = """
-from abi.search import graph_kernels
-kernel = graph_kernels.nearest
+from abi.tet_mesh import exclusion_kernels
+kernel = exclusion_kernels.mark
 kernel.compile()
 print(kernel.compiled, kernel.cached)
 """
