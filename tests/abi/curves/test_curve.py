@@ -27,7 +27,7 @@ class Polynomial:
     interval: tuple[float, float]
 
     def bezier(self) -> Bezier:
-        return interpolated(self, np.array(self.interval), len(self.coefficients) - 1)
+        return interpolated(self, np.array(self.interval, dtype=float), len(self.coefficients) - 1)
 
     def __call__(self, parameter: ArrayLike, order: int = 0) -> FloatArray:
         u = np.asarray(parameter, dtype=float)
