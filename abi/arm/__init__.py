@@ -1,1 +1,1 @@
-"""Stage 6: arm, its inverse kinematics, and its motion along the curve."""
+"""Stage 6: the arm, its inverse kinematics, and its motion along the curve."""

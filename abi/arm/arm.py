@@ -33,7 +33,7 @@ class Arm:
     """Geometry and limits of an arm.
 
     Attributes:
-        base: where it stands, shape (3,), [unit], world.
+        base: centre of its foot, shape (3,), [unit], world.
         a1: height of q1 above the base, [unit].
         a2: height of the shoulder above q1, [unit].
         a3: length of the upper arm, [unit].
@@ -54,7 +54,7 @@ class Arm:
 
     @classmethod
     def from_settings(cls, settings: ArmSettings, unit: Literal["m", "cm", "mm"] = "cm") -> Self:
-        """The arm of a scene's settings; lengths in the scene's unit."""
+        """The arm that a scene's settings describe; lengths in the scene's unit."""
         roll = (-2 * math.pi, 2 * math.pi)
         limits = [roll, (-2.8, 2.8), (-2.9, 2.9), roll, (0.0, STROKE * settings.a4), roll]
         return cls(
@@ -100,7 +100,7 @@ def forward(arm: Arm, positions: FloatArray) -> FloatArray:
 
 
 def skeleton(arm: Arm, positions: FloatArray) -> FloatArray:
-    """Points whose connecting lines are the centre lines of the links.
+    """Ends of the links' centre lines.
 
     Args:
         arm: the arm.
@@ -119,12 +119,12 @@ def skeleton(arm: Arm, positions: FloatArray) -> FloatArray:
 def urdf(arm: Arm, scale: float | None = None) -> str:
     """The arm as URDF text, standing at the origin of its root link ``base_link``.
 
-    Joints q1 to q6 in that order; the last link is the frame ``tool``. Where the arm stands is the
-    business of who draws it: ``arm.base`` moves the root link.
+    Joints q1 to q6 in that order; the last link is the frame ``tool``. A viewer moves the root link
+    to ``arm.base``.
 
     Args:
         arm: the arm.
-        scale: what one [unit] is in the text; ``arm.metres`` when not given, as the format asks.
+        scale: length of one [unit] in the text; ``arm.metres`` when not given, as the format asks.
             1 gives a text for a viewer that draws in the scene's unit.
 
     Returns:
@@ -135,11 +135,10 @@ def urdf(arm: Arm, scale: float | None = None) -> str:
     from abi.arm.urdf import joint, write
 
     metres = arm.metres if scale is None else scale
-    a1, a2, a3, a4, a5 = (
-        float(length * metres) for length in (arm.a1, arm.a2, arm.a3, arm.a4, arm.a5)
-    )
-    size = arm_links.proportions(a1, a2, a3, a4, a5)
-    links = arm_links.links(a1, a2, a3, a4, a5)
+    lengths = [float(length * metres) for length in (arm.a1, arm.a2, arm.a3, arm.a4, arm.a5)]
+    a1, a2, a3, a4, a5 = lengths
+    size = arm_links.proportions(*lengths)
+    links = arm_links.links(*lengths)
     heights = (a1, a2, a3, size.roll, a4 - size.roll, size.wrist, a5 - size.wrist)
     pairs = list(itertools.pairwise(links))
     joints = []

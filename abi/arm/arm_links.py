@@ -19,7 +19,7 @@ COLOURS: dict[str, Vec3] = {
     "steel": (0.60, 0.63, 0.67),
     "accent": (0.05, 0.60, 0.66),
 }
-"""Colours by what they mark; each shows on white and on near-black."""
+"""Colours by their use; each shows on white and on near-black."""
 
 _ALONG_X: Vec3 = (0.0, math.pi / 2, 0.0)
 
@@ -31,8 +31,8 @@ class Proportions:
     Attributes:
         shoulder: radius of the shoulder, q2.
         elbow: radius of the elbow, q3; the widths of all links are multiples of it.
-        roll: height of the forearm's turning joint, q4, above the elbow.
-        wrist: height of the wrist's turning joint, q6, above the end of the sleeve at q5 = 0.
+        roll: height of the forearm's roll, q4, above the elbow.
+        wrist: height of the wrist's roll, q6, above the end of the sleeve at q5 = 0.
         grip: half of the gripper's width.
     """
 
@@ -200,9 +200,9 @@ def _gripper(size: Proportions, a5: float) -> tuple[LinkSolid, ...]:
     plate, palm, knuckle = 0.1 * length, 0.32 * length, 0.62 * length
     thick = 0.26 * g
     fingers = tuple(
-        part
+        solid
         for side in (-1, 1)
-        for part in (
+        for solid in (
             _block((thick, 0.62 * g), palm, knuckle, side * 0.78 * g, "accent"),
             _block((1.3 * thick, 0.5 * g), knuckle, length, side * 0.62 * g, "accent"),
             _block((0.3 * thick, 0.42 * g), 0.74 * length, 0.97 * length, side * 0.4 * g, "joint"),

@@ -35,9 +35,9 @@ class Solution:
         q1: about the base axis, unwrapped along the path, shape (n,), [rad].
         q2: shoulder, unwrapped along the path, shape (n,), [rad].
         q3: elbow, of one sign along the path, shape (n,), [rad].
-        shortfall: how far the point is out of reach, shape (n,), [unit]: > 0 too far from the
-            shoulder by that much, < 0 too near, 0 within reach. Out of reach the joints are those
-            of the stretched or folded arm that points at the point.
+        shortfall: distance by which the point is out of reach, shape (n,), [unit]: > 0 too far from
+            the shoulder, < 0 too near, 0 within reach. Out of reach the joints are those of the
+            stretched or folded arm that points at the point.
     """
 
     q1: FloatArray
@@ -47,7 +47,7 @@ class Solution:
 
     @property
     def reachable(self) -> BoolArray:
-        """Flags of the points that the tool is on, shape (n,)."""
+        """Flags of the points within reach, shape (n,)."""
         return np.asarray(self.shortfall == 0)
 
 
@@ -58,7 +58,7 @@ def solve(
     elbow: Literal["up", "down"],
     tangents: FloatArray,
 ) -> Solution:
-    """Joint positions that lead the tool along a path, on one elbow branch.
+    """Solve for the joint positions that lead the tool along a path, on one elbow branch.
 
     q1 is continuous: where the path goes through the base axis, r changes its sign and q1 does not
     jump by π; on the axis q1 is its limit along the path, 0 when the whole path is on the axis.
@@ -83,14 +83,14 @@ def solve(
         + arm.a3
         + float(np.abs(forearm).max())
     )
-    found = np.empty((5, len(offset)))
-    q1, across, q2, q3, shortfall = found
+    solution = np.empty((5, len(offset)))
+    q1, across, q2, q3, shortfall = solution
     path = flat(offset), flat(np.asarray(tangents, dtype=float))
     through = THROUGH * (arm.a3 + arm.a4 + arm.a5)
     kernels.base_angle(*path, rounding, through, q1, across)
     side = 1.0 if elbow == "up" else -1.0
-    places = across, flat(offset[:, 2]), flat(forearm)
-    kernels.elbow_angles(*places, float(arm.a3), side, rounding, found[2:].reshape(-1))
+    in_plane = across, flat(offset[:, 2]), flat(forearm)
+    kernels.elbow_angles(*in_plane, float(arm.a3), side, rounding, solution[2:].reshape(-1))
     return Solution(
         q1=read_only(_centred(q1)),
         q2=read_only(_centred(q2)),

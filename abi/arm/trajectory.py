@@ -28,7 +28,12 @@ from abi.scene.scene import ArmSettings
 class Violation(NamedTuple):
     """A joint past its limit.
 
-    Its name, when [s] and where [rad or unit] it is farthest, the limit, and when it passes that.
+    Attributes:
+        joint: name of the joint.
+        time: time at which it is farthest past the limit, [s].
+        value: its position then, [rad], q5 [unit].
+        limit: the limit, [rad], q5 [unit].
+        since: time at which it passes the limit, [s].
     """
 
     joint: str
@@ -39,9 +44,12 @@ class Violation(NamedTuple):
 
 
 class Stretch(NamedTuple):
-    """A time out of reach: first and last sample [s], and the worst shortfall [unit].
+    """A stretch of time out of reach.
 
-    The shortfall is > 0 where the curve is too far from the shoulder, < 0 where it is too near.
+    Attributes:
+        first: time of its first sample, [s].
+        last: time of its last sample, [s].
+        shortfall: the worst, [unit]: > 0 too far from the shoulder, < 0 too near.
     """
 
     first: float
@@ -51,7 +59,7 @@ class Stretch(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Trajectory:
-    """Where the tool should be at a time: a curve run through by arc length."""
+    """Position of the tool over time: a curve run through by arc length."""
 
     curve: Curve
     arc: ArcLength
@@ -81,12 +89,12 @@ class Trajectory:
         """
         if order not in (0, 1, 2):
             raise ValueError(f"order {order}: a trajectory has derivatives up to the second")
-        at = np.asarray(time, dtype=float)
-        parameter = self.arc.parameter(self.profile(at))
+        times = np.asarray(time, dtype=float)
+        parameter = self.arc.parameter(self.profile(times))
         if order == 0:
             return self.curve(parameter)
-        tangent = self._tangent(np.atleast_1d(parameter)).reshape(*at.shape, 3)
-        along: FloatArray = tangent * self.profile(at, order)[..., None]
+        tangent = self._tangent(np.atleast_1d(parameter)).reshape(*times.shape, 3)
+        along: FloatArray = tangent * self.profile(times, order)[..., None]
         if order == 1:
             return along
         first, second = self.curve(parameter, 1), self.curve(parameter, 2)
@@ -94,11 +102,11 @@ class Trajectory:
         low, high = self.curve.interval
         moving = squared * (high - low) ** 2 > (1e-6 * self.arc.length) ** 2
         across = second - tangent * np.sum(tangent * second, axis=-1, keepdims=True)
-        bend = np.divide(across, squared, out=np.zeros_like(across), where=moving)
-        return np.asarray(along + bend * self.profile(at, 1)[..., None] ** 2)
+        curvature = np.divide(across, squared, out=np.zeros_like(across), where=moving)
+        return np.asarray(along + curvature * self.profile(times, 1)[..., None] ** 2)
 
     def sampled(self, time: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Positions, unit tangents and velocities at times (n,) [s], at the cost of one of them.
+        """Positions, unit tangents and velocities at times (n,), [s].
 
         Returns:
             Each of shape (n, 3); [unit], 1 and [unit/s], world; the tangents are 0 for a point.
@@ -128,17 +136,17 @@ class ArmMotion:
     Attributes:
         time: shape (m,), [s].
         positions: joint positions, shape (m, 6), [rad], q5 [unit].
-        target: where the tool should be, shape (m, 3), [unit], world.
-        tool: where the arm has it, shape (m, 3), [unit], world; off the target only out of reach.
+        target: point of the curve, shape (m, 3), [unit], world.
+        tool: position of the tool, shape (m, 3), [unit], world; off the target only out of reach.
         velocity: the target's velocity, shape (m, 3), [unit/s], world.
-        unreachable: the times out of reach; empty when the arm follows the curve all the way.
+        unreachable: the stretches out of reach; empty when the arm follows the whole curve.
         limit_violations: one for each joint that passes a limit, where it is farthest past it.
         peak_joint_speed: largest mean speed between two samples, shape (6,), [rad/s], q5 [unit/s].
         clearance: smallest distance of the links' centre lines (base, shoulder, elbow, tool) to an
             obstacle at the samples, [unit], inf without obstacles. The links' thickness is not in
             it, nor what happens between samples.
-        clearance_time: when it is smallest, [s].
-        clearance_obstacle: to which obstacle, -1 without obstacles.
+        clearance_time: time at which it is smallest, [s].
+        clearance_obstacle: number of that obstacle, -1 without obstacles.
     """
 
     time: FloatArray
@@ -171,9 +179,9 @@ class ArmMotion:
         worst = max(self.unreachable, key=lambda stretch: abs(stretch.shortfall))
         slide = next(
             (
-                (one.value, one.limit)
-                for one in self.limit_violations
-                if one.joint == "q5" and one.since <= worst.last
+                (violation.value, violation.limit)
+                for violation in self.limit_violations
+                if violation.joint == "q5" and violation.since <= worst.last
             ),
             None,
         )
@@ -197,21 +205,21 @@ def follow(
         profile: the motion along it.
         arm: the arm.
         settings: elbow branch and drives of the arm.
-        obstacles: what its links may hit.
+        obstacles: the solids near its links.
         samples: number of samples m, at least 2.
 
     Returns:
-        The motion; out of reach, past a limit and hitting an obstacle are told, not raised.
+        The motion; it records what is out of reach, past a limit or hits an obstacle: none raises.
     """
     trajectory = Trajectory(curve, arc, profile)
     time = np.linspace(0.0, profile.duration, samples)
     target, tangent, velocity = trajectory.sampled(time)
     wrist = wrist_positions(settings, time)
-    found = solve(arm, target, wrist[:, 1], settings.elbow, tangent)
-    joints = np.concatenate([[found.q1, found.q2, found.q3], wrist.T])
+    angles = solve(arm, target, wrist[:, 1], settings.elbow, tangent)
+    joints = np.concatenate([[angles.q1, angles.q2, angles.q3], wrist.T])
     positions = np.ascontiguousarray(joints.T)
     points = skeleton(arm, positions)
-    distance, when, whose = obstacles.nearest_polyline(points)
+    distance, nearest_sample, obstacle = obstacles.nearest_polyline(points)
     step = profile.duration / (samples - 1)
     largest = np.abs(np.diff(joints)).max(axis=1)
     return ArmMotion(
@@ -220,24 +228,24 @@ def follow(
         target=read_only(target),
         tool=read_only(points[:, 3].copy()),
         velocity=read_only(velocity),
-        unreachable=_stretches(time, found.shortfall),
+        unreachable=_stretches(time, angles.shortfall),
         limit_violations=_violations(time, joints, arm.limits),
         peak_joint_speed=read_only(largest / step if step > 0 else np.zeros(6)),
         clearance=distance,
-        clearance_time=float(time[when]),
-        clearance_obstacle=whose,
+        clearance_time=float(time[nearest_sample]),
+        clearance_obstacle=obstacle,
     )
 
 
 def rest_pose(arm: Arm, settings: ArmSettings, point: Vec3) -> FloatArray:
-    """Joint positions with the tool at ``point``, or as near as can be: a pose without a plan.
+    """Joint positions with the tool at ``point``, or as near as it can be.
 
     Returns:
         Shape (6,), [rad], q5 [unit].
     """
     q5 = np.array([settings.q5])
-    found = solve(arm, np.array([point]), q5, settings.elbow, np.zeros((1, 3)))
-    return read_only(np.array([found.q1[0], found.q2[0], found.q3[0], 0.0, settings.q5, 0.0]))
+    angles = solve(arm, np.array([point]), q5, settings.elbow, np.zeros((1, 3)))
+    return read_only(np.array([angles.q1[0], angles.q2[0], angles.q3[0], 0.0, settings.q5, 0.0]))
 
 
 def _lengths(vectors: FloatArray) -> FloatArray:
@@ -258,14 +266,14 @@ def _stretches(time: FloatArray, shortfall: FloatArray) -> tuple[Stretch, ...]:
 
 
 def _violations(time: FloatArray, joints: FloatArray, limits: FloatArray) -> tuple[Violation, ...]:
-    """Where each of the ``joints`` (6, m) that passes a limit is farthest past it."""
-    most = 1e-9 * (1 + np.abs(limits).max(axis=1))
+    """Violation of each of the ``joints`` (6, m) that passes a limit, where it is worst."""
+    tolerance = 1e-9 * (1 + np.abs(limits).max(axis=1))
     low, high = limits[:, 0] - joints.min(axis=1), joints.max(axis=1) - limits[:, 1]
-    found = []
-    for joint in np.flatnonzero(np.maximum(low, high) > most):
+    violations = []
+    for joint in np.flatnonzero(np.maximum(low, high) > tolerance):
         side = 0 if low[joint] > high[joint] else 1
         beyond = (joints[joint] - limits[joint, side]) * (-1 if side == 0 else 1)
-        worst, first = int(beyond.argmax()), int((beyond > most[joint]).argmax())
+        worst, first = int(beyond.argmax()), int((beyond > tolerance[joint]).argmax())
         values = (time[worst], joints[joint, worst], limits[joint, side], time[first])
-        found.append(Violation(JOINTS[joint], *map(float, values)))
-    return tuple(found)
+        violations.append(Violation(JOINTS[joint], *map(float, values)))
+    return tuple(violations)

@@ -24,7 +24,7 @@ DENSITY = 2700.0
 EFFORT = 1000.0
 """Largest torque or force of every joint, [N·m] or [N]."""
 
-_WORDS = {"name", "type", "link"}
+_TEXTS = {"name", "type", "link"}
 """Attributes that are not numbers."""
 
 
@@ -62,7 +62,7 @@ def write(
         name: the robot's name.
         materials: red, green and blue from 0 to 1 of each colour the solids use.
         links: the solids of each body, in the order they are written; one without is a frame.
-        joints: what joins them.
+        joints: the joints between them.
         comment: text of an XML comment at the top.
 
     Returns:
@@ -79,7 +79,7 @@ def write(
     )
     tree = model.URDF(robot, build_scene_graph=False).write_xml()
     for element in tree.iter():
-        for key in set(element.keys()) - _WORDS:
+        for key in set(element.keys()) - _TEXTS:
             element.set(key, _rounded(element.get(key)))
     text = io.BytesIO()
     tree.write(text, encoding="utf-8", pretty_print=True)
@@ -95,7 +95,7 @@ def joint(
     limits: tuple[float, float] | None = None,
     speed: float = 0.0,
 ) -> model.Joint:
-    """Join two links.
+    """Joint between two links.
 
     Args:
         name: name of the joint.
@@ -113,8 +113,8 @@ def joint(
 def inertia(solids: Iterable[LinkSolid]) -> tuple[float, FloatArray, FloatArray]:
     """Mass, centre of mass and inertia of the bodies among ``solids``.
 
-    LinkSolids that overlap count twice where they do: the shape of a link is a picture, its masses
-    are nominal.
+    Solids that overlap count twice where they do: the shape of a link is for looks, its masses are
+    nominal.
 
     Args:
         solids: at least one with ``body``.
@@ -130,9 +130,9 @@ def inertia(solids: Iterable[LinkSolid]) -> tuple[float, FloatArray, FloatArray]
     centre = masses @ centres / mass
     total = np.zeros((3, 3))
     for solid, part, offset in zip(bodies, masses, centres - centre, strict=True):
-        turn = _rotation(solid.rpy)
-        total += turn @ np.diag(part * _squared_radii(solid)) @ turn.T
-        # Steiner: the part's mass, seen from the common centre.
+        rotation = _rotation(solid.rpy)
+        total += rotation @ np.diag(part * _squared_radii(solid)) @ rotation.T
+        # Steiner's theorem: the part's mass about the common centre
         total += part * (offset @ offset * np.eye(3) - np.outer(offset, offset))
     return float(mass), centre, total
 
@@ -185,7 +185,7 @@ def _link(name: str, solids: Sequence[LinkSolid]) -> model.Link:
 
 
 def _rounded(text: str) -> str:
-    """Round the numbers of a vector; what is only the rounding of a sine is 0, on every machine."""
+    """Round the numbers of a vector; the rounding error of a sine becomes 0, on every machine."""
     numbers = np.array(text.split(), dtype=float)
     numbers[np.abs(numbers) <= 1e-12 * np.abs(numbers).max()] = 0.0
     return " ".join(f"{number:.12g}" for number in numbers)

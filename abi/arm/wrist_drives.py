@@ -1,4 +1,4 @@
-"""Stage 6, the drives of the joints that do not move the tool about, under constant forces."""
+"""Stage 6, the drives of q4, q5 and q6 under constant forces."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from abi.scene.scene import ArmSettings
 
 
 def wrist_positions(settings: ArmSettings, time: ArrayLike) -> FloatArray:
-    """q4, q5 and q6 under constant generalised forces from rest.
+    """Positions of q4, q5 and q6 under constant generalised forces from rest.
 
     The paper (end of stage 6) prints q = t²·Q / I with I4 = i4²m4 + i5²m5 + i6²m6,
     I5 = i5²m5 + i6²m6, I6 = i6²m6. Lagrange's equation I·q'' = Q has the solution t²·Q / (2·I),
@@ -33,6 +33,6 @@ def wrist_positions(settings: ArmSettings, time: ArrayLike) -> FloatArray:
     rates = np.array(
         [force / inertia for force, inertia in zip(settings.forces, effective, strict=True)]
     )
-    found = np.asarray(time, dtype=float)[:, None] ** 2 * rates
-    found[:, 1] += settings.q5
-    return np.asarray(found)
+    positions = np.asarray(time, dtype=float)[:, None] ** 2 * rates
+    positions[:, 1] += settings.q5
+    return np.asarray(positions)

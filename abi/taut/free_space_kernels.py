@@ -16,7 +16,7 @@ from abi.obstacles.vector_kernels import Vec3
 
 
 class FreeSpace(NamedTuple):
-    """Where a path may go.
+    """Set of points that a path may take.
 
     Attributes:
         solids: (k WIDTH,) rows, one after the other, see ``abi.obstacles.primitive_kernels``.
@@ -33,12 +33,12 @@ class FreeSpace(NamedTuple):
 
 
 SPACE = FreeSpace(FLOATS, FLOATS, (0.0, 0.0, 0.0), (1.0, 1.0, 1.0))
-"""In an example: free space."""
+"""Example of free space."""
 
 
 @register_jitable
 def kind_of(i: int, j: int, last: int) -> int:
-    """Which of the four margins count from point i to point j of a path that ends at ``last``."""
+    """Number of the margin that counts from point i to point j of a path that ends at ``last``."""
     return (1 if i == 0 else 0) + (2 if j == last else 0)
 
 

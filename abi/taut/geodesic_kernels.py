@@ -1,9 +1,9 @@
-"""Shortest ways around one solid widened by a radius, in the solid's own axes.
+"""Shortest paths around one solid widened by a radius, in the solid's own axes.
 
-A shortest way around a convex body is straight, then a geodesic of its surface, then straight, with
-one tangent all along. Where the surface is developable (flat faces, round edges, a cylinder's side)
-it unrolls into a plane, in which that whole way is one straight line. What is left, ways that touch
-a rounded corner or an end, is bounded from below.
+A shortest path around a convex body is straight, then a geodesic of its surface, then straight,
+without a kink. Where the surface is developable (flat faces, round edges, a cylinder's side) it
+unrolls into a plane, in which the whole path is one straight line. The rest, paths that touch a
+rounded corner or an end, is bounded from below.
 
 Points are triples of numbers, [unit]. Widened means: all points within the radius of the solid.
 """
@@ -28,15 +28,15 @@ from abi.obstacles.primitive_kernels import (
     signed_distance,
 )
 from abi.obstacles.vector_kernels import Vec3, axpy, distance, dot, norm, sub
-from abi.taut.geodesic_box_kernels import Way, around_box
+from abi.taut.geodesic_box_kernels import LengthBound, around_box
 
 _SAMPLES = 65  # of the straight line and of a bar's axis, for balls that bound
-_PRISMS = 4  # square prisms inscribed in a cylinder, turned evenly
+_PRISMS = 4  # square prisms inscribed in a cylinder, at even angles
 
 
 @register_jitable
 def around_ball(radius: float, start: Vec3, goal: Vec3) -> float:
-    """Exact length of the shortest way around a ball at the origin, by two tangents and an arc.
+    """Length of the shortest path around a ball at the origin: two tangents and an arc.
 
     Args:
         radius: of the ball, [unit].
@@ -55,24 +55,24 @@ def around_ball(radius: float, start: Vec3, goal: Vec3) -> float:
 
 
 @register_jitable
-def around_bar(radius: float, half: float, start: Vec3, goal: Vec3) -> Way:
-    """Shortest way around a bar along z: round in section, its ends beyond |z| = ``half``.
+def around_bar(radius: float, half: float, start: Vec3, goal: Vec3) -> LengthBound:
+    """Shortest path around a bar along z: round in section, its ends beyond |z| = ``half``.
 
     The bar widened is the cylinder |z| <= half with anything beyond that lies in the cylinder's
-    extension, as a capsule's caps do. A way that meets it only on the cylinder unrolls; any other
+    extension, as a capsule's caps do. A path that meets it only on the cylinder unrolls; any other
     crosses a plane |z| = half, so mirroring about that plane bounds its length.
     """
     straight = distance(start, goal)
-    ends = min(_by_plane(half, 1.0, start, goal), _by_plane(half, -1.0, start, goal))
+    ends = min(_plane_bound(half, 1.0, start, goal), _plane_bound(half, -1.0, start, goal))
     a, b = math.hypot(start[0], start[1]), math.hypot(goal[0], goal[1])
     if a < radius or b < radius:
         return max(ends, straight), False
-    turn = abs(math.atan2(start[1], start[0]) - math.atan2(goal[1], goal[0]))
+    separation = abs(math.atan2(start[1], start[0]) - math.atan2(goal[1], goal[0]))
     before, after = math.sqrt(a * a - radius**2), math.sqrt(b * b - radius**2)
     unseen = math.acos(radius / a) + math.acos(radius / b)
     rise = goal[2] - start[2]
     best = math.inf
-    for angle in (turn, 2 * math.pi - turn):
+    for angle in (separation, 2 * math.pi - separation):
         if angle < unseen:
             return straight, False
         across = before + after + radius * (angle - unseen)
@@ -84,8 +84,8 @@ def around_bar(radius: float, half: float, start: Vec3, goal: Vec3) -> Way:
 
 
 @register_jitable
-def _by_plane(height: float, sign: float, start: Vec3, goal: Vec3) -> float:
-    """Length of the shortest way from start to goal by z = sign height, on the side away from 0."""
+def _plane_bound(height: float, sign: float, start: Vec3, goal: Vec3) -> float:
+    """Length of the shortest path to goal by the plane z = sign height, on its side away from 0."""
     a, b = max(height - sign * start[2], 0.0), max(height - sign * goal[2], 0.0)
     if a == 0 or b == 0:
         return distance(start, goal)
@@ -93,31 +93,31 @@ def _by_plane(height: float, sign: float, start: Vec3, goal: Vec3) -> float:
 
 
 @register_jitable
-def _by_balls(core: Core, clearance: float, start: Vec3, goal: Vec3) -> float:
-    """Bound by the largest ball in the widened solid around a place of the straight line."""
-    radius, place = -math.inf, start
+def _ball_bound(core: Core, clearance: float, start: Vec3, goal: Vec3) -> float:
+    """Lower bound by the largest ball in the widened solid around a point of the straight line."""
+    radius, centre = -math.inf, start
     for k in range(_SAMPLES):
         t = k / (_SAMPLES - 1)
         p = axpy(t, sub(goal, start), start)
         room = clearance - signed_distance(core, p)
         if room > radius:
-            radius, place = room, p
-    return around_ball(radius, sub(start, place), sub(goal, place))
+            radius, centre = room, p
+    return around_ball(radius, sub(start, centre), sub(goal, centre))
 
 
 @register_jitable
-def _by_balls_on_axis(radius: float, half: float, start: Vec3, goal: Vec3) -> float:
-    """Bound by balls around places of the z axis up to ``half``."""
+def _axis_balls_bound(radius: float, half: float, start: Vec3, goal: Vec3) -> float:
+    """Lower bound by balls around points of the z axis up to ``half``."""
     bound = 0.0
     for k in range(_SAMPLES):
-        place = (0.0, 0.0, half * (2 * k / (_SAMPLES - 1) - 1))
-        bound = max(bound, around_ball(radius, sub(start, place), sub(goal, place)))
+        centre = (0.0, 0.0, half * (2 * k / (_SAMPLES - 1) - 1))
+        bound = max(bound, around_ball(radius, sub(start, centre), sub(goal, centre)))
     return bound
 
 
 @register_jitable
-def _by_prisms(radius: float, half: float, clearance: float, start: Vec3, goal: Vec3) -> float:
-    """Bound by square prisms within a cylinder."""
+def _prisms_bound(radius: float, half: float, clearance: float, start: Vec3, goal: Vec3) -> float:
+    """Lower bound by square prisms within a cylinder."""
     side = radius / math.sqrt(2)
     bound = 0.0
     for k in range(_PRISMS):
@@ -131,36 +131,36 @@ def _by_prisms(radius: float, half: float, clearance: float, start: Vec3, goal: 
 
 
 @register_jitable
-def _around(core: Core, clearance: float, start: Vec3, goal: Vec3) -> Way:
-    """Way around a solid that is in the way, see ``abi.obstacles.primitive_kernels``."""
+def _solid_bound(core: Core, clearance: float, start: Vec3, goal: Vec3) -> LengthBound:
+    """Lower bound around a solid that blocks the line, see ``abi.obstacles.primitive_kernels``."""
     if min(signed_distance(core, start), signed_distance(core, goal)) < clearance:
         return distance(start, goal), False
     radius, half = core[3], core[2]
     if core[4] == 0 and radius == 0:
         length, exact = around_box((core[0], core[1], half), clearance, start, goal)
-        other = 0.0 if exact else _by_balls(core, clearance, start, goal)
+        other = 0.0 if exact else _ball_bound(core, clearance, start, goal)
     elif core[4] == 0 and half == 0:
         return around_ball(radius + clearance, start, goal), True
     elif core[4] == 0:
         length, exact = around_bar(radius + clearance, half, start, goal)
-        other = 0.0 if exact else _by_balls_on_axis(radius + clearance, half, start, goal)
+        other = 0.0 if exact else _axis_balls_bound(radius + clearance, half, start, goal)
     else:
         length, exact = around_bar(core[0] + clearance, half, start, goal)
         other = 0.0
         if not exact:
             inner = min(core[0], half)
             other = max(
-                _by_balls_on_axis(inner + clearance, half - inner, start, goal),
-                _by_prisms(core[0], half, clearance, start, goal),
+                _axis_balls_bound(inner + clearance, half - inner, start, goal),
+                _prisms_bound(core[0], half, clearance, start, goal),
             )
     return max(length, other), exact
 
 
 @compiled(example=(FLOATS, 0.0, (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)))
-def around(
+def solid_bounds(
     solids: FloatArray, clearance: float, start: Vec3, goal: Vec3
 ) -> tuple[FloatArray, BoolArray]:
-    """Bounds of the ways from start to goal around each of the solids alone.
+    """Lower bounds of the paths from start to goal around each of the solids alone.
 
     Args:
         solids: (k WIDTH,) rows, one after the other.
@@ -169,8 +169,8 @@ def around(
         goal: goal.
 
     Returns:
-        No way is shorter, (k,), [unit], 0 for a solid that is not in the way; and whether there is
-        one of that length (k,).
+        The bounds (k,), [unit], 0 for a solid that does not block the line; and whether a path has
+        that length (k,).
     """
     count = len(solids) // WIDTH
     lengths, exact = np.zeros(count), np.zeros(count, np.bool_)
@@ -179,5 +179,5 @@ def around(
         a = in_body(axes, sub(start, centre_of(solids, s)))
         b = in_body(axes, sub(goal, centre_of(solids, s)))
         if segment_within(core, clearance, a, sub(b, a)):
-            lengths[s], exact[s] = _around(core, clearance, a, b)
+            lengths[s], exact[s] = _solid_bound(core, clearance, a, b)
     return lengths, exact

@@ -1,4 +1,4 @@
-"""How short a curve can be at best: proven bounds of the length of any curve that keeps clear."""
+"""Proven lower bounds of the length of any curve that keeps the clearance."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from abi.obstacles.pose import Vec3
 from abi.scene.scene import Workspace
 from abi.taut import geodesic_kernels as kernels
 
-_DOWN = 1 - 1e-15  # for what is rounded to nearest is no bound
+_ROUND_DOWN = 1 - 1e-15  # a length rounded to nearest is no bound
 _SAMPLES = 65  # of the straight line, for balls that bound
 
 
 @dataclass(frozen=True)
 class Bound:
-    """A length that no curve which keeps clear goes below.
+    """Lower bound of the length of curves that keep the clearance.
 
     Attributes:
         length: the bound, [unit].
@@ -41,62 +41,61 @@ def lower_bound(
     obstacles, for a curve has to keep clear of each:
 
     - sphere: tangents and an arc of a great circle, exact;
-    - box: exact, unless a way by a rounded corner might be shorter than those by edges and faces;
-    - capsule: exact where the shortest way goes by its side and a way by an end is proven longer;
+    - box: exact, unless a path by a rounded corner might be shorter than those by edges and faces;
+    - capsule: exact where the shortest path goes by its side and one by an end is proven longer;
     - cylinder: the same, or the bounds of a box and of balls within it;
-    - triangle mesh: the bound of a ball within it, at the straight line's deepest place.
+    - triangle mesh: the bound of a ball within it, at the straight line's deepest point.
 
     It stays exact among several obstacles when the others lie beyond the ellipsoid that holds all
-    ways of that length. And only where the obstacle with its clearance lies in the workspace: then
-    so does the shortest way past it, which stays in the convex hull of obstacle, start and goal. A
+    paths of that length. And only where the obstacle with its clearance lies in the workspace: then
+    so does the shortest path past it, which stays in the convex hull of obstacle, start and goal. A
     curve counts as clear that misses the clearance by up to 1e-9.
 
     Args:
-        start: start, [unit], world.
-        goal: goal, [unit], world.
+        start: first point of the curves, [unit], world.
+        goal: last point, [unit], world.
         obstacles: the solids.
         clearance: distance to keep from each, [unit], at least 0.
         workspace: the box that start and goal are in.
     """
-    asked = max(clearance - ROUNDING, 0.0)
+    margin = max(clearance - ROUNDING, 0.0)
     ends = np.array([start, goal])
-    straight = _DOWN * math.dist(start, goal)
-    lengths, exact = kernels.around(obstacles.packed, asked, *map(tuple, ends.tolist()))
-    ways = [(float(length), bool(whether)) for length, whether in zip(lengths, exact, strict=True)]
-    ways += [(_past(surface, ends, asked), False) for surface in obstacles.meshes]
-    longest = max((length for length, _ in ways), default=0.0)
+    straight = _ROUND_DOWN * math.dist(start, goal)
+    lengths, exact = kernels.solid_bounds(obstacles.packed, margin, *map(tuple, ends.tolist()))
+    # of the primitives, then of the meshes
+    bounds = np.append(lengths, [_mesh_bound(mesh, ends, margin) for mesh in obstacles.meshes])
+    longest = float(bounds.max(initial=0.0))
     if longest == 0:
         return Bound(straight, True)
-    length = max(_DOWN * longest, straight)
-    best = next(k for k, way in enumerate(ways) if way[0] == longest)
-    if not ways[best][1]:
+    length = max(_ROUND_DOWN * longest, straight)
+    best = int(bounds.argmax())
+    if best >= len(exact) or not exact[best]:
         return Bound(length, False)
-    # the ways are those past the primitives, then those past the meshes
     order = np.concatenate([obstacles.primitive_numbers, obstacles.mesh_numbers])
     low, high = (corners[order] for corners in obstacles.bounds)
-    inside = (low[best] - asked >= workspace.min).all() and (
-        high[best] + asked <= workspace.max
+    inside = (low[best] - margin >= workspace.min).all() and (
+        high[best] + margin <= workspace.max
     ).all()
-    # no way of that length leaves the ellipsoid around start and goal
-    reach = np.linalg.norm(high - low, axis=1) / 2 + asked
-    by_middle = np.linalg.norm(ends - ((low + high) / 2)[:, None], axis=2).sum(axis=1)
-    beyond = by_middle - 2 * reach > length
+    # no path of that length leaves the ellipsoid around start and goal
+    reach = np.linalg.norm(high - low, axis=1) / 2 + margin
+    by_centre = np.linalg.norm(ends - ((low + high) / 2)[:, None], axis=2).sum(axis=1)
+    beyond = by_centre - 2 * reach > length
     beyond[best] = True
     return Bound(length, bool(inside and beyond.all()))
 
 
-def _past(surface: MeshShape, ends: FloatArray, clearance: float) -> float:
-    """Bound by a ball in the widened surface around a place of the straight line, [unit].
+def _mesh_bound(mesh: MeshShape, ends: FloatArray, clearance: float) -> float:
+    """Bound by a ball in the widened mesh around a point of the straight line, [unit].
 
-    0 where the surface is not in the way.
+    0 where the mesh does not block the line.
     """
-    if float(surface.segment_distance(ends[:1], ends[1:])[0]) >= clearance:
+    if float(mesh.segment_distance(ends[:1], ends[1:])[0]) >= clearance:
         return 0.0
-    if float(surface.signed_distance(ends).min()) < clearance:
+    if float(mesh.signed_distance(ends).min()) < clearance:
         return math.dist(*ends)
     share = np.linspace(0, 1, _SAMPLES)[:, None]
     line = ends[:1] + share * (ends[1:] - ends[:1])
-    radius = clearance - surface.signed_distance(line)
+    radius = clearance - mesh.signed_distance(line)
     k = int(radius.argmax())
     (a, b, c), (d, e, f) = (ends - line[k]).tolist()
     return float(kernels.around_ball(float(radius[k]), (a, b, c), (d, e, f)))

@@ -16,17 +16,17 @@ from abi.arrays import FloatArray, read_only
 from abi.obstacles.pose import Vec3, rotation
 from abi.obstacles.primitives import Box, Cylinder, Primitive, Sphere
 
-_SIDES = 8  # of the prism around what is round
+_SIDES = 8  # of the prism around a round solid
 _WIDER = 1e-6  # part of the margin that the edges keep beyond it
 _APART = 1e-9  # and [unit]
 _NONE = read_only(np.zeros(0))
 
 
-def edges(obstacles: tuple[Primitive, ...], margin: float, ahead: Vec3) -> FloatArray:
-    """The edges of the widened obstacles. What is round is taken for a prism of 8 sides.
+def obstacle_edges(primitives: tuple[Primitive, ...], margin: float, ahead: Vec3) -> FloatArray:
+    """The edges of the widened primitives; a round one is taken for a prism of 8 sides.
 
     Args:
-        obstacles: convex solids.
+        primitives: convex solids.
         margin: distance to keep, [unit].
         ahead: from start to goal, [unit], world: along it stands the prism around a ball.
 
@@ -34,20 +34,20 @@ def edges(obstacles: tuple[Primitive, ...], margin: float, ahead: Vec3) -> Float
         Both ends of each edge, one after the other, (6 n,), [unit], world.
     """
     wider = margin * (1 + _WIDER) + _APART
-    found = [
-        _edges(solid, wider, ahead if isinstance(solid, Sphere) else None) for solid in obstacles
+    edges = [
+        _edges(solid, wider, ahead if isinstance(solid, Sphere) else None) for solid in primitives
     ]
-    return read_only(np.concatenate(found)) if found else _NONE
+    return read_only(np.concatenate(edges)) if edges else _NONE
 
 
 @lru_cache(maxsize=1024)
 def _edges(solid: Primitive, margin: float, ahead: Vec3 | None) -> FloatArray:
-    axes = rotation(solid.wxyz).T if ahead is None else _along(np.array(ahead))
+    axes = rotation(solid.wxyz).T if ahead is None else _axes_along(np.array(ahead))
     ends = _box_edges(solid, margin) if isinstance(solid, Box) else _prism_edges(solid, margin)
     return read_only((ends @ axes + solid.position).ravel())
 
 
-def _along(ahead: FloatArray) -> FloatArray:
+def _axes_along(ahead: FloatArray) -> FloatArray:
     """Axes as rows (3, 3), the last of them along ``ahead``."""
     ahead = ahead / np.linalg.norm(ahead)
     side = np.cross(ahead, np.eye(3)[np.abs(ahead).argmin()])
@@ -55,26 +55,26 @@ def _along(ahead: FloatArray) -> FloatArray:
     return np.stack([side, np.cross(ahead, side), ahead])
 
 
-def _corners() -> FloatArray:
-    """Both ends (12, 2, 3) of the edges of a cube of half size 1, the ends along z last."""
+def _cube_edges() -> FloatArray:
+    """Ends (12, 2, 3) of the edges of a cube of half size 1, those along z last."""
     ends = np.empty((12, 2, 3))
     for axis in range(3):
-        rows = slice(4 * axis, 4 * axis + 4)
-        ends[rows, :, axis] = (-1, 1)
-        ends[rows, :, axis - 1], ends[rows, :, axis - 2] = np.array(
+        along = slice(4 * axis, 4 * axis + 4)
+        ends[along, :, axis] = (-1, 1)
+        ends[along, :, axis - 1], ends[along, :, axis - 2] = np.array(
             [(u, v) for u, v in product((-1, 1), repeat=2)]
         ).T[..., None]
     return read_only(ends)
 
 
-_CORNERS = _corners()
-_ACROSS = read_only(np.where(np.diff(_CORNERS, axis=1, prepend=0)[:, 1:] == 0, _CORNERS, 0.0))
-"""The same without what lies along the edge."""
+_CUBE = _cube_edges()
+_ACROSS = read_only(np.where(np.diff(_CUBE, axis=1, prepend=0)[:, 1:] == 0, _CUBE, 0.0))
+"""The same without the component along the edge."""
 
 
 def _box_edges(solid: Box, margin: float) -> FloatArray:
     """Ends (12, 2, 3) of the edges of a box, moved outwards along both their faces, body."""
-    return np.asarray(_CORNERS * (np.array(solid.size) / 2) + _ACROSS * margin)
+    return np.asarray(_CUBE * (np.array(solid.size) / 2) + _ACROSS * margin)
 
 
 def _prism_edges(solid: Primitive, margin: float) -> FloatArray:

@@ -1,4 +1,4 @@
-"""A path pulled taut between convex solids, and others that go round these by their edges."""
+"""Taut paths between convex solids: given paths, and short ones by the solids' edges."""
 
 from __future__ import annotations
 
@@ -13,38 +13,38 @@ from abi.compiled import FLOATS, IDS, compiled
 from abi.obstacles.vector_kernels import Vec3, vec3_at
 from abi.taut.free_space_kernels import SPACE, FreeSpace
 from abi.taut.tighten_kernels import length_of, tighten
-from abi.taut.visibility_graph_kernels import places, ways
+from abi.taut.visibility_graph_kernels import edge_waypoints, short_paths
 
-_SAME = 1e-6  # parts of the length: nearer than this two strings are one,
-_CLOSE = 2e-4  # and as near as this either may be the shorter one once its corners are cut
+_SAME = 1e-6  # part of the length: two paths that differ by less are the same one,
+_CLOSE = 2e-4  # by less than this, either may be the shorter once its corners are cut
 
 
 class Effort(NamedTuple):
-    """How much is tried.
+    """Limits of the search for short paths.
 
     Attributes:
-        samples: places evenly apart on each edge.
-        slack: how many times as long as the shortest so far a way by places may be.
-        ways: how many of these are looked at.
-        worth: part of the length that a cut corner must win.
+        samples: waypoints evenly apart on each edge.
+        slack: ratio to the shortest length so far up to which a path by waypoints is tightened.
+        paths: number of paths by waypoints.
+        least_gain: part of the length that a cut corner must gain.
     """
 
     samples: int
     slack: float
-    ways: int
-    worth: float
+    paths: int
+    least_gain: float
 
 
 @register_jitable
 def _shortest(lengths: list[float]) -> list[int]:
-    """The shortest path, after that which is close behind, if there is one."""
+    """Index of the shortest path, before it that of the second if it is nearly as short."""
     best, second = 0, -1
     for k in range(len(lengths)):
         if lengths[k] < lengths[best]:
             best = k
     for k in range(len(lengths)):
-        behind = lengths[k] - lengths[best]
-        if _SAME * lengths[best] < behind < _CLOSE * lengths[best] and (
+        excess = lengths[k] - lengths[best]
+        if _SAME * lengths[best] < excess < _CLOSE * lengths[best] and (
             second < 0 or lengths[k] < lengths[second]
         ):
             second = k
@@ -53,19 +53,19 @@ def _shortest(lengths: list[float]) -> list[int]:
 
 @register_jitable
 def _add(path: list[Vec3], points: list[Vec3], ends: list[int], lengths: list[float]) -> None:
-    """Put a path behind others."""
+    """Append a path to packed paths."""
     points.extend(path)
     ends.append(len(points))
     lengths.append(length_of(path))
 
 
 @compiled(example=(FLOATS, IDS, FLOATS, SPACE, Effort(1, 1.0, 1, 1e-6)))
-def pull(
+def taut_paths(
     given: FloatArray, begins: IntArray, edges: FloatArray, space: FreeSpace, effort: Effort
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Tighten paths, and the shortest ways by places on the edges; cut the corners of the best.
+    """Tighten paths, and short ones by waypoints on the edges; cut the corners of the best.
 
-    Where two are nearly as short, those of both are cut.
+    Where two are nearly as short, the corners of both are cut.
 
     Args:
         given: the paths, one after the other, all between the same ends, of two points or more,
@@ -85,15 +85,15 @@ def pull(
         path = [vec3_at(given, 3 * i) for i in range(begins[k], begins[k + 1])]
         _add(tighten(path, space, math.inf), points, ends, lengths)
     most = effort.slack * min(lengths)
-    spots, labels = places(edges, start, goal, effort.samples, most, space)
+    waypoints, labels = edge_waypoints(edges, start, goal, effort.samples, most, space)
     path = [start][:0]
-    for node in ways(spots, labels, space, most, effort.ways):
-        path.append(spots[node])
+    for node in short_paths(waypoints, labels, space, most, effort.paths):
+        path.append(waypoints[node])
         if node == 1:
             if length_of(path) <= effort.slack * min(lengths):
                 _add(tighten(path, space, math.inf), points, ends, lengths)
             path.clear()
     for k in _shortest(lengths):
         path = points[ends[k] : ends[k + 1]]
-        _add(tighten(path, space, effort.worth), points, ends, lengths)
+        _add(tighten(path, space, effort.least_gain), points, ends, lengths)
     return np.array(points), np.array(ends), np.array(lengths)

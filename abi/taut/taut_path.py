@@ -1,8 +1,8 @@
 """Stage 3½: the path pulled taut, free of the mesh's directions.
 
 A path along edges stays longer than it need be however fine the mesh, for an edge points only in a
-few directions. Here a path for any angle and short ways by the obstacles' edges stand beside it,
-and all are tightened like a string.
+few directions. So an any-angle path and short paths by the obstacles' edges stand beside it, and
+all are tightened.
 """
 
 from __future__ import annotations
@@ -15,11 +15,11 @@ from abi.arrays import FloatArray, flat, read_only
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.search.graph import REACH, Graph
 from abi.search.search import SearchResult
-from abi.taut import taut_kernels as kernels
-from abi.taut import theta_star_kernels as any_angles
 from abi.taut.free_space_kernels import FreeSpace
-from abi.taut.obstacle_edges import edges
-from abi.taut.tighten_near_meshes import tightened
+from abi.taut.obstacle_edges import obstacle_edges
+from abi.taut.taut_kernels import Effort, taut_paths
+from abi.taut.theta_star_kernels import any_angle
+from abi.taut.tighten_near_meshes import tighten_near_meshes
 
 _ROUNDING = 1e-9
 """Segments from start and goal may have less room: their own distance less this, [unit]."""
@@ -27,16 +27,15 @@ _ROUNDING = 1e-9
 _PAD = 1e-13
 """Part of the largest coordinate that the kernels keep beyond the margin, for their rounding."""
 
-_EFFORT = kernels.Effort(samples=5, slack=1.015, ways=6, worth=5e-6)
-"""How much is tried by the obstacles' edges, and at corners."""
+_EFFORT = Effort(samples=5, slack=1.015, paths=6, least_gain=5e-6)
 
-_NODES = 4_000
-"""Of a lattice about so many nodes are searched for any angle."""
+_SEARCHED_NODES = 4_000
+"""Nodes of a lattice, about, that the any-angle search takes; it passes over the others."""
 
 _MOST_NODES = 30_000
-"""More nodes that are no lattice are not searched for any angle.
+"""Nodes of another mesh above which it has no any-angle search.
 
-Of these none can be passed over, and uncompiled, in a first plan, so many take a tenth of a second.
+None of these can be passed over, and uncompiled, in a first plan, so many take a tenth of a second.
 """
 
 
@@ -58,18 +57,18 @@ class TautPath:
 def taut(graph: Graph, obstacles: ObstacleSet, margin: float, path: SearchResult) -> TautPath:
     """Pull ``path`` taut, and others beside it; the shortest is returned.
 
-    ``path`` may go round an obstacle on its longer side. One of the others is found for any angle,
+    ``path`` may go round an obstacle on its longer side. One of the others is an any-angle path,
     by Lazy Theta* (Nash, Koenig and Tovey, 2010) over the nodes of the mesh: every few of them
     where it is a fine lattice, and none where it is a fine mesh of another kind. The rest are short
-    ways in a visibility graph of places on the obstacles' edges, no two by the same edges
+    paths in a visibility graph of points on the obstacles' edges, no two by the same edges
     (:mod:`abi.taut.obstacle_edges`).
 
     Each is tightened: vertices that are not needed are dropped, the others moved towards the chord
     of their neighbours and along the surfaces that their legs touch, until the length stops
-    improving. Of the shortest, and of one nearly as short, the corners are cut, too, where that
-    wins. The result is a local optimum. A triangle mesh is first taken for its bounding box; then
-    ``path`` and the best found are tightened by the mesh's own distance,
-    :mod:`abi.taut.tighten_near_meshes`.
+    improving. The corners of the shortest, and of one nearly as short, are cut, too, where that
+    shortens it. The result is a local optimum. A triangle mesh is first taken for its bounding box;
+    then ``path`` and the best path so far are tightened by the mesh's own distance
+    (:mod:`abi.taut.tighten_near_meshes`).
 
     Args:
         graph: the graph of the path.
@@ -85,97 +84,100 @@ def taut(graph: Graph, obstacles: ObstacleSet, margin: float, path: SearchResult
     ends = path.points[[0, -1]]
     boxed = obstacles.boxed
     margins = _margins(boxed.signed_distances(ends), margin)
-    strings = _pulled(graph, path, boxed, margins)
+    candidates = _past_primitives(graph, path, boxed, margins)
     limits = margins.min(axis=1, initial=margin)
     if boxed is not obstacles:
         margins = _margins(obstacles.signed_distances(ends), margin)
         limits = margins.min(axis=1, initial=margin)
-        best, _ = _shortest_clear(path.points, strings, obstacles, limits)
-        strings = [tightened(points, obstacles, limits) for points in (path.points, best)]
-        strings.sort(key=_length)
-    points, clearance = _shortest_clear(path.points, strings, obstacles, limits)
+        best, _ = _shortest_clear(path.points, candidates, obstacles, limits)
+        candidates = [
+            tighten_near_meshes(points, obstacles, limits) for points in (path.points, best)
+        ]
+        candidates.sort(key=_length)
+    points, clearance = _shortest_clear(path.points, candidates, obstacles, limits)
     return TautPath(read_only(points), _length(points), clearance)
 
 
-def _margins(own: FloatArray, margin: float) -> FloatArray:
-    """Distance to keep from each obstacle (4, k): in general, from start, to goal, from and to.
+def _margins(ends: FloatArray, margin: float) -> FloatArray:
+    """Margins of segments from each obstacle (4, k): in general, from start, to goal, from and to.
 
     Args:
-        own: (2, k) distances of start and goal, [unit].
+        ends: (2, k) signed distances of start and goal, [unit].
         margin: the general one, [unit].
     """
-    first, last = np.minimum(own - _ROUNDING, margin)
+    first, last = np.minimum(ends - _ROUNDING, margin)
     return np.stack([np.full(len(first), margin), first, last, np.minimum(first, last)])
 
 
-def _pulled(
-    graph: Graph, path: SearchResult, boxed: ObstacleSet, margins: FloatArray
+def _past_primitives(
+    graph: Graph, path: SearchResult, obstacles: ObstacleSet, margins: FloatArray
 ) -> list[FloatArray]:
-    """All the paths past convex obstacles, tightened; first the best."""
+    """All paths (m, 3) past convex obstacles, tightened, the shortest first."""
     low, high = graph.mesh.box
     pad = _PAD * max(float(np.abs(low).max()), float(np.abs(high).max()))
-    limits = read_only((margins + pad).ravel())
-    found = [path.points, _any_angle(graph, path, boxed.packed, limits)]
-    begins = np.cumsum([0, *(len(points) for points in found if len(points))], dtype=np.int32)
+    packed_margins = read_only((margins + pad).ravel())
+    given = [path.points, _any_angle_path(graph, path, obstacles.packed, packed_margins)]
+    begins = np.cumsum([0, *(len(points) for points in given if len(points))], dtype=np.int32)
 
     x, y, z = (path.points[-1] - path.points[0]).tolist()
-    by = edges(boxed.primitives, float(margins[0].max(initial=0)), (x, y, z))
-    space = FreeSpace(boxed.packed, limits, tuple(low.tolist()), tuple(high.tolist()))
-    points, ends, lengths = kernels.pull(
-        flat(np.concatenate(found)), read_only(begins), by, space, _EFFORT
-    )
+    edges = obstacle_edges(obstacles.primitives, float(margins[0].max(initial=0)), (x, y, z))
+    corners = tuple(low.tolist()), tuple(high.tolist())
+    space = FreeSpace(obstacles.packed, packed_margins, *corners)
+    packed = flat(np.concatenate(given))
+    points, ends, lengths = taut_paths(packed, read_only(begins), edges, space, _EFFORT)
     return [points[ends[k] : ends[k + 1]] for k in np.argsort(lengths)]
 
 
-def _any_angle(
-    graph: Graph, path: SearchResult, packed: FloatArray, limits: FloatArray
+def _any_angle_path(
+    graph: Graph, path: SearchResult, packed: FloatArray, margins: FloatArray
 ) -> FloatArray:
-    """A path for any angle (m, 3), [unit], world, shorter than the one given; or none, m = 0.
+    """Any-angle path (m, 3), [unit], world, shorter than the one given; m = 0 where there is none.
 
     None, too, where the nodes are no lattice and too many.
 
     Args:
-        graph, path: as above.
+        graph: the graph.
+        path: a path of it.
         packed: the convex obstacles.
-        limits: distances from them that a segment keeps, see ``abi.taut.theta_star_kernels``.
+        margins: (4k,) see :class:`abi.taut.free_space_kernels.FreeSpace`.
     """
-    whole = graph.mesh
-    nodes = len(whole.points)
-    if whole.stencil is None and nodes > _MOST_NODES:
+    mesh = graph.mesh
+    nodes = len(mesh.points)
+    if mesh.stencil is None and nodes > _MOST_NODES:
         return np.empty((0, 3))
-    stride = 1 if whole.stencil is None else max(1, round((nodes / _NODES) ** (1 / 3)))
-    shape, _, steps, places, indptr, indices = whole.net
+    stride = 1 if mesh.stencil is None else max(1, round((nodes / _SEARCHED_NODES) ** (1 / 3)))
+    shape, _, steps, places, indptr, indices = mesh.net
     start, goal = path.points[[0, -1]].tolist()
-    found = any_angles.any_angle(
+    points = any_angle(
         *(shape, steps, places, indptr, indices, graph.excluded),
-        *(stride, stride * REACH * whole.longest_edge, tuple(start), tuple(goal)),
-        *(packed, limits, path.length),
+        *(stride, stride * REACH * mesh.longest_edge, tuple(start), tuple(goal)),
+        *(packed, margins, path.length),
     )
-    return np.asarray(found).reshape(-1, 3)
+    return np.asarray(points).reshape(-1, 3)
 
 
 def _shortest_clear(
-    path: FloatArray, strings: list[FloatArray], obstacles: ObstacleSet, limits: FloatArray
+    path: FloatArray, candidates: list[FloatArray], obstacles: ObstacleSet, limits: FloatArray
 ) -> tuple[FloatArray, float]:
-    """The first string that is clear, or the path, which needs no test; and its distance.
+    """The first candidate that is clear, or the path, which needs no test; and its clearance.
 
     Args:
         path: (k, 3) a path of the graph, [unit], world.
-        strings: (m, 3) each, between the same ends, the shortest first.
+        candidates: (m, 3) each, between the same ends, the shortest first.
         obstacles: the solids.
         limits: (4,) distance that a segment keeps, [unit]: in general, from the first point, to the
             last, from the first to the last.
     """
     most = _length(path)
-    for points in strings:
+    for points in candidates:
         if _length(points) > most:
             break
-        room = obstacles.segment_clearances(points)
-        kind = np.zeros(len(room), dtype=int)
+        distance = obstacles.segment_clearances(points)
+        kind = np.zeros(len(distance), dtype=int)
         kind[0] += 1
         kind[-1] += 2
-        if (room >= limits[kind]).all():
-            return points, float(room.min())
+        if (distance >= limits[kind]).all():
+            return points, float(distance.min())
     return path, obstacles.polyline_clearance(path)
 
 

@@ -25,17 +25,17 @@ from abi.obstacles.vector_kernels import Vec3, add, axpy, cross, distance, dot, 
 from abi.taut.free_space_kernels import FreeSpace, in_bounds, is_clear, kind_of
 
 _STEPS = 14  # halvings when a corner is cut: to 1/16,000 of the leg
-_HALVINGS = 24  # when the place is looked for that touches a solid
+_HALVINGS = 24  # when the point is looked for that touches a solid
 _LOOK_BACK = 64  # points to which one may be joined
-_CLOSELY = 8  # of which so many are tried, and of the others each fourth
+_ALL_BACK = 8  # of which so many are tried, and of the others each fourth
 _STRIDE = 4
 _MOST_POINTS = 256
 _SWEEPS = 24
-_SETTLING = 4  # sweeps after each round of cuts
-_SPLITS = 8
-_SETTLED = 1e-6  # part of the length by which a sweep must shorten the path to be followed by one
-_GLANCE = 3e-4  # the same, and how many sweeps, for a first look
-_GLANCE_SWEEPS = 3
+_SWEEPS_AFTER_CUT = 4  # sweeps after each round of cuts
+_CUTS = 8
+_SETTLED = 1e-6  # part of the length that a sweep must gain to be followed by another
+_QUICK_SETTLED = 3e-4  # the same, and how many sweeps, for a first look
+_QUICK_SWEEPS = 3
 
 
 @register_jitable
@@ -91,10 +91,10 @@ def _straighten(path: list[Vec3], i: int, space: FreeSpace) -> None:
     before, after = distance(a, here), distance(here, b)
     if before + after == 0:
         return
-    way = sub(axpy(before / (before + after), sub(b, a), a), here)
+    to_chord = sub(axpy(before / (before + after), sub(b, a), a), here)
     low, high, step = 0.0, 1.0, 0.5**_STEPS
     for _ in range(_STEPS):
-        if _fits(path, i, axpy(step, way, here), space):
+        if _fits(path, i, axpy(step, to_chord, here), space):
             low = step
         elif low == 0:
             break
@@ -102,12 +102,12 @@ def _straighten(path: list[Vec3], i: int, space: FreeSpace) -> None:
             high = step
         step = (low + high) / 2
     if low > 0:
-        path[i] = axpy(low, way, here)
+        path[i] = axpy(low, to_chord, here)
 
 
 @register_jitable
 def _slide_direction(a: Vec3, b: Vec3, m: Vec3, n: Vec3) -> Vec3:
-    """Direction in which a point stays in two planes; where there is one, of the pull within it.
+    """Direction in which a point stays in two planes; of the pull within it where there is one.
 
     Args:
         a: unit vector to one neighbour.
@@ -116,7 +116,7 @@ def _slide_direction(a: Vec3, b: Vec3, m: Vec3, n: Vec3) -> Vec3:
         n: of that in which the other touches.
 
     Returns:
-        A unit vector, or zero where there is nothing to be won.
+        A unit vector, or zero where nothing can be gained.
     """
     direction = cross(m, n)
     if dot(direction, direction) < 1e-8:
@@ -143,7 +143,7 @@ def _slide(path: list[Vec3], i: int, space: FreeSpace, reach: float) -> None:
     m = _touched(space, kind_of(i - 1, i, last), reach, here, path[i - 1])
     n = _touched(space, kind_of(i, i + 1, last), reach, here, path[i + 1])
     direction = _slide_direction(_divided(a, to_a), _divided(b, to_b), m, n)
-    # On a line the way from a to b is shortest where the mirror image of b about it is in line.
+    # On a line the path from a to b is shortest where the mirror image of b about it is in line.
     along_a, along_b = dot(a, direction), dot(b, direction)
     off_a = math.sqrt(max(to_a * to_a - along_a * along_a, 0.0))
     off_b = math.sqrt(max(to_b * to_b - along_b * along_b, 0.0))
@@ -192,8 +192,8 @@ def _widest_cut(
         corner: point of the path.
         a: unit vector along one leg.
         b: unit vector along the other.
-        least: below this a cut is not worth it, [unit].
-        most: below this a cut stays, [unit].
+        least: a shorter cut gains too little, [unit].
+        most: a cut stays below this, [unit].
     """
     low, cut = 0.0, least
     if cut < most:
@@ -209,8 +209,8 @@ def _widest_cut(
 
 
 @register_jitable
-def _cut_corners(path: list[Vec3], space: FreeSpace, worth: float) -> bool:
-    """Cut each corner, as far from it on both legs, where that wins ``worth``; whether any was."""
+def _cut_corners(path: list[Vec3], space: FreeSpace, least_gain: float) -> bool:
+    """Cut each corner at one distance on both legs where that gains enough; whether any was."""
     any_cut = False
     i = 1
     while i < len(path) - 1 and len(path) < _MOST_POINTS:
@@ -223,8 +223,8 @@ def _cut_corners(path: list[Vec3], space: FreeSpace, worth: float) -> bool:
         b = _divided(sub(path[i + 1], corner), after)
         # between two bends each takes half of the leg
         most = min(before if i == 1 else before / 2, after if i == len(path) - 2 else after / 2)
-        won = 2 - distance(a, b)
-        cut = _widest_cut(space, corner, a, b, worth / max(won, 1e-12), most)
+        gain = 2 - distance(a, b)
+        cut = _widest_cut(space, corner, a, b, least_gain / max(gain, 1e-12), most)
         if cut > 0:
             path[i] = axpy(cut, a, corner)
             path.insert(i + 1, axpy(cut, b, corner))
@@ -236,14 +236,14 @@ def _cut_corners(path: list[Vec3], space: FreeSpace, worth: float) -> bool:
 
 @register_jitable
 def _shortcut(path: list[Vec3], space: FreeSpace) -> list[Vec3]:
-    """The shortest way from first to last by points of the path that see each other."""
+    """The shortest path from first to last by points of the path that see each other."""
     last = len(path) - 1
     cost = [0.0]
     parent = [0]
     for j in range(1, last + 1):
         best, by = math.inf, j - 1
         for i in range(max(0, j - _LOOK_BACK), j):
-            if j - i > _CLOSELY and i % _STRIDE != 0:
+            if j - i > _ALL_BACK and i % _STRIDE != 0:
                 continue
             through = cost[i] + distance(path[i], path[j])
             if through < best and (
@@ -268,7 +268,7 @@ def length_of(path: list[Vec3]) -> float:
 
 
 @register_jitable
-def tighten(path: list[Vec3], space: FreeSpace, worth: float) -> list[Vec3]:
+def tighten(path: list[Vec3], space: FreeSpace, least_gain: float) -> list[Vec3]:
     """Pull a path taut: never longer, and every new segment clear.
 
     Skips points that it can do without, then moves each to where its legs are shortest, on the
@@ -278,17 +278,17 @@ def tighten(path: list[Vec3], space: FreeSpace, worth: float) -> list[Vec3]:
     Args:
         path: n >= 2 points, its segments clear.
         space: free space.
-        worth: part of the length that a cut corner must win; inf for a first look, which cuts none
-            and stops sooner.
+        least_gain: part of the length that a cut corner must gain; inf for a first look, which cuts
+            none and stops sooner.
     """
     taut = _shortcut(path, space)
-    if worth == math.inf:
-        _settle(taut, space, _GLANCE_SWEEPS, _GLANCE)
+    if least_gain == math.inf:
+        _settle(taut, space, _QUICK_SWEEPS, _QUICK_SETTLED)
         return taut
     _settle(taut, space, _SWEEPS, _SETTLED)
     length = length_of(taut)
-    for _ in range(_SPLITS):
-        if not _cut_corners(taut, space, worth * length):
+    for _ in range(_CUTS):
+        if not _cut_corners(taut, space, least_gain * length):
             break
-        _settle(taut, space, _SETTLING, _SETTLED)
+        _settle(taut, space, _SWEEPS_AFTER_CUT, _SETTLED)
     return taut

@@ -1,4 +1,4 @@
-"""Tightening of a path among obstacles of any shape, by the distance and its gradient alone."""
+"""Tightening of a path among obstacles of any shape, by the signed distance and its gradient."""
 
 from __future__ import annotations
 
@@ -8,14 +8,16 @@ from abi.arrays import BoolArray, FloatArray
 from abi.obstacles.obstacle_set import ObstacleSet
 
 _LOOK_BACK = 32
-_ROUNDS = 6
+_CUTS = 6
 _SWEEPS = 12
 _MOST_POINTS = 64
-_SETTLED = 1e-4  # part of the length by which a sweep must shorten the path to be followed by one
+_SETTLED = 1e-4  # part of the length that a sweep must gain to be followed by another
 _STEPS = 0.5 ** np.arange(9)
 
 
-def tightened(points: FloatArray, obstacles: ObstacleSet, limits: FloatArray) -> FloatArray:
+def tighten_near_meshes(
+    points: FloatArray, obstacles: ObstacleSet, limits: FloatArray
+) -> FloatArray:
     """Pull a path taut: never longer, and every new segment clear.
 
     Skips vertices that it can do without, then moves each in turn towards the chord of its
@@ -31,34 +33,34 @@ def tightened(points: FloatArray, obstacles: ObstacleSet, limits: FloatArray) ->
         (m, 3) the new path; the ends stay.
     """
     path = _shortcut(points, obstacles, limits)
-    for _ in range(_ROUNDS):
+    for _ in range(_CUTS):
         for _ in range(_SWEEPS):
             before = _length(path)
             for parity in (1, 0):
-                path = _moved(path, obstacles, limits, parity)
+                path = _sweep(path, obstacles, limits, parity)
             path = _shortcut(path, obstacles, limits)
             if before - _length(path) <= _SETTLED * before:
                 break
-        cut = _cut(path, obstacles, limits)
-        if len(cut) == len(path) or len(cut) > _MOST_POINTS:
+        cut_path = _cut_corners(path, obstacles, limits)
+        if len(cut_path) == len(path) or len(cut_path) > _MOST_POINTS:
             break
-        path = cut
+        path = cut_path
     return path
 
 
 def _shortcut(path: FloatArray, obstacles: ObstacleSet, limits: FloatArray) -> FloatArray:
-    """The shortest way from first to last by vertices that see each other."""
+    """The shortest path from first to last by vertices that see each other."""
     n = len(path)
     i, j = np.triu_indices(n, 1)
     i, j = i[j - i <= _LOOK_BACK], j[j - i <= _LOOK_BACK]
     kind = (i == 0) + 2 * (j == n - 1)
     clear = (j == i + 1) | ~obstacles.blocked(path[i], path[j], limits[kind])
     i, j = i[clear], j[clear]
-    way = np.linalg.norm(path[j] - path[i], axis=1)
+    length = np.linalg.norm(path[j] - path[i], axis=1)
     cost, parent = np.zeros(n), np.zeros(n, dtype=int)
     for k in range(1, n):
         into = np.flatnonzero(j == k)
-        through = cost[i[into]] + way[into]
+        through = cost[i[into]] + length[into]
         cost[k], parent[k] = through.min(), i[into[through.argmin()]]
     kept = [n - 1]
     while kept[-1]:
@@ -66,44 +68,42 @@ def _shortcut(path: FloatArray, obstacles: ObstacleSet, limits: FloatArray) -> F
     return path[kept[::-1]]
 
 
-def _moved(path: FloatArray, obstacles: ObstacleSet, limits: FloatArray, parity: int) -> FloatArray:
-    """Move every other inner vertex to the best place found; its neighbours stay."""
-    rows = np.arange(2 - parity, len(path) - 1, 2)
-    if not len(rows):
+def _sweep(path: FloatArray, obstacles: ObstacleSet, limits: FloatArray, parity: int) -> FloatArray:
+    """Move every other inner vertex to the best point tried; its neighbours stay."""
+    inner = np.arange(2 - parity, len(path) - 1, 2)
+    if not len(inner):
         return path
-    before, here, after = path[rows - 1], path[rows], path[rows + 1]
+    before, here, after = path[inner - 1], path[inner], path[inner + 1]
     legs = _sum_of_legs(before, here, after)
     share = np.linalg.norm(here - before, axis=1, keepdims=True) / np.maximum(legs, 1e-300)[:, None]
     pull = before + share * (after - before) - here
     normal = obstacles.outward(here)[1]
     across = pull - np.einsum("ni,ni->n", pull, normal)[:, None] * normal
-    # (vertex, way, step) -> places to try
-    ways = np.stack([pull, across], axis=1)
-    places = here[:, None, None] + ways[:, :, None] * _STEPS[:, None]
-    places = places.reshape(len(rows), -1, 3)
-    tries = places.shape[1]
-    first, middle, last = (
-        np.repeat(before, tries, axis=0),
-        places.reshape(-1, 3),
-        np.repeat(after, tries, axis=0),
-    )
+    # vertex, direction, step
+    directions = np.stack([pull, across], axis=1)
+    trials = here[:, None, None] + directions[:, :, None] * _STEPS[:, None]
+    trials = trials.reshape(len(inner), -1, 3)
+    count = trials.shape[1]
+    first, last = np.repeat(before, count, axis=0), np.repeat(after, count, axis=0)
+    middle = trials.reshape(-1, 3)
     length = _sum_of_legs(first, middle, last)
-    shorter = np.flatnonzero(length < np.repeat(legs, tries))
-    row = np.repeat(rows, tries)[shorter]
-    ends = (row == 1) * 1, (row == len(path) - 2) * 2
-    blocked = obstacles.blocked(first[shorter], middle[shorter], limits[ends[0]])
-    blocked |= obstacles.blocked(middle[shorter], last[shorter], limits[ends[1]])
+    length[length >= np.repeat(legs, count)] = np.inf
+    shorter = np.flatnonzero(np.isfinite(length))
+    vertex = np.repeat(inner, count)[shorter]
+    from_start, to_goal = (vertex == 1) * 1, (vertex == len(path) - 2) * 2
+    blocked = obstacles.blocked(first[shorter], middle[shorter], limits[from_start])
+    blocked |= obstacles.blocked(middle[shorter], last[shorter], limits[to_goal])
     length[shorter[blocked]] = np.inf
-    length = np.where(length < np.repeat(legs, tries), length, np.inf).reshape(len(rows), tries)
+    length = length.reshape(len(inner), count)
     best = length.argmin(axis=1)
-    found = np.isfinite(length[np.arange(len(rows)), best])
-    moved = path.copy()
-    moved[rows[found]] = places[found, best[found]]
-    return moved
+    gained = np.isfinite(length[np.arange(len(inner)), best])
+    swept = path.copy()
+    swept[inner[gained]] = trials[gained, best[gained]]
+    return swept
 
 
-def _cut(path: FloatArray, obstacles: ObstacleSet, limits: FloatArray) -> FloatArray:
-    """Put two vertices in the place of each corner that can be cut."""
+def _cut_corners(path: FloatArray, obstacles: ObstacleSet, limits: FloatArray) -> FloatArray:
+    """Replace each corner that can be cut by two vertices."""
     if len(path) < 3:
         return path
     before, here, after = path[:-2], path[1:-1], path[2:]
@@ -115,13 +115,13 @@ def _cut(path: FloatArray, obstacles: ObstacleSet, limits: FloatArray) -> FloatA
     q = here[:, None] + (to_b / np.maximum(b, 1e-300)[:, None])[:, None] * steps[..., None]
     flat = p.reshape(-1, 3), q.reshape(-1, 3)
     clear = ~obstacles.blocked(*flat, float(limits[0])).reshape(steps.shape)
-    won = 2 * steps - np.linalg.norm(q - p, axis=2)
-    worth: BoolArray = clear & (won > _SETTLED / 4 * _length(path))
-    step = worth.argmax(axis=1)  # the first is the largest
+    gain = 2 * steps - np.linalg.norm(q - p, axis=2)
+    kept: BoolArray = clear & (gain > _SETTLED / 4 * _length(path))
+    step = kept.argmax(axis=1)  # the first is the largest
     pieces = [path[:1]]
     for k in range(len(here)):
         corner = np.stack([p[k, step[k]], q[k, step[k]]])
-        pieces.append(corner if worth[k].any() else here[k : k + 1])
+        pieces.append(corner if kept[k].any() else here[k : k + 1])
     return np.concatenate([*pieces, path[-1:]])
 
 

@@ -1,6 +1,6 @@
-"""Short paths by places that see each other, between convex solids.
+"""Short paths in a visibility graph, between convex solids.
 
-Plain Python that numba compiles with its caller; uncompiled it runs on lists. Places are points,
+Plain Python that numba compiles with its caller; uncompiled it runs on lists. Waypoints are in
 [unit], world.
 """
 
@@ -18,12 +18,12 @@ from abi.taut.free_space_kernels import FreeSpace, in_bounds, is_clear, kind_of
 
 @register_jitable
 def _best_share(p: Vec3, edge: Vec3, a: Vec3, b: Vec3) -> float:
-    """Part of an edge from p at which the way from a by the edge to b is shortest."""
-    square = dot(edge, edge)
-    if square == 0:
+    """Part of an edge from p at which the path from a by the edge to b is shortest."""
+    squared_length = dot(edge, edge)
+    if squared_length == 0:
         return 0.0
-    # the way by a line is shortest where the mirror image of one end about it is in line
-    foot_a, foot_b = dot(sub(a, p), edge) / square, dot(sub(b, p), edge) / square
+    # the path by a line is shortest where the mirror image of one end about it is in line
+    foot_a, foot_b = dot(sub(a, p), edge) / squared_length, dot(sub(b, p), edge) / squared_length
     off_a, off_b = distance(a, axpy(foot_a, edge, p)), distance(b, axpy(foot_b, edge, p))
     if off_a + off_b == 0:
         return 0.0
@@ -31,12 +31,12 @@ def _best_share(p: Vec3, edge: Vec3, a: Vec3, b: Vec3) -> float:
 
 
 @register_jitable
-def places(
+def edge_waypoints(
     edges: FloatArray, start: Vec3, goal: Vec3, samples: int, most: float, space: FreeSpace
 ) -> tuple[list[Vec3], list[int]]:
-    """Start, goal, and places on edges by which a path between them may be short.
+    """Start, goal, and points on edges by which a path between them may be short.
 
-    On each edge: ``samples`` places evenly apart, and the one by which the way between the ends is
+    On each edge: ``samples`` points evenly apart, and the one by which the path between the ends is
     shortest; those that keep the general margin, lie in the box and are not too far off.
 
     Args:
@@ -44,16 +44,16 @@ def places(
         start: start.
         goal: goal.
         samples: number on each edge.
-        most: length that a way from start to goal by a place must be below, [unit].
+        most: length that a path from start to goal by a waypoint must be below, [unit].
         space: free space.
 
     Returns:
-        The places (n,), and numbers of their edges (n,).
+        The waypoints (n,), and numbers of their edges (n,).
     """
     margin = 0.0
     for s in range(len(space.margins) // 4):
         margin = max(margin, space.margins[s])
-    found, labels = [start, goal], [-1, -1]
+    waypoints, labels = [start, goal], [-1, -1]
     for e in range(len(edges) // 6):
         p = vec3_at(edges, 6 * e)
         edge = sub(vec3_at(edges, 6 * e + 3), p)
@@ -68,14 +68,14 @@ def places(
                 and distance(q, start) + distance(q, goal) < most
                 and not any_within(space.solids, margin, q)
             ):
-                found.append(q)
+                waypoints.append(q)
                 labels.append(e)
-    return found, labels
+    return waypoints, labels
 
 
 @register_jitable
-def _same_way(parent: list[int], labels: list[int], node: int, other: int) -> bool:
-    """Whether the ways to two places go by the same labels, each counted once in a row."""
+def _same_labels(parent: list[int], labels: list[int], node: int, other: int) -> bool:
+    """Whether the paths to two waypoints go by the same labels, repeats counted once."""
     while True:
         if labels[node] != labels[other]:
             return False
@@ -90,29 +90,29 @@ def _same_way(parent: list[int], labels: list[int], node: int, other: int) -> bo
 
 @register_jitable
 def _reconstruct_paths(parent: list[int], lasts: list[int]) -> list[int]:
-    """The paths from 0 to 1 by way of each of the places ``lasts``, one after the other."""
+    """The paths from 0 to 1 whose last waypoints are ``lasts``, one after the other."""
     nodes = [0] * 0
     for last in lasts:
-        way = [1, last]
-        while way[-1] != 0:
-            way.append(parent[way[-1]])
-        nodes.extend(way[::-1])
+        path = [1, last]
+        while path[-1] != 0:
+            path.append(parent[path[-1]])
+        nodes.extend(path[::-1])
     return nodes
 
 
 @register_jitable
-def ways(
-    places: list[Vec3], labels: list[int], space: FreeSpace, most: float, count: int
+def short_paths(
+    waypoints: list[Vec3], labels: list[int], space: FreeSpace, most: float, count: int
 ) -> list[int]:
-    """Short paths from the first place to the second by places that see each other.
+    """Short paths from the first waypoint to the second by waypoints that see each other.
 
-    A* on the visibility graph: of the shortest paths to each place that sees the second, the first
-    in order of length that go by other labels than those before. The first of all is the shortest
-    path there is. Whether two places see each other is tested only where it matters.
+    A* on the visibility graph: of the shortest paths to each waypoint that sees the second, the
+    first in order of length that go by other labels than those before. The first of all is the
+    shortest path there is. Whether two waypoints see each other is tested only where it matters.
 
     Args:
-        places: n >= 2.
-        labels: (n,) which places count as the same, from the third on.
+        waypoints: n >= 2.
+        labels: (n,) equal where waypoints count as the same, from the third on.
         space: free space.
         most: length that the paths must be below, [unit].
         count: how many paths at most.
@@ -121,38 +121,38 @@ def ways(
         Indices of the paths, one after the other, each from 0 to 1 (m,); empty when there is none.
     """
     solids, margins = space.solids, space.margins
-    cost = [math.inf] * len(places)
-    parent = [0] * len(places)
-    to_go = [distance(place, places[1]) for place in places]
-    left = list(range(2, len(places)))
+    cost = [math.inf] * len(waypoints)
+    parent = [0] * len(waypoints)
+    to_go = [distance(waypoint, waypoints[1]) for waypoint in waypoints]
+    unexpanded = list(range(2, len(waypoints)))
     lasts = [0] * 0
     guess = 0
     node, cost[0] = 0 if to_go[0] < most else -1, 0.0
     while node >= 0 and len(lasts) < count:
-        here, so_far = places[node], cost[node]
-        if is_clear(space, kind_of(node, 1, 1), here, places[1]):
+        here, so_far = waypoints[node], cost[node]
+        if is_clear(space, kind_of(node, 1, 1), here, waypoints[1]):
             new = True
             for other in lasts:
-                if _same_way(parent, labels, node, other):
+                if _same_labels(parent, labels, node, other):
                     new = False
             if new:
                 lasts.append(node)
         first = kind_of(node, 0, 1) * (len(solids) // WIDTH)
         last, node, at, least = node, -1, 0, most
-        for k in range(len(left)):
-            i = left[k]
-            through = so_far + distance(here, places[i])
+        for k in range(len(unexpanded)):
+            i = unexpanded[k]
+            through = so_far + distance(here, waypoints[i])
             if through < cost[i] and through + to_go[i] < most:
-                # what was in the way is likely to be in the way of the next place too
-                in_the_way = blocker(solids, margins, first, guess, here, places[i])
-                if in_the_way >= 0:
-                    guess = in_the_way
+                # a solid that blocked one line is likely to block the next one too
+                blocking = blocker(solids, margins, first, guess, here, waypoints[i])
+                if blocking >= 0:
+                    guess = blocking
                 else:
                     cost[i] = through
                     parent[i] = last
             if cost[i] + to_go[i] < least:
                 node, at, least = i, k, cost[i] + to_go[i]
         if node >= 0:
-            left[at] = left[len(left) - 1]
-            left.pop()
+            unexpanded[at] = unexpanded[len(unexpanded) - 1]
+            unexpanded.pop()
     return _reconstruct_paths(parent, lasts)

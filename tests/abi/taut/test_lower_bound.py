@@ -16,11 +16,11 @@ from abi.obstacles.primitives import Box, Capsule, Cylinder, MeshShape, Obstacle
 from abi.obstacles.triangle_mesh.repair import clean
 from abi.planner.planner import Planner
 from abi.scene.scene import Scene, Workspace
-from abi.taut import geodesic_kernels as around
-from abi.taut import taut_kernels as pull
 from abi.taut.free_space_kernels import FreeSpace
+from abi.taut.geodesic_kernels import solid_bounds
 from abi.taut.lower_bound import Bound, lower_bound
-from abi.taut.obstacle_edges import edges
+from abi.taut.obstacle_edges import obstacle_edges
+from abi.taut.taut_kernels import Effort, taut_paths
 from tests.abi import meshes
 from tests.abi.bezier import polyline
 from tests.abi.scene.test_scene import obstacles, points
@@ -35,17 +35,17 @@ def scene_of(bodies: list[dict[str, Any]], start: list[float], goal: list[float]
 
 
 def _tightened(path: FloatArray, solids: tuple[Primitive, ...]) -> float:
-    """Length of the path and the ways by the obstacles' edges, tightened again and again."""
+    """Length of the path and of short ones by the obstacles' edges, tightened repeatedly."""
     x, y, z = (path[-1] - path[0]).tolist()
-    by = edges(solids, CLEARANCE, (x, y, z))
+    edges = obstacle_edges(solids, CLEARANCE, (x, y, z))
     limits = read_only(np.full(4 * len(solids), CLEARANCE))
     space = FreeSpace(pack(solids), limits, (-20.0, -20.0, -20.0), (20.0, 20.0, 20.0))
-    effort = pull.Effort(samples=21, slack=1.5, ways=30, worth=1e-7)
+    effort = Effort(samples=21, slack=1.5, paths=30, least_gain=1e-7)
     length = math.inf
-    pulled: Any = pull.pull
+    pull: Any = taut_paths
     for _ in range(20):
         begins = read_only(np.array([0, len(path)], dtype=np.int32))
-        found, begins, lengths = pulled(flat(path), begins, by, space, effort)
+        found, begins, lengths = pull(flat(path), begins, edges, space, effort)
         best = int(np.argmin(lengths))
         path = found[begins[best] : begins[best + 1]]
         if lengths[best] > (1 - 1e-5) * length:
@@ -93,11 +93,11 @@ def test_compiled_and_plain_bounds_are_the_same(
 ) -> None:
     scene = scene_of(bodies, start, goal)
     solids = tuple(solid for solid in scene.obstacles if not isinstance(solid, MeshShape))
-    rows = pack(solids)
-    kernel: Any = around.around
+    packed = pack(solids)
+    kernel: Any = solid_bounds
 
-    lengths, exact = kernel(rows, CLEARANCE, scene.start, scene.goal)
-    plain, plain_exact = kernel.py_func(rows.tolist(), CLEARANCE, scene.start, scene.goal)
+    lengths, exact = kernel(packed, CLEARANCE, scene.start, scene.goal)
+    plain, plain_exact = kernel.py_func(packed.tolist(), CLEARANCE, scene.start, scene.goal)
 
     np.testing.assert_allclose(lengths, plain, rtol=1e-12)
     np.testing.assert_array_equal(exact, plain_exact)

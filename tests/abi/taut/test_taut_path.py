@@ -19,10 +19,10 @@ from abi.search import graph
 from abi.search.graph import Graph
 from abi.search.search import SearchResult, a_star
 from abi.taut import taut_path as stage
-from abi.taut import theta_star_kernels as any_angle
 from abi.taut.geodesic_kernels import around_ball
 from abi.taut.lower_bound import lower_bound
 from abi.taut.taut_path import TautPath, taut
+from abi.taut.theta_star_kernels import any_angle
 from abi.tet_mesh import tet_mesh as mesh
 from abi.tet_mesh.exclusion import exclude
 from tests.abi.scene.test_scene import obstacles, points
@@ -248,7 +248,7 @@ def with_and_without_any_angle(
     nodes, path = made(scene, margin, CLEARANCE)
     whole = taut(nodes, ObstacleSet(scene.obstacles), margin, path).length
     with monkeypatch.context() as patch:
-        patch.setattr(stage, "_any_angle", lambda *_: np.empty((0, 3)))
+        patch.setattr(stage, "_any_angle_path", lambda *_: np.empty((0, 3)))
         return whole, taut(nodes, ObstacleSet(scene.obstacles), margin, path).length
 
 
@@ -283,13 +283,12 @@ def test_how_many_nodes_are_searched_for_any_angle_is_bounded(
     count = len(nodes.mesh.points)
     strides = []
 
-    def any_angle_of(*arguments: Any) -> Any:
+    def recorded(*arguments: Any) -> Any:
         strides.append(arguments[6])
-        return search(*arguments)
+        return any_angle(*arguments)
 
-    search = any_angle.any_angle
-    monkeypatch.setattr(any_angle, "any_angle", any_angle_of)
-    monkeypatch.setattr(stage, "_NODES", count // 8)
+    monkeypatch.setattr(stage, "any_angle", recorded)
+    monkeypatch.setattr(stage, "_SEARCHED_NODES", count // 8)
     for most in (count, count - 1):
         monkeypatch.setattr(stage, "_MOST_NODES", most)
         found = taut(nodes, ObstacleSet(scene.obstacles), 0.1, path)

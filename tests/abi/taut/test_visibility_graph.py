@@ -58,24 +58,24 @@ def test_sight_goes_both_ways_and_needs_all_obstacles_clear(
 
 @settings(max_examples=40, deadline=None)
 @given(st.lists(obstacles, min_size=1, max_size=2), st.integers(0, 2**31))
-def test_ways_by_places_are_the_shortest_there_are(bodies: list[dict[str, Any]], seed: int) -> None:
+def test_paths_by_waypoints_are_the_shortest(bodies: list[dict[str, Any]], seed: int) -> None:
     solids: Any = pack(shapes(bodies)).tolist()
     margins: Any = [0.05] * 4 * len(bodies)
     random = np.random.default_rng(seed)
-    places = random.uniform(0, 6, (9, 3))
+    vertices = random.uniform(0, 6, (9, 3))
     labels = [-1, -1, *random.integers(0, 4, 7).tolist()]
     space = FreeSpace(solids, margins, (0.0, 0.0, 0.0), (6.0, 6.0, 6.0))
-    spots: Any = list(map(tuple, places.tolist()))
+    waypoints: Any = list(map(tuple, vertices.tolist()))
 
-    nodes = visibility.ways(spots, labels, space, 1e9, 5)
+    nodes = visibility.short_paths(waypoints, labels, space, 1e9, 5)
 
     # Floyd and Warshall on the whole visibility graph
-    n = len(places)
+    n = len(vertices)
     away = np.full((n, n), np.inf)
     for i in range(n):
         for j in range(n):
-            if not sight.blocked(solids, margins, 0, tuple(places[i]), tuple(places[j])):
-                away[i, j] = np.linalg.norm(places[i] - places[j])
+            if not sight.blocked(solids, margins, 0, tuple(vertices[i]), tuple(vertices[j])):
+                away[i, j] = np.linalg.norm(vertices[i] - vertices[j])
     cost = away.copy()
     for k in [0, *range(2, n)]:  # by way of any but the second, which ends all paths
         cost = np.minimum(cost, cost[:, k : k + 1] + cost[k])
@@ -97,7 +97,7 @@ def test_ways_by_places_are_the_shortest_there_are(bodies: list[dict[str, Any]],
     ]
     assert len(set(sequences)) == len(sequences)
     # a path must be shorter than asked
-    assert len(visibility.ways(spots, labels, space, lengths[0] * (1 - 1e-9), 5)) == 0
+    assert len(visibility.short_paths(waypoints, labels, space, lengths[0] * (1 - 1e-9), 5)) == 0
 
 
 @settings(max_examples=100, deadline=None)
