@@ -132,7 +132,7 @@ print(*used)
 def run(code: str, *arguments: str, **environment: str) -> str:
     there = {"PYTHONPATH": str(Path(abi.__file__).parents[1])} | environment
     out = subprocess.run(
-        [sys.executable, "-c", code, *arguments],
+        [sys.executable, "-P", "-c", code, *arguments],
         env=os.environ | there,
         check=True,
         capture_output=True,
