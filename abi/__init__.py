@@ -1,17 +1,17 @@
 """The hybrid ABI method: an optimal, smooth path for a robot's tool around obstacles.
 
-The six stages, in order; :mod:`abi.planner` runs them, :mod:`abi.scene` holds what each is told:
+The six stages, in order; :mod:`abi.planner` runs them, :mod:`abi.scene` is their input:
 
 1. :mod:`abi.tet_mesh`: tetrahedral mesh of the workspace, without the nodes in obstacles
 2. :mod:`abi.search`: graph of the free mesh
-3. :mod:`abi.search`: A*, Dijkstra and Bellman-Ford; :mod:`abi.taut` pulls what they find tight
+3. :mod:`abi.search`: A*, Dijkstra and Bellman-Ford; :mod:`abi.taut` pulls their path taut
 4. :mod:`abi.curves`: B-spline, kept clear of the obstacles
 5. :mod:`abi.curves`: quadratic with exact ends, and a motion in three phases
 6. :mod:`abi.arm`: inverse kinematics of the arm, and its motion
 
-Below them: :mod:`abi.obstacles` and how far they are, :mod:`abi.clearance` of curves and the proof
-of it. Beside them: :mod:`abi.verify` checks such proofs again in exact numbers, and
-:mod:`abi.paper` sets what the paper prints beside what we find.
+Below them: :mod:`abi.obstacles` and distances to them, :mod:`abi.clearance` of curves and its
+certificates. Beside them: :mod:`abi.verify` checks certificates in exact numbers, and
+:mod:`abi.paper` compares our results with those printed in the paper.
 """
 
 from abi.compiling import compile

@@ -1,4 +1,4 @@
-"""The array types of the package, and how arrays are handed on."""
+"""Array types of the package; arrays that stay as they are."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ _Array = TypeVar("_Array", bound=NDArray[Any])
 
 
 def read_only(array: _Array) -> _Array:
-    """Lock ``array`` against writing and return it, so that a result cannot change later."""
+    """Lock ``array`` against writing and return it."""
     array.setflags(write=False)
     return array
 
 
 def flat(array: NDArray[np.float64]) -> FloatArray:
-    """The numbers of ``array`` in a row, read-only: the form in which kernels are given them."""
+    """The numbers of ``array``, flat and read-only: the form that kernels take."""
     return read_only(np.ascontiguousarray(array).reshape(-1))

@@ -1,4 +1,4 @@
-"""Where the files that come with the package are: scenes and arms."""
+"""Paths of the files that come with the package: scenes and arms."""
 
 from __future__ import annotations
 

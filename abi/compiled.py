@@ -1,7 +1,7 @@
 """Kernels: inner loops that run as plain Python until they are compiled.
 
-A kernel is written as one file's function, ``@compiled(example=…)``. That registers it, and a call
-goes to whichever form there is. :mod:`abi.compiling` compiles all of them behind the first plan.
+``@compiled(example=…)`` makes a kernel of a function and registers it; calls run the compiled form
+once there is one. :mod:`abi.compiling` compiles all kernels in the background of the first plan.
 Helpers that kernels share are decorated with numba's ``register_jitable``.
 """
 
@@ -24,27 +24,27 @@ _P = ParamSpec("_P")
 _R = TypeVar("_R")
 
 FLOATS = read_only(np.zeros(1))
-"""In an example: a row of numbers that is read."""
+"""Example of numbers that are read, flat."""
 IDS = read_only(np.zeros(1, np.int32))
-"""In an example: a row of ids or of bits that is read."""
+"""Example of ids or of bits that are read, flat."""
 FLAGS = read_only(np.zeros(1, np.bool_))
-"""In an example: a row of flags that is read."""
-PLACES = np.zeros((1, 3))
-"""In an example: points, that may or may not be written."""
+"""Example of flags that are read, flat."""
+POINTS = np.zeros((1, 3))
+"""Example of points, read or written."""
 NEW_FLOATS = np.zeros(1)
-"""In an example: a row of numbers that the kernel fills or changes."""
+"""Example of numbers that the kernel writes, flat."""
 NEW_IDS = np.zeros(1, np.int32)
-"""In an example: a row of ids or of bits that the kernel fills or changes."""
+"""Example of ids or of bits that the kernel writes, flat."""
 NEW_FLAGS = np.zeros(1, np.bool_)
-"""In an example: a row of flags that the kernel fills or changes."""
+"""Example of flags that the kernel writes, flat."""
 
 
 class Kernel(Generic[_P, _R]):
     """A function that numba compiles, callable before and after.
 
-    What is compiled is kept where numba keeps it (``NUMBA_CACHE_DIR``), until the function changes
-    or one that it is compiled with; see :func:`abi.kernel_stamp.stamp`. It releases the
-    interpreter's lock.
+    The compiled form is kept in numba's cache (``NUMBA_CACHE_DIR``), until the function changes or
+    one that it is compiled with; see :func:`abi.kernel_stamp.stamp`. It releases the interpreter's
+    lock.
 
     Attributes:
         name: module and name of the function.
@@ -70,7 +70,7 @@ class Kernel(Generic[_P, _R]):
         KERNELS[self.name] = self
 
     def __call__(self, *arguments: _P.args, **_: _P.kwargs) -> _R:
-        """Run the function: compiled when that is done, else as Python."""
+        """Run the function: compiled if it is, else as Python."""
         result: _R = self._run(*arguments)
         return result
 
@@ -81,8 +81,8 @@ class Kernel(Generic[_P, _R]):
 
     @property
     def cached(self) -> bool:
-        """Whether the compiled form was kept by an earlier run; False where numba does not tell."""
-        dispatcher = self._prepared()
+        """Whether an earlier run kept the compiled form; False where numba does not tell."""
+        dispatcher = self._numba_dispatcher()
         try:
             key = dispatcher._cache._index_key(self._signature(), dispatcher.targetctx.codegen())
             return key in dispatcher._cache._cache_file._load_index()
@@ -90,10 +90,10 @@ class Kernel(Generic[_P, _R]):
             return False
 
     def compile(self) -> None:
-        """Compile the function, or load what was kept; calls run compiled from then on."""
+        """Compile the function, or load its kept form; calls run compiled from then on."""
         if self.compiled or numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
             return
-        dispatcher = self._prepared()
+        dispatcher = self._numba_dispatcher()
         if not self.cached:
             _forget(self._stale)
         dispatcher.compile(self._signature())
@@ -101,7 +101,7 @@ class Kernel(Generic[_P, _R]):
         self._run = dispatcher
 
     def interpret(self, *arguments: Any) -> Any:
-        """Run the function as Python: on lists, which are quicker there than arrays."""
+        """Run the function as Python, on lists, which it reads faster than arrays."""
         plain = tuple(map(_plain, arguments))
         with np.errstate(all="ignore"):  # as compiled
             result = self.py_func(*plain)  # type: ignore[call-arg]
@@ -117,8 +117,8 @@ class Kernel(Generic[_P, _R]):
     def _signature(self) -> tuple[Any, ...]:
         return tuple(map(numba.typeof, self.example))
 
-    def _prepared(self) -> Any:
-        """numba's dispatcher, with a cache that knows what the function depends on."""
+    def _numba_dispatcher(self) -> Any:
+        """numba's dispatcher, with a cache stamped with all that the function depends on."""
         if self._dispatcher is None:
             try:
                 dispatcher = numba.njit(cache=True, **self._options)(self.py_func)
@@ -126,7 +126,7 @@ class Kernel(Generic[_P, _R]):
                 dispatcher = numba.njit(**self._options)(self.py_func)
             cache: Any = getattr(dispatcher, "_cache", None)
             if hasattr(cache, "_cache_file") and hasattr(cache, "_impl"):
-                # a numba without these private names stamps as it likes
+                # a numba without these private names keeps its own stamp
                 options = repr(sorted(self._options.items())) + fields_of(self.example)
                 current = stamp(self.py_func, options)
                 line = f"-{self.py_func.__code__.co_firstlineno}."
@@ -155,8 +155,8 @@ def compiled(
     Args:
         example: arguments of the types that it will be called with; their values do not matter.
         fallback: whether it runs as Python until it is compiled. Without, the first call waits for
-            the compiler: for what takes longer than that as Python.
-        options: what else ``numba.njit`` is given.
+            the compiler: for a function that takes longer than that as Python.
+        options: further options of ``numba.njit``.
     """
     return partial(Kernel, example=example, fallback=fallback, options=options)
 
@@ -173,7 +173,7 @@ def _forget(stale: tuple[Path, str, str] | None) -> None:
 
 
 def _plain(value: Any) -> Any:
-    """Arrays as lists, inside of tuples too."""
+    """The value with arrays as lists, in tuples too."""
     if isinstance(value, np.ndarray):
         return value.tolist()
     if isinstance(value, tuple):

@@ -1,8 +1,8 @@
 """Compilation of all kernels in the background, kept from one run to the next.
 
-What an earlier run has kept is loaded, in about a second. The rest is compiled in a process of its
-own, so that neither the plans nor the end of the program wait for it, and loaded kernel by kernel
-as it comes.
+Kernels that an earlier run has kept are loaded, in about a second. The others are compiled in a
+process of their own, so that neither the plans nor the end of the program wait for it, and loaded
+one by one as they come.
 """
 
 from __future__ import annotations
@@ -34,29 +34,29 @@ class _Compilation:
     """The one background compilation of a process.
 
     Attributes:
-        settled: set once it is known whether everything was kept by an earlier run, and loaded.
-        done: set once all kernels run compiled, or as much as can be had of that.
+        loaded: set once all kernels that an earlier run has kept are loaded.
+        done: set once all kernels run compiled that can.
     """
 
     def __init__(self) -> None:
-        self.settled = threading.Event()
+        self.loaded = threading.Event()
         self.done = threading.Event()
         self._thread: threading.Thread | None = None
         self._child: subprocess.Popen[str] | None = None
-        self._begin = threading.Lock()
+        self._lock = threading.Lock()
         self._ending = False
 
     def begin(self) -> None:
         """Start the thread, once."""
         if self._thread is not None:
             return
-        with self._begin:
+        with self._lock:
             if self._thread is None and not self._ending:
                 self._thread = threading.Thread(target=self._work, name="compilation", daemon=True)
                 self._thread.start()
 
     def end(self) -> None:
-        """Leave what is not compiled yet; takes as long as the kernel that is being loaded.
+        """Stop; takes as long as the kernel that is being loaded.
 
         A thread inside the compiler's library when the process ends could crash it.
         """
@@ -64,7 +64,7 @@ class _Compilation:
         if self._child is not None:
             self._child.kill()
         if self._thread is not None and self._thread.ident is not None:
-            # numba's own code is left at its next step
+            # raised in numba's code at its next step
             ctypes.pythonapi.PyThreadState_SetAsyncExc(
                 ctypes.c_ulong(self._thread.ident), ctypes.py_object(SystemExit)
             )
@@ -77,17 +77,17 @@ class _Compilation:
             missing = [kernel for kernel in kernels if not self._load(kernel)]
             if not missing:
                 return
-            self.settled.set()
+            self.loaded.set()
             if not self._ending:
                 self._from_child(missing)
             for kernel in missing:
-                # where nothing can be kept, or no process be started
+                # where nothing can be kept, or no process started
                 if not self._ending:
                     kernel.compile()
         except Exception:
             _log.exception("kernels stay uncompiled")
         finally:
-            self.settled.set()
+            self.loaded.set()
             self.done.set()
 
     def _load(self, kernel: Kernel[..., Any]) -> bool:
@@ -97,7 +97,7 @@ class _Compilation:
         return kernel.compiled
 
     def _from_child(self, missing: list[Kernel[..., Any]]) -> None:
-        """Let another process compile what is missing, and load what it is done with."""
+        """Let another process compile missing kernels, and load each when it is kept."""
         paths = [str(_PACKAGE.parent), os.environ.get("PYTHONPATH", "")]
         environment = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, paths))}
         try:
@@ -141,7 +141,7 @@ def compile() -> None:
 
 
 def begin() -> None:
-    """Start compiling in the background; nothing happens where that was done before."""
+    """Start compiling in the background, once."""
     _compilation.begin()
 
 
@@ -151,19 +151,19 @@ def is_done() -> bool:
 
 
 def wait_for_loading() -> None:
-    """Wait while kernels are loaded that an earlier run kept; not for the compiler."""
+    """Wait until kernels that an earlier run kept are loaded; not for the compiler."""
     if _compilation._thread is not None:
-        _compilation.settled.wait()
+        _compilation.loaded.wait()
 
 
 def compile_named() -> None:
     """Compile the kernels that the command line names, and print the name of each when it is kept.
 
-    What the other process runs. It ends with the one that started it.
+    The main function of the other process, which ends with the one that started it.
     """
-    known = {kernel.name: kernel for kernel in all_kernels()}
+    all_kernels()
     for name in sys.argv[1:]:
-        known[name].compile()
+        KERNELS[name].compile()
         print(name, flush=True)
 
 
@@ -172,7 +172,7 @@ def _end() -> None:
 
 
 def _after_fork() -> None:
-    """Forget a thread that the child of a fork does not have."""
+    """Begin anew: a forked process does not have the thread."""
     global _compilation
     _compilation = _Compilation()
 

@@ -1,4 +1,4 @@
-"""Everything that can go wrong on purpose.
+"""Errors of the package.
 
 ::
 
@@ -18,7 +18,7 @@ import numpy as np
 from abi.arrays import FloatArray, IntArray
 
 UNIT = " [unit]"
-"""Follows every length in a sentence, until the unit is known."""
+"""Placeholder behind every length in a sentence, until the unit is known."""
 
 
 class AbiError(Exception):
@@ -34,15 +34,15 @@ class SceneError(AbiError):
     """A scene field that is wrong.
 
     Args:
-        field: where it stands, e.g. ``obstacles[0].size``.
-        value: what was given.
-        expected: what would work, as the end of the sentence "expected …".
+        field: its name, e.g. ``obstacles[0].size``.
+        value: the value given.
+        expected: end of the sentence "expected …", naming a value that would work.
     """
 
     def __init__(self, field: str, value: object, expected: str) -> None:
-        shown = repr(value)
-        shown = shown if len(shown) <= 90 else f"{shown[:40]} … {shown[-40:]}"
-        super().__init__(f"{field} is {shown}; expected {expected}.")
+        text = repr(value)
+        text = text if len(text) <= 90 else f"{text[:40]} … {text[-40:]}"
+        super().__init__(f"{field} is {text}; expected {expected}.")
         self.field = field
         self.value = value
         self.expected = expected
@@ -54,19 +54,19 @@ class StageError(AbiError):
     Args:
         stage: the stage's name in the plan: mesh, graph, search, bspline, quadratic, timing, arm.
         kind: a short identifier a script can compare.
-        message: one sentence that says what is wrong.
-        hint: one sentence that says what to try.
+        message: one sentence on what is wrong.
+        hint: one sentence on what to try.
     """
 
     def __init__(self, stage: str, kind: str, message: str, hint: str) -> None:
-        self._words = message, hint
-        super().__init__(*in_unit(self._words, ""))
+        self._sentences = message, hint
+        super().__init__(*in_unit(self._sentences, ""))
         self.stage = stage
         self.kind = kind
 
-    def tell(self, unit: str) -> None:
-        """Name the unit of the lengths in its sentences."""
-        self.message, self.hint = in_unit(self._words, unit)
+    def set_unit(self, unit: str) -> None:
+        """Put the unit behind the lengths in its sentences."""
+        self.message, self.hint = in_unit(self._sentences, unit)
         self.args = (self.message,)
 
 
@@ -77,7 +77,7 @@ class PointBlocked(StageError):
         which: ``start`` or ``goal``.
         obstacle: index in the scene's list, from 0.
         distance: signed distance of the point to that obstacle, [unit]; negative inside.
-        clearance: the clearance asked for, [unit].
+        clearance: the clearance required, [unit].
         nearest: the nearest free point found, shape (3,), [unit], world; None when there is none.
     """
 
@@ -132,22 +132,22 @@ class ClearanceNotHeld(StageError):
     """A curve that could not be kept clear.
 
     Args:
-        clearance: the distance asked for, [unit].
-        found: the best distance reached, [unit]; negative when the curve enters an obstacle.
+        clearance: the clearance required, [unit].
+        reached: the best distance proven, [unit]; negative when the curve enters an obstacle.
     """
 
-    def __init__(self, clearance: float, found: float) -> None:
-        short = max(clearance - found, 0.0)
-        place = f"enters an obstacle by {-found:.3g}" if found < 0 else f"lacks {short:.2g}"
+    def __init__(self, clearance: float, reached: float) -> None:
+        lack = max(clearance - reached, 0.0)
+        fault = f"enters an obstacle by {-reached:.3g}" if reached < 0 else f"lacks {lack:.2g}"
         super().__init__(
             "bspline",
             "clearance_not_held",
             "The B-spline is not proven to keep the clearance of "
-            f"{format_length(clearance)}: it {place}.",
+            f"{format_length(clearance)}: it {fault}.",
             "Lower the clearance or the degree, or try a finer pitch.",
         )
         self.clearance = clearance
-        self.found = found
+        self.reached = reached
 
 
 class OutOfReach(StageError):
@@ -158,8 +158,8 @@ class OutOfReach(StageError):
         last: time of the last point out of reach, [s].
         shortfall: the largest distance missing, [unit].
         too_near: True when the worst point is too near to the shoulder rather than too far.
-        slide: how far the slide q5 is out by then and how far it can be, [unit], where it is past
-            that: then it is what makes the forearm too long, or too short.
+        slide: extension of the slide q5 by then and its limit, [unit], where it is past that: then
+            it makes the forearm too long, or too short.
     """
 
     def __init__(
@@ -170,24 +170,24 @@ class OutOfReach(StageError):
         too_near: bool,
         slide: tuple[float, float] | None = None,
     ) -> None:
-        where = "too near to the shoulder" if too_near else "too far away"
-        what = (
+        place = "too near to the shoulder" if too_near else "too far away"
+        hint = (
             "Move the base away from the curve or make a3 and a4 + a5 more alike."
             if too_near
             else "Move the base nearer or lengthen a3, a4 or a5."
         )
         if slide is not None:
-            out, limit = slide
-            what = (
-                f"The drive pushes the slide q5 to {format_length(out)}, and it ends at "
+            extension, limit = slide
+            hint = (
+                f"The drive pushes the slide q5 to {format_length(extension)}, and it ends at "
                 f"{format_length(limit)}: make Q5 smaller, m5 and m6 larger or the motion shorter."
             )
         super().__init__(
             "arm",
             "out_of_reach",
-            f"From t = {first:.2f} s to {last:.2f} s the curve is {where} for the arm, "
+            f"From t = {first:.2f} s to {last:.2f} s the curve is {place} for the arm, "
             f"by up to {format_length(shortfall)}.",
-            what,
+            hint,
         )
         self.first = first
         self.last = last
@@ -195,11 +195,11 @@ class OutOfReach(StageError):
 
 
 def format_length(length: float) -> str:
-    """A length in a sentence, to be followed by its unit once that is known."""
+    """Text of a length, with the placeholder of its unit."""
     return f"{length:.3g}{UNIT}" if abs(length) < 1000 else f"{length:.0f}{UNIT}"
 
 
-def in_unit(words: tuple[str, str], unit: str) -> tuple[str, str]:
-    """A message and a hint with ``unit`` after every length; without any where it is empty."""
-    message, hint = (text.replace(UNIT, f" {unit}" if unit else "") for text in words)
+def in_unit(sentences: tuple[str, str], unit: str) -> tuple[str, str]:
+    """Message and hint with ``unit`` behind every length, or without units where it is empty."""
+    message, hint = (text.replace(UNIT, f" {unit}" if unit else "") for text in sentences)
     return message, hint

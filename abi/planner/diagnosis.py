@@ -251,7 +251,7 @@ def _not_held(scene: Scene, plan: Plan, error: ClearanceNotHeld, what_if: WhatIf
     message = (
         "No curve along the path is proven to keep the clearance of "
         f"{format_length(asked)}: "
-        f"the B-spline lacks {format_length(max(asked - error.found, 0.0))}."
+        f"the B-spline lacks {format_length(max(asked - error.reached, 0.0))}."
     )
     lower = what_if.largest_clearance(
         lambda value: what_if.plan_past("bspline", spline={"clearance": value}) is not None

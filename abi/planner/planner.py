@@ -88,7 +88,7 @@ class Planner:
         try:
             self._run(scene, chosen_only, reached)
         except StageError as error:
-            error.tell(scene.unit)
+            error.set_unit(scene.unit)
             reached["error"] = error
         total = 1e3 * (time.perf_counter() - begin)
         self._planned = True

@@ -16,7 +16,7 @@ from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner.exclusion_cache import ExclusionCache
 from abi.planner.plan import Plan
 from abi.planner.planner import SLACK, Planner
-from abi.scene.scene import FINEST, Scene
+from abi.scene.scene import FINEST_PITCH, Scene
 from abi.search import graph
 from abi.search.graph import Graph
 from abi.tet_mesh import tet_mesh as mesh
@@ -80,7 +80,7 @@ class WhatIf:
         while True:
             pitch = float(f"{pitches[-1] / 2:.3g}")
             if (
-                pitch < FINEST
+                pitch < FINEST_PITCH
                 or settings.model_copy(update={"pitch": pitch}).node_count(box) > most
             ):
                 return pitches[1:]

@@ -1,1 +1,1 @@
-"""Scene: all that the method is told, checked, with its file."""
+"""The scene, the checked input of the method, and its file."""

@@ -1,4 +1,4 @@
-"""What the checker of scenes says, in this package's words: field, value, and what would work."""
+"""Errors of pydantic as scene errors: field, value, and what would work."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from pydantic_core import ErrorDetails
 from abi.errors import SceneError
 from abi.obstacles.primitives import Box, Capsule, Cylinder, MeshShape, Sphere
 
-_WORDS = {
+_EXPECTED = {
     "bool_parsing": "true or false",
     "bool_type": "true or false",
     "dict_type": "a mapping",
@@ -27,14 +27,14 @@ _WORDS = {
     "string_type": "text",
     "tuple_type": "a list",
 }
-"""What the checker's kinds of error expect."""
+"""Expectations by pydantic's kind of error."""
 _LIMITS = {
     "greater_than": ("gt", "more than"),
     "greater_than_equal": ("ge", "at least"),
     "less_than": ("lt", "less than"),
     "less_than_equal": ("le", "at most"),
 }
-"""Where such a kind keeps its limit, and what that is."""
+"""Name of the limit in the context of such a kind, and its wording."""
 _SHAPES: dict[str, type[BaseModel]] = {
     "box": Box,
     "sphere": Sphere,
@@ -45,25 +45,27 @@ _SHAPES: dict[str, type[BaseModel]] = {
 
 
 def first_error(error: ValidationError, scene: type[BaseModel]) -> SceneError:
-    """The first complaint of the checker, in this package's words.
+    """Scene error for the first of pydantic's errors.
 
     Args:
-        error: what the checker found wrong with plain data.
-        scene: the model that it was checked against.
+        error: raised when plain data were checked.
+        scene: the model that they were checked against.
     """
     detail = error.errors(include_url=False)[0]
-    # below a list the checker adds the name of the kind it chose
-    loc = ("", *detail["loc"])
-    place = [b for a, b in itertools.pairwise(loc) if not (isinstance(a, int) and b in _SHAPES)]
+    # below a list pydantic adds the name of the shape it chose
+    parts = ("", *detail["loc"])
+    location = [
+        b for a, b in itertools.pairwise(parts) if not (isinstance(a, int) and b in _SHAPES)
+    ]
     if detail["type"] == "mesh_file":
-        place.append("file")
+        location.append("file")
         detail["input"] = detail["ctx"]["file"]
-    field = "".join(f"[{p}]" if isinstance(p, int) else f".{p}" for p in place).lstrip(".")
+    field = "".join(f"[{p}]" if isinstance(p, int) else f".{p}" for p in location).lstrip(".")
     missing = detail["type"] == "missing"
     return SceneError(
         field or "scene",
         _Missing() if missing else detail["input"],
-        _expected(detail, place, scene),
+        _expectation(detail, location, scene),
     )
 
 
@@ -74,14 +76,14 @@ class _Missing:
         return "missing"
 
 
-def _expected(detail: ErrorDetails, place: list[int | str], scene: type[BaseModel]) -> str:
-    """What would have worked, as the end of "expected …"."""
+def _expectation(detail: ErrorDetails, location: list[int | str], scene: type[BaseModel]) -> str:
+    """End of the sentence "expected …"."""
     kind = detail["type"]
     if kind == "missing":
-        return "version: 1" if place == ["version"] else "a value"
+        return "version: 1" if location == ["version"] else "a value"
     if kind == "extra_forbidden":
         names = _fields_at(detail["loc"][:-1], scene)
-        close = difflib.get_close_matches(str(place[-1]), names, 1)
+        close = difflib.get_close_matches(str(location[-1]), names, 1)
         return f"one of the fields {', '.join(names)}" + (
             f"; did you mean {close[0]}?" if close else ""
         )
@@ -89,26 +91,26 @@ def _expected(detail: ErrorDetails, place: list[int | str], scene: type[BaseMode
         return "shape: box, sphere, cylinder, capsule or mesh"
     if kind == "union_tag_invalid":
         return "box, sphere, cylinder, capsule or mesh"
-    if kind in ("model_type", "model_attributes_type") and isinstance(place[-1], str):
+    if kind in ("model_type", "model_attributes_type") and isinstance(location[-1], str):
         return f"the fields {', '.join(_fields_at(detail['loc'], scene))}"
-    if kind in _WORDS:
-        return _WORDS[kind]
+    if kind in _EXPECTED:
+        return _EXPECTED[kind]
     if kind == "too_long":
         return f"a list of {detail['ctx']['max_length']}"
     if kind in _LIMITS:
-        name, words = _LIMITS[kind]
-        return f"{words} {np.format_float_positional(detail['ctx'][name], trim='-')}"
+        name, wording = _LIMITS[kind]
+        return f"{wording} {np.format_float_positional(detail['ctx'][name], trim='-')}"
     message = detail["msg"]
     for prefix in ("Input should be ", "Value error, "):
         message = message.removeprefix(prefix)
     return message
 
 
-def _fields_at(place: tuple[int | str, ...], scene: type[BaseModel]) -> list[str]:
-    """Names of the fields of the section at ``place``."""
-    if "obstacles" in place:
-        return list(_SHAPES[str(place[-1])].model_fields)
+def _fields_at(location: tuple[int | str, ...], scene: type[BaseModel]) -> list[str]:
+    """Names of the fields of the section at ``location``."""
+    if "obstacles" in location:
+        return list(_SHAPES[str(location[-1])].model_fields)
     model: Any = scene
-    for part in place:
+    for part in location:
         model = model.model_fields[part].annotation
     return list(model.model_fields)

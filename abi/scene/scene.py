@@ -30,14 +30,14 @@ from abi.scene.field_errors import first_error
 from abi.scene.scene_changes import changed_value, without_stale_meshes
 from abi.scene.scene_file import parse, write
 
-Name = Literal["bcc", "kuhn", "delaunay"]
+Lattice = Literal["bcc", "kuhn", "delaunay"]
 Algorithm = Literal["a_star", "dijkstra", "bellman_ford"]
 Count = Annotated[int, Strict()]
 Number = Annotated[float, Strict(), Field(allow_inf_nan=False, ge=-1e6, le=1e6)]
 Rate = Annotated[float, Strict(), Field(allow_inf_nan=False, ge=1e-6, le=1e6)]
 Rates = tuple[Rate, Rate, Rate]
 
-FINEST = 1e-6
+FINEST_PITCH = 1e-6
 """Smallest pitch, [unit]: the shortest side that a workspace may have."""
 
 
@@ -71,13 +71,13 @@ class Workspace(_Settings):
 class MeshSettings(_Settings):
     """Stage 1. ``pitch`` is the distance between neighbouring nodes, [unit]."""
 
-    lattice: Name = "bcc"
-    pitch: Annotated[Number, Field(ge=FINEST)] = 1.2
+    lattice: Lattice = "bcc"
+    pitch: Annotated[Number, Field(ge=FINEST_PITCH)] = 1.2
     seed: Annotated[Count, Field(ge=0, le=2**32 - 1)] = 0
     max_nodes: Annotated[Count, Field(ge=8, le=20_000_000)] = 1_000_000
 
     def cells(self, workspace: Workspace) -> tuple[int, int, int]:
-        """Cubes along each axis: as nearly cubes of the asked size as the box allows.
+        """Cells along each axis, as nearly cubes as the box allows.
 
         In the body-centred lattice the nearest neighbours are half a cube's diagonal apart, so
         its cubes are 2/√3 times the pitch.
@@ -96,7 +96,7 @@ class MeshSettings(_Settings):
 
         The largest there is where none does.
         """
-        low, high = FINEST, min(max(workspace.size) * 2, LARGEST)
+        low, high = FINEST_PITCH, min(max(workspace.size) * 2, LARGEST)
         for _ in range(80):
             middle = math.sqrt(low * high)
             fits = self.model_copy(update={"pitch": middle}).node_count(workspace) <= self.max_nodes
@@ -182,21 +182,21 @@ class Scene(_Settings):
 
     @field_validator("obstacles")
     @classmethod
-    def _in_unit(cls, obstacles: Obstacles, info: ValidationInfo) -> Obstacles:
-        placed = list(obstacles)
-        files: dict[str, MeshShape] = {}
+    def _scale_meshes(cls, obstacles: Obstacles, info: ValidationInfo) -> Obstacles:
+        scaled = list(obstacles)
+        first_of: dict[str, MeshShape] = {}
         for index, shape in enumerate(obstacles):
             if not isinstance(shape, MeshShape):
                 continue
-            if files.setdefault(shape.file, shape).surface != shape.surface:
+            if first_of.setdefault(shape.file, shape).surface != shape.surface:
                 expected = "another name, an obstacle before it has this one with other content"
                 raise SceneError(f"obstacles[{index}].file", shape.file, expected)
             try:
-                placed[index] = shape.in_unit(info.data.get("unit", "m"))
+                scaled[index] = shape.in_unit(info.data.get("unit", "m"))
             except SceneError as error:
                 field = f"obstacles[{index}].{error.field}"
                 raise SceneError(field, error.value, error.expected) from None
-        return tuple(placed)
+        return tuple(scaled)
 
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
@@ -226,8 +226,8 @@ class Scene(_Settings):
 
         Args:
             data: plain data.
-            folder: where the files of its meshes are: the folder of the scene file, outside which
-                nothing is opened, or the content of each by its name. None for a scene without.
+            folder: source of its mesh files: the folder of the scene file, outside which nothing is
+                opened, or the content of each by its name. None for a scene without.
 
         Raises:
             SceneError: names the first field that is wrong.
@@ -240,21 +240,21 @@ class Scene(_Settings):
             raise first_error(error, cls) from None
 
     def to_dict(self) -> dict[str, Any]:
-        """Plain data, defaults filled in: what :meth:`from_dict` reads."""
+        """Plain data that :meth:`from_dict` reads, defaults filled in."""
         plain: dict[str, Any] = json.loads(self.model_dump_json())
         return plain
 
     @property
     def meshes(self) -> MeshSource:
-        """The surfaces of its meshes by the names of their files."""
+        """Surfaces of its meshes by file name."""
         shapes = [shape for shape in self.obstacles if isinstance(shape, MeshShape)]
         return MeshSource({shape.file: shape.surface for shape in shapes})
 
     def replace(self, files: Mapping[str, bytes | Surface] | None = None, **changes: Any) -> Self:
-        """The scene with changed fields; itself where they say what it holds already.
+        """The scene with changed fields; itself where they equal its own.
 
-        Only what differs is checked again, and what belongs together: a panel may be read at each
-        movement of a hand.
+        Only fields that differ are checked again, and those that belong together: a panel may be
+        read at each movement of a hand.
 
         Args:
             files: content of mesh files by name, for obstacles that name a new one; the scene's
@@ -270,7 +270,7 @@ class Scene(_Settings):
             data[name] = changed_value(data.get(name), change)
         data["obstacles"] = without_stale_meshes(data["obstacles"], files or {})
         if len(data) == len(type(self).model_fields) and all(
-            data[name] is held for name, held in vars(self).items()
+            data[name] is value for name, value in vars(self).items()
         ):
             return self
         return self.from_dict(data, MeshSource({**self.meshes.files, **(files or {})}))

@@ -22,14 +22,14 @@ from ruamel.yaml.events import AliasEvent, CollectionStartEvent, ScalarEvent
 from abi.errors import SceneError
 
 MAX_BYTES = 400_000
-"""Of a scene file: some 3,000 obstacles, and a few seconds to read as YAML."""
-MAX_DEPTH = 16
+"""Largest scene file: some 3,000 obstacles, and a few seconds to read as YAML."""
+_MAX_DEPTH = 16
 
 _ENDINGS = (".yaml", ".yml", ".json")
 
 
 def parse(path: Path) -> object:
-    """Plain data of the scene file at ``path``, at most ``MAX_BYTES``.
+    """Plain data of the scene file at ``path``, at most ``MAX_BYTES`` long.
 
     Raises:
         SceneError: missing, unreadable, too large, or not YAML or JSON; names the file and line.
@@ -37,19 +37,19 @@ def parse(path: Path) -> object:
     _refuse_ending(path)
     try:
         with path.open("rb") as file:
-            raw = file.read(MAX_BYTES + 1)
-    except (OSError, ValueError) as error:  # what can be no path at all is a ValueError
+            content = file.read(MAX_BYTES + 1)
+    except (OSError, ValueError) as error:  # a name that can be no path is a ValueError
         reason = (getattr(error, "strerror", None) or "no path").lower()
         raise SceneError("scene", str(path), f"a file that can be read ({reason})") from None
-    return parse_bytes(raw, path.name)
+    return parse_bytes(content, path.name)
 
 
-def parse_bytes(raw: bytes, name: str) -> object:
-    """Plain data of a scene file's content; ``name`` tells the format and is shown in errors."""
-    if len(raw) > MAX_BYTES:
+def parse_bytes(content: bytes, name: str) -> object:
+    """Plain data of a scene file's content; the ending of ``name`` gives the format."""
+    if len(content) > MAX_BYTES:
         raise SceneError("scene", name, f"a file of at most {MAX_BYTES // 1000} kB")
     try:
-        text = raw.decode("utf-8-sig")
+        text = content.decode("utf-8-sig")
         if name.lower().endswith(".json"):
             return json.loads(text, object_pairs_hook=_unique, parse_constant=_refuse_constant)
         _refuse_traps(text)
@@ -80,21 +80,21 @@ def write(data: dict[str, Any], path: Path) -> None:
     _refuse_ending(path)
     text = dump(data, path.name)
     # not by tempfile, whose files are for the owner alone whatever the umask says
-    beside = path.parent / f".{secrets.token_hex(8)}{path.suffix}"
+    temporary = path.parent / f".{secrets.token_hex(8)}{path.suffix}"
     try:
-        with beside.open("x", encoding="utf-8") as file:
+        with temporary.open("x", encoding="utf-8") as file:
             if path.is_file():
-                shutil.copymode(path, beside)
+                shutil.copymode(path, temporary)
             file.write(text)
             file.flush()
             os.fsync(file.fileno())
-        os.replace(beside, path)
+        os.replace(temporary, path)
     except (OSError, ValueError) as error:
         reason = (getattr(error, "strerror", None) or "not writable").lower()
         raise SceneError("scene", str(path), f"a place that can be written ({reason})") from None
     finally:
         with contextlib.suppress(OSError, ValueError):
-            beside.unlink(missing_ok=True)
+            temporary.unlink(missing_ok=True)
 
 
 def dump(data: dict[str, Any], name: str) -> str:
@@ -126,7 +126,7 @@ def _refuse_ending(path: Path) -> None:
 
 
 def _refuse_traps(text: str) -> None:
-    """Refuse what makes a small YAML text large or ambiguous, before it is built."""
+    """Refuse anchors, tags and depth, which make a small YAML text large or ambiguous."""
     depth = 0
     for event in YAML(typ="safe", pure=True).parse(text):
         if isinstance(event, AliasEvent) or getattr(event, "anchor", None):
@@ -137,15 +137,15 @@ def _refuse_traps(text: str) -> None:
             depth += 1
         elif type(event).__name__ in ("SequenceEndEvent", "MappingEndEvent"):
             depth -= 1
-        if depth > MAX_DEPTH:
-            raise SceneError("scene", "", f"at most {MAX_DEPTH} levels")
+        if depth > _MAX_DEPTH:
+            raise SceneError("scene", "", f"at most {_MAX_DEPTH} levels")
 
 
 def _unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     keys = [key for key, _ in pairs]
     if len(set(keys)) < len(keys):
-        twice = next(key for key in keys if keys.count(key) > 1)
-        raise SceneError("scene", "", f"each field once, {twice} stands there twice")
+        repeated = next(key for key in keys if keys.count(key) > 1)
+        raise SceneError("scene", "", f"each field once, {repeated} stands there twice")
     return dict(pairs)
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from numba.extending import register_jitable
 
 from abi.arrays import FloatArray
-from abi.compiled import FLOATS, IDS, NEW_FLOATS, PLACES, compiled
+from abi.compiled import FLOATS, IDS, NEW_FLOATS, POINTS, compiled
 from abi.obstacles.triangle_mesh.bvh import TriangleTree
 from abi.obstacles.vector_kernels import Vec3, axpy, cross, dot, norm, sub, vec3_at
 
@@ -104,7 +104,7 @@ def _to_box(p: Vec3, q: Vec3, low: Vec3, high: Vec3) -> float:
 
 @compiled(
     example=(
-        *(TriangleTree(FLOATS, FLOATS, IDS, FLOATS, 1.0), PLACES, PLACES),
+        *(TriangleTree(FLOATS, FLOATS, IDS, FLOATS, 1.0), POINTS, POINTS),
         *(NEW_FLOATS, NEW_FLOATS),
     ),
     fallback=False,

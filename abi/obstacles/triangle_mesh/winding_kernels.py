@@ -13,7 +13,7 @@ import numpy as np
 from numba.extending import register_jitable
 
 from abi.arrays import BoolArray, FloatArray, IntArray
-from abi.compiled import FLOATS, IDS, NEW_FLOATS, PLACES, compiled
+from abi.compiled import FLOATS, IDS, NEW_FLOATS, POINTS, compiled
 from abi.obstacles.triangle_mesh.bvh import Dipoles, TriangleTree
 from abi.obstacles.vector_kernels import Vec3, cross, dot, sub, vec3_at
 
@@ -91,7 +91,7 @@ def winding_number(
     example=(
         TriangleTree(FLOATS, FLOATS, IDS, FLOATS, 1.0),
         Dipoles(FLOATS, FLOATS, FLOATS, FLOATS),
-        *(PLACES, NEW_FLOATS, 0.0),
+        *(POINTS, NEW_FLOATS, 0.0),
     ),
     fallback=False,
 )
