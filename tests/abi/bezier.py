@@ -18,7 +18,7 @@ def interpolated(curve: Callable[[FloatArray], FloatArray], breaks: FloatArray, 
     values = curve((start + (end - start) * share).ravel()).reshape(len(start), n + 1, 3)
     bernstein = BPoly(np.eye(n + 1)[:, None], [0, 1])(share) if n else np.ones((1, 1))
     points = np.linalg.solve(bernstein, values)
-    return Bezier(breaks, points, float(np.abs(points).max()))
+    return Bezier(breaks.astype(float), points, float(np.abs(points).max()))
 
 
 def polyline(points: FloatArray) -> Bezier:
