@@ -1,35 +1,36 @@
 """The ``abi`` command: serve the visualiser, or plan without a browser.
 
-Each command imports what it needs: the method takes a second, and the page can load meanwhile.
+Each command imports what it needs: the method takes a second to load, the page loads meanwhile.
 """
 
 from __future__ import annotations
 
 import functools
+import itertools
 import json
 import os
 import sys
 import threading
 import webbrowser
+from operator import attrgetter
 from pathlib import Path
 
 import click
 
 INCOMPLETE, BAD_INPUT = 3, 2
-_WIDE = 150  # characters of a table that is written to a file
+_FILE_WIDTH = 150  # characters of a table that is written to a file
 
 
-class _Group(click.Group):
-    """``abi`` alone, and ``abi --port 8123``, mean ``abi serve``."""
+class _DefaultGroup(click.Group):
+    """Commands with ``serve`` as the default: of ``abi``, and of ``abi --port 8123``."""
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
-        own = {"--help", "--version"}
-        if not args or (args[0] not in self.commands and args[0] not in own):
+        if not args or args[0] not in {*self.commands, "--help", "--version"}:
             args = ["serve", *args]
         return super().parse_args(ctx, args)
 
 
-@click.group(cls=_Group)
+@click.group(cls=_DefaultGroup)
 @click.version_option(package_name="abi-visualiser", prog_name="abi")
 def cli() -> None:
     """Plan a smooth, clear path for a robot's tool, and see every stage of it."""
@@ -47,8 +48,8 @@ def serve(scene: str, host: str, port: int, open_tab: bool, dark: bool) -> None:
     """Start the visualiser on SCENE (a shipped scene's name or a file) and print its URL."""
     from app.server import start
 
-    opened = functools.partial(_opened, open_tab)
-    server = start(host=host, port=port, scene=scene, dark=dark, opened=opened)
+    announce = functools.partial(_announce, open_tab)
+    server = start(host=host, port=port, scene=scene, dark=dark, announce=announce)
     try:
         threading.Event().wait()
     except KeyboardInterrupt:
@@ -76,17 +77,17 @@ def plan(scene: str, out: Path | None, full: bool, list_scenes: bool) -> None:
         return
     result = plan_scene(load_scene(scene))
     data = result.to_dict(full)
-    found = explain(result.scene, result)
+    reason = explain(result.scene, result)
     if data["error"] is not None:
-        data["error"]["reason"] = None if found is None else found.to_dict()
+        data["error"]["reason"] = None if reason is None else reason.to_dict()
     text = json.dumps(data, indent=1, allow_nan=False)
     if out is None:
         _print(text)
     else:
         _write(out, text)
     if result.error is not None:
-        why = found or result.error
-        click.echo(f"{why.message} {why.hint}", err=True)
+        explained = reason or result.error
+        click.echo(f"{explained.message} {explained.hint}", err=True)
         raise SystemExit(INCOMPLETE)
 
 
@@ -105,9 +106,9 @@ def verify(plan: Path, meshes: Path | None) -> None:
     from abi.verify.verify import PlanMeshes
     from abi.verify.verify import verify as verify_plan
 
-    beside = PlanMeshes(plan.parent)
-    verdicts = verify_plan(_read(plan), meshes or beside)
-    for name in dict.fromkeys(beside.shipped):
+    found = PlanMeshes(plan.parent)
+    verdicts = verify_plan(_read(plan), meshes or found)
+    for name in dict.fromkeys(found.shipped):
         click.echo(f"{name!r} is not beside the plan; the shipped scenes' is taken.", err=True)
     click.echo("\n".join(map(str, verdicts)))
     if not all(verdict.proven for verdict in verdicts):
@@ -124,16 +125,14 @@ def reproduce() -> None:
 
     signs = {"holds": "✓", "depends on the mesh": "≈", "does not hold": "✗"}
     table = Table("where", "what", "printed", "ours", "")
-    before = ""
-    for one in compare():
-        if one.where != before:
-            table.add_section()
-        shown = "" if one.where == before else one.where
-        table.add_row(shown, one.what, one.printed, one.ours, signs[one.verdict])
-        before = one.where
+    for where, comparisons in itertools.groupby(compare(), attrgetter("where")):
+        table.add_section()
+        for number, one in enumerate(comparisons):
+            title = "" if number else where
+            table.add_row(title, one.what, one.printed, one.ours, signs[one.verdict])
     console = Console()
     if not console.is_terminal:
-        console.width = max(console.width, _WIDE)
+        console.width = max(console.width, _FILE_WIDTH)
     console.print(table)
     console.print("   ".join(f"{sign} {verdict}" for verdict, sign in signs.items()))
 
@@ -163,12 +162,12 @@ def bench(parts: tuple[str, ...], nodes: tuple[int, ...], scenes: int, out: Path
     try:
         out.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        reason = (error.strerror or "not writable").lower()
-        raise click.ClickException(f"--out: no folder {str(out)!r} ({reason}).") from None
+        cause = _cause(error, "not writable")
+        raise click.ClickException(f"--out: no folder {str(out)!r} ({cause}).") from None
     run.run(parts, nodes or run.SIZES, scenes, out)
 
 
-def _opened(open_tab: bool, url: str) -> None:
+def _announce(open_tab: bool, url: str) -> None:
     click.echo(f"The ABI visualiser is at {url} (Ctrl+C ends it)")
     if open_tab:
         webbrowser.open(url)
@@ -177,18 +176,23 @@ def _opened(open_tab: bool, url: str) -> None:
 def _read(path: Path) -> object:
     name = repr(str(path))
     try:
-        return json.loads(path.read_text(encoding="utf-8"), parse_constant=_refuse)
+        return json.loads(path.read_text(encoding="utf-8"), parse_constant=_refuse_constant)
     except OSError as error:
-        reason = (error.strerror or "not readable").lower()
-        raise click.ClickException(f"{name} cannot be read ({reason}).") from None
+        raise click.ClickException(
+            f"{name} cannot be read ({_cause(error, 'not readable')})."
+        ) from None
     except (ValueError, RecursionError):
         raise click.ClickException(
             f"{name} is not JSON. Write one with: abi plan SCENE --out PLAN"
         ) from None
 
 
-def _refuse(constant: str) -> object:
+def _refuse_constant(constant: str) -> object:
     raise ValueError(constant)
+
+
+def _cause(error: OSError, default: str) -> str:
+    return (error.strerror or default).lower()
 
 
 def _print(text: str) -> None:
@@ -196,23 +200,23 @@ def _print(text: str) -> None:
         click.echo(text)
         sys.stdout.flush()
     except BrokenPipeError:
-        # who read it has enough, as head has; Python must not try once more at its end
+        # the reader has closed the pipe, as head does; Python would flush once more at its end
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     except OSError as error:
-        reason = (error.strerror or "not writable").lower()
-        raise click.ClickException(f"The plan cannot be printed ({reason}).") from None
+        cause = _cause(error, "not writable")
+        raise click.ClickException(f"The plan cannot be printed ({cause}).") from None
 
 
 def _write(path: Path, text: str) -> None:
     try:
         path.write_text(text + "\n", encoding="utf-8")
     except OSError as error:
-        reason = (error.strerror or "not writable").lower()
-        raise click.ClickException(f"--out: {str(path)!r} cannot be written ({reason}).") from None
+        cause = _cause(error, "not writable")
+        raise click.ClickException(f"--out: {str(path)!r} cannot be written ({cause}).") from None
 
 
 def main() -> None:
-    """Run the command; every foreseen fault is one line on stderr and exit code 2."""
+    """Run the command; a foreseen error is one line on stderr and exit code 2."""
     try:
         cli(standalone_mode=False)
     except click.ClickException as error:

@@ -1,4 +1,4 @@
-"""Markdown with LaTeX between dollars, made into the MathML that browsers draw by themselves."""
+"""Formulas in Markdown: LaTeX between dollars, turned into MathML, which browsers draw."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""One picture of a tab: all that its layers, and the panels that draw, are drawn from."""
+"""State of a tab's picture at one moment: the input of every layer and panel that draws."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from app.style import Colour
 
 @dataclass(frozen=True)
 class Switch:
-    """A line of the legend that switches something drawn on and off.
+    """Entry of the legend that shows and hides something drawn.
 
     Attributes:
-        name: what :attr:`Frame.shown` has while it is on.
-        label: what the page calls it.
-        colour: the colour in which it is drawn.
+        name: element of :attr:`Frame.shown` while it is on.
+        label: its text on the page.
+        colour: of what is drawn.
         on: whether a new tab shows it.
     """
 
@@ -30,21 +30,21 @@ class Switch:
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """What a tab shows at one moment; the next is a copy with some parts replaced.
+    """Contents of a tab at one moment; the next is a copy with some parts replaced.
 
     Attributes:
-        plan: what was planned last.
-        reason: what was found out about its error.
-        refused: what is wrong with what was typed last; the plan is of the scene before it.
-        coarse: whether the plan's mesh is coarser than asked for, while the hand moves.
-        partial: whether it is, or two of its searches wait until the hand rests.
-        hasty: whether the hand may still move: what takes long to draw can wait.
-        outdated: whether a newer plan is on its way.
+        plan: the last one.
+        reason: diagnosis of its error.
+        refused: error in the last input; the plan is of the scene before it.
+        coarse: whether the plan's mesh is coarser than the scene's, while the input changes.
+        partial: whether it is, or two of its searches wait for a pause in the input.
+        interactive: whether the input may still change: what takes long to draw can wait.
+        outdated: whether a newer plan is being made.
         shown: names of the switches that are on.
         mesh_view: which part of the mesh to draw, of :data:`abi.search.subset.VIEWS`.
         expanded_share: part of the chosen search's expansions to draw, 0 to 1.
-        time: moment of the motion, [s].
-        playing: whether that moment goes on by itself.
+        time: since the begin of the motion, [s].
+        playing: whether it advances by itself.
     """
 
     plan: Plan
@@ -52,7 +52,7 @@ class Frame:
     refused: AbiError | None = None
     coarse: bool = False
     partial: bool = False
-    hasty: bool = False
+    interactive: bool = False
     outdated: bool = False
     shown: frozenset[str] = frozenset()
     mesh_view: str = "near"
@@ -62,24 +62,24 @@ class Frame:
 
     @property
     def faded(self) -> bool:
-        """Whether the plan is older than the panels."""
+        """Whether the plan is not that of the input, and drawn in grey."""
         return self.outdated or self.refused is not None
 
     @property
     def duration(self) -> float:
-        """Time that the motion takes, [s]; 0 without one."""
+        """Duration of the motion, [s]; 0 without one."""
         plan = self.plan
         return plan.profile.duration if plan.motion and plan.profile else 0.0
 
 
-class Drawn(Protocol):
+class Drawable(Protocol):
     """A layer, or a panel that draws."""
 
     def draw(self, frame: Frame) -> None:
-        """Show ``frame``; return at once where all that it needs of it is what it drew last."""
+        """Show ``frame``; return at once where the parts of it that count have not changed."""
 
 
-class Switched(Protocol):
-    """Something with lines in the legend."""
+class Switchable(Protocol):
+    """Something with entries in the legend."""
 
     switches: ClassVar[tuple[Switch, ...]]

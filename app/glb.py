@@ -9,8 +9,10 @@ from __future__ import annotations
 
 import json
 import struct
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from abi.arrays import FloatArray, IntArray
 from app.style import Colour
@@ -18,7 +20,7 @@ from app.style import Colour
 _LINES, _FLOAT, _UINT = 1, 5126, 5125
 
 
-def lines(points: FloatArray, edges: IntArray, colour: Colour, opacity: float) -> bytes:
+def line_set(points: FloatArray, edges: IntArray, colour: Colour, opacity: float) -> bytes:
     """A GLB of straight lines.
 
     Args:
@@ -29,63 +31,59 @@ def lines(points: FloatArray, edges: IntArray, colour: Colour, opacity: float) -
     """
     vertices = np.ascontiguousarray(points, dtype="<f4")
     indices = np.ascontiguousarray(edges, dtype="<u4")
-    linear = [(channel / 255) ** 2.2 for channel in colour]
+    primitive = {"attributes": {"POSITION": 0}, "indices": 1, "mode": _LINES, "material": 0}
     header = {
         "asset": {"version": "2.0"},
         "scene": 0,
         "scenes": [{"nodes": [0]}],
         "nodes": [{"mesh": 0}],
-        "meshes": [
-            {
-                "primitives": [
-                    {"attributes": {"POSITION": 0}, "indices": 1, "mode": _LINES, "material": 0}
-                ]
-            }
-        ],
-        "materials": [
-            {
-                "pbrMetallicRoughness": {
-                    "baseColorFactor": [*linear, opacity],
-                    "metallicFactor": 0.0,
-                },
-                "extensions": {"KHR_materials_unlit": {}},
-                "alphaMode": "BLEND" if opacity < 1 else "OPAQUE",
-            }
-        ],
+        "meshes": [{"primitives": [primitive]}],
+        "materials": [_unlit(colour, opacity)],
         "extensionsUsed": ["KHR_materials_unlit"],
+        **_buffers(vertices, indices),
+    }
+    text = json.dumps(header, separators=(",", ":")).encode()
+    text += b" " * (-len(text) % 4)
+    body = vertices.tobytes() + indices.tobytes()
+    chunks = _chunk(b"JSON", text) + _chunk(b"BIN\0", body)
+    return b"glTF" + struct.pack("<II", 2, 12 + len(chunks)) + chunks
+
+
+def _unlit(colour: Colour, opacity: float) -> dict[str, Any]:
+    """Material that shows its colour whatever the light."""
+    linear = [(channel / 255) ** 2.2 for channel in colour]
+    return {
+        "pbrMetallicRoughness": {"baseColorFactor": [*linear, opacity], "metallicFactor": 0.0},
+        "extensions": {"KHR_materials_unlit": {}},
+        "alphaMode": "BLEND" if opacity < 1 else "OPAQUE",
+    }
+
+
+def _buffers(vertices: NDArray[np.float32], indices: NDArray[np.uint32]) -> dict[str, Any]:
+    """Header entries for a body of vertices (n, 3) and indices (e, 2), one after the other."""
+    position = {
+        "bufferView": 0,
+        "componentType": _FLOAT,
+        "count": len(vertices),
+        "type": "VEC3",
+        "min": vertices.min(axis=0).tolist(),
+        "max": vertices.max(axis=0).tolist(),
+    }
+    index = {
+        "bufferView": 1,
+        "componentType": _UINT,
+        "count": indices.size,
+        "type": "SCALAR",
+    }
+    return {
         "buffers": [{"byteLength": vertices.nbytes + indices.nbytes}],
         "bufferViews": [
             {"buffer": 0, "byteOffset": 0, "byteLength": vertices.nbytes},
             {"buffer": 0, "byteOffset": vertices.nbytes, "byteLength": indices.nbytes},
         ],
-        "accessors": [
-            {
-                "bufferView": 0,
-                "componentType": _FLOAT,
-                "count": len(vertices),
-                "type": "VEC3",
-                "min": vertices.min(axis=0).tolist(),
-                "max": vertices.max(axis=0).tolist(),
-            },
-            {
-                "bufferView": 1,
-                "componentType": _UINT,
-                "count": indices.size,
-                "type": "SCALAR",
-            },
-        ],
+        "accessors": [position, index],
     }
-    text = json.dumps(header, separators=(",", ":")).encode()
-    text += b" " * (-len(text) % 4)
-    body = vertices.tobytes() + indices.tobytes()
-    size = 12 + 8 + len(text) + 8 + len(body)
-    return b"".join(
-        (
-            b"glTF",
-            struct.pack("<II", 2, size),
-            struct.pack("<I4s", len(text), b"JSON"),
-            text,
-            struct.pack("<I4s", len(body), b"BIN\0"),
-            body,
-        )
-    )
+
+
+def _chunk(kind: bytes, content: bytes) -> bytes:
+    return struct.pack("<I4s", len(content), kind) + content

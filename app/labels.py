@@ -1,4 +1,4 @@
-"""Names of a scene's fields on the page, and lengths as it writes them."""
+"""The page's names of a scene's fields, and its format of a proven distance."""
 
 from __future__ import annotations
 
@@ -22,23 +22,24 @@ LABELS = {
     **{f"arm.masses[{k}]": f"m{k + 4}" for k in range(3)},
     **{f"arm.radii[{k}]": f"i{k + 4}" for k in range(3)},
 }
-"""By the name in a file; of an obstacle's fields and a point's coordinates see below."""
+"""By the name in a file, but for obstacles and the coordinates of points."""
 
 _OBSTACLE = re.compile(r"obstacles\[(\d+)\]\.?")
+_COORDINATE = re.compile(r"\[[012]\]$")
 
 
-def as_labelled(error: AbiError, message: str) -> str:
-    """The message with what a field is called on the page in the place of its name in a file."""
+def with_labels(message: str, error: AbiError) -> str:
+    """``message`` with the page's name of the field that ``error`` names by its name in a file."""
     if not isinstance(error, SceneError):
         return message
-    field = error.field.removesuffix("[0]").removesuffix("[1]").removesuffix("[2]")
+    field = _COORDINATE.sub("", error.field)
     label = LABELS.get(error.field, LABELS.get(field, error.field))
     if found := _OBSTACLE.match(error.field):
-        part = LABELS.get(field[found.end() :], field[found.end() :])
-        label = f"obstacle {int(found[1]) + 1}" + (f": {part}" if part else "")
+        part = field[found.end() :]
+        label = f"obstacle {int(found[1]) + 1}" + (f": {LABELS.get(part, part)}" if part else "")
     return message.replace(error.field, label, 1)
 
 
-def at_least(distance: float) -> str:
-    """A distance in three decimals, rounded down: it is a bound, and less than it is also one."""
+def format_lower_bound(distance: float) -> str:
+    """A distance in three decimals, rounded down, which leaves a lower bound one."""
     return f"{math.floor(1000 * distance + 1e-6) / 1000:.3f}"

@@ -1,4 +1,4 @@
-"""Places on the page: which panel, which tab, which stage's folder."""
+"""Places on the page: panels, tabs and the stages' folders."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ from app import page, style
 
 @dataclass(frozen=True, eq=False)
 class Layout:
-    """Where layers and panels put what they add to the page.
+    """Containers that layers and panels fill.
 
     Attributes:
-        client: the tab; ``client.scene`` is what lies between the panels.
-        unit: of lengths in the scene that the tab begins with.
-        folders: of the stages, in the panel on the left.
-        result: tab of the panel on the right, as the others.
+        client: the browser tab; ``client.scene`` lies between the panels.
+        unit: of lengths in the tab's first scene.
+        folders: of the stages, in the left panel.
+        result: tab of the right panel, as are the others.
         joints: plots of the joints.
-        scene: files and what is placed by number.
+        scene: files, and positions as numbers.
         layers: the legend.
         paper: the lesson.
     """
@@ -38,7 +38,7 @@ class Layout:
     def of(
         cls, client: viser.ClientHandle, unit: str, folders: Mapping[str, viser.GuiFolderHandle]
     ) -> Layout:
-        """Dock the two panels and name the tabs of the right one."""
+        """Dock the two panels and add the right one's tabs."""
         gui = client.gui
         page.set_title(client, "ABI visualiser")
         gui.set_panel_label("ABI path planner")

@@ -1,4 +1,4 @@
-"""The few things of the page that viser 1.1.1 has no public name for, each with its check."""
+"""Access to the few parts of the page that viser 1.1.1 has no public name for."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ def set_title(client: viser.ClientHandle, title: str) -> None:
     )
 
 
-def refuse(client: viser.ClientHandle, title: str, reason: str) -> None:
-    """Say what was not done and why; all else stays as it is."""
+def notify_refusal(client: viser.ClientHandle, title: str, reason: str) -> None:
+    """Notify the user of what was not done, and why."""
     client.add_notification(title, reason, color="red", auto_close_seconds=12)
 
 
 def swatch_style(colours: Iterable[tuple[viser.GuiCheckboxHandle, Colour]]) -> str:
-    """A style sheet that puts a line of its colour before each checkbox's label."""
+    """Style sheet that puts a line of its colour before each checkbox's label."""
     rules = [
         f'label[for="{handle._impl.uuid}"]::before{{content:"";display:inline-block;width:14px;'
         f"height:4px;margin-right:7px;vertical-align:middle;background:{css(colour)}}}"
@@ -36,8 +36,8 @@ def swatch_style(colours: Iterable[tuple[viser.GuiCheckboxHandle, Colour]]) -> s
     return f"<style>{''.join(rules)}</style>"
 
 
-def refuse_sharing(server: viser.ViserServer) -> None:
-    """Take away the public tunnel that any visitor of a stock viser page may open."""
+def disable_sharing(server: viser.ViserServer) -> None:
+    """Remove the public tunnel that any visitor of a stock viser page may open."""
     handlers = server._websock_server._incoming_handlers
     for message in (_messages.ShareUrlRequest, _messages.ShareUrlDisconnect):
         handlers.pop(message, None)

@@ -1,4 +1,4 @@
-"""The web server: a tab connects and gets a session, a tab leaves and its session ends.
+"""The web server: one session for each connected tab.
 
 The page takes a second to load, and so does the method. What needs the method is imported where it
 is used, so that both load at once.
@@ -25,15 +25,15 @@ if TYPE_CHECKING:
 
 PAPER = "paper"
 
-_ALL = {"0.0.0.0": "127.0.0.1", "::": "[::1]"}
-"""Addresses that mean every one of this machine's, and one that a browser can be given."""
+_ANY_ADDRESS = {"0.0.0.0": "127.0.0.1", "::": "[::1]"}
+"""Addresses that stand for all of this machine's, each with one that a browser can open."""
 
 
 class Server:
-    """A page that anyone on ``host`` can load, and once it shows a scene, a visualiser.
+    """The page at ``host``, and the tabs' sessions once it has a scene.
 
     Attributes:
-        url: where it is, e.g. ``http://127.0.0.1:8080``.
+        url: of the page, e.g. ``http://127.0.0.1:8080``.
         sessions: one a tab, by viser's client id.
     """
 
@@ -42,23 +42,23 @@ class Server:
         self._lock = threading.Lock()
         self.sessions: dict[int, Session] = {}
         self.viser = viser.ViserServer(
-            host=_listening(host), port=port, label="ABI visualiser", verbose=False
+            host=_usable_address(host), port=port, label="ABI visualiser", verbose=False
         )
-        page.refuse_sharing(self.viser)
+        page.disable_sharing(self.viser)
         self.viser.gui.configure_theme(dark_mode=dark, show_logo=False, show_share_button=False)
         # shadows and surroundings take a weak machine seconds: each tab has them after its plan
         self.viser.scene.configure_default_lights(cast_shadow=False)
         self.viser.scene.configure_environment_map(hdri=None)
-        self.url = f"http://{_named(host)}:{self.viser.get_port()}"
+        self.url = f"http://{_url_host(host)}:{self.viser.get_port()}"
 
     def show(self, name: str, scene: Scene) -> None:
-        """Give every tab the scene, those that wait already and those to come."""
+        """Open a session on the scene for every tab, present and future."""
         from app.camera import look_at
         from app.warm_up import WarmUp
 
         look_at(self.viser.initial_camera, scene)
-        self.viser.on_client_disconnect(self._left)
-        self.viser.on_client_connect(functools.partial(self._came, name, scene, WarmUp()))
+        self.viser.on_client_disconnect(self._close_session)
+        self.viser.on_client_connect(functools.partial(self._open_session, name, scene, WarmUp()))
 
     def stop(self) -> None:
         """End every session and close the port."""
@@ -68,18 +68,20 @@ class Server:
             session.close()
         self.viser.stop()
 
-    def _came(self, name: str, scene: Scene, warm_up: WarmUp, client: viser.ClientHandle) -> None:
+    def _open_session(
+        self, name: str, scene: Scene, warm_up: WarmUp, client: viser.ClientHandle
+    ) -> None:
         from app.session import Session
 
         session = Session(client, name, scene, self._plain, self._dark, warm_up.planned)
-        warm_up.greet(client)
+        warm_up.add(client)
         with self._lock:
             if client.client_id in self.viser.get_clients():
                 self.sessions[client.client_id] = session
                 return
         session.close()
 
-    def _left(self, client: viser.ClientHandle) -> None:
+    def _close_session(self, client: viser.ClientHandle) -> None:
         with self._lock:
             session = self.sessions.pop(client.client_id, None)
         if session is not None:
@@ -92,7 +94,7 @@ def start(
     scene: str = PAPER,
     plain: bool = False,
     dark: bool = False,
-    opened: Callable[[str], object] = lambda url: None,
+    announce: Callable[[str], object] = lambda url: None,
 ) -> Server:
     """Start serving and return at once.
 
@@ -102,38 +104,38 @@ def start(
         scene: a shipped scene's name or a scene file.
         plain: no shadows and no environment map, for slow graphics and tests.
         dark: whether a new tab begins dark.
-        opened: told the address as soon as there is a page to load.
+        announce: called with the URL as soon as there is a page to load.
 
     Raises:
         AbiError: the scene cannot be read, or ``host`` is no address of this machine.
     """
-    # A tab that leaves in the middle of a frame is no news; its session is told right after.
+    # a tab may close in the middle of a frame; its session ends right after
     warnings.filterwarnings("ignore", "Queued a .* on a closed connection", UserWarning)
-    # The worker threads plan in Python; shorter turns keep the event loop answering meanwhile.
+    # the workers plan in Python: shorter turns let the event loop answer meanwhile
     sys.setswitchinterval(0.0005)
-    # what may be wrong is read before there is a page
-    read = None if scene == PAPER else _read(scene)
+    # a file that may be wrong is read before there is a page
+    loaded = None if scene == PAPER else _load(scene)
     server = Server(host, port, plain, dark)
-    opened(server.url)
-    server.show(scene, read or _read(scene))
+    announce(server.url)
+    server.show(scene, loaded or _load(scene))
     return server
 
 
-def _listening(host: str) -> str:
-    """``host`` once something has listened on it, for viser would try 1,000 ports on any.
+def _usable_address(host: str) -> str:
+    """An address to listen on, tried out, since viser would try 1,000 ports on a wrong one.
 
-    Where only some of a name's addresses are this machine's, as ``::1`` is not without IPv6, it is
-    the first that is: with all of them no port would do.
+    It is ``host``; of a name with addresses that are not this machine's, such as ``::1`` without
+    IPv6, the first that is.
 
     Raises:
-        AbiError: none is.
+        AbiError: no address of ``host`` is this machine's.
     """
     usable, refused = [], []
     try:
-        found = socket.getaddrinfo(host, 0, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)
-    except (OSError, ValueError) as error:  # what can be no name at all is a ValueError
-        found, refused = [], [error]
-    for family, kind, protocol, _, address in found:
+        addresses = socket.getaddrinfo(host, 0, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)
+    except (OSError, ValueError) as error:  # ValueError: cannot be a host's name
+        addresses, refused = [], [error]
+    for family, kind, protocol, _, address in addresses:
         try:
             with socket.socket(family, kind, protocol) as probe:
                 probe.bind(address)
@@ -150,14 +152,14 @@ def _listening(host: str) -> str:
     raise AbiError(f"--host is {host!r}; expected {expected} ({reason}).")
 
 
-def _named(host: str) -> str:
-    """How an address on this machine is written in a URL."""
-    if host in _ALL:
-        return _ALL[host]
+def _url_host(host: str) -> str:
+    """``host`` as part of a URL."""
+    if host in _ANY_ADDRESS:
+        return _ANY_ADDRESS[host]
     return f"[{host}]" if ":" in host else host
 
 
-def _read(name: str) -> Scene:
+def _load(name: str) -> Scene:
     from abi.scene.scene import load_scene
 
     return load_scene(name)

@@ -1,8 +1,7 @@
 """One browser tab: its worker thread reads the panels, plans what changed, and draws the frame.
 
-Callbacks only wake the worker. What it draws is one frozen :class:`Frame`, given to every layer
-and panel inside one ``atomic`` block; the newest settings win, and what was overtaken is never
-computed.
+Callbacks only wake the worker. It gives one frozen :class:`Frame` to every layer and panel inside
+an ``atomic`` block. Only the newest input is planned; what came before it is skipped.
 """
 
 from __future__ import annotations
@@ -21,32 +20,32 @@ from abi.planner.live_planner import LivePlanner
 from abi.planner.plan import Plan
 from abi.scene.scene import Scene
 from app.camera import Viewpoint
-from app.frame import Drawn, Frame, Switched
+from app.frame import Drawable, Frame, Switchable
 from app.layers.catalogue import LAYERS, SLOW_LAYERS
 from app.panels.all_panels import AllPanels
-from app.panels.gizmos import ObstacleGizmos
+from app.panels.obstacle_gizmos import ObstacleGizmos
 from app.panels.playback import PlaybackPanel
 
 _log = logging.getLogger(__name__)
 
 SLOW_MS = 120.0
-"""A plan that takes longer than this is awaited with the old one in grey."""
+"""Where the last plan took longer, it is drawn in grey while the next is made."""
 REST = 0.3
-"""Seconds without a wish after which the hand rests: time to plan in full, and to explain."""
-LIGHT = 1.5
-"""Seconds after the first plan in which it is drawn, however weak the graphics."""
-_SWITCHED: tuple[type[Switched], ...] = (*LAYERS, ObstacleGizmos, *SLOW_LAYERS)
-SWITCHES = tuple(switch for drawn in _SWITCHED for switch in drawn.switches)
-"""The lines of the legend."""
+"""Seconds without input that make a pause: time to plan in full, and to diagnose."""
+LIGHTS_DELAY = 1.5
+"""Seconds in which even weak graphics have drawn the first plan."""
+_SWITCHABLE: tuple[type[Switchable], ...] = (*LAYERS, ObstacleGizmos, *SLOW_LAYERS)
+SWITCHES = tuple(switch for part in _SWITCHABLE for switch in part.switches)
+"""Entries of the legend."""
 
 
 class Session:
-    """Everything that belongs to one tab; nothing is shared with another.
+    """State and worker of one tab; nothing is shared with another.
 
     Attributes:
         frame: what is drawn.
-        plans: how many plans were drawn so far, those drawn again included.
-        layers: what draws and nobody moves.
+        plans: number of plans drawn so far, counting one as often as it was drawn.
+        layers: all layers.
     """
 
     def __init__(
@@ -58,18 +57,18 @@ class Session:
         dark: bool,
         planned: threading.Event,
     ) -> None:
-        """Begin a tab; ``planned`` is set whenever a plan has been drawn."""
+        """Build the tab and start its worker; sets ``planned`` whenever a plan has been drawn."""
         self.client = client
         self.frame = Frame(Plan(scene))
         self.plans = 0
         self._scene = scene
         self._planner = LivePlanner(compile=False)
-        self._wished = 0.0
-        self._explained: Plan | None = None
+        self._last_input = 0.0
+        self._diagnosed: Plan | None = None
         self._changed = threading.Event()
         self._planned = planned
         self._closing = False
-        self._lit = plain
+        self._has_lights = plain
         self._viewpoint = Viewpoint(client.camera, scene)
         self._compiled = compiling.is_done()
         with client.atomic():
@@ -81,7 +80,7 @@ class Session:
         self._worker.start()
 
     def close(self) -> None:
-        """End the worker; the tab has gone."""
+        """End the worker of a closed tab."""
         self._closing = True
         self._changed.set()
         if threading.current_thread() is not self._worker:
@@ -89,51 +88,51 @@ class Session:
 
     @property
     def plan(self) -> Plan | None:
-        """The plan that is drawn; None before the first."""
+        """The plan drawn last; None before the first."""
         return self.frame.plan if self.plans else None
 
     @property
     def resting(self) -> bool:
-        """Whether the plan is whole, all of it is drawn, and no wish is waiting."""
-        waits = self.frame.hasty or self.frame.partial or self._changed.is_set()
-        return self.plans > 0 and not waits
+        """Whether the plan is complete, all of it is drawn, and no input is waiting."""
+        waiting = self.frame.interactive or self.frame.partial or self._changed.is_set()
+        return self.plans > 0 and not waiting
 
     def wake(self, event: object) -> None:
-        """The callback of every widget: the user changed something, see what.
+        """Wake the worker after an input: the callback of every widget.
 
         What the worker writes into a widget comes back here too, without a client. Not ``async``:
-        viser would leave the coroutines of those behind when it stops.
+        viser leaves coroutines behind when it stops.
         """
         if getattr(event, "client", None) is not None:
             self._changed.set()
 
     def _build(self, name: str, scene: Scene, dark: bool) -> None:
-        """Add panels and layers; where they share a tab or a folder, in the order of the page."""
+        """Add panels and layers, in the order of the page where they share a tab or a folder."""
         self.panels = AllPanels(self.client, name, scene, SWITCHES, self.wake, dark)
-        layers: list[Drawn] = [layer(self.panels.layout) for layer in LAYERS]
-        slow_layers: list[Drawn] = [layer(self.panels.layout) for layer in SLOW_LAYERS]
+        layers: list[Drawable] = [layer(self.panels.layout) for layer in LAYERS]
+        slow_layers: list[Drawable] = [layer(self.panels.layout) for layer in SLOW_LAYERS]
         with self.panels.layout.result:
             self.playback = PlaybackPanel(self.client.gui, self.wake)
         self.layers = (*layers, *slow_layers)
         self._groups = ((*self.panels.drawn, *layers), slow_layers)
 
     def _work(self) -> None:
-        """Run the tab's only thread that computes and draws."""
+        """Plan and draw until the tab is closed: the worker's thread."""
         while True:
-            self._changed.wait(self._patience())
+            self._changed.wait(self._timeout())
             if self._closing:
                 return
-            # Not what wait() returned: the wish may have come while it gave up.
+            # not what wait() returned: the input may have come while it gave up
             if woken := self._changed.is_set():
                 self._changed.clear()
             try:
                 self._viewpoint.fit()
                 if woken:
-                    self._wished = time.monotonic()
-                    self._follow()
+                    self._last_input = time.monotonic()
+                    self._update()
                     continue
-                if time.monotonic() - self._wished >= REST:
-                    self._rest()
+                if time.monotonic() - self._last_input >= REST:
+                    self._use_pause()
                 self._draw(self.frame)
             except Exception:
                 _log.exception("tab %s", self.client.client_id)
@@ -145,30 +144,30 @@ class Session:
                     auto_close_seconds=8,
                 )
 
-    def _patience(self) -> float | None:
-        """Time to wait for the user, [s]; for ever when there is nothing else to do."""
-        moving = self.playback.timeout()
-        idle = self._lit and self._compiled
-        idle = idle and not (self.frame.hasty or self.frame.partial or self._unexplained())
-        return moving if moving is not None or idle else REST
+    def _timeout(self) -> float | None:
+        """Time to wait for input, [s]; None: for ever, with nothing else to do."""
+        playing = self.playback.timeout()
+        incomplete = self.frame.interactive or self.frame.partial or self._undiagnosed()
+        idle = self._has_lights and self._compiled and not incomplete
+        return playing if playing is not None or idle else REST
 
-    def _follow(self) -> None:
-        """Bring plan and picture up to the panels."""
+    def _update(self) -> None:
+        """Plan and draw what the panels show."""
         try:
             scene = self.panels.read(self._scene)
         except AbiError as error:
-            # what is drawn is of the last good scene; it can be looked at, and saved
-            self._draw(replace(self.panels.switched(self.frame), refused=error))
+            # the last valid scene stays, to be looked at and saved
+            self._draw(replace(self.panels.apply_switches(self.frame), refused=error))
         else:
             self.frame = replace(self.frame, refused=None)
             if self.plans == 0 or scene != self._scene:
-                self._show(self._plan_of(scene), hasty=True)
+                self._show(self._replan(scene), interactive=True)
             else:
-                self._show(self.frame.plan, hasty=True)
-        self.panels.files.save_when_asked(self._scene)
+                self._show(self.frame.plan, interactive=True)
+        self.panels.files.save_if_requested(self._scene)
 
-    def _plan_of(self, scene: Scene) -> Plan:
-        """The plan of another scene; if it may take long, the last one is in grey meanwhile."""
+    def _replan(self, scene: Scene) -> Plan:
+        """Plan another scene, with the last plan in grey where that may take long."""
         if scene.workspace != self._scene.workspace:
             self._viewpoint.show(scene)
         self._scene = scene
@@ -176,60 +175,61 @@ class Session:
             self._draw(replace(self.frame, outdated=True))
         return self._planner(scene)
 
-    def _show(self, plan: Plan, hasty: bool = False) -> None:
-        """Draw a plan; ``hasty`` while the hand may still move."""
-        frame = self.panels.switched(self.frame)
+    def _show(self, plan: Plan, interactive: bool = False) -> None:
+        """Draw a plan; ``interactive`` while the input may still change."""
+        frame = self.panels.apply_switches(self.frame)
         if plan is not frame.plan:
             frame = replace(frame, plan=plan, reason=None)
         coarse, partial = self._planner.coarse, self._planner.partial
-        self._draw(replace(frame, coarse=coarse, partial=partial, hasty=hasty, outdated=False))
+        frame = replace(frame, coarse=coarse, partial=partial, interactive=interactive)
+        self._draw(replace(frame, outdated=False))
         self.plans += 1
         self._planned.set()
 
     def _draw(self, frame: Frame) -> None:
-        """Draw a frame at the moment that the playback has come to."""
+        """Draw a frame at the time of the playback."""
         with self.client.atomic():
             now = self.playback.advance(frame.duration)
             self.frame = replace(frame, time=now, playing=self.playback.playing)
-            for drawn in self._groups[0]:
-                drawn.draw(self.frame)
+            for part in self._groups[0]:
+                part.draw(self.frame)
         with self.client.atomic():
-            for drawn in self._groups[1]:
-                drawn.draw(self.frame)
+            for part in self._groups[1]:
+                part.draw(self.frame)
 
-    def _rest(self) -> None:
-        """Do what takes longer than a frame, now that the hand rests."""
+    def _use_pause(self) -> None:
+        """Do one thing that takes longer than a frame, since there is no input."""
         if self._planner.partial:
             if self._planner.coarse:
                 self._draw(replace(self.frame, outdated=True))
             self._show(self._planner.finish(self._scene))
             return
-        if self.frame.hasty:
-            self._draw(replace(self.frame, hasty=False))
-        if self._unexplained():
-            self._explain()
-        elif not self._lit and time.monotonic() - self._wished >= LIGHT:
-            self._light()
+        if self.frame.interactive:
+            self._draw(replace(self.frame, interactive=False))
+        if self._undiagnosed():
+            self._diagnose()
+        elif not self._has_lights and time.monotonic() - self._last_input >= LIGHTS_DELAY:
+            self._add_lights()
         elif not self._compiled and compiling.is_done():
             self._compiled = True
             if self.plans and self.frame.plan.error is None:
-                self._planner = LivePlanner(compile=False)  # for times that do not mislead
+                self._planner = LivePlanner(compile=False)  # for the times of compiled code
                 self._show(self._planner.finish(self._scene))
 
-    def _unexplained(self) -> bool:
-        return self.frame.plan.error is not None and self.frame.plan is not self._explained
+    def _undiagnosed(self) -> bool:
+        return self.frame.plan.error is not None and self.frame.plan is not self._diagnosed
 
-    def _explain(self) -> None:
-        """Find out why there is no plan; a new wish ends it."""
+    def _diagnose(self) -> None:
+        """Find out why there is no plan, until there is input."""
         plan = self.frame.plan
         reason = explain(plan.scene, plan, self._changed.is_set)
         if not self._changed.is_set():
-            self._explained = plan
+            self._diagnosed = plan
             self._draw(replace(self.frame, reason=reason))
 
-    def _light(self) -> None:
-        """Add what takes a weak machine seconds, once it shows the plan."""
-        self._lit = True
+    def _add_lights(self) -> None:
+        """Add lights and surroundings, which take weak graphics seconds to draw."""
+        self._has_lights = True
         with self.client.atomic():
             self.client.scene.configure_default_lights()
             self.client.scene.configure_environment_map()

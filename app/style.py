@@ -18,7 +18,7 @@ TRACE: Colour = (255, 90, 54)
 OBSTACLE: Colour = (205, 117, 79)
 MESH: Colour = (120, 144, 172)
 EXCLUDED: Colour = (150, 96, 72)
-ENTERS: Colour = (224, 49, 49)
+VIOLATION: Colour = (224, 49, 49)
 WORKSPACE: Colour = (128, 138, 150)
 POINT: Colour = (92, 107, 122)
 JOINTS: tuple[Colour, ...] = (
@@ -43,7 +43,7 @@ CURVES: dict[str, tuple[str, Colour]] = {
 }
 
 BOX = '<div style="margin:0 10px 4px;line-height:1.35;font-size:12.5px">'
-"""Begin of a paragraph between widgets, as HTML."""
+"""Opening tag of a paragraph between widgets, as HTML."""
 
 LEFT_WIDTH = 334
 RIGHT_WIDTH = 344
@@ -56,8 +56,9 @@ def css(colour: Colour) -> str:
 
 def swatch(colour: Colour, dashed: bool = False) -> str:
     """A short line of that colour, as HTML for tables."""
-    ink = css(colour)
-    fill = f"repeating-linear-gradient(90deg,{ink} 0 5px,transparent 5px 8px)" if dashed else ink
+    fill = css(colour)
+    if dashed:
+        fill = f"repeating-linear-gradient(90deg,{fill} 0 5px,transparent 5px 8px)"
     return (
         '<span style="display:inline-block;width:18px;height:4px;margin-right:6px;'
         f'vertical-align:middle;background:{fill}"></span>'

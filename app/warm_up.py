@@ -1,4 +1,4 @@
-"""The kernels are compiled behind the first plan, and the tabs hear of it when that takes long."""
+"""Compilation of the kernels behind the first plan, with a notice where that takes long."""
 
 from __future__ import annotations
 
@@ -9,62 +9,62 @@ import viser
 
 from abi import compiling
 
-PATIENCE = 10.0
-"""Seconds after which the compiler no longer waits for a first plan."""
-LONG = 2.0
-"""Seconds of compiling that need no word."""
+PLAN_TIMEOUT = 10.0
+"""Seconds after which compilation no longer waits for a first plan."""
+NOTICE_DELAY = 2.0
+"""Seconds of compilation without a notice."""
 
 
 class WarmUp:
-    """One thread that compiles, or loads what was compiled before.
+    """Thread that compiles the kernels, or loads them from the cache.
 
     Attributes:
-        planned: set it once a plan is drawn: until then all time is the plan's.
+        planned: to be set once a plan is drawn: until then the plan has the processor.
     """
 
     def __init__(self) -> None:
         self.planned = threading.Event()
         self._lock = threading.Lock()
-        self._tabs: list[viser.ClientHandle] = []
-        self._notes: list[viser.NotificationHandle] = []
-        self._long, self._done = False, False
+        self._clients: list[viser.ClientHandle] = []
+        self._notices: list[viser.NotificationHandle] = []
+        self._announced, self._done = False, False
         threading.Thread(target=self._work, name="warm-up", daemon=True).start()
 
-    def greet(self, client: viser.ClientHandle) -> None:
-        """A tab came; tell it what is going on, now or when it takes long."""
+    def add(self, client: viser.ClientHandle) -> None:
+        """Notify a new client of compilation, now or once it takes long."""
         with self._lock:
             if self._done:
                 return
-            self._tabs.append(client)
-            if self._long:
-                self._tell(client)
+            self._clients.append(client)
+            if self._announced:
+                self._notify(client)
 
     def _work(self) -> None:
-        # what draws the arm, while the page loads
+        # slow to import, and needed to draw the arm
         importlib.import_module("yourdfpy")
-        self.planned.wait(PATIENCE)
-        late = threading.Timer(LONG, self._tell_all)
-        late.daemon = True
-        late.start()
+        self.planned.wait(PLAN_TIMEOUT)
+        timer = threading.Timer(NOTICE_DELAY, self._notify_all)
+        timer.daemon = True
+        timer.start()
         try:
             compiling.compile()
         finally:
-            late.cancel()
+            timer.cancel()
             with self._lock:
-                self._long, self._done = False, True
-                self._tabs.clear()
-                for note in self._notes:
-                    note.remove()
-                self._notes.clear()
+                self._done = True
+                self._clients.clear()
+                for notice in self._notices:
+                    notice.remove()
+                self._notices.clear()
 
-    def _tell_all(self) -> None:
+    def _notify_all(self) -> None:
         with self._lock:
-            self._long = True
-            for client in self._tabs:
-                self._tell(client)
+            self._announced = True
+            for client in self._clients:
+                self._notify(client)
 
-    def _tell(self, client: viser.ClientHandle) -> None:
-        self._notes.append(
+    def _notify(self, client: viser.ClientHandle) -> None:
+        self._notices.append(
             client.add_notification(
                 "First start: getting faster",
                 "The inner loops are being compiled, once on this machine. Everything works "

@@ -21,42 +21,50 @@ from abi.arrays import FloatArray
 from abi.planner.plan import Plan
 from app import style
 from app.frame import Frame, Switch
-from app.layers.lines import segments
+from app.layers.lines import NO_SEGMENTS, add_line, segments
 from app.layout import Layout
 
 if TYPE_CHECKING:
     import trimesh
     import yourdfpy
 
-_SHIPPED = assets.path("urdf", "abi.urdf")
+_SHIPPED_FILE = assets.path("urdf", "abi.urdf")
 _TRACE_SAMPLES = 100
-_LONG = 100.0  # [m], so that no face of a short arm is small enough to be taken for none
+_REACH = 100.0  # [m], since loading drops faces as small as those of a short arm may be
 
 
 @dataclass
-class _Hinge:
-    """A joint as a scene node: where it sits in its parent link, and how it moves."""
+class _JointNode:
+    """Scene node of a joint: its place in the parent link, and its axis.
+
+    Attributes:
+        frame: the node.
+        column: of the joint's position among all; None where it is fixed.
+        prismatic: whether it slides along the axis instead of turning about it.
+        axis: (3,), in the joint's frame.
+        origin: the joint's frame in the parent link's.
+    """
 
     frame: viser.FrameHandle
     column: int | None
-    slides: bool
+    prismatic: bool
     axis: FloatArray
     origin: viser.transforms.SE3
 
     def move(self, positions: FloatArray) -> None:
-        """Put the node where ``positions`` (6,), [rad] and [unit], have it."""
+        """Pose the node at joint positions (6,), [rad] and [unit]."""
         if self.column is None:
             return
         value = float(positions[self.column])
-        if self.slides:
+        if self.prismatic:
             self.frame.position = self.origin @ (self.axis * value)
         else:
-            turn = viser.transforms.SO3.exp(self.axis * value)
-            self.frame.wxyz = (self.origin.rotation() @ turn).wxyz
+            rotation = viser.transforms.SO3.exp(self.axis * value)
+            self.frame.wxyz = (self.origin.rotation() @ rotation).wxyz
 
 
 class ArmLayer:
-    """One node a link, nested as in the URDF, so that a frame sends six poses and no geometry."""
+    """One node a joint, nested as in the URDF: a frame sends six poses and no geometry."""
 
     switches: ClassVar[tuple[Switch, ...]] = (
         Switch("trace", "tool trace", style.TRACE),
@@ -66,17 +74,15 @@ class ArmLayer:
     def __init__(self, layout: Layout) -> None:
         self._scene = layout.client.scene
         self._base = self._scene.add_frame("/arm", show_axes=False)
-        self._hinges: list[_Hinge] = []
+        self._joint_nodes: list[_JointNode] = []
         self._arm: Arm | None = None
         self._built: tuple[str, float] | None = None
         self._posed: object = None
-        self._trace = self._scene.add_line_segments(
-            "/trace", np.zeros((1, 2, 3)), style.TRACE, thickness=4.0, thickness_units="screen"
-        )
+        self._trace = add_line(self._scene, "/trace", style.TRACE, 4.0)
         self._traced: tuple[object, int] = (None, -1)
 
     def draw(self, frame: Frame) -> None:
-        """Draw the arm where it is at the frame's time, and the trace up to there."""
+        """Draw the arm at the frame's time, and the trace up to then."""
         if frame.plan.arm is not None and frame.plan.arm is not self._arm:
             self._place(frame.plan.arm)
         self._pose(frame.plan, frame.time)
@@ -84,26 +90,26 @@ class ArmLayer:
         self._trace.visible = "trace" in frame.shown
 
     def _place(self, arm: Arm) -> None:
-        """Build the arm anew when its links changed, and put it on its base."""
+        """Put the arm on its base; build it anew when its links changed."""
         self._base.position = arm.base
         text, scale = urdf(arm), 1 / arm.metres
-        if text != _shipped():
-            enlarged = _LONG / (arm.a1 + arm.a2 + arm.a3 + arm.a4 + arm.a5)
-            text, scale = urdf(arm, enlarged), 1 / enlarged
+        if text != _shipped_urdf():
+            factor = _REACH / (arm.a1 + arm.a2 + arm.a3 + arm.a4 + arm.a5)
+            text, scale = urdf(arm, factor), 1 / factor
         if self._built != (text, scale):
             self._build(_load(text), scale)
             self._built = text, scale
         self._arm = arm
 
     def _pose(self, plan: Plan, time: float) -> None:
-        """Move the arm to where it is at ``time`` [s], and draw the trace up to there."""
+        """Move the arm to its pose at ``time`` [s], and draw the trace up to then."""
         motion = plan.motion
         moment = (motion if motion is not None else plan, time)
         if moment == self._posed:
             return
         self._posed = moment
         if motion is None:
-            self._trace.points = segments(np.zeros((0, 3)))
+            self._trace.points = NO_SEGMENTS
             if plan.arm is not None:
                 self._move(rest_pose(plan.arm, plan.scene.arm, plan.scene.start))
             return
@@ -111,20 +117,20 @@ class ArmLayer:
         count = int(np.searchsorted(motion.time, time, side="right"))
         if self._traced != (motion, count):
             self._traced = (motion, count)
-            kept = np.linspace(0, count - 1, min(count, _TRACE_SAMPLES)).astype(int)
-            # Just above the curve, where both are to be seen.
-            above = 0.008 * max(plan.scene.workspace.size)
-            self._trace.points = segments(motion.tool[kept] + np.array([0.0, 0.0, above]))
+            samples = np.linspace(0, count - 1, min(count, _TRACE_SAMPLES)).astype(int)
+            # just above the curve, so that neither hides the other
+            height = 0.008 * max(plan.scene.workspace.size)
+            self._trace.points = segments(motion.tool[samples] + np.array([0.0, 0.0, height]))
 
     def _move(self, positions: FloatArray) -> None:
-        for hinge in self._hinges:
-            hinge.move(positions)
+        for node in self._joint_nodes:
+            node.move(positions)
 
     def _build(self, robot: yourdfpy.URDF, scale: float) -> None:
         """Add the nodes of ``robot``, its metres times ``scale``."""
-        for hinge in self._hinges[:1]:
-            hinge.frame.remove()
-        self._hinges = []
+        for node in self._joint_nodes[:1]:
+            node.frame.remove()
+        self._joint_nodes = []
         self._posed = None
         meshes = _link_meshes(robot, scale)
         names = {robot.base_link: "/arm/links"}
@@ -141,10 +147,15 @@ class ArmLayer:
                 position=origin.translation(),
             )
             self._add_mesh(name, meshes.get(joint.child))
-            column = JOINTS.index(joint.name) if joint.name in JOINTS else None
-            axis = np.zeros(3) if joint.axis is None else np.asarray(joint.axis, dtype=float)
-            slides = joint.type == "prismatic"
-            self._hinges.append(_Hinge(frame, column, slides, axis, origin))
+            self._joint_nodes.append(
+                _JointNode(
+                    frame,
+                    column=JOINTS.index(joint.name) if joint.name in JOINTS else None,
+                    prismatic=joint.type == "prismatic",
+                    axis=np.zeros(3) if joint.axis is None else np.asarray(joint.axis, dtype=float),
+                    origin=origin,
+                )
+            )
 
     def _add_mesh(self, name: str, mesh: trimesh.Trimesh | None) -> None:
         if mesh is not None:
@@ -152,33 +163,30 @@ class ArmLayer:
 
 
 @functools.cache
-def _shipped() -> str:
-    return _SHIPPED.read_text(encoding="utf-8")
+def _shipped_urdf() -> str:
+    return _SHIPPED_FILE.read_text(encoding="utf-8")
 
 
 def _load(text: str) -> yourdfpy.URDF:
-    """The shipped file where it fits, the same text made for other link lengths otherwise."""
+    """The robot of a URDF's text; the shipped one from its file, beside its meshes."""
     import yourdfpy
 
-    if text == _shipped():
-        return yourdfpy.URDF.load(str(_SHIPPED))
+    if text == _shipped_urdf():
+        return yourdfpy.URDF.load(str(_SHIPPED_FILE))
     return yourdfpy.URDF.load(io.BytesIO(text.encode()))
 
 
 def _link_meshes(robot: yourdfpy.URDF, scale: float) -> dict[str, trimesh.Trimesh]:
-    """One mesh a link, in the link's frame; all solids of a link in one go."""
+    """One mesh a link, in the link's frame, with all its solids."""
     import trimesh
 
-    parts: dict[str, list[Any]] = {}
+    solids: dict[str, list[Any]] = {}
     graph = robot.scene.graph
     for node in graph.nodes_geometry:
         link = graph.transforms.parents[node]
         link_from_solid, geometry = graph.get(node, link)
-        part = robot.scene.geometry[geometry].copy()
-        part.apply_transform(link_from_solid)
-        part.apply_scale(scale)
-        parts.setdefault(link, []).append(part)
-    meshes: dict[str, trimesh.Trimesh] = {}
-    for link, solids in parts.items():
-        meshes[link] = trimesh.util.concatenate(solids)  # type: ignore[assignment]
-    return meshes
+        solid = robot.scene.geometry[geometry].copy()
+        solid.apply_transform(link_from_solid)
+        solid.apply_scale(scale)
+        solids.setdefault(link, []).append(solid)
+    return {link: trimesh.util.concatenate(parts) for link, parts in solids.items()}  # type: ignore[misc]

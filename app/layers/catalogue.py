@@ -14,11 +14,13 @@ from app.layers.mesh import MeshLayer
 from app.layers.paths import PathsLayer
 from app.layers.plots import PlotsLayer
 from app.layers.search_order import SearchOrderLayer
+from app.layers.stage_notes import StageNotesLayer
 from app.layers.tables import TablesLayer
 from app.layers.workspace import WorkspaceLayer
 
 LAYERS = (
     TablesLayer,
+    StageNotesLayer,
     PlotsLayer,
     WorkspaceLayer,
     MarkersLayer,
@@ -28,4 +30,4 @@ LAYERS = (
     CurvesLayer,
 )
 SLOW_LAYERS = (ArmLayer, LessonLayer)
-"""Sent by themselves: the first time they take the page longer than all the others."""
+"""Sent in a message of their own: the page takes longer to show them than all the others."""

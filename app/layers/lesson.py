@@ -12,7 +12,7 @@ from app.layout import Layout
 
 
 class LessonLayer:
-    """Text that waits for the first picture, which it would hold up."""
+    """Text of the Paper tab, sent after the first picture, which it would delay."""
 
     switches: ClassVar[tuple[Switch, ...]] = ()
 
@@ -21,12 +21,12 @@ class LessonLayer:
             self._text = layout.client.gui.add_markdown("")
 
     def draw(self, frame: Frame) -> None:
-        """Write the text, whatever is in the frame."""
+        """Write the text; no frame changes it."""
         if not self._text.content:
             self._text.content = _lesson()
 
 
 @functools.cache
 def _lesson() -> str:
-    """The text, with its formulas ready for the page."""
+    """The lesson as Markdown, its formulas as MathML."""
     return with_formulas(assets.path("lessons", "paper.md").read_text(encoding="utf-8"))

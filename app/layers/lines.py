@@ -1,37 +1,56 @@
-"""Polylines as the fat segments viser draws: whole, dashed, or side by side."""
+"""Polylines as the fat line segments that viser draws, whole or dashed."""
 
 from __future__ import annotations
 
 import numpy as np
+import viser
 from numpy.typing import NDArray
 
-from abi.arrays import FloatArray
+from abi.arrays import FloatArray, read_only
+from app import style
 
 Segments = NDArray[np.float32]
+NO_SEGMENTS: Segments = read_only(np.zeros((1, 2, 3), np.float32))
+"""One of no length, since viser takes no empty line set."""
+
+
+def add_line(
+    scene: viser.SceneApi, name: str, colour: style.Colour, thickness: float
+) -> viser.LineSegmentsHandle:
+    """Add a line without segments, ``thickness`` [px] wide."""
+    return scene.add_line_segments(
+        name, NO_SEGMENTS, colour, thickness=thickness, thickness_units="screen"
+    )
+
+
+def recolour(line: viser.LineSegmentsHandle, colour: style.Colour, faded: bool) -> None:
+    """Draw a line in its colour, or in grey while its plan is outdated."""
+    line.colors = np.array(style.FADED if faded else colour, np.uint8)
 
 
 def segments(points: FloatArray) -> Segments:
     """(n, 3) points of a polyline as (n-1, 2, 3) segments; one of no length when n < 2."""
     if len(points) < 2:
-        points = np.zeros((2, 3))
+        return NO_SEGMENTS
     return np.stack((points[:-1], points[1:]), axis=1).astype(np.float32)
 
 
 def dashes(points: FloatArray, length: float) -> Segments:
     """(n, 3) points of a polyline as dashes of ``length`` with gaps 0.7 times as long."""
     steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
-    travelled = np.concatenate(([0.0], np.cumsum(steps)))
-    if len(points) < 2 or travelled[-1] <= 0:
+    arc = np.concatenate(([0.0], np.cumsum(steps)))
+    if len(points) < 2 or arc[-1] <= 0:
         return segments(points)
-    starts = np.arange(0.0, travelled[-1], 1.7 * length)
-    ends = np.minimum(starts + length, travelled[-1])
-    corners = travelled[1:-1]
+    starts = np.arange(0.0, arc[-1], 1.7 * length)
+    ends = np.minimum(starts + length, arc[-1])
+    corners = arc[1:-1]
     pieces = [
         np.concatenate(([a], corners[(corners > a) & (corners < b)], [b]))
         for a, b in zip(starts, ends, strict=True)
     ]
-    return np.concatenate([segments(_at(points, travelled, piece)) for piece in pieces])
+    return np.concatenate([segments(_points_at(points, arc, piece)) for piece in pieces])
 
 
-def _at(points: FloatArray, travelled: FloatArray, distances: FloatArray) -> FloatArray:
-    return np.stack([np.interp(distances, travelled, points[:, i]) for i in range(3)], axis=1)
+def _points_at(points: FloatArray, arc: FloatArray, lengths: FloatArray) -> FloatArray:
+    """Points (m, 3) at arc lengths (m,) of the polyline."""
+    return np.stack([np.interp(lengths, arc, points[:, i]) for i in range(3)], axis=1)

@@ -1,20 +1,20 @@
-"""Points that a reason speaks of, such as the free point nearest to a blocked start."""
+"""Points that a diagnosis names, such as the free point nearest to a blocked start."""
 
 from __future__ import annotations
 
 from typing import ClassVar
 
-import numpy as np
 import viser
 
 from abi.planner.diagnosis import Reason
 from app import style
 from app.frame import Frame, Switch
+from app.layers.points import add_points
 from app.layout import Layout
 
 
 class MarkersLayer:
-    """Bright balls that nothing hides for long."""
+    """Large bright points."""
 
     switches: ClassVar[tuple[Switch, ...]] = ()
 
@@ -33,11 +33,5 @@ class MarkersLayer:
             if self._cloud is not None:
                 self._cloud.visible = False
             return
-        self._cloud = self._scene.add_point_cloud(
-            "/marks",
-            reason.points.astype(np.float32),
-            style.TRACE,
-            point_size=0.03 * max(frame.plan.scene.workspace.size),
-            point_shape="circle",
-            precision="float32",
-        )
+        size = 0.03 * max(frame.plan.scene.workspace.size)
+        self._cloud = add_points(self._scene, "/marks", reason.points, style.TRACE, size)

@@ -1,4 +1,4 @@
-"""The tetrahedral mesh: its edges, its nodes, what the obstacles took away, and the numbers."""
+"""The tetrahedral mesh: its edges, its nodes, the excluded ones, and their counts."""
 
 from __future__ import annotations
 
@@ -13,13 +13,14 @@ from abi.planner.plan import Plan
 from abi.search.subset import excerpt, fits
 from app import glb, style
 from app.frame import Frame, Switch
+from app.layers.points import add_points
 from app.layout import Layout
 
 EDGE_BUDGET = 30_000
-"""Edges a tab is sent at the most; beyond it a part of the mesh is shown."""
+"""Edges a tab is sent at the most; of a larger mesh only a part is shown."""
 
-_WAITING = f"{style.BOX}… counted when your hand rests.</div>"
-_WHAT = {
+_COUNTS_PENDING = f"{style.BOX}… counted when your hand rests.</div>"
+_VIEW_NAMES = {
     "near": "those nearest to path and obstacles",
     "slice_x": "a slice across x",
     "slice_y": "a slice across y",
@@ -29,7 +30,7 @@ _WHAT = {
 
 
 class MeshLayer:
-    """Draws edges as one line set and nodes as points, and writes how many there are."""
+    """Edges as one line set, nodes as points, and a note with their counts."""
 
     switches: ClassVar[tuple[Switch, ...]] = (
         Switch("edges", "mesh edges", style.MESH),
@@ -47,42 +48,46 @@ class MeshLayer:
         self._drawn: tuple[object, ...] = ()
         self._written: tuple[object, ...] = ()
         self._note = ""
-        self._behind = False
+        self._stale = False
 
     def draw(self, frame: Frame) -> None:
         """Draw the plan's mesh, or the part of it that the frame asks for.
 
-        In haste a mesh that is more than the tab is sent at once waits, and what it excludes is not
-        shown meanwhile.
+        While the input changes, a mesh over the edge budget keeps its last picture, without the
+        excluded nodes, which no longer fit.
         """
-        if (seen := (frame.plan, frame.mesh_view, frame.hasty)) != self._seen:
+        if (seen := (frame.plan, frame.mesh_view, frame.interactive)) != self._seen:
             self._seen = seen
             self._draw_mesh(frame)
         if self._edges is not None:
             self._edges.visible = "edges" in frame.shown
         for name, cloud in self._clouds.items():
-            cloud.visible = name in frame.shown and not (self._behind and name == "excluded")
+            cloud.visible = name in frame.shown and not (self._stale and name == "excluded")
         if (state := (frame.plan, frame.partial, self._note)) != self._written:
             self._written = state
-            self._text.content = _WAITING if frame.partial else _numbers(frame.plan, self._note)
+            self._text.content = (
+                _COUNTS_PENDING if frame.partial else _counts(frame.plan, self._note)
+            )
 
     def _draw_mesh(self, frame: Frame) -> None:
         plan, view = frame.plan, frame.mesh_view
         whole = plan.free is None or fits(plan.free, EDGE_BUDGET)
-        # where not all is shown, what is near the path
+        # the part of a large mesh that is shown depends on the path
         state = (plan.free, plan.graph, view, None if whole else plan.path)
         if plan.free is None or state == self._drawn:
-            self._behind = False
+            self._stale = False
             return
-        self._behind = frame.hasty and self._edges is not None and not whole
-        if self._behind:
+        self._stale = frame.interactive and self._edges is not None and not whole
+        if self._stale:
             return
         self._drawn = state
         near = plan.path.points if plan.path is not None else np.array([plan.scene.start])
         part = excerpt(plan.free, plan.graph, plan.scene.obstacles, near, view, EDGE_BUDGET)
         self._note = ""
         if len(part.edges) < part.edges_in_all:
-            self._note = f"{len(part.edges):,} of {part.edges_in_all:,} edges shown: {_WHAT[view]}"
+            self._note = (
+                f"{len(part.edges):,} of {part.edges_in_all:,} edges shown: {_VIEW_NAMES[view]}"
+            )
         self._draw_edges(part.points, part.edges)
         size = min(0.05 * plan.free.mesh.pitch, 0.008 * max(plan.scene.workspace.size))
         self._draw_cloud("nodes", part.points, style.MESH, size)
@@ -94,37 +99,27 @@ class MeshLayer:
                 self._edges.remove()
                 self._edges = None
             return
-        data = glb.lines(points, edges, style.MESH, _opacity(len(edges)))
+        data = glb.line_set(points, edges, style.MESH, _opacity(len(edges)))
         if self._edges is None:
             self._edges = self._scene.add_glb(
-                "/mesh/edges",
-                data,
-                visible=False,
-                cast_shadow=False,
-                receive_shadow=False,
+                "/mesh/edges", data, visible=False, cast_shadow=False, receive_shadow=False
             )
         else:
             self._edges.glb_data = data
 
     def _draw_cloud(self, name: str, points: FloatArray, colour: style.Colour, size: float) -> None:
-        self._clouds[name] = self._scene.add_point_cloud(
-            f"/mesh/{name}",
-            points.astype(np.float32),
-            colour,
-            point_size=size,
-            point_shape="circle",
-            precision="float32",
-            visible=False,
+        self._clouds[name] = add_points(
+            self._scene, f"/mesh/{name}", points, colour, size, visible=False
         )
 
 
 def _opacity(edges: int) -> float:
-    """Fainter the more there are, so that the paths inside stay to be seen."""
+    """Opacity of so many edges: fainter the more there are, to leave the paths visible."""
     return float(np.clip(0.4 * (1000 / max(edges, 1)) ** 0.6, 0.1, 0.4))
 
 
-def _numbers(plan: Plan, note: str) -> str:
-    """Counts of the mesh and its graph; ``note`` says how much of it is drawn."""
+def _counts(plan: Plan, note: str) -> str:
+    """Counts of the mesh and its graph as HTML, with the ``note`` on the part that is drawn."""
     if plan.graph is None or plan.mesh is None or plan.free is None:
         return ""
     graph = plan.graph
@@ -132,12 +127,12 @@ def _numbers(plan: Plan, note: str) -> str:
         f"Pitch {plan.mesh.pitch:.4g} {plan.scene.unit} (asked for {plan.scene.mesh.pitch:.4g}), "
         f"{plan.free.tetrahedra_kept:,} tetrahedra, {int(plan.free.excluded.sum()):,} nodes "
         "excluded.",
-        f"{graph.removed_edges:,} edges removed{_crossing(len(graph.crossing))}.",
+        f"{graph.removed_edges:,} edges removed{_crossing_note(len(graph.crossing))}.",
     ]
     if note:
         lines.append(html.escape(note) + ".")
     return style.BOX + "<br>".join(lines) + "</div>"
 
 
-def _crossing(count: int) -> str:
+def _crossing_note(count: int) -> str:
     return f", {count:,} of them between two free nodes: they cross an obstacle" if count else ""

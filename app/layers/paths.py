@@ -9,12 +9,12 @@ import numpy as np
 from abi.planner.plan import Plan
 from app import style
 from app.frame import Frame, Switch
-from app.layers.lines import dashes, segments
+from app.layers.lines import NO_SEGMENTS, add_line, dashes, recolour, segments
 from app.layout import Layout
 
 # Not along any edge of the lattices, so that coinciding paths lie beside each other everywhere.
-_ASIDE = np.array([0.53, -0.80, 0.27])
-_SHIFT = {"a_star": 0.0, "dijkstra": 1.0, "bellman_ford": -1.0}
+_OFFSET = np.array([0.53, -0.80, 0.27])
+_OFFSET_FACTOR = {"a_star": 0.0, "dijkstra": 1.0, "bellman_ford": -1.0}
 
 
 class PathsLayer:
@@ -28,22 +28,10 @@ class PathsLayer:
     def __init__(self, layout: Layout) -> None:
         scene = layout.client.scene
         self._lines = {
-            name: scene.add_line_segments(
-                f"/path/{name}",
-                np.zeros((1, 2, 3)),
-                colour,
-                thickness=3.5,
-                thickness_units="screen",
-            )
+            name: add_line(scene, f"/path/{name}", colour, 3.5)
             for name, (_, colour) in style.ALGORITHMS.items()
         }
-        self._taut = scene.add_line_segments(
-            "/path/taut",
-            np.zeros((1, 2, 3)),
-            style.TAUT,
-            thickness=3.5,
-            thickness_units="screen",
-        )
+        self._taut = add_line(scene, "/path/taut", style.TAUT, 3.5)
         self._drawn: object = None
         self._drawn_taut: object = self
         self._faded = False
@@ -55,27 +43,25 @@ class PathsLayer:
             line.visible = name in frame.shown
         if frame.faded != self._faded:
             self._fade(frame.faded)
-        self._draw_paths(frame.plan)
+        if frame.plan.taut is not self._drawn_taut:
+            self._drawn_taut = taut = frame.plan.taut
+            self._taut.points = NO_SEGMENTS if taut is None else segments(taut.points)
+        if frame.plan.searches is not self._drawn:
+            self._drawn = frame.plan.searches
+            self._draw_searches(frame.plan)
 
-    def _draw_paths(self, plan: Plan) -> None:
-        if plan.taut is not self._drawn_taut:
-            self._drawn_taut = plan.taut
-            points = np.zeros((0, 3)) if plan.taut is None else plan.taut.points
-            self._taut.points = segments(points)
-        if plan.searches is self._drawn:
-            return
-        self._drawn = plan.searches
+    def _draw_searches(self, plan: Plan) -> None:
         longest = max(plan.scene.workspace.size)
-        found = {result.algorithm: result for result in plan.searches}
+        results = {result.algorithm: result for result in plan.searches}
         for name, line in self._lines.items():
-            if name not in found:
-                line.points = segments(np.zeros((0, 3)))
+            if name not in results:
+                line.points = NO_SEGMENTS
                 continue
-            points = found[name].points + _SHIFT[name] * 0.006 * longest * _ASIDE
+            points = results[name].points + _OFFSET_FACTOR[name] * 0.006 * longest * _OFFSET
             line.points = dashes(points, 0.03 * longest) if name == "dijkstra" else segments(points)
 
     def _fade(self, faded: bool) -> None:
         self._faded = faded
-        self._taut.colors = np.array(style.FADED if faded else style.TAUT, np.uint8)
+        recolour(self._taut, style.TAUT, faded)
         for name, line in self._lines.items():
-            line.colors = np.array(style.FADED if faded else style.ALGORITHMS[name][1], np.uint8)
+            recolour(line, style.ALGORITHMS[name][1], faded)

@@ -1,4 +1,4 @@
-"""Speed over time with its parts (the paper's Fig. 8) and the joints, with a line at "now"."""
+"""Plots over time of speed (the paper's Fig. 8) and joint positions, with a line at "now"."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ from app.layout import Layout
 _GREY = "rgba(128,128,128,0.25)"
 _INK = "#868e96"
 _FLAT = 1e-9
-_NONE = '<div style="margin:8px 10px;font-size:12.5px">No motion, nothing to plot.</div>'
-_PACE = 0.08
-"""Seconds between two places of the line while the arm plays: all curves are sent with it."""
+_NO_MOTION = '<div style="margin:8px 10px;font-size:12.5px">No motion, nothing to plot.</div>'
+_MARK_PERIOD = 0.08
+"""Seconds between two moves of the line while the arm plays: each sends all curves anew."""
 
 
 class PlotsLayer:
-    """The speed plot in two tabs, the joints in the second."""
+    """The speed plot in the result tab, the joints in their own."""
 
     switches: ClassVar[tuple[Switch, ...]] = ()
 
@@ -35,39 +35,39 @@ class PlotsLayer:
         with layout.result:
             self._speed = _plot(gui, _speed_title(unit), speed, 168)
         with layout.joints:
-            self._none = gui.add_html(_NONE)
+            self._no_motion = gui.add_html(_NO_MOTION)
             self._angles = _plot(gui, "joint angles q1 q2 q3 q4 q6 [rad]", angles, 250)
             self._slide = _plot(gui, _slide_title(unit), (("q5", style.JOINTS[4]),), 170)
         self._unit = unit
         self._plots = (self._speed, self._angles, self._slide)
         self._motion: object = None
         self._marked: tuple[object, float] = (None, -1.0)
-        self._due = 0.0
+        self._next_mark = 0.0
         self._data: tuple[tuple[viser.GuiUplotHandle, tuple[FloatArray, ...]], ...] = ()
 
     def draw(self, frame: Frame) -> None:
         """Plot the plan's motion with a line at "now"; nothing where there is none."""
         if frame.plan.motion is not self._motion:
-            self._take(frame.plan)
+            self._replace(frame.plan)
         if (self._motion, frame.time) != self._marked:
             self._mark(frame.time, frame.playing)
 
-    def _take(self, plan: Plan) -> None:
-        """Take over the plan's motion, to be plotted with its line."""
+    def _replace(self, plan: Plan) -> None:
+        """Keep the plan's motion, to be sent with the line."""
         self._motion = plan.motion
-        self._due = 0.0
-        self._none.visible = plan.motion is None
+        self._next_mark = 0.0
+        self._no_motion.visible = plan.motion is None
         if plan.motion is None:
             self._data = ()
             for plot in self._plots:
                 plot.visible = False
             return
         motion = plan.motion
-        keep = slice(None, None, max(1, len(motion.time) // 100))
-        time, positions = motion.time[keep], motion.positions[keep]
-        velocity = motion.velocity[keep]
+        samples = slice(None, None, max(1, len(motion.time) // 100))
+        time, positions = motion.time[samples], motion.positions[samples]
+        velocity = motion.velocity[samples]
         speed = np.linalg.norm(velocity, axis=1)
-        # A new title builds the chart anew, and it forgets its time axis: only when it is new.
+        # a new title builds the chart anew, which then forgets its time axis
         if plan.scene.unit != self._unit:
             self._unit = plan.scene.unit
             self._speed.title = _speed_title(self._unit)
@@ -81,9 +81,9 @@ class PlotsLayer:
     def _mark(self, time: float, playing: bool) -> None:
         """Draw the line at ``time`` [s]; while ``playing`` not at every frame."""
         now = clock.monotonic()
-        if playing and now < self._due:
+        if playing and now < self._next_mark:
             return
-        self._due = now + _PACE
+        self._next_mark = now + _MARK_PERIOD
         self._marked = self._motion, time
         for handle, (times, *series) in self._data:
             low = min(float(np.min(line)) for line in series)
@@ -91,17 +91,17 @@ class PlotsLayer:
             flat = high - low < _FLAT
             if flat:
                 low, high = low - 1, high + 1
-            # Three samples at the same time make the upright line; uplot has no marker of its own.
-            place = int(np.searchsorted(times, time))
-            marked = np.insert(times, place, (time, time, time))
+            # three samples at the same time make the upright line; uplot has no marker of its own
+            index = int(np.searchsorted(times, time))
+            marked = np.insert(times, index, (time, time, time))
             upright = np.full(len(marked), low)
-            upright[place + 1] = high
+            upright[index + 1] = high
             if flat:
-                # around what stays as it is uplot finds no scale: over the axis it is shown one
+                # uplot finds no scale for a constant: this spans one
                 marked, upright = np.insert(marked, 0, marked[0]), np.insert(upright, 0, high)
             handle.data = (marked, *(np.interp(marked, times, line) for line in series), upright)
-            # Never shown before it has its data: a chart that is new when they come, and not yet
-            # drawn, stays without a time axis.
+            # Never shown before it has its data: a chart that gets them before it is drawn for the
+            # first time stays without a time axis.
             handle.visible = True
 
 

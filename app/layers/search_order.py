@@ -1,4 +1,4 @@
-"""What a search has reached so far, node by node."""
+"""Nodes that a search has expanded so far."""
 
 from __future__ import annotations
 
@@ -9,13 +9,15 @@ import viser
 
 from app import style
 from app.frame import Frame, Switch
+from app.layers.points import add_points
 from app.layout import Layout
 
 NODE_BUDGET = 20_000
+"""Nodes a tab is sent at the most."""
 
 
 class SearchOrderLayer:
-    """Colours the nodes in the order in which the chosen algorithm expanded them."""
+    """Nodes in the order in which the chosen algorithm expanded them."""
 
     switches: ClassVar[tuple[Switch, ...]] = ()
 
@@ -25,10 +27,7 @@ class SearchOrderLayer:
         self._drawn: object = None
 
     def draw(self, frame: Frame) -> None:
-        """Draw the first part of the expansions.
-
-        Without a path and with nothing asked for, what the start can reach is shown instead.
-        """
+        """Draw the first part of the expansions; without a path, what the start reaches."""
         plan = frame.plan
         result = plan.path
         reached = getattr(plan.error, "reached", None)
@@ -38,10 +37,9 @@ class SearchOrderLayer:
             order = result.order[:count]
             colour = style.ALGORITHMS[result.algorithm][1]
         else:
-            count = 0 if reached is None else len(reached)
-            state = (plan.error, count)
             order = np.zeros(0, np.int32) if reached is None else reached
-            colour = style.A_STAR  # as the sentence says
+            state = (plan.error, len(order))
+            colour = style.A_STAR  # as the page's hint says
         if state == self._drawn:
             return
         self._drawn = state
@@ -51,11 +49,6 @@ class SearchOrderLayer:
             return
         nodes = np.unique(order)
         stride = -(-len(nodes) // NODE_BUDGET)
-        self._cloud = self._scene.add_point_cloud(
-            "/search/reached",
-            plan.graph.points[nodes[::stride]].astype(np.float32),
-            colour,
-            point_size=(0.13 if result is not None else 0.08) * plan.graph.pitch,
-            point_shape="circle",
-            precision="float32",
-        )
+        points = plan.graph.points[nodes[::stride]]
+        size = (0.13 if result is not None else 0.08) * plan.graph.pitch
+        self._cloud = add_points(self._scene, "/search/reached", points, colour, size)

@@ -11,6 +11,7 @@ import viser
 from abi.scene.scene import Workspace
 from app import style
 from app.frame import Frame, Switch
+from app.layers.lines import add_line
 from app.layout import Layout
 
 _CORNERS = np.array(list(itertools.product((0.0, 1.0), repeat=3)))
@@ -18,7 +19,7 @@ _EDGES = [(a, b) for a, b in itertools.combinations(range(8), 2) if bin(a ^ b).c
 
 
 class WorkspaceLayer:
-    """Draws the box that is meshed."""
+    """Edges of the meshed box, and a grid below it."""
 
     switches: ClassVar[tuple[Switch, ...]] = (
         Switch("workspace", "workspace box", style.WORKSPACE),
@@ -26,20 +27,15 @@ class WorkspaceLayer:
 
     def __init__(self, layout: Layout) -> None:
         self._scene = layout.client.scene
-        self._box = self._scene.add_line_segments(
-            "/workspace",
-            np.zeros((12, 2, 3)),
-            style.WORKSPACE,
-            thickness=1.5,
-            thickness_units="screen",
-        )
+        self._box = add_line(self._scene, "/workspace", style.WORKSPACE, 1.5)
         self._grid: viser.GridHandle | None = None
         self._drawn: tuple[Workspace, float] | None = None
 
     def draw(self, frame: Frame) -> None:
-        """Draw the box, and a faint ground below it and the arm's base."""
+        """Draw the box, and the ground below it and the arm's base."""
         self._box.visible = "workspace" in frame.shown
-        state = frame.plan.scene.workspace, frame.plan.scene.arm.base[2]
+        scene = frame.plan.scene
+        state = scene.workspace, scene.arm.base[2]
         if state != self._drawn:
             self._drawn = state
             self._draw_box(*state)

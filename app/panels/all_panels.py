@@ -1,4 +1,4 @@
-"""All panels of a tab: built in the order of the page, read and written together."""
+"""All panels of a tab but the playback: built in the order of the page, read and written as one."""
 
 from __future__ import annotations
 
@@ -7,22 +7,23 @@ from dataclasses import replace
 import viser
 
 from abi.scene.scene import Scene
-from app.frame import Drawn, Frame, Switch
+from app.frame import Drawable, Frame, Switch
 from app.layout import Layout
+from app.panels.end_gizmos import EndGizmos
 from app.panels.files import FilesPanel
-from app.panels.gizmos import EndGizmos, ObstacleGizmos
 from app.panels.layer_switches import LayerSwitches
 from app.panels.obstacle_editor import ObstacleEditor
+from app.panels.obstacle_gizmos import ObstacleGizmos
 from app.panels.stage_headers import StageHeaders
 from app.panels.stages import StagePanels
 from app.panels.widgets import Wake
 
 
 class AllPanels:
-    """What the user moves, but for the playback.
+    """The panels, and the layout that they leave to the layers.
 
     Attributes:
-        layout: where layers can add to the page.
+        layout: of the tab.
         drawn: the panels that show something of a frame.
     """
 
@@ -46,7 +47,7 @@ class AllPanels:
             self.files = FilesPanel(client, name, scene, wake)
             self.editor = ObstacleEditor(client, self.obstacles, self.ends, wake)
         self._inputs = (self.stages, self.obstacles, self.ends)
-        self.drawn: tuple[Drawn, ...] = (
+        self.drawn: tuple[Drawable, ...] = (
             self.stage_headers,
             self.stages.mesh,
             self.ends,
@@ -56,31 +57,31 @@ class AllPanels:
         )
 
     def read(self, scene: Scene) -> Scene:
-        """The scene that the panels show; only what differs from ``scene`` is checked.
+        """Read the scene that the panels show; only what differs from ``scene`` is checked.
 
         Args:
-            scene: the last good one.
+            scene: the last valid one.
 
         Raises:
             SceneError: names the field.
         """
         requested = self.files.requested(self.editor.meshes(scene))
-        if requested is None and (change := self.stage_headers.accepted()) is not None:
+        if requested is None and (change := self.stage_headers.accepted_change()) is not None:
             requested = scene.replace(**change)
         if requested is not None:
             self._write(requested)
             return requested
         self.editor.apply(scene)
-        read = {name: part for panel in self._inputs for name, part in panel.read().items()}
-        return scene.replace(self.editor.surfaces, **read)
+        sections = {name: part for panel in self._inputs for name, part in panel.read().items()}
+        return scene.replace(self.editor.surfaces, **sections)
 
-    def switched(self, frame: Frame) -> Frame:
-        """The frame with what the switches say now."""
+    def apply_switches(self, frame: Frame) -> Frame:
+        """The frame as the switches have it."""
         return replace(
             frame,
             shown=self.layer_switches.shown(),
-            mesh_view=self.layer_switches.mesh_part(),
-            expanded_share=self.stages.search.share(),
+            mesh_view=self.layer_switches.chosen_mesh_view(),
+            expanded_share=self.stages.search.expanded_share(),
         )
 
     def _write(self, scene: Scene) -> None:

@@ -1,4 +1,4 @@
-"""Which scene: the shipped ones, a file from the user's disk, and back to disk."""
+"""Scenes to choose, open and save: the shipped ones and the user's files."""
 
 from __future__ import annotations
 
@@ -11,26 +11,28 @@ from abi.scene.scene_file import MAX_BYTES, dump, parse_bytes
 from app import page
 from app.panels.widgets import Wake
 
-_MOST = f"{MAX_BYTES // 1000} kB"
-_LONGEST = 40
+_MAX_SIZE = f"{MAX_BYTES // 1000} kB"
+_NAME_LENGTH = 40
 """Letters of a file's name that are shown."""
 
 
 class FilesPanel:
-    """Choose, open, save, reset. Everything is noticed by the worker; nothing runs here."""
+    """Widgets to choose, open, save and reset; the worker asks what they were used for."""
 
     def __init__(self, client: viser.ClientHandle, name: str, scene: Scene, wake: Wake) -> None:
         self._client = client
         gui = client.gui
-        self._own: dict[str, Scene] = {} if name in scene_names() else {name: scene}
+        self._opened: dict[str, Scene] = {} if name in scene_names() else {name: scene}
         self.choice = gui.add_dropdown(
             "scene",
-            (*scene_names(), *self._own),
+            (*scene_names(), *self._opened),
             initial_value=name,
             hint="The scenes that come with the visualiser, and what was opened.",
         )
         self.upload = gui.add_upload_button(
-            "Open a scene file…", mime_type=".yaml,.yml,.json", hint=f"YAML or JSON, up to {_MOST}."
+            "Open a scene file…",
+            mime_type=".yaml,.yml,.json",
+            hint=f"YAML or JSON, up to {_MAX_SIZE}.",
         )
         self.save = gui.add_button("Save this scene", hint="Downloads scene.yaml.")
         self.reset = gui.add_button("Back to the scene as loaded")
@@ -42,61 +44,59 @@ class FilesPanel:
         self.reset.on_click(wake)
 
     def requested(self, meshes: MeshSource) -> Scene | None:
-        """The scene that the user asked for since the last call; None when for none.
+        """The scene chosen, opened or reset since the last call; None for no new one.
 
         Args:
-            meshes: what an opened scene file may name besides.
-
+            meshes: those that an opened file may name besides the shipped ones.
         """
         if self.reset.value:
             self.reset.value = False
             return self._loaded
         if self.upload.value is not self._uploaded:
             self._uploaded = self.upload.value
-            name = _plain(self.upload.value.name)
+            name = _printable(self.upload.value.name)
             try:
-                self._loaded = _checked(self.upload.value, name, meshes)
+                self._loaded = _parse(self.upload.value, name, meshes)
             except SceneError as error:
-                page.refuse(self._client, f"{name} is not opened", error.message)
+                page.notify_refusal(self._client, f"{name} is not opened", error.message)
                 return None
-            self._chosen = self._listed(name, self._loaded)
+            self._chosen = self._list(name, self._loaded)
             return self._loaded
         name = self.choice.value
-        # a page may send anything: only what is listed is opened
-        if name != self._chosen and (name in self._own or name in scene_names()):
+        # a page may send anything: only listed scenes are opened
+        if name != self._chosen and (name in self._opened or name in scene_names()):
             self._chosen = name
-            self._loaded = self._own.get(name) or load_scene(name)
+            self._loaded = self._opened.get(name) or load_scene(name)
             return self._loaded
         return None
 
-    def _listed(self, name: str, scene: Scene) -> str:
-        """Put an opened scene among the choices and choose it."""
+    def _list(self, name: str, scene: Scene) -> str:
+        """Add an opened scene to the choices, choose it and return its label."""
         name = f"{name} (opened)" if name in scene_names() else name
-        self._own[name] = scene
-        self.choice.options = (*scene_names(), *self._own)
+        self._opened[name] = scene
+        self.choice.options = (*scene_names(), *self._opened)
         self.choice.value = name
         return name
 
-    def save_when_asked(self, scene: Scene) -> None:
-        """Send the scene as a file when the button was pressed."""
+    def save_if_requested(self, scene: Scene) -> None:
+        """Send the scene as a file if the button was pressed."""
         if not self.save.value:
             return
         self.save.value = False
         try:
             text = dump(scene.to_dict(), "scene.yaml")
         except SceneError as error:
-            page.refuse(self._client, "Not saved", error.message)
+            page.notify_refusal(self._client, "Not saved", error.message)
         else:
-            name, content = "scene.yaml", text.encode()
-            self._client.send_file_download(name, content, save_immediately=True)
+            self._client.send_file_download("scene.yaml", text.encode(), save_immediately=True)
 
 
-def _plain(name: str) -> str:
-    """The name of a file as it can be shown."""
-    return "".join(c for c in name if c.isprintable())[-_LONGEST:].strip() or "a file"
+def _printable(name: str) -> str:
+    """Name of a file as the page shows it."""
+    return "".join(c for c in name if c.isprintable())[-_NAME_LENGTH:].strip() or "a file"
 
 
-def _checked(file: viser.UploadedFile, name: str, meshes: MeshSource) -> Scene:
+def _parse(file: viser.UploadedFile, name: str, meshes: MeshSource) -> Scene:
     if len(file.content) > MAX_BYTES:
-        raise SceneError("scene", name, f"a file of at most {_MOST}")
+        raise SceneError("scene", name, f"a file of at most {_MAX_SIZE}")
     return Scene.from_dict(parse_bytes(file.content, name), meshes)

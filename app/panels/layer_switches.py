@@ -1,4 +1,4 @@
-"""The legend: a switch for all that is drawn, in its colour; part of the mesh; dark or light."""
+"""The legend: a switch in its colour for each layer, the mesh's view, dark or light page."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ MESH_VIEWS = {
 
 
 class LayerSwitches:
-    """The legend and the switches in one."""
+    """Checkboxes of the legend, and how mesh and page are shown."""
 
     def __init__(
         self, layout: Layout, switches: tuple[Switch, ...], wake: Wake, dark: bool
@@ -30,27 +30,30 @@ class LayerSwitches:
                 tuple(MESH_VIEWS),
                 hint="A mesh of up to about 4,000 nodes is shown whole by the first of these.",
             )
-            self.boxes = {one.name: gui.add_checkbox(one.label, one.on) for one in switches}
-            gui.add_html(page.swatch_style((self.boxes[one.name], one.colour) for one in switches))
+            self.boxes = {
+                switch.name: gui.add_checkbox(switch.label, switch.on) for switch in switches
+            }
+            colours = [switch.colour for switch in switches]
+            gui.add_html(page.swatch_style(zip(self.boxes.values(), colours, strict=True)))
         for box in (self.dark, *self.boxes.values()):
             box.on_update(wake)
         self.mesh_view.on_update(wake)
         self._dark = dark
-        self._theme()
+        self._configure_theme()
 
     def shown(self) -> frozenset[str]:
         """Names of the switches that are on."""
-        return frozenset(name for name, handle in self.boxes.items() if handle.value)
+        return frozenset(name for name, box in self.boxes.items() if box.value)
 
-    def mesh_part(self) -> str:
-        """Which part of the mesh to draw, of :data:`abi.search.subset.VIEWS`."""
+    def chosen_mesh_view(self) -> str:
+        """Part of the mesh to draw, of :data:`abi.search.subset.VIEWS`."""
         return MESH_VIEWS.get(self.mesh_view.value, "near")
 
     def draw(self, frame: Frame) -> None:
-        """Darken or light the page, whatever is in the frame."""
+        """Darken or light the page; no frame changes it."""
         if bool(self.dark.value) != self._dark:
             self._dark = bool(self.dark.value)
-            self._theme()
+            self._configure_theme()
 
-    def _theme(self) -> None:
+    def _configure_theme(self) -> None:
         self._gui.configure_theme(dark_mode=self._dark, show_logo=False, show_share_button=False)

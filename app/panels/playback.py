@@ -1,4 +1,4 @@
-"""Play, pause, scrub and speed: where on the time axis the arm is."""
+"""Playback of the motion: play, pause, scrub and speed."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ import viser
 from app.panels.widgets import Wake
 
 SPEEDS = {"¼ ×": 0.25, "½ ×": 0.5, "real time": 1.0, "2 ×": 2.0}
-FRAME = 1 / 30
-_REST = 0.8
-_ON_ITS_WAY = 3.0
+FRAME = 1 / 30  # [s]
+_PAUSE_AT_END = 0.8
+_LATENCY = 3.0
 """Seconds that a frame may take to a page on a weak machine."""
 
 
 class PlaybackPanel:
-    """Holds the clock; the time slider and the button are its hands."""
+    """Clock of the motion, with the widgets that show and set it."""
 
     def __init__(self, gui: viser.GuiApi, wake: Wake) -> None:
         self.slider = gui.add_slider("time [s]", 0.0, 1.0, 0.01, 0.0, hint="Drag to scrub.")
@@ -28,41 +28,40 @@ class PlaybackPanel:
         self._wake = wake
         self._written = 0.0
         self._time = 0.0
-        self._last = self._sent = time.monotonic()
+        self._advanced = self._sent = time.monotonic()
         self.slider.on_update(wake)
         self.speed.on_update(wake)
         self.button.on_click(self._toggle)
         self.command.on_trigger(self._toggle)
 
     def timeout(self) -> float | None:
-        """How long the worker may sleep: a frame while playing, for ever otherwise."""
+        """Time until the next frame, [s]; None while paused."""
         return FRAME if self.playing else None
 
     def advance(self, duration: float) -> float:
-        """The time to show now, [s]; after the end it rests a moment and begins again."""
+        """Advance to now; the time to show, [s], which begins anew a moment after the end."""
         now = time.monotonic()
-        passed, self._last = now - self._last, now
-        last = max(round(duration, 2), 0.01)
-        if self.slider.max != last:
-            self.slider.max = last
+        elapsed, self._advanced = now - self._advanced, now
+        end = max(round(duration, 2), 0.01)
+        if self.slider.max != end:
+            self.slider.max = end
         if not math.isfinite(self.slider.value):
             self.slider.value = self._written
         scrubbed = self.slider.value
         if scrubbed != self._written:
-            if now - self._sent < _ON_ITS_WAY:
-                # A frame on its way to the page may have taken the hand's number away. Said again,
-                # by a last bit since an equal one is not sent.
+            if now - self._sent < _LATENCY:
+                # a frame on its way may have overwritten the number in the page: it is sent again,
+                # changed by the last bit, since an equal one is not sent
                 scrubbed = math.nextafter(scrubbed, 0.0)
                 self.slider.value = scrubbed
             self._time, self._written, self.playing = scrubbed, scrubbed, False
         elif self.playing:
             rate = SPEEDS.get(self.speed.value, 1.0)
-            self._time += passed * rate
-            if self._time > duration + _REST * rate:
+            self._time += elapsed * rate
+            if self._time > duration + _PAUSE_AT_END * rate:
                 self._time = 0.0
         shown = min(max(self._time, 0.0), duration)
-        behind = abs(shown - self._written)
-        if behind >= 0.05 or (shown < self._written and self.playing):
+        if abs(shown - self._written) >= 0.05 or (shown < self._written and self.playing):
             self._written = round(shown, 2)
             self.slider.value = self._written
             self._sent = now
@@ -72,5 +71,5 @@ class PlaybackPanel:
 
     def _toggle(self, event: object) -> None:
         self.playing = not self.playing
-        self._last = time.monotonic()
+        self._advanced = time.monotonic()
         self._wake(event)

@@ -1,4 +1,4 @@
-"""The stages' headings with their live results, and one sentence when there is none."""
+"""The stages' headings with their results, and an error at the stage it belongs to."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from abi.planner.diagnosis import Reason
 from abi.planner.plan import Plan
 from app import style
 from app.frame import Frame
-from app.labels import LABELS, as_labelled, at_least
+from app.labels import LABELS, format_lower_bound, with_labels
 from app.panels.widgets import Wake
 
 STAGES = ("mesh", "graph", "search", "bspline", "quadratic", "arm")
@@ -41,11 +41,11 @@ _STAGE_OF_FIELD = {
 
 
 class StageHeaders:
-    """Owns the six folders; the panels put their inputs inside."""
+    """The six folders, to be filled by the panels, and a note and a button above each."""
 
     def __init__(self, gui: viser.GuiApi, wake: Wake) -> None:
         self._notes: dict[str, viser.GuiHtmlHandle] = {}
-        # viser lets checkers see a read-only value
+        # Any, since viser declares a button's value read-only
         self._buttons: dict[str, Any] = {}
         self._change: dict[str, Any] | None = None
         self._drawn: tuple[object, ...] = ()
@@ -59,7 +59,7 @@ class StageHeaders:
             )
 
     def draw(self, frame: Frame) -> None:
-        """Put the plan's results into the headings, and a sentence above the one that it is of."""
+        """Write the plan's results into the headings, and its error above the stage's."""
         plan = frame.plan
         state = plan, frame.coarse, frame.refused, frame.reason
         if state == self._drawn:
@@ -72,35 +72,34 @@ class StageHeaders:
             label = f"{_TITLES[stage]} — {result}" if result else _TITLES[stage]
             if self.folders[stage].label != label:
                 self.folders[stage].label = label
-        # what was typed last comes first
         if frame.refused is not None:
-            self._complain(frame.refused, None)
+            self._show_error(frame.refused, None)
         else:
-            self._complain(plan.error, frame.reason)
+            self._show_error(plan.error, frame.reason)
 
-    def _complain(self, error: AbiError | None, reason: Reason | None) -> None:
-        """Show one sentence above the stage it belongs to; none clears it.
+    def _show_error(self, error: AbiError | None, reason: Reason | None) -> None:
+        """Show an error above its stage, and nothing above the others.
 
         Args:
-            error: what is wrong.
-            reason: what was found out about it, with the change that helps, where there is one.
+            error: None for none.
+            reason: its diagnosis, with the change that helps if there is one.
         """
-        where = _stage(error)
+        stage_of_error = _stage(error)
         self._change = None if reason is None else reason.change
         for stage, note in self._notes.items():
-            here = stage == where
+            here = stage == stage_of_error
             self._buttons[stage].visible = here and self._change is not None
             if here and self._change is not None:
-                self._buttons[stage].label = _named(self._change)
+                self._buttons[stage].label = _change_label(self._change)
             if here and error is not None:
-                found = error if reason is None else reason
+                explained = error if reason is None else reason
                 dots = " The blue dots are what the start reaches."
-                hint = found.hint + (dots if isinstance(error, NoPath) else "")
-                note.content = _sentence(as_labelled(error, found.message), hint)
+                hint = explained.hint + (dots if isinstance(error, NoPath) else "")
+                note.content = _error_html(with_labels(explained.message, error), hint)
             note.visible = here
 
-    def accepted(self) -> dict[str, Any] | None:
-        """The change whose button was pressed since the last call."""
+    def accepted_change(self) -> dict[str, Any] | None:
+        """The change of the scene whose button was pressed since the last call."""
         pressed = False
         for button in self._buttons.values():
             pressed |= button.value
@@ -117,8 +116,8 @@ def _stage(error: AbiError | None) -> str | None:
     return _STAGE_OF_FIELD.get(field.split(".")[0].split("[")[0], "mesh")
 
 
-def _named(change: dict[str, Any]) -> str:
-    """What a button does that makes this change of the scene."""
+def _change_label(change: dict[str, Any]) -> str:
+    """Text of the button that makes this change of the scene."""
     parts = []
     for section, value in change.items():
         if section in ("start", "goal"):
@@ -134,8 +133,8 @@ def _named(change: dict[str, Any]) -> str:
     return text[:1].upper() + text[1:]
 
 
-def _sentence(message: str, hint: str) -> str:
-    """The message and the way out; escaped, since both can quote what a user typed."""
+def _error_html(message: str, hint: str) -> str:
+    """Message and hint as HTML; escaped, since both can quote what a user typed."""
     return (
         '<div style="margin:6px 10px 0;padding:6px 9px;border-left:4px solid #e03131;'
         'background:rgba(224,49,49,.12);border-radius:3px;font-size:12.5px;line-height:1.35">'
@@ -144,7 +143,7 @@ def _sentence(message: str, hint: str) -> str:
 
 
 def _results(plan: Plan) -> dict[str, str]:
-    unit, asked = plan.scene.unit, plan.scene.spline.clearance
+    unit, required = plan.scene.unit, plan.scene.spline.clearance
     results = dict.fromkeys(STAGES, "")
     if plan.mesh is not None and plan.free is not None:
         results["mesh"] = f"{plan.free.nodes:,} of {len(plan.mesh.points):,} nodes"
@@ -157,11 +156,11 @@ def _results(plan: Plan) -> dict[str, str]:
     elif plan.error is not None and plan.error.stage == "search":
         results["search"] = "no path"
     if plan.bspline is not None and plan.bspline_arc is not None:
-        kept = _kept(plan.bspline.clearance, plan.bspline.holds, asked)
-        results["bspline"] = f"{plan.bspline_arc.length:.3f} {unit}, {kept}"
+        clearance = _clearance_note(plan.bspline.clearance, plan.bspline.holds, required)
+        results["bspline"] = f"{plan.bspline_arc.length:.3f} {unit}, {clearance}"
     if plan.quadratic is not None and plan.quadratic_arc is not None:
-        kept = _kept(plan.quadratic.clearance, plan.quadratic.holds, asked)
-        results["quadratic"] = f"{plan.quadratic_arc.length:.3f} {unit}, {kept}"
+        clearance = _clearance_note(plan.quadratic.clearance, plan.quadratic.holds, required)
+        results["quadratic"] = f"{plan.quadratic_arc.length:.3f} {unit}, {clearance}"
     if plan.motion is not None:
         motion = plan.motion
         results["arm"] = "reaches all of it" if motion.reachable else "out of reach"
@@ -174,11 +173,11 @@ def _results(plan: Plan) -> dict[str, str]:
     return results
 
 
-def _kept(clearance: Clearance, holds: bool, asked: float) -> str:
+def _clearance_note(clearance: Clearance, holds: bool, required: float) -> str:
     if math.isinf(clearance.distance):
         return "free ✓"
     if clearance.nearest < 0:
         return f"enters by {-clearance.nearest:.3f} ✗"
     if holds:
-        return f"clear by {at_least(max(clearance.distance, 0.0))} ✓"
-    return f"{at_least(clearance.distance)} of {asked:g} ✗"
+        return f"clear by {format_lower_bound(max(clearance.distance, 0.0))} ✓"
+    return f"{format_lower_bound(clearance.distance)} of {required:g} ✗"

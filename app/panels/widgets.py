@@ -1,4 +1,4 @@
-"""Parts that several panels share: number boxes, and lists of choices with their labels."""
+"""Widgets that several panels share: vectors of numbers, and choices with labels."""
 
 from __future__ import annotations
 
@@ -11,29 +11,29 @@ import viser
 from abi.errors import SceneError
 
 Wake = Callable[[Any], None]
-"""The callback of every widget: it wakes the tab's worker."""
-Triple = tuple[float, float, float]
+"""Callback of every widget: it wakes the tab's worker."""
+Vec3 = tuple[float, float, float]
 _Value = TypeVar("_Value")
 
 DIGITS = 6
-"""Decimals that a box takes; left to itself it takes no more than its first value has."""
+"""Decimals that a box takes; by default those of its first value."""
 _SHOWN_DIGITS = 3
 
 
-class NumberBox:
-    """Three numbers beside a gizmo."""
+class VectorBox:
+    """Three numbers that show, and set, what a gizmo shows."""
 
     def __init__(self, gui: viser.GuiApi, label: str, step: float, hint: str, wake: Wake) -> None:
         self.handle = gui.add_vector3(label, (0.0, 0.0, 0.0), step=step, hint=hint)
         self.handle.precision = DIGITS
         self.handle.on_update(wake)
-        self._shown: Triple = (0.0, 0.0, 0.0)
+        self._shown: Vec3 = (0.0, 0.0, 0.0)
 
-    def typed(self, field: str) -> Triple | None:
-        """What was typed since it was last shown; None for nothing.
+    def typed(self, field: str) -> Vec3 | None:
+        """Value typed since the last call of a method here; None for no new one.
 
         Raises:
-            SceneError: not finite; ``field`` is named.
+            SceneError: not finite; names ``field``.
         """
         value = self.handle.value
         if value == self._shown:
@@ -44,23 +44,42 @@ class NumberBox:
         return value
 
     def show(self, value: Any) -> None:
-        """Show ``value``, unless it is what stands there, rounded."""
+        """Show ``value``, unless it is that of the box up to rounding."""
         shown = zip(map(float, value), self._shown, strict=True)
         if any(abs(a - b) > 1.5 * 10**-_SHOWN_DIGITS for a, b in shown):
             self.write(value)
 
     def write(self, value: Any) -> None:
-        """Show ``value``, whatever was typed."""
+        """Show ``value`` in place of anything typed."""
         x, y, z = (round(float(number), _SHOWN_DIGITS) for number in value)
         self._shown = (x, y, z)
         self.handle.value = self._shown
 
 
+class Choice:
+    """Dropdown whose labels stand for a setting's values."""
+
+    def __init__(
+        self, gui: viser.GuiApi, label: str, options: Mapping[str, str], hint: str, wake: Wake
+    ) -> None:
+        self._options = options
+        self.handle = gui.add_dropdown(label, tuple(options), hint=hint)
+        self.handle.on_update(wake)
+
+    def read(self) -> str:
+        """The chosen value; a label that no option has, as it is, for the scene to refuse."""
+        return self._options.get(self.handle.value, self.handle.value)
+
+    def write(self, value: str) -> None:
+        """Choose ``value``."""
+        self.handle.value = label_of(self._options, value)
+
+
 def label_of(options: Mapping[str, _Value], value: _Value) -> str:
-    """Label under which ``value`` stands in a list of choices."""
+    """Label of ``value`` in a list of choices."""
     return next(label for label, option in options.items() if option == value)
 
 
-def within(value: float, low: float, high: float) -> float:
-    """The number from ``low`` to ``high`` that is nearest to ``value``."""
+def clamp(value: float, low: float, high: float) -> float:
+    """The number from ``low`` to ``high`` nearest to ``value``."""
     return min(max(value, low), high)

@@ -29,6 +29,6 @@ def test_a_camera_that_the_hand_has_moved_stays(tab: tuple[FakeTab, Session]) ->
     fake, session = tab
     session.playback.playing = True
     fake.look(session.client.camera, 300, position=[1.0, -9.0, 2.0])
-    until(lambda: session._viewpoint._away > 1)
+    until(lambda: session._viewpoint._distance_factor > 1)
 
     np.testing.assert_allclose(session.client.camera.position, [1.0, -9.0, 2.0])

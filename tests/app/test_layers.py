@@ -83,12 +83,14 @@ def test_an_arm_of_any_size_is_drawn_whole(tmp_path: Path, scene: dict[str, obje
         until(lambda: any(session.plans for session in server.sessions.values()))
         (session,) = server.sessions.values()
         until(lambda: layer(session, ArmLayer)._built is not None)
-        drawn = {node.frame.name.rpartition("/")[2] for node in layer(session, ArmLayer)._hinges}
+        drawn = {
+            node.frame.name.rpartition("/")[2] for node in layer(session, ArmLayer)._joint_nodes
+        }
         assert {"turret", "upper_arm", "forearm", "rod", "gripper", "tool"} <= drawn
         arm = made.arm
         reach = sum(
-            float(np.linalg.norm(hinge.origin.translation()))
-            for hinge in layer(session, ArmLayer)._hinges
+            float(np.linalg.norm(node.origin.translation()))
+            for node in layer(session, ArmLayer)._joint_nodes
         )
         assert reach == pytest.approx(arm.a1 + arm.a2 + arm.a3 + arm.a4 + arm.a5, rel=1e-6)
         fake.close()
@@ -99,9 +101,9 @@ def test_an_arm_of_any_size_is_drawn_whole(tmp_path: Path, scene: dict[str, obje
 def test_the_seed_is_offered_where_it_counts(tab: tuple[FakeTab, Session]) -> None:
     fake, session = tab
     assert not session.panels.stages.mesh.seed.visible
-    fake.set(session.panels.stages.mesh.lattice, "Delaunay: jittered")
+    fake.set(session.panels.stages.mesh.lattice.handle, "Delaunay: jittered")
     until(lambda: session.panels.stages.mesh.seed.visible)
-    fake.set(session.panels.stages.mesh.lattice, "Kuhn: six per cube")
+    fake.set(session.panels.stages.mesh.lattice.handle, "Kuhn: six per cube")
     until(lambda: not session.panels.stages.mesh.seed.visible)
 
 

@@ -55,7 +55,7 @@ def shows(session: Session, scene: Scene) -> bool:
 
 def boxes(session: Session) -> dict[str, list[float]]:
     editor = session.panels.editor
-    numbers = {name: box.handle.value for name, box in editor._ends.items()}
+    numbers = {name: box.handle.value for name, box in editor._end_boxes.items()}
     numbers |= {"position": editor._position.handle.value, "turned": editor._angles.handle.value}
     return {name: list(value) for name, value in numbers.items()}
 
@@ -64,7 +64,7 @@ def boxes(session: Session) -> dict[str, list[float]]:
 def test_another_scene_is_in_the_numbers(tab: tuple[FakeTab, Session], name: str) -> None:
     fake, session = tab
     scene = load_scene(name)
-    fake.set(session.panels.editor._ends["start"].handle, [0.5, 0.25, 0.0])
+    fake.set(session.panels.editor._end_boxes["start"].handle, [0.5, 0.25, 0.0])
     until(lambda: session.plan.scene.start == (0.5, 0.25, 0.0))  # type: ignore[union-attr]
     fake.set(session.panels.files.choice, name)
     until(lambda: shows(session, scene))
@@ -77,7 +77,7 @@ def test_another_scene_is_in_the_numbers(tab: tuple[FakeTab, Session], name: str
 
     # one typed number moves one thing, along one axis
     x, y, z = scene.start
-    fake.set(session.panels.editor._ends["start"].handle, [x + 0.125, *found["start"][1:]])
+    fake.set(session.panels.editor._end_boxes["start"].handle, [x + 0.125, *found["start"][1:]])
     until(lambda: shows(session, scene.replace(start=(x + 0.125, y, z))))
 
 
@@ -88,7 +88,7 @@ def test_without_obstacles_there_is_nothing_to_edit(tab: tuple[FakeTab, Session]
     until(lambda: session.plan.scene.obstacles == ())  # type: ignore[union-attr]
     assert editor._position.handle.disabled
     assert editor._angles.handle.disabled
-    assert not editor.size.visible
+    assert not editor.sizes.size.visible
 
     fake.set(editor.buttons, "Add")
     until(lambda: len(session.plan.scene.obstacles) == 1)  # type: ignore[union-attr]
@@ -155,8 +155,8 @@ def test_the_arm_is_as_large_as_the_scenes_unit_says(tmp_path: Path) -> None:
         """How large the drawn arm is for its room."""
         assert session.plan is not None
         places = [
-            float(np.linalg.norm(hinge.frame.position))
-            for hinge in layer(session, ArmLayer)._hinges
+            float(np.linalg.norm(node.frame.position))
+            for node in layer(session, ArmLayer)._joint_nodes
         ]
         return sum(places) / max(session.plan.scene.workspace.size)
 
@@ -220,7 +220,7 @@ def test_a_mesh_shrinks_about_its_middle(
     with served(path) as (fake, session):
         assert session.plan is not None
         before = session.plan.scene.obstacles[0].bounds()
-        fake.set(getattr(session.panels.editor, widget), value)
+        fake.set(getattr(session.panels.editor.sizes, widget), value)
         until(lambda: session.plan.scene.obstacles[0].bounds()[1][0] != before[1][0])  # type: ignore[union-attr]
         after = session.plan.scene.obstacles[0].bounds()
     np.testing.assert_allclose(np.add(*after), np.add(*before), atol=1e-9)

@@ -1,0 +1,125 @@
+"""Notes in the stages' folders: control points, coefficients, motion and arm in numbers."""
+
+from __future__ import annotations
+
+import html
+import math
+from typing import ClassVar
+
+from abi.arm.trajectory import Violation
+from abi.planner.plan import Plan
+from app import style
+from app.frame import Frame, Switch
+from app.layout import Layout
+
+_PIECES_SHOWN = 2
+
+
+class StageNotesLayer:
+    """One note for each of B-spline, quadratic and arm."""
+
+    switches: ClassVar[tuple[Switch, ...]] = ()
+
+    def __init__(self, layout: Layout) -> None:
+        self._notes = {}
+        for stage in ("bspline", "quadratic", "arm"):
+            with layout.folders[stage]:
+                self._notes[stage] = layout.client.gui.add_html("")
+        self._drawn: Plan | None = None
+
+    def draw(self, frame: Frame) -> None:
+        """Write the plan's numbers."""
+        plan = frame.plan
+        if plan is self._drawn:
+            return
+        self._drawn = plan
+        self._notes["bspline"].content = _control_points(plan)
+        self._notes["quadratic"].content = _coefficients(plan) + _motion(plan)
+        self._notes["arm"].content = _arm(plan)
+
+
+def _control_points(plan: Plan) -> str:
+    """Count of the control points that keep the spline clear; empty where none is needed."""
+    spline = None if plan.bspline is None else plan.bspline.curve
+    if spline is None or not (spline.inserted or spline.moved):
+        return ""
+    return (
+        f"{style.BOX}{len(spline.control_points)} control points: {spline.inserted} added, "
+        f"{spline.moved} pushed outward.</div>"
+    )
+
+
+def _coefficients(plan: Plan) -> str:
+    """Polynomials of the quadratic, as the paper prints them."""
+    if plan.quadratic is None:
+        return ""
+    lines = []
+    pieces = plan.quadratic.curve.pieces
+    for first, last, (c0, c1, c2) in pieces[:_PIECES_SHOWN]:
+        if len(pieces) > 1:
+            lines.append(f"t from {first:.3f} to {last:.3f}:")
+        lines += [
+            f"P{axis}(t) = {_polynomial(c0[i], c1[i], c2[i])}" for i, axis in enumerate("xyz")
+        ]
+    if len(pieces) > _PIECES_SHOWN:
+        lines.append(f"… {len(pieces)} pieces in all")
+    if plan.quadratic.note:
+        lines.append(f"✗ {html.escape(plan.quadratic.note)}")
+    css = "margin:0 12px 3px;font:12px/1.4 ui-monospace,monospace"
+    return f'<div style="{css}">{"<br>".join(lines)}</div>'
+
+
+def _polynomial(*coefficients: float) -> str:
+    """c0 + c1 t + c2 t² in three decimals, without terms that vanish."""
+    text = ""
+    for number, power in zip(coefficients, ("", "t", "t²"), strict=True):
+        if abs(number) >= 5e-4:
+            sign = ("−" if number < 0 else "") if not text else (" − " if number < 0 else " + ")
+            text += f"{sign}{abs(number):.3f}{power}"
+    return text or "0"
+
+
+def _motion(plan: Plan) -> str:
+    if plan.profile is None:
+        return ""
+    profile = plan.profile
+    peak = f"{profile.peak_speed:.3g} {plan.scene.unit}/s"
+    peak_note = f", V not reached: {peak}" if profile.triangular else ""
+    return (
+        f"{style.BOX}t1 {profile.t1:.3f} + t2 {profile.t2:.3f} + t3 {profile.t3:.3f} = "
+        f"{profile.duration:.2f} s{peak_note}.<br>"
+        f"Theorem 1: t1 = t3·|a3/a1| {'✓' if abs(profile.theorem_residual) < 1e-9 else '✗'} "
+        f"({profile.t1:.3f} = {profile.t1 - profile.theorem_residual:.3f})</div>"
+    )
+
+
+def _arm(plan: Plan) -> str:
+    if plan.motion is None:
+        return ""
+    motion, unit, curve = plan.motion, plan.scene.unit, plan.followed_curve
+    lines = []
+    if curve is not None and not curve.holds and plan.followed is not None:
+        label = style.CURVES[plan.followed][0]
+        lines.append(f"<b>✗ The {label}, which the arm follows, is too near an obstacle.</b>")
+    if motion.clearance < math.inf:
+        where = f"obstacle {motion.clearance_obstacle + 1}, at {motion.clearance_time:.2f} s"
+        lines.append(
+            f"The links' centre lines come nearest to {where}: {motion.clearance:.3f} {unit}."
+            if motion.clearance > 0
+            else f"<b>✗ A link passes through {where}.</b> Only the tool's path is planned clear."
+        )
+    lines += [_limit_note(violation, unit) for violation in motion.limit_violations]
+    return style.BOX + "<br>".join(lines) + "</div>" if lines else ""
+
+
+def _limit_note(violation: Violation, unit: str) -> str:
+    """Sentence on the time and the worst value of a joint beyond its limit."""
+    prismatic = violation.joint == "q5"
+    value, limit = (
+        f"{number:.2f} {unit}" if prismatic else f"{math.degrees(number):.0f}°"
+        for number in (violation.value, violation.limit)
+    )
+    return (
+        f"✗ {violation.joint} passes its limit of {limit} at {violation.since:.2f} s: "
+        f"{value} at {violation.time:.2f} s."
+    )

@@ -1,0 +1,104 @@
+"""Start and goal in the scene, each under a gizmo."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import viser
+
+from abi.arrays import FloatArray
+from abi.scene.scene import Scene
+from app import style
+from app.frame import Frame
+from app.panels.widgets import Wake
+
+_ROUNDING = 1e-9
+"""Part of the workspace's size."""
+
+
+class EndGizmos:
+    """Balls under gizmos without rotations, and labels with coordinates.
+
+    Attributes:
+        gizmos: by name; to be moved by :meth:`place`.
+    """
+
+    def __init__(self, client: viser.ClientHandle, scene: Scene, wake: Wake) -> None:
+        self._scene = client.scene
+        size = max(scene.workspace.size)
+        self.gizmos: dict[str, viser.TransformControlsHandle] = {}
+        self._labels: dict[str, viser.LabelHandle] = {}
+        self._balls: dict[str, viser.IcosphereHandle] = {}
+        self._origins: dict[str, FloatArray] = {}
+        for name in ("start", "goal"):
+            position = np.array(getattr(scene, name))
+            gizmo = client.scene.add_transform_controls(
+                f"/{name}",
+                position=position,
+                line_width=3.0,
+                disable_rotations=True,
+                disable_sliders=True,
+                depth_test=False,
+                opacity=0.9,
+            )
+            gizmo.on_update(wake)
+            self.gizmos[name], self._origins[name] = gizmo, position
+            self._balls[name] = client.scene.add_icosphere(
+                f"/{name}/ball", radius=0.018 * size, color=style.POINT
+            )
+            self._labels[name] = client.scene.add_label(
+                f"/{name}/label", name, anchor="top-center", depth_test=False
+            )
+        self.write(scene)
+
+    def read(self) -> dict[str, Any]:
+        """Read ``start`` and ``goal``."""
+        return {
+            name: self._within_rounding(gizmo.position).tolist()
+            for name, gizmo in self.gizmos.items()
+        }
+
+    def place(self, name: str, position: Sequence[float]) -> None:
+        """Move an end to ``position`` (3,), [unit], and limit drags to the workspace.
+
+        The page holds the limits against the sum of all drags of a gizmo, wherever else it was put
+        meanwhile.
+        """
+        gizmo = self.gizmos[name]
+        shift = np.asarray(position) - gizmo.position
+        if np.isfinite(shift).all():
+            self._origins[name] = self._origins[name] + shift
+        low, high = (side - self._origins[name] for side in self._bounds)
+        x, y, z = zip(low.tolist(), high.tolist(), strict=True)
+        gizmo.translation_limits = (x, y, z)
+        gizmo.position = np.asarray(position)
+
+    def write(self, scene: Scene) -> None:
+        """Show ``scene``."""
+        size = max(scene.workspace.size)
+        self._bounds = np.array(scene.workspace.min), np.array(scene.workspace.max)
+        for name, gizmo in self.gizmos.items():
+            self.place(name, getattr(scene, name))
+            gizmo.scale = 0.13 * size
+            self._balls[name].radius = 0.018 * size
+            self._labels[name].position = (0.0, 0.0, -0.05 * size)
+        self._label(scene)
+
+    def draw(self, frame: Frame) -> None:
+        """Write the coordinates on the labels."""
+        if not frame.faded and frame.plan.scene is not self._labelled:
+            self._label(frame.plan.scene)
+
+    def _label(self, scene: Scene) -> None:
+        self._labelled = scene
+        for name, label in self._labels.items():
+            label.text = f"{name} ({', '.join(f'{number:.3g}' for number in getattr(scene, name))})"
+
+    def _within_rounding(self, position: FloatArray) -> FloatArray:
+        """``position`` (3,), back in the workspace if only rounding put it outside."""
+        low, high = self._bounds
+        inside = np.clip(position, low, high)
+        rounded = np.abs(position - inside).max() <= _ROUNDING * (high - low).max()
+        return inside if rounded else position

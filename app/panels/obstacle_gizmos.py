@@ -1,0 +1,170 @@
+"""Obstacles in the scene, each under a gizmo.
+
+A body is a child of its gizmo, so it moves in the browser at once; the server hears the pose.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, ClassVar
+
+import numpy as np
+import viser
+
+from abi.obstacles.primitives import Box, Cylinder, MeshShape, Obstacle, Sphere
+from abi.scene.scene import Scene
+from app import style
+from app.frame import Frame, Switch
+from app.panels.widgets import Wake
+
+_Body = viser.BoxHandle | viser.IcosphereHandle | viser.MeshHandle
+
+_OPACITY = 0.62
+_SUBDIVISIONS = 8
+_POSE = {"position", "wxyz"}
+
+
+class ObstacleGizmos:
+    """One gizmo for each obstacle; only the chosen one shows its handles.
+
+    Attributes:
+        data: each obstacle as in a scene file, without its pose; the editor changes it.
+        gizmos: in the order of the obstacles.
+        chosen: number of the obstacle with the handles, from 0.
+    """
+
+    switches: ClassVar[tuple[Switch, ...]] = (Switch("obstacles", "obstacles", style.OBSTACLE),)
+
+    def __init__(self, client: viser.ClientHandle, scene: Scene, wake: Wake) -> None:
+        self._scene = client.scene
+        self._wake = wake
+        self._scene_size = 1.0
+        self.data: list[dict[str, Any]] = []
+        self.gizmos: list[viser.TransformControlsHandle] = []
+        self._bodies: list[_Body] = []
+        self._drawn: list[dict[str, Any]] = []
+        self._added = 0
+        self._visible = True
+        self._embodied: Sequence[Obstacle] | None = None
+        self._last_read: list[dict[str, Any]] = []
+        self._validated: list[tuple[dict[str, Any], Obstacle]] = []
+        self._with_handles = -1
+        self.chosen = 0
+        self.write(scene)
+
+    def read(self) -> dict[str, Any]:
+        """Read the ``obstacles``, posed as the gizmos; the unchanged ones are the scene's own."""
+        self._last_read = list(map(_with_pose, self.data, self.gizmos))
+        pairs = zip(self._last_read, self._validated, strict=True)
+        return {"obstacles": [obstacle if new == old else new for new, (old, obstacle) in pairs]}
+
+    def write(self, scene: Scene) -> None:
+        """Show ``scene``."""
+        while self.gizmos:
+            self.remove(0)
+        self._scene_size = max(scene.workspace.size)
+        for obstacle in scene.obstacles:
+            self.add(obstacle)
+        self._last_read = [data for data, _ in self._validated]
+        self._update_bodies(scene.obstacles)
+        self.choose(0)
+
+    def draw(self, frame: Frame) -> None:
+        """Give each gizmo its obstacle's body, and show or hide all of them."""
+        if (visible := "obstacles" in frame.shown) != self._visible:
+            self._visible = visible
+            for gizmo in self.gizmos:
+                gizmo.visible = visible
+        if not frame.faded and frame.plan.scene.obstacles is not self._embodied:
+            self._update_bodies(frame.plan.scene.obstacles)
+            self._validated = list(zip(self._last_read, frame.plan.scene.obstacles, strict=True))
+
+    def _update_bodies(self, obstacles: Sequence[Obstacle]) -> None:
+        """Draw the bodies anew whose obstacles have another shape or size."""
+        self._embodied = obstacles
+        for number, obstacle in enumerate(obstacles):
+            if self._drawn[number] == self.data[number]:
+                continue
+            self._drawn[number] = dict(self.data[number])
+            gizmo = self.gizmos[number]
+            gizmo.scale = (
+                min(1.35 * _radius(obstacle), 0.4 * self._scene_size) + 0.03 * self._scene_size
+            )
+            self._bodies[number] = body = _body(self._scene, f"{gizmo.name}/body", obstacle)
+            body.on_click(self._choose_clicked)
+
+    def add(self, obstacle: Obstacle) -> None:
+        """Add an obstacle's gizmo; the next frame gives it a body."""
+        self._added += 1
+        gizmo = self._scene.add_transform_controls(
+            f"/obstacle_{self._added}",
+            scale=self._scene_size,
+            line_width=2.5,
+            position=obstacle.position,
+            wxyz=obstacle.wxyz,
+            depth_test=False,
+            opacity=0.9,
+            visible=self._visible,
+        )
+        gizmo.on_update(self._wake)
+        self.gizmos.append(gizmo)
+        self.data.append(obstacle.model_dump(mode="json", exclude=_POSE))
+        self._validated.append((_with_pose(self.data[-1], gizmo), obstacle))
+        self._drawn.append({})
+        self._bodies.append(None)  # type: ignore[arg-type]
+        self._embodied = None
+        self._with_handles = -1
+
+    def remove(self, number: int) -> None:
+        """Remove obstacle ``number``, from 0."""
+        self.gizmos.pop(number).remove()
+        for column in (self.data, self._drawn, self._bodies, self._validated):
+            column.pop(number)
+        self._with_handles = -1
+
+    def choose(self, number: int) -> None:
+        """Give the handles to obstacle ``number``, from 0."""
+        self.chosen = number
+        if number == self._with_handles:
+            return
+        self._with_handles = number
+        for index, gizmo in enumerate(self.gizmos):
+            hidden = index != number
+            gizmo.disable_axes = gizmo.disable_sliders = gizmo.disable_rotations = hidden
+
+    def _choose_clicked(self, event: viser.SceneNodePointerEvent[Any]) -> None:
+        self.chosen = next(i for i, body in enumerate(self._bodies) if body is event.target)
+        self._wake(event)
+
+
+def _with_pose(data: dict[str, Any], gizmo: viser.TransformControlsHandle) -> dict[str, Any]:
+    """An obstacle's data with the pose of its gizmo, as in a scene file."""
+    return {**data, "position": gizmo.position.tolist(), "wxyz": gizmo.wxyz.tolist()}
+
+
+def _radius(obstacle: Obstacle) -> float:
+    """Half the diagonal of the bounds, [unit]."""
+    low, high = obstacle.bounds()
+    return float(np.linalg.norm(high - low) / 2)
+
+
+def _body(scene: viser.SceneApi, name: str, obstacle: Obstacle) -> _Body:
+    """Add the obstacle's surface, in its own frame."""
+    look: dict[str, Any] = {"color": style.OBSTACLE, "opacity": _OPACITY, "side": "double"}
+    if isinstance(obstacle, Box):
+        return scene.add_box(name, dimensions=obstacle.size, **look)
+    if isinstance(obstacle, Sphere):
+        return scene.add_icosphere(name, radius=obstacle.radius, subdivisions=_SUBDIVISIONS, **look)
+    if isinstance(obstacle, MeshShape):
+        vertices = (obstacle.surface.vertices * obstacle.factor).astype(np.float32)
+        faces = obstacle.surface.faces.astype(np.uint32)
+        return scene.add_mesh_simple(name, vertices, faces, flat_shading=True, **look)
+    from trimesh import creation  # here, since it takes long to import
+
+    if isinstance(obstacle, Cylinder):
+        mesh = creation.cylinder(radius=obstacle.radius, height=obstacle.height, sections=48)
+    else:
+        mesh = creation.capsule(radius=obstacle.radius, height=obstacle.height, count=(24, 24))
+        mesh.apply_translation((0, 0, -mesh.bounds.mean(axis=0)[2]))
+    vertices, faces = mesh.vertices.astype(np.float32), mesh.faces.astype(np.uint32)
+    return scene.add_mesh_simple(name, vertices, faces, **look)

@@ -1,0 +1,52 @@
+"""Sizes of one obstacle as numbers: of a mesh, its scale and the unit of its file."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import viser
+
+from app.panels.widgets import DIGITS, Wake, label_of
+
+_FIELDS = ("size", "radius", "height", "scale", "unit")
+_UNITS: dict[str, str | None] = {"the scene's unit": None, "m": "m", "cm": "cm", "mm": "mm"}
+
+
+class ObstacleSizes:
+    """One widget for each size that a shape can have; those of other shapes are hidden."""
+
+    def __init__(self, gui: viser.GuiApi, wake: Wake) -> None:
+        self.size = gui.add_vector3("size", (1.0, 1.0, 1.0), step=0.1, hint="Edge lengths.")
+        self.radius = gui.add_number("radius", 1.0, step=0.1)
+        self.height = gui.add_number(
+            "height", 1.0, step=0.1, hint="A capsule's is between the centres of its two caps."
+        )
+        self.scale = gui.add_number("scale", 1.0, step=0.1, hint="Of the file's lengths.")
+        self.unit = gui.add_dropdown("file is in", tuple(_UNITS), hint="The unit of the file.")
+        for box in (self.size, self.radius, self.height, self.scale):
+            box.precision = DIGITS
+            box.on_update(wake)
+        self.unit.on_update(wake)
+
+    def choose_unit(self, unit: str) -> None:
+        """Choose the unit of a mesh file."""
+        self.unit.value = label_of(_UNITS, unit)
+
+    def read(self, data: dict[str, Any]) -> dict[str, Any]:
+        """Read the sizes that ``data`` has, an obstacle as in a scene file."""
+        sizes = {name: getattr(self, name).value for name in _FIELDS if name in data}
+        if "unit" in sizes:
+            sizes["unit"] = _UNITS[sizes["unit"]]
+        if "size" in sizes:
+            sizes["size"] = list(sizes["size"])
+        return sizes
+
+    def write(self, data: dict[str, Any]) -> None:
+        """Show the sizes that ``data`` has, and no others."""
+        for name in _FIELDS:
+            handle = getattr(self, name)
+            handle.visible = name in data
+            if name == "unit" and name in data:
+                handle.value = label_of(_UNITS, data[name])
+            elif name in data:
+                handle.value = tuple(data[name]) if name == "size" else data[name]
