@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int32]
 BoolArray = NDArray[np.bool_]
+ByteArray = NDArray[np.uint8]
 
 _Array = TypeVar("_Array", bound=NDArray[Any])
 

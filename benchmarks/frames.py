@@ -37,12 +37,11 @@ from typing import Any
 import numba
 import numpy as np
 from numba.extending import register_jitable
-from numpy.typing import NDArray
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 
 from abi import compiling
-from abi.arrays import BoolArray, FloatArray, IntArray
+from abi.arrays import BoolArray, ByteArray, FloatArray, IntArray
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.packing import pack
 from abi.obstacles.primitive_kernels import (
@@ -84,7 +83,6 @@ _GONE = 64
 Row = dict[str, Any]
 Library = Callable[[Graph, Obstacles, float], float]
 Rows = tuple[IntArray, IntArray, FloatArray]
-ByteArray = NDArray[np.uint8]
 Times = dict[str, list[float]]
 
 

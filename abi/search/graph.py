@@ -319,12 +319,12 @@ def _seen_from(
 
     Looks within ``reach``, [unit], and twice and four times as far while it sees none.
     """
-    shape, _, _, places, _, _ = free.mesh.net
     margins = read_only(np.full(len(obstacles.primitives), margin))
-    solids = obstacles.packed, margins
-    x, y, z = map(float, point)
+    mesh, x, y, z = free.mesh, *map(float, point)
     for radius in (reach, 2 * reach, 4 * reach):
-        ids, away = kernels.seen(shape, places, *solids, free.excluded, x, y, z, radius)
+        ids, away = kernels.visible_nodes(
+            mesh.net, obstacles.packed, margins, free.excluded, (x, y, z), radius
+        )
         if obstacles.meshes:
             nodes = free.mesh.points[ids]
             from_point = np.broadcast_to(np.array(point), nodes.shape)

@@ -9,9 +9,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from operator import eq
 from types import MappingProxyType
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
@@ -19,10 +18,10 @@ from abi.arrays import FloatArray, IntArray, read_only
 from abi.errors import NoPath
 from abi.search import search_kernels as kernels
 from abi.search.graph import Graph
-from abi.search.heuristic_kernels import NO_METRIC, ON_A_FACE, Metric
-from abi.tet_mesh.adjacency import hop_norm
-
-Weight = Literal["length", "hops"]
+from abi.search.heuristic import Weight, metric
+from abi.search.heuristic_kernels import NO_METRIC, Metric
+from abi.search.search_kernels import Ends, Problem
+from abi.tet_mesh.adjacency_kernels import Links, OpenEdges
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,9 +56,7 @@ class SearchResult:
 def a_star(graph: Graph, weight: Weight) -> SearchResult:
     """A*; stops at the goal.
 
-    In a lattice the heuristic is what the way would cost with nothing in it, by length or by hops
-    (:mod:`abi.search.heuristic_kernels`). In ``delaunay`` it is the straight line, by hops divided
-    by the longest edge.
+    The heuristic is the cost of the way with nothing in it (:func:`abi.search.heuristic.metric`).
 
     Raises:
         NoPath: no edges lead from start to goal.
@@ -91,20 +88,6 @@ SEARCHES: MappingProxyType[str, Callable[[Graph, Weight], SearchResult]] = Mappi
 """The algorithms by name."""
 
 
-def metric(graph: Graph, weight: Weight) -> Metric:
-    """A*'s heuristic towards the goal of the graph, see :mod:`abi.search.heuristic_kernels`."""
-    mesh, goal = graph.mesh, graph.goal
-    inner = goal - len(mesh.points)
-    x, y, z = (mesh.points[goal] if inner < 0 else graph.own[inner]).tolist()
-    if mesh.stencil is None:
-        scale = 1.0 if weight == "length" else 1 / graph.longest_edge
-        return (1.0, scale, *mesh.norm[1:4], x, y, z, *mesh.norm[4:])
-    norm = mesh.norm if weight == "length" else hop_norm()
-    place = mesh.stencil.cell_of((x, y, z))
-    on_a_face = 0.0 in place or any(map(eq, place, [2.0 * count for count in mesh.cells]))
-    return (ON_A_FACE if on_a_face else 1.0, *norm[:4], *place, *norm[4:])
-
-
 def _search(
     algorithm: str, kernel: Any, graph: Graph, weight: Weight, towards: Metric
 ) -> SearchResult:
@@ -114,11 +97,15 @@ def _search(
         largest = _most_hops(graph)
         weights = read_only(np.where(np.isfinite(weights), 1.0, np.inf))
         link_weights = read_only(np.ones(len(link_weights)))
-    found = kernel(
-        *graph.mesh.net,
-        *(graph.exits, weights, graph.tails, graph.heads, link_weights, len(graph.own)),
-        *(graph.start, graph.goal, largest, towards),
+    problem = Problem(
+        graph.mesh.net,
+        OpenEdges(graph.exits, weights),
+        Links(graph.tails, graph.heads, link_weights),
+        Ends(graph.start, graph.goal, len(graph.own)),
+        largest,
+        towards,
     )
+    found = kernel(problem)
     return _result(algorithm, graph, weight, *found)
 
 
@@ -146,14 +133,15 @@ def _result(
     if math.isinf(least):
         reached = np.flatnonzero(np.isfinite(cost)).astype(np.int32)
         raise NoPath(reached, graph.free_nodes, graph.pitch)
-    vertices = kernels.walked(parent, graph.goal)
+    vertices = kernels.reconstruct_path(parent, graph.goal)
     points = graph.places(vertices)
+    edges = points[1:] - points[:-1]
     return SearchResult(
         algorithm=algorithm,
         weight=weight,
         vertices=read_only(vertices),
         points=read_only(points),
-        length=float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum()),
+        length=float(np.sqrt((edges * edges).sum(axis=1)).sum()),
         hops=len(vertices) - 1,
         cost=least,
         expanded=len(order),

@@ -1,17 +1,39 @@
 """Inner loops of the searches, compiled by numba.
 
-Each runs uncompiled too, as ``best_first.py_func`` on plain lists: a first plan need not wait for
-the compiler. Ties are broken the same way each time, so both ways give the same result.
+Each runs uncompiled too, on plain lists: a first plan need not wait for the compiler. Ties are
+broken the same way each time, so both ways give the same result.
+
+Arrays in a tuple are taken out of it before a loop begins: in the loop they would be counted in and
+out at each turn. Helpers that are handed arrays at each turn are inlined by force and use them all
+the way through, for then the compiler sees that it need not count.
 """
 
 from __future__ import annotations
 
-import numpy as np
+from typing import NamedTuple
 
-from abi.arrays import FloatArray, IntArray
+import numpy as np
+from numba.extending import register_jitable
+
+from abi.arrays import ByteArray, FloatArray, IntArray
 from abi.compiled import FLOATS, IDS, NEW_IDS, compiled
-from abi.search.heuristic_kernels import NO_METRIC, Metric, to_go
-from abi.tet_mesh.adjacency_kernels import LINKED, NO_SHAPE, ROWS, SIDES, Shape, across, cell, ones
+from abi.obstacles.vector_kernels import Vec3
+from abi.search.heuristic_kernels import NO_METRIC, NONE, Metric, to_go
+from abi.tet_mesh.adjacency_kernels import (
+    LINKED,
+    NO_NET,
+    ROWS,
+    SIDES,
+    Links,
+    Net,
+    OpenEdges,
+    Shape,
+    across,
+    cell,
+    cell_place,
+    ones,
+    row_place,
+)
 
 BUCKETS = 2048
 WIDTH = 4 / (BUCKETS - 4)
@@ -21,31 +43,93 @@ _ALL_SIDES = (1 << SIDES) - 1
 _LITTLE = 1e-11  # part of the largest weight by which a cost must fall to be worth it
 
 
+class Ends(NamedTuple):
+    """Where a path begins and ends.
+
+    Attributes:
+        start, goal: node ids.
+        own: how many of the two are no nodes of the mesh.
+    """
+
+    start: int
+    goal: int
+    own: int
+
+
+class Problem(NamedTuple):
+    """A graph, and the path that is searched in it.
+
+    Attributes:
+        net: the mesh.
+        opened: its open edges.
+        links: the edges of start and goal.
+        ends: start and goal.
+        largest: an upper bound of the weights, above 0; the estimates of nodes one edge away
+            from the same node differ by at most four times as much.
+        metric: the heuristic.
+    """
+
+    net: Net
+    opened: OpenEdges
+    links: Links
+    ends: Ends
+    largest: float
+    metric: Metric
+
+
+class _Labels(NamedTuple):
+    """Knowledge of the nodes: cost, parent, and whether that was looked at since it changed."""
+
+    cost: FloatArray
+    parent: IntArray
+    closed: ByteArray
+
+
+class _Queue(NamedTuple):
+    """A ring of buckets, each a linked list, and the nodes that were taken out of it.
+
+    Attributes:
+        first: (BUCKETS,) entries, -1 where a bucket is empty.
+        node_of: the entries' nodes.
+        after: the entries behind them in the same bucket, or -1.
+        order: nodes that were expanded, in order.
+    """
+
+    first: IntArray
+    node_of: IntArray
+    after: IntArray
+    order: IntArray
+
+
+class _Progress(NamedTuple):
+    """Counts of a search.
+
+    Attributes:
+        used: entries of the queue, those that are out of it included.
+        waiting: entries in it.
+        current: the bucket, counted from the first of all.
+        expanded: nodes expanded.
+        relaxed: edges examined.
+        found: whether the goal was taken out of the queue.
+        done: whether nothing is left to do.
+    """
+
+    used: int
+    waiting: int
+    current: int
+    expanded: int
+    relaxed: int
+    found: bool
+    done: bool
+
+
 _EXAMPLE = (
-    *(NO_SHAPE, IDS, IDS, FLOATS, IDS, IDS, IDS, FLOATS, IDS, IDS, FLOATS),
-    *(0, 0, 1, 1.0, NO_METRIC),
+    Problem(NO_NET, OpenEdges(IDS, FLOATS), Links(IDS, IDS, FLOATS), Ends(0, 0, 1), 1.0, NO_METRIC),
 )
 
 
 @compiled(example=_EXAMPLE, error_model="numpy")
-def best_first(
-    shape: Shape,
-    offsets: IntArray,
-    steps: IntArray,
-    places: FloatArray,
-    indptr: IntArray,
-    indices: IntArray,
-    exits: IntArray,
-    weights: FloatArray,
-    tails: IntArray,
-    heads: IntArray,
-    link_weights: FloatArray,
-    own: int,
-    start: int,
-    goal: int,
-    largest: float,
-    metric: Metric,
-) -> tuple[FloatArray, IntArray, IntArray, int]:
+def best_first(problem: Problem) -> tuple[FloatArray, IntArray, IntArray, int]:
     """A* (Hart, Nilsson and Raphael, 1968); Dijkstra's algorithm where the metric is none.
 
     Stops at the goal, once nothing waits that promises less. The queue is a ring of buckets (Dial,
@@ -55,221 +139,240 @@ def best_first(
     expansion is expanded again. Dijkstra's never are, as no edge is shorter than a bucket is wide,
     save those to start and goal.
 
-    Args:
-        shape, offsets, steps, places, indptr, indices: the mesh, see ``adjacency_kernels``.
-        exits, weights, tails, heads, link_weights: its open edges, see there.
-        own: how many of start and goal are no nodes of the mesh.
-        start: node id.
-        goal: node id.
-        largest: an upper bound of the weights, above 0; the estimates of nodes one edge away
-            from the same node differ by at most four times as much.
-        metric: the heuristic, see ``abi.search.heuristic_kernels``.
-
     Returns:
         cost (n,) from the start, inf where not reached; parent (n,), -1 at the start and without
         meaning where not reached; expanded nodes in order (m,), the goal last; number of edges
         examined.
     """
-    kind, nodes, directions, cross = shape[0], shape[5], shape[6], shape[7]
-    links = len(tails)
-    most = shape[8] + links
-    guided = metric[0] > 0
-    cost = np.full(nodes + own, np.inf)
-    parent = np.empty(nodes + own, np.int32)
-    closed = np.zeros(nodes + own, np.uint8)
-    order = np.empty(nodes + own + 1, np.int32)
-    node_of = np.empty(nodes + own + most + 1, np.int32)
-    after = np.empty(len(node_of), np.int32)
+    start, goal, own = problem.ends
+    total = problem.net.shape.nodes + own
+    entries = total + problem.net.shape.most + len(problem.links.tails) + 1
+    cost, parent = np.full(total, np.inf), np.empty(total, np.int32)
+    labels = _Labels(cost, parent, np.zeros(total, np.uint8))
     first = np.full(BUCKETS, -1, np.int32)
-    # a place more, for what is written before it is known to count
-    better = np.empty(most + 1, np.int32)
-    by = np.empty(most + 1, np.int32)
-    expanded, relaxed = 0, 0
-    little = _LITTLE * largest
-    per_cost = 1 / (WIDTH * largest)
-    # edges to a goal between the nodes may be shorter than the heuristic says
-    slack = 0.0
-    for k in range(2 * links if guided else 0):
-        end = heads[k] if k < links else tails[k - links]
-        if (tails[k] if k < links else heads[k - links]) == goal and end < nodes:
-            if kind == ROWS:
-                x, y, z = places[end], places[nodes + end], places[2 * nodes + end]
-                left = to_go(shape, metric, x, y, z)
-            else:
-                a, b, c = cell(shape, end)
-                left = to_go(shape, metric, 1.0 * a, 1.0 * b, 1.0 * c)
-            slack = max(slack, left - link_weights[k % links])
-    cost[start] = 0.0
-    parent[start] = -1
-    node_of[0] = start
-    after[0] = -1
-    first[0] = 0
-    used, waiting, current = 1, 1, 0
-    found, done = False, False
-    while not done:
-        # arrays that grew in the inner loop would be counted in and out at each turn
-        while used + most <= len(after) and expanded + 1 < len(order):
-            slot = current & (BUCKETS - 1)
-            entry = first[slot]
-            if entry < 0:
-                done = found or waiting == 0
-                if done:
-                    break
-                current += 1
-                continue
-            first[slot] = after[entry]
-            waiting -= 1
-            node = node_of[entry]
-            if closed[node] == 1:
-                continue
-            closed[node] = 1
-            if node == goal:
-                found = True
-                continue
-            if found:
-                # the goal's bucket may hold what leads to it at less cost
-                left = 0.0
-                if guided and node < nodes:
-                    if kind == ROWS:
-                        x, y, z = places[node], places[nodes + node], places[2 * nodes + node]
-                        left = to_go(shape, metric, x, y, z)
-                    else:
-                        a, b, c = cell(shape, node)
-                        left = to_go(shape, metric, 1.0 * a, 1.0 * b, 1.0 * c)
-                if cost[node] + max(left - slack, 0.0) >= cost[goal] - little:
-                    continue
-            order[expanded] = node
-            expanded += 1
-            so_far = cost[node]
-            enough = so_far + little
-            count, linked = 0, True
-            i, j, h, odd, turned = 0, 0, 0, 0, 1
-            if node < nodes:
-                bits = exits[node]
-                linked = (bits >> LINKED) & 1 == 1
-                if kind == ROWS:
-                    for k in range(indptr[node], indptr[node + 1]):
-                        better[count] = indices[k]
-                        by[count] = k
-                        count += 1 if enough + weights[k] < cost[indices[k]] else 0
-                        relaxed += 1 if weights[k] < np.inf else 0
-                else:
-                    relaxed += SIDES if bits == _ALL_SIDES else ones(bits)
-                    i, j, h = cell(shape, node)
-                    odd = i & 1
-                    row = odd * directions
-                    turned = 1 - 2 * odd
-                    other = across(shape, i, j, h)
-                    for k in range(cross):
-                        neighbour = other + offsets[row + k] if (bits >> k) & 1 else node
-                        better[count] = neighbour
-                        by[count] = k
-                        count += 1 if enough + weights[k] < cost[neighbour] else 0
-                    for k in range(cross, directions if (bits >> SIDES) & 63 else SIDES):
-                        neighbour = node + offsets[row + k] if (bits >> k) & 1 else node
-                        better[count] = neighbour
-                        by[count] = k
-                        count += 1 if enough + weights[k] < cost[neighbour] else 0
-            of_mesh = count
-            for k in range(links if linked else 0):
-                if tails[k] == node or heads[k] == node:
-                    neighbour = heads[k] if tails[k] == node else tails[k]
-                    better[count] = neighbour
-                    by[count] = k
-                    count += 1 if enough + link_weights[k] < cost[neighbour] else 0
-                    relaxed += 1
-            lowest = np.iinfo(np.int64).max
-            for e in range(count):
-                neighbour, k = better[e], by[e]
-                through = so_far + (weights[k] if e < of_mesh else link_weights[k])
-                cost[neighbour] = through
-                parent[neighbour] = node
-                closed[neighbour] = 0
-                if guided and neighbour < nodes:
-                    if kind == ROWS:
-                        x = places[neighbour]
-                        y, z = places[nodes + neighbour], places[2 * nodes + neighbour]
-                        left = to_go(shape, metric, x, y, z)
-                    elif e < of_mesh:
-                        sign = turned if k < cross else 1
-                        a, b = i + sign * steps[3 * k], j + sign * steps[3 * k + 1]
-                        c = h + sign * steps[3 * k + 2]
-                        left = to_go(shape, metric, 1.0 * a, 1.0 * b, 1.0 * c)
-                    else:
-                        a, b, c = cell(shape, neighbour)
-                        left = to_go(shape, metric, 1.0 * a, 1.0 * b, 1.0 * c)
-                    through += left - slack if left > slack else 0.0
-                bucket = int(through * per_cost)
-                lowest = bucket if bucket < lowest else lowest
-                slot = (bucket if bucket > current else current) & (BUCKETS - 1)
-                node_of[used] = neighbour
-                after[used] = first[slot]
-                first[slot] = used
-                used += 1
-                waiting += 1
-            if node == start and count > 0:
-                current = lowest
-        if not done:
-            order = np.concatenate((order, np.empty_like(order)))
-            node_of = np.concatenate((node_of, np.empty_like(node_of)))
-            after = np.concatenate((after, np.empty_like(after)))
-    if found:
+    node_of, after = np.empty(entries, np.int32), np.empty(entries, np.int32)
+    order = np.empty(total + 1, np.int32)
+    cost[start], parent[start] = 0.0, -1
+    node_of[0], after[0], first[0] = start, -1, 0
+    slack = _slack(problem)
+    progress = _Progress(1, 1, 0, 0, 0, False, False)
+    while True:
+        queue = _Queue(first, node_of, after, order)
+        progress = _expand(problem, slack, labels, queue, progress)
+        if progress.done:
+            break
+        order = np.concatenate((order, np.empty_like(order)))
+        node_of = np.concatenate((node_of, np.empty_like(node_of)))
+        after = np.concatenate((after, np.empty_like(after)))
+    expanded = progress.expanded
+    if progress.found:
         order[expanded] = goal
         expanded += 1
-    return cost, parent, order[:expanded], relaxed
+    return cost, parent, order[:expanded], progress.relaxed
+
+
+@register_jitable
+def _expand(
+    problem: Problem, slack: float, labels: _Labels, queue: _Queue, progress: _Progress
+) -> _Progress:
+    """Expand nodes until the search is done, or the queue or the order is full.
+
+    With the growth of arrays in the same loop, they would be counted in and out at each turn.
+    """
+    net, opened, links, (start, goal, _), largest, metric = problem
+    shape, offsets, steps, places, indptr, indices = net
+    (exits, weights), (tails, heads, link_weights) = opened, links
+    (cost, parent, closed), (first, node_of, after, order) = labels, queue
+    used, waiting, current, expanded, relaxed, found, done = progress
+    most = shape.most + len(links.tails)
+    # a place more, for what is written before it is known to count
+    cheaper = np.empty(2 * most + 2, np.int32)
+    little, per_cost = _LITTLE * largest, 1 / (WIDTH * largest)
+    while used + most <= len(after) and expanded + 1 < len(order):
+        slot = current & (BUCKETS - 1)
+        entry = first[slot]
+        if entry < 0:
+            if found or waiting == 0:
+                done = True
+                break
+            current += 1
+            continue
+        first[slot] = after[entry]
+        waiting -= 1
+        node = node_of[entry]
+        if closed[node] == 1:
+            continue
+        closed[node] = 1
+        if node == goal:
+            found = True
+            continue
+        if found:
+            # the goal's bucket may hold what leads to it at less cost
+            left = max(_estimate(net, metric, node) - slack, 0.0)
+            if cost[node] + left >= cost[goal] - little:
+                continue
+        order[expanded] = node
+        expanded += 1
+        enough = cost[node] + little
+        count, linked, place = 0, True, (0, 0, 0)
+        if node < shape.nodes:
+            bits = exits[node]
+            linked = (bits >> LINKED) & 1 == 1
+            if shape.kind == ROWS:
+                row = (indptr[node], indptr[node + 1])
+                count, examined = _cheaper_in_row(row, enough, indices, weights, cost, cheaper)
+                relaxed += examined
+            else:
+                relaxed += SIDES if bits == _ALL_SIDES else ones(bits)
+                place = cell(shape, node)
+                count = _cheaper_in_lattice(
+                    shape, (node, bits, place), enough, offsets, weights, cost, cheaper
+                )
+        of_mesh = count
+        for k in range(len(tails) if linked else 0):
+            if tails[k] == node or heads[k] == node:
+                neighbour = heads[k] if tails[k] == node else tails[k]
+                cheaper[count], cheaper[count + 1] = neighbour, k
+                count += 2 if enough + link_weights[k] < cost[neighbour] else 0
+                relaxed += 1
+        lowest = np.iinfo(np.int64).max
+        for e in range(0, count, 2):
+            neighbour, k = cheaper[e], cheaper[e + 1]
+            through = cost[node] + (weights[k] if e < of_mesh else link_weights[k])
+            cost[neighbour], parent[neighbour], closed[neighbour] = through, node, 0
+            if metric.kind != NONE and neighbour < shape.nodes:
+                if shape.kind == ROWS:
+                    at = row_place(places, shape.nodes, neighbour)
+                elif e < of_mesh:
+                    at = _stepped(steps, k, k < shape.cross, place)
+                else:
+                    at = cell_place(shape, neighbour)
+                left = to_go(shape, metric, at)
+                through += left - slack if left > slack else 0.0
+            bucket = int(through * per_cost)
+            lowest = bucket if bucket < lowest else lowest
+            slot = (bucket if bucket > current else current) & (BUCKETS - 1)
+            node_of[used], after[used], first[slot] = neighbour, first[slot], used
+            used += 1
+            waiting += 1
+        if node == start and count > 0:
+            current = lowest
+    return _Progress(used, waiting, current, expanded, relaxed, found, done)
+
+
+@register_jitable
+def _slack(problem: Problem) -> float:
+    """By how much links to the goal may be shorter than the heuristic says."""
+    net, _, links, ends, _, metric = problem
+    slack = 0.0
+    count = len(links.tails)
+    for k in range(2 * count if metric.kind != NONE else 0):
+        tail, head = links.tails[k % count], links.heads[k % count]
+        end = head if k < count else tail
+        if (tail if k < count else head) == ends.goal and end < net.shape.nodes:
+            slack = max(slack, _estimate(net, metric, end) - links.weights[k % count])
+    return slack
+
+
+@register_jitable
+def _estimate(net: Net, metric: Metric, node: int) -> float:
+    """The heuristic of a node; 0 where there is none, and of start and goal beside the mesh."""
+    if metric.kind == NONE or node >= net.shape.nodes:
+        return 0.0
+    if net.shape.kind == ROWS:
+        place = row_place(net.places, net.shape.nodes, node)
+    else:
+        place = cell_place(net.shape, node)
+    return to_go(net.shape, metric, place)
+
+
+@register_jitable(forceinline=True)
+def _stepped(steps: IntArray, k: int, across: bool, place: tuple[int, int, int]) -> Vec3:
+    """Place of the neighbour in a direction of a lattice, in half cells."""
+    i, j, h = place
+    sign = 1 - 2 * (i & 1) if across else 1
+    return (
+        1.0 * (i + sign * steps[3 * k]),
+        1.0 * (j + sign * steps[3 * k + 1]),
+        1.0 * (h + sign * steps[3 * k + 2]),
+    )
+
+
+@register_jitable(forceinline=True)
+def _cheaper_in_row(
+    row: tuple[int, int],
+    enough: float,
+    indices: IntArray,
+    weights: FloatArray,
+    cost: FloatArray,
+    cheaper: IntArray,
+) -> tuple[int, int]:
+    """The same as :func:`_cheaper_in_lattice` for a node of rows; and how many edges are open."""
+    count, examined = 0, 0
+    for k in range(row[0], row[1]):
+        cheaper[count], cheaper[count + 1] = indices[k], k
+        count += 2 if enough + weights[k] < cost[indices[k]] else 0
+        examined += 1 if weights[k] < np.inf else 0
+    return count, examined
+
+
+@register_jitable(forceinline=True)
+def _cheaper_in_lattice(
+    shape: Shape,
+    node: tuple[int, int, tuple[int, int, int]],
+    enough: float,
+    offsets: IntArray,
+    weights: FloatArray,
+    cost: FloatArray,
+    cheaper: IntArray,
+) -> int:
+    """Note the neighbours of a lattice node that cost more than by way of it; twice their number.
+
+    Args:
+        shape: that of the lattice.
+        node: its id, open directions as bits, and place in half cells.
+        enough: cost of the node, and what that of a neighbour must fall by.
+        offsets, weights: of the directions.
+        cost: (n,) known so far.
+        cheaper: the neighbours, each before the direction that leads there; written.
+    """
+    count = 0
+    tail, bits, (i, j, h) = node
+    row = (i & 1) * shape.directions
+    other = across(shape, i, j, h)
+    for k in range(shape.cross):
+        neighbour = other + offsets[row + k] if (bits >> k) & 1 else tail
+        cheaper[count], cheaper[count + 1] = neighbour, k
+        count += 2 if enough + weights[k] < cost[neighbour] else 0
+    for k in range(shape.cross, shape.directions if (bits >> SIDES) & 63 else SIDES):
+        neighbour = tail + offsets[row + k] if (bits >> k) & 1 else tail
+        cheaper[count], cheaper[count + 1] = neighbour, k
+        count += 2 if enough + weights[k] < cost[neighbour] else 0
+    return count
 
 
 @compiled(example=_EXAMPLE, error_model="numpy")
-def bellman_ford(
-    shape: Shape,
-    offsets: IntArray,
-    steps: IntArray,
-    places: FloatArray,
-    indptr: IntArray,
-    indices: IntArray,
-    exits: IntArray,
-    weights: FloatArray,
-    tails: IntArray,
-    heads: IntArray,
-    link_weights: FloatArray,
-    own: int,
-    start: int,
-    goal: int,
-    largest: float,
-    metric: Metric,
-) -> tuple[FloatArray, IntArray, IntArray, int]:
+def bellman_ford(problem: Problem) -> tuple[FloatArray, IntArray, IntArray, int]:
     """Bellman-Ford with a queue (Moore, 1959): runs until no cost can be lowered.
 
-    Only nodes whose cost was lowered are examined again, first come, first served.
-
-    Args:
-        shape, offsets, steps, places, indptr, indices: the mesh, see ``adjacency_kernels``.
-        exits, weights, tails, heads, link_weights: its open edges, see there.
-        own: how many of start and goal are no nodes of the mesh.
-        start: node id.
-        goal: not needed.
-        largest: an upper bound of the weights, above 0.
-        metric: not needed.
-
-    Returns:
-        cost (n,) from the start, inf where not reached; parent (n,), -1 at the start and without
-        meaning where not reached; expanded nodes in order (m,), a node as often as it was expanded;
-        number of edges examined.
+    Only nodes whose cost was lowered are examined again, first come, first served. Takes and
+    returns the same as ``best_first``, but needs no goal and no metric, and expands a node as often
+    as its cost was lowered.
     """
-    kind, nodes, directions, cross = shape[0], shape[5], shape[6], shape[7]
-    links = len(tails)
-    total = nodes + own
-    cost = np.full(total, np.inf)
-    parent = np.empty(total, np.int32)
+    net, opened, links, ends, largest, _ = problem
+    shape, offsets, _, _, indptr, indices = net
+    exits, weights = opened
+    tails, heads, link_weights = links
+    kind, nodes, directions, cross = shape.kind, shape.nodes, shape.directions, shape.cross
+    total = nodes + ends.own
+    cost, parent = np.full(total, np.inf), np.empty(total, np.int32)
     waiting = np.zeros(total, np.uint8)
     # a ring: no node waits twice, so it never overflows
     queue = np.empty(total + 1, np.int32)
     order = np.empty(total, np.int32)
     expanded, relaxed = 0, 0
     little = _LITTLE * largest
-    cost[start] = 0.0
-    parent[start] = -1
-    queue[0] = start
+    cost[ends.start], parent[ends.start], queue[0] = 0.0, -1, ends.start
     first, last = 0, 1
     while first != last:
         if expanded == len(order):
@@ -295,7 +398,7 @@ def bellman_ford(
                     row = (i & 1) * directions
                     other = across(shape, i, j, h)
                     end = directions if (bits >> SIDES) & 63 else SIDES
-            for k in range(begin, end + links if linked else end):
+            for k in range(begin, end + len(tails) if linked else end):
                 if k >= end:
                     tail, head = tails[k - end], heads[k - end]
                     if tail != node and head != node:
@@ -322,7 +425,7 @@ def bellman_ford(
 
 
 @compiled(example=(NEW_IDS, 1), error_model="numpy")
-def walked(parent: IntArray, goal: int) -> IntArray:
+def reconstruct_path(parent: IntArray, goal: int) -> IntArray:
     """Nodes (k,) from the start, whose parent is -1, to the goal; by their parents (n,)."""
     count = 1
     node = parent[goal]

@@ -146,12 +146,10 @@ def _any_angle_path(
     if mesh.stencil is None and nodes > _MOST_NODES:
         return np.empty((0, 3))
     stride = 1 if mesh.stencil is None else max(1, round((nodes / _SEARCHED_NODES) ** (1 / 3)))
-    shape, _, steps, places, indptr, indices = mesh.net
-    start, goal = path.points[[0, -1]].tolist()
+    (a, b, c), (x, y, z) = path.points[[0, -1]].tolist()
     points = any_angle(
-        *(shape, steps, places, indptr, indices, graph.excluded),
-        *(stride, stride * REACH * mesh.longest_edge, tuple(start), tuple(goal)),
-        *(packed, margins, path.length),
+        *(mesh.net, graph.excluded, stride, stride * REACH * mesh.longest_edge),
+        *(((a, b, c), (x, y, z)), (packed, margins), path.length),
     )
     return np.asarray(points).reshape(-1, 3)
 

@@ -1,7 +1,7 @@
-"""Any-angle search over the nodes of a mesh, between convex solids.
+"""Any-angle search over the nodes of a mesh, between convex obstacles.
 
-Compiled by numba; ``any_angle`` runs uncompiled too, by its ``py_func`` on plain lists. A mesh is
-described in ``abi.tet_mesh.adjacency_kernels``, a solid in ``abi.obstacles.primitive_kernels``.
+Compiled by numba; it runs uncompiled too, on plain lists. A mesh is described in
+``abi.tet_mesh.adjacency_kernels``, a primitive in ``abi.obstacles.primitive_kernels``.
 
 Of a lattice every few nodes may do: they are a coarser lattice, in the middle of the fine one.
 Start and goal are its last two nodes.
@@ -10,26 +10,59 @@ Start and goal are its last two nodes.
 from __future__ import annotations
 
 import heapq
+from typing import NamedTuple
 
 import numpy as np
 from numba.extending import register_jitable
 
-from abi.arrays import BoolArray, FloatArray, IntArray
-from abi.compiled import FLAGS, FLOATS, IDS, compiled
+from abi.arrays import BoolArray, ByteArray, FloatArray, IntArray
+from abi.compiled import FLAGS, FLOATS, compiled
 from abi.obstacles.primitive_kernels import WIDTH, blocked
 from abi.obstacles.vector_kernels import Vec3, distance
-from abi.tet_mesh.adjacency_kernels import BCC, NO_SHAPE, ROWS, SIDES, Shape, cell, node_at
+from abi.tet_mesh.adjacency_kernels import (
+    BCC,
+    NO_NET,
+    ROWS,
+    SIDES,
+    Net,
+    Shape,
+    cell,
+    node_at,
+    row_place,
+    y_and_z_origins,
+)
+
+_POINT = (0.0, 0.0, 0.0)
+
+
+class _Tree(NamedTuple):
+    """The nodes that are searched, each (n,), and the paths to them; start and goal are the last.
+
+    Attributes:
+        x, y, z: places, [unit], world.
+        closed: 1 where a node was expanded or does not count.
+        cost: length from the start, [unit].
+        parent: node ids.
+    """
+
+    x: FloatArray
+    y: FloatArray
+    z: FloatArray
+    closed: ByteArray
+    cost: FloatArray
+    parent: IntArray
 
 
 @register_jitable
 def _coarse(shape: Shape, stride: int) -> Shape:
     """The mesh that is searched."""
-    if shape[0] == ROWS:
+    kind, nx, ny, nz, _, _, directions, cross, most = shape
+    if kind == ROWS:
         return shape
-    nx, ny, nz = shape[1] // stride, shape[2] // stride, shape[3] // stride
+    nx, ny, nz = nx // stride, ny // stride, nz // stride
     corners = (nx + 1) * (ny + 1) * (nz + 1)
-    nodes = corners + (nx * ny * nz if shape[0] == BCC else 0)
-    return shape[0], nx, ny, nz, corners, nodes, shape[6], shape[7], shape[8]
+    nodes = corners + (nx * ny * nz if kind == BCC else 0)
+    return Shape(kind, nx, ny, nz, corners, nodes, directions, cross, most)
 
 
 @register_jitable
@@ -37,50 +70,99 @@ def _fine(shape: Shape, coarse: Shape, stride: int, node: int) -> tuple[int, int
     """Place of a node of the coarse lattice in half cells of the fine one."""
     a, b, c = cell(coarse, node)
     return (
-        stride * a + (shape[1] - stride * coarse[1]) // 2 * 2,
-        stride * b + (shape[2] - stride * coarse[2]) // 2 * 2,
-        stride * c + (shape[3] - stride * coarse[3]) // 2 * 2,
+        stride * a + (shape.nx - stride * coarse.nx) // 2 * 2,
+        stride * b + (shape.ny - stride * coarse.ny) // 2 * 2,
+        stride * c + (shape.nz - stride * coarse.nz) // 2 * 2,
     )
 
 
 @register_jitable
-def _neighbours(
-    coarse: Shape, steps: IntArray, indptr: IntArray, indices: IntArray, node: int, near: list[int]
+def _tree(
+    net: Net, coarse: Shape, stride: int, excluded: BoolArray, ends: tuple[Vec3, Vec3]
+) -> _Tree:
+    """The nodes, and nothing known of them but where the search begins."""
+    shape, _, _, places, _, _ = net
+    y0, z0 = y_and_z_origins(shape)
+    first, last = coarse.nodes, coarse.nodes + 1
+    x, y, z = np.empty(last + 1), np.empty(last + 1), np.empty(last + 1)
+    closed = np.zeros(last + 1, np.uint8)
+    for node in range(coarse.nodes):
+        if shape.kind == ROWS:
+            x[node], y[node], z[node] = row_place(places, shape.nodes, node)
+            closed[node] = excluded[node]
+        else:
+            a, b, c = _fine(shape, coarse, stride, node)
+            x[node], y[node], z[node] = places[a], places[y0 + b], places[z0 + c]
+            closed[node] = excluded[node_at(shape, a, b, c)]
+    x[first], y[first], z[first] = ends[0]
+    x[last], y[last], z[last] = ends[1]
+    cost = np.full(last + 1, np.inf)
+    cost[first] = 0.0
+    return _Tree(x, y, z, closed, cost, np.full(last + 1, first, np.int32))
+
+
+@register_jitable
+def _add_neighbours(
+    coarse: Shape, node: int, steps: IntArray, indptr: IntArray, indices: IntArray, near: list[int]
 ) -> None:
     """Add the neighbours of a node of the mesh to ``near``."""
-    if coarse[0] == ROWS:
+    if coarse.kind == ROWS:
         for k in range(indptr[node], indptr[node + 1]):
             near.append(int(indices[k]))
         return
     a, b, c = cell(coarse, node)
     for k in range(SIDES):
-        sign = -1 if k < coarse[7] and a & 1 else 1
+        sign = -1 if k < coarse.cross and a & 1 else 1
         i = a + sign * steps[3 * k]
         j = b + sign * steps[3 * k + 1]
         h = c + sign * steps[3 * k + 2]
-        if 0 <= i <= 2 * coarse[1] and 0 <= j <= 2 * coarse[2] and 0 <= h <= 2 * coarse[3]:
+        if 0 <= i <= 2 * coarse.nx and 0 <= j <= 2 * coarse.ny and 0 <= h <= 2 * coarse.nz:
             near.append(node_at(coarse, i, j, h))
 
 
-_POINT = (0.0, 0.0, 0.0)
+@register_jitable
+def _add_nodes_near(tree: _Tree, node: int, reach: float, near: list[int]) -> None:
+    """Add the nodes of the mesh that are near to start or goal to ``near``."""
+    x, y, z, _, _, _ = tree
+    p = (x[node], y[node], z[node])
+    for other in range(len(x) - 2):
+        if distance(p, (x[other], y[other], z[other])) <= reach:
+            near.append(other)
 
 
-@compiled(
-    example=(NO_SHAPE, IDS, FLOATS, IDS, IDS, FLAGS, 1, 1.0, _POINT, _POINT, FLOATS, FLOATS, 2.0)
-)
+@register_jitable
+def _visible_parent(
+    tree: _Tree, obstacles: tuple[FloatArray, FloatArray], node: int, near: list[int], most: float
+) -> int:
+    """The best expanded neighbour that a node sees, which sets the node's cost; or -1."""
+    x, y, z, closed, cost, _ = tree
+    primitives, margins = obstacles
+    first, last = len(x) - 2, len(x) - 1
+    to_last = 2 if node == last else 0
+    p = (x[node], y[node], z[node])
+    # what is longer is not wanted
+    least = most - distance(p, (x[last], y[last], z[last]))
+    origin = -1
+    for other in near:
+        q = (x[other], y[other], z[other])
+        through = cost[other] + distance(q, p)
+        if closed[other] == 1 and through < least:
+            limits = ((1 if other == first else 0) + to_last) * (len(primitives) // WIDTH)
+            if not blocked(primitives, margins, limits, q, p):
+                least = through
+                origin = other
+    cost[node] = least if origin >= 0 else np.inf
+    return origin
+
+
+@compiled(example=(NO_NET, FLAGS, 1, 1.0, (_POINT, _POINT), (FLOATS, FLOATS), 2.0))
 def any_angle(
-    shape: Shape,
-    steps: IntArray,
-    places: FloatArray,
-    indptr: IntArray,
-    indices: IntArray,
+    net: Net,
     excluded: BoolArray,
     stride: int,
     reach: float,
-    start: Vec3,
-    goal: Vec3,
-    solids: FloatArray,
-    margins: FloatArray,
+    ends: tuple[Vec3, Vec3],
+    obstacles: tuple[FloatArray, FloatArray],
     most: float,
 ) -> FloatArray:
     """Lazy Theta* (Nash, Koenig and Tovey, 2010): a path whose segments need not be edges.
@@ -89,88 +171,61 @@ def any_angle(
     node is expanded, and if they do not, the best expanded neighbour that it sees is its parent.
 
     Args:
-        shape, steps, places, indptr, indices: the mesh.
+        net: the mesh.
         excluded: (n,) nodes of it that do not count.
         stride: of a lattice every so many nodes along each direction count.
         reach: start and goal are neighbours of the nodes that are so near, [unit].
-        start, goal: [unit], world.
-        solids: (k WIDTH,) rows, one after the other.
-        margins: (4k,) distance from each solid that a segment keeps, [unit]: in general, from the
-            start, to the goal, from the start to the goal.
+        ends: start and goal, [unit], world.
+        obstacles: primitives, rows one after the other (k WIDTH,), and the distances from them that
+            a segment keeps (4k,), [unit]: in general, from the start, to the goal, from the start
+            to the goal.
         most: length that the path must be below, [unit].
 
     Returns:
         The points of the path, one after the other, (3m,), [unit], world; empty when there is none.
     """
+    shape, _, steps, _, indptr, indices = net
     coarse = _coarse(shape, stride)
-    nodes, y0 = coarse[5], 2 * shape[1] + 1
-    z0 = y0 + 2 * shape[2] + 1
-    first, last = nodes, nodes + 1
-    solid_count = len(solids) // WIDTH
-    x, y, z = np.empty(nodes + 2), np.empty(nodes + 2), np.empty(nodes + 2)
-    closed = np.zeros(nodes + 2, np.uint8)
-    for node in range(nodes):
-        if shape[0] == ROWS:
-            x[node], y[node] = places[node], places[nodes + node]
-            z[node], closed[node] = places[2 * nodes + node], excluded[node]
-        else:
-            a, b, c = _fine(shape, coarse, stride, node)
-            x[node], y[node], z[node] = places[a], places[y0 + b], places[z0 + c]
-            closed[node] = excluded[node_at(shape, a, b, c)]
-    x[first], y[first], z[first] = start
-    x[last], y[last], z[last] = goal
-    cost = np.full(nodes + 2, np.inf)
-    parent = np.full(nodes + 2, first, np.int32)
+    first, last = coarse.nodes, coarse.nodes + 1
+    tree = _tree(net, coarse, stride, excluded, ends)
+    x, y, z, closed, cost, parent = tree
+    (start, goal), (primitives, margins) = ends, obstacles
     near = [0] * 0
-    cost[first] = 0.0
     to_go = distance(start, goal)
     queue = [(to_go, to_go, first)]
     while len(queue) > 0 and closed[last] == 0:
         node = heapq.heappop(queue)[2]
         if closed[node] == 1:
             continue
-        px, py, pz = x[node], y[node], z[node]
+        p = (x[node], y[node], z[node])
         near.clear()
-        if node < nodes:
-            _neighbours(coarse, steps, indptr, indices, node, near)
+        if node < first:
+            _add_neighbours(coarse, node, steps, indptr, indices, near)
         else:
-            for other in range(nodes):
-                if distance((px, py, pz), (x[other], y[other], z[other])) <= reach:
-                    near.append(other)
-        if node == first or distance((px, py, pz), goal) <= reach:
+            _add_nodes_near(tree, node, reach, near)
+        if node == first or distance(p, goal) <= reach:
             near.append(last)
-        if node == last or distance((px, py, pz), (x[first], y[first], z[first])) <= reach:
+        if node == last or distance(p, start) <= reach:
             near.append(first)
         origin = int(parent[node])
-        to_last = 2 if node == last else 0
-        limits = ((1 if origin == first else 0) + to_last) * solid_count
+        limits = (1 if origin == first else 0) + (2 if node == last else 0)
+        limits *= len(primitives) // WIDTH
         if node != first and blocked(
-            solids, margins, limits, (x[origin], y[origin], z[origin]), (px, py, pz)
+            primitives, margins, limits, (x[origin], y[origin], z[origin]), p
         ):
-            # what is longer is not wanted
-            cost[node] = most - distance((px, py, pz), goal)
-            origin = -1
-            for other in near:
-                ox, oy, oz = x[other], y[other], z[other]
-                through = cost[other] + distance((ox, oy, oz), (px, py, pz))
-                if closed[other] == 1 and through < cost[node]:
-                    limits = ((1 if other == first else 0) + to_last) * solid_count
-                    if not blocked(solids, margins, limits, (ox, oy, oz), (px, py, pz)):
-                        cost[node] = through
-                        origin = other
+            origin = _visible_parent(tree, obstacles, node, near, most)
             if origin < 0:
-                cost[node] = np.inf
                 continue  # until a neighbour that it sees is expanded
             parent[node] = origin
         closed[node] = 1
-        so_far, px, py, pz = cost[origin], x[origin], y[origin], z[origin]
+        so_far, p = cost[origin], (x[origin], y[origin], z[origin])
         for other in near:
             if closed[other] == 1:
                 continue
-            qx, qy, qz = x[other], y[other], z[other]
-            through = so_far + distance((px, py, pz), (qx, qy, qz))
+            q = (x[other], y[other], z[other])
+            through = so_far + distance(p, q)
             if through < cost[other]:
-                to_go = distance((qx, qy, qz), goal)
+                to_go = distance(q, goal)
                 if through + to_go < most:
                     cost[other] = through
                     parent[other] = origin

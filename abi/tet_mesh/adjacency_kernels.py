@@ -1,38 +1,105 @@
 """Nodes and edges as the compiled kernels see them: a lattice without tables, or compressed rows.
 
-What is here is plain Python that numba compiles with its caller; uncompiled it runs on lists. Only
-numbers and tuples are handed over: arrays would be counted in and out at every call, which takes
-longer than most of what is called. A mesh and its open edges are described by (``adjacency``):
-
-shape
-    a tuple: kind (``ROWS``, ``KUHN`` or ``BCC``), cells along x, y and z, corners, nodes,
-    directions, those of them that join a corner to a centre, the most edges of a node in the mesh.
-offsets, steps, places
-    of a lattice see ``Stencil``, ``places`` being its axes. Of rows ``places`` are x, y
-    and z of the nodes, one after the other, and the other two are empty.
-indptr, indices
-    of rows: where each node's edges begin (n + 1,), and the neighbours (2e,); empty for a lattice.
-exits
-    (n,) bits: the directions that are open, and ``LINKED``, the only one that counts in rows.
-weights
-    of the directions (d,), or of the edges of the rows (2e,), inf where one is shut.
-tails, heads, link_weights
-    (m,) ends and weights of the edges to start and goal, where these are no nodes of the mesh. They
-    then have the ids that follow those of the mesh.
+Plain Python that numba compiles with its caller; uncompiled it runs on lists. The steps of a kernel
+hand over numbers and tuples of numbers: arrays would be counted in and out at every call, which
+takes longer than most of what is called.
 """
 
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 from numba.extending import register_jitable
 
-Shape = tuple[int, int, int, int, int, int, int, int, int]
+from abi.arrays import FloatArray, IntArray
+from abi.compiled import FLOATS, IDS
+from abi.obstacles.vector_kernels import Vec3
 
 ROWS, KUHN, BCC = 0, 1, 2
 
-NO_SHAPE: Shape = (ROWS, 0, 0, 0, 0, 0, 0, 0, 0)
+
+Span = tuple[int, int]
+"""First and last."""
+
+
+class Shape(NamedTuple):
+    """Sizes of a mesh.
+
+    Attributes:
+        kind: ``ROWS``, ``KUHN`` or ``BCC``.
+        nx, ny, nz: cells of a lattice along its axes.
+        corners: nodes of a lattice that are corners of cells; the others are their centres.
+        nodes: number of nodes.
+        directions: number of directions of a lattice.
+        cross: those of them that join a corner to a centre, which come first.
+        most: the most edges of a node.
+    """
+
+    kind: int
+    nx: int
+    ny: int
+    nz: int
+    corners: int
+    nodes: int
+    directions: int
+    cross: int
+    most: int
+
+
+class Net(NamedTuple):
+    """The parts of a mesh that stay as they are; for a lattice see ``abi.tet_mesh.stencil``.
+
+    Attributes:
+        shape: its sizes.
+        offsets: of a lattice (2 d,) what a direction adds to a node's id; of rows empty.
+        steps: of a lattice (3 d,) half cells of the directions; of rows empty.
+        places: coordinates along x, y and z, one after the other, [unit], world: of a lattice those
+            of its half cells, of rows those of the nodes (3 n,).
+        indptr: of rows (n + 1,) where each node's edges begin; of a lattice empty.
+        indices: of rows (2 e,) the neighbours; of a lattice empty.
+    """
+
+    shape: Shape
+    offsets: IntArray
+    steps: IntArray
+    places: FloatArray
+    indptr: IntArray
+    indices: IntArray
+
+
+class OpenEdges(NamedTuple):
+    """Edges of a mesh that are open.
+
+    Attributes:
+        exits: (n,) bits: the directions that are open, and ``LINKED``, the only bit of rows.
+        weights: of the directions (d,), or of the edges of the rows (2 e,), inf where shut.
+    """
+
+    exits: IntArray
+    weights: FloatArray
+
+
+class Links(NamedTuple):
+    """Edges of start and goal where these are no nodes of the mesh.
+
+    Start and goal then have the ids that follow those of the mesh.
+
+    Attributes:
+        tails, heads: (m,) ends.
+        weights: (m,).
+    """
+
+    tails: IntArray
+    heads: IntArray
+    weights: FloatArray
+
+
+NO_SHAPE = Shape(ROWS, 0, 0, 0, 0, 0, 0, 0, 0)
 """That of a mesh without nodes."""
+
+NO_NET = Net(NO_SHAPE, IDS, IDS, FLOATS, IDS, IDS)
+"""In an example: a mesh."""
 
 LINKED = 30
 """The bit of a node that has an edge to start or goal beside those of the mesh."""
@@ -44,9 +111,9 @@ SIDES = 14
 @register_jitable
 def cell(shape: Shape, node: int) -> tuple[int, int, int]:
     """Place of a lattice node in half cells."""
-    side = 0 if node < shape[4] else 1
-    node -= side * shape[4]
-    column, layer = shape[2] + 1 - side, shape[3] + 1 - side
+    side = 0 if node < shape.corners else 1
+    node -= side * shape.corners
+    column, layer = shape.ny + 1 - side, shape.nz + 1 - side
     # divisions take longer, and half a node more is far from what rounding could change
     line = int((node + 0.5) * (1 / layer))
     i = int((line + 0.5) * (1 / column))
@@ -54,12 +121,32 @@ def cell(shape: Shape, node: int) -> tuple[int, int, int]:
 
 
 @register_jitable
+def cell_place(shape: Shape, node: int) -> Vec3:
+    """Place of a lattice node in half cells, as numbers that need not be whole."""
+    a, b, c = cell(shape, node)
+    return 1.0 * a, 1.0 * b, 1.0 * c
+
+
+@register_jitable(forceinline=True)
+def row_place(places: FloatArray, nodes: int, node: int) -> Vec3:
+    """Place of a node of rows, [unit], world."""
+    return places[node], places[nodes + node], places[2 * nodes + node]
+
+
+@register_jitable
+def y_and_z_origins(shape: Shape) -> tuple[int, int]:
+    """Where the half cells along y and z begin in a lattice's ``places``."""
+    y0 = 2 * shape.nx + 1
+    return y0, y0 + 2 * shape.ny + 1
+
+
+@register_jitable
 def node_at(shape: Shape, a: int, b: int, c: int) -> int:
     """Node of a lattice at a place in half cells, all three even, or all three odd."""
-    column, layer = shape[2], shape[3]
+    column, layer = shape.ny, shape.nz
     if a % 2 == 0:
         return ((a // 2) * (column + 1) + b // 2) * (layer + 1) + c // 2
-    return shape[4] + ((a // 2) * column + b // 2) * layer + c // 2
+    return shape.corners + ((a // 2) * column + b // 2) * layer + c // 2
 
 
 @register_jitable
@@ -70,8 +157,8 @@ def across(shape: Shape, a: int, b: int, c: int) -> int:
     directions relative to it.
     """
     side = 1 - (a & 1)
-    column, layer = shape[2] + 1 - side, shape[3] + 1 - side
-    return side * shape[4] + ((a >> 1) * column + (b >> 1)) * layer + (c >> 1)
+    column, layer = shape.ny + 1 - side, shape.nz + 1 - side
+    return side * shape.corners + ((a >> 1) * column + (b >> 1)) * layer + (c >> 1)
 
 
 @register_jitable
@@ -85,11 +172,22 @@ def ones(bits: int) -> int:
 
 
 @register_jitable
-def half_cells(
-    origin: float, following: float, cells: int, low: float, high: float, odd: int
-) -> tuple[int, int]:
-    """First and last half cell, even or odd, that may lie in low..high along an axis."""
-    step = following - origin
-    first = max(math.floor((low - origin) / step), 0)
-    last = min(math.ceil((high - origin) / step), cells)
+def half_cells_within(
+    shape: Shape, places: FloatArray, low: Vec3, high: Vec3, odd: int
+) -> tuple[Span, Span, Span]:
+    """Half cells of a lattice, even or odd, that may lie in the box low..high, [unit], world."""
+    y0, z0 = y_and_z_origins(shape)
+    return (
+        _span(shape.nx, (places[0], places[2]), low[0], high[0], odd),
+        _span(shape.ny, (places[y0], places[y0 + 2]), low[1], high[1], odd),
+        _span(shape.nz, (places[z0], places[z0 + 2]), low[2], high[2], odd),
+    )
+
+
+@register_jitable
+def _span(cells: int, edges: tuple[float, float], low: float, high: float, odd: int) -> Span:
+    """Those along an axis, whose first cell has these edges."""
+    step = edges[1] - edges[0]
+    first = max(math.floor((low - edges[0]) / step), 0)
+    last = min(math.ceil((high - edges[0]) / step), cells)
     return 2 * first + odd, 2 * last - odd

@@ -96,8 +96,7 @@ def apply(free: FreeMesh, exclusions: Sequence[Exclusion]) -> FreeMesh:
         if rows:
             weights[one.losers] = np.inf
         else:
-            lost = (one.starts, one.lengths, one.losers, one.losses)
-            kernels.shut(*mesh.net[:3], *lost, exits)
+            kernels.shut(mesh.net, one.starts, one.lengths, one.losers, one.losses, exits)
     return FreeMesh(mesh, read_only(excluded), nodes, read_only(exits), read_only(weights))
 
 
@@ -110,7 +109,7 @@ def exclusion(mesh: TetMesh, obstacle: Obstacle, margin: float) -> Exclusion:
         parts = _excluded_by_mesh(mesh, obstacle, margin)
     else:
         row, reach = pack((obstacle,)), mesh.longest_edge
-        parts = kernels.take(*mesh.net, mesh.exits, row, margin, reach)
+        parts = kernels.exclusion(mesh.net, mesh.exits, row, margin, reach)
     return Exclusion(*(read_only(part) for part in parts))
 
 

@@ -1,10 +1,12 @@
-"""What obstacles take away from a mesh: nodes, and edges between the nodes that are left.
+"""Nodes and edges of a mesh that one primitive excludes, and their loss.
 
-Compiled by numba; each runs uncompiled too, by its ``py_func``. A solid is a row of numbers, see
+Compiled by numba; each kernel runs uncompiled too. A primitive is a row of numbers, see
 ``abi.obstacles.primitive_kernels``; a mesh is described in ``abi.tet_mesh.adjacency_kernels``.
 """
 
 from __future__ import annotations
+
+from typing import NamedTuple
 
 import numpy as np
 from numba.extending import register_jitable
@@ -15,51 +17,78 @@ from abi.obstacles.primitive_kernels import (
     Axes,
     Core,
     axes_of,
+    centre_of,
     core_of,
     in_body,
     segment_within,
     signed_distance,
     signed_distance_gradient,
 )
+from abi.obstacles.vector_kernels import Vec3, dot, sub
 from abi.tet_mesh.adjacency_kernels import (
     BCC,
-    NO_SHAPE,
+    NO_NET,
     ROWS,
     SIDES,
+    Net,
     Shape,
+    Span,
     across,
     cell,
-    half_cells,
+    half_cells_within,
     node_at,
+    row_place,
+    y_and_z_origins,
 )
-from abi.tet_mesh.face_kernels import LONG, beside, stretch_along, stretch_in
+from abi.tet_mesh.face_kernels import LONG, Aside, beside, stretch_along, stretch_in
 
 _ROUNDING = 1e-9  # of a step: what is nearer to a limit than this is looked at
 
+Found = tuple[IntArray, IntArray, IntArray, IntArray]
 
-@compiled(
-    example=(NO_SHAPE, IDS, IDS, FLOATS, IDS, IDS, IDS, FLOATS, 0.0, 1.0), error_model="numpy"
-)
-def take(
-    shape: Shape,
-    offsets: IntArray,
-    steps: IntArray,
-    places: FloatArray,
-    indptr: IntArray,
-    indices: IntArray,
-    exits: IntArray,
-    solid: FloatArray,
-    margin: float,
-    reach: float,
-) -> tuple[IntArray, IntArray, IntArray, IntArray]:
-    """The nodes nearer to a solid than ``margin``, and the edges of the other nodes that are.
 
-    Only the window around the solid is looked at, line by line along z. The distance changes by no
-    more than the way gone, which says how many nodes can be passed over; where the nearest place is
-    on the face of a box, it is known how far that remains so.
+class _Body(NamedTuple):
+    """A primitive.
+
+    Attributes:
+        axes: the body's axes.
+        core: half sizes, radius and kind.
+        centre: [unit], world.
+        margin: what is nearer than this is excluded, [unit].
+    """
+
+    axes: Axes
+    core: Core
+    centre: Vec3
+    margin: float
+
+
+class _Node(NamedTuple):
+    """A free node of a lattice.
+
+    Attributes:
+        node: its id.
+        bits: directions that exist.
+        place: in half cells.
+        p: in the body's axes, [unit].
+        away: signed distance, [unit].
+        outward: gradient of that, in the body's axes.
+    """
+
+    node: int
+    bits: int
+    place: tuple[int, int, int]
+    p: Vec3
+    away: float
+    outward: Vec3
+
+
+@compiled(example=(NO_NET, IDS, FLOATS, 0.0, 1.0), error_model="numpy")
+def exclusion(net: Net, exits: IntArray, solid: FloatArray, margin: float, reach: float) -> Found:
+    """The nodes nearer to a primitive than ``margin``, and the edges of other nodes that are.
 
     Args:
-        shape, offsets, steps, places, indptr, indices: the mesh.
+        net: the mesh.
         exits: (n,) directions that exist.
         solid: (WIDTH,) row.
         margin: [unit].
@@ -70,161 +99,232 @@ def take(
         that lose edges to others that are not excluded, and the bits of these edges (m,); of rows
         all edges that nodes lose, and 0.
     """
-    nodes, cross, directions = shape[5], shape[7], shape[6]
-    axes, core = axes_of(solid, 0), core_of(solid, 0)
-    cx, cy, cz = solid[0], solid[1], solid[2]
+    body = _Body(axes_of(solid, 0), core_of(solid, 0), centre_of(solid, 0), margin)
+    if net.shape.kind == ROWS:
+        return _exclusion_of_rows(net, body, reach)
     limit = margin + reach
-    pad = _ROUNDING * reach
-    if shape[0] == ROWS:
-        starts = np.empty(nodes, np.int32)
-        gone = np.empty(len(indices), np.int32)
-        runs, shut = 0, 0
-        for node in range(nodes):
-            x, y, z = places[node], places[nodes + node], places[2 * nodes + node]
-            away = _level_at(axes, core, cx, cy, cz, x, y, z)
-            if away < margin:
-                starts[runs] = node
-                runs += 1
-            elif away < limit:
-                for k in range(indptr[node], indptr[node + 1]):
-                    head = indices[k]
-                    qx, qy, qz = places[head], places[nodes + head], places[2 * nodes + head]
-                    if _level_at(axes, core, cx, cy, cz, qx, qy, qz) < margin:
-                        gone[shut] = k
-                        shut += 1
-                        continue
-                    # from the same end both times, for rounding
-                    if node < head:
-                        p = in_body(axes, (x - cx, y - cy, z - cz))
-                        d = in_body(axes, (qx - x, qy - y, qz - z))
-                    else:
-                        p = in_body(axes, (qx - cx, qy - cy, qz - cz))
-                        d = in_body(axes, (x - qx, y - qy, z - qz))
-                    gone[shut] = k
-                    shut += 1 if segment_within(core, margin, p, d) else 0
-        lengths = np.ones(runs, np.int32)
-        return starts[:runs], lengths, gone[:shut], np.zeros(shut, np.int32)
+    low = (solid[17] - limit, solid[18] - limit, solid[19] - limit)
+    high = (solid[20] + limit, solid[21] + limit, solid[22] + limit)
+    windows = (
+        half_cells_within(net.shape, net.places, low, high, 0),
+        half_cells_within(net.shape, net.places, low, high, 1),
+    )
+    return _exclusion_of_lattice(net, exits, body, reach, windows)
 
-    y0 = 2 * shape[1] + 1
-    z0 = y0 + 2 * shape[2] + 1
+
+@register_jitable
+def _exclusion_of_rows(net: Net, body: _Body, reach: float) -> Found:
+    """The same for a mesh of rows, of which every node is looked at."""
+    shape, _, _, places, indptr, indices = net
+    axes, core, centre, margin = body
+    nodes = shape.nodes
+    limit = margin + reach
+    starts = np.empty(nodes, np.int32)
+    gone = np.empty(len(indices), np.int32)
+    runs, shut = 0, 0
+    for node in range(nodes):
+        tail = row_place(places, nodes, node)
+        p = in_body(axes, sub(tail, centre))
+        away = signed_distance(core, p)
+        if away < margin:
+            starts[runs] = node
+            runs += 1
+        elif away < limit:
+            for k in range(indptr[node], indptr[node + 1]):
+                head = row_place(places, nodes, indices[k])
+                gone[shut] = k
+                q = in_body(axes, sub(head, centre))
+                if signed_distance(core, q) < margin:
+                    shut += 1
+                    continue
+                # from the same end both times, for rounding
+                if node < indices[k]:
+                    near = segment_within(core, margin, p, in_body(axes, sub(head, tail)))
+                else:
+                    near = segment_within(core, margin, q, in_body(axes, sub(tail, head)))
+                shut += 1 if near else 0
+    return starts[:runs], np.ones(runs, np.int32), gone[:shut], np.zeros(shut, np.int32)
+
+
+@register_jitable
+def _exclusion_of_lattice(
+    net: Net,
+    exits: IntArray,
+    body: _Body,
+    reach: float,
+    windows: tuple[tuple[Span, Span, Span], tuple[Span, Span, Span]],
+) -> Found:
+    """The same for a lattice, of which the window around the primitive is looked at.
+
+    Line by line along z. The distance changes by no more than the way gone, which says how many
+    nodes can be passed over; where the nearest place is on the face of a box, it is known how far
+    that remains so.
+    """
+    shape, _, steps, places, _, _ = net
+    axes, core, centre, margin = body
+    y0, z0 = y_and_z_origins(shape)
+    nx, ny, nz, directions = 2 * shape.nx, 2 * shape.ny, 2 * shape.nz, shape.directions
+    limit = margin + reach
     step = places[z0 + 2] - places[z0]
-    far = reach + pad
-    rx, ry, rz = in_body(axes, (0.0, 0.0, step))
-    # in the body, and from the end of the edge that comes first
-    turned = np.empty(3 * directions)
-    for k in range(directions):
-        x = steps[3 * k] * (places[1] - places[0])
-        y = steps[3 * k + 1] * (places[y0 + 1] - places[y0])
-        z = steps[3 * k + 2] * (places[z0 + 1] - places[z0])
-        turned[3 * k], turned[3 * k + 1], turned[3 * k + 2] = in_body(axes, (x, y, z))
-    # how far edges that lead towards a face lead along it; of nodes on the box any edge may
+    r = in_body(axes, (0.0, 0.0, step))
+    edges = _edges_in_body(net, axes)
+    far = reach + _ROUNDING * reach
+    tight, loose = _reach_aside(edges, reach), (far, far, far, far, far, far)
+    kinds = 2 if shape.kind == BCC else 1
+    lines = _lines(windows[0]) + (_lines(windows[1]) if kinds == 2 else 0)
+    starts, lengths = np.empty(2 * lines, np.int32), np.empty(2 * lines, np.int32)
+    most = 2 * directions * (shape.nz + 1)
+    losers, losses = np.empty(2 * most, np.int32), np.empty(2 * most, np.int32)
+    runs, count = 0, 0
+    for odd in range(kinds):
+        (a0, a1), (b0, b1), (c0, c1) = windows[odd]
+        for a in range(a0, a1 + 1, 2):
+            x = places[a] - centre[0]
+            for b in range(b0, b1 + 1, 2):
+                y = places[y0 + b] - centre[1]
+                line = node_at(shape, a, b, odd)
+                on_box = a == 0 or b == 0 or a == nx or b == ny
+                c, fresh = c0, True
+                # in the loop along the line the arrays would be counted in and out at each turn
+                if count + most > len(losers):
+                    losers = np.concatenate((losers, np.empty_like(losers)))
+                    losses = np.concatenate((losses, np.empty_like(losses)))
+                while c <= c1:
+                    p = in_body(axes, (x, y, places[z0 + c] - centre[2]))
+                    away = signed_distance(core, p)
+                    if away < margin:
+                        # the primitive is convex: one run a line
+                        if fresh:
+                            starts[runs], lengths[runs] = line + (c >> 1), 0
+                            runs += 1
+                            fresh = False
+                        more = min(_nodes_inside(body, p, away, r, step), (c1 - c) >> 1) + 1
+                        lengths[runs - 1] += more
+                        c += 2 * more
+                        continue
+                    _, outward = signed_distance_gradient(core, p)
+                    if away >= limit:
+                        # convex: along the line at least what its slope here says
+                        slope = dot(outward, r)
+                        if slope * LONG >= limit - away:
+                            break
+                        c += 2 * max(int((limit - away) / slope - _ROUNDING), 0) + 2
+                        continue
+                    if core[4] == 0:
+                        aside = loose if on_box or c == 0 or c == nz else tight
+                        many = stretch_along(core, margin, reach, aside, p, r)
+                        if many >= 0:
+                            more = 2 * max(int(many - _ROUNDING), 0) + 2
+                            # the last node of the line may be on the box
+                            c = max(c + 2, min(c + more, nz - odd))
+                            continue
+                    node = line + (c >> 1)
+                    near = _Node(node, exits[node], (a, b, c), p, away, outward)
+                    count = _shut_edges(
+                        shape, body, near, steps, places, edges, losers, losses, count
+                    )
+                    c += 2
+    return starts[:runs], lengths[:runs], losers[:count], losses[:count]
+
+
+@register_jitable
+def _lines(window: tuple[Span, Span, Span]) -> int:
+    """Number of lines along z in a window."""
+    (a0, a1), (b0, b1), _ = window
+    return max((a1 - a0) // 2 + 1, 0) * max((b1 - b0) // 2 + 1, 0)
+
+
+@register_jitable
+def _edges_in_body(net: Net, axes: Axes) -> FloatArray:
+    """Edges in the directions of a lattice (3 d,), in the body's axes, [unit].
+
+    Those of nodes with an even place; of each edge that is the end that comes first.
+    """
+    steps, places = net.steps, net.places
+    y0, z0 = y_and_z_origins(net.shape)
+    dx, dy, dz = places[1] - places[0], places[y0 + 1] - places[y0], places[z0 + 1] - places[z0]
+    edges = np.empty(len(steps))
+    for k in range(0, len(steps), 3):
+        edge = in_body(axes, (steps[k] * dx, steps[k + 1] * dy, steps[k + 2] * dz))
+        edges[k], edges[k + 1], edges[k + 2] = edge
+    return edges
+
+
+@register_jitable
+def _reach_aside(edges: FloatArray, reach: float) -> Aside:
+    """How far edges that lead towards a face lead along it; of nodes on the box any edge may."""
+    pad = _ROUNDING * reach
     xy, xz, yx, yz, zx, zy = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    for k in range(SIDES):
-        x, y, z = abs(turned[3 * k]), abs(turned[3 * k + 1]), abs(turned[3 * k + 2])
+    for k in range(0, 3 * SIDES, 3):
+        x, y, z = abs(edges[k]), abs(edges[k + 1]), abs(edges[k + 2])
         if x > pad:
             xy, xz = max(xy, y), max(xz, z)
         if y > pad:
             yx, yz = max(yx, x), max(yz, z)
         if z > pad:
             zx, zy = max(zx, x), max(zy, y)
-    tight = (xy + pad, xz + pad, yx + pad, yz + pad, zx + pad, zy + pad)
-    loose = (far, far, far, far, far, far)
-    # arrays that grew in the loops would be counted in and out all the time
-    odds = 2 if shape[0] == BCC else 1
-    window = np.empty(12, np.int64)
-    lines = 0
-    for odd in range(odds):
-        count = 1
-        for axis in range(3):
-            origin = 0 if axis == 0 else (y0 if axis == 1 else z0)
-            low, high = solid[17 + axis] - limit, solid[20 + axis] + limit
-            first, last = half_cells(
-                places[origin], places[origin + 2], shape[1 + axis], low, high, odd
-            )
-            window[6 * odd + 2 * axis], window[6 * odd + 2 * axis + 1] = first, last
-            lines += count if axis == 2 else 0
-            count *= max((last - first) // 2 + 1, 0)
-    starts = np.empty(2 * lines, np.int32)
-    lengths = np.empty(2 * lines, np.int32)
-    most = 2 * directions * (shape[3] + 1)
-    losers = np.empty(2 * most, np.int32)
-    losses = np.empty(2 * most, np.int32)
-    runs, count = 0, 0
-    for odd in range(odds):
-        at = 6 * odd
-        c0, c1 = window[at + 4], window[at + 5]
-        for a in range(window[at], window[at + 1] + 1, 2):
-            x = places[a] - cx
-            for b in range(window[at + 2], window[at + 3] + 1, 2):
-                y = places[y0 + b] - cy
-                line = node_at(shape, a, b, odd)
-                on_box = a == 0 or b == 0 or a == 2 * shape[1] or b == 2 * shape[2]
-                c = c0
-                fresh = True
-                # in the loop along the line the arrays would be counted in and out at each turn
-                if count + most > len(losers):
-                    losers = np.concatenate((losers, np.empty_like(losers)))
-                    losses = np.concatenate((losses, np.empty_like(losses)))
-                while c <= c1:
-                    px, py, pz = in_body(axes, (x, y, places[z0 + c] - cz))
-                    away = signed_distance(core, (px, py, pz))
-                    if away < margin:
-                        many = (margin - away) / step
-                        if core[4] == 0:
-                            many = max(many, stretch_in(core, margin, px, py, pz, rx, ry, rz))
-                        more = min(max(int(many - _ROUNDING), 0), (c1 - c) >> 1) + 1
-                        # the solid is convex: one run a line
-                        if fresh:
-                            starts[runs] = line + (c >> 1)
-                            lengths[runs] = 0
-                            runs += 1
-                            fresh = False
-                        lengths[runs - 1] += more
-                        c += 2 * more
-                        continue
-                    _, (gx, gy, gz) = signed_distance_gradient(core, (px, py, pz))
-                    if away >= limit:
-                        # convex: along the line at least what its slope here says
-                        slope = gx * rx + gy * ry + gz * rz
-                        if slope * LONG >= limit - away:
-                            break
-                        c += 2 * max(int((limit - away) / slope - _ROUNDING), 0) + 2
-                        continue
-                    if core[4] == 0:
-                        aside = loose if on_box or c == 0 or c == 2 * shape[3] else tight
-                        many = stretch_along(core, margin, reach, aside, px, py, pz, rx, ry, rz)
-                        if many >= 0:
-                            more = 2 * max(int(many - _ROUNDING), 0) + 2
-                            # the last node of the line may be on the box
-                            c = max(c + 2, min(c + more, 2 * shape[3] - odd))
-                            continue
-                    node = line + (c >> 1)
-                    bits = exits[node]
-                    # each edge from that end that comes first, for rounding
-                    for k in range(
-                        cross if odd == 1 else 0, directions if bits >> SIDES else SIDES
-                    ):
-                        if (bits >> k) & 1 == 0 or (k >= cross and (k & 1) == 1):
-                            continue
-                        dx, dy, dz = turned[3 * k], turned[3 * k + 1], turned[3 * k + 2]
-                        # convex: along the edge at least what its slope here says
-                        if away + gx * dx + gy * dy + gz * dz >= margin:
-                            continue
-                        i, j, h = a + steps[3 * k], b + steps[3 * k + 1], c + steps[3 * k + 2]
-                        qx, qy, qz = in_body(
-                            axes, (places[i] - cx, places[y0 + j] - cy, places[z0 + h] - cz)
-                        )
-                        if core[4] == 0 and beside(core, margin, px, py, pz, qx, qy, qz):
-                            continue
-                        if signed_distance(core, (qx, qy, qz)) < margin:
-                            continue
-                        if segment_within(core, margin, (px, py, pz), (dx, dy, dz)):
-                            losers[count], losses[count] = node, 1 << k
-                            losers[count + 1] = node_at(shape, i, j, h)
-                            losses[count + 1] = 1 << (k if k < cross else k + 1)
-                            count += 2
-                    c += 2
-    return starts[:runs], lengths[:runs], losers[:count], losses[:count]
+    return (xy + pad, xz + pad, yx + pad, yz + pad, zx + pad, zy + pad)
+
+
+@register_jitable
+def _nodes_inside(body: _Body, p: Vec3, away: float, r: Vec3, step: float) -> int:
+    """How many nodes that follow an excluded one along z are certain to be excluded, too."""
+    many = (body.margin - away) / step
+    if body.core[4] == 0:
+        many = max(many, stretch_in(body.core, body.margin, p, r))
+    return max(int(many - _ROUNDING), 0)
+
+
+@register_jitable(forceinline=True)
+def _shut_edges(
+    shape: Shape,
+    body: _Body,
+    near: _Node,
+    steps: IntArray,
+    places: FloatArray,
+    edges: FloatArray,
+    losers: IntArray,
+    losses: IntArray,
+    count: int,
+) -> int:
+    """Note the edges of a free node of a lattice that come too near between free ends.
+
+    Each edge from that end that comes first, for rounding.
+
+    Args:
+        net: the lattice.
+        body: the primitive.
+        near: the node.
+        edges: (3 d,) see ``_edges_in_body``.
+        losers: the ends of the edges; written.
+        losses: the edge at each of these ends, as a bit; written.
+        count: how many there are.
+
+    Returns:
+        How many there are then.
+    """
+    axes, core, centre, margin = body
+    node, bits, (a, b, c), p, away, outward = near
+    y0, z0 = y_and_z_origins(shape)
+    cross = shape.cross
+    for k in range(cross if c & 1 == 1 else 0, shape.directions if bits >> SIDES else SIDES):
+        if (bits >> k) & 1 == 0 or (k >= cross and (k & 1) == 1):
+            continue
+        d = (edges[3 * k], edges[3 * k + 1], edges[3 * k + 2])
+        # convex: along the edge at least what its slope here says
+        if away + outward[0] * d[0] + outward[1] * d[1] + outward[2] * d[2] >= margin:
+            continue
+        i, j, h = a + steps[3 * k], b + steps[3 * k + 1], c + steps[3 * k + 2]
+        q = in_body(axes, sub((places[i], places[y0 + j], places[z0 + h]), centre))
+        if core[4] == 0 and beside(core, margin, p, q):
+            continue
+        if signed_distance(core, q) < margin:
+            continue
+        if segment_within(core, margin, p, d):
+            losers[count], losers[count + 1] = node, node_at(shape, i, j, h)
+            losses[count], losses[count + 1] = 1 << k, 1 << (k if k < cross else k + 1)
+            count += 2
+    return count
 
 
 @compiled(example=(IDS, IDS, NEW_FLAGS))
@@ -244,11 +344,9 @@ def mark(starts: IntArray, lengths: IntArray, excluded: BoolArray) -> int:
     return count
 
 
-@compiled(example=(NO_SHAPE, IDS, IDS, IDS, IDS, IDS, IDS, NEW_IDS), error_model="numpy")
+@compiled(example=(NO_NET, IDS, IDS, IDS, IDS, NEW_IDS), error_model="numpy")
 def shut(
-    shape: Shape,
-    offsets: IntArray,
-    steps: IntArray,
+    net: Net,
     starts: IntArray,
     lengths: IntArray,
     losers: IntArray,
@@ -258,13 +356,15 @@ def shut(
     """Clear the bits of edges that lead to excluded nodes of a lattice, and of those lost.
 
     Args:
-        shape, offsets, steps: the lattice.
+        net: the lattice.
         starts, lengths: (r,) runs of excluded nodes, each in one line along z.
         losers: (m,) nodes that lose edges.
         losses: (m,) bits of these.
         exits: (n,) open directions, as bits.
     """
-    directions, cross = shape[6], shape[7]
+    shape, offsets, steps, _, _, _ = net
+    directions, cross = shape.directions, shape.cross
+    nx, ny, nz = 2 * shape.nx, 2 * shape.ny, 2 * shape.nz
     for run in range(len(starts)):
         first, many = starts[run], lengths[run]
         a, b, c = cell(shape, first)
@@ -272,25 +372,17 @@ def shut(
         other = across(shape, a, b, c)
         end = c + 2 * (many - 1)
         # what is no edge has no bit to clear, but nodes on the box have more edges
-        inside = 0 < a < 2 * shape[1] and 0 < b < 2 * shape[2] and c > 0 and end < 2 * shape[3]
+        inside = 0 < a < nx and 0 < b < ny and c > 0 and end < nz
         for k in range(SIDES if inside else directions):
             turned = -1 if k < cross and odd == 1 else 1
             i, j, h = turned * steps[3 * k], turned * steps[3 * k + 1], turned * steps[3 * k + 2]
-            if not (0 <= a + i <= 2 * shape[1] and 0 <= b + j <= 2 * shape[2]):
+            if not (0 <= a + i <= nx and 0 <= b + j <= ny):
                 continue
             low = 1 if c + h < 0 else 0
-            high = many - 1 if end + h > 2 * shape[3] else many
+            high = many - 1 if end + h > nz else many
             others = ~(1 << (k if k < cross else k ^ 1))
             head = (other if k < cross else first) + offsets[odd * directions + k]
             for n in range(head + low, head + high):
                 exits[n] &= others
     for k in range(len(losers)):
         exits[losers[k]] &= ~losses[k]
-
-
-@register_jitable
-def _level_at(
-    axes: Axes, core: Core, cx: float, cy: float, cz: float, x: float, y: float, z: float
-) -> float:
-    p = in_body(axes, (x - cx, y - cy, z - cz))
-    return signed_distance(core, p)

@@ -14,10 +14,9 @@ import scipy
 
 from abi.arrays import FloatArray, IntArray, read_only
 from abi.scene.scene import MeshSettings, Workspace
-from abi.search.heuristic_kernels import Metric
 from abi.tet_mesh import adjacency as net
 from abi.tet_mesh import lattice
-from abi.tet_mesh.adjacency import Net
+from abi.tet_mesh.adjacency_kernels import Net
 from abi.tet_mesh.lattice import Cells
 from abi.tet_mesh.stencil import Stencil
 
@@ -126,14 +125,6 @@ class TetMesh:
     def weights(self) -> FloatArray:
         """Lengths of the directions (d,), or of the edges of the rows (2e,), [unit]."""
         return self._rows[2] if self.stencil is None else self.stencil.lengths
-
-    @cached_property
-    def norm(self) -> Metric:
-        """How long ways are where nothing is in them; see :func:`abi.tet_mesh.adjacency.norm`."""
-        if self.stencil is None:
-            return (1.0, *(len(net.hop_norm()) - 1) * [0.0])
-        x, y, z = self.stencil.cell
-        return net.norm((x, y, z))
 
     @cached_property
     def _rows(self) -> tuple[IntArray, IntArray, FloatArray]:

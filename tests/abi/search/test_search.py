@@ -16,14 +16,15 @@ from abi.errors import NoPath
 from abi.obstacles.obstacle_set import NO_OBSTACLES, ObstacleSet
 from abi.obstacles.primitives import Box, Obstacles, Sphere
 from abi.scene.scene import MeshSettings, Workspace
-from abi.search import search
+from abi.search import heuristic
 from abi.search import search_kernels as kernels
 from abi.search.graph import Graph, build
-from abi.search.heuristic_kernels import NO_METRIC, ON_A_FACE, to_go
-from abi.search.search import SEARCHES, Weight
-from abi.tet_mesh import adjacency as net
+from abi.search.heuristic import Weight
+from abi.search.heuristic_kernels import INSIDE, NO_METRIC, ON_A_FACE, Metric, to_go
+from abi.search.search import SEARCHES, a_star, dijkstra
+from abi.search.search_kernels import Ends, Problem
 from abi.tet_mesh.adjacency import NO_IDS, NO_NUMBERS, of_rows
-from abi.tet_mesh.adjacency_kernels import BCC, KUHN, cell, node_at
+from abi.tet_mesh.adjacency_kernels import BCC, KUHN, Links, OpenEdges, Shape, cell, node_at
 from abi.tet_mesh.exclusion import exclude
 from abi.tet_mesh.tet_mesh import tetrahedralise
 from tests.kernel_forms import compiled, kernels_as, plain
@@ -77,13 +78,13 @@ def costs_from(graph: Graph, weight: Weight, node: int) -> FloatArray:
 
 def promises(graph: Graph, weight: Weight) -> FloatArray:
     """A*'s heuristic (n,), 0 at start and goal where they are nodes of their own."""
-    metric = search.metric(graph, weight)
+    metric = heuristic.metric(graph, weight)
     shape = graph.mesh.net.shape
     left = np.zeros(len(graph.points))
     for node in range(len(graph.mesh.points)):
         lattice = graph.mesh.stencil is not None
         at = cell(shape, node) if lattice else graph.points[node].tolist()
-        left[node] = to_go(shape, metric, *at)
+        left[node] = to_go(shape, metric, at)
     slack = 0.0
     for a, b, length in zip(graph.tails, graph.heads, graph.link_lengths, strict=True):
         if graph.goal in (a, b) and (end := a if b == graph.goal else b) < len(graph.mesh.points):
@@ -193,7 +194,7 @@ def test_best_first_expands_in_the_order_of_estimates(seed: int, weight: Weight)
         pytest.fail("choose seeds that have a path")
     to_goal = promises(graph, weight)
     bucket = kernels.WIDTH * (graph.longest_edge if weight == "length" else 1) + 1e-9
-    for find, left in ((search.a_star, to_goal), (search.dijkstra, np.zeros_like(cost))):
+    for find, left in ((a_star, to_goal), (dijkstra, np.zeros_like(cost))):
         found = find(graph, weight)
         estimates = (cost + left)[found.order[1:]]
         assert np.diff(estimates).min(initial=0) >= -bucket
@@ -220,7 +221,7 @@ def test_the_heuristic_never_falls_by_more_than_an_edge_costs(seed: int, weight:
 def test_with_all_diagonals_the_cost_is_the_greatest_of_six_linear_forms(seed: int) -> None:
     rng = np.random.default_rng(seed)
     x, y, z = rng.uniform(0.1, 2, 3)
-    shape = (KUHN, 9, 9, 9, 1000, 1000, 14, 0, 14)
+    shape = Shape(KUHN, 9, 9, 9, 1000, 1000, 14, 0, 14)
     costs = {axes: np.linalg.norm([(x, y, z)[k] for k in axes]) for axes in subsets(range(3))}
     for way in rng.integers(0, 5, (30, 3)).tolist():
         forms = []
@@ -228,8 +229,8 @@ def test_with_all_diagonals_the_cost_is_the_greatest_of_six_linear_forms(seed: i
             before = [frozenset(order[:k]) for k in range(4)]
             rises = [costs[b] - costs[a] for a, b in pairwise(before)]
             forms.append(sum(way[axis] * rise for axis, rise in zip(order, rises, strict=True)))
-        norm = net.norm((x, y, z))
-        left = to_go(shape, (1.0, *norm[:4], 0.0, 0.0, 0.0, *norm[4:]), *(2.0 * n for n in way))
+        metric = Metric(INSIDE, heuristic.norm_of((x, y, z)), (0.0, 0.0, 0.0))
+        left = to_go(shape, metric, tuple(2.0 * n for n in way))
         assert left == pytest.approx(max(forms), abs=1e-12)
 
 
@@ -246,13 +247,13 @@ def test_towards_a_goal_on_a_face_one_way_is_the_shortest_of_four(weight: Weight
     settings = MeshSettings(lattice="bcc", pitch=0.8)
     for goal in ((4.0, 3.3, 4.7), (0.0, 1.1, 1.3), (2.1, 1.2, 4.7)):
         graph = graph_of(workspace, settings, (), (1.0, 1.0, 1.0), goal)
-        metric = search.metric(graph, weight)
-        assert metric[0] == ON_A_FACE
+        metric = heuristic.metric(graph, weight)
+        assert metric.kind == ON_A_FACE
         shape = graph.mesh.net.shape
         for node in range(len(graph.mesh.points)):
-            a, b, c = cell(shape, node)
-            left = to_go(shape, (1.0, *metric[1:]), a, b, c)
-            assert to_go(shape, metric, a, b, c) == pytest.approx(left, abs=1e-12)
+            place = cell(shape, node)
+            left = to_go(shape, metric._replace(kind=INSIDE), place)
+            assert to_go(shape, metric, place) == pytest.approx(left, abs=1e-12)
 
 
 @pytest.mark.parametrize("seed", range(10))
@@ -261,8 +262,8 @@ def test_a_node_is_found_at_its_place_however_many_there_are(seed: int) -> None:
     cells = [int(10 ** rng.uniform(0, 3.1)) for _ in range(3)]
     nx, ny, nz = cells
     corners = (nx + 1) * (ny + 1) * (nz + 1)
-    shape = (BCC, nx, ny, nz, corners, corners + nx * ny * nz, 14, 8, 14)
-    for node in rng.integers(0, shape[5], 3000).tolist():
+    shape = Shape(BCC, nx, ny, nz, corners, corners + nx * ny * nz, 14, 8, 14)
+    for node in rng.integers(0, shape.nodes, 3000).tolist():
         a, b, c = cell(shape, node)
         assert 0 <= a <= 2 * nx
         assert 0 <= b <= 2 * ny
@@ -346,10 +347,10 @@ def test_bellman_ford_finds_all_costs_however_often_nodes_return(seed: int, plai
     indptr, indices = (read_only(a.astype(np.int32)) for a in (rows.indptr, rows.indices))
     table = of_rows(np.zeros((n, 3)), indptr, indices)
     exits = read_only(np.zeros(n, dtype=np.int32))
-    links: tuple[Any, ...] = (NO_IDS, NO_IDS, NO_NUMBERS, 0)
-    ends: tuple[Any, ...] = (0, 1, 1.0, NO_METRIC)
-    kernel = kernels.bellman_ford.py_func if plain else kernels.bellman_ford
-    cost, parent, order, relaxed = kernel(*table, exits, read_only(rows.data), *links, *ends)
+    opened, links = OpenEdges(exits, read_only(rows.data)), Links(NO_IDS, NO_IDS, NO_NUMBERS)
+    problem = Problem(table, opened, links, Ends(0, 1, 0), 1.0, NO_METRIC)
+    with kernels_as(compiled=not plain):
+        cost, parent, order, relaxed = kernels.bellman_ford(problem)
     assert np.allclose(cost, scipy_dijkstra(rows, indices=0), rtol=1e-12)
     assert len(order) > 4 * n
     assert relaxed == np.diff(indptr)[order].sum()

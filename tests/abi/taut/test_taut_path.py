@@ -284,7 +284,7 @@ def test_how_many_nodes_are_searched_for_any_angle_is_bounded(
     strides = []
 
     def recorded(*arguments: Any) -> Any:
-        strides.append(arguments[6])
+        strides.append(arguments[2])
         return any_angle(*arguments)
 
     monkeypatch.setattr(stage, "any_angle", recorded)

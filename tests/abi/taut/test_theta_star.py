@@ -18,7 +18,7 @@ from abi.search.graph import REACH
 from abi.taut import theta_star_kernels as kernels
 from abi.taut.taut_path import _margins
 from abi.tet_mesh import tet_mesh as mesh
-from abi.tet_mesh.adjacency_kernels import BCC, KUHN
+from abi.tet_mesh.adjacency_kernels import BCC, KUHN, Shape
 from abi.tet_mesh.exclusion import exclude
 from abi.tet_mesh.tet_mesh import TetMesh
 from tests.abi.scene.test_scene import obstacles, points
@@ -37,11 +37,13 @@ def arguments(
 ) -> tuple[Any, ...]:
     """What the kernel is given; ``margins`` (4, k) are for each kind of segment and solid."""
     free = exclude(whole, ObstacleSet(scene.obstacles), float(margins.max(initial=0)))
-    shape, _, steps, places, indptr, indices = whole.net
     return (
-        *(shape, steps, places, indptr, indices, free.excluded),
-        *(stride, stride * REACH * whole.longest_edge, scene.start, scene.goal),
-        *(pack(solids_of(scene)), read_only(margins.reshape(-1)), most),
+        *(whole.net, free.excluded, stride, stride * REACH * whole.longest_edge),
+        *(
+            (scene.start, scene.goal),
+            (pack(solids_of(scene)), read_only(margins.reshape(-1))),
+            most,
+        ),
     )
 
 
@@ -224,16 +226,16 @@ def test_the_coarse_lattice_lies_in_the_middle(kind: int, stride: int) -> None:
         x, y, z = cells
         corners = (x + 1) * (y + 1) * (z + 1)
         nodes = corners + (x * y * z if kind == BCC else 0)
-        fine = (kind, x, y, z, corners, nodes, 0, 0, 0)
+        fine = Shape(kind, x, y, z, corners, nodes, 0, 0, 0)
         coarse = kernels._coarse(fine, stride)
-        halves = np.array([kernels._fine(fine, coarse, stride, k) for k in range(coarse[5])])
+        halves = np.array([kernels._fine(fine, coarse, stride, k) for k in range(coarse.nodes)])
         low, high = halves.min(axis=0), 2 * np.array(cells) - halves.max(axis=0)
 
         # as near to one side as to the other, up to a cell, and no more could have a place
         assert (low >= 0).all()
         assert (np.abs(high - low) <= 2).all()
         assert (low + high < 2 * stride).all()
-        assert len(np.unique(halves, axis=0)) == coarse[5]
+        assert len(np.unique(halves, axis=0)) == coarse.nodes
         even = (halves % 2 == 0).all(axis=1)
         # a node of the coarse lattice is one of the fine lattice
         assert (even | ((halves % 2 == 1).all(axis=1) & (kind == BCC))).all()
@@ -270,7 +272,7 @@ def test_every_second_node_is_the_lattice_of_twice_the_cell(
     for pitch, stride in zip(pitches, (2, 1), strict=True):
         scene = box_scene(seed, pitch).replace(mesh={"lattice": lattice, "pitch": pitch})
         whole = mesh.tetrahedralise(scene.workspace, scene.mesh)
-        cells.append(whole.net[0][1:4])
+        cells.append(whole.net.shape[1:4])
         paths.append(found(whole, scene, 0.2, stride))
 
     np.testing.assert_array_equal(cells[0], 2 * np.array(cells[1]))

@@ -23,7 +23,8 @@ from abi.obstacles.triangle_mesh.repair import clean
 from abi.scene.scene import MeshSettings, Workspace
 from abi.search import graph
 from abi.search.graph import Graph
-from abi.search.search import SEARCHES, Weight
+from abi.search.heuristic import Weight
+from abi.search.search import SEARCHES
 from abi.tet_mesh import tet_mesh as mesh
 from abi.tet_mesh.exclusion import exclude
 from abi.tet_mesh.tet_mesh import TetMesh

@@ -1,0 +1,45 @@
+"""A*'s heuristic towards the goal of a graph, by length or by hops."""
+
+from __future__ import annotations
+
+import math
+from functools import lru_cache
+from operator import eq
+from typing import Literal
+
+from abi.obstacles.pose import Vec3
+from abi.search.graph import Graph
+from abi.search.heuristic_kernels import INSIDE, ON_A_FACE, Metric, Norm
+
+Weight = Literal["length", "hops"]
+"""The cost of a path: its length, or the number of its edges."""
+
+_HOPS = Norm(axes=(1.0, 1.0, 1.0), faces=(1.0, 1.0, 1.0), diagonal=1.0, centres=2.0)
+"""Every edge costs 1."""
+
+
+def metric(graph: Graph, weight: Weight) -> Metric:
+    """The cost of the way to the goal with nothing in it, as kernels take it.
+
+    In a lattice it counts the steps (:func:`abi.search.heuristic_kernels.to_go`). In ``delaunay``
+    it is the straight line, by hops divided by the longest edge.
+    """
+    mesh, goal = graph.mesh, graph.goal
+    own = goal - len(mesh.points)
+    x, y, z = (mesh.points[goal] if own < 0 else graph.own[own]).tolist()
+    if mesh.stencil is None:
+        per_unit = 1.0 if weight == "length" else 1 / graph.longest_edge
+        return Metric(INSIDE, Norm((per_unit,) * 3, (0.0, 0.0, 0.0), 0.0, 0.0), (x, y, z))
+    norm = norm_of(mesh.stencil.cell) if weight == "length" else _HOPS
+    place = mesh.stencil.cell_of((x, y, z))
+    on_a_face = 0.0 in place or any(map(eq, place, [2.0 * count for count in mesh.cells]))
+    return Metric(ON_A_FACE if on_a_face else INSIDE, norm, place)
+
+
+@lru_cache
+def norm_of(cell: Vec3) -> Norm:
+    """Lengths, [unit], in a cell with these edges."""
+    x, y, z = (side * side for side in cell)
+    faces = (math.sqrt(y + z), math.sqrt(x + z), math.sqrt(x + y))
+    diagonal = math.sqrt(x + y + z)
+    return Norm(axes=cell, faces=faces, diagonal=diagonal, centres=diagonal)
