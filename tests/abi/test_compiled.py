@@ -149,6 +149,7 @@ def test_the_second_plan_of_a_script_runs_compiled() -> None:
     assert first < second == 1
 
 
+@pytest.mark.slow
 def test_a_script_ends_well_while_kernels_are_compiled(tmp_path: Path) -> None:
     used = run(PLANS, "1", NUMBA_CACHE_DIR=str(tmp_path))
     assert float(used) == 0
@@ -167,6 +168,7 @@ for kernel in (exclusion_kernels.mark, obstacle_set_kernels.signed_distances):
 """
 
 
+@pytest.mark.slow
 def test_after_an_edit_only_what_depends_on_it_is_compiled_anew(tmp_path: Path) -> None:
     ours = shutil.copytree(
         Path(abi.__file__).parent, tmp_path / "abi", ignore=shutil.ignore_patterns("__pycache__")

@@ -39,6 +39,7 @@ def test_plan_prints_a_complete_plan(
     assert json.loads(out)["error"] is None
 
 
+@pytest.mark.slow
 def test_who_reads_only_the_beginning_gets_it_without_complaints() -> None:
     command = f"{sys.executable} -m app plan | head -n 1"
     done = subprocess.run(["bash", "-c", command], capture_output=True, text=True, check=True)
@@ -125,6 +126,7 @@ def test_a_broken_scene_file_names_the_field(
     assert "-3" in err
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", scene_names())
 def test_the_plan_of_a_shipped_scene_can_be_verified_wherever_it_is(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path, name: str
@@ -225,6 +227,7 @@ def test_a_name_with_an_address_elsewhere_is_served_on_the_one_here(
         server.stop()
 
 
+@pytest.mark.slow
 def test_the_installed_command_answers() -> None:
     done = subprocess.run(
         [sys.executable, "-m", "app", "plan", "thin-plate"], capture_output=True, text=True

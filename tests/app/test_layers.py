@@ -193,6 +193,7 @@ def test_the_time_shown_is_the_arms(tab: tuple[FakeTab, Session]) -> None:
     until(lambda: playback.slider.value == pytest.approx(2.0))
 
 
+@pytest.mark.slow
 def test_a_tab_that_has_gone_leaves_nothing_behind(server: Server) -> None:
     gone = []
     for _ in range(3):

@@ -147,6 +147,7 @@ def test_a_wrong_number_is_told_of_until_it_is_mended(tab: tuple[FakeTab, Sessio
     until(lambda: not note.visible and not session.frame.faded)
 
 
+@pytest.mark.slow
 def test_the_arm_is_as_large_as_the_scenes_unit_says(tmp_path: Path) -> None:
     path = tmp_path / "mm.yaml"
     Scene.from_dict(MILLIMETRES).save(path)

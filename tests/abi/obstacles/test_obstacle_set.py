@@ -54,6 +54,7 @@ def test_distances_are_those_of_the_obstacles_one_by_one(seed: int) -> None:
     assert np.abs(gradient - expected).max() <= 1e-9
 
 
+@pytest.mark.slow
 @settings(max_examples=60, deadline=None)
 @given(seeds, st.floats(0, 1))
 def test_a_segment_is_blocked_where_its_distance_is_below_the_margin(
@@ -72,6 +73,7 @@ def test_a_segment_is_blocked_where_its_distance_is_below_the_margin(
     assert np.array_equal(found[sure], back[sure])
 
 
+@pytest.mark.slow
 @settings(max_examples=40, deadline=None)
 @given(seeds)
 def test_the_nearest_polyline_is_the_least_clear(seed: int) -> None:

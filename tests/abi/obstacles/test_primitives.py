@@ -106,6 +106,7 @@ def least_along(solid: Obstacle, p: FloatArray, q: FloatArray) -> FloatArray:
     return np.asarray(d.min(axis=1))
 
 
+@pytest.mark.slow
 @every_solid
 def test_distance_is_the_distance_to_the_surface(solid: Obstacle) -> None:
     points = np.random.default_rng(2).uniform(-3, 3, (4000, 3))
@@ -143,6 +144,7 @@ def test_pose_agrees_with_body_coordinates(solid: Obstacle) -> None:
     np.testing.assert_allclose(world, points, atol=1e-13)
 
 
+@pytest.mark.slow
 @every_solid
 def test_bounds_are_tight(solid: Obstacle) -> None:
     low, high = solid.bounds()
@@ -243,6 +245,7 @@ def test_segment_distance_is_the_least_distance_along_the_segment(solid: Obstacl
     np.testing.assert_allclose(found, solid.segment_distance(q, p), atol=1e-12)
 
 
+@pytest.mark.slow
 @given(st.one_of(solids, aligned), st.lists(st.tuples(ends, ends), min_size=1, max_size=10))
 @settings(max_examples=200, deadline=None)
 def test_segment_distance_in_special_positions(
@@ -306,6 +309,7 @@ def test_segment_distance_keeps_its_digits_far_from_the_origin() -> None:
     )
 
 
+@pytest.mark.slow
 @given(
     st.lists(st.one_of(solids, aligned), max_size=4),
     st.lists(st.tuples(ends, ends), min_size=1, max_size=25),

@@ -197,6 +197,7 @@ def test_what_cannot_be_saved_leaves_nothing_behind(
     assert sorted(path.name for path in tmp_path.iterdir()) == ["folder.yaml", "scene.yaml"]
 
 
+@pytest.mark.slow
 def test_what_could_not_be_read_again_is_not_saved(tmp_path: Path) -> None:
     scene = load_scene("paper")
     with pytest.raises(SceneError, match="ends in"):

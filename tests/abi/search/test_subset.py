@@ -73,6 +73,7 @@ def test_near_shows_the_path_and_leaves_out_what_is_farthest() -> None:
     assert np.linalg.norm(part.points - corner, axis=1).min() > 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("budget", [2_000, 10_000, 30_000])
 @pytest.mark.parametrize(
     "obstacles",

@@ -72,6 +72,7 @@ def keeps(found: TautPath, path: SearchResult, solids: Obstacles, margin: float)
     return all((solid.segment_distance(p, q) >= asked - 2e-9).all() for solid in solids)
 
 
+@pytest.mark.slow
 @settings(max_examples=60, deadline=None, suppress_health_check=list(HealthCheck))
 @given(
     bodies=st.lists(obstacles, min_size=1, max_size=6),

@@ -117,6 +117,7 @@ def test_every_few_nodes_are_a_coarser_lattice(lattice: str, stride: int) -> Non
         assert len({*(halves.round() % 2).tolist()}) == 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ends", [([0, 0, 0], [6, 6, 6]), ([6, 0, 0], [0, 6, 6])])
 @pytest.mark.parametrize("lattice", ["bcc", "kuhn", "delaunay"])
 def test_on_finer_meshes_it_nears_the_optimum(

@@ -144,6 +144,7 @@ def test_the_graph_is_what_its_definition_says(case: Any, compiled: bool) -> Non
         )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("lattice", LATTICES[:2])
 @pytest.mark.parametrize("turned", [False, True])
 @pytest.mark.parametrize("seed", range(3))

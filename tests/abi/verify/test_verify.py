@@ -79,6 +79,7 @@ def test_of_a_plan_without_curves_nothing_is_proven() -> None:
         assert "NOT proven" in str(one)
 
 
+@pytest.mark.slow
 @settings(max_examples=60, deadline=None)
 @given(seeds, st.sampled_from([0.5, 0.999, 1 - 1e-7]))
 def test_honest_certificates_are_accepted(seed: int, part: float) -> None:

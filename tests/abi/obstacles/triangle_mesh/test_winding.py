@@ -134,6 +134,7 @@ def test_a_far_group_is_one_dipole() -> None:
         assert off[1] < off[0]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("gap", [1e-10, 1e-8, 1e-5, 1e-3])
 @pytest.mark.parametrize("name", ["box", "blob", "nested", "hollow", "inverted", "apart"])
 def test_sides_are_right_next_to_the_surface(name: str, gap: float) -> None:
@@ -203,6 +204,7 @@ def test_a_number_that_is_not_whole_counts_as_inside() -> None:
     assert inside(mesh, points[open_]).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", [100, 160])
 def test_where_dipoles_are_too_coarse_triangles_decide(count: int) -> None:
     """The errors of many balls in one add up, with 160 of them even to about a whole number."""
