@@ -3,9 +3,8 @@
 Each runs uncompiled too, on plain lists: a first plan need not wait for the compiler. Ties are
 broken the same way each time, so both ways give the same result.
 
-Arrays in a tuple are taken out of it before a loop begins: in the loop they would be counted in and
-out at each turn. Helpers that are handed arrays at each turn are inlined by force and use them all
-the way through, for then the compiler sees that it need not count.
+Arrays are taken out of tuples before a loop begins, and few helpers are handed any in it; see
+``abi.tet_mesh.adjacency_kernels``.
 """
 
 from __future__ import annotations
