@@ -44,10 +44,10 @@ def stamp(function: Callable[..., Any], options: str = "") -> str:
                 value = current.__globals__.get(used)
                 if isinstance(value, FunctionType):
                     pending.append(value)
-                elif hasattr(value, "_fields"):  # a named tuple that it makes
-                    digest.update(repr((used, value._fields)).encode())
                 elif isinstance(value, _CONSTANTS):
                     digest.update(repr((used, value)).encode())
+                elif hasattr(value, "_fields"):  # a kind of named tuple that it makes
+                    digest.update(repr((used, value._fields)).encode())
     return digest.hexdigest()
 
 
