@@ -1,1 +1,1 @@
-"""Planner: the stages in order, and why there is no plan."""
+"""The planner: the stages in order, and the diagnosis of scenes without a plan."""

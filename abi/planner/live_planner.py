@@ -1,4 +1,4 @@
-"""Plans that keep up with the hand: one search, or a coarser mesh, while it moves; all at rest."""
+"""Live planner: plans within a frame while something is dragged, in full at rest."""
 
 from __future__ import annotations
 
@@ -9,49 +9,49 @@ from abi.scene.scene import Scene
 
 
 class LivePlanner:
-    """Two planners, one for each mesh, so that neither loses what it remembers.
+    """Two planners, one for the scene's mesh and one for a coarser, each with its own memory.
 
     Attributes:
-        budget: how many nodes fit a frame.
-        coarse: whether the last plan was on a coarser mesh than its scene asks for.
-        partial: whether it was, or had one search alone.
+        budget: number of nodes that fit a frame.
+        coarse: whether the last plan has a coarser mesh than its scene.
+        partial: whether it has, or one search alone.
     """
 
     def __init__(self, compile: bool = True) -> None:
-        """Begin with nothing remembered; ``compile`` as for :class:`Planner`."""
+        """Begin with an empty memory; ``compile`` as for :class:`Planner`."""
         self.budget = NodeBudget()
         self.coarse = self.partial = False
-        self._on_whole_mesh, self._on_coarse_mesh = Planner(compile), Planner(compile)
-        self._last_route: tuple[object, ...] = ()
+        self._planner, self._coarse_planner = Planner(compile), Planner(compile)
+        self._last_settings: tuple[object, ...] = ()
 
     def __call__(self, scene: Scene) -> Plan:
-        """Plan within a frame if that can be done: in full, with one search, or coarsely."""
-        route = _route(scene)
-        if route == self._last_route:
+        """Plan within a frame if possible: in full, with one search, or on a coarser mesh."""
+        settings = _path_settings(scene)
+        if settings == self._last_settings:
             return self.finish(scene)
         coarser = self.budget.coarser(scene)
         self.coarse = coarser is not None
         self.partial = not self.budget.fits_all_searches(scene)
         if coarser is None:
-            self._last_route = () if self.partial else route
-            made = self._on_whole_mesh(scene, chosen_only=self.partial)
+            self._last_settings = () if self.partial else settings
+            plan = self._planner(scene, chosen_only=self.partial)
         else:
-            made = self._on_coarse_mesh(coarser, chosen_only=True)
-        if made.mesh is not None and made.path is not None:
-            # of a plan that ended before it, the arm's time is an earlier plan's
-            arm = made.ms["arm"] if made.motion is not None else 0.0
-            self.budget.learn(len(made.mesh.points), made.total_ms - arm)
-        return made
+            plan = self._coarse_planner(coarser, chosen_only=True)
+        if plan.mesh is not None and plan.path is not None:
+            # the arm's time is an earlier plan's where this one ended before it
+            arm = plan.ms["arm"] if plan.motion is not None else 0.0
+            self.budget.learn(len(plan.mesh.points), plan.total_ms - arm)
+        return plan
 
     def finish(self, scene: Scene) -> Plan:
         """Plan in full, however long it takes."""
         self.coarse = self.partial = False
-        self._last_route = _route(scene)
-        return self._on_whole_mesh(scene)
+        self._last_settings = _path_settings(scene)
+        return self._planner(scene)
 
 
-def _route(scene: Scene) -> tuple[object, ...]:
-    """Settings that stages 1 to 3 depend on; all else is quick on any mesh."""
+def _path_settings(scene: Scene) -> tuple[object, ...]:
+    """Fields on which stages 1 to 3 depend; the other stages are fast on any mesh."""
     return (
         scene.workspace,
         scene.mesh,

@@ -15,10 +15,10 @@ _ROUNDS = 60
 _SHORTEST = 1e-4  # step of a slide, as a part of the distance to go
 
 
-def nearest_free(
+def nearest_free_point(
     obstacles: ObstacleSet, workspace: Workspace, point: FloatArray, margin: float, free: FloatArray
 ) -> FloatArray | None:
-    """The nearest point found that keeps ``margin`` from every obstacle, in the workspace.
+    """Find a near point that keeps ``margin`` from every obstacle, in the workspace.
 
     Each known free point slides towards ``point``: a step straight on, then out of the obstacles
     along the gradient of the distance; a step that does not end free and nearer is halved. The
@@ -27,7 +27,7 @@ def nearest_free(
 
     Args:
         obstacles: the solids and meshes.
-        workspace: where the point must be.
+        workspace: the box that the point must be in.
         point: shape (3,), [unit], world.
         margin: distance to keep, [unit].
         free: known free points to start from, shape (k, 3), [unit], world.
@@ -37,23 +37,22 @@ def nearest_free(
     """
     low, high = np.array(workspace.min), np.array(workspace.max)
     pushed = _pushed_out(obstacles, np.clip(point, low, high)[None], margin, low, high)
-    places: FloatArray = np.concatenate([free, pushed])
-    kept = obstacles.nearest(places)[0] >= margin
-    places = places[kept]
-    if not len(places):
+    points: FloatArray = np.concatenate([free, pushed])
+    points = points[obstacles.nearest(points)[0] >= margin]
+    if not len(points):
         return None
-    step = np.ones(len(places))
-    away = np.linalg.norm(places - point, axis=1)
+    step = np.ones(len(points))
+    remaining = np.linalg.norm(points - point, axis=1)
     for _ in range(_ROUNDS):
-        trial = places + step[:, None] * (point - places)
+        trial = points + step[:, None] * (point - points)
         trial = _pushed_out(obstacles, trial, margin, low, high)
         distance = np.linalg.norm(trial - point, axis=1)
-        nearer = (obstacles.nearest(trial)[0] >= margin) & (distance < away * (1 - 1e-9))
-        places[nearer], away[nearer] = trial[nearer], distance[nearer]
+        nearer = (obstacles.nearest(trial)[0] >= margin) & (distance < remaining * (1 - 1e-9))
+        points[nearer], remaining[nearer] = trial[nearer], distance[nearer]
         step = np.where(nearer, np.minimum(2 * step, 1.0), step / 2)
         if (step < _SHORTEST).all():
             break
-    best: FloatArray = places[away.argmin()].copy()
+    best: FloatArray = points[remaining.argmin()].copy()
     return read_only(best)
 
 
@@ -64,20 +63,20 @@ def rounded(point: FloatArray, workspace: Workspace, error: float) -> FloatArray
 
 
 def _pushed_out(
-    obstacles: ObstacleSet, places: FloatArray, margin: float, low: FloatArray, high: FloatArray
+    obstacles: ObstacleSet, points: FloatArray, margin: float, low: FloatArray, high: FloatArray
 ) -> FloatArray:
-    """Push places (n, 3) out of the obstacle they are nearest to, and so on, within the box."""
-    places = places.copy()
+    """Push points (n, 3) out of the nearest obstacle, repeatedly, within the box."""
+    points = points.copy()
     for _ in range(_PUSHES):
-        distance, index = obstacles.nearest(places)
+        distance, index = obstacles.nearest(points)
         lacking = margin - distance
         if (lacking <= 0).all():
             break
         for k in np.unique(index[lacking > 0]):
-            rows = (index == k) & (lacking > 0)
-            outward = obstacles[k].gradient(places[rows])
+            inside = (index == k) & (lacking > 0)
+            outward = obstacles[k].gradient(points[inside])
             # a little further, for rounding must not leave it inside
-            push = lacking[rows] * (1 + 1e-9) + 1e-12
-            places[rows] += outward * push[:, None]
-        places = np.clip(places, low, high)
-    return places
+            push = lacking[inside] * (1 + 1e-9) + 1e-12
+            points[inside] += outward * push[:, None]
+        points = np.clip(points, low, high)
+    return points

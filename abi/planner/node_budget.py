@@ -1,4 +1,4 @@
-"""Number of nodes that a mesh may have while the hand moves, so that the path keeps up."""
+"""Node budget: the number of mesh nodes that are planned within a frame."""
 
 from __future__ import annotations
 
@@ -6,19 +6,19 @@ from abi.scene.scene import MeshSettings, Scene
 
 FRAME_MS = 1000 / 60
 LEAST_NODES = 5_000
-"""No mesh up to this size is made coarser."""
+"""Smallest budget: no mesh of up to so many nodes is made coarser."""
 
 _COARSER = 2 ** (1 / 3)  # a pitch so much coarser has half the nodes
 _MOST_HALVINGS = 40
 _FIRST_GUESS = 20_000
-_ALL_SEARCHES = 5  # times as long all three may take as one with all that follows
+_ALL_SEARCHES = 5  # ratio of time of all three searches to that of one and all later stages
 
 
 class NodeBudget:
-    """The number of nodes that are planned within a frame, learnt from plans.
+    """Number of nodes that are planned within a frame, learnt from plans.
 
     Attributes:
-        nodes: the number, as far as known.
+        nodes: the present estimate.
     """
 
     def __init__(self) -> None:
@@ -28,12 +28,12 @@ class NodeBudget:
     def coarser(self, scene: Scene) -> Scene | None:
         """``scene`` with a pitch whose mesh is planned within a frame; None when its own is.
 
-        The pitch changes in steps, and not to and fro: each change builds a new mesh.
+        The pitch changes in steps, with hysteresis, for each change builds a new mesh.
         """
         if scene.mesh.node_count(scene.workspace) <= self.nodes:
             self._halvings = 0
             return None
-        meshes = [_coarser(scene.mesh, times) for times in range(_MOST_HALVINGS)]
+        meshes = [_halved(scene.mesh, times) for times in range(_MOST_HALVINGS)]
         counts = [mesh.node_count(scene.workspace) for mesh in meshes]
         last = _MOST_HALVINGS - 1
         fits = next((k for k, count in enumerate(counts) if count <= self.nodes), last)
@@ -48,20 +48,20 @@ class NodeBudget:
 
     def learn(self, nodes: int, ms: float) -> None:
         """Learn from a plan that searched a mesh of ``nodes`` nodes in ``ms``."""
-        # A small mesh says little of large ones, for part of its time does not depend on its nodes:
-        # what was quick can only prove that more would fit, what was slow that less does.
+        # part of the time does not depend on the nodes, so a small mesh says little of large ones:
+        # a fast plan can only prove that more nodes fit, a slow one that fewer do
         fits = nodes * FRAME_MS / ms
         if (fits > self.nodes) == (ms < FRAME_MS) and 4 * nodes >= self.nodes:
             self.nodes = max((self.nodes + fits) / 2, LEAST_NODES)
 
     def _still_fits(self, counts: list[int]) -> bool:
-        """Whether the last choice is a little too fine at most, and not far too coarse."""
+        """Whether the last pitch is a little too fine at most, and not far too coarse."""
         last = self._halvings
         return (
             last > 0 and counts[last] <= 1.3 * self.nodes and counts[last - 1] >= 0.7 * self.nodes
         )
 
 
-def _coarser(mesh: MeshSettings, times: int) -> MeshSettings:
-    """Settings of a mesh with half the nodes, so many times."""
+def _halved(mesh: MeshSettings, times: int) -> MeshSettings:
+    """Settings of a mesh whose number of nodes is halved so many times."""
     return mesh.model_copy(update={"pitch": mesh.pitch * _COARSER**times})

@@ -1,4 +1,4 @@
-"""A plan: the results of the stages, and their JSON."""
+"""The plan: results of the stages, and their JSON."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from abi.curves.fit import Fit
 from abi.curves.quadratic import Quadratic
 from abi.curves.speed_profile import Profile
 from abi.errors import StageError
-from abi.planner import plan_json as plain
+from abi.planner import plan_json
 from abi.scene.scene import Scene
 from abi.search.graph import Graph
 from abi.search.search import SearchResult
@@ -31,7 +31,7 @@ from abi.tet_mesh.tet_mesh import TetMesh
 class Plan:
     """Results of the stages for a scene; a stage that was not reached is None.
 
-    ``ms`` is what each stage took when it last ran, [ms]; ``total_ms`` is this call alone.
+    ``ms`` holds the time of each stage when it last ran, [ms]; ``total_ms`` is that of this call.
     """
 
     scene: Scene
@@ -57,7 +57,7 @@ class Plan:
 
     @property
     def followed_curve(self) -> Fit[BSpline] | Fit[Quadratic] | None:
-        """The curve the arm executes."""
+        """The curve that the arm executes."""
         return {"bspline": self.bspline, "quadratic": self.quadratic}.get(self.followed or "")
 
     @property
@@ -67,11 +67,11 @@ class Plan:
 
     @property
     def kept_lengths(self) -> dict[str, float]:
-        """Lengths of what is proven to keep the clearance, by the stage's name, [unit]."""
+        """Lengths of the paths and curves proven to keep the clearance, by stage, [unit]."""
         lengths = {
-            name: found.length
-            for name, found in (("path", self.path), ("taut", self.taut))
-            if found is not None
+            name: path.length
+            for name, path in (("path", self.path), ("taut", self.taut))
+            if path is not None
         }
         for name, fit, arc in (
             ("bspline", self.bspline, self.bspline_arc),
@@ -94,18 +94,18 @@ class Plan:
         return {
             "version": 1,
             "scene": self.scene.to_dict(),
-            "mesh": plain.mesh(self.free, self.ms, full),
-            "graph": plain.graph(self.graph, self.ms),
-            "searches": plain.searches(self.searches, self.ms),
-            "path": plain.path(self.path),
-            "taut": plain.taut(self.taut, self.ms),
-            "bspline": plain.bspline(self.bspline, self.bspline_arc, self.ms),
-            "quadratic": plain.quadratic(
+            "mesh": plan_json.mesh(self.free, self.ms, full),
+            "graph": plan_json.graph(self.graph, self.ms),
+            "searches": plan_json.searches(self.searches, self.ms),
+            "path": plan_json.path(self.path),
+            "taut": plan_json.taut(self.taut, self.ms),
+            "bspline": plan_json.bspline(self.bspline, self.bspline_arc, self.ms),
+            "quadratic": plan_json.quadratic(
                 self.quadratic, self.quadratic_arc, self.scene.quadratic.mode, self.ms
             ),
-            "optimum": plain.optimum(self.optimum, self.kept_lengths, self.followed),
-            "timing": plain.timing(self.profile, self.followed, self.ms),
-            "arm": plain.arm(self.motion, self.ms, full),
+            "optimum": plan_json.optimum(self.optimum, self.kept_lengths, self.followed),
+            "timing": plan_json.timing(self.profile, self.followed, self.ms),
+            "arm": plan_json.arm(self.motion, self.ms, full),
             "total_ms": self.total_ms,
-            "error": plain.error(self.error),
+            "error": plan_json.error(self.error),
         }

@@ -1,6 +1,6 @@
-"""The sections of a plan as plain data: the JSON that scripts read.
+"""Sections of a plan as plain data: the JSON that scripts read.
 
-A stage that was not reached is None. ``ms`` is what each stage took, [ms].
+A stage that was not reached is None. ``ms`` holds the time of each stage, [ms].
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from abi.taut.taut_path import TautPath
 from abi.tet_mesh.exclusion import FreeMesh
 
 SAMPLES = 200
-"""Samples of the arm's motion, unless all are asked for."""
+"""Samples of the arm's motion, at most, unless the JSON is to be full."""
 
 Section = dict[str, Any] | None
 Times = Mapping[str, float]
@@ -37,37 +37,37 @@ def mesh(free: FreeMesh | None, ms: Times, full: bool) -> Section:
     """Stage 1; ``full`` adds nodes and edges."""
     if free is None:
         return None
-    whole = free.mesh
+    mesh = free.mesh
     section = {
-        "lattice": whole.lattice,
-        "pitch": whole.pitch,
-        "nodes": len(whole.points),
+        "lattice": mesh.lattice,
+        "pitch": mesh.pitch,
+        "nodes": len(mesh.points),
         "tetrahedra": free.tetrahedra_kept,
         "excluded_nodes": int(free.excluded.sum()),
         "ms": ms["mesh"],
     }
     if full:
-        section["points"] = whole.points.tolist()
-        section["edges"] = whole.edges.tolist()
+        section["points"] = mesh.points.tolist()
+        section["edges"] = mesh.edges.tolist()
         section["excluded"] = np.flatnonzero(free.excluded).tolist()
     return section
 
 
-def graph(found: Graph | None, ms: Times) -> Section:
+def graph(result: Graph | None, ms: Times) -> Section:
     """Stage 2."""
-    if found is None:
+    if result is None:
         return None
     return {
-        "nodes": found.free_nodes,
-        "edges": found.edge_count,
-        "removed_edges": found.removed_edges,
+        "nodes": result.free_nodes,
+        "edges": result.edge_count,
+        "removed_edges": result.removed_edges,
         "ms": ms["graph"],
     }
 
 
-def searches(found: Sequence[SearchResult], ms: Times) -> list[dict[str, Any]] | None:
+def searches(results: Sequence[SearchResult], ms: Times) -> list[dict[str, Any]] | None:
     """Stage 3, every search that ran."""
-    if not found:
+    if not results:
         return None
     return [
         {
@@ -82,29 +82,29 @@ def searches(found: Sequence[SearchResult], ms: Times) -> list[dict[str, Any]] |
             "relaxed": result.relaxed,
             "ms": ms[result.algorithm],
         }
-        for result in found
+        for result in results
     ]
 
 
-def path(found: SearchResult | None) -> Section:
-    """Stage 3, the path that goes on."""
-    if found is None:
+def path(result: SearchResult | None) -> Section:
+    """Stage 3, the path of the chosen search."""
+    if result is None:
         return None
     return {
-        "algorithm": found.algorithm,
-        "points": found.points.tolist(),
-        "length": found.length,
+        "algorithm": result.algorithm,
+        "points": result.points.tolist(),
+        "length": result.length,
     }
 
 
-def taut(found: TautPath | None, ms: Times) -> Section:
+def taut(result: TautPath | None, ms: Times) -> Section:
     """Stage 3½."""
-    if found is None:
+    if result is None:
         return None
     return {
-        "points": found.points.tolist(),
-        "length": found.length,
-        "clearance": _finite(found.clearance),
+        "points": result.points.tolist(),
+        "length": result.length,
+        "clearance": _finite(result.clearance),
         "ms": ms["taut"],
     }
 
@@ -144,12 +144,12 @@ def quadratic(fit: Fit[Quadratic] | None, arc: ArcLength | None, mode: str, ms: 
 
 
 def optimum(bound: Bound | None, kept: Mapping[str, float], followed: str | None) -> Section:
-    """A proven bound, ``exact`` where it is the optimum; best known is the best of this plan.
+    """Lower bound, ``exact`` where it is the optimum; best known is the best of this plan.
 
     Args:
-        bound: no curve that keeps the clearance is shorter.
-        kept: lengths of what keeps the clearance, by stage, [unit]; only these have a ratio to a
-            bound for what does not cut through an obstacle.
+        bound: lower bound of the length of curves that keep the clearance.
+        kept: lengths of the paths and curves that keep it, by stage, [unit]; no other length has a
+            ratio to the bound.
         followed: name of the curve that the arm executes.
     """
     if bound is None:
@@ -164,7 +164,7 @@ def optimum(bound: Bound | None, kept: Mapping[str, float], followed: str | None
 
 
 def timing(profile: Profile | None, followed: str | None, ms: Times) -> Section:
-    """Stage 5, the motion along the curve that is followed."""
+    """Stage 5, the motion along the curve that the arm executes."""
     if profile is None:
         return None
     return {
@@ -180,12 +180,12 @@ def timing(profile: Profile | None, followed: str | None, ms: Times) -> Section:
 
 
 def arm(motion: ArmMotion | None, ms: Times, full: bool) -> Section:
-    """Stage 6; at most 200 samples, or ``full`` all."""
+    """Stage 6; at most ``SAMPLES`` samples, or ``full`` all."""
     if motion is None:
         return None
     last = len(motion.time) - 1
     keep = np.linspace(0, last, last + 1 if full else min(last + 1, SAMPLES)).round().astype(int)
-    measured = motion.clearance_obstacle >= 0
+    has_obstacles = motion.clearance_obstacle >= 0
     return {
         "joints": list(JOINTS),
         "time": motion.time[keep].tolist(),
@@ -193,8 +193,8 @@ def arm(motion: ArmMotion | None, ms: Times, full: bool) -> Section:
         "tool": motion.tool[keep].tolist(),
         "reachable": motion.reachable,
         "clearance": _finite(motion.clearance),
-        "clearance_time": motion.clearance_time if measured else None,
-        "clearance_obstacle": motion.clearance_obstacle if measured else None,
+        "clearance_time": motion.clearance_time if has_obstacles else None,
+        "clearance_obstacle": motion.clearance_obstacle if has_obstacles else None,
         "peak_joint_speed": motion.peak_joint_speed.tolist(),
         "limits_passed": [violation._asdict() for violation in motion.limit_violations],
         "within_limits": motion.within_limits,
@@ -202,22 +202,22 @@ def arm(motion: ArmMotion | None, ms: Times, full: bool) -> Section:
     }
 
 
-def error(found: StageError | None) -> Section:
-    """Reason why there is no complete plan."""
-    if found is None:
+def error(stage_error: StageError | None) -> Section:
+    """Error of the stage that has no result."""
+    if stage_error is None:
         return None
     return {
-        "stage": found.stage,
-        "kind": found.kind,
-        "message": found.message,
-        "hint": found.hint,
+        "stage": stage_error.stage,
+        "kind": stage_error.kind,
+        "message": stage_error.message,
+        "hint": stage_error.hint,
     }
 
 
 def _clearance(fit: Fit[BSpline] | Fit[Quadratic]) -> dict[str, Any]:
-    """Clearance, ``certified`` where what was asked for is proven; None with nothing in the way.
+    """Clearance, None without obstacles; ``certified`` where it is proven to be the required one.
 
-    With a certificate the clearance is proven, be it as much as asked for or less.
+    With a certificate the clearance itself is proven, be it the required one or less.
     """
     proof = fit.clearance.certificate
     return {

@@ -15,7 +15,7 @@ _R = TypeVar("_R")
 
 
 class Stage(Generic[_P, _R]):
-    """A function with a memory of one call: equal arguments give back the same object.
+    """A function with a memory of its last call: equal arguments return the same object.
 
     Attributes:
         ms: time of the last call that was not remembered, [ms].
@@ -29,7 +29,7 @@ class Stage(Generic[_P, _R]):
         self._error: StageError | None = None
 
     def __call__(self, *args: _P.args, **kwargs: _P.kwargs) -> _R:
-        """Call the function, or give back what it gave or raised for equal arguments."""
+        """Call the function, or repeat its last result or error for equal arguments."""
         if self._arguments is None or not _same(self._arguments, args):
             self._arguments, self._result, self._error = None, None, None
             begin = time.perf_counter()

@@ -1,4 +1,4 @@
-"""Plans of a scene with one thing different: tried, not guessed."""
+"""Trials: plans of a scene with one thing changed."""
 
 from __future__ import annotations
 
@@ -17,24 +17,24 @@ from abi.planner.exclusion_cache import ExclusionCache
 from abi.planner.plan import Plan
 from abi.planner.planner import SLACK, Planner
 from abi.scene.scene import FINEST_PITCH, Scene
-from abi.search import graph
 from abi.search.graph import Graph
-from abi.tet_mesh import tet_mesh as mesh
-from abi.tet_mesh.tet_mesh import TetMesh
+from abi.search.graph import build as build_graph
+from abi.tet_mesh.tet_mesh import TetMesh, tetrahedralise
 
 MOST_NODES = 60_000
+"""Nodes of the finest mesh that is tried."""
 
 _STAGES = ("mesh", "graph", "search", "bspline", "quadratic", "timing", "arm")
-_COARSEST = 1e-3  # of what is asked: below this a clearance counts as none
-_FINE = 1e-2  # of itself: how closely the largest clearance is found
+_NEGLIGIBLE = 1e-3  # part of the scene's clearance below which a clearance counts as none
+_RESOLUTION = 1e-2  # of the largest clearance, as a part of it
 
 
 class CancelledError(Exception):
-    """Raised when the caller no longer wants the answer."""
+    """Raised when the caller has cancelled the trials."""
 
 
 class WhatIf:
-    """Plans changed scenes, and tells quickly whether start and goal are connected at all."""
+    """Trials of a changed scene: whole plans, and connectivity of start and goal alone."""
 
     def __init__(self, scene: Scene, cancelled: Callable[[], bool]) -> None:
         self.scene = scene
@@ -42,38 +42,38 @@ class WhatIf:
         self._cancelled = cancelled
         self._planner = Planner()
         self._exclude = ExclusionCache()
-        self._mesh = lru_cache(maxsize=1)(self._tetrahedralised)
+        self._mesh = lru_cache(maxsize=1)(self._tetrahedralise)
 
     def plan_past(self, stage: str, **change: Any) -> Plan | None:
-        """The plan of the changed scene when it gets past ``stage``, else None.
+        """Plan the changed scene; None when the plan does not get past ``stage``.
 
         Raises:
             CancelledError: as in every method.
         """
         self._check_cancelled()
-        made = self._planner(self.scene.replace(**change))
-        if made.error is None or _STAGES.index(made.error.stage) > _STAGES.index(stage):
-            return made
+        plan = self._planner(self.scene.replace(**change))
+        if plan.error is None or _STAGES.index(plan.error.stage) > _STAGES.index(stage):
+            return plan
         return None
 
     def connected(
         self, clearance: float, pitch: float | None = None, obstacles: ObstacleSet | None = None
     ) -> bool:
-        """Whether the graph connects start and goal; None stands for the scene's own."""
+        """Whether the graph connects start and goal; None stands for the scene's value."""
         self._check_cancelled()
         scene = self.scene
-        blocking = self.obstacles if obstacles is None else obstacles
+        obstacles = self.obstacles if obstacles is None else obstacles
         margin = clearance + SLACK * max(scene.workspace.size)
-        free = self._exclude(self._mesh(pitch or scene.mesh.pitch), blocking, margin)
+        free = self._exclude(self._mesh(pitch or scene.mesh.pitch), obstacles, margin)
         try:
-            nodes = graph.build(free, blocking, margin, scene.start, scene.goal, clearance)
+            graph = build_graph(free, obstacles, margin, scene.start, scene.goal, clearance)
         except StageError:
             return False
-        component = components(nodes)
-        return bool(component[nodes.start] == component[nodes.goal])
+        component = components(graph)
+        return bool(component[graph.start] == component[graph.goal])
 
     def finer_pitches(self) -> list[float]:
-        """Finer pitches to try, halved again and again, [unit]; none when the mesh is fine."""
+        """Finer pitches to try, each half the last, [unit]; none when the mesh is fine."""
         settings, box = self.scene.mesh, self.scene.workspace
         most = min(settings.max_nodes, MOST_NODES)
         pitches = [settings.pitch]
@@ -87,54 +87,54 @@ class WhatIf:
             pitches.append(pitch)
 
     def largest_clearance(self, works: Callable[[float], bool]) -> float | None:
-        """The largest clearance below the scene's that works, or None; found by bisection.
+        """Largest clearance below the scene's that works, by bisection; None where none does.
 
         It has two digits, or three where five per cent more than the two would work too.
 
         Args:
             works: whether a clearance works; if one does, so should every smaller one.
         """
-        asked = self.scene.spline.clearance
-        if asked <= 0:
+        clearance = self.scene.spline.clearance
+        if clearance <= 0:
             return None
-        little_less = rounded_down(asked * (1 - _FINE), 2)
-        if 1.05 * little_less >= asked and works(little_less):
-            return little_less
+        slightly_less = rounded_down(clearance * (1 - _RESOLUTION), 2)
+        if 1.05 * slightly_less >= clearance and works(slightly_less):
+            return slightly_less
         if not works(0.0):
             return None
-        low, high = 0.0, asked
-        while high > _COARSEST * asked and high - low > _FINE * low:
+        low, high = 0.0, clearance
+        while high > _NEGLIGIBLE * clearance and high - low > _RESOLUTION * low:
             middle = (low + high) / 2
             low, high = (middle, high) if works(middle) else (low, middle)
         for digits in (2, 3):
-            shorter = rounded_down(low, digits)
-            if 1.05 * shorter >= high and works(shorter):
-                return shorter
+            rounded = rounded_down(low, digits)
+            if 1.05 * rounded >= high and works(rounded):
+                return rounded
         return low
 
     def _check_cancelled(self) -> None:
         if self._cancelled():
             raise CancelledError
 
-    def _tetrahedralised(self, pitch: float) -> TetMesh:
+    def _tetrahedralise(self, pitch: float) -> TetMesh:
         settings = self.scene.mesh.model_copy(update={"pitch": pitch})
-        return mesh.tetrahedralise(self.scene.workspace, settings)
+        return tetrahedralise(self.scene.workspace, settings)
 
 
-def components(nodes: Graph) -> IntArray:
-    """Number (n,) of the connected component of the graph that each node is in."""
-    size = len(nodes.points)
+def components(graph: Graph) -> IntArray:
+    """Number (n,) of the connected component of each node of the graph."""
+    size = len(graph.points)
     matrix = scipy.sparse.csr_array(
-        (np.ones(len(nodes.indices)), nodes.indices, nodes.indptr), (size, size)
+        (np.ones(len(graph.indices)), graph.indices, graph.indptr), (size, size)
     )
-    found: IntArray = scipy.sparse.csgraph.connected_components(matrix, directed=False)[1]
-    return found
+    labels: IntArray = scipy.sparse.csgraph.connected_components(matrix, directed=False)[1]
+    return labels
 
 
 def rounded_down(value: float, digits: int) -> float:
-    """``value`` with so many significant digits, not above it."""
+    """``value`` rounded down to so many significant digits."""
     if value <= 0:
         return 0.0
     place = digits - 1 - math.floor(math.log10(value))
-    # a float that is a little below its own decimals stays what it reads
+    # a float may lie a little below the decimals that it is written with
     return float(f"{math.floor(value * 10.0**place * (1 + 1e-12)) / 10.0**place:.{digits}g}")

@@ -14,8 +14,9 @@ from scipy import ndimage
 from abi import Scene, load_scene, plan
 from abi.errors import NoPath, PointBlocked
 from abi.obstacles.obstacle_set import ObstacleSet
+from abi.planner import what_if as trials
 from abi.planner.diagnosis import Reason, explain
-from abi.planner.nearest_free_point import nearest_free, rounded
+from abi.planner.nearest_free_point import nearest_free_point, rounded
 from abi.planner.plan import Plan
 from abi.planner.planner import SLACK
 from abi.planner.what_if import MOST_NODES, WhatIf, rounded_down
@@ -201,7 +202,7 @@ def test_no_mesh_of_a_trial_is_made_twice(monkeypatch: pytest.MonkeyPatch) -> No
 
     scene = load_scene("no-way").replace(mesh={"pitch": 1.5})
     without = plan(scene)
-    monkeypatch.setattr(mesh, "tetrahedralise", counted)
+    monkeypatch.setattr(trials, "tetrahedralise", counted)
     found = explain(scene, without)
 
     assert found is not None
@@ -307,7 +308,7 @@ def test_next_to_one_obstacle_no_point_is_nearer(body: Any, place: Any, margin: 
     if distance >= margin:
         return
     none = np.zeros((0, 3))
-    found = nearest_free(ObstacleSet(scene.obstacles), scene.workspace, point, margin, none)
+    found = nearest_free_point(ObstacleSet(scene.obstacles), scene.workspace, point, margin, none)
 
     assert found is not None
     assert ObstacleSet(scene.obstacles).nearest(found[None])[0][0] >= margin
