@@ -125,11 +125,11 @@ def reproduce() -> None:
 
     signs = {"holds": "✓", "depends on the mesh": "≈", "does not hold": "✗"}
     table = Table("where", "what", "printed", "ours", "")
-    for where, comparisons in itertools.groupby(compare(), attrgetter("where")):
+    for section, comparisons in itertools.groupby(compare(), attrgetter("section")):
         table.add_section()
-        for number, one in enumerate(comparisons):
-            title = "" if number else where
-            table.add_row(title, one.what, one.printed, one.ours, signs[one.verdict])
+        for number, row in enumerate(comparisons):
+            title = "" if number else section
+            table.add_row(title, row.subject, row.printed, row.ours, signs[row.verdict])
     console = Console()
     if not console.is_terminal:
         console.width = max(console.width, _FILE_WIDTH)

@@ -1,1 +1,1 @@
-"""The paper beside the method: what it prints, and what we find."""
+"""The paper beside the method: its figures and ours."""

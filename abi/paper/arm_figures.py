@@ -1,4 +1,4 @@
-"""What the paper says of the arm, stage 6, beside what we find."""
+"""The paper's statements on the arm, stage 6, beside our figures."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from abi.arm import inverse_kinematics as ik
 from abi.arm.arm import Arm, forward
+from abi.arm.inverse_kinematics import solve
 from abi.arm.wrist_drives import wrist_positions
 from abi.arrays import FloatArray
 from abi.paper import printed
@@ -19,15 +19,15 @@ _POSES = 10_000
 
 def of_kinematics(scene: Scene) -> Iterator[Comparison]:
     """Forward and inverse kinematics: the printed formulas in random poses, and ours."""
-    where = "stage 6, arm"
+    section = "stage 6, arm"
     arm = Arm.from_settings(scene.arm.model_copy(update={"base": (0.0, 0.0, 0.0)}))
     poses, tool = _facing_poses(arm)
     solved = np.zeros_like(poses)
-    found = ik.solve(arm, tool, np.zeros(_POSES), "up", np.zeros_like(tool))
-    solved[:, :3] = np.stack([found.q1, found.q2, found.q3], axis=1)
-    miss = float(np.abs(forward(arm, solved) - tool).max())
+    solution = solve(arm, tool, np.zeros(_POSES), "up", np.zeros_like(tool))
+    solved[:, :3] = np.stack([solution.q1, solution.q2, solution.q3], axis=1)
+    error = float(np.abs(forward(arm, solved) - tool).max())
     r = arm.a3 * np.sin(poses[:, 1]) + (arm.a4 + arm.a5) * np.sin(poses[:, 1] + poses[:, 2])
-    right = {
+    formulas = {
         "y = cos q1·r": (np.cos(poses[:, 0]) * r, tool[:, 1]),
         "y = −cos q1·r": (-np.cos(poses[:, 0]) * r, tool[:, 1]),
         "q1 by arccos": (printed.q1(tool), poses[:, 0]),
@@ -35,10 +35,10 @@ def of_kinematics(scene: Scene) -> Iterator[Comparison]:
         "q2 with a3²·Pza": (printed.cos_q2(arm, tool, "printed"), np.cos(poses[:, 1])),
         "q2 with a3³·Pza": (printed.cos_q2(arm, tool, "corrected"), np.cos(poses[:, 1])),
     }
-    shares = {name: _share(*sides) for name, sides in right.items()}
+    shares = {name: _share(*sides) for name, sides in formulas.items()}
     for wrong, corrected in zip(list(shares)[::2], list(shares)[1::2], strict=True):
         yield Comparison(
-            where,
+            section,
             wrong,
             "the solution",
             f"right in {shares[wrong]:.0f} % of {_POSES:,} poses; {corrected}: "
@@ -46,16 +46,16 @@ def of_kinematics(scene: Scene) -> Iterator[Comparison]:
             "does not hold",
         )
     yield Comparison(
-        where,
+        section,
         "forward after inverse kinematics",
         "the tool's place",
-        f"within {miss:.0e} in {_POSES:,} poses",
+        f"within {error:.0e} in {_POSES:,} poses",
         "holds",
     )
 
 
 def of_drives(scene: Scene) -> Iterator[Comparison]:
-    """The functions of time of the joints that do not move the tool about."""
+    """Motion of the wrist, q4, under a constant force."""
     still = scene.arm.model_copy(update={"forces": (1.0, 1.0, 1.0), "q5": 0.0})
     inertia = sum(mass * i**2 for mass, i in zip(still.masses, still.radii, strict=True))
     time = np.linspace(0, 1, 1001)
@@ -73,17 +73,18 @@ def of_drives(scene: Scene) -> Iterator[Comparison]:
 
 
 def _facing_poses(arm: Arm) -> tuple[FloatArray, FloatArray]:
-    """Random poses (n, 6) in which the tool is in front of the arm, and where it is (n, 3)."""
+    """Random poses (n, 6), [rad], with the tool in front of the arm, and its positions (n, 3)."""
     poses = np.zeros((_POSES, 6))
     rng = np.random.default_rng(0)
     poses[:, :3] = rng.uniform(-np.pi, np.pi, (_POSES, 3))
     r = arm.a3 * np.sin(poses[:, 1]) + (arm.a4 + arm.a5) * np.sin(poses[:, 1] + poses[:, 2])
-    # the same pose with the arm turned round
+    # the same tool position with the arm turned round
     poses[:, 0] = np.where(r < 0, np.angle(-np.exp(1j * poses[:, 0])), poses[:, 0])
     poses[:, 1:3] *= np.where(r < 0, -1, 1)[:, None]
     return poses, forward(arm, poses)
 
 
-def _share(found: FloatArray, wanted: FloatArray) -> float:
-    """In how many of a hundred poses one of the values found is the one wanted."""
-    return 100 * float((np.abs(found - wanted) < 1e-6).reshape(-1, len(wanted)).any(axis=0).mean())
+def _share(values: FloatArray, expected: FloatArray) -> float:
+    """Percentage of poses in which one of the values (n,) or (k, n) is that expected (n,)."""
+    equal = np.abs(values - expected) < 1e-6
+    return 100 * float(equal.reshape(-1, len(expected)).any(axis=0).mean())

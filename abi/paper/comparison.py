@@ -1,4 +1,4 @@
-"""One statement of the paper beside what we find."""
+"""A statement of the paper beside our figures."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ class Comparison:
     """One statement of the paper beside what we find.
 
     Attributes:
-        where: the part of the paper.
-        what: the statement's subject.
-        printed: what the paper says.
-        ours: what the method gives.
-        verdict: whether what is printed holds. The mesh is not printed: of figures that depend on
-            it only order and size can be compared.
+        section: of the paper.
+        subject: of the statement.
+        printed: the paper's figure or claim.
+        ours: the method's.
+        verdict: whether the paper's holds. The mesh is not printed: of figures that depend on it
+            only order and size can be compared.
     """
 
-    where: str
-    what: str
+    section: str
+    subject: str
     printed: str
     ours: str
     verdict: Verdict

@@ -1,4 +1,4 @@
-"""What the paper says of mesh and search, stages 1 to 3, beside what we find."""
+"""The paper's statements on mesh and search, stages 1 to 3, beside our figures."""
 
 from __future__ import annotations
 
@@ -16,31 +16,32 @@ from abi.planner.planner import plan
 from abi.scene.scene import Scene
 from abi.search import graph
 from abi.search.search import a_star
-from abi.tet_mesh import adjacency as net
-from abi.tet_mesh import tet_mesh as mesh
+from abi.tet_mesh import adjacency
 from abi.tet_mesh.exclusion import exclude
+from abi.tet_mesh.tet_mesh import tetrahedralise
 
 _NAMES = {"dijkstra": "Dijkstra", "bellman_ford": "Bellman-Ford", "a_star": "A*"}
 _SCENES = 100
 
 
 def of_mesh(scene: Scene) -> Iterator[Comparison]:
-    """Which nodes and edges to exclude, and what a finer mesh is good for."""
-    where = "stage 1, mesh"
-    through, tested = zip(
-        *((_enters_by_nodes(one), _enters(one)) for one in _random_scenes(scene)), strict=True
+    """Exclusion of nodes alone, and the accuracy of finer meshes."""
+    section = "stage 1, mesh"
+    by_nodes, by_edges = zip(
+        *((_enters_by_nodes(random), _enters(random)) for random in _random_scenes(scene)),
+        strict=True,
     )
     yield Comparison(
-        where,
+        section,
         "excluding the nodes in the obstacles",
         "is enough",
-        f"{sum(through)} of {_SCENES} random scenes have a path through an obstacle; with edges "
-        f"tested, too, {sum(tested)}",
+        f"{sum(by_nodes)} of {_SCENES} random scenes have a path through an obstacle; with edges "
+        f"tested, too, {sum(by_edges)}",
         "does not hold",
     )
     factors = [_detour(scene, pitch) for pitch in (1.0, 0.5, 0.25)]
     yield Comparison(
-        where,
+        section,
         "reducing the pitch",
         "increases the accuracy",
         "a path without obstacles is "
@@ -51,20 +52,20 @@ def of_mesh(scene: Scene) -> Iterator[Comparison]:
 
 
 def of_table_one(by_length: Plan, by_hops: Plan) -> Iterator[Comparison]:
-    """Table I, beside searches of one graph by length and by hops."""
-    where = "Table I"
+    """Table I beside our searches of one graph, by length and by hops."""
+    section = "Table I"
     lengths = {result.algorithm: result.length for result in by_length.searches}
     hops = {result.algorithm: result for result in by_hops.searches}
     for name, length in printed.LENGTHS.items():
         yield Comparison(
-            where,
+            section,
             f"{_NAMES[name]}, length of the path",
             f"{length:.3f}",
             f"{lengths[name]:.3f} by length, {hops[name].length:.3f} by hops",
             "depends on the mesh",
         )
     yield Comparison(
-        where,
+        section,
         "vertices of the paths",
         f"{printed.VERTICES}, all three",
         ", ".join(str(result.hops + 1) for result in hops.values()) + " by hops",
@@ -72,7 +73,7 @@ def of_table_one(by_length: Plan, by_hops: Plan) -> Iterator[Comparison]:
     )
     spread = max(lengths.values()) - min(lengths.values())
     yield Comparison(
-        where,
+        section,
         "the three lengths on one graph",
         "differ by up to 0.400",
         f"differ by {spread:.0e}: by length all three are exact" if spread else "are the same",
@@ -83,8 +84,8 @@ def of_table_one(by_length: Plan, by_hops: Plan) -> Iterator[Comparison]:
 def _random_scenes(scene: Scene) -> Iterator[Scene]:
     """Scenes with one to four boxes, some of them thin, which leave start and goal free."""
     rng = np.random.default_rng(0)
-    made = 0
-    while made < _SCENES:
+    count = 0
+    while count < _SCENES:
         boxes = [
             {
                 "shape": "box",
@@ -94,20 +95,20 @@ def _random_scenes(scene: Scene) -> Iterator[Scene]:
             }
             for _ in range(rng.integers(1, 5))
         ]
-        one = scene.replace(obstacles=boxes, spline={"clearance": 0.0})
-        ends = np.array([one.start, one.goal])
-        if min(body.signed_distance(ends).min() for body in one.obstacles) > 0:
-            made += 1
-            yield one
+        random = scene.replace(obstacles=boxes, spline={"clearance": 0.0})
+        ends = np.array([random.start, random.goal])
+        if min(body.signed_distance(ends).min() for body in random.obstacles) > 0:
+            count += 1
+            yield random
 
 
 def _enters(scene: Scene) -> bool:
-    """Whether our path is through an obstacle."""
+    """Whether the path enters an obstacle where nodes and edges are excluded."""
     ends = scene.start, scene.goal
-    whole = mesh.tetrahedralise(scene.workspace, scene.mesh)
+    mesh = tetrahedralise(scene.workspace, scene.mesh)
     obstacles = ObstacleSet(scene.obstacles)
     try:
-        free = exclude(whole, obstacles, 0.0)
+        free = exclude(mesh, obstacles, 0.0)
         path = a_star(graph.build(free, obstacles, 0.0, *ends, 0.0), "length")
     except StageError:
         return False
@@ -115,30 +116,34 @@ def _enters(scene: Scene) -> bool:
 
 
 def _enters_by_nodes(scene: Scene) -> bool:
-    """Whether the shortest path is through an obstacle where only nodes in it are excluded."""
-    whole = mesh.tetrahedralise(scene.workspace, scene.mesh)
-    inside = np.zeros(len(whole.points), dtype=bool)
+    """Whether the path enters an obstacle where only nodes inside are excluded."""
+    mesh = tetrahedralise(scene.workspace, scene.mesh)
+    inside = np.zeros(len(mesh.points), dtype=bool)
     for body in scene.obstacles:
-        inside |= body.signed_distance(whole.points) < 0
-    kept = ~inside[whole.edges].any(axis=1)
-    indptr, indices, lengths = net.rows(whole.edges[kept], whole.lengths[kept], len(whole.points))
-    rows = scipy.sparse.csr_array((lengths, indices, indptr), shape=(len(whole.points),) * 2)
-    first, last = (
-        int(((whole.points - end) ** 2).sum(axis=1).argmin()) for end in (scene.start, scene.goal)
+        inside |= body.signed_distance(mesh.points) < 0
+    kept = ~inside[mesh.edges].any(axis=1)
+    indptr, indices, lengths = adjacency.rows(
+        mesh.edges[kept], mesh.lengths[kept], len(mesh.points)
     )
-    _, before = scipy.sparse.csgraph.dijkstra(rows, indices=first, return_predecessors=True)
-    way = [last]
-    while way[-1] != first:
-        if before[way[-1]] < 0:
+    matrix = scipy.sparse.csr_array((lengths, indices, indptr), shape=(len(mesh.points),) * 2)
+    first, last = (
+        int(((mesh.points - end) ** 2).sum(axis=1).argmin()) for end in (scene.start, scene.goal)
+    )
+    _, parents = scipy.sparse.csgraph.dijkstra(matrix, indices=first, return_predecessors=True)
+    path = [last]
+    while path[-1] != first:
+        if parents[path[-1]] < 0:
             return False
-        way.append(int(before[way[-1]]))
-    return ObstacleSet(scene.obstacles).polyline_clearance(whole.points[way]) < 0
+        path.append(int(parents[path[-1]]))
+    return ObstacleSet(scene.obstacles).polyline_clearance(mesh.points[path]) < 0
 
 
 def _detour(scene: Scene, pitch: float) -> float:
-    """A* without obstacles from one lower corner to the opposite upper one, over the straight line:
-    from the corner from which Kuhn's diagonals lead away."""
-    made = plan(
+    """Length of the path by A* across the free workspace over that of the straight line.
+
+    From the corner from which no diagonal of Kuhn's cubes leads to the goal.
+    """
+    result = plan(
         scene.replace(
             obstacles=[],
             start=[6.0, 0.0, 0.0],
@@ -146,5 +151,5 @@ def _detour(scene: Scene, pitch: float) -> float:
             mesh={"lattice": "kuhn", "pitch": pitch},
         )
     )
-    assert made.path is not None
-    return made.path.length / made.lower_bound
+    assert result.path is not None
+    return result.path.length / result.lower_bound

@@ -1,6 +1,6 @@
-"""What the paper prints: its numbers, and its formulas word by word, misprints included.
+"""The paper's numbers and formulas as printed, misprints included.
 
-Nothing is planned by these; :mod:`abi.paper.reproduction` sets them beside what the method gives.
+No plan depends on them; :mod:`abi.paper.reproduction` compares them with the method's.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ def q1(tool: FloatArray) -> FloatArray:
     """Stage 6: q1 = ½·arccos((Py² − Px²) / (Px² + Py²)).
 
     Args:
-        tool: places (n, 3) from the arm's base, [unit].
+        tool: positions (n, 3) from the arm's base, [unit].
 
     Returns:
         Shape (n,), [rad].
@@ -48,14 +48,13 @@ def q1(tool: FloatArray) -> FloatArray:
 def cos_q2(arm: Arm, tool: FloatArray, lead: Literal["printed", "corrected"]) -> FloatArray:
     """Stage 6: the cosine of q2, with both signs of the root in it.
 
-    Print has a3²·Pza as the first term, which is a cube of lengths among fourth powers; that it
-    stands for a3³·Pza follows from solving for q2 anew. Pxy is taken as the root of Px² + Py², for
-    print squares it where it is used.
+    The printed first term, a3²·Pza, is a cube of lengths among fourth powers; solving for q2 anew
+    gives a3³·Pza. Pxy is taken as the root of Px² + Py², since it is squared wherever it is used.
 
     Args:
         arm: the arm, q5 = 0.
-        tool: places (n, 3) from the arm's base, [unit].
-        lead: which first term.
+        tool: positions (n, 3) from the arm's base, [unit].
+        lead: the first term to use.
 
     Returns:
         Shape (2, n).
@@ -64,9 +63,9 @@ def cos_q2(arm: Arm, tool: FloatArray, lead: Literal["printed", "corrected"]) ->
     a3, a6 = arm.a3, arm.a4 + arm.a5
     pza = z - arm.a1 - arm.a2
     pxy = np.hypot(x, y)
-    square = pxy**2 + pza**2
-    inside = -(a3**2 * pxy**2) * (a3**4 + (square - a6**2) ** 2 - 2 * a3**2 * (a6**2 + square))
+    squared = pxy**2 + pza**2  # distance from the shoulder
+    inside = -(a3**2 * pxy**2) * (a3**4 + (squared - a6**2) ** 2 - 2 * a3**2 * (a6**2 + squared))
     root = np.sqrt(np.maximum(inside, 0.0))
     first = a3 ** (2 if lead == "printed" else 3) * pza
-    sums = first + a3 * pza * (square - a6**2) + np.stack([root, -root])
-    return np.asarray(sums / (2 * a3**2 * square))
+    sums = first + a3 * pza * (squared - a6**2) + np.stack([root, -root])
+    return np.asarray(sums / (2 * a3**2 * squared))

@@ -1,4 +1,4 @@
-"""The paper's figures beside ours: what can be reproduced, and where its print is wrong.
+"""All of the paper's figures beside ours, misprints included.
 
 Everything is computed anew from the shipped scene ``paper`` and from seeded random ones.
 """

@@ -16,9 +16,9 @@ from abi.scene.scene import Scene
 @pytest.fixture(scope="module")
 def comparisons() -> dict[str, Comparison]:
     found = compare()
-    by_what = {one.what: one for one in found}
-    assert len(by_what) == len(found)
-    return by_what
+    by_subject = {one.subject: one for one in found}
+    assert len(by_subject) == len(found)
+    return by_subject
 
 
 @pytest.mark.parametrize(
@@ -42,7 +42,7 @@ def test_what_was_checked_by_hand_is_found(
 
 
 def test_what_does_not_hold_is_shown_to_fail(comparisons: dict[str, Comparison]) -> None:
-    wrong = {one.what for one in comparisons.values() if one.verdict == "does not hold"}
+    wrong = {one.subject for one in comparisons.values() if one.verdict == "does not hold"}
     for what in (
         "with the path's vertices as control points",
         "fitted to the spline by least squares",
