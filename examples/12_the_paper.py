@@ -20,7 +20,7 @@ for verdict, count in Counter(one.verdict for one in found).items():
 # What is printed and does not hold, with what we find instead.
 for one in found:
     if one.verdict == "does not hold":
-        print(f"{one.where}, {one.what}\n    printed: {one.printed}\n    ours:    {one.ours}")
+        print(f"{one.section}, {one.subject}\n    printed: {one.printed}\n    ours:    {one.ours}")
 
 # %%
 # Table I: with Euclidean weights the three searches tie, weighted by hops they differ in length.
