@@ -21,7 +21,7 @@ import numpy as np
 
 from abi.arm import arm_kernels as kernels
 from abi.arm.arm import Arm
-from abi.arrays import BoolArray, FloatArray, flat, read_only
+from abi.arrays import FloatArray, flat, read_only
 
 THROUGH = 1e-6
 """A path that passes the base axis nearer than this part of the arm's reach passes through it."""
@@ -44,11 +44,6 @@ class Solution:
     q2: FloatArray
     q3: FloatArray
     shortfall: FloatArray
-
-    @property
-    def reachable(self) -> BoolArray:
-        """Flags of the points within reach, shape (n,)."""
-        return np.asarray(self.shortfall == 0)
 
 
 def solve(
