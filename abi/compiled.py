@@ -7,6 +7,7 @@ Helpers that kernels share are decorated with numba's ``register_jitable``.
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable
 from contextlib import suppress
 from functools import partial
@@ -50,6 +51,7 @@ class Kernel(Generic[_P, _R]):
         name: module and name of the function.
         py_func: the function as written.
         example: arguments of the types that it is compiled for, and of no others.
+        lock: held while it is compiled or loaded.
     """
 
     def __init__(
@@ -62,6 +64,7 @@ class Kernel(Generic[_P, _R]):
         self.name = f"{function.__module__}.{function.__qualname__}"
         self.py_func = function
         self.example = example
+        self.lock = threading.Lock()
         self.__doc__ = function.__doc__
         self._options = {"nogil": True, **options}
         self._dispatcher: Any = None
@@ -91,14 +94,16 @@ class Kernel(Generic[_P, _R]):
 
     def compile(self) -> None:
         """Compile the function, or load its kept form; calls run compiled from then on."""
-        if self.compiled or numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
-            return
-        dispatcher = self._numba_dispatcher()
-        if not self.cached:
-            _forget(self._stale)
-        dispatcher.compile(self._signature())
-        dispatcher.disable_compile()
-        self._run = dispatcher
+        with self.lock:
+            if self.compiled or numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
+                return
+            dispatcher = self._numba_dispatcher()
+            if not dispatcher.signatures:
+                if not self.cached:
+                    _forget(self._stale)
+                dispatcher.compile(self._signature())
+                dispatcher.disable_compile()
+            self._run = dispatcher
 
     def interpret(self, *arguments: Any) -> Any:
         """Run the function as Python, on lists, which it reads faster than arrays."""

@@ -8,7 +8,6 @@ one by one as they come.
 from __future__ import annotations
 
 import atexit
-import ctypes
 import importlib
 import logging
 import os
@@ -27,6 +26,9 @@ _log = logging.getLogger(__name__)
 
 _PACKAGE = Path(__file__).resolve().parent
 
+_GRACE = 0.2
+"""Seconds before the first kernel is loaded: a program of one plan ends without waiting for it."""
+
 _CHILD = "from abi.compiling import compile_named; compile_named()"
 
 
@@ -36,11 +38,13 @@ class _Compilation:
     Attributes:
         loaded: set once all kernels that an earlier run has kept are loaded.
         done: set once all kernels run compiled that can.
+        wanted: set once somebody waits for it, or the process ends.
     """
 
     def __init__(self) -> None:
         self.loaded = threading.Event()
         self.done = threading.Event()
+        self.wanted = threading.Event()
         self._thread: threading.Thread | None = None
         self._child: subprocess.Popen[str] | None = None
         self._lock = threading.Lock()
@@ -63,14 +67,12 @@ class _Compilation:
         self._ending = True
         if self._child is not None:
             self._child.kill()
-        if self._thread is not None and self._thread.ident is not None:
-            # raised in numba's code at its next step
-            ctypes.pythonapi.PyThreadState_SetAsyncExc(
-                ctypes.c_ulong(self._thread.ident), ctypes.py_object(SystemExit)
-            )
+        self.wanted.set()
+        if self._thread is not None:
             self._thread.join()
 
     def _work(self) -> None:
+        self.wanted.wait(_GRACE)
         try:
             off = numba.config.DISABLE_JIT  # type: ignore[attr-defined]
             kernels = [] if off else all_kernels()
@@ -137,6 +139,7 @@ def compile() -> None:
     the background.
     """
     _compilation.begin()
+    _compilation.wanted.set()
     _compilation.done.wait()
 
 
@@ -153,6 +156,7 @@ def is_done() -> bool:
 def wait_for_loading() -> None:
     """Wait until kernels that an earlier run kept are loaded; not for the compiler."""
     if _compilation._thread is not None:
+        _compilation.wanted.set()
         _compilation.loaded.wait()
 
 
@@ -175,6 +179,8 @@ def _after_fork() -> None:
     """Begin anew: a forked process does not have the thread."""
     global _compilation
     _compilation = _Compilation()
+    for kernel in KERNELS.values():
+        kernel.lock = threading.Lock()
 
 
 atexit.register(_end)

@@ -8,6 +8,7 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -71,6 +72,16 @@ def test_a_kernel_does_the_same_as_python_and_compiled(
         found = np.zeros(3)
         assert kernel(numbers, found) == 3
         np.testing.assert_array_equal(found, [2, 4, math.inf])
+
+
+def test_threads_that_compile_the_same_kernel_wait_for_each_other(
+    kernel: Kernel[..., float], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(globals(), "helper", numba.njit(helper))
+    with ThreadPoolExecutor(4) as threads:
+        for compilation in [threads.submit(kernel.compile) for _ in range(4)]:
+            compilation.result()
+    assert kernel.compiled
 
 
 def test_another_type_is_an_error_and_not_compiled_for(
