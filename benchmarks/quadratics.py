@@ -34,7 +34,7 @@ def run(name: str, make: Callable[[np.random.Generator], Scene], scenes: int, se
             continue
         planned += 1
         splines += made.bspline.holds
-        asked = (made.bspline_arc, ObstacleSet(made.scene.obstacles), made.bspline.asked)
+        asked = (made.bspline_arc, ObstacleSet(made.scene.obstacles), made.bspline.required)
         for mode in MODES:
             begin = time.perf_counter()
             found = fit(made.bspline, *asked, mode)

@@ -18,7 +18,7 @@ from abi.arm.inverse_kinematics import solve
 from abi.arm.wrist_drives import wrist_positions
 from abi.arrays import FloatArray, read_only
 from abi.curves.curve import ArcLength, Curve
-from abi.curves.speed_profile import Profile
+from abi.curves.speed_profile import SpeedProfile
 from abi.errors import OutOfReach
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.pose import Vec3
@@ -63,7 +63,7 @@ class Trajectory:
 
     curve: Curve
     arc: ArcLength
-    profile: Profile
+    profile: SpeedProfile
 
     @property
     def interval(self) -> tuple[float, float]:
@@ -191,7 +191,7 @@ class ArmMotion:
 def follow(
     curve: Curve,
     arc: ArcLength,
-    profile: Profile,
+    profile: SpeedProfile,
     arm: Arm,
     settings: ArmSettings,
     obstacles: ObstacleSet,

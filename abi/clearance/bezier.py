@@ -1,4 +1,4 @@
-"""Curves as Bézier pieces: what clearance is measured on, and certificates are made of."""
+"""Curves as Bézier pieces, on which clearance is measured and certified."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ class PolynomialCurve(Protocol):
     """A continuous curve in space that is a polynomial between its breaks."""
 
     def bezier(self) -> Bezier:
-        """The curve's polynomials by their Bézier points."""
+        """Bézier points of the curve's polynomials."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,9 +32,9 @@ class Bezier:
 
     @property
     def degree(self) -> int:
-        """Of each polynomial."""
+        """Degree of each polynomial."""
         return int(self.points.shape[1]) - 1
 
     def bezier(self) -> Bezier:
-        """These pieces themselves."""
+        """The pieces themselves."""
         return self

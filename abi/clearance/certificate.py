@@ -8,7 +8,7 @@ Proof. Points B of the piece are convex combinations of the P_i, so n·B >= min 
 and for x in O abs(B - x) >= n·(B - x) > m. (The signed distance to a convex set is the greatest
 n·B - h(n) over all n, so this holds for m < 0 too.)
 
-Nothing is asked of n, so any guess may choose it: here the direction from the obstacle to a point
+The theorem holds for any n, so n may be guessed: here the direction from the obstacle to a point
 in the middle of the piece. A piece that it does not separate is halved. When the clearance is
 above m + e, pieces smaller than e are separated, so this ends; halving stops at 2^-36 of the
 largest coordinate, and what is then left is undecided, which counts as not certified.
@@ -37,7 +37,7 @@ from abi.clearance.separation_kernels import CERTIFIED, MOST_HALVINGS, REFUTED, 
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.pose import rotation
-from abi.obstacles.triangle_mesh.bvh import TriangleTree, build
+from abi.obstacles.triangle_mesh.bvh import TriangleTree, build_tree
 from abi.obstacles.triangle_mesh.repair import Surface
 
 _MOST_TRIES = 20_000  # for each obstacle, and 64 for each polynomial
@@ -51,7 +51,7 @@ class Certificate:
         margin: the curve's distance to every obstacle is above this, [unit]; inf when there are
             no obstacles.
         pieces: first and last parameter of the piece each plane separates, shape (k, 2).
-        obstacle: which obstacle each plane separates it from, shape (k,). From a mesh it
+        obstacle: number of the obstacle each plane separates it from, shape (k,). From a mesh it
             separates only some triangles; the planes of a mesh together leave out none.
         directions: unit normals of the planes, from the obstacle to the curve, shape (k, 3), world.
     """
@@ -67,7 +67,7 @@ class Refutation:
     """A place of a curve that keeps it from being certified.
 
     Attributes:
-        margin: the distance that was to be proven, [unit].
+        margin: the distance to prove, [unit].
         parameter: where on the curve.
         obstacle: index of the obstacle that is too near there.
         distance: signed distance to it, [unit].
@@ -87,13 +87,13 @@ def certify(
 ) -> Certificate | Refutation:
     """Prove that a curve keeps more than ``margin`` from every obstacle, or find where it does not.
 
-    A closed mesh is a solid: its surface is kept clear of, and the curve's start is outside, so
-    the rest is. Other meshes are surfaces. From a solid a negative margin can be proven: the curve
-    goes no deeper than that. A mesh needs a margin of at least 0.
+    A curve that starts outside a closed mesh and keeps clear of its surface stays outside. From a
+    primitive a negative margin can be proven: the curve goes no deeper than that. A mesh needs a
+    margin of at least 0.
 
     Args:
         curve: continuous, a polynomial between its breaks.
-        obstacles: the solids and meshes.
+        obstacles: primitives and meshes.
         margin: finite, [unit].
     """
     pieces = curve.bezier()
@@ -101,28 +101,27 @@ def certify(
     if not obstacles:
         return _certificate(math.inf, [])
     assert math.isfinite(margin)
-    solids = obstacles.primitive_numbers
-    planes: list[FloatArray] = []
+    tables: list[FloatArray] = []
     if obstacles.primitives:
-        status, at, which, distance, found = _against_primitives(pieces, obstacles, margin)
+        numbers = obstacles.primitive_numbers
+        status, at, which, distance, planes = _against_primitives(pieces, obstacles, margin)
         if status != CERTIFIED:
-            decided = status == REFUTED
-            return Refutation(margin, at, int(solids[which]), distance, decided)
-        found[:, 2] = solids[found[:, 2].astype(int)]
-        planes.append(found)
+            return Refutation(margin, at, int(numbers[which]), distance, status == REFUTED)
+        planes[:, 2] = numbers[planes[:, 2].astype(int)]
+        tables.append(planes)
     for k, mesh in zip(obstacles.mesh_numbers.tolist(), obstacles.meshes, strict=True):
         result = _against_mesh(pieces, mesh, k, margin)
         if isinstance(result, Refutation):
             return result
-        planes.append(result)
-    return _certificate(margin, planes)
+        tables.append(result)
+    return _certificate(margin, tables)
 
 
 def _against_primitives(curve: Bezier, obstacles: ObstacleSet, margin: float) -> Outcome:
     outcome: Outcome = separate_from_primitives(
         flat(curve.points),
         flat(curve.breaks),
-        _room(curve),
+        _buffer(curve),
         obstacles.packed,
         curve.size,
         float(margin),
@@ -140,11 +139,11 @@ def _against_mesh(
         return Refutation(margin, first, index, math.nan, False)
     tree = _tree(mesh.surface)
     axes, position, factor = rotation(mesh.wxyz), np.array(mesh.position), mesh.factor
-    room = _room(curve)
-    room[: curve.points.size] = ((curve.points - position) @ axes / factor).ravel()
+    points = _buffer(curve)
+    points[: curve.points.size] = ((curve.points - position) @ axes / factor).ravel()
     scale = (curve.size + float(np.abs(position).max())) / factor + 2 * tree.size
-    status, at, _, distance, found = separate_from_mesh(
-        room,
+    status, at, _, distance, planes = separate_from_mesh(
+        points,
         curve.breaks.copy(),
         curve.degree,
         tree,
@@ -155,27 +154,28 @@ def _against_mesh(
     if status != CERTIFIED:
         return Refutation(margin, at, index, distance * factor, status == REFUTED)
     if mesh.closed:
-        inside = float(mesh.signed_distance(curve.points[0, :1])[0])
-        if inside <= 0:
-            return Refutation(margin, first, index, inside, True)
-    found[:, 2] = index
-    found[:, 3:6] = found[:, 3:6] @ axes.T
-    return found
+        at_start = float(mesh.signed_distance(curve.points[0, :1])[0])
+        if at_start <= 0:
+            return Refutation(margin, first, index, at_start, True)
+    planes[:, 2] = index
+    planes[:, 3:6] = planes[:, 3:6] @ axes.T
+    return planes
 
 
-def _room(curve: Bezier) -> FloatArray:
+def _buffer(curve: Bezier) -> FloatArray:
+    """Room for the points of the curve and of its halves, see ``separate_from_primitives``."""
     pieces = len(curve.points) + 2 * MOST_HALVINGS + 2
     return np.zeros(3 * pieces * (curve.degree + 1))
 
 
 @lru_cache(maxsize=16)
 def _tree(surface: Surface) -> TriangleTree:
-    """Tree over the triangles in the file's coordinates: moving or scaling a mesh keeps it."""
-    return build(surface.vertices[surface.faces])
+    """Tree over the triangles in the file's coordinates, which no pose changes."""
+    return build_tree(surface.vertices[surface.faces])
 
 
-def _certificate(margin: float, planes: list[FloatArray]) -> Certificate:
-    table = planes[0] if len(planes) == 1 else np.concatenate([np.empty((0, 7)), *planes])
+def _certificate(margin: float, tables: list[FloatArray]) -> Certificate:
+    table = np.concatenate([np.empty((0, 7)), *tables])
     return Certificate(
         margin=margin,
         pieces=read_only(table[:, :2].copy()),

@@ -12,6 +12,7 @@ import math
 from numba.extending import register_jitable
 
 from abi.arrays import FloatArray
+from abi.clearance.bezier_kernels import extent_of
 from abi.clearance.separation_kernels import (
     CERTIFIED,
     FINEST,
@@ -24,8 +25,6 @@ from abi.clearance.separation_kernels import (
     Piece,
     Plane,
     allowance_of,
-    extent_of,
-    halve,
     halves_of,
     least_product,
     table_of,
@@ -47,7 +46,7 @@ def _triangle_at(corners: FloatArray, t: int) -> Triangle:
 
 @register_jitable
 def _from_triangle(p: Vec3, triangle: Triangle) -> tuple[float, Vec3]:
-    """Distance of a point to a triangle, and the direction away from it; 0, 0, 0 when on it.
+    """Distance of a point to a triangle, and the direction away from it; zero on it.
 
     Ericson, Real-Time Collision Detection, section 5.1.5.
     """
@@ -74,11 +73,11 @@ def _from_triangle(p: Vec3, triangle: Triangle) -> tuple[float, Vec3]:
         v = 1 - w
     elif va + vb + vc > 0:
         v, w = vb / (va + vb + vc), vc / (va + vb + vc)
-    way = axpy(-w, ac, axpy(-v, ab, ap))
-    distance = norm(way)
+    offset = axpy(-w, ac, axpy(-v, ab, ap))
+    distance = norm(offset)
     if distance <= TINY:
         return 0.0, (0.0, 0.0, 0.0)
-    return distance, (way[0] / distance, way[1] / distance, way[2] / distance)
+    return distance, (offset[0] / distance, offset[1] / distance, offset[2] / distance)
 
 
 @register_jitable
@@ -128,21 +127,23 @@ def _from_box(low: Vec3, high: Vec3, extent: tuple[Vec3, Vec3], middle: Vec3, ne
         if gy >= gz:
             return (0.0, 1.0 if y0 - high[1] == gy else -1.0, 0.0)
         return (0.0, 0.0, 1.0 if z0 - high[2] == gz else -1.0)
-    way = (
+    offset = (
         middle[0] - min(max(middle[0], low[0]), high[0]),
         middle[1] - min(max(middle[1], low[1]), high[1]),
         middle[2] - min(max(middle[2], low[2]), high[2]),
     )
-    away = norm(way)
-    return (way[0] / away, way[1] / away, way[2] / away) if away > TINY else way
+    distance = norm(offset)
+    if distance <= TINY:
+        return offset
+    return (offset[0] / distance, offset[1] / distance, offset[2] / distance)
 
 
 @register_jitable
 def _separated_again(
-    planes: list[Plane], made: int, tree: TriangleTree, node: int, need: float
+    planes: list[Plane], first: int, tree: TriangleTree, node: int, need: float
 ) -> bool:
-    """Whether one of the latest planes of a piece, from ``made`` on, separates a node too."""
-    for i in range(len(planes) - 1, max(made, len(planes) - _KEPT) - 1, -1):
+    """Whether one of the latest planes of a piece, from ``first`` on, separates a node too."""
+    for i in range(len(planes) - 1, max(first, len(planes) - _KEPT) - 1, -1):
         if planes[i].level - _support(planes[i].direction, tree, node) > need:
             return True
     return False
@@ -150,7 +151,7 @@ def _separated_again(
 
 @register_jitable
 def _open(tree: TriangleTree, node: int, work: list[int]) -> None:
-    """Add what is in a box of the tree: two boxes or some triangles."""
+    """Add the contents of a box of the tree: two boxes or some triangles."""
     inner = len(tree.leaves) - 2
     if node < inner:
         work.append(2 * node + 1)
@@ -175,11 +176,11 @@ def separate_from_mesh(
     tree: TriangleTree,
     scale: float,
     margin: float,
-    most: int,
+    most_tries: int,
 ) -> Outcome:
     """Separate every piece of a curve from every triangle of a surface.
 
-    The nodes of a tree over the triangles are boxes, convex as any primitive: what is separated
+    The nodes of a tree over the triangles are boxes, convex as any primitive: a piece separated
     from a box is separated from all triangles in it. A piece carries the nodes that its parents
     were not separated from; a node larger than the piece is opened, and the piece is halved when
     smaller nodes or triangles are left.
@@ -192,7 +193,7 @@ def separate_from_mesh(
         tree: over the triangles.
         scale: largest coordinate of curve and surface together, [unit].
         margin: distance to prove, at least 0, [unit].
-        most: tries it may take.
+        most_tries: tries it may take.
     """
     width, spans = degree + 1, len(breaks) - 1
     nodes = 2 * len(tree.leaves) - 3
@@ -204,26 +205,22 @@ def separate_from_mesh(
         while len(candidates) > highest:
             candidates.pop()
         run = piece.last - piece.first > width
-        span = (piece.first + piece.last) // width // 2
-        at = breaks[span] if run else 0.5 * (piece.start + piece.end)
-        ahead, behind = halves_of(piece, width, spans, at)
-        if not run:
-            halve(points, piece, ahead.first, at)
+        at, ahead, behind = halves_of(points, piece, breaks, width)
         middle = vec3_at(points, 3 * behind.first)
-        extent = extent_of(points, piece.first, piece.last)
+        extent = extent_of(points, 3 * piece.first, 3 * piece.last)
         size = max(
             extent[1][0] - extent[0][0], extent[1][1] - extent[0][1], extent[1][2] - extent[0][2]
         )
         allowance = allowance_of(scale, degree, piece.halvings, margin)
         need = margin + allowance
-        made, nearest = len(planes), math.inf
+        first_plane, nearest = len(planes), math.inf
         work.clear()
         for i in range(lowest, highest):
             work.append(candidates[i])
         while len(work) > 0:
             node = work.pop()
             tries += 1
-            if _separated_again(planes, made, tree, node, need):
+            if _separated_again(planes, first_plane, tree, node, need):
                 continue
             if node < nodes:
                 low, high = vec3_at(tree.low, 3 * node), vec3_at(tree.high, 3 * node)
@@ -232,10 +229,10 @@ def separate_from_mesh(
             else:
                 wide = False
                 triangle = _triangle_at(tree.corners, 9 * (node - nodes))
-                away, direction = _from_triangle(middle, triangle)
-                if away < margin - allowance:
-                    return REFUTED, at, 0, away, table_of(planes)
-                nearest = min(nearest, away)
+                distance, direction = _from_triangle(middle, triangle)
+                if distance < margin - allowance:
+                    return REFUTED, at, 0, distance, table_of(planes)
+                nearest = min(nearest, distance)
             level = least_product(points, piece.first, piece.last, direction)
             if level - _support(direction, tree, node) > need:
                 planes.append(Plane(piece.start, piece.end, 0, direction, level))
@@ -246,7 +243,7 @@ def separate_from_mesh(
         if len(candidates) == highest:
             continue
         final = size < FINEST * scale or piece.halvings == MOST_HALVINGS
-        if tries > most or (not run and (final or not piece.start < at < piece.end)):
+        if tries > most_tries or (not run and (final or not piece.start < at < piece.end)):
             return UNDECIDED, at, 0, nearest, table_of(planes)
         pending.append((behind, highest, len(candidates)))
         pending.append((ahead, highest, len(candidates)))

@@ -12,6 +12,7 @@ import math
 from numba.extending import register_jitable
 
 from abi.arrays import FloatArray
+from abi.clearance.bezier_kernels import extent_of
 from abi.clearance.separation_kernels import (
     CERTIFIED,
     FINEST,
@@ -24,8 +25,6 @@ from abi.clearance.separation_kernels import (
     Piece,
     Plane,
     allowance_of,
-    extent_of,
-    halve,
     halves_of,
     least_product,
     table_of,
@@ -121,7 +120,7 @@ def separate_from_primitives(
     primitives: FloatArray,
     size: float,
     margin: float,
-    most: int,
+    most_tries: int,
 ) -> Outcome:
     """Separate every piece of a curve from every primitive.
 
@@ -136,7 +135,7 @@ def separate_from_primitives(
         primitives: rows (m WIDTH,), m >= 1.
         size: largest coordinate of the curve, [unit].
         margin: distance to prove, [unit].
-        most: tries that each primitive may take.
+        most_tries: tries that each primitive may take.
     """
     spans, count = len(breaks) - 1, len(primitives) // WIDTH
     width = len(world) // (3 * spans)
@@ -154,21 +153,17 @@ def separate_from_primitives(
         while len(pending) > 0:
             piece = pending.pop()
             run = piece.last - piece.first > width
-            span = (piece.first + piece.last) // width // 2
-            at = breaks[span] if run else 0.5 * (piece.start + piece.end)
-            ahead, behind = halves_of(piece, width, spans, at)
-            if not run:
-                halve(points, piece, ahead.first, at)
-            away, direction = _from_primitive(vec3_at(points, 3 * behind.first), summands)
+            at, ahead, behind = halves_of(points, piece, breaks, width)
+            distance, direction = _from_primitive(vec3_at(points, 3 * behind.first), summands)
             allowance = allowance_of(scale, width - 1, piece.halvings, margin)
-            if away < margin - allowance:
-                return REFUTED, at, s, away, table_of(planes)
+            if distance < margin - allowance:
+                return REFUTED, at, s, distance, table_of(planes)
             need = margin + allowance
             level = least_product(points, piece.first, piece.last, direction)
             separated = level - _support(direction, summands) > need
             extent = math.inf
             if not separated:
-                low, high = extent_of(points, piece.first, piece.last)
+                low, high = extent_of(points, 3 * piece.first, 3 * piece.last)
                 extent = max(high[0] - low[0], high[1] - low[1], high[2] - low[2])
                 level, direction = _behind_a_face(low, high, summands)
                 separated = level > need
@@ -178,8 +173,8 @@ def separate_from_primitives(
                 continue
             tries += 1
             final = piece.halvings == MOST_HALVINGS or (extent < finest and not run)
-            if final or tries > most or not piece.start < at < piece.end:
-                return UNDECIDED, at, s, away, table_of(planes)
+            if final or tries > most_tries or not piece.start < at < piece.end:
+                return UNDECIDED, at, s, distance, table_of(planes)
             pending.append(behind)
             pending.append(ahead)
     return CERTIFIED, 0.0, -1, math.inf, table_of(planes)

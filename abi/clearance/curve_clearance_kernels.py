@@ -12,32 +12,20 @@ from typing import NamedTuple
 from numba.extending import register_jitable
 
 from abi.arrays import FloatArray
+from abi.clearance.bezier_kernels import divide, extent_of
 from abi.compiled import FLOATS, compiled
-from abi.obstacles.primitive_kernels import (
-    WIDTH,
-    axes_of,
-    bounds_apart,
-    centre_of,
-    core_of,
-    in_body,
-    in_world,
-    signed_distance,
-    signed_distance_gradient,
-)
-from abi.obstacles.vector_kernels import Vec3, sub, vec3_at
+from abi.obstacles.obstacle_set_kernels import distance_gradient, nearest_primitive
+from abi.obstacles.primitive_kernels import WIDTH, bounds_apart
+from abi.obstacles.vector_kernels import Vec3, vec3_at
 
 MOST_HALVINGS = 40
 MOST_PIECES = 200_000
 
-_ROUNDING = 1e-9  # by which a sample may be nearer than asked
+_ROUNDING = 1e-9  # by which a sample may be nearer than required
 
 Measured = tuple[float, float, float, int, list[tuple[float, float]]]
 """Lower bound of the distance; the parameter, distance and obstacle of the nearest sample;
 stretches that are too near, in no order, after one that means nothing."""
-
-
-# calls for each piece of the curve, in which lists and arrays would be counted in and out
-_inlined = register_jitable(forceinline=True)
 
 
 class _Pieces(NamedTuple):
@@ -69,34 +57,7 @@ class _Nearest(NamedTuple):
     primitive: int
 
 
-@_inlined
-def _divide(
-    points: list[float], piece: int, into: list[float], left: int, right: int, width: int, r: float
-) -> None:
-    """De Casteljau: both parts, divided at r, of the piece at ``points[piece:]``."""
-    for i in range(3 * width):
-        into[right + i] = points[piece + i]
-    for order in range(width):
-        for k in range(3):
-            into[left + 3 * order + k] = into[right + k]
-        for i in range(right, right + 3 * (width - 1 - order)):
-            into[i] = (1 - r) * into[i] + r * into[i + 3]
-
-
-@_inlined
-def _sample(primitives: FloatArray, enough: float, p: Vec3) -> tuple[float, int]:
-    """Least signed distance of a point and whose it is; ``enough`` and -1 if it is not below."""
-    best, whose = enough, -1
-    for s in range(len(primitives) // WIDTH):
-        if not bounds_apart(primitives, s, best, p, p):
-            q = in_body(axes_of(primitives, s), sub(p, centre_of(primitives, s)))
-            found = signed_distance(core_of(primitives, s), q)
-            if found < best:
-                best, whose = found, s
-    return best, whose
-
-
-@_inlined
+@register_jitable(forceinline=True)
 def _bound(
     primitives: FloatArray, enough: float, points: list[float], piece: int, width: int, x: Vec3
 ) -> tuple[float, int, float]:
@@ -105,27 +66,19 @@ def _bound(
     Primitives that no point of the piece is nearer to than ``enough`` are left out: the result is
     at most ``enough``, inf and -1 when all are.
     """
-    lx, ly, lz = points[piece], points[piece + 1], points[piece + 2]
-    hx, hy, hz = lx, ly, lz
-    for i in range(piece + 3, piece + 3 * width, 3):
-        lx, hx = min(lx, points[i]), max(hx, points[i])
-        ly, hy = min(ly, points[i + 1]), max(hy, points[i + 1])
-        lz, hz = min(lz, points[i + 2]), max(hz, points[i + 2])
+    low, high = extent_of(points, piece, piece + 3 * width)
     best, whose, bound = math.inf, -1, math.inf
     for s in range(len(primitives) // WIDTH):
-        if bounds_apart(primitives, s, enough, (lx, ly, lz), (hx, hy, hz)):
+        if bounds_apart(primitives, s, enough, low, high):
             continue
-        axes = axes_of(primitives, s)
-        p = in_body(axes, sub(x, centre_of(primitives, s)))
-        away, outward = signed_distance_gradient(core_of(primitives, s), p)
-        gx, gy, gz = in_world(axes, outward)
+        distance, (gx, gy, gz) = distance_gradient(primitives, s, x)
         rise = 0.0
         for i in range(piece, piece + 3 * width, 3):
             ahead = gx * (points[i] - x[0]) + gy * (points[i + 1] - x[1])
             rise = min(rise, ahead + gz * (points[i + 2] - x[2]))
-        bound = min(bound, away + rise)
-        if away < best:
-            best, whose = away, s
+        bound = min(bound, distance + rise)
+        if distance < best:
+            best, whose = distance, s
     return best, whose, bound
 
 
@@ -144,7 +97,7 @@ def _first_pieces(control: FloatArray, breaks: FloatArray, parts: int) -> _Piece
             rest[i] = control[k * size + i]
         for j in range(parts):
             piece = k * parts + j
-            _divide(rest, 0, rest, size, 0, width, 1.0 / (parts - j))
+            divide(rest, 0, rest, size, 0, width, 1.0 / (parts - j))
             for i in range(size):
                 points[piece * size + i] = rest[size + i]
             starts[piece] = breaks[k] + (breaks[k + 1] - breaks[k]) * (j / parts)
@@ -154,7 +107,7 @@ def _first_pieces(control: FloatArray, breaks: FloatArray, parts: int) -> _Piece
 
 
 @register_jitable
-def _sample_ends(primitives: FloatArray, pieces: _Pieces, asked: float) -> _Nearest:
+def _sample_ends(primitives: FloatArray, pieces: _Pieces, required: float) -> _Nearest:
     """Fill in the distances at the ends of pieces that are one curve; the nearest of them."""
     points, starts, ends, at_starts, at_ends = pieces
     count = len(starts)
@@ -163,20 +116,20 @@ def _sample_ends(primitives: FloatArray, pieces: _Pieces, asked: float) -> _Near
     for piece in range(count + 1):
         last = piece == count
         p = vec3_at(points, count * size - 3 if last else piece * size)
-        away, primitive = _sample(primitives, max(nearest, asked), p)
+        distance, primitive = nearest_primitive(primitives, max(nearest, required), p)
         if piece > 0:
-            at_ends[piece - 1] = away
+            at_ends[piece - 1] = distance
         if not last:
-            at_starts[piece] = away
-        if primitive >= 0 and away < nearest:
+            at_starts[piece] = distance
+        if primitive >= 0 and distance < nearest:
             at = ends[count - 1] if last else starts[piece]
-            nearest, whose = away, primitive
+            nearest, whose = distance, primitive
     return _Nearest(nearest, at, whose)
 
 
 @register_jitable
 def _sample_middles(
-    primitives: FloatArray, pieces: _Pieces, asked: float, before: _Nearest
+    primitives: FloatArray, pieces: _Pieces, required: float, before: _Nearest
 ) -> tuple[list[float], list[float], _Nearest]:
     """Distances at the middles of pieces and lower bounds of theirs; the nearest of all samples."""
     points, starts, ends, _, _ = pieces
@@ -187,13 +140,13 @@ def _sample_middles(
     halves = [0.0] * (2 * size)
     nearest, at, whose = before
     for piece in range(count):
-        _divide(points, piece * size, halves, 0, size, width, 0.5)
+        divide(points, piece * size, halves, 0, size, width, 0.5)
         x = (halves[size], halves[size + 1], halves[size + 2])
-        enough = max(nearest, asked)
-        away, primitive, bound = _bound(primitives, enough, points, piece * size, width, x)
-        middles[piece], bounds[piece] = away, bound
-        if away < nearest:
-            nearest, at, whose = away, (starts[piece] + ends[piece]) / 2, primitive
+        enough = max(nearest, required)
+        distance, primitive, bound = _bound(primitives, enough, points, piece * size, width, x)
+        middles[piece], bounds[piece] = distance, bound
+        if distance < nearest:
+            nearest, at, whose = distance, (starts[piece] + ends[piece]) / 2, primitive
     return middles, bounds, _Nearest(nearest, at, whose)
 
 
@@ -211,23 +164,23 @@ def _undecided(
         pieces: the pieces.
         middles, bounds: of each, see :func:`_sample_middles`.
         nearest: distance of the nearest sample, [unit].
-        demand: asked, tolerance and finest, see :func:`measure_curve`.
+        demand: required, tolerance and finest, see :func:`measure_curve`.
     """
     _, starts, ends, at_starts, at_ends = pieces
-    asked, tolerance, finest = demand
-    line = asked - _ROUNDING
-    found = [0] * 0
+    required, tolerance, finest = demand
+    line = required - _ROUNDING
+    undecided = [0] * 0
     for piece in range(len(starts)):
         first, middle, last = at_starts[piece], middles[piece], at_ends[piece]
         violating = min(first, middle, last) < line
         partly = violating and max(first, middle, last) >= line
         if (
             bounds[piece] < nearest - tolerance
-            or (not violating and bounds[piece] < asked - tolerance)
+            or (not violating and bounds[piece] < required - tolerance)
             or (partly and ends[piece] - starts[piece] > finest)
         ):
-            found.append(piece)
-    return found
+            undecided.append(piece)
+    return undecided
 
 
 @register_jitable
@@ -243,7 +196,7 @@ def _halves(pieces: _Pieces, middles: list[float], chosen: list[int]) -> _Pieces
     for j in range(len(chosen)):
         piece, left = chosen[j], 2 * j
         middle = (starts[piece] + ends[piece]) / 2
-        _divide(points, piece * size, halves, left * size, left * size + size, width, 0.5)
+        divide(points, piece * size, halves, left * size, left * size + size, width, 0.5)
         froms[left], tos[left], tos[left + 1] = starts[piece], middle, ends[piece]
         froms[left + 1] = middle
         at_froms[left], at_tos[left] = at_starts[piece], middles[piece]
@@ -257,7 +210,7 @@ def measure_curve(
     breaks: FloatArray,
     parts: int,
     primitives: FloatArray,
-    asked: float,
+    required: float,
     tolerance: float,
     finest: float,
 ) -> Measured:
@@ -268,18 +221,17 @@ def measure_curve(
         breaks: parameters between them (s + 1,).
         parts: equal parts that each polynomial is first cut into.
         primitives: rows (k WIDTH,), k >= 1.
-        asked: stretches that are nearer than this are told, [unit].
+        required: distance to keep, [unit]; nearer stretches are returned.
         tolerance: largest excess of the nearest sample over the bound, [unit].
-        finest: stretches are not made finer than this just to tell where they end, in the
-            parameter.
+        finest: length of stretches, in the parameter, that are not halved for their ends alone.
     """
     pieces = _first_pieces(control, breaks, parts)
-    nearest = _sample_ends(primitives, pieces, asked)
+    nearest = _sample_ends(primitives, pieces, required)
     bottom = nearest.distance
     stretches = [(0.0, 0.0)]
-    demand = (asked, tolerance, finest)
+    demand = (required, tolerance, finest)
     for halvings in range(MOST_HALVINGS + 1):
-        middles, bounds, nearest = _sample_middles(primitives, pieces, asked, nearest)
+        middles, bounds, nearest = _sample_middles(primitives, pieces, required, nearest)
         chosen = _undecided(pieces, middles, bounds, nearest.distance, demand)
         if halvings == MOST_HALVINGS or 2 * len(chosen) > MOST_PIECES:
             chosen.clear()
@@ -290,7 +242,7 @@ def measure_curve(
                 continue
             bottom = min(bottom, bounds[piece])
             ends = min(pieces.at_starts[piece], pieces.at_ends[piece])
-            if min(ends, middles[piece]) < asked - _ROUNDING:
+            if min(ends, middles[piece]) < required - _ROUNDING:
                 stretches.append((pieces.starts[piece], pieces.ends[piece]))
         if len(chosen) == 0:
             break

@@ -32,17 +32,17 @@ class _Pieces:
     at_start: FloatArray
     at_end: FloatArray
 
-    def halved(self, rows: BoolArray, middle: FloatArray, at_middle: FloatArray) -> _Pieces:
-        """Both halves of the pieces ``rows``, whose mid parameters and distances are given."""
+    def halved(self, chosen: BoolArray, middle: FloatArray, at_middle: FloatArray) -> _Pieces:
+        """Both halves of some pieces, given the parameters and distances at all middles."""
         first, second = _halving(self.control.shape[1] - 1)
-        control = self.control[rows]
-        middle, at_middle = middle[rows], at_middle[rows]
+        control = self.control[chosen]
+        middle, at_middle = middle[chosen], at_middle[chosen]
         return _Pieces(
             np.concatenate([first @ control, second @ control]),
-            np.concatenate([self.start[rows], middle]),
-            np.concatenate([middle, self.end[rows]]),
-            np.concatenate([self.at_start[rows], at_middle]),
-            np.concatenate([at_middle, self.at_end[rows]]),
+            np.concatenate([self.start[chosen], middle]),
+            np.concatenate([middle, self.end[chosen]]),
+            np.concatenate([self.at_start[chosen], at_middle]),
+            np.concatenate([at_middle, self.at_end[chosen]]),
         )
 
 
@@ -50,7 +50,7 @@ def measure_by_halving(
     curve: Bezier,
     parts: int,
     obstacles: ObstacleSet,
-    asked: float,
+    required: float,
     tolerance: float,
     finest: float,
 ) -> Measured:
@@ -60,15 +60,14 @@ def measure_by_halving(
         curve: the curve.
         parts: equal parts that each polynomial is first cut into.
         obstacles: at least one.
-        asked: stretches that are nearer than this are told, [unit].
+        required: distance to keep, [unit]; nearer stretches are returned.
         tolerance: largest excess of the nearest sample over the bound, [unit].
-        finest: stretches are not made finer than this just to tell where they end, in the
-            parameter.
+        finest: length of stretches, in the parameter, that are not halved for their ends alone.
     """
     pieces, at, nearest, obstacle = _first_pieces(curve, parts, obstacles)
     distance = nearest
     stretches = [(0.0, 0.0)]
-    line = asked - 1e-9
+    line = required - 1e-9
     for halvings in range(MOST_HALVINGS + 1):
         at_middle, whose, bound = _sample(pieces.control, obstacles)
         middle = (pieces.start + pieces.end) / 2
@@ -80,25 +79,25 @@ def measure_by_halving(
         violating = samples.min(axis=0) < line
         partly = violating & (samples.max(axis=0) >= line)
         wide = pieces.end - pieces.start > finest
-        unsure = (bound < nearest - tolerance) | (~violating & (bound < asked - tolerance))
-        unsure |= partly & wide
-        if halvings == MOST_HALVINGS or 2 * unsure.sum() > MOST_PIECES:
-            unsure[:] = False
+        undecided = (bound < nearest - tolerance) | (~violating & (bound < required - tolerance))
+        undecided |= partly & wide
+        if halvings == MOST_HALVINGS or 2 * undecided.sum() > MOST_PIECES:
+            undecided[:] = False
 
-        done = ~unsure
+        done = ~undecided
         distance = min(distance, nearest, float(bound[done].min(initial=math.inf)))
-        kept = done & violating
-        stretches += zip(pieces.start[kept].tolist(), pieces.end[kept].tolist(), strict=True)
+        near = done & violating
+        stretches += zip(pieces.start[near].tolist(), pieces.end[near].tolist(), strict=True)
         if done.all():
             break
-        pieces = pieces.halved(unsure, middle, at_middle)
+        pieces = pieces.halved(undecided, middle, at_middle)
     return distance, at, nearest, obstacle, stretches
 
 
 def _first_pieces(
     curve: Bezier, parts: int, obstacles: ObstacleSet
 ) -> tuple[_Pieces, float, float, int]:
-    """Cut each polynomial evenly; also the nearest end of a piece and whose it is."""
+    """Even pieces of each polynomial; parameter, distance and obstacle of their nearest end."""
     breaks = curve.breaks
     cuts = np.linspace(breaks[:-1], breaks[1:], parts, endpoint=False, axis=1).ravel()
     cuts = np.append(cuts, breaks[-1])
@@ -111,7 +110,7 @@ def _first_pieces(
 
 
 def _cut(control: FloatArray, parts: int) -> FloatArray:
-    """Polynomials (s, degree + 1, 3) in equal parts, (s parts, degree + 1, 3), de Casteljau."""
+    """De Casteljau: equal parts (s parts, degree + 1, 3) of polynomials (s, degree + 1, 3)."""
     cut = []
     rest = control
     for k in range(parts):
@@ -129,15 +128,15 @@ def _cut(control: FloatArray, parts: int) -> FloatArray:
 def _sample(
     control: FloatArray, obstacles: ObstacleSet
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Distance at each piece's middle, whose it is, and a lower bound along the piece, (n,)."""
+    """Distance at each piece's middle, its obstacle, and a lower bound along the piece, (n,)."""
     first, _ = _halving(control.shape[1] - 1)
     middle = first[-1] @ control
     offsets = control - middle[:, None]
     distances = np.empty((len(obstacles), len(middle)))
     bounds = np.empty_like(distances)
-    for k, solid in zip(obstacles.primitive_numbers, obstacles.primitives, strict=True):
-        distances[k] = solid.signed_distance(middle)
-        rise = np.einsum("nij,nj->ni", offsets, solid.gradient(middle)).min(axis=1)
+    for k, primitive in zip(obstacles.primitive_numbers, obstacles.primitives, strict=True):
+        distances[k] = primitive.signed_distance(middle)
+        rise = np.einsum("nij,nj->ni", offsets, primitive.gradient(middle)).min(axis=1)
         bounds[k] = distances[k] + rise
     for k, mesh in zip(obstacles.mesh_numbers, obstacles.meshes, strict=True):
         distances[k] = mesh.signed_distance(middle)

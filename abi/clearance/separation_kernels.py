@@ -14,6 +14,7 @@ import numpy as np
 from numba.extending import register_jitable
 
 from abi.arrays import FloatArray
+from abi.clearance.bezier_kernels import divide
 from abi.obstacles.vector_kernels import Vec3, dot, vec3_at
 
 CERTIFIED, REFUTED, UNDECIDED = 0, 1, 2
@@ -32,7 +33,7 @@ class Piece(NamedTuple):
     Attributes:
         first: point with which it begins.
         last: point before which it ends.
-        halvings: how often its polynomial was halved; 0 of several.
+        halvings: of its polynomial; 0 of several.
         start: first parameter.
         end: last parameter.
     """
@@ -63,16 +64,16 @@ class Plane(NamedTuple):
 
 
 NO_PLANE = Plane(0.0, 0.0, 0, (0.0, 0.0, 0.0), 0.0)
-"""With which a list of planes begins, so that its type is known."""
+"""First of every list of planes, so that its type is known."""
 
 Outcome = tuple[int, float, int, float, FloatArray]
-"""What was decided, then the parameter, obstacle and distance of the place where it was not
-certified, then the planes found (k, 7)."""
+"""The decision; parameter, obstacle and distance of the place that is not certified; the planes
+(k, 7)."""
 
 
 @register_jitable
 def table_of(planes: list[Plane]) -> FloatArray:
-    """The planes as rows, but for the first, which means nothing."""
+    """The planes as rows (k, 7), without the first, which means nothing."""
     table = np.empty((len(planes) - 1, 7))
     for i in range(1, len(planes)):
         plane, row = planes[i], table[i - 1]
@@ -84,46 +85,37 @@ def table_of(planes: list[Plane]) -> FloatArray:
 
 @register_jitable
 def allowance_of(scale: float, degree: int, halvings: int, margin: float) -> float:
-    """What rounding can take from a separation, [unit]: see ``abi.clearance.certificate``."""
+    """Rounding error of a separation, [unit]: see ``abi.clearance.certificate``."""
     return _UNIT * ((256 + 16 * degree + 12 * degree * halvings) * scale + 64 * abs(margin))
 
 
 @register_jitable
-def halves_of(piece: Piece, width: int, spans: int, at: float) -> tuple[Piece, Piece]:
-    """Both halves of a piece: the first point of the second is in the middle of the piece.
+def halves_of(
+    points: FloatArray, piece: Piece, breaks: FloatArray, width: int
+) -> tuple[float, Piece, Piece]:
+    """Parameter at which a piece is divided, and both halves; the second begins in its middle.
 
-    A run of polynomials is divided between two of them. For the halves of one polynomial there is
-    room behind the points, at each number of halvings for two; :func:`halve` fills it.
+    A run of polynomials is divided between two of them, and one polynomial by de Casteljau: there
+    is room for its halves behind the points, at each number of halvings for two.
 
     Args:
+        points: written behind the s polynomials.
         piece: the piece.
+        breaks: parameters between the polynomials (s + 1,).
         width: points of a polynomial.
-        spans: number of polynomials.
-        at: parameter at which it is divided.
     """
     if piece.last - piece.first > width:
-        first, last, halvings = piece.first, piece.last, 0
-        middle = (first + last) // width // 2 * width
+        span = (piece.first + piece.last) // width // 2
+        at = breaks[span]
+        first, middle, last, halvings = piece.first, span * width, piece.last, 0
     else:
-        first, halvings = (spans + 2 * piece.halvings) * width, piece.halvings + 1
-        middle, last = first + width, first + 2 * width
+        at = 0.5 * (piece.start + piece.end)
+        first = (len(breaks) - 1 + 2 * piece.halvings) * width
+        middle, last, halvings = first + width, first + 2 * width, piece.halvings + 1
+        share = (at - piece.start) / (piece.end - piece.start)
+        divide(points, 3 * piece.first, points, 3 * first, 3 * middle, width, share)
     ahead = Piece(first, middle, halvings, piece.start, at)
-    return ahead, Piece(middle, last, halvings, at, piece.end)
-
-
-@register_jitable
-def halve(points: FloatArray, piece: Piece, left: int, at: float) -> None:
-    """De Casteljau: both halves of a piece of one polynomial, at the points from ``left`` on."""
-    width = piece.last - piece.first
-    ratio = (at - piece.start) / (piece.end - piece.start)
-    right = left + width
-    for i in range(3 * width):
-        points[3 * right + i] = points[3 * piece.first + i]
-    for level in range(width):
-        for k in range(3):
-            points[3 * (left + level) + k] = points[3 * right + k]
-        for i in range(3 * right, 3 * (right + width - 1 - level)):
-            points[i] = (1 - ratio) * points[i] + ratio * points[i + 3]
+    return at, ahead, Piece(middle, last, halvings, at, piece.end)
 
 
 @register_jitable
@@ -135,15 +127,3 @@ def least_product(points: FloatArray, first: int, last: int, direction: Vec3) ->
         if level < least:
             least = level
     return least
-
-
-@register_jitable
-def extent_of(points: FloatArray, first: int, last: int) -> tuple[Vec3, Vec3]:
-    """Low and high corner of the box around the points from ``first`` up to ``last``."""
-    x0, y0, z0 = vec3_at(points, 3 * first)
-    x1, y1, z1 = x0, y0, z0
-    for i in range(3 * first + 3, 3 * last, 3):
-        x0, x1 = min(x0, points[i]), max(x1, points[i])
-        y0, y1 = min(y0, points[i + 1]), max(y1, points[i + 1])
-        z0, z1 = min(z0, points[i + 2]), max(z1, points[i + 2])
-    return (x0, y0, z0), (x1, y1, z1)

@@ -54,7 +54,7 @@ def _speeds(
 
 
 @register_jitable
-def _weighted(weights: FloatArray, first: int, speeds: list[float]) -> float:
+def _weighted_sum(weights: FloatArray, first: int, speeds: list[float]) -> float:
     """Sum of the speeds, with the weights from ``first`` on."""
     total = 0.0
     for i in range(len(speeds)):
@@ -76,14 +76,14 @@ def _halved(
     Args:
         breaks, derivative, nodes, tails: as in :func:`measured_pieces`.
         work: as in :func:`_speeds`.
-        negligible: the sum of the last two coefficients' sizes that is small enough, [unit].
+        negligible: sum of the last two coefficients' magnitudes that is small enough, [unit].
 
     Returns:
         Parameters at the beginnings of the m pieces and at the end of the last (m + 1,), and the
         speeds at their Gauss points (m g,).
     """
     gauss = len(nodes)
-    speeds, starts, found = [0.0] * gauss, [0.0] * 0, [0.0] * 0
+    speeds, starts, all_speeds = [0.0] * gauss, [0.0] * 0, [0.0] * 0
     for k in range(len(breaks) - 1):
         extent = breaks[k + 1] - breaks[k]
         pending = [(0.0, 1.0, 0)]
@@ -91,15 +91,15 @@ def _halved(
             start, end, halvings = pending.pop()
             middle = (start + end) / 2
             _speeds(derivative, k, extent, (middle, (end - start) / 2), nodes, work, speeds)
-            last = abs(_weighted(tails, 0, speeds)) + abs(_weighted(tails, gauss, speeds))
+            last = abs(_weighted_sum(tails, 0, speeds)) + abs(_weighted_sum(tails, gauss, speeds))
             if halvings == _MOST_HALVINGS or last <= negligible:
                 starts.append(breaks[k] + extent * start)
-                found.extend(speeds)
+                all_speeds.extend(speeds)
             else:
                 pending.append((middle, end, halvings + 1))
                 pending.append((start, middle, halvings + 1))
     starts.append(breaks[len(breaks) - 1])
-    return starts, found
+    return starts, all_speeds
 
 
 @compiled(example=(FLOATS, FLOATS, FLOATS, FLOATS, FLOATS, FLOATS, 1.0))
@@ -119,11 +119,11 @@ def measured_pieces(
         derivative: Bézier points of the derivative by the parameter, flat (3 s degree,).
         nodes: Gauss points in (-1, 1), (g,).
         weights: their weights (g,).
-        tails: what the speeds there are multiplied with for the last two coefficients, (2 g,).
-        integral: what the speeds there are multiplied with for the coefficients of the integral
-            from -1, flat (g t,).
-        rounding: what the last coefficients may contribute anyway, [unit]; a curve that is no
-            longer has no length at all.
+        tails: factors of the speeds there in the last two coefficients, (2 g,).
+        integral: factors of the speeds there in the coefficients of the integral from -1, flat
+            (g t,).
+        rounding: largest contribution of the last coefficients by rounding, [unit]; a curve that
+            is no longer has no length at all.
 
     Returns:
         Of the m pieces the parameters at their ends (m + 1,), the arc length up to these (m + 1,),
@@ -135,8 +135,8 @@ def measured_pieces(
     total = 0.0
     for k in range(spans):
         _speeds(derivative, k, breaks[k + 1] - breaks[k], (0.5, 0.5), nodes, work, speeds)
-        total += _weighted(weights, 0, speeds)
-    starts, found = _halved(breaks, derivative, nodes, tails, work, 1e-13 * total + rounding)
+        total += _weighted_sum(weights, 0, speeds)
+    starts, all_speeds = _halved(breaks, derivative, nodes, tails, work, 1e-13 * total + rounding)
     count, terms = len(starts) - 1, len(integral) // gauss
     edges, travelled = np.empty(count + 1), np.empty(count + 1)
     series, places = np.zeros(count * terms), np.empty(count * gauss)
@@ -147,7 +147,7 @@ def measured_pieces(
         middle, half = (starts[k] + starts[k + 1]) / 2, (starts[k + 1] - starts[k]) / 2
         length = 0.0
         for i in range(gauss):
-            speed = scale * found[k * gauss + i]
+            speed = scale * all_speeds[k * gauss + i]
             places[k * gauss + i] = middle + half * nodes[i]
             lengths[k * gauss + i] = weights[i] * speed
             length += weights[i] * speed
@@ -180,11 +180,11 @@ def _factors(terms: int) -> tuple[list[float], list[float]]:
 
 
 @register_jitable
-def _derive(series: FloatArray, start: int, terms: int, found: list[float]) -> None:
+def _derive(series: FloatArray, start: int, terms: int, derived: list[float]) -> None:
     """Write the coefficients of a series' derivative: P'_n = (2 n - 1) P_n-1 + P'_n-2."""
     for n in range(terms - 1, 0, -1):
-        passed_on = found[n + 1] / (2 * n + 3) if n + 1 < terms - 1 else 0.0
-        found[n - 1] = (2 * n - 1) * (series[start + n] + passed_on)
+        passed_on = derived[n + 1] / (2 * n + 3) if n + 1 < terms - 1 else 0.0
+        derived[n - 1] = (2 * n - 1) * (series[start + n] + passed_on)
 
 
 @compiled(example=(FLOATS, FLOATS, FLOATS, FLOATS, NEW_FLOATS))
@@ -192,19 +192,19 @@ def arc_lengths(
     edges: FloatArray,
     travelled: FloatArray,
     series: FloatArray,
-    asked: FloatArray,
-    found: FloatArray,
+    parameters: FloatArray,
+    distances: FloatArray,
 ) -> None:
-    """Arc lengths up to parameters; arguments as in :func:`parameters`, ``found`` (n,) written."""
+    """Arc lengths up to parameters, (n,) written; other arguments as in :func:`parameters_at`."""
     last = len(edges) - 1
     terms = len(series) // last
     first, second = _factors(terms)
-    for i in range(len(asked)):
-        u = asked[i]
+    for i in range(len(parameters)):
+        u = parameters[i]
         if u <= edges[0]:
-            found[i] = 0.0
+            distances[i] = 0.0
         elif u >= edges[last]:
-            found[i] = travelled[last]
+            distances[i] = travelled[last]
         else:
             k = _piece_at(edges, u)
             place = 2 * (u - edges[k]) / (edges[k + 1] - edges[k]) - 1
@@ -212,7 +212,7 @@ def arc_lengths(
             for n in range(terms - 1, -1, -1):
                 ahead = series[k * terms + n] + first[n] * place * value - second[n] * before
                 value, before = ahead, value
-            found[i] = min(max(travelled[k] + value, 0.0), travelled[last])
+            distances[i] = min(max(travelled[k] + value, 0.0), travelled[last])
 
 
 @register_jitable
@@ -233,14 +233,14 @@ def _steepest(derived: list[float], count: int) -> float:
 
 
 @compiled(example=(FLOATS, FLOATS, FLOATS, FLOATS, FLOATS, FLOATS, NEW_FLOATS))
-def parameters(
+def parameters_at(
     edges: FloatArray,
     travelled: FloatArray,
     series: FloatArray,
     nodes: FloatArray,
     weights: FloatArray,
-    asked: FloatArray,
-    found: FloatArray,
+    distances: FloatArray,
+    parameters: FloatArray,
 ) -> None:
     """Parameters at which arc lengths have been travelled, by Newton's method within a bracket.
 
@@ -250,38 +250,38 @@ def parameters(
         series: Legendre coefficients of the arc length within each piece, flat (m t,), [unit].
         nodes: parameters of each piece's g Gauss points, flat (m g,).
         weights: arc length that each stands for, flat (m g,), [unit].
-        asked: (n,), [unit].
-        found: (n,); written.
+        distances: (n,), [unit].
+        parameters: (n,); written.
     """
     last = len(edges) - 1
     terms, gauss = len(series) // last, len(nodes) // last
     length = travelled[last]
     tolerance = 1e-13 * length
     first, second = _factors(terms)
-    derived, curvature, used, of = [0.0] * terms, 0.0, terms, -1
-    for i in range(len(asked)):
-        distance = asked[i]
+    derived, curvature, used, current = [0.0] * terms, 0.0, terms, -1
+    for i in range(len(distances)):
+        distance = distances[i]
         if distance >= length:
-            found[i] = edges[last]
+            parameters[i] = edges[last]
             continue
         if distance <= 0:
-            found[i] = edges[0]
+            parameters[i] = edges[0]
             continue
         k = _piece_at(travelled, distance)
         left, right = edges[k], edges[k + 1]
-        wanted = distance - travelled[k]
-        if k != of:
-            of = k
+        remaining = distance - travelled[k]
+        if k != current:
+            current = k
             used = _significant(series, k * terms, terms, 1e-16 * length)
             _derive(series, k * terms, used, derived)
             curvature = _steepest(derived, used - 1)
-        # the guess: straight between the Gauss points; here, for a call costs a fifth of the whole
+        # first guess: linear between the Gauss points; inline, as a call costs a fifth of the whole
         passed, here, u = 0.0, 0.0, left
         for j in range(k * gauss, (k + 1) * gauss):
             there = passed + weights[j] / 2
-            if there >= wanted:
+            if there >= remaining:
                 if there > here:
-                    u += (nodes[j] - u) * (wanted - here) / (there - here)
+                    u += (nodes[j] - u) * (remaining - here) / (there - here)
                 break
             passed, here, u = passed + weights[j], there, nodes[j]
         place = 2 * (u - left) / (right - left) - 1
@@ -294,7 +294,7 @@ def parameters(
                 value, before = ahead, value
                 ahead = derived[n] + first[n] * place * slope - second[n] * slope_before
                 slope, slope_before = ahead, slope
-            error = value - wanted
+            error = value - remaining
             if abs(error) <= tolerance:
                 break
             if error < 0:
@@ -311,4 +311,4 @@ def parameters(
             else:
                 place = step if low < step < high else (low + high) / 2
         place = min(max(place, -1.0), 1.0)
-        found[i] = min(left + (right - left) * (place + 1) / 2, right)
+        parameters[i] = min(left + (right - left) * (place + 1) / 2, right)

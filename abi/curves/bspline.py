@@ -63,20 +63,19 @@ class BSpline:
         times (Ramshaw, Blossoms are polar forms, 1989, section 6). De Boor's recursion for it
         takes convex combinations only, so errors do not grow.
         """
-        most = len(self.control_points) - self.degree
-        breaks, points = np.empty(most + 1), np.empty(3 * most * (self.degree + 1))
+        spans = len(self.control_points) - self.degree
+        breaks, points = np.empty(spans + 1), np.empty(3 * spans * (self.degree + 1))
         spline = flat(self.knots), flat(self.control_points), self.degree
         count = kernels.bezier(*spline, breaks, points)
-        pieces = points.reshape(most, self.degree + 1, 3)[:count]
+        pieces = points.reshape(spans, self.degree + 1, 3)[:count]
         size = float(np.abs(self.control_points).max())
         return Bezier(read_only(breaks[: count + 1]), read_only(pieces), size)
 
     def influence(self, parameters: FloatArray) -> FloatArray:
         """Weights of the n control points in the points at ``parameters`` (m,), shape (m, n)."""
-        found = np.zeros(len(parameters) * len(self.control_points))
-        basis = flat(self.knots), self.degree, flat(parameters)
-        kernels.basis(*basis, found)
-        return found.reshape(len(parameters), -1)
+        weights = np.zeros(len(parameters) * len(self.control_points))
+        kernels.basis(flat(self.knots), self.degree, flat(parameters), weights)
+        return weights.reshape(len(parameters), -1)
 
     def __call__(self, parameter: ArrayLike, order: int = 0) -> FloatArray:
         """Point, or derivative of that order by the parameter; see :class:`abi.curves.curve.Curve`.
@@ -88,13 +87,13 @@ class BSpline:
         Returns:
             Shape (3,) for a number, (n, 3) for an array; [unit], world.
         """
-        inside = np.asarray(np.clip(parameter, 0.0, 1.0), dtype=float)
+        t = np.asarray(np.clip(parameter, 0.0, 1.0), dtype=float)
         if order > self.degree:
-            return np.zeros((*inside.shape, 3))
-        found = np.empty(3 * inside.size)
-        shape = (flat(self.knots), flat(self.control_points), self.degree)
-        kernels.spline(*shape, flat(inside), order, found)
-        return found.reshape(*inside.shape, 3)
+            return np.zeros((*t.shape, 3))
+        points = np.empty(3 * t.size)
+        spline = flat(self.knots), flat(self.control_points), self.degree
+        kernels.spline(*spline, flat(t), order, points)
+        return points.reshape(*t.shape, 3)
 
 
 def clamped(

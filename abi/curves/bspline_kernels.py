@@ -13,7 +13,7 @@ def spline(
     degree: int,
     parameters: FloatArray,
     order: int,
-    found: FloatArray,
+    points: FloatArray,
 ) -> None:
     """Points of a spline or its derivative, by de Boor's recursion on differences of its points.
 
@@ -23,7 +23,7 @@ def spline(
         degree: p.
         parameters: (m,), not outside the knots.
         order: of the derivative, at most p.
-        found: flat (3 m,); written.
+        points: flat (3 m,); written.
     """
     count = len(control) // 3
     local = [0.0] * (3 * (degree + 1))
@@ -49,12 +49,12 @@ def spline(
                     for i in range(3 * j, 3 * j + 3):
                         local[i] = (1 - share) * local[i - 3] + share * local[i]
         for i in range(3):
-            found[3 * number + i] = local[3 * degree + i]
+            points[3 * number + i] = local[3 * degree + i]
 
 
 @compiled(example=(FLOATS, FLOATS, 1, NEW_FLOATS, NEW_FLOATS))
 def bezier(
-    knots: FloatArray, control: FloatArray, degree: int, breaks: FloatArray, found: FloatArray
+    knots: FloatArray, control: FloatArray, degree: int, breaks: FloatArray, points: FloatArray
 ) -> int:
     """Bézier points of a spline's polynomials, by convex combinations only.
 
@@ -63,7 +63,7 @@ def bezier(
         control: flat (3 n,), [unit].
         degree: p.
         breaks: parameters between the s polynomials, of (n - p + 1,) the first s + 1; written.
-        found: flat, of (3 (n - p) (p + 1),) the first 3 s (p + 1); written.
+        points: flat, of (3 (n - p) (p + 1),) the first 3 s (p + 1); written.
 
     Returns:
         s, the number of polynomials.
@@ -87,20 +87,20 @@ def bezier(
                     for i in range(3 * j, 3 * j + 3):
                         local[i] = (1 - share) * local[i - 3] + share * local[i]
             for i in range(3):
-                found[3 * (k * width + point) + i] = local[3 * degree + i]
+                points[3 * (k * width + point) + i] = local[3 * degree + i]
         k += 1
     return k
 
 
 @compiled(example=(FLOATS, 1, FLOATS, NEW_FLOATS))
-def basis(knots: FloatArray, degree: int, parameters: FloatArray, found: FloatArray) -> None:
+def basis(knots: FloatArray, degree: int, parameters: FloatArray, values: FloatArray) -> None:
     """Values of all basis functions of a spline (Piegl and Tiller, The NURBS Book, A2.2).
 
     Args:
         knots: (n + degree + 1,), clamped.
         degree: p.
         parameters: (m,), not outside the knots.
-        found: zeros, flat (m n,); written where not zero.
+        values: zeros, flat (m n,); written where not zero.
     """
     count = len(knots) - degree - 1
     for number in range(len(parameters)):
@@ -109,12 +109,12 @@ def basis(knots: FloatArray, degree: int, parameters: FloatArray, found: FloatAr
         while span < count - 1 and knots[span + 1] <= u:
             span += 1
         at = number * count + span - degree
-        found[at] = 1.0
+        values[at] = 1.0
         for step in range(1, degree + 1):
             saved = 0.0
             for r in range(step):
                 right, left = knots[span + r + 1], knots[span + 1 + r - step]
-                share = found[at + r] / (right - left)
-                found[at + r] = saved + (right - u) * share
+                share = values[at + r] / (right - left)
+                values[at + r] = saved + (right - u) * share
                 saved = (u - left) * share
-            found[at + step] = saved
+            values[at + step] = saved

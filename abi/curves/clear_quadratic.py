@@ -1,7 +1,7 @@
-"""The clear quadratic spline that is nearest to a given one: the search behind stage 5's modes.
+"""Search for the clear quadratic spline nearest to a given one, for stage 5's modes.
 
 A C¹ curve of m quadratic pieces is a quadratic B-spline with m + 2 control points; its ends are
-fixed, so m of them are free. Among the curves that keep the clearance the one is wanted that is
+fixed, so m of them are free. Among the curves that keep the clearance, the search is for the one
 nearest to the least-squares curve in L2, which is a quadratic function of the free points.
 """
 
@@ -21,7 +21,7 @@ from abi.curves.curve import ArcLength, Curve
 from abi.curves.quadratic import Quadratic
 from abi.obstacles.obstacle_set import ObstacleSet
 
-Points = Callable[[FloatArray], FloatArray]
+PointsAt = Callable[[FloatArray], FloatArray]
 """Points (n, 3) of a curve at parameters (n,) in [0, 1], [unit]."""
 
 _NODES, _WEIGHTS = legendre.leggauss(8)
@@ -29,13 +29,13 @@ _PARTS = 32  # short pieces of the whole curve at first, at least …
 _FEWEST_PARTS = 8  # … and of each polynomial
 _SHORTEST = 1e-3  # short piece, of the whole curve
 _ROUNDS = 16
-_SETTLED = 1e-3  # of the curve's extent: the move of a round that is no longer worth another
+_SETTLED = 1e-3  # of the curve's extent: largest move of a round that needs no other
 _ALLOWANCE = 1e-5  # of the curve's extent, kept beyond the clearance
-_INFEASIBLE = 1e-6  # distance of (0, 1) to the cone of the rows, over which they can be kept
+_INFEASIBLE = 1e-6  # distance of (0, 1) to the cone of the rows, above which they are feasible
 
 
 @dataclass(frozen=True, eq=False)
-class ByLength:
+class ByArcLength:
     """A curve as a function of the part of its arc length travelled."""
 
     curve: Curve
@@ -48,19 +48,19 @@ class ByLength:
 
 @dataclass(frozen=True, eq=False)
 class Target:
-    """The least-squares curve on some breaks, and what to keep clear of.
+    """The least-squares curve on some breaks, and the clearance to keep.
 
     Attributes:
         breaks: from 0 to 1, shape (m + 1,).
         control_points: of the least-squares curve, shape (m + 2, 3), [unit], world.
-        obstacles: what to keep clear of.
-        asked: distance to keep from every obstacle, [unit].
+        obstacles: to keep clear of.
+        clearance: distance to keep from every obstacle, [unit].
     """
 
     breaks: FloatArray
     control_points: FloatArray
     obstacles: ObstacleSet
-    asked: float
+    clearance: float
 
     def basis(self, parameters: FloatArray) -> FloatArray:
         """Weight of each control point in the points at ``parameters`` (n,), shape (n, m + 2)."""
@@ -75,8 +75,8 @@ class Target:
     def aim(self) -> float:
         """Distance to aim at, [unit]: the clearance and an allowance, if the ends have that."""
         ends, _ = self.obstacles.nearest(self.control_points[[0, -1]])
-        room = max(0.0, float(ends.min()) - self.asked)
-        return self.asked + min(_ALLOWANCE * self.extent + ROUNDING, room / 2)
+        room = max(0.0, float(ends.min()) - self.clearance)
+        return self.clearance + min(_ALLOWANCE * self.extent + ROUNDING, room / 2)
 
     @cached_property
     def norm(self) -> FloatArray:
@@ -108,44 +108,46 @@ class _Pieces:
     free: FloatArray
 
 
-def target(shape: ByLength, breaks: FloatArray, obstacles: ObstacleSet, clearance: float) -> Target:
-    """The curve on ``breaks`` with the ends of ``shape`` that is nearest to it in L2.
+def least_squares_target(
+    curve: ByArcLength, breaks: FloatArray, obstacles: ObstacleSet, clearance: float
+) -> Target:
+    """The curve on ``breaks`` with the ends of ``curve`` that is nearest to it in L2.
 
     With one piece that is :func:`abi.curves.quadratic.least_squares`.
 
     Args:
-        shape: the curve to approximate, of a length above 0.
+        curve: the curve to approximate, of a length above 0.
         breaks: from 0 to 1, increasing, shape (m + 1,).
-        obstacles: what to keep clear of.
+        obstacles: to keep clear of.
         clearance: distance to keep from every obstacle, [unit].
     """
     t, weights = _quadrature(_even_cuts(breaks))
     basis = _basis(breaks, t)
-    ends = shape(np.array([0.0, 1.0]))
-    residual = shape(t) - basis[:, [0, -1]] @ ends
+    ends = curve(np.array([0.0, 1.0]))
+    residual = curve(t) - basis[:, [0, -1]] @ ends
     root = np.sqrt(weights)[:, None]
     inner = np.linalg.lstsq(basis[:, 1:-1] * root, residual * root, rcond=None)[0]
     points = np.concatenate([ends[:1], inner, ends[1:]])
     return Target(breaks, read_only(points), obstacles, clearance)
 
 
-def nearest_clear(wanted: Target, starts: Sequence[Points]) -> Quadratic | None:
-    """The clear curve nearest to ``wanted``, from starts that pass the obstacles in several ways.
+def nearest_clear(target: Target, starts: Sequence[PointsAt]) -> Quadratic | None:
+    """The clear curve nearest to ``target``, from starts that pass the obstacles in several ways.
 
     A convex obstacle's signed distance is a convex function of the point: it is nowhere below its
     tangent. So with y a point of the start and g the gradient of d there, the half space
 
         d(y) + g·(x - y) >= clearance
 
-    holds no point x nearer than the clearance. The curve is halved into short Bézier pieces, each
+    has no point x nearer than the clearance. The curve is halved into short Bézier pieces, each
     to lie with its control points in the half space of the start's point in its middle. The
     nearest such curve is a least-distance problem (Lawson and Hanson, Solving Least Squares
-    Problems, chapter 23). It takes the place of the start, and so on until it settles: each round
-    is no farther from ``wanted`` than the one before (the convex-concave procedure, Yuille and
+    Problems, chapter 23). It replaces the start, and so on until it settles: each round
+    is no farther from ``target`` than the one before (the convex-concave procedure, Yuille and
     Rangarajan 2003). A mesh need not be convex; where the curve comes too near it aims higher.
 
     Args:
-        wanted: what to be near to.
+        target: to be near to.
         starts: points (n, 3) at parameters (n,) in [0, 1], [unit]; they need not be clear, but
             a clear one leads to a clear curve if there are pieces enough. The one that is nearest
             after two rounds goes on; the next only when that does not become clear.
@@ -153,80 +155,80 @@ def nearest_clear(wanted: Target, starts: Sequence[Points]) -> Quadratic | None:
     Returns:
         The curve, clear as far as measured, or None.
     """
-    pieces = _short_pieces(wanted, _even_cuts(wanted.breaks))
-    pilots: list[tuple[float, int, FloatArray]] = []
+    pieces = _short_pieces(target, _even_cuts(target.breaks))
+    candidates: list[tuple[float, int, FloatArray]] = []
     for start in starts:
-        found = _within_half_spaces(wanted, pieces, start(pieces.middles), wanted.aim)
-        if found is not None:
-            found = _within_half_spaces(wanted, pieces, pieces.through @ found[0], wanted.aim)
-        if found is not None:
-            pilots.append((wanted.distance(found[0]), len(pilots), found[0]))
-    settled = (_settled(wanted, points) for *_, points in sorted(pilots))
+        solution = _within_half_spaces(target, pieces, start(pieces.middles), target.aim)
+        if solution is not None:
+            solution = _within_half_spaces(target, pieces, pieces.through @ solution[0], target.aim)
+        if solution is not None:
+            candidates.append((target.distance(solution[0]), len(candidates), solution[0]))
+    settled = (_settled(target, points) for *_, points in sorted(candidates))
     return next((curve for curve in settled if curve is not None), None)
 
 
-def _settled(wanted: Target, control_points: FloatArray) -> Quadratic | None:
+def _settled(target: Target, control_points: FloatArray) -> Quadratic | None:
     """Go on from control points (m + 2, 3) until they settle and the curve is clear.
 
     The short pieces that touch their half space are halved, so that in the end it costs nothing
     that a piece lies in its half space with its control points.
     """
-    points, aim = control_points, wanted.aim
-    cuts = _even_cuts(wanted.breaks)
-    tolerance = (wanted.aim - wanted.asked) / 2 + ROUNDING
+    points, aim = control_points, target.aim
+    cuts = _even_cuts(target.breaks)
+    tolerance = (target.aim - target.clearance) / 2 + ROUNDING
     step = np.inf
     for number in range(1, _ROUNDS + 1):
-        pieces = _short_pieces(wanted, cuts)
-        found = _within_half_spaces(wanted, pieces, pieces.through @ points, aim)
-        if found is not None:
-            step = float(np.abs(found[0] - points).max())
-            points = found[0]
-            halved = found[1][np.diff(cuts)[found[1]] > _SHORTEST]
+        pieces = _short_pieces(target, cuts)
+        solution = _within_half_spaces(target, pieces, pieces.through @ points, aim)
+        if solution is not None:
+            step = float(np.abs(solution[0] - points).max())
+            points = solution[0]
+            halved = solution[1][np.diff(cuts)[solution[1]] > _SHORTEST]
             cuts = np.sort(np.append(cuts, pieces.middles[halved]))
         if (
-            found is None
+            solution is None
             or number == _ROUNDS
-            or (step <= _SETTLED * wanted.extent and not len(halved))
+            or (step <= _SETTLED * target.extent and not len(halved))
         ):
-            curve = Quadratic.from_control_points(points, wanted.breaks)
-            seen = curve_clearance(curve, wanted.obstacles, wanted.asked, tolerance)
-            if seen.distance >= wanted.asked:
+            curve = Quadratic.from_control_points(points, target.breaks)
+            measured = curve_clearance(curve, target.obstacles, target.clearance, tolerance)
+            if measured.distance >= target.clearance:
                 return curve
-            if found is None:
+            if solution is None:
                 return None
-            aim += 1.5 * (wanted.asked - seen.distance)
+            aim += 1.5 * (target.clearance - measured.distance)
     return None
 
 
 def _within_half_spaces(
-    wanted: Target, pieces: _Pieces, near: FloatArray, aim: float
+    target: Target, pieces: _Pieces, near: FloatArray, aim: float
 ) -> tuple[FloatArray, IntArray] | None:
     """The nearest curve in the half spaces of ``near`` (n, 3), and which pieces touch theirs.
 
     Returns:
         Control points (m + 2, 3), [unit], and numbers of pieces; None when there is no such curve.
     """
-    passed = pieces.control @ wanted.control_points
-    rows, bounds = [], []
-    for obstacle in wanted.obstacles:
+    control = pieces.control @ target.control_points
+    normals, bounds = [], []
+    for obstacle in target.obstacles:
         gradient = obstacle.gradient(near)
-        ahead = np.einsum("nkj,nj->nk", passed - near[:, None], gradient)
+        ahead = np.einsum("nkj,nj->nk", control - near[:, None], gradient)
         bounds.append(aim - obstacle.signed_distance(near)[:, None] - ahead)
-        rows.append(np.einsum("nkm,nj->nkmj", pieces.free, gradient))
+        normals.append(np.einsum("nkm,nj->nkmj", pieces.free, gradient))
     b = np.concatenate(bounds).ravel()
-    a = np.concatenate(rows).reshape(len(b), -1)
+    a = np.concatenate(normals).reshape(len(b), -1)
     movable = np.flatnonzero((a != 0).any(axis=1))  # all but the curve's ends
-    found = _least_distance(a[movable], b[movable])
-    if found is None:
+    solution = _least_distance(a[movable], b[movable])
+    if solution is None:
         return None
-    move, touching = found
-    points = wanted.control_points.copy()
-    points[1:-1] += np.linalg.solve(wanted.norm.T, move.reshape(-1, 3))
+    move, touching = solution
+    points = target.control_points.copy()
+    points[1:-1] += np.linalg.solve(target.norm.T, move.reshape(-1, 3))
     return points, np.unique(movable[touching] // 3 % len(near))
 
 
 def _least_distance(a: FloatArray, b: FloatArray) -> tuple[FloatArray, IntArray] | None:
-    """The shortest y with a·y >= b, and the rows that hold it (Lawson and Hanson, 23.27)."""
+    """Shortest y with a·y >= b, and the active rows (Lawson and Hanson, 23.27)."""
     if (b <= 0).all():
         return np.zeros(a.shape[1]), np.zeros(0, dtype=np.int32)
     scale = np.linalg.norm(a, axis=1)
@@ -250,15 +252,15 @@ def _even_cuts(breaks: FloatArray) -> FloatArray:
     return np.append(cuts, breaks[-1])
 
 
-def _short_pieces(wanted: Target, cuts: FloatArray) -> _Pieces:
-    breaks = wanted.breaks
+def _short_pieces(target: Target, cuts: FloatArray) -> _Pieces:
+    breaks = target.breaks
     middles = (cuts[:-1] + cuts[1:]) / 2
     through = _basis(breaks, middles)
     ends = _basis(breaks, cuts)
     # a quadratic's middle is a quarter of its ends and half of its middle control point
     control = np.stack([ends[:-1], 2 * through - (ends[:-1] + ends[1:]) / 2, ends[1:]], axis=1)
     weights = control[:, :, 1:-1].reshape(-1, len(breaks) - 1)
-    free = np.asarray(np.linalg.solve(wanted.norm, weights.T).T, dtype=float)
+    free = np.asarray(np.linalg.solve(target.norm, weights.T).T, dtype=float)
     return _Pieces(middles, through, control, free.reshape(len(middles), 3, -1))
 
 

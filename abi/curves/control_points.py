@@ -13,22 +13,22 @@ _FINEST = 1e-3  # part of a leg: the nearest a point is put to a bend
 _SHARE = 0.5  # part of the room at a bend that the spline may take
 
 
-def graded(
+def place_control_points(
     points: FloatArray, degree: int, obstacles: ObstacleSet, clearance: float
 ) -> tuple[FloatArray, BoolArray]:
-    """Put control points on the legs of a path: dense at the bends, ever wider away from them.
+    """Place control points on the legs of a path: dense at the bends, ever wider away from them.
 
-    Where control points a distance h apart bend by an angle φ, a uniform spline of degree p cuts
+    Where control points a distance h spacing bend by an angle φ, a uniform spline of degree p cuts
     the corner by about h·φ·√((p + 1) / 24π): its basis functions are nearly normal distributions
     of variance (p + 1) / 12 (Unser, Aldroubi and Eden, IEEE Trans. Information Theory 38, 1992).
-    That gives the h for which the cut takes half the room there is. From a bend the points stand
+    That gives the h for which the cut takes half the room. From a bend the points stand
     at h, 2h, 4h, and so on up to the middle of the leg.
 
     Args:
         points: (k, 3) the path, k >= 2, [unit], world.
         degree: p, at least 1.
-        obstacles: what the path keeps clear of.
-        clearance: distance that the spline should keep from them, [unit].
+        obstacles: to keep clear of.
+        clearance: distance to keep from them, [unit].
 
     Returns:
         At least p + 1 points (n, 3), those of the path among them, and which are not (n,).
@@ -39,7 +39,7 @@ def graded(
     turns = np.sqrt((np.diff(unit, axis=0) ** 2).sum(axis=1)).tolist()
     room = _room(points, obstacles, clearance).tolist()
     cut = math.sqrt((degree + 1) / (24 * math.pi))
-    apart = [
+    spacing = [
         math.inf,
         *(
             _SHARE * max(gap, 0.0) / (cut * turn) if turn > 0 else math.inf
@@ -48,18 +48,20 @@ def graded(
         math.inf,
     ]
     shares = [
-        _shares(first / length, last / length) if length > 0 else []
-        for first, last, length in zip(apart[:-1], apart[1:], lengths.tolist(), strict=True)
+        [*_doubled(first / length), *(1 - share for share in _doubled(last / length)[::-1])]
+        if length > 0
+        else []
+        for first, last, length in zip(spacing[:-1], spacing[1:], lengths.tolist(), strict=True)
     ]
     while len(points) + sum(map(len, shares)) <= degree:
         widest = int(np.argmax(lengths / [1 + len(inner) for inner in shares]))
         count = len(shares[widest]) + 1
         shares[widest] = [k / (count + 1) for k in range(1, count + 1)]
-    # place k + share on leg k; the vertices are at the whole places
-    places = np.array([k + share for k, inner in enumerate(shares) for share in (0.0, *inner)])
-    leg = places.astype(int)
-    inner = points[leg] + (places - leg)[:, None] * legs[leg]
-    added = np.append(places != leg, False)
+    # k + share on leg k; the vertices are at the whole numbers
+    positions = np.array([k + share for k, inner in enumerate(shares) for share in (0.0, *inner)])
+    leg = positions.astype(int)
+    inner = points[leg] + (positions - leg)[:, None] * legs[leg]
+    added = np.append(positions != leg, False)
     return np.concatenate([inner, points[-1:]]), added
 
 
@@ -70,16 +72,10 @@ def _room(points: FloatArray, obstacles: ObstacleSet, clearance: float) -> Float
     return obstacles.polyline_clearances(bends) - clearance
 
 
-def _shares(first: float, last: float) -> list[float]:
-    """Places on a leg, in (0, 1), of points that begin ``first`` and ``last`` from its ends."""
-    inner = []
-    at = max(first, _FINEST)
-    while at < 0.5:
-        inner.append(at)
-        at *= 2
-    other = []
-    at = max(last, _FINEST)
-    while at < 0.5:
-        other.append(1 - at)
-        at *= 2
-    return inner + other[::-1]
+def _doubled(first: float) -> list[float]:
+    """Shares of a leg up to its middle, each double the one before."""
+    shares, share = [], max(first, _FINEST)
+    while share < 0.5:
+        shares.append(share)
+        share *= 2
+    return shares

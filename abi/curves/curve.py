@@ -81,10 +81,10 @@ class ArcLength:
         Returns:
             [unit], in the shape given.
         """
-        asked = np.asarray(parameter, dtype=float)
-        found = np.empty(asked.size)
-        kernels.arc_lengths(*self._table, flat(asked), found)
-        return found.reshape(asked.shape)
+        parameters = np.asarray(parameter, dtype=float)
+        distances = np.empty(parameters.size)
+        kernels.arc_lengths(*self._table, flat(parameters), distances)
+        return distances.reshape(parameters.shape)
 
     def parameter(self, distance: ArrayLike) -> FloatArray:
         """Parameter at which an arc length has been travelled, by Newton within a bracket.
@@ -98,11 +98,11 @@ class ArcLength:
         Returns:
             Parameters in the shape given.
         """
-        asked = np.asarray(distance, dtype=float)
-        found = np.empty(asked.size)
-        gauss = (self.nodes, self.weights)
-        kernels.parameters(*self._table, *gauss, flat(asked), found)
-        return found.reshape(asked.shape)
+        distances = np.asarray(distance, dtype=float)
+        parameters = np.empty(distances.size)
+        gauss = self.nodes, self.weights
+        kernels.parameters_at(*self._table, *gauss, flat(distances), parameters)
+        return parameters.reshape(distances.shape)
 
     @property
     def _table(self) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -118,9 +118,6 @@ def arc_length(curve: PolynomialCurve) -> ArcLength:
 
     Args:
         curve: continuous, a polynomial between its breaks.
-
-    Returns:
-        The measured arc length.
     """
     pieces = curve.bezier()
     breaks, points = pieces.breaks, pieces.points

@@ -1,4 +1,4 @@
-"""A curve that was fitted, with the clearance it keeps."""
+"""A fitted curve, with its clearance."""
 
 from __future__ import annotations
 
@@ -6,48 +6,51 @@ from dataclasses import dataclass
 from typing import Generic, TypeVar
 
 from abi.clearance.bezier import PolynomialCurve
-from abi.clearance.curve_clearance import ROUNDING, Clearance, prove
+from abi.clearance.curve_clearance import ROUNDING, Clearance, proven_clearance
 from abi.obstacles.obstacle_set import ObstacleSet
 
 CurveT = TypeVar("CurveT", bound=PolynomialCurve)
 
-_FINEST = 1e-6  # of the curve's extent
+_TOLERANCE = 1e-6  # of the curve's extent
 
 
 @dataclass(frozen=True, eq=False)
 class Fit(Generic[CurveT]):
-    """A fitted curve and how clear of the obstacles it is.
+    """A fitted curve and its clearance.
 
     Attributes:
         curve: the curve.
         clearance: its distance to the obstacles, proven where it can be.
-        asked: distance it should keep from every obstacle, [unit].
-        note: why it is not the curve that was asked for, as a sentence; empty when it is.
+        required: distance to keep from every obstacle, [unit].
+        note: reason why it is not the curve of the mode, as a sentence; empty when it is.
     """
 
     curve: CurveT
     clearance: Clearance
-    asked: float
+    required: float
     note: str = ""
 
     @property
     def holds(self) -> bool:
-        """Whether it is proven that the curve keeps the distance asked for."""
-        return self.clearance.keeps(self.asked)
+        """Whether it is proven that the curve keeps the required distance."""
+        return self.clearance.keeps(self.required)
 
 
-def finest(extent: float) -> float:
-    """Distance to which the clearance of a curve of such an extent is known, [unit]."""
-    return _FINEST * extent + ROUNDING
+def clearance_tolerance(extent: float) -> float:
+    """Tolerance of the clearance of a curve of this extent, [unit]."""
+    return _TOLERANCE * extent + ROUNDING
 
 
-def proven(curve: CurveT, extent: float, obstacles: ObstacleSet, asked: float) -> Fit[CurveT]:
+def proven_fit(
+    curve: CurveT, extent: float, obstacles: ObstacleSet, required: float
+) -> Fit[CurveT]:
     """Fit of a curve whose clearance is measured to a millionth of its extent, and proven.
 
     Args:
         curve: the curve.
         extent: its size, [unit].
-        obstacles: what it should keep clear of.
-        asked: distance it should keep from every obstacle, at least 0, [unit].
+        obstacles: to keep clear of.
+        required: distance to keep from every obstacle, at least 0, [unit].
     """
-    return Fit(curve, prove(curve, obstacles, asked, finest(extent)), asked)
+    clearance = proven_clearance(curve, obstacles, required, clearance_tolerance(extent))
+    return Fit(curve, clearance, required)

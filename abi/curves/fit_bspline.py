@@ -9,16 +9,16 @@ import numpy as np
 from abi.arrays import FloatArray
 from abi.clearance.curve_clearance import ROUNDING, Clearance, curve_clearance
 from abi.curves.bspline import BSpline, clamped
-from abi.curves.control_points import graded
+from abi.curves.control_points import place_control_points
 from abi.curves.curve import arc_length
-from abi.curves.fit import Fit, finest, proven
+from abi.curves.fit import Fit, clearance_tolerance, proven_fit
 from abi.obstacles.obstacle_set import ObstacleSet
 
 _ROUNDS = 60
 _MOST_INSERTED = 2000
 _PUSHES = 3  # in a row, before the polygon is refined
-_WORTH = 0.3  # part of what is missing that a push must win to be kept
-_FINER = 3  # times that a near miss is cleared more finely
+_LEAST_GAIN = 0.3  # of a push that is kept, as a part of the missing clearance
+_REFINEMENTS = 3  # of a near miss
 _SAMPLES = 8  # in each stretch that is too near
 
 
@@ -27,21 +27,21 @@ class _Goal:
     """Aim of pushing and refining a curve.
 
     Attributes:
-        obstacles: what to keep clear of.
-        wanted: distance that the curve is to keep, [unit].
-        floor: distance that its control polygon keeps while points are pushed, [unit].
-        tolerance: to which the curve's distance is measured, [unit].
+        obstacles: to keep clear of.
+        clearance: distance to keep, [unit].
+        polygon_clearance: distance that the control polygon keeps while points are pushed, [unit].
+        tolerance: of the curve's measured distance, [unit].
     """
 
     obstacles: ObstacleSet
-    wanted: float
-    floor: float
+    clearance: float
+    polygon_clearance: float
     tolerance: float
 
     @property
     def aim(self) -> float:
-        """Distance that pushes aim at, a little more than is wanted, [unit]."""
-        return self.wanted + 2 * self.tolerance
+        """Distance that pushes aim at, a little above the clearance, [unit]."""
+        return self.clearance + 2 * self.tolerance
 
     def measure(self, spline: BSpline) -> Clearance:
         """Clearance of the curve, with the stretches nearer than the aim."""
@@ -63,16 +63,16 @@ def fit(
     along the distance's gradient, which keeps the curve round; pushed points stay within the
     path's bounding box and the control polygon stays as clear as it must. Where that does not
     help, the edges of the polygon under the failing piece are halved: with edges of length h the
-    curve is within degree·h of the polygon, so a path clearer than asked always ends in a curve
+    curve is within degree·h of the polygon, so a path clearer than required always ends in a curve
     that holds. Pushing is given up when it makes the curve longer than the path. When the path
-    itself is not clearer than asked, the curve is kept about as clear as the path; ``holds`` says
+    itself is not clearer than that, the curve is kept about as clear as the path; ``holds`` says
     whether that is enough.
 
     Args:
         path_points: vertices, shape (k, 3) with k >= 2, [unit], world; first and last are the
             curve's ends.
-        degree: asked for, at least 1; lowered to k - 1 when the path is too short for it.
-        obstacles: what to keep clear of.
+        degree: at least 1; lowered to k - 1 when the path is too short for it.
+        obstacles: to keep clear of.
         clearance: distance to keep from every obstacle, [unit].
         taut: the path is taut, with few vertices: control points are added on its legs, so that the
             curve rounds the bends only as far as there is room; see ``abi.curves.control_points``.
@@ -86,78 +86,81 @@ def fit(
     assert len(points) >= 2
     added = np.zeros(len(points), dtype=bool)
     if taut:
-        points, added = graded(points, degree, obstacles, clearance)
+        points, added = place_control_points(points, degree, obstacles, clearance)
     direct = clamped(points, min(degree, len(points) - 1), added)
-    found = None
+    fitted = None
     gap = obstacles.polyline_clearance(points) - clearance
     if gap >= -ROUNDING and obstacles.all_convex:
-        found = proven(direct, direct.extent, obstacles, clearance)
-        if found.holds:
-            return found
-    # Of the room between the path and the clearance asked for, the control polygon may lose half
+        fitted = proven_fit(direct, direct.extent, obstacles, clearance)
+        if fitted.holds:
+            return fitted
+    # Of the room between the path and the clearance, the control polygon may lose half
     # and the measurement an eighth.
-    tolerance = max(gap / 8, finest(direct.extent))
-    wanted = clearance + min(0.0, gap - 2 * tolerance)
-    goal = _Goal(obstacles, wanted, clearance + min(gap, gap / 2), tolerance)
+    tolerance = max(gap / 8, clearance_tolerance(direct.extent))
+    least = clearance + min(0.0, gap - 2 * tolerance)
+    goal = _Goal(obstacles, least, clearance + min(gap, gap / 2), tolerance)
     cleared = _cleared(direct, goal, _PUSHES)
     longest = float(_edge_lengths(points).sum())
     if cleared.moved and arc_length(cleared).length > longest:
         cleared = _cleared(direct, goal, 0)
-    if found is None or cleared is not direct:
-        found = proven(cleared, cleared.extent, obstacles, clearance)
-    return found if gap < -ROUNDING else _finished(found, goal, longest)
+    if fitted is None or cleared is not direct:
+        fitted = proven_fit(cleared, cleared.extent, obstacles, clearance)
+    return fitted if gap < -ROUNDING else _finished(fitted, goal, longest)
 
 
-def _finished(found: Fit[BSpline], goal: _Goal, longest: float) -> Fit[BSpline]:
-    """Clear a curve more finely that misses what was asked for by no more than it was measured to.
+def _finished(fitted: Fit[BSpline], goal: _Goal, longest: float) -> Fit[BSpline]:
+    """Clear a curve more finely that misses the clearance by no more than the tolerance.
 
     That happens where the path keeps just the clearance, or the end of a rounding.
     """
     # near a mesh, whose distance is not convex, measuring that finely takes seconds
-    if found.holds or not goal.obstacles.all_convex:
-        return found
-    asked, finer = found.asked, found
-    for _ in range(_FINER):
-        if finer.holds or finer.clearance.nearest < asked - 4 * goal.tolerance:
+    if fitted.holds or not goal.obstacles.all_convex:
+        return fitted
+    required, finer = fitted.required, fitted
+    for _ in range(_REFINEMENTS):
+        if finer.holds or finer.clearance.nearest < required - 4 * goal.tolerance:
             break
         tolerance = goal.tolerance / 16
-        goal = replace(goal, wanted=asked - 2 * tolerance, tolerance=tolerance)
+        goal = replace(goal, clearance=required - 2 * tolerance, tolerance=tolerance)
         cleared = _cleared(finer.curve, goal, _PUSHES)
         if cleared is not finer.curve:
-            finer = proven(cleared, cleared.extent, goal.obstacles, asked)
-    return finer if finer.holds and arc_length(finer.curve).length <= longest else found
+            finer = proven_fit(cleared, cleared.extent, goal.obstacles, required)
+    return finer if finer.holds and arc_length(finer.curve).length <= longest else fitted
 
 
 def _cleared(spline: BSpline, goal: _Goal, most_pushes: int) -> BSpline:
-    """Push and refine until what is wanted is kept; the clearest curve seen if it never is."""
-    found = goal.measure(spline)
-    best, best_distance = spline, found.distance
+    """Push and refine until the clearance is kept; the clearest curve seen if it never is."""
+    measured = goal.measure(spline)
+    best, best_distance = spline, measured.distance
     box = (spline.control_points.min(axis=0), spline.control_points.max(axis=0))
     pushes = 0
     for _ in range(_ROUNDS):
-        if found.distance >= goal.wanted or spline.inserted > _MOST_INSERTED:
+        if measured.distance >= goal.clearance or spline.inserted > _MOST_INSERTED:
             break
-        worth = found.distance + _WORTH * (goal.wanted - found.distance)
-        pushed = _pushed(spline, found, goal, box) if pushes < most_pushes else None
-        if pushed and goal.obstacles.polyline_clearance(pushed.control_points) < goal.floor:
+        enough = measured.distance + _LEAST_GAIN * (goal.clearance - measured.distance)
+        pushed = _pushed(spline, measured, goal, box) if pushes < most_pushes else None
+        if (
+            pushed
+            and goal.obstacles.polyline_clearance(pushed.control_points) < goal.polygon_clearance
+        ):
             pushed = None
-        trial = goal.measure(pushed) if pushed else found
-        if pushed and trial.distance > worth:
-            spline, found, pushes = pushed, trial, pushes + 1
+        trial = goal.measure(pushed) if pushed else measured
+        if pushed and trial.distance > enough:
+            spline, measured, pushes = pushed, trial, pushes + 1
         else:
-            spline, pushes = _refined(spline, found), 0
-            found = goal.measure(spline)
-        if found.distance > best_distance:
-            best, best_distance = spline, found.distance
+            spline, pushes = _refined(spline, measured), 0
+            measured = goal.measure(spline)
+        if measured.distance > best_distance:
+            best, best_distance = spline, measured.distance
     return best
 
 
 def _pushed(
-    spline: BSpline, found: Clearance, goal: _Goal, box: tuple[FloatArray, FloatArray]
+    spline: BSpline, measured: Clearance, goal: _Goal, box: tuple[FloatArray, FloatArray]
 ) -> BSpline:
     """Move the inner control points outwards, within ``box``, to lift the curve to the aim."""
-    parameters = np.linspace(*_failing(found), _SAMPLES).ravel()
-    distance, gradient = goal.obstacles.outward(spline(parameters))
+    parameters = np.linspace(*_failing(measured), _SAMPLES).ravel()
+    distance, gradient = goal.obstacles.signed_distance_gradient(spline(parameters))
     lift = gradient * np.maximum(goal.aim - distance, 0)[:, None]
     influence = spline.influence(parameters)[:, 1:-1]
     # The steepest way to lift all samples at once: neighbours move alike, so that the polygon
@@ -173,10 +176,10 @@ def _pushed(
     return clamped(points, spline.degree, spline.added, pushed)
 
 
-def _refined(spline: BSpline, found: Clearance) -> BSpline:
+def _refined(spline: BSpline, measured: Clearance) -> BSpline:
     """Halve the edges of the control polygon on which the failing pieces depend."""
     p, n = spline.degree, len(spline.control_points)
-    start, end = _failing(found)
+    start, end = _failing(measured)
     first = np.clip(np.searchsorted(spline.knots, start, side="right") - 1, p, n - 1) - p
     last = np.clip(np.searchsorted(spline.knots, end, side="left") - 1, p, n - 1)
     # Edge k is under a piece when more intervals have opened up to it than closed before it.
@@ -192,9 +195,9 @@ def _refined(spline: BSpline, found: Clearance) -> BSpline:
     )
 
 
-def _failing(found: Clearance) -> tuple[FloatArray, FloatArray]:
+def _failing(measured: Clearance) -> tuple[FloatArray, FloatArray]:
     """First and last parameters (k,) of the stretches that are too near, at least one."""
-    stretches = np.array(found.violations or ((found.at, found.at),))
+    stretches = np.array(measured.violations or ((measured.at, measured.at),))
     return stretches[:, 0], stretches[:, 1]
 
 

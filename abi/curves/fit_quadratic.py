@@ -10,9 +10,9 @@ import numpy as np
 from abi.arrays import FloatArray, read_only
 from abi.curves import fit_bspline
 from abi.curves.bspline import BSpline
-from abi.curves.clear_quadratic import ByLength, Target, nearest_clear, target
+from abi.curves.clear_quadratic import ByArcLength, Target, least_squares_target, nearest_clear
 from abi.curves.curve import ArcLength
-from abi.curves.fit import Fit, proven
+from abi.curves.fit import Fit, proven_fit
 from abi.curves.quadratic import Quadratic, least_squares
 from abi.obstacles.obstacle_set import ObstacleSet
 
@@ -41,7 +41,7 @@ def fit(
     Args:
         spline: the curve to approximate.
         arc: its arc length.
-        obstacles: what to keep clear of.
+        obstacles: to keep clear of.
         clearance: distance to keep from every obstacle, [unit].
         mode: one of the three.
 
@@ -49,129 +49,131 @@ def fit(
         The curve. When none is found the least-squares curve, with ``holds`` False and a ``note``.
     """
     quadratic = least_squares(spline.curve, arc)
-    found = proven(quadratic, quadratic.extent, obstacles, clearance)
-    if found.holds or mode == "least_squares":
-        return found
-    shape = ByLength(spline.curve, arc)
-    single = nearest_single(quadratic, shape, obstacles, clearance)
+    fitted = proven_fit(quadratic, quadratic.extent, obstacles, clearance)
+    if fitted.holds or mode == "least_squares":
+        return fitted
+    curve = ByArcLength(spline.curve, arc)
+    single = nearest_single(quadratic, curve, obstacles, clearance)
     if single is not None:
         return single
     if mode == "clear":
         return replace(
-            found,
+            fitted,
             note="No single quadratic with these ends was found that keeps the clearance; "
             "mode pieces joins several.",
         )
-    several = fewest_pieces(spline.curve, shape, obstacles, clearance)
+    several = fewest_pieces(spline.curve, curve, obstacles, clearance)
     if several is not None:
         return several
-    does = "; the B-spline does" if spline.holds else ": the B-spline does not"
-    return replace(found, note=f"No quadratic pieces were found that keep the clearance{does}.")
+    contrast = "; the B-spline does" if spline.holds else ": the B-spline does not"
+    return replace(
+        fitted, note=f"No quadratic pieces were found that keep the clearance{contrast}."
+    )
 
 
 def nearest_single(
-    quadratic: Quadratic, shape: ByLength, obstacles: ObstacleSet, clearance: float
+    quadratic: Quadratic, curve: ByArcLength, obstacles: ObstacleSet, clearance: float
 ) -> Fit[Quadratic] | None:
     """The clear quadratic nearest in L2 to ``quadratic``, with its ends, as far as searched.
 
     Its one free control point is moved in 48 directions by 12 distances. From the nearest clear
-    ones that lie apart, and from the way ``shape`` passes the obstacles, the nearest clear curve
-    is found by :func:`abi.curves.clear_quadratic.nearest_clear`.
+    ones that lie apart, and from ``curve`` itself, the nearest clear curve is found by
+    :func:`abi.curves.clear_quadratic.nearest_clear`.
 
     Args:
         quadratic: the least-squares quadratic of one piece, not clear.
-        shape: the curve it approximates.
-        obstacles: what to keep clear of.
+        curve: the curve it approximates.
+        obstacles: to keep clear of.
         clearance: distance to keep from every obstacle, [unit].
     """
     c0, c1, c2 = quadratic.coefficients[0]
     points = np.stack([c0, c0 + c1 / 2, c0 + c1 + c2])
-    wanted = Target(quadratic.breaks, read_only(points), obstacles, clearance)
-    return _clear(nearest_clear(wanted, [shape, *_starts(wanted)]), obstacles, clearance)
+    target = Target(quadratic.breaks, read_only(points), obstacles, clearance)
+    return _proven(nearest_clear(target, [curve, *_starts(target)]), obstacles, clearance)
 
 
 def fewest_pieces(
-    spline: BSpline, shape: ByLength, obstacles: ObstacleSet, clearance: float
+    spline: BSpline, curve: ByArcLength, obstacles: ObstacleSet, clearance: float
 ) -> Fit[Quadratic] | None:
     """The clear C¹ curve of the fewest quadratic pieces found, from two up.
 
     The quadratic B-spline on the control polygon, refined by :func:`abi.curves.fit_bspline.fit`,
-    is clear when the polygon is clearer than asked. With fewer pieces than that, the breaks are
+    is clear when the polygon is clearer than required. With fewer pieces than that, the breaks are
     tried evenly along the B-spline and closer where it bends, and the curve passes the obstacles
     on the sides where the B-spline does: with every number of pieces up to 8, then in steps of a
     quarter up to 24, and with the numbers between the last two steps.
 
     Args:
         spline: the curve to approximate, of a length above 0.
-        shape: the same as a function of its arc length.
-        obstacles: what to keep clear of.
+        curve: the same as a function of its arc length.
+        obstacles: to keep clear of.
         clearance: distance to keep from every obstacle, [unit].
     """
     last = _on_the_polygon(spline, obstacles, clearance)
     most = MOST_PIECES if last is None else min(MOST_PIECES, len(last.curve.pieces) - 1)
     tried = 1
     for pieces in (count for count in _COUNTS if count <= most):
-        found = _in_pieces(pieces, shape, obstacles, clearance)
-        if found is not None:
-            between = (_in_pieces(k, shape, obstacles, clearance) for k in range(tried + 1, pieces))
-            return next((fewer for fewer in between if fewer is not None), found)
+        fitted = _in_pieces(pieces, curve, obstacles, clearance)
+        if fitted is not None:
+            between = (_in_pieces(k, curve, obstacles, clearance) for k in range(tried + 1, pieces))
+            return next((fewer for fewer in between if fewer is not None), fitted)
         tried = pieces
     return last
 
 
 def _in_pieces(
-    pieces: int, shape: ByLength, obstacles: ObstacleSet, clearance: float
+    pieces: int, curve: ByArcLength, obstacles: ObstacleSet, clearance: float
 ) -> Fit[Quadratic] | None:
-    """A clear curve of so many pieces near ``shape``, or None."""
-    for breaks in (np.linspace(0, 1, pieces + 1), _closer_where_bent(shape, pieces)):
-        wanted = target(shape, read_only(breaks), obstacles, clearance)
-        found = _clear(nearest_clear(wanted, [shape]), obstacles, clearance)
-        if found is not None:
-            return found
+    """Clear curve of that many pieces near ``curve``, or None."""
+    for breaks in (np.linspace(0, 1, pieces + 1), _closer_where_bent(curve, pieces)):
+        target = least_squares_target(curve, read_only(breaks), obstacles, clearance)
+        fitted = _proven(nearest_clear(target, [curve]), obstacles, clearance)
+        if fitted is not None:
+            return fitted
     return None
 
 
 def _on_the_polygon(
     spline: BSpline, obstacles: ObstacleSet, clearance: float
 ) -> Fit[Quadratic] | None:
-    """The clear quadratic B-spline on the spline's control points, halved where needed, or None."""
+    """Clear quadratic B-spline on the spline's control polygon, refined where needed, or None."""
     if spline.degree != 2:
         spline = fit_bspline.fit(spline.control_points, 2, obstacles, clearance).curve
     if spline.degree < 2:
         return None
     curve = Quadratic.from_control_points(spline.control_points, spline.breaks)
-    return _clear(curve, obstacles, clearance)
+    return _proven(curve, obstacles, clearance)
 
 
-def _clear(
+def _proven(
     curve: Quadratic | None, obstacles: ObstacleSet, clearance: float
 ) -> Fit[Quadratic] | None:
-    """The fit if it is proven that the curve keeps the clearance, else None."""
+    """Fit of the curve if it is proven to keep the clearance, else None."""
     if curve is None:
         return None
-    found = proven(curve, curve.extent, obstacles, clearance)
-    return found if found.holds else None
+    fitted = proven_fit(curve, curve.extent, obstacles, clearance)
+    return fitted if fitted.holds else None
 
 
-def _starts(wanted: Target) -> list[Quadratic]:
+def _starts(target: Target) -> list[Quadratic]:
     """Moved curves: the nearest that are clear at samples, then the clearest; all apart."""
     directions = _sphere(_DIRECTIONS)
-    free = wanted.control_points[1] + np.multiply.outer(_RADII * wanted.extent, directions)
-    basis = wanted.basis(np.arange(1, _SAMPLES) / _SAMPLES)
-    points = (basis[:, [0, 2]] @ wanted.control_points[[0, 2]])[:, None, None] + (
+    free = target.control_points[1] + np.multiply.outer(_RADII * target.extent, directions)
+    basis = target.basis(np.arange(1, _SAMPLES) / _SAMPLES)
+    points = (basis[:, [0, 2]] @ target.control_points[[0, 2]])[:, None, None] + (
         basis[:, 1, None, None, None] * free
     )
-    distance, _ = wanted.obstacles.nearest(points.reshape(-1, 3))
-    lacking = np.maximum(wanted.aim - distance.reshape(points.shape[:3]).min(axis=0), 0)
+    distance, _ = target.obstacles.nearest(points.reshape(-1, 3))
+    lacking = np.maximum(target.aim - distance.reshape(points.shape[:3]).min(axis=0), 0)
     chosen: list[int] = []
     starts = []
-    for place in lacking.argsort(axis=None, kind="stable"):
-        radius, direction = divmod(int(place), _DIRECTIONS)
+    for number in lacking.argsort(axis=None, kind="stable"):
+        radius, direction = divmod(int(number), _DIRECTIONS)
         if (directions[chosen] @ directions[direction] < _APART).all():
             chosen.append(direction)
-            control = wanted.control_points.copy()
+            control = target.control_points.copy()
             control[1] = free[radius, direction]
-            starts.append(Quadratic.from_control_points(control, wanted.breaks))
+            starts.append(Quadratic.from_control_points(control, target.breaks))
         if len(starts) == _STARTS:
             break
     return starts
@@ -182,14 +184,14 @@ def _sphere(count: int) -> FloatArray:
     k = np.arange(count)
     z = 1 - (2 * k + 1) / count
     azimuth = k * np.pi * (3 - np.sqrt(5))
-    across = np.sqrt(1 - z**2)
-    return np.stack([across * np.cos(azimuth), across * np.sin(azimuth), z], axis=1)
+    radius = np.sqrt(1 - z**2)
+    return np.stack([radius * np.cos(azimuth), radius * np.sin(azimuth), z], axis=1)
 
 
-def _closer_where_bent(shape: ByLength, pieces: int) -> FloatArray:
+def _closer_where_bent(curve: ByArcLength, pieces: int) -> FloatArray:
     """Breaks (pieces + 1,), half of them shared out by length and half by the turn of tangents."""
     t = np.linspace(0, 1, 257)
-    steps = np.diff(shape(t), axis=0)
+    steps = np.diff(curve(t), axis=0)
     turns = np.linalg.norm(np.diff(steps, axis=0), axis=1)
     turned = np.concatenate([[0], np.cumsum(turns), [turns.sum()]])
     share = t + turned / (float(turned[-1]) or 1.0)

@@ -15,8 +15,6 @@ from abi.curves.curve import ArcLength, Curve
 Piece = tuple[float, float, FloatArray]
 """First and last parameter, and rows c0, c1, c2 of c0 + c1·t + c2·t² between them (3, 3), [unit]"""
 
-_SAMPLES = {True: 5, False: 33}  # for the extent of one piece, and of several
-
 
 @dataclass(frozen=True, eq=False)
 class Quadratic:
@@ -83,7 +81,7 @@ class Quadratic:
     @cached_property
     def extent(self) -> float:
         """Diagonal of the bounding box of points along the curve, [unit]."""
-        samples = self(np.linspace(0, 1, _SAMPLES[len(self.coefficients) == 1]))
+        samples = self(np.linspace(0, 1, 5 if len(self.coefficients) == 1 else 33))
         return float(np.linalg.norm(np.ptp(samples, axis=0)))
 
     def bezier(self) -> Bezier:
@@ -136,9 +134,9 @@ def least_squares(curve: Curve, arc: ArcLength) -> Quadratic:
         arc: its arc length.
     """
     first, last = curve(np.array(curve.interval))
-    bend = np.zeros(3)
+    c2 = np.zeros(3)
     if arc.length > 0:
         t = (arc.passed / arc.length)[:, None]
         above = curve(arc.nodes) - first - (last - first) * t
-        bend = 30 * (arc.weights @ (above * (t**2 - t))) / arc.length
-    return Quadratic.single(np.stack([first, last - first - bend, bend]))
+        c2 = 30 * (arc.weights @ (above * (t**2 - t))) / arc.length
+    return Quadratic.single(np.stack([first, last - first - c2, c2]))

@@ -13,15 +13,15 @@ from abi.errors import SceneError
 
 
 @dataclass(frozen=True, eq=False)
-class Profile:
-    """From rest to rest: speeding up, cruising, slowing down.
+class SpeedProfile:
+    """Motion from rest to rest: speeding up, cruising, slowing down.
 
     The travelled distance is the area of a trapezoid (paper, stage 5), or of a triangle when the
     length is too short to reach the speed.
 
     Attributes:
         length: distance to travel, [unit].
-        speed: speed asked for, V, [unit/s].
+        speed: largest allowed, V, [unit/s].
         acceleration: of the first phase, a1 > 0, [unit/s²].
         deceleration: magnitude in the third phase, abs(a3) > 0, [unit/s²].
         t1, t2, t3: durations of the phases, [s].
@@ -82,7 +82,9 @@ class Profile:
         return np.zeros_like(t)
 
 
-def three_phase(length: float, speed: float, acceleration: float, deceleration: float) -> Profile:
+def three_phase(
+    length: float, speed: float, acceleration: float, deceleration: float
+) -> SpeedProfile:
     """Fastest motion from rest to rest along a length under a speed and two accelerations.
 
     With V = a1·t1 = a3·t3 the trapezoid's area is (t1 + 2·t2 + t3)·V / 2 = length (paper, stage 5);
@@ -107,7 +109,7 @@ def three_phase(length: float, speed: float, acceleration: float, deceleration: 
     mean_slowness = (1 / acceleration + 1 / deceleration) / 2
     triangular = speed * speed * mean_slowness > length
     peak = min(speed, math.sqrt(length / mean_slowness)) if triangular else speed
-    return Profile(
+    return SpeedProfile(
         length=length,
         speed=speed,
         acceleration=acceleration,

@@ -1,1 +1,1 @@
-"""Obstacles: convex solids and triangle meshes, and their distances, one by one and as a set."""
+"""Obstacles: convex primitives and triangle meshes, and their distances, singly and as a set."""

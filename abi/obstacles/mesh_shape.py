@@ -20,11 +20,11 @@ from abi.errors import SceneError
 from abi.obstacles.pose import LARGEST, METRES, Length, Posed, rotation
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.obstacles.triangle_mesh.repair import Surface
-from abi.obstacles.triangle_mesh.signed_distance import SurfaceDistance, distances
+from abi.obstacles.triangle_mesh.signed_distance import SurfaceDistance, surface_distance
 
 TOO_LARGE = 20.0
 TOO_SMALL = 1 / 500
-"""A mesh beyond these parts of the workspace's longest side is likely in another unit."""
+"""Size of a mesh, in longest sides of the workspace, past which it is likely in another unit."""
 
 
 class MeshShape(Posed):
@@ -33,8 +33,8 @@ class MeshShape(Posed):
     Coordinates in the file count in ``unit`` (None: the scene's unit), times ``scale``. Two shapes
     are equal when their fields, the scene's unit and the content of their files are.
 
-    Every distance rests on the signed distance being 1-Lipschitz: over a way l it changes by no
-    more than l. That holds for any shape, for the open ones too.
+    Every distance rests on the signed distance being 1-Lipschitz: over a distance l it changes by
+    no more than l. That holds for any shape, for the open ones too.
     """
 
     convex: ClassVar[bool] = False
@@ -95,7 +95,7 @@ class MeshShape(Posed):
         """
         factor = self.scale * (METRES[self.unit] / METRES[unit] if self.unit else 1.0)
         if not 1e-6 <= factor * self.surface.extent <= LARGEST:
-            raise SceneError("scale", self.scale, _fitting(factor * self.surface.extent))
+            raise SceneError("scale", self.scale, _size_limits(factor * self.surface.extent))
         placed = self
         if factor != self._factor:
             placed = self.model_copy()
@@ -104,9 +104,9 @@ class MeshShape(Posed):
         return placed
 
     def prepare(self) -> None:
-        """Build what distances rest on, about a second for 80,000 triangles, once for a surface.
+        """Build the trees and the grid of the surface: about a second for 80,000 triangles, once.
 
-        Otherwise the first distance asked for waits for it.
+        Otherwise the first distance waits for it.
         """
         self._distances.prepare()
 
@@ -124,7 +124,7 @@ class MeshShape(Posed):
         Up to rounding, and by less than 1e-7 of the mesh's size where it has triangles without a
         width, it is exact or less. Inside a shell that crosses itself, the surface is all of it.
         """
-        return self._distances.signed(self._to_file(points)) * self._factor
+        return self._distances.signed_distance(self._to_file(points)) * self._factor
 
     def gradient(self, points: FloatArray) -> FloatArray:
         """Unit vectors (n, 3) along which the signed distance of points (n, 3) grows fastest.
@@ -132,7 +132,7 @@ class MeshShape(Posed):
         Where that direction is not unique it is one of those towards the nearest points, on the
         surface itself the normal of a triangle there. A mesh is not convex: no subgradient.
         """
-        return self._distances.outward(self._to_file(points)) @ rotation(self.wxyz).T
+        return self._distances.gradient(self._to_file(points)) @ rotation(self.wxyz).T
 
     def segment_distance(self, p: FloatArray, q: FloatArray) -> FloatArray:
         """Least signed distance (n,) along the segments from p (n, 3) to q (n, 3), [unit].
@@ -142,23 +142,22 @@ class MeshShape(Posed):
         enters a closed mesh, the value is a bound from below, under the true one by at most 1/64 of
         its length.
         """
-        found = self._distances.along(self._to_file(p), self._to_file(q))
-        return found * self._factor
+        return self._distances.segment_distance(self._to_file(p), self._to_file(q)) * self._factor
 
     def distance_bounds(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
         """A bound from below and one from above (n,) of the signed distance, [unit].
 
         They cost next to nothing, and are apart by some hundredths of the mesh's size.
         """
-        lower, upper = self._distances.bounds(self._to_file(points))
+        lower, upper = self._distances.distance_bounds(self._to_file(points))
         return lower * self._factor, upper * self._factor
 
-    def closer(self, points: FloatArray, margin: float) -> BoolArray:
-        """Which of the points (n, 3) have a signed distance under ``margin``, [unit], (n,)."""
-        return self._distances.closer(self._to_file(points), margin / self._factor)
+    def within(self, points: FloatArray, margin: float) -> BoolArray:
+        """Mask (n,) of the points (n, 3) with a signed distance under ``margin``, [unit]."""
+        return self._distances.within(self._to_file(points), margin / self._factor)
 
     def blocks(self, p: FloatArray, q: FloatArray, margins: FloatArray) -> BoolArray:
-        """Which segments from p (n, 3) to q (n, 3) come nearer than ``margins`` (n,), [unit].
+        """Mask (n,) of the segments from p (n, 3) to q (n, 3) nearer than ``margins`` (n,), [unit].
 
         Touching the surface blocks even where the margin is not above 0.
         """
@@ -170,22 +169,22 @@ class MeshShape(Posed):
         low, high = self.bounds()
         size = float((high - low).max())
         if size > LARGEST:
-            raise SceneError("scale", self.scale, f"{_fitting(size)} as it is turned")
+            raise SceneError("scale", self.scale, f"{_size_limits(size)} as it is turned")
         reached = max(-low.min(), high.max())
         if reached <= LARGEST:
             return
         limit = f"in the scene it reaches {reached:g}, and ±{LARGEST:g} is the limit"
         # with its middle at the origin a mesh of this size is well within the limit
-        better = np.clip(np.array(self.position) - (low + high) / 2, -LARGEST, LARGEST)
-        moved = better - np.array(self.position)
-        if max(-(low + moved).min(), (high + moved).max()) <= LARGEST:
-            place = "({:g}, {:g}, {:g})".format(*better.round(6) + 0.0)  # 0, not -0
-            raise SceneError("position", self.position, f"one like {place}: {limit}")
+        centred = np.clip(np.array(self.position) - (low + high) / 2, -LARGEST, LARGEST)
+        shift = centred - np.array(self.position)
+        if max(-(low + shift).min(), (high + shift).max()) <= LARGEST:
+            example = "({:g}, {:g}, {:g})".format(*centred.round(6) + 0.0)  # 0, not -0
+            raise SceneError("position", self.position, f"one like {example}: {limit}")
         raise SceneError("file", self.file, f"a mesh nearer to 0, or in a smaller unit: {limit}")
 
     @property
     def _distances(self) -> SurfaceDistance:
-        return distances(self.surface)
+        return surface_distance(self.surface)
 
     def _to_file(self, points: FloatArray) -> FloatArray:
         return self._to_body(points) / self._factor
@@ -204,16 +203,16 @@ def _triangles(shape: MeshShape) -> FloatArray:
 
 
 def _to_world(shape: MeshShape, points: FloatArray) -> FloatArray:
-    turned = points * shape.factor @ rotation(shape.wxyz).T
-    return np.asarray(turned + np.array(shape.position))
+    rotated = points * shape.factor @ rotation(shape.wxyz).T
+    return np.asarray(rotated + np.array(shape.position))
 
 
-def _fitting(size: float) -> str:
+def _size_limits(size: float) -> str:
     return f"a mesh between 1e-06 and {LARGEST:g} large, it would be {size:g}"
 
 
 def suggest_unit(extent: float, workspace: Sequence[float], unit: str) -> str | None:
-    """The unit a mesh was likely drawn in, when as it is it cannot be meant for this workspace.
+    """Likely unit of a mesh whose size does not fit the workspace.
 
     Args:
         extent: longest side of the mesh's bounding box, read in ``unit``.

@@ -1,8 +1,8 @@
-"""The obstacles of a scene as one thing, whatever their shapes.
+"""The obstacles of a scene as one set, whatever their shapes.
 
-Primitives are measured by the kernels, triangle meshes by their own tree, and the nearest counts:
-who asks here need not know which is which. Only where a proof rests on convexity does it ask for
-``primitives`` and ``meshes``. Lengths are in the scene's [unit], points in the world frame.
+Primitives are measured by the kernels, triangle meshes by their own tree, and the nearest counts.
+Only what rests on convexity asks for ``primitives`` and ``meshes``. Lengths are in the scene's
+[unit], points in the world frame.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from abi.obstacles.primitives import Box, Obstacle, Obstacles, Primitive
 
 @dataclass(frozen=True, eq=False)
 class ObstacleSet:
-    """Obstacles and their distances. Tables are made when they are first asked for.
+    """Obstacles and their distances; tables are made at their first use.
 
     Two sets are equal when they are the same object: to compare obstacles one by one costs more
     than most of what is computed with them, so a planner makes one set of equal scenes.
@@ -48,21 +48,21 @@ class ObstacleSet:
     @cached_property
     def primitives(self) -> tuple[Primitive, ...]:
         """The convex obstacles, (p,)."""
-        return tuple(one for one in self.obstacles if not isinstance(one, MeshShape))
+        return tuple(shape for shape in self.obstacles if not isinstance(shape, MeshShape))
 
     @cached_property
     def meshes(self) -> tuple[MeshShape, ...]:
         """The triangle meshes, (m,)."""
-        return tuple(one for one in self.obstacles if isinstance(one, MeshShape))
+        return tuple(shape for shape in self.obstacles if isinstance(shape, MeshShape))
 
     @cached_property
     def primitive_numbers(self) -> IntArray:
-        """Which obstacles the primitives are, ascending, (p,)."""
+        """Numbers of the primitives among the obstacles, ascending, (p,)."""
         return self._numbers(convex=True)
 
     @cached_property
     def mesh_numbers(self) -> IntArray:
-        """Which obstacles the meshes are, ascending, (m,)."""
+        """Numbers of the meshes among the obstacles, ascending, (m,)."""
         return self._numbers(convex=False)
 
     @property
@@ -72,18 +72,18 @@ class ObstacleSet:
 
     @cached_property
     def packed(self) -> FloatArray:
-        """The primitives as the kernels take them (p ``WIDTH``,); see ``primitive_kernels``."""
+        """The primitives as the kernels take them, flat (p ``WIDTH``,)."""
         return pack(self.primitives)
 
     @cached_property
     def bounds(self) -> tuple[FloatArray, FloatArray]:
         """Low and high corners (k, 3) of the obstacles' axis-parallel boxes, [unit], world."""
-        found = np.empty((len(self.obstacles), 2, 3))
+        corners = np.empty((len(self.obstacles), 2, 3))
         of_primitives = self.packed.reshape(-1, WIDTH)[:, -6:]
-        found[self.primitive_numbers] = of_primitives.reshape(-1, 2, 3)
+        corners[self.primitive_numbers] = of_primitives.reshape(-1, 2, 3)
         for number, mesh in zip(self.mesh_numbers, self.meshes, strict=True):
-            found[number] = mesh.bounds()
-        return read_only(found[:, 0].copy()), read_only(found[:, 1].copy())
+            corners[number] = mesh.bounds()
+        return read_only(corners[:, 0].copy()), read_only(corners[:, 1].copy())
 
     @cached_property
     def boxed(self) -> Self:
@@ -100,45 +100,47 @@ class ObstacleSet:
 
     @cached_property
     def meshes_alone(self) -> Self:
-        """The set of the meshes, for what a kernel has already done for the primitives."""
+        """The set of the meshes, for work that a kernel has already done for the primitives."""
         return type(self)(self.meshes)
 
     def nearest(self, points: FloatArray) -> tuple[FloatArray, IntArray]:
-        """Least signed distance (n,) of points (n, 3), [unit], and to which obstacle (n,).
+        """Least signed distance (n,) of points (n, 3), [unit], and number (n,) of that obstacle.
 
         The first obstacle counts on a tie; without obstacles the distance is inf, the number -1.
         """
         distance = np.full(len(points), np.inf)
         number = np.full(len(points), -1, dtype=np.int32)
         for k, obstacle in enumerate(self.obstacles):
-            found = obstacle.signed_distance(points)
-            nearer = found < distance
-            distance[nearer] = found[nearer]
+            to_obstacle = obstacle.signed_distance(points)
+            nearer = to_obstacle < distance
+            distance[nearer] = to_obstacle[nearer]
             number[nearer] = k
         return distance, number
 
     def signed_distance(self, points: FloatArray) -> FloatArray:
         """Least signed distance (n,) of points (n, 3), [unit]; inf without obstacles."""
-        found, _ = self._from_primitives(points)
+        distance, _ = self._from_primitives(points)
         for mesh in self.meshes:
-            np.minimum(found, mesh.signed_distance(points), out=found)
-        return found
+            np.minimum(distance, mesh.signed_distance(points), out=distance)
+        return distance
 
     def signed_distances(self, points: FloatArray) -> FloatArray:
         """Signed distance (n, k) of points (n, 3) to each obstacle, [unit]."""
-        found = np.empty((len(points), len(self.obstacles)))
+        distances = np.empty((len(points), len(self.obstacles)))
         of_primitives = np.empty(len(points) * len(self.primitives))
         kernels.signed_distances(flat(points), self.packed, of_primitives)
-        found[:, self.primitive_numbers] = of_primitives.reshape(len(points), len(self.primitives))
+        distances[:, self.primitive_numbers] = of_primitives.reshape(
+            len(points), len(self.primitives)
+        )
         for number, mesh in zip(self.mesh_numbers, self.meshes, strict=True):
-            found[:, number] = mesh.signed_distance(points)
-        return found
+            distances[:, number] = mesh.signed_distance(points)
+        return distances
 
-    def outward(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Least signed distance (n,) of points (n, 3), [unit], and the way out.
+    def signed_distance_gradient(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Least signed distance (n,) of points (n, 3), [unit], and its gradient (n, 3), world.
 
-        Returns:
-            The distances, inf without obstacles, and their unit subgradients (n, 3), world.
+        The gradient is a unit subgradient of a primitive's distance; without obstacles the distance
+        is inf, the gradient 0.
         """
         distance, gradient = self._from_primitives(points)
         for mesh in self.meshes:
@@ -151,14 +153,14 @@ class ObstacleSet:
     def blocked(
         self, starts: FloatArray, ends: FloatArray, margin: float | FloatArray
     ) -> BoolArray:
-        """Which segments come nearer to an obstacle than ``margin``, (n,).
+        """Mask (n,) of the segments that come nearer to an obstacle than ``margin``.
 
-        Only the segments that an obstacle's bounding box leaves open are looked at any closer.
+        Only the segments near an obstacle's bounding box are measured.
 
         Args:
             starts: first ends (n, 3), [unit], world.
             ends: second ends (n, 3), [unit], world.
-            margin: distance asked for, [unit], one for all or one for each segment (n,).
+            margin: [unit], one for all or one for each segment (n,).
         """
         blocked = np.zeros(len(starts), dtype=np.bool_)
         if not self.obstacles:
@@ -186,12 +188,12 @@ class ObstacleSet:
     def polyline_clearances(self, polylines: FloatArray) -> FloatArray:
         """Clearances (n,) of polylines of equally many vertices (n, k, 3), k >= 2, [unit]."""
         count, size, _ = polylines.shape
-        found = np.empty(count)
-        kernels.polyline_distances(flat(polylines), size, self.packed, found)
+        clearances = np.empty(count)
+        kernels.polyline_distances(flat(polylines), size, self.packed, clearances)
         for mesh in self.meshes:
             legs = mesh.segment_distance(*_segments(polylines)).reshape(count, size - 1)
-            np.minimum(found, legs.min(axis=1), out=found)
-        return found
+            np.minimum(clearances, legs.min(axis=1), out=clearances)
+        return clearances
 
     def segment_clearances(self, points: FloatArray) -> FloatArray:
         """Clearances (k - 1,) of a polyline's segments, [unit].
@@ -204,16 +206,16 @@ class ObstacleSet:
         return self.polyline_clearances(np.stack([points[:-1], points[1:]], axis=1))
 
     def nearest_polyline(self, polylines: FloatArray) -> tuple[float, int, int]:
-        """Least clearance of polylines (n, k, 3), k >= 2, [unit], which has it, and to what.
+        """Least clearance of polylines (n, k, 3), k >= 2, [unit], and between which it is.
 
         Returns:
             The clearance, a polyline's number and an obstacle's; inf, 0 and -1 without obstacles.
         """
-        best, which, whose = math.inf, 0, -1
+        best, polyline, obstacle = math.inf, 0, -1
         size = polylines.shape[1]
         if self.primitives:
-            best, which, primitive = kernels.nearest_polyline(flat(polylines), size, self.packed)
-            whose = int(self.primitive_numbers[primitive])
+            best, polyline, primitive = kernels.nearest_polyline(flat(polylines), size, self.packed)
+            obstacle = int(self.primitive_numbers[primitive])
         starts, ends = _segments(polylines)
         for number, mesh in zip(self.mesh_numbers.tolist(), self.meshes, strict=True):
             lower, upper = mesh.distance_bounds(polylines.reshape(-1, 3))
@@ -224,14 +226,14 @@ class ObstacleSet:
             near = np.flatnonzero(bound <= min(best, float(upper.min())))
             if not len(near):
                 continue
-            found = mesh.segment_distance(starts[near], ends[near])
-            k = int(found.argmin())
-            if found[k] < best:
-                best, which, whose = float(found[k]), int(near[k]) // (size - 1), number
-        return best, which, whose
+            distance = mesh.segment_distance(starts[near], ends[near])
+            k = int(distance.argmin())
+            if distance[k] < best:
+                best, polyline, obstacle = float(distance[k]), int(near[k]) // (size - 1), number
+        return best, polyline, obstacle
 
     def _numbers(self, convex: bool) -> IntArray:
-        chosen = [k for k, one in enumerate(self.obstacles) if one.convex == convex]
+        chosen = [k for k, shape in enumerate(self.obstacles) if shape.convex == convex]
         return read_only(np.array(chosen, dtype=np.int32))
 
     def _from_primitives(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:

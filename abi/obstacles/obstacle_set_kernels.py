@@ -1,6 +1,6 @@
 """Distances of polylines and points to convex primitives.
 
-For the rows of numbers that describe primitives see ``primitive_kernels``. A point is three
+For the rows of primitives see ``primitive_kernels``. A point is three
 successive numbers.
 """
 
@@ -26,26 +26,26 @@ from abi.obstacles.primitive_kernels import (
 )
 from abi.obstacles.vector_kernels import Vec3, add, axpy, dot, sub, vec3_at
 
-_STEPS = 100  # far more than it takes to find a lowest point to the last bit
+_STEPS = 100  # far more than it takes to find a minimum to the last bit
 _STRIDE = 20
 _ROUNDING = 4 * 2.0**-52
 
 
 @register_jitable
-def _least_along(core: Core, best: float, p: Vec3, d: Vec3) -> float:
+def _least_distance(core: Core, best: float, p: Vec3, d: Vec3) -> float:
     """Least signed distance along the segment from p to p + d, body frame; ``best`` if above.
 
     Tangents bound a convex function from below. The next place is where those at both ends of the
     bracket meet, in turn with its middle.
     """
     low, high = 0.0, 1.0
-    at_low, outward = signed_distance_gradient(core, p)
-    fall = dot(outward, d)
+    at_low, gradient = signed_distance_gradient(core, p)
+    fall = dot(gradient, d)
     best = min(best, at_low)
     if fall >= 0 or at_low + fall >= best:
         return best
-    at_high, outward = signed_distance_gradient(core, add(p, d))
-    rise = dot(outward, d)
+    at_high, gradient = signed_distance_gradient(core, add(p, d))
+    rise = dot(gradient, d)
     best = min(best, at_high)
     if rise <= 0:
         return best
@@ -59,13 +59,13 @@ def _least_along(core: Core, best: float, p: Vec3, d: Vec3) -> float:
             t = (low + high) / 2
             if not low < t < high:
                 break
-        away, outward = signed_distance_gradient(core, axpy(t, d, p))
-        slope = dot(outward, d)
-        best = min(best, away)
+        distance, gradient = signed_distance_gradient(core, axpy(t, d, p))
+        slope = dot(gradient, d)
+        best = min(best, distance)
         if slope < 0:
-            low, at_low, fall = t, away, slope
+            low, at_low, fall = t, distance, slope
         elif slope > 0:
-            high, at_high, rise = t, away, slope
+            high, at_high, rise = t, distance, slope
         else:
             break
     return best
@@ -78,12 +78,34 @@ def _to_segment(primitives: FloatArray, s: int, best: float, a: Vec3, b: Vec3) -
         return best
     axes = axes_of(primitives, s)
     p = in_body(axes, sub(a, centre_of(primitives, s)))
-    return _least_along(core_of(primitives, s), best, p, in_body(axes, sub(b, a)))
+    return _least_distance(core_of(primitives, s), best, p, in_body(axes, sub(b, a)))
+
+
+@register_jitable(forceinline=True)
+def nearest_primitive(primitives: FloatArray, enough: float, x: Vec3) -> tuple[float, int]:
+    """Least signed distance of a point and whose it is; ``enough`` and -1 if it is not below."""
+    best, whose = enough, -1
+    for s in range(len(primitives) // WIDTH):
+        if not bounds_apart(primitives, s, best, x, x):
+            p = in_body(axes_of(primitives, s), sub(x, centre_of(primitives, s)))
+            distance = signed_distance(core_of(primitives, s), p)
+            if distance < best:
+                best, whose = distance, s
+    return best, whose
+
+
+@register_jitable(forceinline=True)
+def distance_gradient(primitives: FloatArray, s: int, x: Vec3) -> tuple[float, Vec3]:
+    """Signed distance of a point to primitive s, and a unit subgradient of it, world."""
+    axes = axes_of(primitives, s)
+    p = in_body(axes, sub(x, centre_of(primitives, s)))
+    distance, gradient = signed_distance_gradient(core_of(primitives, s), p)
+    return distance, in_world(axes, gradient)
 
 
 @compiled(example=(FLOATS, 2, FLOATS, NEW_FLOATS))
 def polyline_distances(
-    points: FloatArray, size: int, primitives: FloatArray, found: FloatArray
+    points: FloatArray, size: int, primitives: FloatArray, distances: FloatArray
 ) -> None:
     """Least signed distances from polylines to all primitives.
 
@@ -91,22 +113,22 @@ def polyline_distances(
         points: of one polyline after the other, flat (3 n size,), [unit], world.
         size: points of each polyline, at least 2.
         primitives: rows (k WIDTH,).
-        found: of each polyline (n,), [unit], inf without primitives; written.
+        distances: of each polyline (n,), [unit], inf without primitives; written.
     """
-    for run in range(len(found)):
+    for run in range(len(distances)):
         best = math.inf
         for s in range(len(primitives) // WIDTH):
             for i in range(3 * run * size, 3 * (run * size + size - 1), 3):
                 a, b = vec3_at(points, i), vec3_at(points, i + 3)
                 best = _to_segment(primitives, s, best, a, b)
-        found[run] = best
+        distances[run] = best
 
 
 @compiled(example=(FLOATS, 2, FLOATS))
 def nearest_polyline(
     points: FloatArray, size: int, primitives: FloatArray
 ) -> tuple[float, int, int]:
-    """Least signed distance from polylines to primitives, of which polyline, and to which of them.
+    """Least signed distance from polylines to primitives, and between which of them it is.
 
     Args:
         points: of one polyline after the other, flat (3 n size,), [unit], world.
@@ -114,63 +136,50 @@ def nearest_polyline(
         primitives: rows (k WIDTH,), k >= 1.
     """
     best, which, whose = math.inf, 0, -1
-    # A few first: what they come to leaves little to look for in the others.
+    # A few first: their least distance rules out most of the others.
     for stride in (_STRIDE, 1):
         for run in range(0, len(points) // (3 * size), stride):
             for i in range(3 * run * size, 3 * (run * size + size - 1), 3):
                 a, b = vec3_at(points, i), vec3_at(points, i + 3)
                 for s in range(len(primitives) // WIDTH):
-                    found = _to_segment(primitives, s, best, a, b)
-                    if found < best:
-                        best, which, whose = found, run, s
+                    distance = _to_segment(primitives, s, best, a, b)
+                    if distance < best:
+                        best, which, whose = distance, run, s
     return best, which, whose
 
 
 @compiled(example=(FLOATS, FLOATS, NEW_FLOATS, NEW_FLOATS))
 def nearest(
-    points: FloatArray,
-    primitives: FloatArray,
-    away: FloatArray,
-    outward: FloatArray,
+    points: FloatArray, primitives: FloatArray, distances: FloatArray, gradients: FloatArray
 ) -> None:
-    """Signed distances of points to the nearest primitive, and the way out of it.
+    """Signed distances of points to the nearest primitive, and their gradients.
 
     Args:
         points: flat (3 n,), [unit], world.
         primitives: rows (k WIDTH,).
-        away: least distance (n,), inf without primitives; written.
-        outward: unit subgradients of that distance, flat (3 n,), world; written.
+        distances: (n,), [unit], inf without primitives; written.
+        gradients: unit subgradients of the distances, flat (3 n,), world; written.
     """
-    for i in range(len(away)):
-        best, chosen = math.inf, -1
+    for i in range(len(distances)):
         x = vec3_at(points, 3 * i)
-        for s in range(len(primitives) // WIDTH):
-            if bounds_apart(primitives, s, best, x, x):
-                continue
-            p = in_body(axes_of(primitives, s), sub(x, centre_of(primitives, s)))
-            found = signed_distance(core_of(primitives, s), p)
-            if found < best:
-                best, chosen = found, s
-        away[i] = best
-        if chosen >= 0:
-            axes = axes_of(primitives, chosen)
-            p = in_body(axes, sub(x, centre_of(primitives, chosen)))
-            way = in_world(axes, signed_distance_gradient(core_of(primitives, chosen), p)[1])
-            outward[3 * i], outward[3 * i + 1], outward[3 * i + 2] = way
+        distances[i], whose = nearest_primitive(primitives, math.inf, x)
+        if whose >= 0:
+            gradient = distance_gradient(primitives, whose, x)[1]
+            gradients[3 * i], gradients[3 * i + 1], gradients[3 * i + 2] = gradient
 
 
 @compiled(example=(FLOATS, FLOATS, NEW_FLOATS))
-def signed_distances(points: FloatArray, primitives: FloatArray, found: FloatArray) -> None:
+def signed_distances(points: FloatArray, primitives: FloatArray, distances: FloatArray) -> None:
     """Signed distance of each point to each primitive.
 
     Args:
         points: flat (3 n,), [unit], world.
         primitives: rows (k WIDTH,).
-        found: (n k,), [unit], the primitives of the first point first; written.
+        distances: (n k,), [unit], the primitives of the first point first; written.
     """
     count = len(primitives) // WIDTH
     for i in range(len(points) // 3):
         x = vec3_at(points, 3 * i)
         for s in range(count):
             p = in_body(axes_of(primitives, s), sub(x, centre_of(primitives, s)))
-            found[i * count + s] = signed_distance(core_of(primitives, s), p)
+            distances[i * count + s] = signed_distance(core_of(primitives, s), p)

@@ -1,4 +1,4 @@
-"""Convex primitives as the rows of numbers by which the kernels know them."""
+"""Convex primitives packed into the rows of numbers that the kernels take."""
 
 from __future__ import annotations
 
@@ -12,27 +12,23 @@ from abi.obstacles.pose import rotation
 from abi.obstacles.primitive_kernels import WIDTH
 from abi.obstacles.primitives import Box, Capsule, Cylinder, Primitive
 
-_NONE = read_only(np.zeros(0))
-
 
 def pack(primitives: tuple[Primitive, ...]) -> FloatArray:
-    """Rows of the primitives, one after the other, (k ``WIDTH``,); see ``primitive_kernels``."""
-    if len(primitives) == 1:
-        return _row(primitives[0])
-    return read_only(np.concatenate([_row(one) for one in primitives])) if primitives else _NONE
+    """Rows of k primitives, flat (k ``WIDTH``,); see ``primitive_kernels``."""
+    return read_only(np.concatenate([np.zeros(0), *map(_row, primitives)]))
 
 
 @lru_cache(maxsize=1024)
 def _row(primitive: Primitive) -> FloatArray:
     axes = _axes(primitive.wxyz)
     a, b, c, radius, is_cylinder = core = _core(primitive)
-    reach = [
+    half = [
         abs(axes[k + 6]) * c + math.hypot(axes[k], axes[k + 3]) * a
         if is_cylinder
         else abs(axes[k]) * a + abs(axes[k + 3]) * b + abs(axes[k + 6]) * c + radius
         for k in range(3)
     ]
-    (x, y, z), (u, v, w) = primitive.position, reach
+    (x, y, z), (u, v, w) = primitive.position, half
     row = np.array([x, y, z, *axes, *core, x - u, y - v, z - w, x + u, y + v, z + w])
     assert len(row) == WIDTH
     return read_only(row)

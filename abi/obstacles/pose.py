@@ -1,4 +1,4 @@
-"""Numbers, lengths, points and rotations of a scene, and the pose that every obstacle has.
+"""Numbers, points and rotations as a scene has them, and the pose of every obstacle.
 
 Lengths are in the scene's [unit].
 """
@@ -17,7 +17,7 @@ from abi.arrays import FloatArray, read_only
 
 LARGEST = 1e6
 METRES: Mapping[str, float] = {"m": 1.0, "cm": 0.01, "mm": 0.001}
-"""What one of each unit is in metres."""
+"""Metres in one of each unit."""
 
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 Length = Annotated[Number, Field(gt=0, le=LARGEST)]
@@ -59,7 +59,7 @@ def rotation(wxyz: tuple[float, float, float, float]) -> FloatArray:
 
 
 class Posed(BaseModel):
-    """Something placed in the world: its origin, [unit], and its rotation as a quaternion."""
+    """Pose in the world: an origin, [unit], and a rotation as a quaternion."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 

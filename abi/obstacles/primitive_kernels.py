@@ -1,4 +1,4 @@
-"""Convex primitives as rows of numbers: their signed distance, and what comes near to them.
+"""Convex primitives as rows of numbers: their signed distance, and tests against a margin.
 
 Plain Python that numba compiles with its caller; uncompiled it runs on lists. Mostly numbers and
 tuples are handed over, for arrays are counted in and out at every call.
@@ -96,20 +96,20 @@ def signed_distance_gradient(core: Core, p: Vec3) -> tuple[float, Vec3]:
     front = 1.0 if y >= 0 else -1.0
     top = 1.0 if z >= 0 else -1.0
     if core[4] == 1:
-        wide = math.sqrt(x * x + y * y)
-        u, v = (x / wide, y / wide) if wide > 0 else (1.0, 0.0)
-        a, c = wide - core[0], abs(z) - core[2]
+        radial = math.sqrt(x * x + y * y)
+        u, v = (x / radial, y / radial) if radial > 0 else (1.0, 0.0)
+        a, c = radial - core[0], abs(z) - core[2]
         if a > 0 and c > 0:
-            away = math.sqrt(a * a + c * c)
-            return away, (a / away * u, a / away * v, c / away * top)
+            distance = math.sqrt(a * a + c * c)
+            return distance, (a / distance * u, a / distance * v, c / distance * top)
         if a >= c:
             return a, (u, v, 0.0)
         return c, (0.0, 0.0, top)
     a, b, c = abs(x) - core[0], abs(y) - core[1], abs(z) - core[2]
     e, f, g = max(a, 0.0), max(b, 0.0), max(c, 0.0)
-    away = math.sqrt(e * e + f * f + g * g)
-    if away > 0:
-        return away - core[3], (e / away * side, f / away * front, g / away * top)
+    distance = math.sqrt(e * e + f * f + g * g)
+    if distance > 0:
+        return distance - core[3], (e / distance * side, f / distance * front, g / distance * top)
     if a >= b and a >= c:
         return a - core[3], (side, 0.0, 0.0)
     if b >= c:
@@ -122,24 +122,24 @@ def segment_within(core: Core, margin: float, p: Vec3, d: Vec3) -> bool:
     """Whether the segment from p to p + d, in the body's axes, comes nearer than ``margin``.
 
     The distance is convex along the segment, so a tangent at t bounds it from below: on one side
-    of t it stays above the margin, on the other it does so for a known stretch. What is left is
-    looked at where the slope is likely to be zero.
+    of t it stays above the margin, on the other it does so for a known stretch. The rest is
+    sampled where the slope is likely to be zero.
     """
     low, high = 0.0, 1.0
-    before, falling, after, rising = 0.0, 0.0, 1.0, 0.0  # where the slope was seen last, and what
+    before, falling, after, rising = 0.0, 0.0, 1.0, 0.0  # the last slopes, and where
     square = dot(d, d)
-    # nearest to the centre: what comes too near does so there for the most part
+    # nearest to the centre: there most segments that come too near do so
     t = min(max(-dot(p, d) / square, 0.0), 1.0) if square > 0 else 0.0
     for step in range(_STEPS):
-        away, outward = signed_distance_gradient(core, axpy(t, d, p))
-        if away < margin:
+        distance, gradient = signed_distance_gradient(core, axpy(t, d, p))
+        if distance < margin:
             return True
-        slope = dot(outward, d)
+        slope = dot(gradient, d)
         if slope < 0:
-            low = max(low, t - (away - margin) / slope)
+            low = max(low, t - (distance - margin) / slope)
             before, falling = t, slope
         elif slope > 0:
-            high = min(high, t - (away - margin) / slope)
+            high = min(high, t - (distance - margin) / slope)
             after, rising = t, slope
         else:
             return False
@@ -208,10 +208,10 @@ def blocker(
 
     Args:
         primitives, margins, first, a, b: see :func:`blocked`.
-        guess: the primitive that is looked at first.
+        guess: the primitive that is tried first.
     """
-    for turn in range(len(primitives) // WIDTH):
-        s = guess if turn == 0 else (turn - 1 if turn <= guess else turn)
+    for k in range(len(primitives) // WIDTH):
+        s = guess if k == 0 else (k - 1 if k <= guess else k)
         margin = margins[first + s]
         if bounds_apart(primitives, s, margin, a, b):
             continue

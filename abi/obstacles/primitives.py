@@ -2,9 +2,9 @@
 
 Each is convex, so its signed distance is a convex function of the point
 (Boyd and Vandenberghe, Convex Optimization, 2004, section 3.2.5 and exercise 8.5). Two things rest
-on that: the distance along a segment has one lowest stretch, and every tangent bounds it from
-below. Triangle meshes (:mod:`abi.obstacles.mesh_shape`) need not be convex: ``convex`` tells.
-Lengths are in the scene's [unit]; arrays of points are in the world frame unless named body.
+on that: along a segment it has no local minimum but the global one, and every tangent bounds it
+from below. Triangle meshes (:mod:`abi.obstacles.mesh_shape`) need not be convex. Lengths are in the
+scene's [unit]; arrays of points are in the world frame unless named body.
 """
 
 from __future__ import annotations
@@ -86,17 +86,17 @@ def _deepest_in_box(p: FloatArray, d: FloatArray, half: FloatArray) -> FloatArra
     Inside, the signed distance is the greatest of six functions linear in t, one for each face.
     The lowest point of such an envelope is an end or where two of them are equal.
     """
-    level = np.concatenate([p - half, -p - half], axis=1)
+    distance = np.concatenate([p - half, -p - half], axis=1)
     slope = np.concatenate([d, -d], axis=1)
     i, j = np.triu_indices(6, 1)
-    turn = slope[:, i] - slope[:, j]
+    closing = slope[:, i] - slope[:, j]
     t = np.zeros((len(p), len(i) + 2))
     t[:, 1] = 1
     with np.errstate(over="ignore"):
-        np.divide(level[:, j] - level[:, i], turn, out=t[:, 2:], where=turn != 0)
+        np.divide(distance[:, j] - distance[:, i], closing, out=t[:, 2:], where=closing != 0)
     t = np.clip(t, 0, 1)
-    depth = (level[:, None] + t[..., None] * slope[:, None]).max(axis=2)
-    return np.asarray(t[np.arange(len(p)), depth.argmin(axis=1)])
+    greatest = (distance[:, None] + t[..., None] * slope[:, None]).max(axis=2)
+    return np.asarray(t[np.arange(len(p)), greatest.argmin(axis=1)])
 
 
 class _Primitive(Posed):
@@ -109,21 +109,21 @@ class _Primitive(Posed):
         """Signed distance (n,) of body points (n, 3)."""
 
     @abstractmethod
-    def _outward(self, x: FloatArray) -> FloatArray:
+    def _gradient(self, x: FloatArray) -> FloatArray:
         """A unit subgradient (n, 3) of the signed distance at body points (n, 3)."""
 
     @abstractmethod
-    def _lowest(self, p: FloatArray, d: FloatArray) -> FloatArray:
+    def _nearest_parameter(self, p: FloatArray, d: FloatArray) -> FloatArray:
         """Parameter (n,) in [0, 1] of the least signed distance along p + t d, body (n, 3)."""
 
     @abstractmethod
-    def _reach(self, rotation: FloatArray) -> FloatArray:
+    def _half_extents(self, rotation: FloatArray) -> FloatArray:
         """Half extents (3,) of the solid along the world's axes."""
 
     def bounds(self) -> tuple[FloatArray, FloatArray]:
         """Low and high corner, each (3,), of the tightest axis-parallel box, [unit], world."""
-        reach = self._reach(rotation(self.wxyz))
-        return read_only(self.position - reach), read_only(self.position + reach)
+        half = self._half_extents(rotation(self.wxyz))
+        return read_only(self.position - half), read_only(self.position + half)
 
     def signed_distance(self, points: FloatArray) -> FloatArray:
         """Euclidean distance (n,) of points (n, 3) to the surface, [unit]; negative inside."""
@@ -135,7 +135,7 @@ class _Primitive(Posed):
         Where that direction is not unique (on the medial axis, at edges) it is one of the valid
         ones, hence always a subgradient: d(x) >= d(p) + gradient(p) . (x - p) for all x.
         """
-        return np.asarray(self._outward(self._to_body(points)) @ rotation(self.wxyz).T)
+        return np.asarray(self._gradient(self._to_body(points)) @ rotation(self.wxyz).T)
 
     def segment_distance(self, p: FloatArray, q: FloatArray) -> FloatArray:
         """Least signed distance (n,) along the segments from p (n, 3) to q (n, 3), [unit].
@@ -144,34 +144,34 @@ class _Primitive(Posed):
         """
         a, b = self._to_body(p), self._to_body(q)
         d = b - a
-        lowest = self._distance(a + self._lowest(a, d)[:, None] * d)
-        return np.minimum(lowest, np.minimum(self._distance(a), self._distance(b)))
+        least = self._distance(a + self._nearest_parameter(a, d)[:, None] * d)
+        return np.minimum(least, np.minimum(self._distance(a), self._distance(b)))
 
-    def closer(self, points: FloatArray, margin: float) -> BoolArray:
-        """Which of the points (n, 3) have a signed distance under ``margin``, [unit], (n,)."""
+    def within(self, points: FloatArray, margin: float) -> BoolArray:
+        """Mask (n,) of the points (n, 3) with a signed distance under ``margin``, [unit]."""
         return self.signed_distance(points) < margin
 
     def blocks(self, p: FloatArray, q: FloatArray, margins: FloatArray) -> BoolArray:
-        """Which segments from p (n, 3) to q (n, 3) come nearer than ``margins`` (n,), [unit].
+        """Mask (n,) of the segments from p (n, 3) to q (n, 3) nearer than ``margins`` (n,), [unit].
 
-        Only the segments that their ends leave open are measured along their whole length.
+        Only the segments that their ends leave undecided are measured along their whole length.
         """
         at_p, at_q = self.signed_distance(p), self.signed_distance(q)
         length = np.sqrt(_dot(q - p, q - p))
         blocked = np.minimum(at_p, at_q) < margins
-        # The distance changes by no more than the way gone; the pad leaves ties to the exact test.
+        # The distance is 1-Lipschitz; the pad leaves ties to the exact test.
         pad = 1e-12 * (length + np.abs(at_p) + np.abs(at_q))
         rows = np.flatnonzero(~blocked & ((at_p + at_q - length) / 2 < margins + pad))
         p, q, at_p, at_q, pad, margins = (v[rows] for v in (p, q, at_p, at_q, pad, margins))
         # The tangents at both ends bound a convex function from below where they meet.
         slope_p = _dot(self.gradient(p), q - p)
         slope_q = _dot(self.gradient(q), q - p)
-        turn = slope_q - slope_p
-        t = np.clip((at_p - at_q + slope_q) / np.where(turn > 0, turn, 1), 0, 1)
+        bend = slope_q - slope_p
+        t = np.clip((at_p - at_q + slope_q) / np.where(bend > 0, bend, 1), 0, 1)
         floor = np.maximum(at_p + slope_p * t, at_q + slope_q * (t - 1))
-        open_ = (turn > 0) & (slope_p < 0) & (slope_q > 0) & (floor < margins + pad)
-        left = rows[open_]
-        blocked[left] = self.segment_distance(p[open_], q[open_]) < margins[open_]
+        undecided = (bend > 0) & (slope_p < 0) & (slope_q > 0) & (floor < margins + pad)
+        p, q, margins = p[undecided], q[undecided], margins[undecided]
+        blocked[rows[undecided]] = self.segment_distance(p, q) < margins
         return blocked
 
 
@@ -184,18 +184,18 @@ class Box(_Primitive):
     def _distance(self, x: FloatArray) -> FloatArray:
         return _excess_distance(np.abs(x) - np.array(self.size) / 2)
 
-    def _outward(self, x: FloatArray) -> FloatArray:
+    def _gradient(self, x: FloatArray) -> FloatArray:
         direction = _excess_direction(np.abs(x) - np.array(self.size) / 2)
         return np.copysign(direction, x)
 
-    def _lowest(self, p: FloatArray, d: FloatArray) -> FloatArray:
+    def _nearest_parameter(self, p: FloatArray, d: FloatArray) -> FloatArray:
         half = np.array(self.size) / 2
         t = _nearest_to_box(p, d, half)
         inside = np.flatnonzero(self._distance(p + t[:, None] * d) <= 0)
         t[inside] = _deepest_in_box(p[inside], d[inside], half)
         return t
 
-    def _reach(self, rotation: FloatArray) -> FloatArray:
+    def _half_extents(self, rotation: FloatArray) -> FloatArray:
         return np.asarray(np.abs(rotation) @ (np.array(self.size) / 2))
 
 
@@ -211,14 +211,14 @@ class _Rounded(_Primitive):
     def _distance(self, x: FloatArray) -> FloatArray:
         return _excess_distance(np.abs(x) - self._core()) - self.radius
 
-    def _outward(self, x: FloatArray) -> FloatArray:
+    def _gradient(self, x: FloatArray) -> FloatArray:
         core = self._core()
         return _unit(x - np.clip(x, -core, core), np.array([1.0, 0.0, 0.0]))
 
-    def _lowest(self, p: FloatArray, d: FloatArray) -> FloatArray:
+    def _nearest_parameter(self, p: FloatArray, d: FloatArray) -> FloatArray:
         return _nearest_to_box(p, d, self._core())
 
-    def _reach(self, rotation: FloatArray) -> FloatArray:
+    def _half_extents(self, rotation: FloatArray) -> FloatArray:
         return np.asarray(np.abs(rotation) @ self._core() + self.radius)
 
 
@@ -255,24 +255,24 @@ class Cylinder(_Primitive):
     def _distance(self, x: FloatArray) -> FloatArray:
         return _excess_distance(self._excess(x))
 
-    def _outward(self, x: FloatArray) -> FloatArray:
+    def _gradient(self, x: FloatArray) -> FloatArray:
         direction = _excess_direction(self._excess(x))
         radial = _unit(x[:, :2], np.array([1.0, 0.0])) * direction[:, :1]
         return np.concatenate([radial, np.copysign(direction[:, 1:], x[:, 2:])], axis=1)
 
-    def _lowest(self, p: FloatArray, d: FloatArray) -> FloatArray:
-        # Past the rim the minimum is the root of a quartic; halving on the slope's sign is as exact
-        # and needs no case.
+    def _nearest_parameter(self, p: FloatArray, d: FloatArray) -> FloatArray:
+        # Past the rim the minimum is the root of a quartic; bisection on the slope's sign is as
+        # exact and needs no case.
         low, high = np.zeros(len(p)), np.ones(len(p))
         for _ in range(50):
             t = (low + high) / 2
-            rising = _dot(self._outward(p + t[:, None] * d), d) > 0
+            rising = _dot(self._gradient(p + t[:, None] * d), d) > 0
             low, high = np.where(rising, low, t), np.where(rising, t, high)
         return np.asarray((low + high) / 2)
 
-    def _reach(self, rotation: FloatArray) -> FloatArray:
-        across = np.hypot(rotation[:, 0], rotation[:, 1])
-        return np.asarray(np.abs(rotation[:, 2]) * self.height / 2 + across * self.radius)
+    def _half_extents(self, rotation: FloatArray) -> FloatArray:
+        radial = np.hypot(rotation[:, 0], rotation[:, 1])
+        return np.asarray(np.abs(rotation[:, 2]) * self.height / 2 + radial * self.radius)
 
 
 Primitive = Box | Sphere | Cylinder | Capsule

@@ -15,7 +15,7 @@ from abi.curves.bspline import BSpline
 from abi.curves.curve import ArcLength
 from abi.curves.fit import Fit
 from abi.curves.quadratic import Quadratic
-from abi.curves.speed_profile import Profile
+from abi.curves.speed_profile import SpeedProfile
 from abi.errors import StageError
 from abi.planner import plan_json
 from abi.scene.scene import Scene
@@ -48,7 +48,7 @@ class Plan:
     quadratic: Fit[Quadratic] | None = None
     quadratic_arc: ArcLength | None = None
     followed: str | None = None
-    profile: Profile | None = None
+    profile: SpeedProfile | None = None
     arm: Arm | None = None
     motion: ArmMotion | None = None
     error: StageError | None = None

@@ -18,7 +18,7 @@ from abi.curves.bspline import BSpline
 from abi.curves.curve import ArcLength
 from abi.curves.fit import Fit
 from abi.curves.quadratic import Quadratic
-from abi.curves.speed_profile import Profile
+from abi.curves.speed_profile import SpeedProfile
 from abi.errors import StageError
 from abi.search.graph import Graph
 from abi.search.search import SearchResult
@@ -163,7 +163,7 @@ def optimum(bound: Bound | None, kept: Mapping[str, float], followed: str | None
     }
 
 
-def timing(profile: Profile | None, followed: str | None, ms: Times) -> Section:
+def timing(profile: SpeedProfile | None, followed: str | None, ms: Times) -> Section:
     """Stage 5, the motion along the curve that the arm executes."""
     if profile is None:
         return None

@@ -77,7 +77,7 @@ def _sweep(path: FloatArray, obstacles: ObstacleSet, limits: FloatArray, parity:
     legs = _sum_of_legs(before, here, after)
     share = np.linalg.norm(here - before, axis=1, keepdims=True) / np.maximum(legs, 1e-300)[:, None]
     pull = before + share * (after - before) - here
-    normal = obstacles.outward(here)[1]
+    normal = obstacles.signed_distance_gradient(here)[1]
     across = pull - np.einsum("ni,ni->n", pull, normal)[:, None] * normal
     # vertex, direction, step
     directions = np.stack([pull, across], axis=1)

@@ -120,7 +120,7 @@ def _excluded_by_mesh(
     low, high = surface.bounds()
     near = within(mesh.points, low - reach, high + reach)
     near = near[surface.distance_bounds(mesh.points[near])[0] < reach]
-    gone = surface.closer(mesh.points[near], margin)
+    gone = surface.within(mesh.points[near], margin)
     is_near = np.zeros(len(mesh.points), dtype=np.bool_)
     is_gone = is_near.copy()
     is_near[near], is_gone[near[gone]] = True, True

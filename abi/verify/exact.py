@@ -29,12 +29,12 @@ def dot(a: Vec3, b: Vec3) -> Fraction:
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-def minus(a: Vec3, b: Vec3) -> Vec3:
+def sub(a: Vec3, b: Vec3) -> Vec3:
     """a - b."""
     return a[0] - b[0], a[1] - b[1], a[2] - b[2]
 
 
-def root(square: Fraction) -> tuple[Fraction, Fraction]:
+def sqrt_bounds(square: Fraction) -> tuple[Fraction, Fraction]:
     """Bounds of the square root of a number that is not negative, 2^-100 of it apart or less."""
     whole = square.numerator * square.denominator  # the root of p / q is the root of p q, over q
     shift = max(0, _DIGITS + 1 - whole.bit_length() // 2)
@@ -44,8 +44,8 @@ def root(square: Fraction) -> tuple[Fraction, Fraction]:
     return Fraction(below, scale), Fraction(above, scale)
 
 
-def into_body(v: Vec3, wxyz: Sequence[float]) -> Vec3:
-    """Turn a vector back by a quaternion of any length but zero: exact, as it is not normalised."""
+def in_body(v: Vec3, wxyz: Sequence[float]) -> Vec3:
+    """World vector in the body frame of a quaternion of any length but zero, exactly."""
     w, x, y, z = map(Fraction, wxyz)
     a, b, c = v
     scale = 1 / (w * w + x * x + y * y + z * z)
@@ -88,21 +88,21 @@ class ExactSolid:
 
         The normal need not be of length 1.
         """
-        x, y, z = into_body(normal, self.wxyz)
+        x, y, z = in_body(normal, self.wxyz)
         support = dot(normal, self.position)
         support += abs(x) * self.half[0] + abs(y) * self.half[1] + abs(z) * self.half[2]
-        support += self.disc * root(x * x + y * y)[1] if self.disc else 0
+        support += self.disc * sqrt_bounds(x * x + y * y)[1] if self.disc else 0
         return least - support > times_length(self.ball + margin, normal)
 
 
 def times_length(factor: Fraction, normal: Vec3) -> Fraction:
-    """Upper bound of the factor times the length of the normal."""
-    below, above = root(dot(normal, normal))
+    """Upper bound of a factor times the length of a normal."""
+    below, above = sqrt_bounds(dot(normal, normal))
     return factor * (above if factor > 0 else below)
 
 
 @dataclass(frozen=True, eq=False)
-class Spline:
+class ExactSpline:
     """A B-spline as polynomials.
 
     Attributes:
@@ -129,17 +129,17 @@ class Spline:
 
     def _blossom(self, span: int, arguments: list[Fraction]) -> Vec3:
         p, u = self.degree, self.knots
-        found = list(self.control_points[span - p : span + 1])
+        points = list(self.control_points[span - p : span + 1])
         for level, at in enumerate(arguments, start=1):
             for i in range(p, level - 1, -1):
                 k = span - p + i
                 share = (at - u[k]) / (u[k + p + 1 - level] - u[k])
-                found[i] = _between(found[i - 1], found[i], share)
-        return found[p]
+                points[i] = _interpolate(points[i - 1], points[i], share)
+        return points[p]
 
 
 @dataclass(frozen=True, eq=False)
-class Powers:
+class ExactQuadratics:
     """Quadratics c0 + c1·t + c2·t² side by side.
 
     Attributes:
@@ -168,28 +168,24 @@ class Powers:
         ]
 
 
-Exact = Spline | Powers
+ExactCurve = ExactSpline | ExactQuadratics
 
 
-def hull(curve: Exact, start: Fraction, end: Fraction) -> list[Vec3]:
-    """Points in whose convex hull the curve stays from ``start`` to ``end``."""
-    found: list[Vec3] = []
+def hull(curve: ExactCurve, start: Fraction, end: Fraction) -> list[Vec3]:
+    """Points whose convex hull holds the curve from ``start`` to ``end``."""
+    points: list[Vec3] = []
     for first, last, span in curve.spans:
         a, b = max(first, start), min(last, end)
         if a < b:
-            found += _points(curve, span, a, b)
-    return found
+            points += _points(curve, span, a, b)
+    return points
 
 
 @lru_cache(maxsize=4096)
-def _points(curve: Exact, span: int, start: Fraction, end: Fraction) -> list[Vec3]:
+def _points(curve: ExactCurve, span: int, start: Fraction, end: Fraction) -> list[Vec3]:
     return curve.points(span, start, end)
 
 
-def _between(a: Vec3, b: Vec3, share: Fraction) -> Vec3:
-    rest = 1 - share
-    return (
-        rest * a[0] + share * b[0],
-        rest * a[1] + share * b[1],
-        rest * a[2] + share * b[2],
-    )
+def _interpolate(a: Vec3, b: Vec3, share: Fraction) -> Vec3:
+    x, y, z = ((1 - share) * a[k] + share * b[k] for k in range(3))
+    return x, y, z

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from abi.arrays import BoolArray, FloatArray, IntArray
-from abi.verify.exact import Vec3, dot, into_body, minus, times_length, vector
+from abi.verify.exact import Vec3, dot, in_body, sub, times_length, vector
 
 _ROUNDING = 2.0**-48  # of the sum of the products' magnitudes: over ten times what can occur
 _SMALLEST = 1e-300  # and over what is lost where products are too small for their digits
@@ -26,12 +26,12 @@ Side = tuple[Fraction, Fraction, Vec3, Fraction]
 
 @dataclass(frozen=True, eq=False)
 class ExactMesh:
-    """Triangles, placed.
+    """Triangles, rankd.
 
     Attributes:
         vertices: (n, 3), body frame, in the file's unit.
         faces: (m, 3) ids of the corners.
-        closed: whether points that it winds around are inside.
+        closed: whether it has an inside, the points it winds around.
         factor: [unit] per unit of the file.
         position: [unit], world.
         wxyz: rotation as a quaternion of any length but zero.
@@ -56,22 +56,22 @@ class ExactMesh:
             margin: distance to keep, [unit].
         """
         ends = sorted({first, *(end for _, end, _, _ in sides)})
-        place = {end: k for k, end in enumerate(ends)}
-        reached = np.full(len(self.faces), place[first])
+        rank = {end: k for k, end in enumerate(ends)}
+        reached = np.full(len(self.faces), rank[first])
         for start, end, normal, least in sides:
             joins = bisect_left(ends, start)
-            rows = np.flatnonzero((reached >= joins) & (reached < place[end]))
+            rows = np.flatnonzero((reached >= joins) & (reached < rank[end]))
             rows = rows[self._separated(rows, normal, least, margin)]
-            reached[rows] = place[end]
+            reached[rows] = rank[end]
         at = ends[int(reached.min())]
         return at if at < last else None
 
     def _separated(
         self, rows: NDArray[np.intp], normal: Vec3, least: Fraction, margin: Fraction
     ) -> BoolArray:
-        """Find triangles that all x with normal·x >= ``least`` are farther from than ``margin``."""
+        """Mask of the triangles farther than ``margin`` from all x with normal·x >= ``least``."""
         factor = Fraction(self.factor)
-        direction = into_body(normal, self.wxyz)
+        direction = in_body(normal, self.wxyz)
         limit = (least - dot(normal, self.position) - times_length(margin, normal)) / factor
         rounded = np.array([float(part) for part in direction])
         corners = np.unique(self.faces[rows])
@@ -91,7 +91,7 @@ class ExactMesh:
         Counts the triangles that a ray along the body's x passes, by the side it comes from. A ray
         that meets an edge counts as passing where its y and z are greater by next to nothing.
         """
-        x, y, z = into_body(minus(point, self.position), self.wxyz)
+        x, y, z = in_body(sub(point, self.position), self.wxyz)
         factor = Fraction(self.factor)
         x, y, z = x / factor, y / factor, z / factor
         corners = self.vertices[self.faces]
@@ -101,7 +101,7 @@ class ExactMesh:
         near &= (low[:, 2] <= float(z) + pad) & (high[:, 2] >= float(z) - pad)
         winding = 0
         for triangle in corners[near].tolist():
-            a, b, c = (minus(vector(corner), (x, y, z)) for corner in triangle)
+            a, b, c = (sub(vector(corner), (x, y, z)) for corner in triangle)
             if sum(_right_of_origin(*edge) for edge in ((a, b), (b, c), (c, a))) % 2:
                 area = _cross(a, b) + _cross(b, c) + _cross(c, a)
                 ahead = a[0] * _cross(b, c) + b[0] * _cross(c, a) + c[0] * _cross(a, b)

@@ -1,10 +1,10 @@
-"""Check the certificates of a plan again, in exact rational numbers.
+"""Check of a plan's certificates in exact rational numbers.
 
-What is checked is the plan as written down: its curves' knots, control points and coefficients, its
-scene's obstacles and its certificates' planes, each number taken for exactly what it says. Nothing
-that made the certificates is used; mesh files are read and repaired as for planning. The proof is
-the one in :mod:`abi.clearance.certificate`; here every inequality is decided exactly, and the
-pieces must cover the whole curve for every obstacle.
+Checked is the plan as written down: its curves' knots, control points and coefficients, its
+scene's obstacles and its certificates' planes, each number taken exactly. Nothing that made the
+certificates is used; mesh files are read and repaired as for planning. The proof is the one in
+:mod:`abi.clearance.certificate`; here every inequality is decided exactly, and the pieces must
+cover the whole curve for every obstacle.
 """
 
 from __future__ import annotations
@@ -23,13 +23,22 @@ from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.obstacles.triangle_mesh.repair import Surface
 from abi.scene.scene import Scene
-from abi.verify.exact import Exact, ExactSolid, Powers, Spline, Vec3, dot, hull, vector
+from abi.verify.exact import (
+    ExactCurve,
+    ExactQuadratics,
+    ExactSolid,
+    ExactSpline,
+    Vec3,
+    dot,
+    hull,
+    vector,
+)
 from abi.verify.exact_mesh import ExactMesh
 
 CURVES = ("bspline", "quadratic")
 
 _TOUCH = Fraction(1, 10**9)
-"""By how much a curve that may touch a solid may go in, [unit], if that is 4 times as deep."""
+"""Depth to which a curve may enter a primitive that is over 4 times as deep, [unit]."""
 
 
 @dataclass(frozen=True)
@@ -57,15 +66,15 @@ class _Plane:
     normal: Vec3
 
 
-class _Wrong(Exception):
-    """Fault of a certificate that leaves its claim unproven; the message says which."""
+class _Fault(Exception):
+    """Fault of a certificate that leaves its claim unproven."""
 
 
 class PlanMeshes(MeshSource):
-    """ExactMesh files beside a plan; those of a shipped scene, where they are not there, from that.
+    """Mesh files beside a plan, and those of the shipped scenes where they are missing there.
 
     Attributes:
-        shipped: names of the files that were not beside the plan but with the shipped scenes.
+        shipped: names of the files taken from the shipped scenes.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -81,9 +90,9 @@ class PlanMeshes(MeshSource):
             # a file that is there but is no mesh is what was meant
             if not (self._folder / name).exists():
                 with contextlib.suppress(SceneError):
-                    found = MeshSource(folder=assets.path("scenes")).surface(name)
+                    surface = MeshSource(folder=assets.path("scenes")).surface(name)
                     self.shipped.append(name)
-                    return found
+                    return surface
             expected = f"{error.expected}, beside the plan or in the folder of --meshes"
             raise SceneError(error.field, name, expected) from None
 
@@ -92,8 +101,8 @@ def verify(plan: object, folder: Path | MeshSource | None = None) -> tuple[Verdi
     """Check every curve of a plan.
 
     Args:
-        plan: what ``Plan.to_dict`` returned, as it is or read back from JSON.
-        folder: where the files of the scene's meshes are; None for a scene without.
+        plan: the result of ``Plan.to_dict``, as it is or read back from JSON.
+        folder: source of the scene's mesh files; None for a scene without.
 
     Raises:
         SceneError: it is not a plan; names the field.
@@ -102,12 +111,12 @@ def verify(plan: object, folder: Path | MeshSource | None = None) -> tuple[Verdi
         raise SceneError("plan", plan, "a plan as abi plan writes it")
     scene = Scene.from_dict(plan["scene"], folder)
     obstacles = _obstacles(plan["scene"], scene)
-    asked = Fraction(scene.spline.clearance)
-    return tuple(_verdict(name, plan[name], obstacles, asked) for name in CURVES)
+    required = Fraction(scene.spline.clearance)
+    return tuple(_verdict(name, plan[name], obstacles, required) for name in CURVES)
 
 
 def _verdict(
-    name: str, section: Any, obstacles: list[ExactSolid | ExactMesh], asked: Fraction
+    name: str, section: Any, obstacles: list[ExactSolid | ExactMesh], required: Fraction
 ) -> Verdict:
     if section is None:
         return Verdict(name, False, "the plan has no such curve")
@@ -119,48 +128,48 @@ def _verdict(
     field = f"{name}.certificate"
     margin, planes = _certificate(field, _mapping(field, certificate), len(obstacles))
     try:
-        _check_claim(section, margin, asked)
+        _check_claim(section, margin, required)
         _check_margin(margin, obstacles)
         for k, obstacle in enumerate(obstacles):
             assert margin is not None
             try:
                 _check_obstacle(curve, obstacle, planes[k], margin)
-            except _Wrong as wrong:
-                raise _Wrong(f"obstacle {k + 1}: {wrong}") from None
-    except _Wrong as wrong:
-        return Verdict(name, False, f"its certificate is wrong, {wrong}")
+            except _Fault as fault:
+                raise _Fault(f"obstacle {k + 1}: {fault}") from None
+    except _Fault as fault:
+        return Verdict(name, False, f"its certificate is wrong, {fault}")
     if margin is None:
         return Verdict(name, True, "there is no obstacle")
     distance = f"{float(margin):.9g}"
-    if margin < asked - _TOUCH:
-        distance += f", less than the {float(asked):g} asked for,"
+    if margin < required - _TOUCH:
+        distance += f", less than the {float(required):g} asked for,"
     number = "the obstacle" if len(obstacles) == 1 else f"all {len(obstacles)} obstacles"
     count = sum(map(len, planes))
     return Verdict(name, True, f"it keeps {distance} from {number}, by {count} planes")
 
 
-def _check_claim(section: dict[str, Any], margin: Fraction | None, asked: Fraction) -> None:
+def _check_claim(section: dict[str, Any], margin: Fraction | None, required: Fraction) -> None:
     stated = section.get("clearance")
     if (stated is None) != (margin is None) or (margin is not None and _number(stated) != margin):
-        raise _Wrong("its margin is not the clearance stated")
-    enough = margin is None or margin >= asked - _TOUCH
+        raise _Fault("its margin is not the clearance stated")
+    enough = margin is None or margin >= required - _TOUCH
     if section.get("certified") is not enough:
         claim = "said to be certified" if not enough else "not said to be certified"
-        raise _Wrong(f"as the curve is {claim}")
+        raise _Fault(f"as the curve is {claim}")
 
 
 def _check_margin(margin: Fraction | None, obstacles: list[ExactSolid | ExactMesh]) -> None:
     if (margin is None) != (not obstacles):
-        raise _Wrong("a margin belongs to obstacles")
+        raise _Fault("a margin belongs to obstacles")
     if margin is None or margin >= 0:
         return
     deep = all(isinstance(solid, ExactSolid) and solid.depth > 4 * _TOUCH for solid in obstacles)
     if margin < -_TOUCH or not deep:
-        raise _Wrong("its margin is negative")
+        raise _Fault("its margin is negative")
 
 
 def _check_obstacle(
-    curve: Exact, obstacle: ExactSolid | ExactMesh, planes: list[_Plane], margin: Fraction
+    curve: ExactCurve, obstacle: ExactSolid | ExactMesh, planes: list[_Plane], margin: Fraction
 ) -> None:
     spans = curve.spans
     first, last = spans[0][0], spans[-1][1]
@@ -170,38 +179,38 @@ def _check_obstacle(
         start, end = Fraction(plane.start), Fraction(plane.end)
         points = hull(curve, start, end) if start < end else []
         if not points:
-            raise _Wrong(f"a piece from {plane.start:g} to {plane.end:g} is not on the curve")
+            raise _Fault(f"a piece from {plane.start:g} to {plane.end:g} is not on the curve")
         sides.append((start, end, plane.normal, min(dot(plane.normal, at) for at in points)))
     if isinstance(obstacle, ExactMesh):
         if (at := obstacle.uncovered(sides, first, last, margin)) is not None:
-            raise _Wrong(f"nothing separates a triangle from the curve at {float(at):g}")
-        if obstacle.closed and any(obstacle.inside(point) for point in _beginnings(curve)):
-            raise _Wrong("the curve begins inside")
+            raise _Fault(f"nothing separates a triangle from the curve at {float(at):g}")
+        if obstacle.closed and any(obstacle.inside(point) for point in _starts(curve)):
+            raise _Fault("the curve begins inside")
         return
     reached = first
     for start, end, normal, least in sides:
         if start > reached:
             break
         if not obstacle.separated(normal, least, margin):
-            raise _Wrong(f"the piece from {float(start):g} to {float(end):g} is not separated")
+            raise _Fault(f"the piece from {float(start):g} to {float(end):g} is not separated")
         reached = max(reached, end)
     if reached < last:
-        raise _Wrong(f"no piece covers the curve after {float(reached):g}")
+        raise _Fault(f"no piece covers the curve after {float(reached):g}")
 
 
-def _beginnings(curve: Exact) -> list[Vec3]:
-    """Points where the curve starts or goes on elsewhere than it has come to."""
-    found: list[Vec3] = []
+def _starts(curve: ExactCurve) -> list[Vec3]:
+    """Points where the curve starts, and where it goes on after a jump."""
+    starts: list[Vec3] = []
     before = None
     for start, end, span in curve.spans:
         points = curve.points(span, start, end)
         if points[0] != before:
-            found.append(points[0])
+            starts.append(points[0])
         before = points[-1]
-    return found
+    return starts
 
 
-def _curve(name: str, section: dict[str, Any]) -> Exact:
+def _curve(name: str, section: dict[str, Any]) -> ExactCurve:
     if name == "bspline":
         degree = section.get("degree")
         if type(degree) is not int or not 1 <= degree <= 20:
@@ -213,7 +222,7 @@ def _curve(name: str, section: dict[str, Any]) -> Exact:
             raise SceneError("bspline.knots", len(knots), "one for each control point and degree+1")
         if sorted(knots) != knots or knots[degree] >= knots[len(control)]:
             raise SceneError("bspline.knots", knots, "numbers that do not fall")
-        return Spline(degree, tuple(map(Fraction, knots)), control)
+        return ExactSpline(degree, tuple(map(Fraction, knots)), control)
     ends: list[tuple[Fraction, Fraction]] = []
     coefficients: list[tuple[Vec3, Vec3, Vec3]] = []
     for piece in _list("quadratic.pieces", section.get("pieces")):
@@ -227,23 +236,23 @@ def _curve(name: str, section: dict[str, Any]) -> Exact:
         coefficients.append((c0, c1, c2))
     if not ends:
         raise SceneError("quadratic.pieces", [], "at least one piece")
-    return Powers(tuple(ends), tuple(coefficients))
+    return ExactQuadratics(tuple(ends), tuple(coefficients))
 
 
 def _certificate(
     field: str, data: dict[str, Any], obstacles: int
 ) -> tuple[Fraction | None, list[list[_Plane]]]:
-    """Its margin, and its planes by obstacle."""
+    """Margin of a certificate, and its planes by obstacle."""
     margin = data.get("margin")
     planes: list[list[_Plane]] = [[] for _ in range(obstacles)]
     for entry in _list(f"{field}.planes", data.get("planes")):
         plane = _mapping(f"{field}.planes", entry)
-        which = plane.get("obstacle")
-        if type(which) is not int or not 0 <= which < obstacles:
-            raise SceneError(f"{field}.planes.obstacle", which, "the number of an obstacle")
+        number = plane.get("obstacle")
+        if type(number) is not int or not 0 <= number < obstacles:
+            raise SceneError(f"{field}.planes.obstacle", number, "the number of an obstacle")
         start, end = (_finite(f"{field}.planes.{key}", plane.get(key)) for key in ("t0", "t1"))
         normal = _vector(f"{field}.planes.direction", plane.get("direction"))
-        planes[which].append(_Plane(start, end, normal))
+        planes[number].append(_Plane(start, end, normal))
     return None if margin is None else Fraction(_finite(f"{field}.margin", margin)), planes
 
 
@@ -252,18 +261,18 @@ def _obstacles(data: Any, scene: Scene) -> list[ExactSolid | ExactMesh]:
     if len(entries) != len(scene.obstacles):
         raise SceneError("scene.obstacles", len(entries), "those of the scene")
     return [
-        _obstacle(_mapping("scene.obstacles", entry), known)
-        for entry, known in zip(entries, scene.obstacles, strict=True)
+        _obstacle(_mapping("scene.obstacles", entry), shape)
+        for entry, shape in zip(entries, scene.obstacles, strict=True)
     ]
 
 
-def _obstacle(entry: dict[str, Any], known: object) -> ExactSolid | ExactMesh:
+def _obstacle(entry: dict[str, Any], shape: object) -> ExactSolid | ExactMesh:
     position = _vector("scene.obstacles.position", entry.get("position", (0.0, 0.0, 0.0)))
     w, x, y, z = _numbers("scene.obstacles.wxyz", entry.get("wxyz", (1.0, 0.0, 0.0, 0.0)))
-    if isinstance(known, MeshShape):
-        surface = known.surface
+    if isinstance(shape, MeshShape):
+        surface = shape.surface
         return ExactMesh(
-            surface.vertices, surface.faces, surface.closed, known.factor, position, (w, x, y, z)
+            surface.vertices, surface.faces, surface.closed, shape.factor, position, (w, x, y, z)
         )
     zero = Fraction(0)
     half, disc, ball = (zero, zero, zero), zero, zero
@@ -278,7 +287,7 @@ def _obstacle(entry: dict[str, Any], known: object) -> ExactSolid | ExactMesh:
 
 
 def _number(value: object) -> Fraction | None:
-    """The number exactly; None when it is none."""
+    """The exact number; None where it is none."""
     if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) < math.inf:
         return None
     return Fraction(value)

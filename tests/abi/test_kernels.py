@@ -81,8 +81,8 @@ def test_the_way_out_is_the_nearest_obstacles_gradient(seed: int) -> None:
     gradient = np.array(
         [obstacles[k].gradient(point[None])[0] for k, point in zip(whose, points, strict=True)]
     )
-    for away, out in (plain(lambda: obstacles.outward(points)),
-                      compiled(lambda: obstacles.outward(points))):  # fmt: skip
+    for away, out in (plain(lambda: obstacles.signed_distance_gradient(points)),
+                      compiled(lambda: obstacles.signed_distance_gradient(points))):  # fmt: skip
         assert away == pytest.approx(expected, abs=1e-12)
         assert np.abs(out - gradient).max() <= 1e-9
 

@@ -1,7 +1,8 @@
-"""A tree of boxes over the triangles of a surface, and how its nodes look from far."""
+"""Bounding volume hierarchy over the triangles of a surface, and the far field of its nodes."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -30,32 +31,26 @@ class TriangleTree(NamedTuple):
     size: float
 
 
-def build(triangles: FloatArray) -> TriangleTree:
+def build_tree(triangles: FloatArray) -> TriangleTree:
     """Build the tree over triangles (m, 3, 3): halve each box at the median of its widest axis."""
     count = len(triangles)
-    levels = max(0, int(np.log2(max(count / _LEAF, 1))))
+    depth = max(0, int(np.log2(max(count / _LEAF, 1))))
     centres = triangles.mean(axis=1)
     order = np.arange(count)
-    for level in range(levels):
+    for level in range(depth):
         bounds = count * np.arange(2**level + 1) // 2**level
-        places = centres[order]
-        spread = np.maximum.reduceat(places, bounds[:-1]) - np.minimum.reduceat(places, bounds[:-1])
+        x = centres[order]
+        spread = np.maximum.reduceat(x, bounds[:-1]) - np.minimum.reduceat(x, bounds[:-1])
         block = np.repeat(np.arange(2**level), np.diff(bounds))
-        along = places[np.arange(count), spread.argmax(axis=1)[block]]
-        order = order[np.lexsort((along, block))]
-    leaves = count * np.arange(2**levels + 1) // 2**levels
+        coordinate = x[np.arange(count), spread.argmax(axis=1)[block]]
+        order = order[np.lexsort((coordinate, block))]
+    leaves = count * np.arange(2**depth + 1) // 2**depth
     sorted_ = triangles[order]
     low = np.minimum.reduceat(sorted_.min(axis=1), leaves[:-1])
     high = np.maximum.reduceat(sorted_.max(axis=1), leaves[:-1])
-    lows, highs = [low], [high]
-    for _ in range(levels):
-        low = low.reshape(-1, 2, 3).min(axis=1)
-        high = high.reshape(-1, 2, 3).max(axis=1)
-        lows.append(low)
-        highs.append(high)
     return TriangleTree(
-        read_only(np.concatenate(lows[::-1]).ravel()),
-        read_only(np.concatenate(highs[::-1]).ravel()),
+        read_only(_of_all_nodes(low, np.min).ravel()),
+        read_only(_of_all_nodes(high, np.max).ravel()),
         read_only(leaves.astype(np.int32)),
         read_only(sorted_.ravel()),
         float(np.abs(triangles).max()),
@@ -79,17 +74,12 @@ class Dipoles(NamedTuple):
 
 
 def dipoles(tree: TriangleTree) -> Dipoles:
-    """The dipoles of all nodes of a tree."""
+    """Dipoles of all nodes of a tree."""
     a, b, c = tree.corners.reshape(-1, 3, 3).transpose(1, 0, 2)
     normals = np.cross(b - a, c - a) / 2
     areas = np.linalg.norm(normals, axis=1)[:, None]
     columns = np.concatenate([normals, areas * (a + b + c) / 3, areas], axis=1)
-    level = np.add.reduceat(columns, tree.leaves[:-1])
-    levels = [level]
-    while len(level) > 1:
-        level = level.reshape(-1, 2, 7).sum(axis=1)
-        levels.append(level)
-    sums = np.concatenate(levels[::-1])
+    sums = _of_all_nodes(np.add.reduceat(columns, tree.leaves[:-1]), np.sum)
     low, high = tree.low.reshape(-1, 3), tree.high.reshape(-1, 3)
     area = sums[:, 6:]
     middle = (low + high) / 2
@@ -101,3 +91,11 @@ def dipoles(tree: TriangleTree) -> Dipoles:
         read_only(sums[:, :3].ravel()),
         read_only(area.ravel()),
     )
+
+
+def _of_all_nodes(leaves: FloatArray, reduce: Callable[..., FloatArray]) -> FloatArray:
+    """Values (n, k) of all nodes from those of the leaves, reduced over both children."""
+    levels = [leaves]
+    while len(levels[0]) > 1:
+        levels.insert(0, reduce(levels[0].reshape(-1, 2, leaves.shape[1]), axis=1))
+    return np.concatenate(levels)

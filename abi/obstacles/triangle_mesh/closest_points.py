@@ -1,8 +1,8 @@
-"""The nearest places of triangles to points, by the VTK library (Kitware, BSD-3-Clause).
+"""Closest points of triangles, by the VTK library (Kitware, BSD-3-Clause).
 
-VTK measures in double precision. What rounding costs grows as triangles get thinner, and one
-without a width worth the name it passes over, with what should keep clear of it. So thin triangles
-count as their three sides, and a bound of the error comes with the distances.
+VTK measures in double precision. The rounding error grows as triangles get thinner, and the
+thinnest it passes over. So thin triangles count as their three sides, and a bound of the error
+comes with the distances.
 """
 
 from __future__ import annotations
@@ -20,18 +20,18 @@ _THIN = 3e-8
 """A triangle whose height is below this part of its longest side counts as its sides."""
 
 _ROUNDING = 2.0**-50
-"""Over the height as a part of the longest side: the error as a part of that side. Twenty times
-the largest that was found among 12,000 triangles."""
+"""This over the height, as a part of the longest side, bounds the error as a part of that side:
+twenty times the largest among 12,000 triangles."""
 
 _IN_A_CELL = 25
 """Triangles in a cell of VTK's grid; a third quicker than its own choice for 80,000 triangles."""
 
 
-class NearestPlaces:
-    """The places of a surface that are nearest to points.
+class ClosestPoints:
+    """Closest points of a surface.
 
     Attributes:
-        error: by how much a distance may be off.
+        error: bound of the error of a distance.
     """
 
     error: float
@@ -71,8 +71,8 @@ class NearestPlaces:
         self._locator.SetNumberOfCellsPerNode(_IN_A_CELL)
         self._locator.BuildLocator()
 
-    def to(self, points: FloatArray) -> tuple[FloatArray, IntArray]:
-        """Ways (n, 3) from the nearest places to points (n, 3), and the triangles (n,) they are on.
+    def offsets(self, points: FloatArray) -> tuple[FloatArray, IntArray]:
+        """Offsets (n, 3) of points (n, 3) from the closest points, and the triangles (n,) of these.
 
         One call into VTK a point, which is as quick as many at once and lets other threads run.
         """
@@ -80,14 +80,14 @@ class NearestPlaces:
         from vtkmodules.vtkCommonDataModel import vtkGenericCell
 
         cell, part, squared = vtkGenericCell(), reference(0), reference(0.0)
-        chosen: Any = reference(0)
-        places = np.empty((len(points), 3))
+        number: Any = reference(0)
+        closest = np.empty((len(points), 3))
         cells = np.empty(len(points), dtype=np.int32)
         scaled = points * self._scale
         for i in range(len(points)):
-            self._locator.FindClosestPoint(scaled[i], places[i], cell, chosen, part, squared)
-            cells[i] = chosen
-        return np.asarray((scaled - places) / self._scale), self._triangle[cells]
+            self._locator.FindClosestPoint(scaled[i], closest[i], cell, number, part, squared)
+            cells[i] = number
+        return np.asarray((scaled - closest) / self._scale), self._triangle[cells]
 
 
 def _proportions(corners: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -99,7 +99,7 @@ def _proportions(corners: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 
 def _cells(corners: IntArray) -> vtkCellArray:
-    """Lines (m, 2) or triangles (m, 3) as VTK has them."""
+    """Lines (m, 2) or triangles (m, 3) as VTK's cells."""
     from vtkmodules.util.numpy_support import numpy_to_vtkIdTypeArray
     from vtkmodules.vtkCommonDataModel import vtkCellArray
 

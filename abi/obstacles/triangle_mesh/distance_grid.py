@@ -1,4 +1,4 @@
-"""Bounds of a signed distance from its values on a coarse grid, for points by the thousand."""
+"""Bounds of a signed distance from its values on a coarse grid, for thousands of points."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _BORDER = 0.1
 class DistanceGrid:
     """A signed distance s at the nodes of a grid around a surface.
 
-    s changes by no more than the way gone, so between its value at any node g and at a point x
+    s is 1-Lipschitz, so between its value at any node g and at a point x
 
         s(g) - |x - g| <= s(x) <= s(g) + |x - g|.
 
@@ -27,7 +27,7 @@ class DistanceGrid:
         step: distance between neighbouring nodes, the same along each axis.
         values: (a, b, c) signed distances.
         box: (2, 3) bounding box of the surface; outside it s is at least the distance to it.
-        slack: what the values may be off by.
+        slack: bound of the error of the values.
     """
 
     low: FloatArray
@@ -38,9 +38,9 @@ class DistanceGrid:
 
     @classmethod
     def of(
-        cls, vertices: FloatArray, signed: Callable[[FloatArray], FloatArray], error: float
+        cls, vertices: FloatArray, signed_distance: Callable[[FloatArray], FloatArray], error: float
     ) -> DistanceGrid:
-        """Sample ``signed``, off by up to ``error``, around the box of the vertices (n, 3)."""
+        """Sample a distance, off by up to ``error``, around the box of the vertices (n, 3)."""
         box = np.stack([vertices.min(axis=0), vertices.max(axis=0)])
         border = _BORDER * float(np.ptp(box, axis=0).max())
         size = np.ptp(box, axis=0) + 2 * border
@@ -48,26 +48,27 @@ class DistanceGrid:
         counts = np.ceil(size / step).astype(int) + 1
         low = box.mean(axis=0) - (counts - 1) * step / 2
         nodes = np.indices(tuple(counts)).reshape(3, -1).T * step + low
-        values = signed(nodes).reshape(tuple(counts))
+        values = signed_distance(nodes).reshape(tuple(counts))
         return cls(
             read_only(low), step, read_only(values), read_only(box), error + 1e-12 * size.max()
         )
 
     def bounds(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """A bound from below and one from above of the signed distance at points (n, 3)."""
+        """Lower and upper bounds (n,) of the signed distance at points (n, 3)."""
         last = np.array(self.values.shape) - 1
-        place = (points - self.low) / self.step
-        corner = np.clip(place.astype(np.int32), 0, last - 1)
-        lower = np.sqrt((np.maximum(self._outside_box(points), 0.0) ** 2).sum(axis=1))
+        cell = (points - self.low) / self.step
+        corner = np.clip(cell.astype(np.int32), 0, last - 1)
+        lower = np.sqrt(
+            (np.maximum(np.maximum(self.box[0] - points, points - self.box[1]), 0.0) ** 2).sum(
+                axis=1
+            )
+        )
         lower = np.where(lower > 0, lower, -np.inf)
         upper = np.full(len(points), np.inf)
         for offset in np.ndindex(2, 2, 2):
             node: IntArray = corner + np.array(offset, dtype=np.int32)
-            way = self.step * np.sqrt(((place - node) ** 2).sum(axis=1))
+            distance = self.step * np.sqrt(((cell - node) ** 2).sum(axis=1))
             value = self.values[tuple(node.T)]
-            np.maximum(lower, value - way, out=lower)
-            np.minimum(upper, value + way, out=upper)
+            np.maximum(lower, value - distance, out=lower)
+            np.minimum(upper, value + distance, out=upper)
         return lower - self.slack, upper + self.slack
-
-    def _outside_box(self, points: FloatArray) -> FloatArray:
-        return np.asarray(np.maximum(self.box[0] - points, points - self.box[1]))

@@ -109,7 +109,7 @@ class _File:
         primitives = self.item("meshes", index).get("primitives")
         if not isinstance(primitives, list):
             raise ValueError("a GLB file whose meshes have primitives")
-        found = []
+        parts = []
         for primitive in primitives:
             if not isinstance(primitive, dict) or primitive.get("mode", 4) != 4:
                 raise ValueError("a GLB of plain triangles, without points, lines or strips")
@@ -125,8 +125,8 @@ class _File:
                 ids = np.arange(len(vertices), dtype=np.int64)
             if len(ids) % 3 or ids.max() >= len(vertices):
                 raise ValueError("a GLB file whose triangles use the vertices there are")
-            found.append((vertices, ids.astype(np.int32).reshape(-1, 3)))
-        return found
+            parts.append((vertices, ids.astype(np.int32).reshape(-1, 3)))
+        return parts
 
     def _numbers(self, index: object, kind: str) -> np.ndarray[Any, Any]:
         """Values of an accessor, (n, 3) or (n, 1), copied out of the binary part."""

@@ -1,4 +1,4 @@
-"""Where the mesh files of a scene come from: its folder, an upload, or a scene already loaded."""
+"""Source of a scene's mesh files: its folder, an upload, or a scene already loaded."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from abi.obstacles.triangle_mesh.stl_obj import MAX_BYTES, SUFFIXES, read
 
 
 class MeshSource:
-    """Finds the surface of a mesh by the name that stands in the scene.
+    """Surfaces of mesh files by their names in the scene.
 
     Args:
         files: content or surface of each file by its name, looked at first.
@@ -28,11 +28,11 @@ class MeshSource:
         self.folder = folder
 
     @classmethod
-    def of(cls, where: str | Path | Mapping[str, bytes] | MeshSource | None) -> MeshSource:
+    def of(cls, origin: str | Path | Mapping[str, bytes] | MeshSource | None) -> MeshSource:
         """A source from a scene's folder, from uploaded files by name, or from nothing."""
-        if isinstance(where, MeshSource):
-            return where
-        return cls(folder=Path(where)) if isinstance(where, str | Path) else cls(where)
+        if isinstance(origin, MeshSource):
+            return origin
+        return cls(folder=Path(origin)) if isinstance(origin, str | Path) else cls(origin)
 
     def surface(self, name: str) -> Surface:
         """The cleaned surface of the mesh file ``name``.
@@ -40,11 +40,11 @@ class MeshSource:
         Raises:
             SceneError: no such name, a name outside the folder, or not a mesh.
         """
-        _refuse_strange(name)
-        found = self.files.get(name)
-        if isinstance(found, Surface):
-            return found
-        return _surface(found if found is not None else self._content(name), name)
+        _check_name(name)
+        content = self.files.get(name)
+        if isinstance(content, Surface):
+            return content
+        return _surface(content if content is not None else self._content(name), name)
 
     def _content(self, name: str) -> bytes:
         if self.folder is None:
@@ -65,8 +65,8 @@ class MeshSource:
             raise SceneError("file", name, f"a file that can be read ({reason})") from None
 
 
-def _refuse_strange(name: str) -> None:
-    """Refuse what is not a plain relative path on every system."""
+def _check_name(name: str) -> None:
+    """Refuse a name that is not a plain relative path on every system."""
     parts = name.split("/")
     if not name.isprintable() or any(c in name for c in '\\:*?"<>|'):
         raise SceneError("file", name, 'a plain name with "/" between folders')

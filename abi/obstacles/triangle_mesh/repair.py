@@ -1,4 +1,4 @@
-"""The surface of an obstacle: triangles, cleaned so that inside and outside mean something.
+"""Surface of an obstacle: triangles, repaired so that inside and outside are defined.
 
 The steps follow what printing and simulation tools do before they trust a mesh (Attene, A
 lightweight approach to repairing digitized polygon meshes, The Visual Computer 26, 2010).
@@ -32,7 +32,7 @@ class Surface:
         vertices: (n, 3), each used by a triangle.
         faces: (m, 3) ids of the corners; counter-clockwise seen from outside where closed.
         closed: whether it bounds a solid: a point is inside where it winds around it.
-        notes: sentences that say what was repaired, or what it cannot be.
+        notes: sentences about its repair.
     """
 
     vertices: FloatArray
@@ -67,9 +67,9 @@ class Surface:
 
 
 def clean(vertices: FloatArray, faces: IntArray, name: str = "mesh") -> Surface:
-    """Repair what can be repaired without a guess, and say what was done.
+    """Repair triangles as far as that takes no guess, with notes of each repair.
 
-    Equal corners are joined, triangles without area and doubles left out. Each shell whose edges
+    Equal corners are welded, triangles without area and duplicates left out. Each shell whose edges
     all have two sides is turned one way throughout and outward; overlapping, touching and nested
     shells are united, which makes cavities solid: nothing could get into them. Where a shell stays
     open the whole surface counts as one that nothing passes through, without an inside.
@@ -83,18 +83,18 @@ def clean(vertices: FloatArray, faces: IntArray, name: str = "mesh") -> Surface:
         SceneError: no triangle has an area.
     """
     notes: list[str] = []
-    vertices, faces = _joined(vertices, faces, 0.0)
-    faces = _without_doubles(faces, notes)
+    vertices, faces = _weld(vertices, faces, 0.0)
+    faces = _without_duplicates(faces, notes)
     size = float(np.ptp(vertices, axis=0).max(initial=0.0)) if len(faces) else 0.0
     if size == 0 or not _areas(vertices, faces).any():
         raise SceneError("file", name, "a mesh, none of its triangles has an area")
     shells = _shells(vertices, faces)
     if not shells.closed.all():
-        joined, joined_faces = _joined(vertices, faces, _WELD * size)
-        joined_faces = _without_doubles(joined_faces, [])
-        retried = _shells(joined, joined_faces) if len(joined_faces) else shells
+        welded, welded_faces = _weld(vertices, faces, _WELD * size)
+        welded_faces = _without_duplicates(welded_faces, [])
+        retried = _shells(welded, welded_faces) if len(welded_faces) else shells
         if retried.closed.all():
-            vertices, shells = joined, retried
+            vertices, shells = welded, retried
             notes.append("Corners that nearly met were joined, which closed the surface.")
     notes += shells.notes
     faces, closed = shells.faces, bool(shells.closed.all())
@@ -128,9 +128,8 @@ def _shells(vertices: FloatArray, faces: IntArray) -> _Shells:
         faces[flipped] = faces[flipped, ::-1]
         edges = _Edges.of(faces)
         notes.append(f"{flipped.sum()} triangles faced the other way than their neighbours.")
-    count, label = scipy.sparse.csgraph.connected_components(
-        edges.neighbours(edges.all_pairs()), directed=False
-    )
+    paired = np.flatnonzero(edges.edge[1:] == edges.edge[:-1])
+    count, label = _components(edges.face[paired], edges.face[paired + 1], len(faces))
     # a shell without a boundary winds a whole number of times around every point
     loose = edges.balance != 0
     closed = np.bincount(label[edges.face[loose[edges.edge]]], minlength=count) == 0
@@ -158,7 +157,7 @@ class _Edges:
         edge: (3m,) edge of each side, ascending.
         forward: (3m,) whether the side runs from the lower to the higher vertex.
         balance: (e,) sides of the edge that run forward less those that run back.
-        first: (e,) place of the edge's first side.
+        first: (e,) the edge's first side.
         sides: (e,) number of sides.
         faces: number of faces.
     """
@@ -177,33 +176,21 @@ class _Edges:
         head = faces[:, [1, 2, 0]].ravel().astype(np.int64)
         keys = np.minimum(tail, head) * (int(faces.max()) + 1) + np.maximum(tail, head)
         order = np.argsort(keys, kind="stable")
-        _, *found = np.unique(
+        _, *groups = np.unique(
             keys[order], return_index=True, return_inverse=True, return_counts=True
         )
-        first, edge, sides = (part.astype(np.int32) for part in found)
+        first, edge, sides = (part.astype(np.int32) for part in groups)
         forward = (tail < head)[order]
         balance = np.bincount(edge, np.where(forward, 1, -1)).astype(np.int32)
         face = (order // 3).astype(np.int32)
         return cls(face, edge, forward, balance, first, sides, len(faces))
 
-    def all_pairs(self) -> IntArray:
-        """Places (k, 2) of sides that follow each other at the same edge."""
-        place = np.flatnonzero(self.edge[1:] == self.edge[:-1])
-        return np.stack([place, place + 1], axis=1)
-
-    def neighbours(self, pairs: IntArray) -> scipy.sparse.coo_array:
-        """Matrix (m, m) that joins the faces of these pairs of sides."""
-        a, b = self.face[pairs].T
-        return scipy.sparse.coo_array(
-            (np.ones(len(a), dtype=np.int8), (a, b)), shape=(self.faces, self.faces)
-        )
-
     def flipped(self) -> BoolArray:
         """Faces (m,) to turn so that neighbours agree over every edge of two sides.
 
-        Each face is there twice, as it is and turned, and joined to those it agrees with: a patch
-        that can be turned one way falls into two mirrored halves, of which the one that turns
-        fewer faces is taken. A patch that cannot, like Möbius's, is left as it is.
+        Each face is there twice, as it is and turned, and joined to those it agrees with: an
+        orientable patch falls into two mirrored halves, of which the one that turns fewer faces
+        is taken. One that is not, like Möbius's, is left as it is.
         """
         first = self.first[self.sides == 2]
         a, b = self.face[first], self.face[first + 1]
@@ -211,27 +198,31 @@ class _Edges:
         m = self.faces
         tails = np.concatenate([a, a + m])
         heads = np.concatenate([b + m * disagree, b + m * ~disagree])
-        joined = scipy.sparse.coo_array(
-            (np.ones(len(tails), dtype=np.int8), (tails, heads)), (2 * m, 2 * m)
-        )
-        count, half = scipy.sparse.csgraph.connected_components(joined, directed=False)
+        count, half = _components(tails, heads, 2 * m)
         kept = np.bincount(half[:m], minlength=count)
         as_is, turned = kept[half[:m]], kept[half[m:]]
         # on a tie the half of the patch's first face stays
         return np.asarray((turned > as_is) | ((turned == as_is) & (half[m:] < half[:m])))
 
 
-def _joined(vertices: FloatArray, faces: IntArray, near: float) -> tuple[FloatArray, IntArray]:
-    """Join equal vertices, or those in the same cube of side ``near``; drop faces that fold up."""
-    places = np.round(vertices / near) if near else vertices + 0.0  # -0.0 is 0.0
-    _, first, of = np.unique(places, axis=0, return_index=True, return_inverse=True)
-    joined = of.ravel()[faces]
-    a, b, c = joined.T
-    joined = joined[(a != b) & (b != c) & (c != a)]
-    return _compact(vertices[first], joined.astype(np.int32))
+def _components(a: IntArray, b: IntArray, count: int) -> tuple[int, IntArray]:
+    """Connected components of ``count`` nodes with edges from a to b: their number, and labels."""
+    edges = scipy.sparse.coo_array((np.ones(len(a), dtype=np.int8), (a, b)), shape=(count, count))
+    number, label = scipy.sparse.csgraph.connected_components(edges, directed=False)
+    return number, label
 
 
-def _without_doubles(faces: IntArray, notes: list[str]) -> IntArray:
+def _weld(vertices: FloatArray, faces: IntArray, size: float) -> tuple[FloatArray, IntArray]:
+    """Join equal vertices, or those in the same cube of side ``size``; drop degenerate faces."""
+    keys = np.round(vertices / size) if size else vertices + 0.0  # -0.0 is 0.0
+    _, first, ids = np.unique(keys, axis=0, return_index=True, return_inverse=True)
+    welded = ids.ravel()[faces]
+    a, b, c = welded.T
+    welded = welded[(a != b) & (b != c) & (c != a)]
+    return _compact(vertices[first], welded.astype(np.int32))
+
+
+def _without_duplicates(faces: IntArray, notes: list[str]) -> IntArray:
     """Each triangle once, whichever way it faces, in the order of the file."""
     _, first = np.unique(np.sort(faces, axis=1), axis=0, return_index=True)
     if len(first) < len(faces):
@@ -240,7 +231,7 @@ def _without_doubles(faces: IntArray, notes: list[str]) -> IntArray:
 
 
 def _compact(vertices: FloatArray, faces: IntArray) -> tuple[FloatArray, IntArray]:
-    """Without the vertices that no face uses."""
+    """Leave out the vertices that no face uses."""
     used, ids = np.unique(faces, return_inverse=True)
     return np.ascontiguousarray(vertices[used]), ids.reshape(-1, 3).astype(np.int32)
 

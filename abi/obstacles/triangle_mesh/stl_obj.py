@@ -1,7 +1,7 @@
 """Triangle meshes from the bytes of a file: STL, OBJ and GLB, read strictly.
 
-Common loaders turn a file that is cut off or not a mesh at all into an empty mesh, and an obstacle
-that is not there is the worst mistake a planner can make. So here lengths must fit to the byte,
+Common loaders turn a file that is cut off or not a mesh at all into an empty mesh, and a missing
+obstacle is the worst mistake a planner can make. So here lengths must fit to the byte,
 and nothing but the bytes given is ever opened: textures, materials and other files a mesh may name
 are not looked for.
 """
@@ -17,13 +17,13 @@ import numpy as np
 from abi.arrays import FloatArray, IntArray
 from abi.errors import SceneError
 from abi.obstacles.pose import LARGEST
-from abi.obstacles.triangle_mesh import glb as glb_file
+from abi.obstacles.triangle_mesh import glb
 
 MAX_BYTES = 50_000_000
 MAX_FACES = 500_000
 SUFFIXES = (".stl", ".obj", ".glb")
 
-_STRANGERS = (
+_OTHER_FORMATS = (
     (b"version https://git-lfs", "the mesh itself, this is its Git LFS pointer (git lfs pull)"),
     (b"\x89PNG", "a mesh, this is a PNG image"),
     (b"\xff\xd8\xff", "a mesh, this is a JPEG image"),
@@ -54,8 +54,8 @@ def read(data: bytes, name: str) -> tuple[FloatArray, IntArray]:
     if not data.strip(b"\0 \t\r\n"):
         raise SceneError("file", name, "a mesh, the file is empty")
     start = data[:64].lstrip(b"\xef\xbb\xbf \t\r\n")
-    for mark, expected in _STRANGERS:
-        if start.startswith(mark):
+    for signature, expected in _OTHER_FORMATS:
+        if start.startswith(signature):
             raise SceneError("file", name, expected)
     try:
         with np.errstate(invalid="ignore", over="ignore"):  # NaN and inf are looked for below
@@ -167,7 +167,7 @@ def _corner(word: str, vertices: int, line: int) -> int:
 
 
 def _read_glb(data: bytes) -> tuple[FloatArray, IntArray]:
-    return glb_file.read(data, MAX_FACES)
+    return glb.read(data, MAX_FACES)
 
 
 def _refuse_count(faces: int) -> None:

@@ -1,4 +1,4 @@
-"""The union of closed shells, by the manifold3d library (Lalish, Apache-2.0)."""
+"""Union of closed shells, by the manifold3d library (Lalish, Apache-2.0)."""
 
 from __future__ import annotations
 
@@ -45,11 +45,11 @@ def united(
     mesh = union.to_mesh64()
     points = np.array(mesh.vert_properties[:, :3], dtype=np.float64)
     size = np.ptp(vertices, axis=0).max()
-    moved = max(
+    shift = max(
         np.abs(points.min(axis=0) - vertices.min(axis=0)).max(),
         np.abs(points.max(axis=0) - vertices.max(axis=0)).max(),
     )
     largest = max(shell.volume() for shell in shells)
-    if moved > _ROUNDING * size or union.volume() < largest * (1 - _ROUNDING):
+    if shift > _ROUNDING * size or union.volume() < largest * (1 - _ROUNDING):
         return None
     return points, np.array(mesh.tri_verts, dtype=np.int32)

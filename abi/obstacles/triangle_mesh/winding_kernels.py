@@ -18,10 +18,10 @@ from abi.obstacles.triangle_mesh.bvh import Dipoles, TriangleTree
 from abi.obstacles.vector_kernels import Vec3, cross, dot, sub, vec3_at
 
 OPENING = 2.5
-"""A group is a dipole from this many times its radius on."""
+"""Distance, in radii, from which a group is a dipole."""
 
 _FRACTION = 0.1
-"""Around a closed surface the number is whole. What it is off by is error: if more, look closer."""
+"""Largest distance of the number from a whole one, which it is around a closed surface."""
 
 _STRAIN = 5.0
 """Balls' worth of area seen as dipoles, above which the error might reach the next whole number.
@@ -31,7 +31,7 @@ One ball, or a figure with folds, is about 1 to 3 and off by under 0.05; 100 bal
 """
 
 _DOUBLINGS = 3
-"""How often to look closer before all triangles are taken one by one."""
+"""Retries with a wider opening before all triangles are taken one by one."""
 
 
 @register_jitable
@@ -71,11 +71,11 @@ def winding_number(
     while waiting > 0:
         waiting -= 1
         node = stack[waiting]
-        way = sub(vec3_at(centres, 3 * node), x)
-        far = dot(way, way)
+        offset = sub(vec3_at(centres, 3 * node), x)
+        far = dot(offset, offset)
         reach = opening * radii[node]
         if far > reach * reach:
-            far_field += dot(vec3_at(normals, 3 * node), way) / (far * math.sqrt(far))
+            far_field += dot(vec3_at(normals, 3 * node), offset) / (far * math.sqrt(far))
             strain += areas[node] / far
         elif node >= inner:
             for t in range(9 * leaves[node - inner], 9 * leaves[node - inner + 1], 9):
@@ -102,7 +102,7 @@ def inside(
     distances: FloatArray,
     doubt: float,
 ) -> BoolArray:
-    """Which points (n, 3) a closed surface winds around, (n,); in doubt they count as inside.
+    """Mask (n,) of the points (n, 3) inside a closed surface; in doubt they count as inside.
 
     A point that is nearer to the one before it than the surface is on the same side: order helps.
 
@@ -113,7 +113,7 @@ def inside(
         distances: (n,) to the surface, or less.
         doubt: a distance up to which rounding may hide the side.
     """
-    found = np.empty(len(points), np.bool_)
+    result = np.empty(len(points), np.bool_)
     stack = np.empty(128, np.int32)
     low, high = vec3_at(tree.low, 0), vec3_at(tree.high, 0)
     last = (math.inf, math.inf, math.inf)
@@ -124,20 +124,20 @@ def inside(
         if not (
             low[0] <= x[0] <= high[0] and low[1] <= x[1] <= high[1] and low[2] <= x[2] <= high[2]
         ):
-            found[i] = False
+            result[i] = False
         elif distances[i] <= doubt:
-            found[i] = True
+            result[i] = True
         elif math.sqrt(dot(step, step)) + doubt < distances[i - 1]:
-            found[i] = found[i - 1]
+            result[i] = result[i - 1]
         else:
-            found[i] = True
+            result[i] = True
             opening, most = OPENING, _STRAIN
             for attempt in range(_DOUBLINGS + 2):
                 if attempt > _DOUBLINGS:
                     opening = math.inf
                 number, strain = winding_number(x, tree, dipoles, opening, stack)
                 if strain <= most and abs(number - round(number)) <= _FRACTION:
-                    found[i] = abs(number) > 0.5
+                    result[i] = abs(number) > 0.5
                     break
                 opening, most = 2.0 * opening, 4.0 * most
-    return found
+    return result

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from abi.arrays import FloatArray
 from abi.clearance.certificate import Certificate, Refutation, certify
-from abi.clearance.curve_clearance import ROUNDING, curve_clearance, prove
+from abi.clearance.curve_clearance import ROUNDING, curve_clearance, proven_clearance
 from abi.curves.bspline import BSpline, clamped
 from abi.curves.quadratic import Quadratic
 from abi.obstacles.mesh_shape import MeshShape
@@ -184,7 +184,7 @@ def test_without_obstacles_any_curve_is_certified() -> None:
     assert isinstance(result, Certificate)
     assert result.margin == math.inf
     assert len(result.pieces) == 0
-    found = prove(curve, NO_OBSTACLES, 0.3)
+    found = proven_clearance(curve, NO_OBSTACLES, 0.3)
     assert found.certified
     assert found.distance == math.inf
 
@@ -233,10 +233,12 @@ def test_a_curve_that_stays_at_one_point_is_decided() -> None:
 
 @settings(max_examples=40, deadline=None)
 @given(seeds, st.sampled_from([0.0, 0.05, 0.5]), st.sampled_from([1e-3, 1e-6]))
-def test_proven_distance_is_as_large_as_measured(seed: int, asked: float, tolerance: float) -> None:
+def test_proven_distance_is_as_large_as_measured(
+    seed: int, required: float, tolerance: float
+) -> None:
     curve, obstacles = case(seed)
-    found = prove(curve, ObstacleSet(obstacles), asked, tolerance)
-    measured = curve_clearance(curve, ObstacleSet(obstacles), asked, tolerance)
+    found = proven_clearance(curve, ObstacleSet(obstacles), required, tolerance)
+    measured = curve_clearance(curve, ObstacleSet(obstacles), required, tolerance)
     clearance = true_clearance(curve, obstacles)
     assert found.violations == measured.violations
     if clearance < -tolerance:
@@ -247,15 +249,15 @@ def test_proven_distance_is_as_large_as_measured(seed: int, asked: float, tolera
     if found.certificate is not None:
         assert found.distance == found.certificate.margin
         assert clearance - 2 * tolerance <= found.distance <= clearance + 1e-12
-    assert found.keeps(asked) == (found.certified and found.distance >= asked - ROUNDING)
+    assert found.keeps(required) == (found.certified and found.distance >= required - ROUNDING)
 
 
 def test_a_curve_may_touch_a_solid_when_no_clearance_is_asked_for() -> None:
     line = clamped(np.array([[0.0, 0, 1], [0, 0, 3]]), 1)
-    assert prove(line, ObstacleSet((Box(size=(2, 2, 2)),)), 0.0).keeps(0.0)
-    assert not prove(line, ObstacleSet((Box(size=(2, 2, 2)),)), 1e-6).keeps(1e-6)
+    assert proven_clearance(line, ObstacleSet((Box(size=(2, 2, 2)),)), 0.0).keeps(0.0)
+    assert not proven_clearance(line, ObstacleSet((Box(size=(2, 2, 2)),)), 1e-6).keeps(1e-6)
     through = clamped(np.array([[0.0, 0, -1], [0, 0, 1]]), 1)
-    assert not prove(through, ObstacleSet((Box(size=(2, 2, 2e-9)),)), 0.0).certified
+    assert not proven_clearance(through, ObstacleSet((Box(size=(2, 2, 2e-9)),)), 0.0).certified
 
 
 def test_a_mesh_box_is_decided_like_the_box() -> None:

@@ -87,9 +87,9 @@ some_obstacles = st.sets(st.sampled_from(OBSTACLES), min_size=1).map(tuple)
 @given(curves, some_obstacles, st.floats(-0.5, 1.5), st.sampled_from([1e-1, 1e-3, 1e-5]))
 @settings(max_examples=120, deadline=None)
 def test_no_dense_sample_contradicts_the_measurement(
-    curve: Spline, obstacles: Obstacles, asked: float, tolerance: float
+    curve: Spline, obstacles: Obstacles, required: float, tolerance: float
 ) -> None:
-    found = curve_clearance(curve, ObstacleSet(obstacles), asked, tolerance)
+    found = curve_clearance(curve, ObstacleSet(obstacles), required, tolerance)
     parameters, distances = dense(curve, obstacles)
     assert distances.min() >= found.distance - 1e-9
     assert 0 <= found.nearest - found.distance <= tolerance + 1e-12
@@ -105,17 +105,17 @@ def test_no_dense_sample_contradicts_the_measurement(
     for start, end in found.violations:
         here = (parameters >= start) & (parameters <= end)
         inside |= here
-        assert least_within(curve, obstacles, start, end) < asked
-    assert inside[distances < asked - tolerance - 1e-9].all()
-    assert found.holds == (found.violations == ()) == (found.nearest >= asked - 1e-9)
+        assert least_within(curve, obstacles, start, end) < required
+    assert inside[distances < required - tolerance - 1e-9].all()
+    assert found.holds == (found.violations == ()) == (found.nearest >= required - 1e-9)
 
 
 @given(curves, some_obstacles, st.floats(-0.5, 1.5))
 @settings(max_examples=60, deadline=None)
 def test_violations_are_in_order_apart_and_no_wider_than_needed(
-    curve: Spline, obstacles: Obstacles, asked: float
+    curve: Spline, obstacles: Obstacles, required: float
 ) -> None:
-    found = curve_clearance(curve, ObstacleSet(obstacles), asked)
+    found = curve_clearance(curve, ObstacleSet(obstacles), required)
     edges = np.array(found.violations).reshape(-1, 2)
     assert (edges[:, 0] < edges[:, 1]).all()
     assert (edges[1:, 0] > edges[:-1, 1]).all()
@@ -131,7 +131,7 @@ def test_violations_are_in_order_apart_and_no_wider_than_needed(
         low = start + pad * (start > first)
         high = end - pad * (end < last)
         stretch = distances[(parameters > low) & (parameters < high)]
-        assert (stretch < asked + 2.1 * speed * pad).all()
+        assert (stretch < required + 2.1 * speed * pad).all()
 
 
 @given(some_obstacles, coordinates, coordinates)
@@ -261,12 +261,12 @@ def test_a_curve_through_the_heart_of_an_obstacle_ends(tolerance: float) -> None
 @given(curves, st.floats(0.0, 1.5))
 @settings(max_examples=40, deadline=None)
 def test_where_a_mesh_is_too_near_is_told_as_finely_as_of_a_solid(
-    curve: Spline, asked: float
+    curve: Spline, required: float
 ) -> None:
     size = (1.0, 2.0, 1.5)
     pose: Any = {"position": (1.0, 0.5, 0.0), "wxyz": (0.8, -0.3, 0.4, 0.2)}
     solid, mesh = (
-        curve_clearance(curve, ObstacleSet((body,)), asked)
+        curve_clearance(curve, ObstacleSet((body,)), required)
         for body in (Box(size=size, **pose), MeshShape.of(clean(*meshes.box(size)), **pose))
     )
     first, last = curve.interval
@@ -283,8 +283,8 @@ def test_where_a_mesh_is_too_near_is_told_as_finely_as_of_a_solid(
                 parameters < end - fine * (end < last)
             )
             # a rise so short that it fits between two samples is not told apart
-            assert (distances[inner] < asked + 2.1 * speed * fine).all()
-        assert told[distances < asked - 1e-3 - 1e-9].all()
+            assert (distances[inner] < required + 2.1 * speed * fine).all()
+        assert told[distances < required - 1e-3 - 1e-9].all()
 
 
 def test_a_needle_between_two_samples_is_found_beside_what_is_far_nearer() -> None:

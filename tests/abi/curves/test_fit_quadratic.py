@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from abi.arrays import FloatArray, read_only
 from abi.curves import curve as curves
 from abi.curves.bspline import BSpline
-from abi.curves.clear_quadratic import ByLength, Target, nearest_clear, target
+from abi.curves.clear_quadratic import ByArcLength, Target, least_squares_target, nearest_clear
 from abi.curves.fit import Fit
 from abi.curves.fit_bspline import fit as fit_spline
 from abi.curves.fit_quadratic import MOST_PIECES, Mode, fewest_pieces, fit
@@ -30,7 +30,7 @@ def spline_through(scene: Scene) -> Fit[BSpline] | None:
 
 
 def fitted(spline: Fit[BSpline], obstacles: ObstacleSet, mode: Mode) -> Fit[Quadratic]:
-    return fit(spline, curves.arc_length(spline.curve), obstacles, spline.asked, mode)
+    return fit(spline, curves.arc_length(spline.curve), obstacles, spline.required, mode)
 
 
 def dense(obstacles: ObstacleSet, curve: Quadratic) -> float:
@@ -98,23 +98,23 @@ def test_the_target_is_the_least_squares_curve(seed: int, pieces: int) -> None:
     rng = np.random.default_rng(seed)
     spline = fit_spline(rng.uniform(0, 6, (6, 3)), 3, NO_OBSTACLES, 0.0).curve
     arc = curves.arc_length(spline)
-    shape = ByLength(spline, arc)
+    by_length = ByArcLength(spline, arc)
     breaks = np.linspace(0, 1, pieces + 1)
-    wanted = target(shape, breaks, NO_OBSTACLES, 0.0)
+    target = least_squares_target(by_length, breaks, NO_OBSTACLES, 0.0)
     if pieces == 1:
         single = least_squares(spline, arc)
-        made = Quadratic.from_control_points(wanted.control_points, breaks)
+        made = Quadratic.from_control_points(target.control_points, breaks)
         np.testing.assert_allclose(made.coefficients, single.coefficients, atol=1e-3)
     t = (np.arange(4000) + 0.5) / 4000
-    aim = shape(t)
-    least = np.mean((Quadratic.from_control_points(wanted.control_points, breaks)(t) - aim) ** 2)
+    aim = by_length(t)
+    least = np.mean((Quadratic.from_control_points(target.control_points, breaks)(t) - aim) ** 2)
     for _ in range(5):
-        other = wanted.control_points.copy()
+        other = target.control_points.copy()
         other[1:-1] += rng.normal(size=(pieces, 3)) * 0.3
         curve = Quadratic.from_control_points(other, breaks)
         assert np.mean((curve(t) - aim) ** 2) >= least * (1 - 1e-3)
-        gap = curve(t) - Quadratic.from_control_points(wanted.control_points, breaks)(t)
-        assert wanted.distance(other) == pytest.approx(
+        gap = curve(t) - Quadratic.from_control_points(target.control_points, breaks)(t)
+        assert target.distance(other) == pytest.approx(
             np.sqrt(np.mean((gap**2).sum(axis=1))), rel=1e-3
         )
 
@@ -132,7 +132,7 @@ def test_a_moved_curve_is_clear_with_exact_ends(seed: int, most: int, mode: Mode
     np.testing.assert_allclose(made.curve([0.0, 1.0]), ends, atol=1e-9)
     if made.holds:
         assert made.note == ""
-        assert dense(obstacles, made.curve) >= spline.asked - 1e-9
+        assert dense(obstacles, made.curve) >= spline.required - 1e-9
     first = fitted(spline, obstacles, "least_squares")
     if first.holds:
         assert np.array_equal(bend(made), bend(first))
@@ -153,7 +153,7 @@ def test_pieces_hold_where_the_spline_holds(seed: int) -> None:
     single = fitted(spline, obstacles, "clear")
 
     assert made.holds
-    assert dense(obstacles, made.curve) >= spline.asked - 1e-9
+    assert dense(obstacles, made.curve) >= spline.required - 1e-9
     assert (len(made.curve.pieces) == 1) == single.holds
     joints = made.curve.breaks[1:-1]
     for order in (0, 1):
@@ -176,7 +176,7 @@ def test_past_the_most_pieces_the_control_polygon_decides() -> None:
     path = np.array([[0.0, 2.5, 0.0], *corners, [xs[-1] + 1, 2.5, 0.0]])
     spline = fit_spline(path, 4, ObstacleSet(teeth), CLEARANCE)
     assert spline.holds
-    shape = ByLength(spline.curve, curves.arc_length(spline.curve))
+    shape = ByArcLength(spline.curve, curves.arc_length(spline.curve))
     made = fewest_pieces(spline.curve, shape, ObstacleSet(teeth), CLEARANCE)
 
     assert made is not None
@@ -204,10 +204,10 @@ def test_no_clear_quadratic_on_a_grid_is_nearer(seed: int) -> None:
     for radius in (0.5 * moved, 0.8 * moved, 0.94 * moved):
         change = radius * directions[:, None] * (t * t - t)[None, :, None]
         distance, _ = obstacles.nearest((first.curve(t) + change).reshape(-1, 3))
-        seemingly = distance.reshape(400, -1).min(axis=1) >= spline.asked
+        seemingly = distance.reshape(400, -1).min(axis=1) >= spline.required
         for direction in directions[seemingly]:
             points = first.curve(fine) + radius * direction * (fine * fine - fine)[:, None]
-            assert obstacles.nearest(points)[0].min() < spline.asked
+            assert obstacles.nearest(points)[0].min() < spline.required
 
 
 def test_around_a_sphere_in_the_way_the_move_is_the_least() -> None:
@@ -235,24 +235,26 @@ def test_around_a_sphere_in_the_way_the_move_is_the_least() -> None:
 def test_over_a_ridge_that_no_half_space_shows_it_aims_higher(half: float, over: float) -> None:
     # A block, and on it a ridge as thin as a knife: the middles of the short pieces to its left and
     # right are nearer to the block, so that their half spaces know nothing of it.
-    asked = 0.02
+    required = 0.02
     t = (3 - half) / 6
-    least = (0.5 + asked) / (4 * t * (1 - t))  # how high the curve goes past the block's edges
-    ridge = least - asked + over
+    least = (0.5 + required) / (4 * t * (1 - t))  # how high the curve goes past the block's edges
+    ridge = least - required + over
     block = meshes.box((2 * half, 1, 1), (3, 0, 0))
     knife = meshes.box((0.02, 0.5 + ridge, 1), (3, (ridge - 0.5) / 2, 0))
     shape = MeshShape.of(clean(*meshes.joined(block, knife)))
     line = np.array([[0.0, 0, 0], [3, 0.1, 0], [6, 0, 0]])
-    wanted = Target(read_only(np.array([0.0, 1.0])), read_only(line), ObstacleSet((shape,)), asked)
+    target = Target(
+        read_only(np.array([0.0, 1.0])), read_only(line), ObstacleSet((shape,)), required
+    )
 
     def over_the_block(part: FloatArray) -> FloatArray:
         return np.stack([6 * part, 4.08 * least * part * (1 - part), 0 * part], axis=1)
 
-    made = nearest_clear(wanted, [over_the_block])
+    made = nearest_clear(target, [over_the_block])
 
     assert made is not None
-    assert dense(ObstacleSet((shape,)), made) >= asked - 1e-9
-    assert ridge + asked <= made(0.5)[1] < ridge + 4 * asked
+    assert dense(ObstacleSet((shape,)), made) >= required - 1e-9
+    assert ridge + required <= made(0.5)[1] < ridge + 4 * required
 
 
 def test_the_mode_of_a_scene_is_the_mode_of_its_plan() -> None:

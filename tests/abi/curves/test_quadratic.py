@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from abi.arrays import FloatArray
 from abi.curves import curve as curves
 from abi.curves.bspline import BSpline, clamped
-from abi.curves.fit import proven
+from abi.curves.fit import proven_fit
 from abi.curves.quadratic import Quadratic, least_squares
 from abi.obstacles.obstacle_set import NO_OBSTACLES, ObstacleSet
 from abi.obstacles.primitives import Box, Sphere
@@ -119,13 +119,13 @@ def test_the_printed_one_keeps_what_dense_samples_keep() -> None:
     obstacles = (Box(size=(2.5, 2.5, 2.5), position=(3, 3, 3)), Sphere(radius=0.5))
     points = printed.QUADRATIC(np.linspace(0, 1, 20_001))
     seen = float(ObstacleSet(obstacles[:1]).nearest(points)[0].min())
-    for asked, holds in ((seen - 1e-4, True), (seen + 1e-4, False)):
-        found = proven(
-            printed.QUADRATIC, printed.QUADRATIC.extent, ObstacleSet(obstacles[:1]), asked
+    for required, holds in ((seen - 1e-4, True), (seen + 1e-4, False)):
+        found = proven_fit(
+            printed.QUADRATIC, printed.QUADRATIC.extent, ObstacleSet(obstacles[:1]), required
         )
         assert found.holds is holds
         assert found.clearance.distance == pytest.approx(seen, abs=2e-5)
-    assert not proven(
+    assert not proven_fit(
         printed.QUADRATIC, printed.QUADRATIC.extent, ObstacleSet(obstacles), 0.0
     ).holds
 
@@ -133,10 +133,12 @@ def test_the_printed_one_keeps_what_dense_samples_keep() -> None:
 def test_a_fit_says_when_it_enters_an_obstacle() -> None:
     around = clamped(np.array([[0.0, 0, 0], [0, 6, 0], [0, 6, 0], [6, 6, 0]]), 1)
     found = fitted(around)
-    free = proven(found, found.extent, NO_OBSTACLES, 0.5)
+    free = proven_fit(found, found.extent, NO_OBSTACLES, 0.5)
     assert free.holds
     assert free.clearance.distance == np.inf
     centre = tuple(found(0.5).tolist())
-    blocked = proven(found, found.extent, ObstacleSet((Sphere(radius=0.3, position=centre),)), 0.5)
+    blocked = proven_fit(
+        found, found.extent, ObstacleSet((Sphere(radius=0.3, position=centre),)), 0.5
+    )
     assert not blocked.holds
     assert blocked.clearance.nearest == pytest.approx(-0.3, abs=1e-6)

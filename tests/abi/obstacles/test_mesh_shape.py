@@ -101,7 +101,7 @@ def test_a_mesh_of_a_box_is_the_box(seed: int) -> None:
         blocked = ObstacleSet((mesh,)).blocked(p, q, margin)
         np.testing.assert_array_equal(blocked[sure], (least < margin)[sure])
         sure = np.abs(expected - margin) > tolerance
-        np.testing.assert_array_equal(mesh.closer(points, margin)[sure], (expected < margin)[sure])
+        np.testing.assert_array_equal(mesh.within(points, margin)[sure], (expected < margin)[sure])
 
 
 def test_a_mesh_of_a_sphere_is_the_sphere_but_for_its_facets() -> None:
@@ -253,7 +253,7 @@ def test_no_points_and_no_segments() -> None:
             shape.signed_distance(none),
             shape.gradient(none),
             shape.segment_distance(none, none),
-            shape.closer(none, 0.1),
+            shape.within(none, 0.1),
             shape.blocks(none, none, np.empty(0)),
         ):
             assert len(found) == 0

@@ -44,7 +44,7 @@ def test_distances_are_those_of_the_obstacles_one_by_one(seed: int) -> None:
     points = random.uniform(-1, 7, (40, 3))
     each = np.stack([one.signed_distance(points) for one in obstacles], axis=1)
     distance, number = obstacles.nearest(points)
-    outward_distance, gradient = obstacles.outward(points)
+    outward_distance, gradient = obstacles.signed_distance_gradient(points)
 
     assert obstacles.signed_distances(points) == pytest.approx(each, abs=1e-12)
     for found in (distance, outward_distance, obstacles.signed_distance(points)):

@@ -26,7 +26,7 @@ from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.obstacles.triangle_mesh.repair import Surface, clean
 from abi.planner.planner import plan
 from abi.scene.scene import load_scene, scene_names
-from abi.verify.exact import ExactSolid, Spline, into_body, root, vector
+from abi.verify.exact import ExactSolid, ExactSpline, in_body, sqrt_bounds, vector
 from abi.verify.exact_mesh import ExactMesh
 from abi.verify.verify import Verdict, verify
 from app.__main__ import main
@@ -417,7 +417,7 @@ def test_quadratics_need_pieces_of_three_rows(honest: Data, pieces: list[Data]) 
 @settings(max_examples=200, deadline=None)
 def test_roots_are_bounded_from_both_sides(number: Fraction, power: int) -> None:
     square = number * Fraction(2) ** power
-    below, above = root(square)
+    below, above = sqrt_bounds(square)
     assert 0 <= below <= above
     assert below**2 <= square <= above**2
     assert above - below <= above / 2**99
@@ -428,7 +428,7 @@ def test_roots_are_bounded_from_both_sides(number: Fraction, power: int) -> None
 def test_rotations_are_those_of_scipy(seed: int) -> None:
     random = np.random.default_rng(seed)
     v, (w, x, y, z) = random.normal(size=3), random.normal(size=4)
-    found = into_body(vector(v.tolist()), (w, x, y, z))
+    found = in_body(vector(v.tolist()), (w, x, y, z))
     expected = Rotation.from_quat([x, y, z, w]).inv().apply(v)
     assert [float(part) for part in found] == pytest.approx(expected.tolist(), abs=1e-14)
     # Turning keeps the length: exactly.
@@ -442,7 +442,7 @@ def test_exact_bezier_points_are_the_rounded_ones(seed: int) -> None:
     degree = int(random.integers(1, 6))
     curve = clamped(random.uniform(0, 6, (int(random.integers(degree + 1, 9)), 3)), degree)
     control = tuple(vector(point) for point in curve.control_points.tolist())
-    exact = Spline(degree, tuple(map(Fraction, curve.knots.tolist())), control)
+    exact = ExactSpline(degree, tuple(map(Fraction, curve.knots.tolist())), control)
     pieces = curve.bezier()
     for (start, end, span), points in zip(exact.spans, pieces.points, strict=True):
         found = np.array(exact.points(span, start, end), dtype=float)

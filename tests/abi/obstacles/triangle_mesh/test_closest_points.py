@@ -11,7 +11,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from abi.arrays import FloatArray
-from abi.obstacles.triangle_mesh.closest_points import NearestPlaces
+from abi.obstacles.triangle_mesh.closest_points import ClosestPoints
 from abi.obstacles.triangle_mesh.repair import clean
 from abi.obstacles.triangle_mesh.signed_distance import SurfaceDistance
 from tests.abi import meshes
@@ -60,19 +60,19 @@ def exactly(point: FloatArray, triangle: FloatArray) -> float:
 @pytest.mark.slow
 @settings(max_examples=20, deadline=None)
 @given(st.sampled_from(sorted(MESHES)), seeds)
-def test_ways_lead_from_the_nearest_place(name: str, seed: int) -> None:
+def test_offsets_lead_from_the_closest_point(name: str, seed: int) -> None:
     vertices, faces = MESHES[name]
     rng = np.random.default_rng(seed)
     low, size = vertices.min(axis=0), np.ptp(vertices, axis=0)
     on = vertices[faces[rng.integers(len(faces), size=4)]].mean(axis=1)
     points = np.concatenate([low + rng.uniform(-0.3, 1.3, (4, 3)) * size, on, vertices[:1]])
-    places = NearestPlaces(vertices, faces)
-    assert places.error < 1e-12 * size.max()
-    ways, triangles = places.to(points)
-    for x, way, triangle in zip(points, ways, triangles, strict=True):
+    closest = ClosestPoints(vertices, faces)
+    assert closest.error < 1e-12 * size.max()
+    offsets, triangles = closest.offsets(points)
+    for x, offset, triangle in zip(points, offsets, triangles, strict=True):
         best = min(exactly(x, corners) for corners in vertices[faces])
-        assert np.linalg.norm(way) == pytest.approx(best, abs=places.error, rel=1e-14)
-        assert exactly(x - way, vertices[faces[triangle]]) <= places.error
+        assert np.linalg.norm(offset) == pytest.approx(best, abs=closest.error, rel=1e-14)
+        assert exactly(x - offset, vertices[faces[triangle]]) <= closest.error
 
 
 @settings(max_examples=300, deadline=None)
@@ -95,11 +95,11 @@ def test_no_triangle_is_too_thin(power: float, kind: str, seed: int) -> None:
     assume(np.linalg.norm(np.cross(b - a, c - b)) and (a != b).any() and (c != a).any())
     near = 0.3 * a + 0.7 * b + 10.0 ** rng.uniform(-14, -1) * rng.normal(size=3)
     points = np.stack([rng.uniform(-1.5, 1.5, 3), near, triangle[rng.integers(3)]])
-    places = NearestPlaces(triangle, np.array([[0, 1, 2]], dtype=np.int32))
-    assert places.error < 1e-7
-    found = np.linalg.norm(places.to(points)[0], axis=1)
+    closest = ClosestPoints(triangle, np.array([[0, 1, 2]], dtype=np.int32))
+    assert closest.error < 1e-7
+    found = np.linalg.norm(closest.offsets(points)[0], axis=1)
     expected = [exactly(x, triangle) for x in points]
-    np.testing.assert_allclose(found, expected, atol=places.error, rtol=1e-14)
+    np.testing.assert_allclose(found, expected, atol=closest.error, rtol=1e-14)
 
 
 @settings(max_examples=40, deadline=None)
@@ -112,7 +112,7 @@ def test_slivers_shorten_a_distance_but_never_lengthen_it(power: float, seed: in
     assume(np.linalg.norm(np.cross(*np.diff(corners, axis=1).transpose(1, 0, 2)), axis=1).all())
     surface = clean(corners.reshape(-1, 3), faces)
     points = np.concatenate([rng.uniform(-1.5, 1.5, (6, 3)), corners[:2, 0]])
-    found = SurfaceDistance(surface).signed(points)
+    found = SurfaceDistance(surface).signed_distance(points)
     triangles = surface.vertices[surface.faces]
     expected = np.array([min(exactly(x, t) for t in triangles) for x in points])
     assert (found <= expected + 1e-14).all()

@@ -9,9 +9,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from abi.arrays import FloatArray
-from abi.obstacles.triangle_mesh import winding_kernels as winding
-from abi.obstacles.triangle_mesh.bvh import Dipoles, TriangleTree, build, dipoles
-from abi.obstacles.triangle_mesh.closest_points import NearestPlaces
+from abi.obstacles.triangle_mesh import winding_kernels
+from abi.obstacles.triangle_mesh.bvh import Dipoles, TriangleTree, build_tree, dipoles
+from abi.obstacles.triangle_mesh.closest_points import ClosestPoints
 from abi.obstacles.triangle_mesh.repair import clean
 from abi.obstacles.triangle_mesh.signed_distance import SurfaceDistance
 from tests.abi import meshes
@@ -39,7 +39,7 @@ OPEN = {
     "half-blob": (BLOB[0], BLOB[1][: len(BLOB[1]) // 2]),
     "triangle": (np.eye(3), np.array([[0, 1, 2]], dtype=np.int32)),
 }
-_number: Any = numba.njit(winding.winding_number)
+_number: Any = numba.njit(winding_kernels.winding_number)
 names = st.sampled_from(sorted({**CLOSED, **OPEN}))
 
 
@@ -81,12 +81,12 @@ def inside(mesh: Mesh, points: FloatArray) -> np.ndarray:
     """Sides by a kernel that gets no distances to reason from."""
     tree, far = _far(mesh)
     distances = np.full(len(points), 1e-300)
-    found = winding.inside(tree, far, points, distances, 0.0)
+    found = winding_kernels.inside(tree, far, points, distances, 0.0)
     return np.asarray(found)
 
 
 def _far(mesh: Mesh) -> tuple[TriangleTree, Dipoles]:
-    tree = build(corners(mesh))
+    tree = build_tree(corners(mesh))
     return tree, dipoles(tree)
 
 
@@ -117,7 +117,7 @@ def test_the_numbers_are_the_sums_of_all_solid_angles(name: str, seed: int) -> N
     expected = by_angles(corners(mesh), points)
     # the oracle takes roots of what rounds to 0 where a triangle is seen as a line
     np.testing.assert_allclose(numbers(mesh, points, np.inf), expected, atol=1e-5)
-    np.testing.assert_allclose(numbers(mesh, points, winding.OPENING), expected, atol=0.06)
+    np.testing.assert_allclose(numbers(mesh, points, winding_kernels.OPENING), expected, atol=0.06)
     finer = np.abs(numbers(mesh, points, 40.0) - expected).max()
     assert finer < 1e-3
 
@@ -213,7 +213,7 @@ def test_where_dipoles_are_too_coarse_triangles_decide(count: int) -> None:
     points = rng.normal(size=(100, 3))
     points /= np.linalg.norm(points, axis=1, keepdims=True) / rng.uniform(0.97, 1.1, (100, 1))
     exact = numbers(mesh, points, np.inf)
-    coarse = numbers(mesh, points, winding.OPENING)
+    coarse = numbers(mesh, points, winding_kernels.OPENING)
     assert ((np.abs(coarse) > 0.5) != (np.abs(exact) > 0.5)).any()
     np.testing.assert_array_equal(inside(mesh, points), np.abs(exact) > 0.5)
 
@@ -227,9 +227,9 @@ def test_the_order_of_points_changes_no_side(name: str, seed: int) -> None:
     tree, far = _far(mesh)
     steps = rng.normal(size=(300, 3)) * 10.0 ** rng.uniform(-3, -0.5, (300, 1))
     points = np.clip(np.cumsum(steps, axis=0), -1.4, 1.4)
-    ways, _ = NearestPlaces(*mesh).to(points)
-    distances = np.linalg.norm(ways, axis=1)
-    found = winding.inside(tree, far, points, distances, 0.0)
+    offsets, _ = ClosestPoints(*mesh).offsets(points)
+    distances = np.linalg.norm(offsets, axis=1)
+    found = winding_kernels.inside(tree, far, points, distances, 0.0)
     np.testing.assert_array_equal(found, np.abs(numbers(mesh, points, np.inf)) > 0.5)
 
 
@@ -261,4 +261,4 @@ def test_a_shifted_and_scaled_surface_has_the_same_sides() -> None:
         np.testing.assert_array_equal(inside(moved, points * scale), expected)
     away = np.array([1000.0, 0.0, 0.0])
     far = SurfaceDistance(clean(BLOB[0] + away, BLOB[1]))
-    np.testing.assert_array_equal(far.signed(points + away) < 0, expected)
+    np.testing.assert_array_equal(far.signed_distance(points + away) < 0, expected)
