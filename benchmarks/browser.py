@@ -1,4 +1,4 @@
-"""From the hand to the drawn path, in a real browser.
+"""Latency from the pointer to the drawn path, in a real browser.
 
     python -m benchmarks.browser --nodes 200 20000 200000
 
@@ -33,7 +33,7 @@ SWEEPS = 2.0
 """Seconds of the drag without waiting."""
 
 _CURVE = "/curve/bspline"
-_MOST_MS = 10_000
+_TIMEOUT_MS = 10_000
 
 # Resolves to the time [ms] from the next pointer event to the first frame after a new curve came.
 _WATCH = """([name, most]) => {
@@ -68,7 +68,7 @@ def measure(nodes: int, browser: Browser) -> dict[str, Any]:
         grip = [0.0, 0.0, 0.85 * page.props(gizmo)["scale"]]
         times = [_step(page, gizmo, grip, up=number % 20 < 10) for number in range(STEPS)]
         page.until(lambda: session.resting, "the plan at rest")
-        frame = _frame(page)
+        frame = _frame_ms(page)
         before, begin = session.plans, time.monotonic()
         _sweep(page, gizmo, grip)
         plans, seconds = session.plans - before, time.monotonic() - begin
@@ -133,8 +133,8 @@ def _tab(scene: Scene, browser: Browser) -> Iterator[tuple[Page, Session]]:
         server.stop()
 
 
-def _frame(page: Page, count: int = 8) -> float:
-    """What one frame takes when nothing changes, [ms]."""
+def _frame_ms(page: Page, count: int = 8) -> float:
+    """Time of one frame when nothing changes, [ms]."""
     begin = time.monotonic()
     page.frames(count)
     return 1e3 * (time.monotonic() - begin) / count
@@ -147,12 +147,12 @@ def _step(page: Page, gizmo: str, grip: list[float], up: bool) -> float:
     page.frames(2)
     page.tab.mouse.down()
     page.frames(1)
-    page.tab.evaluate(_WATCH, [_CURVE, _MOST_MS])
+    page.tab.evaluate(_WATCH, [_CURVE, _TIMEOUT_MS])
     page.tab.mouse.move(x, y + (-4 if up else 4))
-    taken = page.tab.evaluate("() => window.__drawn")
+    ms = page.tab.evaluate("() => window.__drawn")
     page.tab.mouse.up()
-    assert taken is not None, "nothing was drawn"
-    return float(taken)
+    assert ms is not None, "nothing was drawn"
+    return float(ms)
 
 
 def _sweep(page: Page, gizmo: str, grip: list[float]) -> None:

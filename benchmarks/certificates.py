@@ -1,4 +1,4 @@
-"""Random curves by the thousand, near-misses common: is a certified curve always clear?
+"""Campaign over random curves, many of them near misses: certificates against dense sampling.
 
     python -m benchmarks.certificates --curves 20000
 
@@ -33,7 +33,7 @@ CLOSE = 1e-6 * SIZE
 
 @dataclass
 class Figures:
-    """What a campaign found; the four faults are lists of the curves' numbers."""
+    """Results of a campaign; the four faults are lists of the curves' numbers."""
 
     curves: int = 0
     certified: int = 0
@@ -117,9 +117,9 @@ def true_clearance(curve: BSpline | Quadratic, obstacles: Obstacles) -> float:
     middle, width = parameters[lowest], 1 / (DENSE - 1)
     for _ in range(6):
         around = np.clip(middle[:, None] + width * np.linspace(-1, 1, 41), 0, 1)
-        found = ObstacleSet(obstacles).nearest(curve(around.ravel()))[0].reshape(around.shape)
-        least = min(least, float(found.min()))
-        middle, width = around[np.arange(len(around)), found.argmin(axis=1)], width / 10
+        distance = ObstacleSet(obstacles).nearest(curve(around.ravel()))[0].reshape(around.shape)
+        least = min(least, float(distance.min()))
+        middle, width = around[np.arange(len(around)), distance.argmin(axis=1)], width / 10
     return least
 
 
@@ -136,7 +136,7 @@ def name_of(curve: BSpline | Quadratic) -> str:
 def as_plan(
     curve: BSpline | Quadratic, obstacles: Obstacles, result: Certificate
 ) -> dict[str, Any]:
-    """A plan with nothing but the obstacles, this curve and its certificate, which is enough."""
+    """A plan of nothing but the obstacles, this curve and its certificate."""
     columns = (result.pieces.tolist(), result.obstacle.tolist(), result.directions.tolist())
     section: dict[str, Any] = {
         "clearance": result.margin,
@@ -158,8 +158,8 @@ def as_plan(
             {"t0": t0, "t1": t1, "coefficients": rows.tolist()} for t0, t1, rows in curve.pieces
         ]
     shapes = [obstacle.model_dump(mode="json") for obstacle in obstacles]
-    asked = max(result.margin, 0.0)
-    scene = {"version": 1, "obstacles": shapes, "spline": {"clearance": asked}}
+    required = max(result.margin, 0.0)
+    scene = {"version": 1, "obstacles": shapes, "spline": {"clearance": required}}
     plan: dict[str, Any] = {"scene": scene}
     return {**plan, "bspline": None, "quadratic": None, name_of(curve): section}
 
@@ -175,9 +175,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
     parser.add_argument("--curves", type=int, default=20_000)
     parser.add_argument("--seed", type=int, default=0)
-    given = parser.parse_args()
+    options = parser.parse_args()
     abi.compile()
-    print(campaign(given.curves, given.seed))
+    print(campaign(options.curves, options.seed))
 
 
 if __name__ == "__main__":

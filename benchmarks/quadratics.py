@@ -1,4 +1,4 @@
-"""How often one quadratic is enough: least squares, the nearest clear one, and pieces.
+"""Share of scenes with a clear quadratic: least squares, the nearest clear one, and pieces.
 
 Run ``python -m benchmarks.quadratics [SCENES]``.
 """
@@ -22,27 +22,31 @@ MODES: tuple[Mode, ...] = ("least_squares", "clear", "pieces")
 
 
 def run(name: str, make: Callable[[np.random.Generator], Scene], scenes: int, seed: int) -> None:
-    """Print the shares over random scenes that have a B-spline, and the times."""
+    """Print shares and times over so many random scenes that have a B-spline."""
     rng = np.random.default_rng(seed)
     holds, pieces = Counter[Mode](), Counter[int]()
     ms: dict[Mode, list[float]] = {mode: [] for mode in MODES}
-    moved: list[float] = []
+    search_ms: list[float] = []
     splines = planned = 0
     while planned < scenes:
-        made = plan(make(rng))
-        if made.bspline is None or made.bspline_arc is None:
+        result = plan(make(rng))
+        if result.bspline is None or result.bspline_arc is None:
             continue
         planned += 1
-        splines += made.bspline.holds
-        asked = (made.bspline_arc, ObstacleSet(made.scene.obstacles), made.bspline.required)
+        splines += result.bspline.holds
+        arguments = (
+            result.bspline_arc,
+            ObstacleSet(result.scene.obstacles),
+            result.bspline.required,
+        )
         for mode in MODES:
             begin = time.perf_counter()
-            found = fit(made.bspline, *asked, mode)
+            fitted = fit(result.bspline, *arguments, mode)
             ms[mode].append(1e3 * (time.perf_counter() - begin))
-            holds[mode] += found.holds
-        pieces[len(found.curve.pieces) if found.holds else 0] += 1
-        if holds["least_squares"] + len(moved) < planned:
-            moved.append(ms["clear"][-1])
+            holds[mode] += fitted.holds
+        pieces[len(fitted.curve.pieces) if fitted.holds else 0] += 1
+        if holds["least_squares"] + len(search_ms) < planned:
+            search_ms.append(ms["clear"][-1])
     print(f"{planned} random {name} scenes with a path (seed {seed})")
     print(f"B-spline clear       {splines / planned:8.2%}")
     for mode in MODES:
@@ -50,7 +54,7 @@ def run(name: str, make: Callable[[np.random.Generator], Scene], scenes: int, se
         times = "median {:.1f}, 95 % {:.1f}, most {:.0f} ms".format(*parts)
         print(f"{mode:14} clear {holds[mode] / planned:8.2%}   {times}")
     print("pieces needed       ", dict(sorted(pieces.items())), "(0: none found)")
-    print(f"clear, where it had to search: median {np.median(moved or [0]):.1f} ms")
+    print(f"clear, where it had to search: median {np.median(search_ms or [0]):.1f} ms")
 
 
 if __name__ == "__main__":

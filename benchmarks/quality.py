@@ -1,4 +1,4 @@
-"""How near the optimum each stage comes, beside OMPL's planners at equal time.
+"""Length of each stage's path over the optimum, beside OMPL's planners at equal time.
 
     python -m benchmarks.quality --scenes 30
 
@@ -38,8 +38,7 @@ from abi.scene.scene import Scene
 from abi.search import graph
 from abi.search.search import SEARCHES
 from abi.taut.taut_path import taut
-from abi.tet_mesh import tet_mesh as mesh
-from abi.tet_mesh.tet_mesh import TetMesh
+from abi.tet_mesh.tet_mesh import TetMesh, tetrahedralise
 from benchmarks.best_known import best_known
 from tests.random_scenes import CLEARANCE, box_scene
 
@@ -54,82 +53,82 @@ CUBE_OPTIMUM = math.hypot(2 * math.sqrt(_AWAY**2 - CLEARANCE**2) + CLEARANCE * _
 Runs = dict[str, list[tuple[float, float]]]  # by method: ratio (inf: not solved) and ms
 
 
-def ompl_there() -> bool:
-    """Whether OMPL is installed; says so when it is not."""
-    found = importlib.util.find_spec("ompl") is not None
-    if not found:
+def is_ompl_installed() -> bool:
+    """Whether OMPL is installed; prints a line where it is not."""
+    installed = importlib.util.find_spec("ompl") is not None
+    if not installed:
         print("OMPL is not installed (pip install ompl): its planners are left out.")
-    return found
+    return installed
 
 
 def measure(
-    seeds: range, pitch: float, budgets: Sequence[float], rivals: bool
+    seeds: range, pitch: float, budgets: Sequence[float], with_ompl: bool
 ) -> tuple[Runs, list[float]]:
-    """Run all methods; also the bounds from below over the best known lengths.
+    """Run all methods; their runs, and the lower bounds over the best known lengths.
 
     Args:
         seeds: of the scenes.
         pitch: of the mesh.
-        budgets: what the rivals get besides the time that ours took, [s].
-        rivals: whether they run at all.
+        budgets: of OMPL's planners besides the time that ours took, [s].
+        with_ompl: whether they run at all.
     """
     compiling.compile()
     Planner()(box_scene(seeds.start, 1.0))
     first = box_scene(seeds.start, pitch)
-    whole = mesh.tetrahedralise(first.workspace, first.mesh)
+    mesh = tetrahedralise(first.workspace, first.mesh)
     runs: Runs = defaultdict(list)
     bounds = []
     for seed in seeds:
         scene = box_scene(seed, pitch)
-        made = Planner()(scene)
-        ours = _stages(made, _times(whole, scene, made))
+        plan = Planner()(scene)
+        ours = _stages(plan, _times(mesh, scene, plan))
         equal = 1e-3 * ours["B-spline"][1]
-        others = _rivals(scene, equal, budgets) if rivals else {}
-        lengths = [length for found in (ours, others) for length, _ in found.values()]
+        others = _ompl(scene, equal, budgets) if with_ompl else {}
+        lengths = [length for methods in (ours, others) for length, _ in methods.values()]
         best = min(best_known(scene), *lengths)
         for name, (length, ms) in {**ours, **others}.items():
             runs[name].append((length / best, ms))
-        if made.optimum is not None:
-            bounds.append(made.optimum.length / best)
+        if plan.optimum is not None:
+            bounds.append(plan.optimum.length / best)
     return runs, bounds
 
 
-def _times(whole: TetMesh, scene: Scene, made: Plan) -> dict[str, float]:
-    """Milliseconds from a move of an obstacle to the end of each stage, medians of a few."""
+def _times(mesh: TetMesh, scene: Scene, plan: Plan) -> dict[str, float]:
+    """Milliseconds from the move of an obstacle to the end of each stage, medians of a few."""
     margin = CLEARANCE + SLACK * max(scene.workspace.size)
     exclude = ExclusionCache()
-    searches, strings = [], []
+    to_path, to_taut = [], []
     for _ in range(_TIMES):
-        exclude(whole, ObstacleSet(scene.obstacles[1:]), margin)
+        exclude(mesh, ObstacleSet(scene.obstacles[1:]), margin)
         begin = time.process_time_ns()
-        free = exclude(whole, ObstacleSet(scene.obstacles), margin)
-        nodes = graph.build(
+        free = exclude(mesh, ObstacleSet(scene.obstacles), margin)
+        problem = graph.build(
             free, ObstacleSet(scene.obstacles), margin, scene.start, scene.goal, CLEARANCE
         )
-        path = SEARCHES["a_star"](nodes, "length")
+        path = SEARCHES["a_star"](problem, "length")
         middle = time.process_time_ns()
-        taut(nodes, ObstacleSet(scene.obstacles), margin, path)
-        searches.append(1e-6 * (middle - begin))
-        strings.append(1e-6 * (time.process_time_ns() - begin))
-    a_star, pulled = float(np.median(searches)), float(np.median(strings))
-    spline = pulled + made.ms["bspline"]
-    quadratic = spline + made.ms["quadratic"]
-    return {"A*": a_star, "taut": pulled, "B-spline": spline, "quadratic": quadratic}
+        taut(problem, ObstacleSet(scene.obstacles), margin, path)
+        to_path.append(1e-6 * (middle - begin))
+        to_taut.append(1e-6 * (time.process_time_ns() - begin))
+    a_star, tightened = float(np.median(to_path)), float(np.median(to_taut))
+    spline = tightened + plan.ms["bspline"]
+    quadratic = spline + plan.ms["quadratic"]
+    return {"A*": a_star, "taut": tightened, "B-spline": spline, "quadratic": quadratic}
 
 
-def _stages(made: Plan, ms: dict[str, float]) -> dict[str, tuple[float, float]]:
+def _stages(plan: Plan, ms: dict[str, float]) -> dict[str, tuple[float, float]]:
     """Length and ms so far of each stage; inf where a curve does not keep the clearance."""
-    found = {}
-    if made.path is not None and made.taut is not None:
-        found["A*"] = made.path.length, ms["A*"]
-        found["taut"] = made.taut.length, ms["taut"]
-    for name, curve, arc in (
-        ("B-spline", made.bspline, made.bspline_arc),
-        ("quadratic", made.quadratic, made.quadratic_arc),
+    stages = {}
+    if plan.path is not None and plan.taut is not None:
+        stages["A*"] = plan.path.length, ms["A*"]
+        stages["taut"] = plan.taut.length, ms["taut"]
+    for name, fit, arc in (
+        ("B-spline", plan.bspline, plan.bspline_arc),
+        ("quadratic", plan.quadratic, plan.quadratic_arc),
     ):
-        holds = curve is not None and arc is not None and curve.holds
-        found[name] = arc.length if holds and arc is not None else np.inf, ms[name]
-    return found
+        holds = fit is not None and arc is not None and fit.holds
+        stages[name] = arc.length if holds and arc is not None else np.inf, ms[name]
+    return stages
 
 
 def past_cube(pitches: Sequence[float] = CUBE_PITCHES) -> list[dict[str, Any]]:
@@ -147,27 +146,27 @@ def past_cube(pitches: Sequence[float] = CUBE_PITCHES) -> list[dict[str, Any]]:
                     "spline": {"clearance": CLEARANCE},
                 }
             )
-            made = Planner()(scene, chosen_only=True)
-            assert made.mesh is not None
-            assert made.taut is not None
+            plan = Planner()(scene, chosen_only=True)
+            assert plan.mesh is not None
+            assert plan.taut is not None
             rows.append(
                 {
-                    "nodes": len(made.mesh.points),
+                    "nodes": len(plan.mesh.points),
                     "start": start,
-                    "ratio": made.taut.length / CUBE_OPTIMUM,
+                    "ratio": plan.taut.length / CUBE_OPTIMUM,
                 }
             )
     return rows
 
 
-def _rivals(scene: Scene, equal: float, budgets: Sequence[float]) -> dict[str, tuple[float, float]]:
-    from benchmarks.ompl_planners import RIVALS, solve
+def _ompl(scene: Scene, equal: float, budgets: Sequence[float]) -> dict[str, tuple[float, float]]:
+    from benchmarks.ompl_planners import PLANNERS, solve
 
-    found = {}
+    runs = {}
     labels = [(equal, "equal"), *((budget, f"{1e3 * budget:.0f} ms") for budget in budgets)]
     for seconds, label in labels:
-        for rival in RIVALS:
-            path, took = solve(rival, scene, seconds)
+        for planner in PLANNERS:
+            path, took = solve(planner, scene, seconds)
             length = np.inf
             if path is not None:
                 blocked = ObstacleSet(scene.obstacles).blocked(
@@ -175,8 +174,8 @@ def _rivals(scene: Scene, equal: float, budgets: Sequence[float]) -> dict[str, t
                 )
                 if not blocked.any():
                     length = float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum())
-            found[f"{rival.name}, {label}"] = length, 1e3 * took
-    return found
+            runs[f"{planner.name}, {label}"] = length, 1e3 * took
+    return runs
 
 
 def summary(runs: Runs) -> list[dict[str, Any]]:
@@ -206,12 +205,16 @@ def main() -> None:
     parser.add_argument("--first", type=int, default=0, help="seed of the first scene")
     parser.add_argument("--pitch", type=float, default=0.25, help="0.25 gives 19,909 nodes")
     parser.add_argument(
-        "--budgets", type=float, nargs="*", default=[0.2], help="the rivals' further budgets, s"
+        "--budgets",
+        type=float,
+        nargs="*",
+        default=[0.2],
+        help="further budgets of OMPL's planners, s",
     )
     parser.add_argument("--json", type=Path)
     options = parser.parse_args()
     seeds = range(options.first, options.first + options.scenes)
-    runs, bounds = measure(seeds, options.pitch, options.budgets, ompl_there())
+    runs, bounds = measure(seeds, options.pitch, options.budgets, is_ompl_installed())
     rows = summary(runs)
     print(f"\nlength / best known, {options.scenes} scenes of 8 boxes, pitch {options.pitch}")
     print(f"{'method':32}{'solved':>7}{'ms':>9}{'median':>9}{'p90':>9}{'worst':>9}{'in 1 %':>8}")

@@ -1,4 +1,4 @@
-"""What the benchmarks found, as tables, as JSON and as pictures."""
+"""Results of the benchmarks as tables, as JSON and as pictures."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def save(sections: dict[str, list[Row]], folder: Path) -> list[Path]:
     folder.mkdir(parents=True, exist_ok=True)
     file = folder / "bench.json"
     data = {"machine": machine(), "sections": sections}
-    file.write_text(json.dumps(_plain(data), indent=1) + "\n", encoding="utf-8")
+    file.write_text(json.dumps(_finite(data), indent=1) + "\n", encoding="utf-8")
     written = [file]
     for name, rows in sections.items():
         curves = _curves(rows)
@@ -43,7 +43,7 @@ def save(sections: dict[str, list[Row]], folder: Path) -> list[Path]:
 
 
 def machine() -> Row:
-    """What the figures depend on."""
+    """Machine and versions that the figures depend on."""
     packages = ("numpy", "scipy", "numba", "viser")
     return {
         "system": platform.platform(),
@@ -89,10 +89,10 @@ def _cell(value: Any) -> str:
     return f"{value:,}" if isinstance(value, int) else str(value)
 
 
-def _plain(value: Any) -> Any:
-    """Without infinities, which JSON does not know."""
+def _finite(value: Any) -> Any:
+    """The value with None for infinities, which JSON has not."""
     if isinstance(value, dict):
-        return {key: _plain(item) for key, item in value.items()}
+        return {key: _finite(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
-        return [_plain(item) for item in value]
+        return [_finite(item) for item in value]
     return None if isinstance(value, float) and not math.isfinite(value) else value

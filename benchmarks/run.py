@@ -13,11 +13,11 @@ from benchmarks.report import Row
 
 SIZES = (200, 2_000, 20_000, 200_000, 1_000_000)
 SCENES = 30
-_MOST_IN_A_TAB = 200_000
+_MAX_TAB_NODES = 200_000
 
 
 def run(parts: Sequence[str], sizes: Sequence[int], scenes: int, folder: Path) -> None:
-    """Run the parts one after the other and keep what they found.
+    """Run the parts one after the other, print their tables and save them.
 
     Args:
         parts: of :data:`PARTS`; all when empty.
@@ -46,7 +46,7 @@ def _frames(sizes: Sequence[int], scenes: int) -> list[Row]:
 def _quality(sizes: Sequence[int], scenes: int) -> list[Row]:
     from benchmarks import quality
 
-    runs, _ = quality.measure(range(scenes), 0.25, (0.01, 0.05, 0.2), quality.ompl_there())
+    runs, _ = quality.measure(range(scenes), 0.25, (0.01, 0.05, 0.2), quality.is_ompl_installed())
     return quality.summary(runs)
 
 
@@ -54,7 +54,7 @@ def _browser(sizes: Sequence[int], scenes: int) -> list[Row]:
     from benchmarks import browser
 
     with browser.chromium() as running:
-        return [browser.measure(nodes, running) for nodes in sizes if nodes <= _MOST_IN_A_TAB]
+        return [browser.measure(nodes, running) for nodes in sizes if nodes <= _MAX_TAB_NODES]
 
 
 def _start(sizes: Sequence[int], scenes: int) -> list[Row]:
@@ -67,7 +67,7 @@ def _start(sizes: Sequence[int], scenes: int) -> list[Row]:
 def _tab(sizes: Sequence[int], scenes: int) -> list[Row]:
     from benchmarks import tab
 
-    return [tab.measure(nodes) for nodes in sizes if nodes <= _MOST_IN_A_TAB]
+    return [tab.measure(nodes) for nodes in sizes if nodes <= _MAX_TAB_NODES]
 
 
 PARTS: dict[str, Callable[[Sequence[int], int], list[Row]]] = {
@@ -77,7 +77,7 @@ PARTS: dict[str, Callable[[Sequence[int], int], list[Row]]] = {
     "start": _start,
     "tab": _tab,
 }
-"""By name: what a drag costs, how near the optimum, from hand to picture, starts, one tab."""
+"""Costs of a drag, lengths over the optimum, latency in the browser, start, cost of a tab."""
 
 _NEEDS: dict[str, tuple[str, ...]] = {
     "frames": (),

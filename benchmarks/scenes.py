@@ -1,4 +1,4 @@
-"""Random scenes by the thousand: does every plan keep its word?
+"""Campaign over random scenes: plans checked by dense sampling and by other means.
 
     python -m benchmarks.scenes --scenes 10000
 
@@ -32,13 +32,13 @@ FAULTS = ("exception", "refuted", "no tie", "refused")
 
 
 def check(seed: int) -> dict[str, Any]:
-    """Plan one scene and look for broken promises."""
+    """Plan one scene and look for faults."""
     try:
-        made = plan(random_scene(seed))
-        made.to_dict()
+        result = plan(random_scene(seed))
+        result.to_dict()
     except Exception:
         return {"seed": seed, "fault": "exception", "detail": traceback.format_exc(limit=3)}
-    return {"seed": seed, "fault": _fault(made), **_outcome(made)}
+    return {"seed": seed, "fault": _fault(result), **_outcome(result)}
 
 
 def main() -> None:
@@ -65,38 +65,40 @@ def main() -> None:
     raise SystemExit(any(result["fault"] for result in results))
 
 
-def _fault(made: Plan) -> str:
-    """The first promise that the plan breaks; empty when it keeps all."""
-    asked = made.scene.spline.clearance
-    for found in (made.path, made.taut):
-        if found is not None and len(found.points) > 1:
-            share = np.linspace(0, 1, DENSE // len(found.points))[:, None, None]
-            dense = found.points[:-1] + share * np.diff(found.points, axis=0)
-            distance, _ = ObstacleSet(made.scene.obstacles).nearest(dense.reshape(-1, 3))
-            if distance.min() < asked - 1e-8:
+def _fault(result: Plan) -> str:
+    """The plan's first fault, of :data:`FAULTS`; empty without one."""
+    required = result.scene.spline.clearance
+    for path in (result.path, result.taut):
+        if path is not None and len(path.points) > 1:
+            share = np.linspace(0, 1, DENSE // len(path.points))[:, None, None]
+            dense = path.points[:-1] + share * np.diff(path.points, axis=0)
+            distance, _ = ObstacleSet(result.scene.obstacles).nearest(dense.reshape(-1, 3))
+            if distance.min() < required - 1e-8:
                 return "refuted"
-    for fit in (made.bspline, made.quadratic):
+    for fit in (result.bspline, result.quadratic):
         if fit is not None and fit.holds:
             dense = fit.curve(np.linspace(*fit.curve.interval, DENSE))
-            distance, _ = ObstacleSet(made.scene.obstacles).nearest(dense)
+            distance, _ = ObstacleSet(result.scene.obstacles).nearest(dense)
             if distance.min() < fit.clearance.distance - 1e-9:
                 return "refuted"
-    values = [getattr(found, made.scene.search.weight) for found in made.searches]
+    values = [getattr(search, result.scene.search.weight) for search in result.searches]
     if values and max(values) - min(values) > 1e-9 * max(values):
         return "no tie"
-    if made.error is not None and made.error.kind == "no_path" and made.graph is not None:
-        joined = networkx.has_path(made.graph.to_networkx(), made.graph.start, made.graph.goal)
-        return "refused" if joined else ""
+    if result.error is not None and result.error.kind == "no_path" and result.graph is not None:
+        connected = networkx.has_path(
+            result.graph.to_networkx(), result.graph.start, result.graph.goal
+        )
+        return "refused" if connected else ""
     return ""
 
 
-def _outcome(made: Plan) -> dict[str, Any]:
-    curves = {"bspline": made.bspline, "quadratic": made.quadratic}
+def _outcome(result: Plan) -> dict[str, Any]:
+    fits = {"bspline": result.bspline, "quadratic": result.quadratic}
     return {
-        "error": None if made.error is None else made.error.kind,
-        "mode": made.scene.quadratic.mode,
-        "ms": made.total_ms,
-        **{name: None if curve is None else curve.holds for name, curve in curves.items()},
+        "error": None if result.error is None else result.error.kind,
+        "mode": result.scene.quadratic.mode,
+        "ms": result.total_ms,
+        **{name: None if fit is None else fit.holds for name, fit in fits.items()},
     }
 
 

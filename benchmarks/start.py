@@ -1,4 +1,4 @@
-"""From the command to the first drawn plan: the first time on a machine, and after that.
+"""Time from the command to the first drawn plan: the first time on a machine, and after that.
 
     python -m benchmarks.start
 
@@ -44,7 +44,7 @@ _WITH_ARM = (
 
 
 def measure(browser: Browser, warm_starts: int = 5) -> dict[str, Any]:
-    """Start the visualiser again and again.
+    """Start the visualiser several times.
 
     Returns:
         From the command to the drawn curve: ``cold_s`` of the first start, ``warm_s`` of those
@@ -59,7 +59,7 @@ def measure(browser: Browser, warm_starts: int = 5) -> dict[str, Any]:
         }
         serve = ["-m", "app", "serve", "--no-open", "--port"]
         cold, _ = _start(browser, serve, environment)
-        # Once more, until the kernels that compiled in the background are all kept.
+        # until all kernels are in the cache
         _compile(environment)
         starts = [_start(browser, serve, environment) for _ in range(warm_starts)]
         warm, with_arm = map(statistics.median, zip(*starts, strict=True))
@@ -77,9 +77,9 @@ def _compile(environment: dict[str, str]) -> None:
 def _start(
     browser: Browser, arguments: list[str], environment: dict[str, str], last: str = _WITH_ARM
 ) -> tuple[float, float]:
-    """Seconds from the command, Python with these arguments and a port, to the drawn curve.
+    """Seconds from Python with these arguments and a port to the drawn curve, and to ``last``.
 
-    And to when ``last`` holds in the page.
+    ``last`` is a condition in the page.
     """
     with closing(socket.socket()) as probe:
         probe.bind(("127.0.0.1", 0))

@@ -1,4 +1,4 @@
-"""What one tab costs: memory in the server, bytes for each plan of a drag.
+"""Cost of one tab: memory in the server, bytes for each plan of a drag.
 
 python -m benchmarks.tab --nodes 200 20000 200000
 """
@@ -25,8 +25,8 @@ from tests.app.fake_tab import FakeTab
 TABS = 4
 STEPS = 40
 _PATIENCE = 60.0
-_ARRIVED = 1.0  # seconds in which all arrives that was sent
-_PLAYED = 3.0  # seconds of playback that are listened to
+_ARRIVAL = 1.0  # seconds in which all arrives that was sent
+_PLAYBACK = 3.0  # seconds of playback whose bytes are counted
 _PAUSE = threading.Event()
 
 
@@ -57,15 +57,15 @@ def measure(nodes: int) -> dict[str, Any]:
         each = (_megabytes() - before) / TABS
         session = server.sessions[max(server.sessions)]
         session.playback.playing = False
-        _PAUSE.wait(_ARRIVED)
-        begun = tabs[-1].received
+        _PAUSE.wait(_ARRIVAL)
+        first_bytes = tabs[-1].received
         session.playback.playing = True
         session.wake(SimpleNamespace(client=session.client))
-        _PAUSE.wait(_PLAYED)
-        playing = (tabs[-1].received - begun) / _PLAYED
+        _PAUSE.wait(_PLAYBACK)
+        playing = (tabs[-1].received - first_bytes) / _PLAYBACK
         session.playback.playing = False
-        _until(lambda: _quiet(tabs[-1]))
-        weights = [_drag(tabs[-1], session, step) for step in range(STEPS)]
+        _until(lambda: _is_quiet(tabs[-1]))
+        plan_bytes = [_drag(tabs[-1], session, step) for step in range(STEPS)]
     finally:
         for tab in tabs:
             tab.close()
@@ -73,23 +73,23 @@ def measure(nodes: int) -> dict[str, Any]:
     return {
         "nodes": scene.mesh.node_count(scene.workspace),
         "megabytes_per_tab": each,
-        "bytes_to_begin": begun,
+        "bytes_to_begin": first_bytes,
         "bytes_per_second": playing,
-        "bytes_per_plan": float(np.median(weights)),
-        "largest_plan": max(weights),
+        "bytes_per_plan": float(np.median(plan_bytes)),
+        "largest_plan": max(plan_bytes),
     }
 
 
 def _drag(tab: FakeTab, session: Any, step: int) -> int:
-    """Bytes that one step of the drag brings."""
+    """Drag the cube one step; the bytes that this sends."""
     received, plans = tab.received, session.plans
-    tab.drag(session.obstacles.gizmos[0], [3.0, 3.0, 3.0 - 0.02 * (step + 1)])
+    tab.drag(session.panels.obstacles.gizmos[0], [3.0, 3.0, 3.0 - 0.02 * (step + 1)])
     _until(lambda: session.plans > plans)
-    _until(lambda: _quiet(tab))
+    _until(lambda: _is_quiet(tab))
     return tab.received - received
 
 
-def _quiet(tab: FakeTab) -> bool:
+def _is_quiet(tab: FakeTab) -> bool:
     """Whether nothing arrived for a moment; less than a rest, after which it is planned anew."""
     before = tab.received
     _PAUSE.wait(0.05)
@@ -97,15 +97,15 @@ def _quiet(tab: FakeTab) -> bool:
 
 
 def _megabytes() -> float:
-    """Memory that the process has now; of Linux."""
+    """Resident memory of the process, on Linux."""
     gc.collect()
     pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[1])
     return pages * 4096 / 1e6
 
 
-def _until(true: Callable[[], bool]) -> None:
+def _until(condition: Callable[[], bool]) -> None:
     end = time.monotonic() + _PATIENCE
-    while not true():
+    while not condition():
         assert time.monotonic() < end, "did not happen in time"
         _PAUSE.wait(0.005)
 

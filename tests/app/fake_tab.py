@@ -28,11 +28,11 @@ _CAMERA = {
 }
 
 
-WAIT = 60.0
+WAIT = 60.0  # [s]
 
 
 def until(condition: Callable[[], bool], patience: float = WAIT) -> None:
-    """Wait for another thread; fails when it takes too long."""
+    """Wait for another thread until ``condition()``; fail after ``patience`` seconds."""
     pause = threading.Event()
     for _ in range(int(patience / 0.01)):
         if condition():
@@ -43,12 +43,12 @@ def until(condition: Callable[[], bool], patience: float = WAIT) -> None:
 
 def layer(session: Session, kind: type[_Layer]) -> _Layer:
     """The session's layer of that kind."""
-    (found,) = (one for one in session.layers if isinstance(one, kind))
-    return found
+    (match,) = (layer for layer in session.layers if isinstance(layer, kind))
+    return match
 
 
 class FakeTab:
-    """Connects, reads and forgets everything, and sends what a page would send."""
+    """Client that sends a page's messages, and counts and drops what it receives."""
 
     def __init__(self, url: str) -> None:
         self._socket: ClientConnection = connect(
@@ -84,17 +84,17 @@ class FakeTab:
         )
 
     def look(self, camera: Any, width: int, position: Any = None) -> None:
-        """Say where the camera is, by default where it was put, in a picture of such a width."""
-        where = camera.position if position is None else position
-        place = {
-            "position": [float(x) for x in where],
+        """Report the camera, by default where it was put, in a picture of such a width [px]."""
+        position = camera.position if position is None else position
+        view = {
+            "position": [float(x) for x in position],
             "look_at": [float(x) for x in camera.look_at],
             "image_width": width,
         }
-        self.send({**_CAMERA, **place})
+        self.send({**_CAMERA, **view})
 
     def close(self) -> None:
-        """Leave."""
+        """Disconnect."""
         self._socket.close()
         self._reader.join(timeout=5)
 

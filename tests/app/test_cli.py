@@ -64,12 +64,12 @@ def test_reproduce_sets_the_papers_figures_beside_ours(
 
     assert (code, err) == (0, "")
     lines = out.splitlines()
-    for sign, *said in (
+    for sign, *words in (
         ("≈", "Dijkstra", "13.695"),
         ("✓", "printed polynomials", "11.358", "11.3581"),
         ("✗", "q1 by arccos", "24 %"),
     ):
-        (line,) = (line for line in lines if all(word in line for word in said))
+        (line,) = (line for line in lines if all(word in line for word in words))
         assert sign in line
 
 

@@ -1,4 +1,4 @@
-"""What is drawn follows what it is drawn from, whatever that is."""
+"""Layers follow every change of the frame, and send nothing else."""
 
 from __future__ import annotations
 
@@ -75,8 +75,8 @@ def test_the_ground_is_below_the_arm(tab: tuple[FakeTab, Session]) -> None:
 )
 def test_an_arm_of_any_size_is_drawn_whole(tmp_path: Path, scene: dict[str, object]) -> None:
     path = tmp_path / "scene.yaml"
-    made = Scene.from_dict({"version": 1, **scene})
-    made.save(path)
+    scene_of_arm = Scene.from_dict({"version": 1, **scene})
+    scene_of_arm.save(path)
     server = start(port=0, plain=True, scene=str(path))
     try:
         fake = FakeTab(server.url)
@@ -87,7 +87,7 @@ def test_an_arm_of_any_size_is_drawn_whole(tmp_path: Path, scene: dict[str, obje
             node.frame.name.rpartition("/")[2] for node in layer(session, ArmLayer)._joint_nodes
         }
         assert {"turret", "upper_arm", "forearm", "rod", "gripper", "tool"} <= drawn
-        arm = made.arm
+        arm = scene_of_arm.arm
         reach = sum(
             float(np.linalg.norm(node.origin.translation()))
             for node in layer(session, ArmLayer)._joint_nodes
@@ -113,18 +113,20 @@ def test_a_plot_has_its_data_before_it_is_shown(tab: tuple[FakeTab, Session]) ->
     tabs = session.client.gui.add_tab_group()
     one = tabs.add_tab("all of it")
     layer = PlotsLayer(Layout(session.client, "cm", {}, one, one, one, one, one))
-    told: list[tuple[object, str]] = []
+    updates: list[tuple[object, str]] = []
     for plot in layer._plots:
-        object.__setattr__(plot, "_queue_update", lambda name, _, of=plot: told.append((of, name)))
-    found = plan(load_scene("paper"))
-    assert found.motion is not None
-    layer.draw(Frame(found))
-    layer.draw(Frame(found))
-    layer.draw(Frame(found, time=0.5))
+        object.__setattr__(
+            plot, "_queue_update", lambda name, _, of=plot: updates.append((of, name))
+        )
+    result = plan(load_scene("paper"))
+    assert result.motion is not None
+    layer.draw(Frame(result))
+    layer.draw(Frame(result))
+    layer.draw(Frame(result, time=0.5))
     for plot in layer._plots:
-        assert [name for of, name in told if of is plot] == ["data", "visible", "data"]
+        assert [name for of, name in updates if of is plot] == ["data", "visible", "data"]
         assert plot.visible
-        assert plot.data[0][-1] == found.motion.time[-1]
+        assert plot.data[0][-1] == result.motion.time[-1]
     tabs.remove()
 
 

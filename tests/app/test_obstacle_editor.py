@@ -70,14 +70,14 @@ def test_another_scene_is_in_the_numbers(tab: tuple[FakeTab, Session], name: str
     until(lambda: shows(session, scene))
 
     assert len(session.panels.editor.choice.options) == len(scene.obstacles)
-    found = boxes(session)
-    np.testing.assert_allclose(found["start"], scene.start, atol=1e-3)
-    np.testing.assert_allclose(found["goal"], scene.goal, atol=1e-3)
-    np.testing.assert_allclose(found["position"], scene.obstacles[0].position, atol=1e-3)
+    shown = boxes(session)
+    np.testing.assert_allclose(shown["start"], scene.start, atol=1e-3)
+    np.testing.assert_allclose(shown["goal"], scene.goal, atol=1e-3)
+    np.testing.assert_allclose(shown["position"], scene.obstacles[0].position, atol=1e-3)
 
     # one typed number moves one thing, along one axis
     x, y, z = scene.start
-    fake.set(session.panels.editor._end_boxes["start"].handle, [x + 0.125, *found["start"][1:]])
+    fake.set(session.panels.editor._end_boxes["start"].handle, [x + 0.125, *shown["start"][1:]])
     until(lambda: shows(session, scene.replace(start=(x + 0.125, y, z))))
 
 
@@ -153,13 +153,13 @@ def test_the_arm_is_as_large_as_the_scenes_unit_says(tmp_path: Path) -> None:
     Scene.from_dict(MILLIMETRES).save(path)
 
     def size(session: Session) -> float:
-        """How large the drawn arm is for its room."""
+        """Size of the drawn arm over that of the workspace."""
         assert session.plan is not None
-        places = [
+        offsets = [
             float(np.linalg.norm(node.frame.position))
             for node in layer(session, ArmLayer)._joint_nodes
         ]
-        return sum(places) / max(session.plan.scene.workspace.size)
+        return sum(offsets) / max(session.plan.scene.workspace.size)
 
     with served(path) as (fake, session):
         until(lambda: layer(session, ArmLayer)._posed is not None)  # all of it is there
@@ -176,19 +176,19 @@ def test_a_file_that_is_no_scene_is_named_and_changes_nothing(
     tab: tuple[FakeTab, Session], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     fake, session = tab
-    told: list[tuple[str, str]] = []
+    notices: list[tuple[str, str]] = []
     monkeypatch.setattr(
         session.client,
         "add_notification",
-        lambda title, body, **_: told.append((title, body)),
+        lambda title, body, **_: notices.append((title, body)),
     )
     good = session.plan
     file = viser.UploadedFile("my scene.yaml", b"version: 1\nworkspace: [1, 2]")
     session.panels.files.upload._impl.value = file
     fake.set(session.panels.stages.search.shown, 10)
-    until(lambda: bool(told))
+    until(lambda: bool(notices))
 
-    assert told == [
+    assert notices == [
         ("my scene.yaml is not opened", "workspace is [1, 2]; expected the fields min, max."),
     ]
     assert session.plan is good

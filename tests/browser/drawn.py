@@ -1,4 +1,4 @@
-"""What the page must show for a plan, said without the application's own drawing code."""
+"""Expected contents of the page for a plan, without the application's drawing code."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Drives the page of a viser 1.1.1 server as a person would, and reads what it shows.
+"""The page of a viser 1.1.1 server, used as a person would, and its contents.
 
 viser draws only when asked and exposes its scene on ``window``; both are used here to wait for what
 is on screen instead of for a number of seconds.
@@ -34,8 +34,8 @@ FLAGS = (
     "--no-first-run",
 )
 PATIENCE = 60.0  # [s]; the first frames in software GL compile shaders for seconds
-# Pixels of the scene for one of the page: nobody looks at them, and each takes time. Fixed, since
-# viser otherwise resizes the canvas when drawing is slow.
+# Pixels of the scene for one of the page: few, since each takes time. Fixed, since viser otherwise
+# resizes the canvas when drawing is slow.
 _RATIO = 0.05
 
 _READY = """() => {
@@ -161,7 +161,7 @@ class Page:
     def _hear(self, message: ConsoleMessage) -> None:
         if message.text.startswith("Connected!"):
             self._connected = True
-        # The gizmo's library says this on every press; nothing comes of it.
+        # the gizmo's library logs this on every press, without effect
         if message.type == "error" and "preventDefault inside passive" not in message.text:
             self.errors.append(message.text)
 
@@ -171,10 +171,10 @@ class Page:
 
     # Waiting
 
-    def until(self, true: Callable[[], bool], what: str, seconds: float = PATIENCE) -> None:
-        """Keep the page running until ``true()``; fail naming ``what`` after ``seconds``."""
+    def until(self, condition: Callable[[], bool], what: str, seconds: float = PATIENCE) -> None:
+        """Keep the page running until ``condition()``; fail naming ``what`` after ``seconds``."""
         end = time.monotonic() + seconds
-        while not true():
+        while not condition():
             assert time.monotonic() < end, f"waited {seconds:g} s for {what}"
             self.tab.wait_for_timeout(20)
 
@@ -219,7 +219,7 @@ class Page:
 
     def shown(self) -> set[str]:
         """Every node of the scene that can be seen, by the page's account and as drawn."""
-        return {name for name, said, drawn in self.tab.evaluate(_SEEN) if said and drawn}
+        return {name for name, visible, drawn in self.tab.evaluate(_SEEN) if visible and drawn}
 
     def position(self, name: str) -> tuple[float, float, float]:
         """Position of a node in the world, [unit]; a dragged gizmo's as the hand left it."""
@@ -248,7 +248,7 @@ class Page:
     ) -> None:
         """Press the mouse at ``start``, move it to ``end`` in ``steps``, release it.
 
-        ``midway`` is called where half the way is done, while the mouse is down and still.
+        ``midway`` is called after half the steps, while the mouse is down and still.
         """
         for pixel in (start, end):
             assert self.is_free(pixel), f"{pixel} is not free canvas"
@@ -322,7 +322,7 @@ class Page:
             row.get_by_role("button", name=option, exact=True).click()
 
     def tick(self, label: str, on: bool) -> None:
-        """Set a checkbox."""
+        """Check or uncheck a box."""
         self.row(label).locator("input[type=checkbox]").set_checked(on)
 
     def click(self, name: str) -> None:

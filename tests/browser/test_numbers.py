@@ -63,9 +63,9 @@ def test_a_bad_speed_says_why_and_keeps_the_plan(page: Page, session: Session) -
     page.until(lambda: _scene(session).motion.speed == 2, "the first speed")
     page.until(lambda: drawn.shows(page, session.plan), "its picture")
     good = session.plan
-    for bad, said in (("-1", "-1.0"), ("10000000", "10000000.0"), ("0", "0.0")):
+    for bad, shown in (("-1", "-1.0"), ("10000000", "10000000.0"), ("0", "0.0")):
         page.set_number(SPEED, bad)
-        page.reads(f"V is {said}; expected ")
+        page.reads(f"V is {shown}; expected ")
         (sentence,) = page.complaints()
         assert re.search(r"V is \S+; expected .+\.", sentence)
         assert session.plan is good
