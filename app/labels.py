@@ -1,8 +1,7 @@
-"""The page's names of a scene's fields, and its format of a proven distance."""
+"""The page's names of a scene's fields."""
 
 from __future__ import annotations
 
-import math
 import re
 
 from abi.errors import AbiError, SceneError
@@ -38,8 +37,3 @@ def with_labels(message: str, error: AbiError) -> str:
         part = field[found.end() :]
         label = f"obstacle {int(found[1]) + 1}" + (f": {LABELS.get(part, part)}" if part else "")
     return message.replace(error.field, label, 1)
-
-
-def format_lower_bound(distance: float) -> str:
-    """A distance in three decimals, rounded down, which leaves a lower bound one."""
-    return f"{math.floor(1000 * distance + 1e-6) / 1000:.3f}"

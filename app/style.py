@@ -14,7 +14,8 @@ BELLMAN_FORD: Colour = (18, 166, 124)
 BSPLINE: Colour = (224, 64, 154)
 QUADRATIC: Colour = (124, 77, 255)
 TAUT: Colour = (0, 178, 200)
-TRACE: Colour = (255, 90, 54)
+TRACE: Colour = (110, 117, 125)
+MARK: Colour = (255, 90, 54)
 OBSTACLE: Colour = (205, 117, 79)
 MESH: Colour = (120, 144, 172)
 EXCLUDED: Colour = (150, 96, 72)
@@ -31,6 +32,12 @@ JOINTS: tuple[Colour, ...] = (
 )
 AXES: tuple[Colour, ...] = ((214, 69, 65), (63, 163, 77), (58, 124, 222))
 FADED: Colour = (150, 156, 163)
+GOOD: tuple[Colour, Colour] = ((10, 122, 90), (60, 196, 152))
+"""Of ✓ on the light page and on the dark one; a text's, so apart from its ground by 4.5 to 1."""
+BAD: tuple[Colour, Colour] = ((201, 42, 42), (255, 135, 135))
+"""Of ✗, likewise."""
+PAGES: tuple[Colour, Colour] = ((255, 255, 255), (46, 46, 46))
+"""Grounds of the panels: the light page's, and the lighter of the dark one's."""
 
 ALGORITHMS: dict[str, tuple[str, Colour]] = {
     "a_star": ("A*", A_STAR),
@@ -45,13 +52,19 @@ CURVES: dict[str, tuple[str, Colour]] = {
 BOX = '<div style="margin:0 10px 4px;line-height:1.35;font-size:12.5px">'
 """Opening tag of a paragraph between widgets, as HTML."""
 
-LEFT_WIDTH = 334
-RIGHT_WIDTH = 344
+LEFT_WIDTH = 344
+RIGHT_WIDTH = 368
 
 
 def css(colour: Colour) -> str:
     """The colour as ``#rrggbb``."""
     return "#{:02x}{:02x}{:02x}".format(*colour)
+
+
+def readable(colours: tuple[Colour, Colour]) -> str:
+    """CSS colour of a text on the light and on the dark page."""
+    light, dark = map(css, colours)
+    return f"light-dark({light},{dark})"
 
 
 def swatch(colour: Colour, dashed: bool = False) -> str:

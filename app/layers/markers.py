@@ -34,4 +34,4 @@ class MarkersLayer:
                 self._cloud.visible = False
             return
         size = 0.03 * max(frame.plan.scene.workspace.size)
-        self._cloud = add_points(self._scene, "/marks", reason.points, style.TRACE, size)
+        self._cloud = add_points(self._scene, "/marks", reason.points, style.MARK, size)

@@ -15,6 +15,7 @@ from app import glb, style
 from app.frame import Frame, Switch
 from app.layers.points import add_points
 from app.layout import Layout
+from app.numbers import format_setting
 
 EDGE_BUDGET = 30_000
 """Edges a tab is sent at the most; of a larger mesh only a part is shown."""
@@ -124,9 +125,9 @@ def _counts(plan: Plan, note: str) -> str:
         return ""
     graph = plan.graph
     lines = [
-        f"Pitch {plan.mesh.pitch:.4g} {plan.scene.unit} (asked for {plan.scene.mesh.pitch:.4g}), "
-        f"{plan.free.tetrahedra_kept:,} tetrahedra, {int(plan.free.excluded.sum()):,} nodes "
-        "excluded.",
+        f"Spacing {format_setting(plan.mesh.pitch)} {plan.scene.unit}{_divides(plan)}; "
+        f"{plan.free.tetrahedra_kept:,} tetrahedra; {int(plan.free.excluded.sum()):,} nodes lie in "
+        "an obstacle or too near one.",
         f"{graph.removed_edges:,} edges removed{_crossing_note(len(graph.crossing))}.",
     ]
     if note:
@@ -134,5 +135,14 @@ def _counts(plan: Plan, note: str) -> str:
     return style.BOX + "<br>".join(lines) + "</div>"
 
 
+def _divides(plan: Plan) -> str:
+    """Reason why the spacing is not the one asked for; empty where it is."""
+    assert plan.mesh is not None
+    asked, made = format_setting(plan.scene.mesh.pitch), format_setting(plan.mesh.pitch)
+    return "" if asked == made else " (so that it divides the box)"
+
+
 def _crossing_note(count: int) -> str:
-    return f", {count:,} of them between two free nodes: they cross an obstacle" if count else ""
+    if not count:
+        return ""
+    return f"; {count:,} of these join two free nodes but pass through an obstacle"

@@ -30,10 +30,10 @@ class PlotsLayer:
 
     def __init__(self, layout: Layout) -> None:
         gui, unit = layout.client.gui, layout.unit
-        speed = (("|v|", style.TRACE), *zip(("vx", "vy", "vz"), style.AXES, strict=True))
+        speed = (("|v|", style.MARK), *zip(("vx", "vy", "vz"), style.AXES, strict=True))
         angles = tuple((f"q{i}", style.JOINTS[i - 1]) for i in (1, 2, 3, 4, 6))
         with layout.result:
-            self._speed = _plot(gui, _speed_title(unit), speed, 168)
+            self._speed = _plot(gui, _speed_title(unit), speed, 160)
         with layout.joints:
             self._no_motion = gui.add_html(_NO_MOTION)
             self._angles = _plot(gui, "joint angles q1 q2 q3 q4 q6 [rad]", angles, 250)

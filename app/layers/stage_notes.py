@@ -7,10 +7,14 @@ import math
 from typing import ClassVar
 
 from abi.arm.trajectory import Violation
+from abi.curves.bspline import BSpline
+from abi.curves.fit import Fit
+from abi.curves.quadratic import Quadratic
 from abi.planner.plan import Plan
 from app import style
 from app.frame import Frame, Switch
 from app.layout import Layout
+from app.numbers import distance_to_show, format_length, format_lower_bound, format_setting
 
 _PIECES_SHOWN = 2
 
@@ -33,9 +37,24 @@ class StageNotesLayer:
         if plan is self._drawn:
             return
         self._drawn = plan
-        self._notes["bspline"].content = _control_points(plan)
-        self._notes["quadratic"].content = _coefficients(plan) + _motion(plan)
+        self._notes["bspline"].content = _clearance(plan, plan.bspline) + _control_points(plan)
+        self._notes["quadratic"].content = (
+            _clearance(plan, plan.quadratic) + _coefficients(plan) + _motion(plan)
+        )
         self._notes["arm"].content = _arm(plan)
+
+
+def _clearance(plan: Plan, fit: Fit[BSpline] | Fit[Quadratic] | None) -> str:
+    """Sentence on a curve that comes nearer to an obstacle than asked; empty for one that holds."""
+    if fit is None or fit.holds or math.isinf(fit.clearance.distance):
+        return ""
+    unit, number = plan.scene.unit, fit.clearance.obstacle + 1
+    distance = format_lower_bound(distance_to_show(fit.clearance))
+    if fit.clearance.nearest > 0:
+        text = f"too close: {distance} {unit}, wanted {format_setting(fit.asked)} {unit}"
+    else:
+        text = f"cuts {distance.removeprefix('−')} {unit} into obstacle {number}"
+    return f"{style.BOX}<b>{text} ✗</b></div>"
 
 
 def _control_points(plan: Plan) -> str:
@@ -44,8 +63,8 @@ def _control_points(plan: Plan) -> str:
     if spline is None or not (spline.inserted or spline.moved):
         return ""
     return (
-        f"{style.BOX}{len(spline.control_points)} control points: {spline.inserted} added, "
-        f"{spline.moved} pushed outward.</div>"
+        f"{style.BOX}To stay clear, {spline.inserted} control points were added and "
+        f"{spline.moved or 'none'} moved ({len(spline.control_points)} now).</div>"
     )
 
 
@@ -83,14 +102,17 @@ def _motion(plan: Plan) -> str:
     if plan.profile is None:
         return ""
     profile = plan.profile
-    peak = f"{profile.peak_speed:.3g} {plan.scene.unit}/s"
-    peak_note = f", V not reached: {peak}" if profile.triangular else ""
-    return (
-        f"{style.BOX}t1 {profile.t1:.3f} + t2 {profile.t2:.3f} + t3 {profile.t3:.3f} = "
-        f"{profile.duration:.2f} s{peak_note}.<br>"
-        f"Theorem 1: t1 = t3·|a3/a1| {'✓' if abs(profile.theorem_residual) < 1e-9 else '✗'} "
-        f"({profile.t1:.3f} = {profile.t1 - profile.theorem_residual:.3f})</div>"
+    text = (
+        f"speed up {profile.t1:.3f} s, cruise {profile.t2:.3f} s, brake {profile.t3:.3f} s: "
+        f"{profile.duration:.2f} s in all."
     )
+    if profile.triangular:
+        unit = f"{plan.scene.unit}/s"
+        text += (
+            f" The path is too short to reach {format_setting(plan.scene.motion.speed)} {unit}; "
+            f"top speed {format_length(profile.peak_speed)} {unit}."
+        )
+    return f"{style.BOX}{text[0].upper()}{text[1:]}</div>"
 
 
 def _arm(plan: Plan) -> str:

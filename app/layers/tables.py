@@ -9,22 +9,38 @@ from typing import ClassVar
 from abi.planner.plan import Plan
 from app import style
 from app.frame import Frame, Switch
-from app.labels import format_lower_bound
 from app.layout import Layout
+from app.numbers import (
+    distance_to_show,
+    format_count,
+    format_length,
+    format_lower_bound,
+    format_setting,
+)
 
-_TABLE = (
-    '<table style="width:100%;border-collapse:collapse;font-size:12.5px;'
-    'font-variant-numeric:tabular-nums">'
+_STYLE = (
+    "<style>.abi-table{width:100%;border-collapse:collapse;font-size:12.5px;"
+    "font-variant-numeric:tabular-nums}"
+    ".abi-table th,.abi-table td{padding:3px 4px;text-align:right;white-space:nowrap;"
+    "border-bottom:1px solid rgba(128,128,128,.22)}"
+    ".abi-table th{font-weight:600;white-space:normal;vertical-align:bottom;"
+    "border-bottom-color:rgba(128,128,128,.5)}"
+    ".abi-table :first-child{text-align:left}"
+    "@media(max-width:600px){.abi-table{font-size:10px}"
+    ".abi-table th,.abi-table td{padding:2px}.abi-table td:first-child{white-space:normal}}</style>"
 )
-_HEAD = "padding:3px 4px;font-weight:600;border-bottom:1px solid rgba(128,128,128,.5);"
-_CELL = "padding:3px 4px;border-bottom:1px solid rgba(128,128,128,.22);"
-GOOD, BAD = "#12a67c", "#e03131"
+"""Numbers stay on one line; names and headings wrap where the font is wide or the page narrow."""
 _COARSE = (
-    f"{style.BOX}<b>≈ coarse while you move</b>: pitch {{:.3g}} {{}}, one search. "
-    "The mesh you asked for follows when your hand rests.</div>"
+    f"{style.BOX}<b>≈ While you drag</b>: coarser grid ({{}} {{}}), only one search. "
+    "Let go for the full plan.</div>"
 )
-_PARTIAL = f"{style.BOX}One search while you move; the others follow when your hand rests.</div>"
-_LEGEND = f"{style.BOX}✓ clear (curves: proven), ✗ too near: red in the scene.</div>"
+_PARTIAL = f"{style.BOX}While you drag: only one search. Let go for the others.</div>"
+_LEGEND = (
+    f"{style.BOX}✓ keeps the distance you asked for. ✗ comes closer: thick red in the scene. "
+    "▸ the arm follows this one.</div>"
+)
+_FASTEST_SHOWN = 1.0
+"""Shorter times say more about the machine than about the search, [ms]."""
 
 
 class TablesLayer:
@@ -46,12 +62,12 @@ class TablesLayer:
         self._drawn = state
         note = _PARTIAL if frame.partial else ""
         if frame.coarse:
-            note = _COARSE.format(plan.scene.mesh.pitch, plan.scene.unit)
+            note = _COARSE.format(format_setting(plan.scene.mesh.pitch), plan.scene.unit)
         self._tables.content = _searches(plan, frame.partial) + _stages(plan) + note
 
 
 def _searches(plan: Plan, partial: bool) -> str:
-    """Table I, with expansions and times; ``partial``: searches without a result still follow."""
+    """Table I, with the work of each search; ``partial``: some searches still follow."""
     missing = "…" if partial else "–"
     results = {result.algorithm: result for result in plan.searches}
     rows = []
@@ -63,17 +79,27 @@ def _searches(plan: Plan, partial: bool) -> str:
             rows.append((title, *[missing] * 4))
             continue
         result = results[name]
-        ms = plan.ms[name]
         rows.append(
             (
                 title,
                 f"{len(result.vertices)}",
-                f"{result.length:.3f}",
-                f"{result.expanded:,}",
-                f"{ms:.2g}" if ms < 10 else f"{ms:.0f}",
+                format_length(result.length),
+                format_count(result.expanded),
+                format_count(result.relaxed),
             )
         )
-    return _table(("search", "vertices", "length", "expanded", "ms"), rows)
+    head = ("search", "path nodes", f"length [{plan.scene.unit}]", "nodes visited", "edges tried")
+    return _table(head, rows) + _times(plan)
+
+
+def _times(plan: Plan) -> str:
+    """Times of the searches that took long enough to be told apart."""
+    times = [
+        f"{style.ALGORITHMS[result.algorithm][0]} {plan.ms[result.algorithm]:.0f} ms"
+        for result in plan.searches
+        if plan.ms[result.algorithm] >= _FASTEST_SHOWN
+    ]
+    return f"{style.BOX}Time: {', '.join(times)}.</div>" if times else ""
 
 
 def _stages(plan: Plan) -> str:
@@ -85,11 +111,13 @@ def _stages(plan: Plan) -> str:
         label, colour = style.ALGORITHMS[plan.path.algorithm]
         swatch = style.swatch(colour, dashed=plan.path.algorithm == "dijkstra")
         clearance = _clearance(plan.path_clearance, required, proven=True)
-        rows.append(_stage_row(f"{swatch}{label} path", plan.path.length, shortest, clearance))
+        rows.append(_stage_row(f"{swatch}{label}", plan.path.length, shortest, clearance))
     if plan.taut is not None:
         clearance = _clearance(plan.taut.clearance, required, proven=True)
         rows.append(
-            _stage_row(f"{style.swatch(style.TAUT)}taut", plan.taut.length, shortest, clearance)
+            _stage_row(
+                f"{style.swatch(style.TAUT)}straightened", plan.taut.length, shortest, clearance
+            )
         )
     for name, fit, arc in (
         ("bspline", plan.bspline, plan.bspline_arc),
@@ -98,10 +126,9 @@ def _stages(plan: Plan) -> str:
         if fit is None or arc is None:
             continue
         label, colour = style.CURVES[name]
-        executed = "<b> ▸ arm</b>" if name == plan.followed else ""
+        executed = "<b> ▸</b>" if name == plan.followed else ""
         certified = fit.clearance.certified
-        distance = fit.clearance.distance if certified else fit.clearance.nearest
-        clearance = _clearance(distance, required, proven=certified)
+        clearance = _clearance(distance_to_show(fit.clearance), required, proven=certified)
         row = _stage_row(
             f"{style.swatch(colour)}{label}{executed}", arc.length, shortest, clearance
         )
@@ -110,19 +137,23 @@ def _stages(plan: Plan) -> str:
     if not rows:
         return ""
     exact = plan.optimum is not None and plan.optimum.exact
-    if exact:
-        rows.append(("optimum", f"{shortest:.3f}", "", ""))
-    elif plan.best_known is None:
-        rows.append(("optimum, at least", f"{shortest:.3f}", "", ""))
-    else:
-        rows.append(("optimum, in", f"{shortest:.3f}–{plan.best_known:.3f}", "", ""))
-    head = ("stage", f"length [{plan.scene.unit}]", "gap" if exact else "gap ≤", "clearance")
+    unit = plan.scene.unit
+    best = f"best possible: {format_lower_bound(shortest)} {unit}"
+    if not exact and plan.best_known is None:
+        best = f"best possible: at least {format_lower_bound(shortest)} {unit}"
+    elif not exact:
+        assert plan.best_known is not None
+        low, high = format_lower_bound(shortest), format_length(plan.best_known)
+        best = f"best possible: between {low} and {high} {unit}"
+    longer = "longer than best" if exact else "longer, at most"
+    head = ("stage", f"length [{unit}]", longer, f"distance kept [{unit}]")
     legend = _LEGEND if plan.bspline is not None and plan.scene.obstacles else ""
-    return _table(head, rows) + legend
+    return _table(head, rows, best) + legend
 
 
 def _stage_row(title: str, length: float, shortest: float, clearance: str) -> tuple[str, ...]:
-    return title, f"{length:.3f}", f"{100 * max(length / shortest - 1, 0):.1f} %", clearance
+    longer = f"{100 * max(length / shortest - 1, 0):.1f} %"
+    return title, format_length(length), longer, clearance
 
 
 def _clearance(distance: float, required: float, proven: bool) -> str:
@@ -130,23 +161,21 @@ def _clearance(distance: float, required: float, proven: bool) -> str:
     if math.isinf(distance):
         return "–"
     kept = distance >= required - 1e-9
-    colour, sign = (GOOD, "✓" if proven else "?") if kept else (BAD, "✗")
+    colour, sign = (style.GOOD, "✓" if proven else "?") if kept else (style.BAD, "✗")
     shown = max(distance, 0.0) if kept else distance
-    return f'<span style="color:{colour}">{format_lower_bound(shown)} {sign}</span>'
+    return f'<span style="color:{style.readable(colour)}">{format_lower_bound(shown)} {sign}</span>'
 
 
-def _table(head: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> str:
-    lines = [_row("th", _HEAD, head)] + [_row("td", _CELL, row) for row in rows]
-    return f'<div style="margin:4px 8px 12px">{_TABLE}{"".join(lines)}</table></div>'
-
-
-def _row(tag: str, css: str, cells: tuple[str, ...]) -> str:
-    aligned = ("left", *("right" for _ in cells[1:]))
+def _table(head: tuple[str, ...], rows: Iterable[tuple[str, ...]], last: str = "") -> str:
+    """Rows under a head; ``last`` is one cell over the whole width."""
+    lines = [_row("th", head)] + [_row("td", row) for row in rows]
+    if last:
+        lines.append(f'<tr><td colspan="{len(head)}">{last}</td></tr>')
     return (
-        "<tr>"
-        + "".join(
-            f'<{tag} style="{css}text-align:{side};white-space:nowrap">{cell}</{tag}>'
-            for side, cell in zip(aligned, cells, strict=True)
-        )
-        + "</tr>"
+        f'{_STYLE}<div style="margin:4px 8px 6px"><table class="abi-table">{"".join(lines)}'
+        "</table></div>"
     )
+
+
+def _row(tag: str, cells: tuple[str, ...]) -> str:
+    return f"<tr>{''.join(f'<{tag}>{cell}</{tag}>' for cell in cells)}</tr>"

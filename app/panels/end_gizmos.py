@@ -12,6 +12,7 @@ from abi.arrays import FloatArray
 from abi.scene.scene import Scene
 from app import style
 from app.frame import Frame
+from app.numbers import format_setting
 from app.panels.widgets import Wake
 
 _ROUNDING = 1e-9
@@ -94,7 +95,8 @@ class EndGizmos:
     def _label(self, scene: Scene) -> None:
         self._labelled = scene
         for name, label in self._labels.items():
-            label.text = f"{name} ({', '.join(f'{number:.3g}' for number in getattr(scene, name))})"
+            place = (format_setting(round(number, 3)) for number in getattr(scene, name))
+            label.text = f"{name} ({', '.join(place)})"
 
     def _within_rounding(self, position: FloatArray) -> FloatArray:
         """``position`` (3,), back in the workspace if only rounding put it outside."""

@@ -9,6 +9,7 @@ import viser
 from abi.obstacles.mesh_shape import suggest_unit
 from abi.obstacles.primitives import MeshShape
 from abi.scene.scene import Scene
+from app.numbers import format_setting
 from app.panels.widgets import Wake
 
 
@@ -35,7 +36,8 @@ class MeshNote:
             extent = mesh.surface.extent * mesh.factor
             unit = mesh.unit or scene.unit
             self._suggested = suggest_unit(extent, scene.workspace.size, unit) or ""
-            notes = [f"{len(mesh.surface.faces):,} triangles, {extent:.3g} {scene.unit} wide."]
+            width = f"{format_setting(extent)} {scene.unit}"
+            notes = [f"{len(mesh.surface.faces):,} triangles, {width} wide."]
             notes += mesh.surface.notes
         if self._suggested:
             notes.append(

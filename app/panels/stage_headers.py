@@ -8,13 +8,13 @@ from typing import Any
 
 import viser
 
-from abi.clearance.curve_clearance import Clearance
 from abi.errors import AbiError, NoPath, SceneError, StageError
 from abi.planner.diagnosis import Reason
 from abi.planner.plan import Plan
 from app import style
 from app.frame import Frame
-from app.labels import LABELS, format_lower_bound, with_labels
+from app.labels import LABELS, with_labels
+from app.numbers import format_length, format_setting
 from app.panels.widgets import Wake
 
 STAGES = ("mesh", "graph", "search", "bspline", "quadratic", "arm")
@@ -26,6 +26,8 @@ _TITLES = {
     "quadratic": "5 · Quadratic",
     "arm": "6 · Arm",
 }
+_MAX_LENGTH = 30
+"""Letters of a heading that fit beside its arrow in a wide font."""
 _STAGE_OF_FIELD = {
     "mesh": "mesh",
     "search": "search",
@@ -67,7 +69,7 @@ class StageHeaders:
         self._drawn = state
         results = _results(plan)
         if frame.coarse and plan.free is not None:
-            results["mesh"] = f"≈ coarse, {plan.free.nodes:,} nodes"
+            results["mesh"] = f"≈ {plan.free.nodes:,} nodes"
         for stage, result in results.items():
             label = f"{_TITLES[stage]} — {result}" if result else _TITLES[stage]
             if self.folders[stage].label != label:
@@ -125,7 +127,7 @@ def _change_label(change: dict[str, Any]) -> str:
         elif isinstance(value, dict):
             for name, number in value.items():
                 label = LABELS.get(f"{section}.{name}", name)
-                shown = f"{number:.4g}" if isinstance(number, float) else str(number)
+                shown = format_setting(number) if isinstance(number, float) else str(number)
                 parts.append(f"set {label} to {shown}")
         else:
             parts.append(f"change {section}")
@@ -143,24 +145,26 @@ def _error_html(message: str, hint: str) -> str:
 
 
 def _results(plan: Plan) -> dict[str, str]:
-    unit, required = plan.scene.unit, plan.scene.spline.clearance
+    """Each stage's result, short enough for a heading on one line."""
     results = dict.fromkeys(STAGES, "")
     if plan.mesh is not None and plan.free is not None:
-        results["mesh"] = f"{plan.free.nodes:,} of {len(plan.mesh.points):,} nodes"
+        results["mesh"] = f"{plan.free.nodes:,} free nodes"
     if plan.graph is not None:
         results["graph"] = f"{plan.graph.edge_count:,} edges"
     if plan.path is not None:
-        name = style.ALGORITHMS[plan.path.algorithm][0]
-        taut = "" if plan.taut is None else f", taut {plan.taut.length:.3f}"
-        results["search"] = f"{name} {plan.path.length:.3f}{taut} {unit}"
+        results["search"] = _search_result(plan)
     elif plan.error is not None and plan.error.stage == "search":
         results["search"] = "no path"
-    if plan.bspline is not None and plan.bspline_arc is not None:
-        clearance = _clearance_note(plan.bspline.clearance, plan.bspline.holds, required)
-        results["bspline"] = f"{plan.bspline_arc.length:.3f} {unit}, {clearance}"
-    if plan.quadratic is not None and plan.quadratic_arc is not None:
-        clearance = _clearance_note(plan.quadratic.clearance, plan.quadratic.holds, required)
-        results["quadratic"] = f"{plan.quadratic_arc.length:.3f} {unit}, {clearance}"
+    for stage, fit, arc in (
+        ("bspline", plan.bspline, plan.bspline_arc),
+        ("quadratic", plan.quadratic, plan.quadratic_arc),
+    ):
+        if fit is None or arc is None:
+            continue
+        if fit.holds or math.isinf(fit.clearance.distance):
+            results[stage] = f"{format_length(arc.length)} {plan.scene.unit} ✓"
+        else:
+            results[stage] = "too close ✗" if fit.clearance.nearest > 0 else "collides ✗"
     if plan.motion is not None:
         motion = plan.motion
         results["arm"] = "reaches all of it" if motion.reachable else "out of reach"
@@ -173,11 +177,12 @@ def _results(plan: Plan) -> dict[str, str]:
     return results
 
 
-def _clearance_note(clearance: Clearance, holds: bool, required: float) -> str:
-    if math.isinf(clearance.distance):
-        return "free ✓"
-    if clearance.nearest < 0:
-        return f"enters by {-clearance.nearest:.3f} ✗"
-    if holds:
-        return f"clear by {format_lower_bound(max(clearance.distance, 0.0))} ✓"
-    return f"{format_lower_bound(clearance.distance)} of {required:g} ✗"
+def _search_result(plan: Plan) -> str:
+    """Length of the path, and of the straightened one or the algorithm where there is room."""
+    assert plan.path is not None
+    length, unit = format_length(plan.path.length), plan.scene.unit
+    if plan.taut is not None:
+        return f"{length} → {format_length(plan.taut.length)} {unit}"
+    name = style.ALGORITHMS[plan.path.algorithm][0]
+    named = f"{name} {length} {unit}"
+    return named if len(_TITLES["search"] + named) < _MAX_LENGTH - 3 else f"{length} {unit}"

@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial import cKDTree
 
 import abi
-from app.labels import format_lower_bound
+from app.numbers import format_lower_bound
 from app.session import Session
 from tests.abi import meshes
 from tests.browser import drawn
@@ -106,7 +106,7 @@ def test_a_mesh_works_as_an_obstacle_while_it_is_dragged(
     assert _nearest(shown, mesh, page.position(gizmo)) >= asked - drawn.SINGLE
     assert plan is not None
     assert plan.bspline is not None
-    page.reads(f"clear by {format_lower_bound(plan.bspline.clearance.distance)} ✓")
+    page.reads(f"{format_lower_bound(plan.bspline.clearance.distance)} ✓")
     assert drawn.same(plan, abi.plan(plan.scene))
     assert page.complaints() == []
 

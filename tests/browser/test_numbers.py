@@ -26,7 +26,7 @@ def _heading_of_the_mesh(session: Session) -> str:
     assert session.plan is not None
     assert session.plan.mesh is not None
     assert session.plan.free is not None
-    return f"1 · Mesh — {session.plan.free.nodes:,} of {len(session.plan.mesh.points):,} nodes"
+    return f"1 · Mesh — {session.plan.free.nodes:,} free nodes"
 
 
 def _pitch_is(page: Page, session: Session, pitch: float) -> None:

@@ -1,0 +1,71 @@
+"""Lengths look the same wherever they stand, and bounds stay bounds."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from abi import load_scene, plan
+from abi.scene.scene import scene_names
+from app.layers.stage_notes import _clearance
+from app.layers.tables import _searches, _stages
+from app.numbers import format_count, format_length, format_lower_bound, format_setting
+from app.panels.stage_headers import _TITLES, _results
+
+
+def _number(text: str) -> float:
+    return float(text.replace("−", "-").replace(",", ""))
+
+
+@pytest.mark.parametrize("size", [1e-3, 1.0, 99.9995, 1e2, 1e3, 1e6])
+def test_a_lower_bound_stays_one(size: float) -> None:
+    for number in np.random.default_rng(1).uniform(-size, size, 200):
+        shown = _number(format_lower_bound(number))
+        assert shown <= number + 1e-6 * max(abs(number), 1)
+        assert number - shown <= 10.0 ** -(
+            3 if abs(number) < 100 else 1 if abs(number) < 1000 else 0
+        )
+        assert format_lower_bound(shown) == format_length(shown)
+
+
+@pytest.mark.parametrize("number", [0.0, 0.2, 1e-5, 1520.0, 1.52e7, 1.0 / 3, -0.084, 12.5])
+def test_no_number_is_in_powers_of_ten(number: float) -> None:
+    for shown in (format_setting(number), format_length(number), format_lower_bound(number)):
+        assert "e" not in shown
+    assert _number(format_setting(number)) == pytest.approx(number, rel=1e-3)
+
+
+def test_counts_are_short() -> None:
+    assert format_count(999_999) == "999,999"
+    assert format_count(13_546_274) == "13.5 M"
+
+
+@pytest.mark.parametrize("name", scene_names())
+def test_headings_are_short_and_notes_and_tables_say_the_same(name: str) -> None:
+    found = plan(load_scene(name))
+    for stage, result in _results(found).items():
+        if stage != "arm":
+            assert len(f"{_TITLES[stage]} — {result}") < 30
+    table = _stages(found)
+    for fit in (found.bspline, found.quadratic):
+        note = _clearance(found, fit)
+        if fit is None or not note:
+            continue
+        (distance,) = re.findall(r"(?:cuts|: )\s*(\d\.\d+)", note)
+        assert f"{distance} ✗" in table
+
+
+def test_the_table_tells_no_time_that_says_nothing() -> None:
+    found = plan(load_scene("paper"))
+    names = [result.algorithm for result in found.searches]
+    fast = replace(found, ms={**found.ms, **dict.fromkeys(names, 0.08)})
+    slow = replace(found, ms={**found.ms, **dict.fromkeys(names, 61.4)})
+    assert " ms" not in _searches(fast, partial=False)
+    assert "A* 61 ms" in _searches(slow, partial=False)
+    for result in found.searches:
+        assert f"<td>{result.relaxed:,}</td>" in _searches(fast, partial=False)
+    assert math.isfinite(found.searches[0].length)
