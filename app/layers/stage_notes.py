@@ -51,7 +51,7 @@ def _clearance(plan: Plan, fit: Fit[BSpline] | Fit[Quadratic] | None) -> str:
     unit, number = plan.scene.unit, fit.clearance.obstacle + 1
     distance = format_lower_bound(distance_to_show(fit.clearance))
     if fit.clearance.nearest > 0:
-        text = f"too close: {distance} {unit}, wanted {format_setting(fit.asked)} {unit}"
+        text = f"too close: {distance} {unit}, wanted {format_setting(fit.required)} {unit}"
     else:
         text = f"cuts {distance.removeprefix('−')} {unit} into obstacle {number}"
     return f"{style.BOX}<b>{text} ✗</b></div>"
