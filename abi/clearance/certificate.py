@@ -175,7 +175,7 @@ def _tree(surface: Surface) -> TriangleTree:
 
 
 def _certificate(margin: float, tables: list[FloatArray]) -> Certificate:
-    table = np.concatenate([np.empty((0, 7)), *tables])
+    table = tables[0] if len(tables) == 1 else np.concatenate([np.empty((0, 7)), *tables])
     return Certificate(
         margin=margin,
         pieces=read_only(table[:, :2].copy()),
