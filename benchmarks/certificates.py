@@ -22,8 +22,7 @@ import abi
 from abi.clearance.certificate import Certificate, Refutation, certify
 from abi.curves.bspline import BSpline
 from abi.curves.quadratic import Quadratic
-from abi.obstacles.obstacle_set import ObstacleSet
-from abi.obstacles.primitives import Obstacles
+from abi.obstacles.obstacle_set import Obstacles, ObstacleSet
 from abi.verify.verify import Verdict, verify
 from tests.random_geometry import SIZE, random_curve, random_obstacle
 

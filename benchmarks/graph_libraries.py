@@ -14,7 +14,7 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 
 from abi.arrays import FloatArray
-from abi.obstacles.primitives import Obstacles
+from abi.obstacles.obstacle_set import Obstacles
 from abi.search.graph import Graph
 from benchmarks.stored_mesh import StoredMesh
 

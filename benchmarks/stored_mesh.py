@@ -15,6 +15,8 @@ import numpy as np
 from numba.extending import register_jitable
 
 from abi.arrays import BoolArray, ByteArray, FloatArray, IntArray
+from abi.obstacles.mesh_shape import MeshShape
+from abi.obstacles.obstacle_set import Obstacle, Obstacles
 from abi.obstacles.packing import pack
 from abi.obstacles.primitive_kernels import (
     Axes,
@@ -25,7 +27,6 @@ from abi.obstacles.primitive_kernels import (
     segment_within,
     signed_distance,
 )
-from abi.obstacles.primitives import MeshShape, Obstacle, Obstacles
 from abi.obstacles.vector_kernels import sub
 from abi.tet_mesh import adjacency
 from abi.tet_mesh.tet_mesh import TetMesh

@@ -8,7 +8,8 @@ import numpy as np
 
 from abi.curves.bspline import BSpline, clamped
 from abi.curves.quadratic import Quadratic
-from abi.obstacles.primitives import Box, Capsule, Cylinder, Obstacle, Obstacles, Sphere
+from abi.obstacles.obstacle_set import Obstacle, Obstacles
+from abi.obstacles.primitives import Box, Capsule, Cylinder, Sphere
 
 SIZE = 6.0
 """Edge of the cube that curves and solids are in, [unit]."""

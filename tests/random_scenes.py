@@ -9,7 +9,8 @@ import numpy as np
 import trimesh
 
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
-from abi.obstacles.triangle_mesh.repair import Surface, clean
+from abi.obstacles.triangle_mesh.repair import clean
+from abi.obstacles.triangle_mesh.surface import Surface
 from abi.scene.scene import Scene
 
 SHAPES = ("box", "sphere", "cylinder", "capsule", "mesh")

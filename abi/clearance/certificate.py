@@ -38,7 +38,7 @@ from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.pose import rotation
 from abi.obstacles.triangle_mesh.bvh import TriangleTree, build_tree
-from abi.obstacles.triangle_mesh.repair import Surface
+from abi.obstacles.triangle_mesh.surface import Surface
 
 _MOST_TRIES = 20_000  # for each obstacle, and 64 for each polynomial
 

@@ -19,8 +19,8 @@ from abi.arrays import BoolArray, FloatArray, read_only
 from abi.errors import SceneError
 from abi.obstacles.pose import LARGEST, METRES, Length, Posed, rotation
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
-from abi.obstacles.triangle_mesh.repair import Surface
 from abi.obstacles.triangle_mesh.signed_distance import SurfaceDistance, surface_distance
+from abi.obstacles.triangle_mesh.surface import Surface
 
 TOO_LARGE = 20.0
 TOO_SMALL = 1 / 500

@@ -11,16 +11,20 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Self
+from typing import Annotated, Self
 
 import numpy as np
+from pydantic import Field
 
 from abi.arrays import BoolArray, FloatArray, IntArray, flat, read_only
 from abi.obstacles import obstacle_set_kernels as kernels
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.packing import pack
 from abi.obstacles.primitive_kernels import WIDTH
-from abi.obstacles.primitives import Box, Obstacle, Obstacles, Primitive
+from abi.obstacles.primitives import Box, Primitive
+
+Obstacle = Annotated[Primitive | MeshShape, Field(discriminator="shape")]
+Obstacles = tuple[Obstacle, ...]
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,29 +10,12 @@ scene's [unit]; arrays of points are in the world frame unless named body.
 from __future__ import annotations
 
 from abc import abstractmethod
-from typing import Annotated, ClassVar, Literal
+from typing import ClassVar, Literal
 
 import numpy as np
-from pydantic import Field
 
 from abi.arrays import BoolArray, FloatArray, read_only
-from abi.obstacles.mesh_shape import MeshShape
-from abi.obstacles.pose import LARGEST, Length, Posed, Quaternion, Vec3, rotation
-
-__all__ = [
-    "LARGEST",
-    "Box",
-    "Capsule",
-    "Cylinder",
-    "Length",
-    "MeshShape",
-    "Obstacle",
-    "Obstacles",
-    "Primitive",
-    "Quaternion",
-    "Sphere",
-    "Vec3",
-]
+from abi.obstacles.pose import Length, Posed, rotation
 
 
 def _dot(a: FloatArray, b: FloatArray) -> FloatArray:
@@ -276,5 +259,3 @@ class Cylinder(_Primitive):
 
 
 Primitive = Box | Sphere | Cylinder | Capsule
-Obstacle = Annotated[Primitive | MeshShape, Field(discriminator="shape")]
-Obstacles = tuple[Obstacle, ...]

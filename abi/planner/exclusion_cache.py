@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from operator import is_
 
-from abi.obstacles.obstacle_set import ObstacleSet
-from abi.obstacles.primitives import Obstacle
+from abi.obstacles.obstacle_set import Obstacle, ObstacleSet
 from abi.tet_mesh.exclusion import Exclusion, FreeMesh, apply, exclusion
 from abi.tet_mesh.tet_mesh import TetMesh
 

@@ -11,7 +11,8 @@ from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
 from abi.errors import SceneError
-from abi.obstacles.primitives import Box, Capsule, Cylinder, MeshShape, Sphere
+from abi.obstacles.mesh_shape import MeshShape
+from abi.obstacles.primitives import Box, Capsule, Cylinder, Sphere
 
 _EXPECTED = {
     "bool_parsing": "true or false",

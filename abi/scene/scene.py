@@ -23,9 +23,11 @@ from pydantic import (
 
 from abi import assets
 from abi.errors import SceneError
-from abi.obstacles.primitives import LARGEST, Length, MeshShape, Obstacles, Vec3
+from abi.obstacles.mesh_shape import MeshShape
+from abi.obstacles.obstacle_set import Obstacles
+from abi.obstacles.pose import LARGEST, Length, Vec3
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
-from abi.obstacles.triangle_mesh.repair import Surface
+from abi.obstacles.triangle_mesh.surface import Surface
 from abi.scene.field_errors import first_error
 from abi.scene.scene_changes import changed_value, without_stale_meshes
 from abi.scene.scene_file import parse, write

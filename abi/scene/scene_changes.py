@@ -11,7 +11,7 @@ from collections.abc import Mapping
 
 from pydantic import BaseModel
 
-from abi.obstacles.primitives import MeshShape
+from abi.obstacles.mesh_shape import MeshShape
 
 
 def changed_value(current: object, change: object) -> object:

@@ -9,7 +9,7 @@ import scipy
 from numpy.typing import NDArray
 
 from abi.arrays import BoolArray, FloatArray, IntArray, read_only
-from abi.obstacles.primitives import Obstacles
+from abi.obstacles.obstacle_set import Obstacles
 from abi.search.graph import Graph
 from abi.tet_mesh.exclusion import FreeMesh
 

@@ -13,9 +13,9 @@ from functools import cached_property
 import numpy as np
 
 from abi.arrays import BoolArray, FloatArray, IntArray, read_only
-from abi.obstacles.obstacle_set import ObstacleSet
+from abi.obstacles.mesh_shape import MeshShape
+from abi.obstacles.obstacle_set import Obstacle, ObstacleSet
 from abi.obstacles.packing import pack
-from abi.obstacles.primitives import MeshShape, Obstacle
 from abi.tet_mesh import exclusion_kernels as kernels
 from abi.tet_mesh import lattice
 from abi.tet_mesh.tet_mesh import TetMesh

@@ -21,7 +21,7 @@ from abi import assets
 from abi.errors import SceneError
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
-from abi.obstacles.triangle_mesh.repair import Surface
+from abi.obstacles.triangle_mesh.surface import Surface
 from abi.scene.scene import Scene
 from abi.verify.exact import (
     ExactCurve,

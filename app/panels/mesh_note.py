@@ -6,8 +6,7 @@ import html
 
 import viser
 
-from abi.obstacles.mesh_shape import suggest_unit
-from abi.obstacles.primitives import MeshShape
+from abi.obstacles.mesh_shape import MeshShape, suggest_unit
 from abi.scene.scene import Scene
 from app.numbers import format_setting
 from app.panels.widgets import Wake

@@ -13,10 +13,12 @@ import viser
 from viser.transforms import SO3
 
 from abi.arrays import FloatArray
+from abi.obstacles.mesh_shape import MeshShape
+from abi.obstacles.obstacle_set import Obstacle
 from abi.obstacles.pose import METRES
-from abi.obstacles.primitives import Box, Capsule, Cylinder, MeshShape, Obstacle, Sphere
+from abi.obstacles.primitives import Box, Capsule, Cylinder, Sphere
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
-from abi.obstacles.triangle_mesh.repair import Surface
+from abi.obstacles.triangle_mesh.surface import Surface
 from abi.scene.scene import Scene
 from app import page
 from app.frame import Frame

@@ -11,7 +11,9 @@ from typing import Any, ClassVar
 import numpy as np
 import viser
 
-from abi.obstacles.primitives import Box, Cylinder, MeshShape, Obstacle, Sphere
+from abi.obstacles.mesh_shape import MeshShape
+from abi.obstacles.obstacle_set import Obstacle
+from abi.obstacles.primitives import Box, Cylinder, Sphere
 from abi.scene.scene import Scene
 from app import style
 from app.frame import Frame, Switch

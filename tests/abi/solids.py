@@ -6,8 +6,9 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from abi.arrays import FloatArray
+from abi.obstacles.obstacle_set import Obstacle
 from abi.obstacles.pose import Posed
-from abi.obstacles.primitives import Box, Capsule, Cylinder, Obstacle, Sphere
+from abi.obstacles.primitives import Box, Capsule, Cylinder, Sphere
 
 
 def world_from_body(solid: Posed) -> FloatArray:

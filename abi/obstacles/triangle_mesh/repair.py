@@ -1,4 +1,4 @@
-"""Surface of an obstacle: triangles, repaired so that inside and outside are defined.
+"""Repair of triangles, so that inside and outside are defined.
 
 The steps follow what printing and simulation tools do before they trust a mesh (Attene, A
 lightweight approach to repairing digitized polygon meshes, The Visual Computer 26, 2010).
@@ -6,15 +6,14 @@ lightweight approach to repairing digitized polygon meshes, The Visual Computer 
 
 from __future__ import annotations
 
-import hashlib
-from dataclasses import dataclass, field
-from functools import cached_property
+from dataclasses import dataclass
 
 import numpy as np
 import scipy
 
 from abi.arrays import BoolArray, FloatArray, IntArray, read_only
 from abi.errors import SceneError
+from abi.obstacles.triangle_mesh.surface import Surface
 from abi.obstacles.triangle_mesh.union import united
 
 _WELD = 1e-6
@@ -22,48 +21,6 @@ _WELD = 1e-6
 
 _FLAT = 1e-9
 """A shell whose volume is below this part of its area to the power 3/2 has no inside."""
-
-
-@dataclass(frozen=True, eq=False)
-class Surface:
-    """Triangles in the coordinates of their file; compares and hashes by its content.
-
-    Attributes:
-        vertices: (n, 3), each used by a triangle.
-        faces: (m, 3) ids of the corners; counter-clockwise seen from outside where closed.
-        closed: whether it bounds a solid: a point is inside where it winds around it.
-        notes: sentences about its repair.
-    """
-
-    vertices: FloatArray
-    faces: IntArray
-    closed: bool
-    notes: tuple[str, ...] = ()
-    digest: str = field(init=False)
-
-    def __post_init__(self) -> None:
-        content = hashlib.sha256(self.vertices.tobytes() + self.faces.tobytes())
-        content.update(bytes([self.closed]))
-        object.__setattr__(self, "digest", content.hexdigest())
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, Surface) and self.digest == other.digest
-
-    def __hash__(self) -> int:
-        return hash(self.digest)
-
-    @cached_property
-    def extent(self) -> float:
-        """Longest side of the bounding box."""
-        return float(np.ptp(self.vertices, axis=0).max())
-
-    @cached_property
-    def hull(self) -> FloatArray:
-        """The vertices (k, 3) that are corners of the convex hull; all where it is flat."""
-        try:
-            return read_only(self.vertices[scipy.spatial.ConvexHull(self.vertices).vertices])
-        except scipy.spatial.QhullError:
-            return self.vertices
 
 
 def clean(vertices: FloatArray, faces: IntArray, name: str = "mesh") -> Surface:

@@ -17,8 +17,8 @@ from abi.obstacles.triangle_mesh import winding_kernels
 from abi.obstacles.triangle_mesh.bvh import Dipoles, TriangleTree, build_tree, dipoles
 from abi.obstacles.triangle_mesh.closest_points import ClosestPoints
 from abi.obstacles.triangle_mesh.distance_grid import DistanceGrid
-from abi.obstacles.triangle_mesh.repair import Surface
 from abi.obstacles.triangle_mesh.segment_kernels import segment_distances
+from abi.obstacles.triangle_mesh.surface import Surface
 
 _DOUBT = 1e-14
 """Part of the surface's size: nearer points may be on either side, by rounding."""

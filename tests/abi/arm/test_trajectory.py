@@ -20,8 +20,9 @@ from abi.clearance.bezier import Bezier
 from abi.curves.curve import arc_length
 from abi.curves.speed_profile import three_phase
 from abi.errors import OutOfReach
-from abi.obstacles.obstacle_set import ObstacleSet
-from abi.obstacles.primitives import Box, MeshShape, Obstacles, Sphere
+from abi.obstacles.mesh_shape import MeshShape
+from abi.obstacles.obstacle_set import Obstacles, ObstacleSet
+from abi.obstacles.primitives import Box, Sphere
 from abi.obstacles.triangle_mesh.repair import clean
 from abi.paper import printed
 from abi.scene.scene import ArmSettings

@@ -14,9 +14,10 @@ from abi.clearance.curve_clearance import ROUNDING, curve_clearance, proven_clea
 from abi.curves.bspline import BSpline, clamped
 from abi.curves.quadratic import Quadratic
 from abi.obstacles.mesh_shape import MeshShape
-from abi.obstacles.obstacle_set import NO_OBSTACLES, ObstacleSet
-from abi.obstacles.primitives import Box, Capsule, Cylinder, Obstacles, Sphere
-from abi.obstacles.triangle_mesh.repair import Surface, clean
+from abi.obstacles.obstacle_set import NO_OBSTACLES, Obstacles, ObstacleSet
+from abi.obstacles.primitives import Box, Capsule, Cylinder, Sphere
+from abi.obstacles.triangle_mesh.repair import clean
+from abi.obstacles.triangle_mesh.surface import Surface
 from benchmarks.certificates import campaign, true_clearance
 from tests.abi import meshes
 from tests.abi.bezier import polyline

@@ -14,16 +14,9 @@ from scipy.interpolate import BSpline
 from abi.arrays import FloatArray
 from abi.clearance.bezier import Bezier
 from abi.clearance.curve_clearance import curve_clearance
-from abi.obstacles.obstacle_set import NO_OBSTACLES, ObstacleSet
-from abi.obstacles.primitives import (
-    Box,
-    Capsule,
-    Cylinder,
-    MeshShape,
-    Obstacle,
-    Obstacles,
-    Sphere,
-)
+from abi.obstacles.mesh_shape import MeshShape
+from abi.obstacles.obstacle_set import NO_OBSTACLES, Obstacle, Obstacles, ObstacleSet
+from abi.obstacles.primitives import Box, Capsule, Cylinder, Sphere
 from abi.obstacles.triangle_mesh.repair import clean
 from tests.abi import meshes
 from tests.abi.bezier import interpolated

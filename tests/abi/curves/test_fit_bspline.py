@@ -8,15 +8,8 @@ from abi.arrays import FloatArray
 from abi.curves.bspline import clamped
 from abi.curves.curve import arc_length
 from abi.curves.fit_bspline import fit
-from abi.obstacles.obstacle_set import NO_OBSTACLES, ObstacleSet
-from abi.obstacles.primitives import (
-    Box,
-    Capsule,
-    Cylinder,
-    Obstacle,
-    Obstacles,
-    Sphere,
-)
+from abi.obstacles.obstacle_set import NO_OBSTACLES, Obstacle, Obstacles, ObstacleSet
+from abi.obstacles.primitives import Box, Capsule, Cylinder, Sphere
 
 
 def obstacle(rng: np.random.Generator, size: float) -> Obstacle:

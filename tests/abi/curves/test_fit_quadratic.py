@@ -13,8 +13,9 @@ from abi.curves.fit import Fit
 from abi.curves.fit_bspline import fit as fit_spline
 from abi.curves.fit_quadratic import MOST_PIECES, Mode, fewest_pieces, fit
 from abi.curves.quadratic import Quadratic, least_squares
-from abi.obstacles.obstacle_set import NO_OBSTACLES, ObstacleSet
-from abi.obstacles.primitives import Box, MeshShape, Obstacle, Sphere
+from abi.obstacles.mesh_shape import MeshShape
+from abi.obstacles.obstacle_set import NO_OBSTACLES, Obstacle, ObstacleSet
+from abi.obstacles.primitives import Box, Sphere
 from abi.obstacles.triangle_mesh.repair import clean
 from abi.planner.planner import plan
 from abi.scene.scene import Scene, load_scene

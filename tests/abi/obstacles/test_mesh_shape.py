@@ -18,7 +18,8 @@ from abi.errors import SceneError
 from abi.obstacles.mesh_shape import MeshShape, suggest_unit
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.primitives import Box, Sphere
-from abi.obstacles.triangle_mesh.repair import Surface, clean
+from abi.obstacles.triangle_mesh.repair import clean
+from abi.obstacles.triangle_mesh.surface import Surface
 from abi.scene.scene import MeshSettings, Workspace
 from abi.tet_mesh.exclusion import exclude
 from abi.tet_mesh.tet_mesh import tetrahedralise

@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from abi.obstacles.mesh_shape import MeshShape
-from abi.obstacles.obstacle_set import ObstacleSet
-from abi.obstacles.primitives import Box, Obstacle
+from abi.obstacles.obstacle_set import Obstacle, ObstacleSet
+from abi.obstacles.primitives import Box
 from abi.obstacles.triangle_mesh.repair import clean
 from tests.abi import meshes
 from tests.random_geometry import random_obstacle

@@ -13,16 +13,9 @@ from scipy.spatial.transform import Rotation
 from trimesh import creation, triangles
 
 from abi.arrays import FloatArray
-from abi.obstacles.obstacle_set import ObstacleSet
+from abi.obstacles.obstacle_set import Obstacle, Obstacles, ObstacleSet
 from abi.obstacles.pose import rotation
-from abi.obstacles.primitives import (
-    Box,
-    Capsule,
-    Cylinder,
-    Obstacle,
-    Obstacles,
-    Sphere,
-)
+from abi.obstacles.primitives import Box, Capsule, Cylinder, Sphere
 from tests.abi.solids import world_from_body
 
 ADAPTER: TypeAdapter[Any] = TypeAdapter(Obstacle)

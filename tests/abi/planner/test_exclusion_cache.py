@@ -5,8 +5,9 @@ from typing import Any, Literal
 import numpy as np
 import pytest
 
-from abi.obstacles.obstacle_set import ObstacleSet
-from abi.obstacles.primitives import Box, MeshShape, Obstacle
+from abi.obstacles.mesh_shape import MeshShape
+from abi.obstacles.obstacle_set import Obstacle, ObstacleSet
+from abi.obstacles.primitives import Box
 from abi.obstacles.triangle_mesh.repair import clean
 from abi.planner import exclusion_cache
 from abi.planner.exclusion_cache import ExclusionCache

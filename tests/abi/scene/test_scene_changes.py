@@ -13,7 +13,8 @@ from hypothesis import strategies as st
 from pydantic import BaseModel
 
 from abi.errors import SceneError
-from abi.obstacles.primitives import MeshShape, Sphere
+from abi.obstacles.mesh_shape import MeshShape
+from abi.obstacles.primitives import Sphere
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.scene.scene import Scene, load_scene, scene_names
 from tests.abi import meshes

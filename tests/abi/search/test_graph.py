@@ -11,13 +11,9 @@ from scipy.sparse.csgraph import connected_components
 
 from abi.arrays import FloatArray
 from abi.errors import PointBlocked, StageError
-from abi.obstacles.obstacle_set import NO_OBSTACLES, ObstacleSet
-from abi.obstacles.primitives import (
-    Box,
-    Obstacles,
-    Sphere,
-    Vec3,
-)
+from abi.obstacles.obstacle_set import NO_OBSTACLES, Obstacles, ObstacleSet
+from abi.obstacles.pose import Vec3
+from abi.obstacles.primitives import Box, Sphere
 from abi.scene.scene import MeshSettings, Workspace
 from abi.search.graph import Graph, build
 from abi.tet_mesh.exclusion import FreeMesh, exclude

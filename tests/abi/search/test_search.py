@@ -13,8 +13,8 @@ from scipy.sparse.csgraph import dijkstra as scipy_dijkstra
 
 from abi.arrays import FloatArray, read_only
 from abi.errors import NoPath
-from abi.obstacles.obstacle_set import NO_OBSTACLES, ObstacleSet
-from abi.obstacles.primitives import Box, Obstacles, Sphere
+from abi.obstacles.obstacle_set import NO_OBSTACLES, Obstacles, ObstacleSet
+from abi.obstacles.primitives import Box, Sphere
 from abi.scene.scene import MeshSettings, Workspace
 from abi.search import heuristic
 from abi.search import search_kernels as kernels

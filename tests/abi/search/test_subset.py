@@ -5,7 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from abi.obstacles.primitives import Box, Obstacles, Sphere
+from abi.obstacles.obstacle_set import Obstacles
+from abi.obstacles.primitives import Box, Sphere
 from abi.planner.plan import Plan
 from abi.planner.planner import plan
 from abi.scene.scene import load_scene

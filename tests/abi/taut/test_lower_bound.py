@@ -10,9 +10,10 @@ from hypothesis import strategies as st
 
 from abi.arrays import FloatArray, flat, read_only
 from abi.clearance.certificate import Certificate, certify
-from abi.obstacles.obstacle_set import ObstacleSet
+from abi.obstacles.mesh_shape import MeshShape
+from abi.obstacles.obstacle_set import Obstacle, ObstacleSet
 from abi.obstacles.packing import pack
-from abi.obstacles.primitives import Box, Capsule, Cylinder, MeshShape, Obstacle, Primitive, Sphere
+from abi.obstacles.primitives import Box, Capsule, Cylinder, Primitive, Sphere
 from abi.obstacles.triangle_mesh.repair import clean
 from abi.planner.planner import Planner
 from abi.scene.scene import Scene, Workspace

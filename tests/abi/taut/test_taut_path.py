@@ -10,9 +10,11 @@ from hypothesis import strategies as st
 
 from abi.arrays import FloatArray
 from abi.errors import StageError
-from abi.obstacles.obstacle_set import ObstacleSet
-from abi.obstacles.primitives import Box, MeshShape, Obstacles
-from abi.obstacles.triangle_mesh.repair import Surface, clean
+from abi.obstacles.mesh_shape import MeshShape
+from abi.obstacles.obstacle_set import Obstacles, ObstacleSet
+from abi.obstacles.primitives import Box
+from abi.obstacles.triangle_mesh.repair import clean
+from abi.obstacles.triangle_mesh.surface import Surface
 from abi.planner.planner import SLACK, plan
 from abi.scene.scene import Scene, load_scene
 from abi.search import graph

@@ -10,9 +10,10 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from abi.arrays import FloatArray, read_only
+from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.packing import pack
-from abi.obstacles.primitives import MeshShape, Primitive
+from abi.obstacles.primitives import Primitive
 from abi.scene.scene import Scene
 from abi.search.graph import REACH
 from abi.taut import theta_star_kernels as kernels

@@ -9,9 +9,10 @@ from hypothesis import strategies as st
 
 from abi.arrays import FloatArray
 from abi.obstacles import primitive_kernels as sight
+from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.packing import pack
-from abi.obstacles.primitives import MeshShape, Primitive
+from abi.obstacles.primitives import Primitive
 from abi.scene.scene import Scene
 from abi.taut import visibility_graph_kernels as visibility
 from abi.taut.free_space_kernels import FreeSpace

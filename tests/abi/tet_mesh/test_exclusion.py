@@ -11,14 +11,9 @@ from scipy.sparse.csgraph import dijkstra
 
 from abi.arrays import IntArray
 from abi.errors import NoPath, StageError
+from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import ObstacleSet
-from abi.obstacles.primitives import (
-    Box,
-    Capsule,
-    Cylinder,
-    MeshShape,
-    Sphere,
-)
+from abi.obstacles.primitives import Box, Capsule, Cylinder, Sphere
 from abi.obstacles.triangle_mesh.repair import clean
 from abi.scene.scene import MeshSettings, Workspace
 from abi.search import graph

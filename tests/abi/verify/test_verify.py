@@ -20,10 +20,11 @@ from abi.curves.bspline import BSpline, clamped
 from abi.curves.quadratic import Quadratic
 from abi.errors import SceneError
 from abi.obstacles.mesh_shape import MeshShape
-from abi.obstacles.obstacle_set import ObstacleSet
-from abi.obstacles.primitives import Box, Capsule, Cylinder, Obstacles, Sphere
+from abi.obstacles.obstacle_set import Obstacles, ObstacleSet
+from abi.obstacles.primitives import Box, Capsule, Cylinder, Sphere
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
-from abi.obstacles.triangle_mesh.repair import Surface, clean
+from abi.obstacles.triangle_mesh.repair import clean
+from abi.obstacles.triangle_mesh.surface import Surface
 from abi.planner.planner import plan
 from abi.scene.scene import load_scene, scene_names
 from abi.verify.exact import ExactSolid, ExactSpline, in_body, sqrt_bounds, vector

@@ -5,8 +5,9 @@ import pytest
 
 from abi.arrays import FloatArray
 from abi.errors import SceneError
-from abi.obstacles.triangle_mesh.repair import Surface, clean
+from abi.obstacles.triangle_mesh.repair import clean
 from abi.obstacles.triangle_mesh.signed_distance import surface_distance
+from abi.obstacles.triangle_mesh.surface import Surface
 from tests.abi import meshes
 from tests.abi.meshes import Mesh
 

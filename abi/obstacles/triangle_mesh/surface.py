@@ -1,0 +1,54 @@
+"""Surface of an obstacle: triangles that bound a solid, or that nothing passes through."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+import scipy
+
+from abi.arrays import FloatArray, IntArray, read_only
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """Triangles in the coordinates of their file; compares and hashes by its content.
+
+    Attributes:
+        vertices: (n, 3), each used by a triangle.
+        faces: (m, 3) ids of the corners; counter-clockwise seen from outside where closed.
+        closed: whether it bounds a solid: a point is inside where it winds around it.
+        notes: sentences about its repair.
+    """
+
+    vertices: FloatArray
+    faces: IntArray
+    closed: bool
+    notes: tuple[str, ...] = ()
+    digest: str = field(init=False)
+
+    def __post_init__(self) -> None:
+        content = hashlib.sha256(self.vertices.tobytes() + self.faces.tobytes())
+        content.update(bytes([self.closed]))
+        object.__setattr__(self, "digest", content.hexdigest())
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Surface) and self.digest == other.digest
+
+    def __hash__(self) -> int:
+        return hash(self.digest)
+
+    @cached_property
+    def extent(self) -> float:
+        """Longest side of the bounding box."""
+        return float(np.ptp(self.vertices, axis=0).max())
+
+    @cached_property
+    def hull(self) -> FloatArray:
+        """The vertices (k, 3) that are corners of the convex hull; all where it is flat."""
+        try:
+            return read_only(self.vertices[scipy.spatial.ConvexHull(self.vertices).vertices])
+        except scipy.spatial.QhullError:
+            return self.vertices
