@@ -80,7 +80,7 @@ def test_an_arm_of_any_size_is_drawn_whole(tmp_path: Path, scene: dict[str, obje
     server = start(port=0, plain=True, scene=str(path))
     try:
         fake = FakeTab(server.url)
-        until(lambda: any(session.plans for session in server.sessions.values()))
+        until(lambda: any(session.plans for session in list(server.sessions.values())))
         (session,) = server.sessions.values()
         until(lambda: layer(session, ArmLayer)._built is not None)
         drawn = {
