@@ -77,7 +77,7 @@ def test_what_is_hidden_stays_hidden_in_a_new_plan(page: Page, session: Session)
         lambda: session.plan.scene.spline.degree == 3,  # type: ignore[union-attr]
         "another plan",
     )
-    page.reads(f"{len(session.plan.mesh.points)} nodes")  # type: ignore[union-attr]
+    page.reads(f"{session.plan.free.nodes} free nodes")  # type: ignore[union-attr]
     page.settle()
     assert not page.shown() & hidden
 
