@@ -106,6 +106,7 @@ def test_a_mesh_works_as_an_obstacle_while_it_is_dragged(
     assert _nearest(shown, mesh, page.position(gizmo)) >= asked - drawn.SINGLE
     assert plan is not None
     assert plan.bspline is not None
+    page.click("Result")
     page.reads(f"{format_lower_bound(plan.bspline.clearance.distance)} ✓")
     assert drawn.same(plan, abi.plan(plan.scene))
     assert page.complaints() == []
