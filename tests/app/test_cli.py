@@ -12,7 +12,8 @@ import pytest
 from abi import assets
 from abi.errors import AbiError
 from abi.scene.scene import scene_names
-from app.__main__ import INCOMPLETE, main
+from app.__main__ import main
+from app.commands.exit_code import INCOMPLETE
 from app.server import Server
 
 
