@@ -16,11 +16,11 @@ import numpy as np
 
 from abi.arrays import FloatArray, IntArray, read_only
 from abi.errors import NoPath
-from abi.search import search_kernels as kernels
+from abi.search import bellman_ford_kernels, best_first_kernels
 from abi.search.graph import Graph
 from abi.search.heuristic import Weight, metric
 from abi.search.heuristic_kernels import NO_METRIC, Metric
-from abi.search.search_kernels import Ends, Problem
+from abi.search.search_kernels import Ends, Problem, reconstruct_path
 from abi.tet_mesh.adjacency_kernels import Links, OpenEdges
 
 
@@ -61,7 +61,7 @@ def a_star(graph: Graph, weight: Weight) -> SearchResult:
     Raises:
         NoPath: no edges lead from start to goal.
     """
-    return _search("a_star", kernels.best_first, graph, weight, metric(graph, weight))
+    return _search("a_star", best_first_kernels.best_first, graph, weight, metric(graph, weight))
 
 
 def dijkstra(graph: Graph, weight: Weight) -> SearchResult:
@@ -70,7 +70,7 @@ def dijkstra(graph: Graph, weight: Weight) -> SearchResult:
     Raises:
         NoPath: no edges lead from start to goal.
     """
-    return _search("dijkstra", kernels.best_first, graph, weight, NO_METRIC)
+    return _search("dijkstra", best_first_kernels.best_first, graph, weight, NO_METRIC)
 
 
 def bellman_ford(graph: Graph, weight: Weight) -> SearchResult:
@@ -79,7 +79,7 @@ def bellman_ford(graph: Graph, weight: Weight) -> SearchResult:
     Raises:
         NoPath: no edges lead from start to goal.
     """
-    return _search("bellman_ford", kernels.bellman_ford, graph, weight, NO_METRIC)
+    return _search("bellman_ford", bellman_ford_kernels.bellman_ford, graph, weight, NO_METRIC)
 
 
 SEARCHES: MappingProxyType[str, Callable[[Graph, Weight], SearchResult]] = MappingProxyType(
@@ -133,7 +133,7 @@ def _result(
     if math.isinf(least):
         reached = np.flatnonzero(np.isfinite(cost)).astype(np.int32)
         raise NoPath(reached, graph.free_nodes, graph.pitch)
-    vertices = kernels.reconstruct_path(parent, graph.goal)
+    vertices = reconstruct_path(parent, graph.goal)
     points = graph.places(vertices)
     edges = points[1:] - points[:-1]
     return SearchResult(

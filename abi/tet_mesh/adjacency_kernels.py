@@ -109,6 +109,9 @@ LINKED = 30
 SIDES = 14
 """Directions of a node that is not on the box; those above are diagonals of its faces."""
 
+ALL_SIDES = (1 << SIDES) - 1
+"""The bits of these directions."""
+
 
 @register_jitable
 def cell(shape: Shape, node: int) -> tuple[int, int, int]:

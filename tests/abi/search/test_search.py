@@ -16,8 +16,7 @@ from abi.errors import NoPath
 from abi.obstacles.obstacle_set import NO_OBSTACLES, Obstacles, ObstacleSet
 from abi.obstacles.primitives import Box, Sphere
 from abi.scene.scene import MeshSettings, Workspace
-from abi.search import heuristic
-from abi.search import search_kernels as kernels
+from abi.search import bellman_ford_kernels, best_first_kernels, heuristic
 from abi.search.graph import Graph, build
 from abi.search.heuristic import Weight
 from abi.search.heuristic_kernels import INSIDE, NO_METRIC, ON_A_FACE, Metric, to_go
@@ -193,7 +192,7 @@ def test_best_first_expands_in_the_order_of_estimates(seed: int, weight: Weight)
     if not np.isfinite(cost[graph.goal]):
         pytest.fail("choose seeds that have a path")
     to_goal = promises(graph, weight)
-    bucket = kernels.WIDTH * (graph.longest_edge if weight == "length" else 1) + 1e-9
+    bucket = best_first_kernels.WIDTH * (graph.longest_edge if weight == "length" else 1) + 1e-9
     for find, left in ((a_star, to_goal), (dijkstra, np.zeros_like(cost))):
         found = find(graph, weight)
         estimates = (cost + left)[found.order[1:]]
@@ -350,7 +349,7 @@ def test_bellman_ford_finds_all_costs_however_often_nodes_return(seed: int, plai
     opened, links = OpenEdges(exits, read_only(rows.data)), Links(NO_IDS, NO_IDS, NO_NUMBERS)
     problem = Problem(table, opened, links, Ends(0, 1, 0), 1.0, NO_METRIC)
     with kernels_as(compiled=not plain):
-        cost, parent, order, relaxed = kernels.bellman_ford(problem)
+        cost, parent, order, relaxed = bellman_ford_kernels.bellman_ford(problem)
     assert np.allclose(cost, scipy_dijkstra(rows, indices=0), rtol=1e-12)
     assert len(order) > 4 * n
     assert relaxed == np.diff(indptr)[order].sum()

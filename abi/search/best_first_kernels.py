@@ -1,0 +1,307 @@
+"""A* and Dijkstra's algorithm on a ring of buckets, compiled by numba.
+
+It runs uncompiled too, on plain lists: a first plan need not wait for the compiler. Ties are broken
+the same way each time, so both ways give the same result.
+
+Arrays are taken out of tuples before a loop begins, and few helpers are handed any in it; see
+``abi.tet_mesh.adjacency_kernels``.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numba.extending import register_jitable
+
+from abi.arrays import ByteArray, FloatArray, IntArray
+from abi.compiled import compiled
+from abi.obstacles.vector_kernels import Vec3
+from abi.search.heuristic_kernels import NONE, Metric, to_go
+from abi.search.search_kernels import EXAMPLE, LITTLE, Problem
+from abi.tet_mesh.adjacency_kernels import (
+    ALL_SIDES,
+    LINKED,
+    ROWS,
+    SIDES,
+    Net,
+    Shape,
+    across,
+    cell,
+    cell_place,
+    ones,
+    row_place,
+)
+
+BUCKETS = 2048
+WIDTH = 4 / (BUCKETS - 4)
+"""Of the largest weight: how wide a bucket is."""
+
+
+class _Labels(NamedTuple):
+    """Knowledge of the nodes: cost, parent, and whether that was looked at since it changed."""
+
+    cost: FloatArray
+    parent: IntArray
+    closed: ByteArray
+
+
+class _Queue(NamedTuple):
+    """A ring of buckets, each a linked list, and the nodes that were taken out of it.
+
+    Attributes:
+        first: (BUCKETS,) entries, -1 where a bucket is empty.
+        node_of: the entries' nodes.
+        after: the entries behind them in the same bucket, or -1.
+        order: nodes that were expanded, in order.
+    """
+
+    first: IntArray
+    node_of: IntArray
+    after: IntArray
+    order: IntArray
+
+
+class _Progress(NamedTuple):
+    """Counts of a search.
+
+    Attributes:
+        used: entries of the queue, those that are out of it included.
+        waiting: entries in it.
+        current: the bucket, counted from the first of all.
+        expanded: nodes expanded.
+        relaxed: edges examined.
+        found: whether the goal was taken out of the queue.
+        done: whether nothing is left to do.
+    """
+
+    used: int
+    waiting: int
+    current: int
+    expanded: int
+    relaxed: int
+    found: bool
+    done: bool
+
+
+@compiled(example=EXAMPLE, error_model="numpy")
+def best_first(problem: Problem) -> tuple[FloatArray, IntArray, IntArray, int]:
+    """A* (Hart, Nilsson and Raphael, 1968); Dijkstra's algorithm where the metric is none.
+
+    Stops at the goal, once nothing waits that promises less. The queue is a ring of buckets (Dial,
+    1969; Dinitz, 1978), for an estimate grows along an edge by a few largest weights only. Within a
+    bucket, a 500th of the largest weight, the newest node goes first: most estimates in a lattice
+    tie, and of those the newest is the farthest on its way. A node whose cost is lowered after its
+    expansion is expanded again. Dijkstra's never are, as no edge is shorter than a bucket is wide,
+    save those to start and goal.
+
+    Returns:
+        cost (n,) from the start, inf where not reached; parent (n,), -1 at the start and without
+        meaning where not reached; expanded nodes in order (m,), the goal last; number of edges
+        examined.
+    """
+    start, goal, own = problem.ends
+    total = problem.net.shape.nodes + own
+    entries = total + problem.net.shape.most + len(problem.links.tails) + 1
+    cost, parent = np.full(total, np.inf), np.empty(total, np.int32)
+    labels = _Labels(cost, parent, np.zeros(total, np.uint8))
+    first = np.full(BUCKETS, -1, np.int32)
+    node_of, after = np.empty(entries, np.int32), np.empty(entries, np.int32)
+    order = np.empty(total + 1, np.int32)
+    cost[start], parent[start] = 0.0, -1
+    node_of[0], after[0], first[0] = start, -1, 0
+    slack = _slack(problem)
+    progress = _Progress(1, 1, 0, 0, 0, False, False)
+    while True:
+        queue = _Queue(first, node_of, after, order)
+        progress = _expand(problem, slack, labels, queue, progress)
+        if progress.done:
+            break
+        order = np.concatenate((order, np.empty_like(order)))
+        node_of = np.concatenate((node_of, np.empty_like(node_of)))
+        after = np.concatenate((after, np.empty_like(after)))
+    expanded = progress.expanded
+    if progress.found:
+        order[expanded] = goal
+        expanded += 1
+    return cost, parent, order[:expanded], progress.relaxed
+
+
+@register_jitable
+def _expand(
+    problem: Problem, slack: float, labels: _Labels, queue: _Queue, progress: _Progress
+) -> _Progress:
+    """Expand nodes until the search is done, or the queue or the order is full.
+
+    With the growth of arrays in the same loop, they would be counted in and out at each turn.
+    """
+    net, opened, links, (start, goal, _), largest, metric = problem
+    shape, offsets, steps, places, indptr, indices = net
+    (exits, weights), (tails, heads, link_weights) = opened, links
+    (cost, parent, closed), (first, node_of, after, order) = labels, queue
+    used, waiting, current, expanded, relaxed, found, done = progress
+    most = shape.most + len(links.tails)
+    # a place more, for what is written before it is known to count
+    cheaper = np.empty(2 * most + 2, np.int32)
+    little, per_cost = LITTLE * largest, 1 / (WIDTH * largest)
+    while used + most <= len(after) and expanded + 1 < len(order):
+        slot = current & (BUCKETS - 1)
+        entry = first[slot]
+        if entry < 0:
+            if found or waiting == 0:
+                done = True
+                break
+            current += 1
+            continue
+        first[slot] = after[entry]
+        waiting -= 1
+        node = node_of[entry]
+        if closed[node] == 1:
+            continue
+        closed[node] = 1
+        if node == goal:
+            found = True
+            continue
+        if found:
+            # the goal's bucket may hold what leads to it at less cost
+            left = max(_estimate(net, metric, node) - slack, 0.0)
+            if cost[node] + left >= cost[goal] - little:
+                continue
+        order[expanded] = node
+        expanded += 1
+        enough = cost[node] + little
+        count, linked, place = 0, True, (0, 0, 0)
+        if node < shape.nodes:
+            bits = exits[node]
+            linked = (bits >> LINKED) & 1 == 1
+            if shape.kind == ROWS:
+                row = (indptr[node], indptr[node + 1])
+                count, examined = _cheaper_in_row(row, enough, indices, weights, cost, cheaper)
+                relaxed += examined
+            else:
+                relaxed += SIDES if bits == ALL_SIDES else ones(bits)
+                place = cell(shape, node)
+                count = _cheaper_in_lattice(
+                    shape, (node, bits, place), enough, offsets, weights, cost, cheaper
+                )
+        of_mesh = count
+        for k in range(len(tails) if linked else 0):
+            if tails[k] == node or heads[k] == node:
+                neighbour = heads[k] if tails[k] == node else tails[k]
+                cheaper[count], cheaper[count + 1] = neighbour, k
+                count += 2 if enough + link_weights[k] < cost[neighbour] else 0
+                relaxed += 1
+        lowest = np.iinfo(np.int64).max
+        for e in range(0, count, 2):
+            neighbour, k = cheaper[e], cheaper[e + 1]
+            through = cost[node] + (weights[k] if e < of_mesh else link_weights[k])
+            cost[neighbour], parent[neighbour], closed[neighbour] = through, node, 0
+            if metric.kind != NONE and neighbour < shape.nodes:
+                if shape.kind == ROWS:
+                    at = row_place(places, shape.nodes, neighbour)
+                elif e < of_mesh:
+                    at = _stepped(steps, k, k < shape.cross, place)
+                else:
+                    at = cell_place(shape, neighbour)
+                left = to_go(shape, metric, at)
+                through += left - slack if left > slack else 0.0
+            bucket = int(through * per_cost)
+            lowest = bucket if bucket < lowest else lowest
+            slot = (bucket if bucket > current else current) & (BUCKETS - 1)
+            node_of[used], after[used], first[slot] = neighbour, first[slot], used
+            used += 1
+            waiting += 1
+        if node == start and count > 0:
+            current = lowest
+    return _Progress(used, waiting, current, expanded, relaxed, found, done)
+
+
+@register_jitable
+def _slack(problem: Problem) -> float:
+    """By how much links to the goal may be shorter than the heuristic says."""
+    net, _, links, ends, _, metric = problem
+    slack = 0.0
+    count = len(links.tails)
+    for k in range(2 * count if metric.kind != NONE else 0):
+        tail, head = links.tails[k % count], links.heads[k % count]
+        end = head if k < count else tail
+        if (tail if k < count else head) == ends.goal and end < net.shape.nodes:
+            slack = max(slack, _estimate(net, metric, end) - links.weights[k % count])
+    return slack
+
+
+@register_jitable
+def _estimate(net: Net, metric: Metric, node: int) -> float:
+    """The heuristic of a node; 0 where there is none, and of start and goal beside the mesh."""
+    if metric.kind == NONE or node >= net.shape.nodes:
+        return 0.0
+    if net.shape.kind == ROWS:
+        place = row_place(net.places, net.shape.nodes, node)
+    else:
+        place = cell_place(net.shape, node)
+    return to_go(net.shape, metric, place)
+
+
+@register_jitable(forceinline=True)
+def _stepped(steps: IntArray, k: int, across: bool, place: tuple[int, int, int]) -> Vec3:
+    """Place of the neighbour in a direction of a lattice, in half cells."""
+    i, j, h = place
+    sign = 1 - 2 * (i & 1) if across else 1
+    return (
+        1.0 * (i + sign * steps[3 * k]),
+        1.0 * (j + sign * steps[3 * k + 1]),
+        1.0 * (h + sign * steps[3 * k + 2]),
+    )
+
+
+@register_jitable(forceinline=True)
+def _cheaper_in_row(
+    row: tuple[int, int],
+    enough: float,
+    indices: IntArray,
+    weights: FloatArray,
+    cost: FloatArray,
+    cheaper: IntArray,
+) -> tuple[int, int]:
+    """The same as :func:`_cheaper_in_lattice` for a node of rows; and how many edges are open."""
+    count, examined = 0, 0
+    for k in range(row[0], row[1]):
+        cheaper[count], cheaper[count + 1] = indices[k], k
+        count += 2 if enough + weights[k] < cost[indices[k]] else 0
+        examined += 1 if weights[k] < np.inf else 0
+    return count, examined
+
+
+@register_jitable(forceinline=True)
+def _cheaper_in_lattice(
+    shape: Shape,
+    node: tuple[int, int, tuple[int, int, int]],
+    enough: float,
+    offsets: IntArray,
+    weights: FloatArray,
+    cost: FloatArray,
+    cheaper: IntArray,
+) -> int:
+    """Note the neighbours of a lattice node that cost more than by way of it; twice their number.
+
+    Args:
+        shape: that of the lattice.
+        node: its id, open directions as bits, and place in half cells.
+        enough: cost of the node, and what that of a neighbour must fall by.
+        offsets, weights: of the directions.
+        cost: (n,) known so far.
+        cheaper: the neighbours, each before the direction that leads there; written.
+    """
+    count = 0
+    tail, bits, (i, j, h) = node
+    row = (i & 1) * shape.directions
+    other = across(shape, i, j, h)
+    for k in range(shape.cross):
+        neighbour = other + offsets[row + k] if (bits >> k) & 1 else tail
+        cheaper[count], cheaper[count + 1] = neighbour, k
+        count += 2 if enough + weights[k] < cost[neighbour] else 0
+    for k in range(shape.cross, shape.directions if (bits >> SIDES) & 63 else SIDES):
+        neighbour = tail + offsets[row + k] if (bits >> k) & 1 else tail
+        cheaper[count], cheaper[count + 1] = neighbour, k
+        count += 2 if enough + weights[k] < cost[neighbour] else 0
+    return count
