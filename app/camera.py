@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 import viser
 
@@ -13,6 +15,32 @@ _ASPECT = 0.8
 _MAX_DISTANCE_FACTOR = 2.5
 _TOLERANCE = 1e-3
 """Part of the scene's size by which the page's camera, unmoved, may differ from ours."""
+
+
+@dataclass(frozen=True)
+class View:
+    """Camera of a tab, rounded: position and target, [unit], and the upward direction, world."""
+
+    position: tuple[float, ...]
+    target: tuple[float, ...]
+    up: tuple[float, ...]
+
+    @classmethod
+    def of(cls, numbers: object) -> View | None:
+        """The view of nine finite numbers; None for anything else."""
+        try:
+            position, target, up = np.asarray(numbers, dtype=float).reshape(3, 3)
+        except (ValueError, TypeError):
+            return None
+        if not np.isfinite([position, target, up]).all():
+            return None
+        if not (position - target).any() or not up.any():
+            return None
+        return cls(_rounded(position), _rounded(target), _rounded(up))
+
+    def to_list(self) -> list[float]:
+        """The nine numbers."""
+        return [*self.position, *self.target, *self.up]
 
 
 class Viewpoint:
@@ -27,6 +55,17 @@ class Viewpoint:
         """Put the camera in front of ``scene``."""
         self._scene = scene
         look_at(self._camera, scene, self._distance_factor)
+
+    def now(self) -> View | None:
+        """The page's camera; None where it reports none."""
+        camera = self._camera
+        return View.of([camera.position, camera.look_at, camera.up_direction])
+
+    def restore(self, view: View) -> None:
+        """Put the camera where it was."""
+        self._camera.up_direction = np.array(view.up)
+        self._camera.position = np.array(view.position)
+        self._camera.look_at = np.array(view.target)
 
     def fit(self) -> None:
         """Step back, or nearer, with the picture's aspect, unless the user moved the camera."""
@@ -47,6 +86,10 @@ def look_at(
     """Turn ``camera`` to workspace and arm, ``distance_factor`` times as far as fills a picture."""
     camera.position, camera.look_at, size = _view(scene, distance_factor)
     camera.near, camera.far = size / 500, size * 50
+
+
+def _rounded(vector: FloatArray) -> tuple[float, ...]:
+    return tuple(float(f"{number:.6g}") for number in vector)
 
 
 def _view(scene: Scene, distance_factor: float) -> tuple[FloatArray, FloatArray, float]:

@@ -2,23 +2,43 @@
 
 from __future__ import annotations
 
+import functools
+import json
 from collections.abc import Iterable
+from typing import Any
 
 import viser
 from viser import _messages
 
+from abi import assets
 from app.style import Colour, css
 
 assert viser.__version__ == "1.1.1", "app/page.py uses private names of viser 1.1.1"
 
 
 def set_title(client: viser.ClientHandle, title: str) -> None:
-    """Name the browser tab. ``title`` must be our own text: it is part of a script."""
-    assert title.isprintable()
-    assert not set(title) & set("'\\<>")
-    client._websock_connection.queue_message(
-        _messages.RunJavascriptMessage(source=f"document.title = '{title}'")
-    )
+    """Name the browser tab."""
+    _run(client, f"document.title = {json.dumps(title)}")
+
+
+def install(client: viser.ClientHandle) -> None:
+    """Give the tab the functions that the others here call."""
+    _run(client, _script())
+
+
+def ask(client: viser.ClientHandle, widget: viser.GuiTextHandle) -> None:
+    """Have the tab type a report on itself into ``widget``: see ``assets/page/page.js``."""
+    _run(client, f"abi.report({json.dumps(_uuid(widget))})")
+
+
+def remember(client: viser.ClientHandle, text: str) -> None:
+    """Have the tab keep ``text`` for its next report, past reloads and this server's end."""
+    _run(client, f"abi.remember({json.dumps(text)})")
+
+
+def copy_link(client: viser.ClientHandle, state: str) -> None:
+    """Put a link that opens ``state``, as :mod:`app.tab_state` encodes it, on the clipboard."""
+    _run(client, f"abi.copyLink({json.dumps(state)})")
 
 
 def notify_refusal(client: viser.ClientHandle, title: str, reason: str) -> None:
@@ -29,7 +49,7 @@ def notify_refusal(client: viser.ClientHandle, title: str, reason: str) -> None:
 def swatch_style(colours: Iterable[tuple[viser.GuiCheckboxHandle, Colour]]) -> str:
     """Style sheet that puts a line of its colour before each checkbox's label."""
     rules = [
-        f'label[for="{handle._impl.uuid}"]::before{{content:"";display:inline-block;width:14px;'
+        f'label[for="{_uuid(handle)}"]::before{{content:"";display:inline-block;width:14px;'
         f"height:4px;margin-right:7px;vertical-align:middle;background:{css(colour)}}}"
         for handle, colour in colours
     ]
@@ -41,3 +61,16 @@ def disable_sharing(server: viser.ViserServer) -> None:
     handlers = server._websock_server._incoming_handlers
     for message in (_messages.ShareUrlRequest, _messages.ShareUrlDisconnect):
         handlers.pop(message, None)
+
+
+def _run(client: viser.ClientHandle, script: str) -> None:
+    client._websock_connection.queue_message(_messages.RunJavascriptMessage(source=script))
+
+
+def _uuid(widget: viser.GuiInputHandle[Any]) -> str:
+    return widget._impl.uuid
+
+
+@functools.cache
+def _script() -> str:
+    return assets.path("page", "page.js").read_text(encoding="utf-8")

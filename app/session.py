@@ -13,18 +13,22 @@ from dataclasses import replace
 
 import viser
 
-from abi import compiling
-from abi.errors import AbiError
+from abi import assets, compiling
+from abi.errors import AbiError, SceneError
+from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.planner.diagnosis import explain
 from abi.planner.live_planner import LivePlanner
 from abi.planner.plan import Plan
 from abi.scene.scene import Scene
+from app import page
 from app.camera import Viewpoint
 from app.frame import Drawable, Frame, Switchable
 from app.layers.catalogue import LAYERS, SLOW_LAYERS
 from app.panels.all_panels import AllPanels
 from app.panels.obstacle_gizmos import ObstacleGizmos
 from app.panels.playback import PlaybackPanel
+from app.tab_memory import Report, TabMemory
+from app.tab_state import TabState
 
 _log = logging.getLogger(__name__)
 
@@ -32,6 +36,8 @@ SLOW_MS = 120.0
 """Where the last plan took longer, it is drawn in grey while the next is made."""
 REST = 0.3
 """Seconds without input that make a pause: time to plan in full, and to diagnose."""
+IDLE = 1.0
+"""Seconds after which an idle tab looks whether the hand has moved its camera."""
 LIGHTS_DELAY = 1.5
 """Seconds in which even weak graphics have drawn the first plan."""
 _SWITCHABLE: tuple[type[Switchable], ...] = (*LAYERS, ObstacleGizmos, *SLOW_LAYERS)
@@ -71,6 +77,7 @@ class Session:
         self._has_lights = plain
         self._viewpoint = Viewpoint(client.camera, scene)
         self._compiled = compiling.is_done()
+        self._memory = TabMemory(client, self.wake)
         with client.atomic():
             self._build(name, scene, dark)
         self._changed.set()
@@ -118,6 +125,7 @@ class Session:
 
     def _work(self) -> None:
         """Plan and draw until the tab is closed: the worker's thread."""
+        self._memory.wait()
         while True:
             self._changed.wait(self._timeout())
             if self._closing:
@@ -130,10 +138,11 @@ class Session:
                 if woken:
                     self._last_input = time.monotonic()
                     self._update()
-                    continue
-                if time.monotonic() - self._last_input >= REST:
-                    self._use_pause()
-                self._draw(self.frame)
+                else:
+                    if time.monotonic() - self._last_input >= REST:
+                        self._use_pause()
+                    self._draw(self.frame)
+                self._memory.keep(self._state())
             except Exception:
                 _log.exception("tab %s", self.client.client_id)
                 self.client.add_notification(
@@ -144,15 +153,19 @@ class Session:
                     auto_close_seconds=8,
                 )
 
-    def _timeout(self) -> float | None:
-        """Time to wait for input, [s]; None: for ever, with nothing else to do."""
+    def _timeout(self) -> float:
+        """Time to wait for input, [s]."""
         playing = self.playback.timeout()
         incomplete = self.frame.interactive or self.frame.partial or self._undiagnosed()
         idle = self._has_lights and self._compiled and not incomplete
-        return playing if playing is not None or idle else REST
+        if playing is not None:
+            return playing
+        return IDLE if idle else REST
 
     def _update(self) -> None:
         """Plan and draw what the panels show."""
+        report = self._memory.report()
+        restored = report is not None and self._restore(report)
         try:
             scene = self.panels.read(self._scene)
         except AbiError as error:
@@ -160,11 +173,42 @@ class Session:
             self._draw(replace(self.panels.apply_switches(self.frame), refused=error))
         else:
             self.frame = replace(self.frame, refused=None)
-            if self.plans == 0 or scene != self._scene:
+            if self.plans == 0 or restored or scene != self._scene:
                 self._show(self._replan(scene), interactive=True)
             else:
                 self._show(self.frame.plan, interactive=True)
         self.panels.files.save_if_requested(self._scene)
+
+    def _restore(self, report: Report) -> bool:
+        """Bring back what the page or a link remembers; False where that is nothing."""
+        if not report.state:
+            return False
+        meshes = MeshSource(self._scene.meshes.files, assets.path("scenes"))
+        try:
+            state = TabState.decode(report.state, meshes)
+        except SceneError as error:
+            page.notify_refusal(self.client, "The link cannot be opened", error.message)
+            return False
+        self.panels.restore(state)
+        self._viewpoint.show(state.scene)
+        if state.view is not None:
+            self._viewpoint.restore(state.view)
+        self.playback.restore(state.time, state.playing)
+        self._scene = state.scene
+        return True
+
+    def _state(self) -> TabState:
+        """What the page is to remember; while the arm moves, not where it is."""
+        playing = self.playback.playing
+        return TabState(
+            name=self.panels.files.name,
+            scene=self._scene,
+            view=self._viewpoint.now(),
+            time=0.0 if playing else self.frame.time,
+            playing=playing,
+            shown=self.panels.layer_switches.shown(),
+            dark=bool(self.panels.layer_switches.dark.value),
+        )
 
     def _replan(self, scene: Scene) -> Plan:
         """Plan another scene, with the last plan in grey where that may take long."""

@@ -17,6 +17,7 @@ from app.panels.obstacle_gizmos import ObstacleGizmos
 from app.panels.stage_headers import StageHeaders
 from app.panels.stages import StagePanels
 from app.panels.widgets import Wake
+from app.tab_state import TabState
 
 
 class AllPanels:
@@ -74,6 +75,12 @@ class AllPanels:
         self.editor.apply(scene)
         sections = {name: part for panel in self._inputs for name, part in panel.read().items()}
         return scene.replace(self.editor.surfaces, **sections)
+
+    def restore(self, state: TabState) -> None:
+        """Show what a tab showed before."""
+        self.files.restore(state.name, state.scene)
+        self.layer_switches.restore(state.shown, state.dark)
+        self._write(state.scene)
 
     def apply_switches(self, frame: Frame) -> Frame:
         """The frame as the switches have it."""

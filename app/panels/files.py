@@ -43,6 +43,20 @@ class FilesPanel:
         self.save.on_click(wake)
         self.reset.on_click(wake)
 
+    @property
+    def name(self) -> str:
+        """Name of the scene loaded last."""
+        return self._chosen
+
+    def restore(self, name: str, scene: Scene) -> None:
+        """Take the scene of that name for the one loaded; ``scene`` where none is listed."""
+        if name not in (*self._opened, *scene_names()):
+            name, self._loaded = self._list(_printable(name), scene), scene
+        else:
+            self._loaded = self._opened.get(name) or load_scene(name)
+            self.choice.value = name
+        self._chosen = name
+
     def requested(self, meshes: MeshSource) -> Scene | None:
         """The scene chosen, opened or reset since the last call; None for no new one.
 

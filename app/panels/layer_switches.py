@@ -41,6 +41,14 @@ class LayerSwitches:
         self._dark = dark
         self._configure_theme()
 
+    def restore(self, shown: frozenset[str] | None, dark: bool | None) -> None:
+        """Set the switches as they were, where that is known."""
+        if shown is not None:
+            for name, box in self.boxes.items():
+                box.value = name in shown
+        if dark is not None:
+            self.dark.value = dark
+
     def shown(self) -> frozenset[str]:
         """Names of the switches that are on."""
         return frozenset(name for name, box in self.boxes.items() if box.value)

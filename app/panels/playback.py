@@ -34,6 +34,11 @@ class PlaybackPanel:
         self.button.on_click(self._toggle)
         self.command.on_trigger(self._toggle)
 
+    def restore(self, time: float, playing: bool) -> None:
+        """Go on from ``time`` [s], or stand still there."""
+        self.playing = playing
+        self._time = time
+
     def timeout(self) -> float | None:
         """Time until the next frame, [s]; None while paused."""
         return FRAME if self.playing else None

@@ -4,9 +4,16 @@ from collections.abc import Iterator
 
 import pytest
 
+from app import tab_memory
 from app.server import Server, start
 from app.session import Session
 from tests.app.fake_tab import FakeTab, until
+
+
+@pytest.fixture(scope="session", autouse=True)
+def no_report() -> None:
+    """Do not wait for what a page reports: no fake tab does."""
+    tab_memory.TIMEOUT = 0.0
 
 
 @pytest.fixture(scope="module")

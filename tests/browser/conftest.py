@@ -80,6 +80,12 @@ class Tabs:
         page.reload()
         self._begin(page, known)
 
+    def leave_and_come_back(self, page: Page) -> None:
+        """Open another page in a tab and press "back"; it is then another client."""
+        known = set(self._server.sessions)
+        page.leave_and_come_back()
+        self._begin(page, known)
+
     def kept(self) -> Page:
         """The tab that was put back last, with what was planned as at first, or a new one."""
         page, self._kept = self._kept or self(), None

@@ -154,6 +154,13 @@ class Page:
         self.tab.reload()
         self._connect()
 
+    def leave_and_come_back(self) -> None:
+        """Open another page and press "back"; ``client`` is then out of date."""
+        self.tab.goto("about:blank")
+        self._connected = False
+        self.tab.go_back()
+        self._connect()
+
     def _connect(self) -> None:
         self.tab.wait_for_function(_READY)
         self.until(lambda: self._connected, "the page to connect")

@@ -1,0 +1,90 @@
+"""Memory of a tab: what the page reports when it opens, and what it is to report next time."""
+
+from __future__ import annotations
+
+import json
+import threading
+import time
+from dataclasses import dataclass, field
+from typing import Any
+
+import viser
+
+from app import page
+from app.panels.widgets import Wake
+from app.tab_state import TabState
+
+TIMEOUT = 0.7
+"""Seconds for which the first plan waits for the report; a later one counts when it comes."""
+_PERIOD = 0.4
+"""Seconds between two texts sent to the page."""
+
+
+@dataclass(frozen=True)
+class Report:
+    """What a page says of itself.
+
+    Attributes:
+        state: a :class:`TabState` as text; empty for none.
+        query: parameters of its address.
+        dark: whether the system prefers dark pages.
+    """
+
+    state: str = ""
+    query: dict[str, str] = field(default_factory=dict)
+    dark: bool = False
+
+
+class TabMemory:
+    """Hidden text box into which the page types its report."""
+
+    def __init__(self, client: viser.ClientHandle, wake: Wake) -> None:
+        self._client = client
+        self._box = client.gui.add_text("report", "", visible=False)
+        self._arrived = threading.Event()
+        self._wake = wake
+        self._read = ""
+        self._kept: tuple[object, ...] = ()
+        self._sent = -_PERIOD
+        self._box.on_update(self._receive)
+        page.install(client)
+        page.ask(client, self._box)
+
+    def wait(self) -> None:
+        """Wait for the report, but not for long."""
+        self._arrived.wait(TIMEOUT)
+
+    def report(self) -> Report | None:
+        """The report, once; None before and after."""
+        text = self._box.value
+        if text == self._read:
+            return None
+        self._read = text
+        return _parse(text)
+
+    def keep(self, state: TabState, now: bool = False) -> None:
+        """Have the page keep ``state`` unless it does; not too often, but for ``now``."""
+        kept = (state.name, state.scene, state.view, state.time, state.shown, state.dark)
+        due = now or time.monotonic() - self._sent >= _PERIOD
+        if kept == self._kept or not due:
+            return
+        self._kept, self._sent = kept, time.monotonic()
+        page.remember(self._client, state.encode())
+
+    def _receive(self, event: object) -> None:
+        self._arrived.set()
+        self._wake(event)
+
+
+def _parse(text: object) -> Report:
+    """The report of a text, which a hostile page may have written."""
+    try:
+        data: Any = json.loads(str(text))
+        query = data["query"]
+        return Report(
+            state=str(data["state"]),
+            query={str(name): str(value) for name, value in query.items()},
+            dark=data["dark"] is True,
+        )
+    except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
+        return Report()

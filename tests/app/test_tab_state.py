@@ -1,0 +1,135 @@
+from __future__ import annotations
+
+import base64
+import json
+import math
+import threading
+import zlib
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from abi import assets
+from abi.errors import SceneError
+from abi.obstacles.triangle_mesh.mesh_source import MeshSource
+from abi.scene.scene import load_scene, scene_names
+from app import page
+from app.camera import View
+from app.server import Server
+from app.session import Session
+from app.tab_memory import TabMemory
+from app.tab_state import LONGEST_LINK, TabState
+from tests.app.fake_tab import FakeTab, until
+
+MESHES = MeshSource(folder=assets.path("scenes"))
+
+
+@pytest.mark.parametrize("name", scene_names())
+def test_a_state_comes_back_as_it_was(name: str) -> None:
+    state = TabState(
+        name,
+        load_scene(name),
+        View((1.0, 2.0, 3.0), (0.0, 0.5, 0.0), (0.0, 0.0, 1.0)),
+        time=1.25,
+        playing=False,
+        shown=frozenset({"arm", "edges"}),
+        dark=True,
+    )
+    text = state.encode()
+    assert len(text) < LONGEST_LINK
+    assert set(text) <= set("ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-_")
+    assert TabState.decode(text, MESHES) == state
+
+
+@given(st.text(max_size=200))
+def test_no_text_is_taken_for_a_state_by_mistake(text: str) -> None:
+    with pytest.raises(SceneError):
+        TabState.decode(text, MESHES)
+
+
+_PLAIN = st.recursive(
+    st.none() | st.booleans() | st.floats() | st.text(max_size=5),
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=5), inner),
+    max_leaves=6,
+)
+
+
+@given(st.fixed_dictionaries(dict.fromkeys(("name", "view", "time", "shown", "dark"), _PLAIN)))
+def test_what_is_damaged_beside_the_scene_is_left_out(parts: dict[str, Any]) -> None:
+    data = {"version": 1, "scene": {"version": 1}, **parts}
+    packed = zlib.compress(json.dumps(data, default=str).encode())
+    try:
+        state = TabState.decode(base64.urlsafe_b64encode(packed).decode(), MESHES)
+    except SceneError:  # JSON knows no infinity
+        return
+    assert state.scene.obstacles == ()
+    assert math.isfinite(state.time)
+    assert state.time >= 0
+
+
+def test_a_text_that_unpacks_to_much_is_refused() -> None:
+    packed = zlib.compress(b" " * 50_000_000)
+    with pytest.raises(SceneError, match="damaged"):
+        TabState.decode(base64.urlsafe_b64encode(packed).decode(), MESHES)
+
+
+def test_a_tab_shows_what_its_page_remembers(
+    server: Server, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Also where the report is late, after the first plan."""
+    asked = threading.Event()
+    boxes: list[Any] = []
+
+    def ask(_: object, box: object) -> None:
+        boxes.append(box)
+        asked.set()
+
+    monkeypatch.setattr(page, "ask", ask)
+    scene = load_scene("two-boxes").replace(spline={"degree": 3})
+    view = View((9.0, -9.0, 9.0), (3.0, 3.0, 3.0), (0.0, 0.0, 1.0))
+    state = TabState("two-boxes", scene, view, time=0.5, playing=False, shown=frozenset({"arm"}))
+    fake = FakeTab(server.url)
+    assert asked.wait(20)
+    until(lambda: len(server.sessions) == 1)
+    (session,) = server.sessions.values()
+    until(lambda: session.plan is not None)
+    fake.set(boxes[0], json.dumps({"state": state.encode(), "query": {}, "dark": False}))
+    until(lambda: session.plan is not None and session.plan.scene == scene)
+    until(lambda: session.frame.time == 0.5)
+    assert session.panels.files.choice.value == "two-boxes"
+    assert session.panels.layer_switches.shown() == {"arm"}
+    assert session.client.camera.position == pytest.approx(view.position)
+    fake.set(session.panels.files.reset, True)
+    until(lambda: session.plan is not None and session.plan.scene == load_scene("two-boxes"))
+    fake.close()
+    until(lambda: not server.sessions)
+
+
+@pytest.mark.parametrize(
+    "report", ["", "{", "[]", '{"state": 3}', '{"state": "x", "query": [], "dark": 0}']
+)
+def test_a_report_of_nonsense_changes_nothing(tab: tuple[FakeTab, Session], report: str) -> None:
+    fake, session = tab
+    fake.set(session._memory._box, report + " ")
+    fake.set(session.panels.stages.spline.degree, 3)
+    until(lambda: session.plan.scene.spline.degree == 3)  # type: ignore[union-attr]
+    assert session.plan is not None
+    assert session.plan.scene.obstacles == load_scene("paper").obstacles
+
+
+def test_only_what_changed_is_kept(
+    tab: tuple[FakeTab, Session], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    _, session = tab
+    texts: list[str] = []
+    monkeypatch.setattr(page, "remember", lambda _, text: texts.append(text))
+    memory = TabMemory(session.client, session.wake)
+    state = TabState("paper", load_scene("paper"))
+    memory.keep(state)
+    memory.keep(state, now=True)
+    memory.keep(TabState("paper", load_scene("paper"), time=1.0))
+    memory.keep(TabState("paper", load_scene("paper"), time=2.0), now=True)
+    assert [TabState.decode(text, MESHES).time for text in texts] == [0.0, 2.0]
+    memory._box.remove()

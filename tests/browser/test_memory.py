@@ -1,0 +1,96 @@
+"""What a tab shows comes back after a reload, "back", a new server, and by a link."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from playwright.sync_api import Browser
+
+import abi
+from app.server import Server, start
+from app.session import Session
+from tests.browser import drawn
+from tests.browser.conftest import Tabs
+from tests.browser.page import Page
+
+_STORED = "sessionStorage.getItem('abi-tab')"
+
+
+def _edit(page: Page, session: Session, degree: int) -> abi.Scene:
+    """Change the scene, the layers, the camera and the time; the scene as it is then."""
+    page.click("Layers")
+    page.tick("arm", False)
+    page.click("Result")
+    page.set_number("degree", degree)
+    page.drag((640.0, 90.0), (690.0, 110.0))
+    page.until(lambda: session.plan.scene.spline.degree == degree, "the degree")  # type: ignore[union-attr]
+    page.click("Pause")
+    page.set_number("time [s]", 1.5)
+    page.until(lambda: session.frame.time == pytest.approx(1.5), "the time")
+    _is_kept(page, session)
+    assert session.plan is not None
+    return session.plan.scene
+
+
+def _is_kept(page: Page, session: Session) -> None:
+    page.until(
+        lambda: page.tab.evaluate(_STORED) == session._state().encode(), "the page to remember"
+    )
+
+
+def _is_back(page: Page, session: Session, scene: abi.Scene, camera: drawn.Points) -> None:
+    page.until(lambda: session.plan is not None and session.plan.scene == scene, "the scene")
+    page.until(lambda: drawn.shows(page, session.plan), "its picture")
+    page.until(lambda: "/arm" not in page.shown(), "no arm")
+    assert session.frame.time == pytest.approx(1.5)
+    assert not session.playback.playing
+    np.testing.assert_allclose(session.client.camera.position, camera, rtol=1e-4)
+
+
+def test_reload_and_back_and_a_link_bring_everything_back(tabs: Tabs, server: Server) -> None:
+    page = tabs()
+    session = server.sessions[page.client]
+    scene = _edit(page, session, 2)
+    camera = np.array(session.client.camera.position)
+    for again in (tabs.reload, tabs.leave_and_come_back):
+        again(page)
+        session = server.sessions[page.client]
+        _is_back(page, session, scene, camera)
+
+    # by a link, in a tab of its own; what is changed after that is not the link's any more
+    other = tabs(f"?state={session._state().encode()}")
+    session = server.sessions[other.client]
+    _is_back(other, session, scene, camera)
+    assert "state" not in other.tab.url
+    other.set_number("degree", 5)
+    other.until(lambda: session.plan.scene.spline.degree == 5, "another degree")  # type: ignore[union-attr]
+    _is_kept(other, session)
+    tabs.reload(other)
+    session = server.sessions[other.client]
+    other.until(lambda: session.plan.scene.spline.degree == 5, "the degree again")  # type: ignore[union-attr]
+
+
+def test_another_server_at_the_same_address_shows_the_same(chromium: Browser) -> None:
+    server = start(host="127.0.0.1", port=0, plain=True)
+    page = Page(chromium, server.url + "/")
+    try:
+        page.until(lambda: bool(server.sessions), "a session")
+        (session,) = server.sessions.values()
+        page.until(lambda: session.plan is not None, "the first plan")
+        scene = _edit(page, session, 3)
+        camera = np.array(session.client.camera.position)
+        port = server.viser.get_port()
+        server.stop()
+        server = start(host="127.0.0.1", port=port, plain=True)
+        page.until(lambda: bool(server.sessions), "the page to connect again")
+        (session,) = server.sessions.values()
+        _is_back(page, session, scene, camera)
+    finally:
+        page.close()
+        server.stop()
+
+
+def test_a_damaged_link_is_told_of_and_opens_the_usual_scene(tabs: Tabs, server: Server) -> None:
+    page = tabs("?state=nonsense")
+    page.reads("The link cannot be opened")
+    assert server.sessions[page.client].plan.scene == abi.load_scene("paper")  # type: ignore[union-attr]
