@@ -4,6 +4,7 @@
 
     AbiError
     ├── SceneError        the input is not a scene: names the field, the value and what would work
+    ├── ExportError       a format cannot hold the plan, or the file cannot be written
     └── StageError        the scene is valid but a stage has no result; ends the chain of stages
         ├── PointBlocked      start or goal lies inside an obstacle or its clearance
         ├── NoPath            no path joins start and goal on this mesh
@@ -46,6 +47,10 @@ class SceneError(AbiError):
         self.field = field
         self.value = value
         self.expected = expected
+
+
+class ExportError(AbiError):
+    """A plan that a file format cannot hold, or a file that cannot be written."""
 
 
 class StageError(AbiError):

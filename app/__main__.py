@@ -12,6 +12,7 @@ import click
 
 from app.commands.bench import bench
 from app.commands.exit_code import BAD_INPUT
+from app.commands.export import export
 from app.commands.plan import plan
 from app.commands.reproduce import reproduce
 from app.commands.serve import serve
@@ -33,7 +34,7 @@ def cli() -> None:
     """Plan a smooth, clear path for a robot's tool, and see every stage of it."""
 
 
-for command in (serve, plan, verify, reproduce, bench):
+for command in (serve, plan, verify, export, reproduce, bench):
     cli.add_command(command)
 
 

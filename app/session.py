@@ -178,6 +178,14 @@ class Session:
             else:
                 self._show(self.frame.plan, interactive=True)
         self.panels.files.save_if_requested(self._scene)
+        if self.panels.exports.requested:
+            self._export()
+
+    def _export(self) -> None:
+        """Send the plan as a file, in full."""
+        if self._planner.partial:
+            self._show(self._planner.finish(self._scene))
+        self.panels.exports.send(self.frame.plan)
 
     def _restore(self, report: Report) -> bool:
         """Bring back what the page or a link remembers; False where that is nothing."""

@@ -2,7 +2,7 @@
 Export a motion
 ===============
 
-Write the joints over time as CSV and the whole plan as JSON, for other programs to read.
+Write the joints over time as CSV and for ROS 2, the whole plan as JSON, and read them back.
 """
 
 from __future__ import annotations
@@ -13,27 +13,33 @@ import tempfile
 from pathlib import Path
 
 import abi
+from abi.export.formats import FORMATS, export
 
 plan = abi.plan(abi.load_scene("forest"))
-data = plan.to_dict(full=True)  # every sample, not just 200
-arm = data["arm"]
+folder = tempfile.TemporaryDirectory()
+print(f"{len(FORMATS)} formats: {', '.join(FORMATS)}")
 
 # %%
-# One row a sample: time [s], joints [rad], q5 and the tool's place [cm].
-folder = tempfile.TemporaryDirectory()
+# One row a sample: time [s], joints [rad], q5 and the tool's place [cm]. ``abi export forest --to
+# motion.csv`` does the same.
 table = Path(folder.name, "motion.csv")
-with table.open("w", newline="", encoding="utf-8") as file:
-    writer = csv.writer(file)
-    writer.writerow(["time", *arm["joints"], "x", "y", "z"])
-    for time, joints, tool in zip(arm["time"], arm["positions"], arm["tool"], strict=True):
-        writer.writerow([time, *joints, *tool])
-print(*table.read_text(encoding="utf-8").splitlines()[:3], sep="\n")
+export(plan, table, "csv")
+with table.open(newline="", encoding="utf-8") as file:
+    header, first, *rows = csv.reader(file)
+print(dict(zip(header, first, strict=True)), f"and {len(rows)} more")
+
+# %%
+# The message that a ROS 2 controller takes: positions with their speeds, lengths in metres.
+message = Path(folder.name, "motion.ros.json")
+export(plan, message, "ros")
+points = json.loads(message.read_text(encoding="utf-8"))["points"]
+print(len(points), "points, the last at", points[-1]["time_from_start"])
 
 # %%
 # The JSON has what it takes to check it elsewhere: curves, certificates, the scene itself.
 whole = Path(folder.name, "plan.json")
-whole.write_text(json.dumps(data), encoding="utf-8")
+export(plan, whole, "json")
 again = json.loads(whole.read_text(encoding="utf-8"))
-assert again["arm"] == arm
+assert again["scene"] == plan.scene.to_dict()
 print(f"plan.json: {whole.stat().st_size / 1e3:.0f} kB with {', '.join(again)}")
 folder.cleanup()

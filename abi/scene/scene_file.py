@@ -6,12 +6,8 @@ reader, or grows without limit.
 
 from __future__ import annotations
 
-import contextlib
 import io
 import json
-import os
-import secrets
-import shutil
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -19,6 +15,7 @@ from ruamel.yaml import YAML
 from ruamel.yaml.error import YAMLError
 from ruamel.yaml.events import AliasEvent, CollectionStartEvent, ScalarEvent
 
+from abi.atomic_file import replace_file
 from abi.errors import SceneError
 
 MAX_BYTES = 400_000
@@ -79,22 +76,11 @@ def write(data: dict[str, Any], path: Path) -> None:
     """
     _refuse_ending(path)
     text = dump(data, path.name)
-    # not by tempfile, whose files are for the owner alone whatever the umask says
-    temporary = path.parent / f".{secrets.token_hex(8)}{path.suffix}"
     try:
-        with temporary.open("x", encoding="utf-8") as file:
-            if path.is_file():
-                shutil.copymode(path, temporary)
-            file.write(text)
-            file.flush()
-            os.fsync(file.fileno())
-        os.replace(temporary, path)
+        replace_file(path, text.encode())
     except (OSError, ValueError) as error:
         reason = (getattr(error, "strerror", None) or "not writable").lower()
         raise SceneError("scene", str(path), f"a place that can be written ({reason})") from None
-    finally:
-        with contextlib.suppress(OSError, ValueError):
-            temporary.unlink(missing_ok=True)
 
 
 def dump(data: dict[str, Any], name: str) -> str:

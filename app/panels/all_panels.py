@@ -10,6 +10,7 @@ from abi.scene.scene import Scene
 from app.frame import Drawable, Frame, Switch
 from app.layout import Layout
 from app.panels.end_gizmos import EndGizmos
+from app.panels.exports import ExportPanel
 from app.panels.files import FilesPanel
 from app.panels.layer_switches import LayerSwitches
 from app.panels.obstacle_editor import ObstacleEditor
@@ -46,6 +47,7 @@ class AllPanels:
         self.ends = EndGizmos(client, scene, wake)
         with self.layout.scene:
             self.files = FilesPanel(client, name, scene, wake)
+            self.exports = ExportPanel(client, wake)
             self.editor = ObstacleEditor(client, self.obstacles, self.ends, wake)
         self._inputs = (self.stages, self.obstacles, self.ends)
         self.drawn: tuple[Drawable, ...] = (

@@ -236,3 +236,53 @@ def test_the_installed_command_answers() -> None:
 
     assert done.returncode == 0, done.stderr
     assert json.loads(done.stdout)["path"]["length"] > 5.2
+
+
+def test_export_writes_by_the_files_ending_or_by_name(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    table, named = tmp_path / "motion.csv", tmp_path / "motion.txt"
+    for args in ((str(table),), (str(named), "--format", "csv")):
+        code, out, err = run(monkeypatch, capsys, "export", "paper", "--to", *args)
+        assert (code, err) == (0, "")
+        assert out.startswith(args[0])
+
+    assert table.read_bytes() == named.read_bytes()
+    assert len(table.read_text().splitlines()) == 402
+
+
+@pytest.mark.parametrize(
+    ("args", "expected"),
+    [
+        (("--to", "motion.docx"), "expected one of .csv"),
+        (("--to", "motion.csv", "--format", "stl"), "expected one of csv"),
+        (("--to", "none/motion.csv"), "cannot be written"),
+        ((), "--to"),
+    ],
+)
+def test_export_refuses_in_one_line(
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    tmp_path: Path,
+    args: tuple[str, ...],
+    expected: str,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    code, out, err = run(monkeypatch, capsys, "export", "paper", *args)
+
+    assert (code, out) == (2, "")
+    assert expected in err
+    assert err.count("\n") == 1
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_export_of_a_scene_without_a_plan_exits_3(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    code, _, err = run(monkeypatch, capsys, "export", "no-way", "--to", str(tmp_path / "a.csv"))
+    assert (code, list(tmp_path.iterdir())) == (3, [])
+    assert "no motion to export: No path" in err
+
+    code, _, err = run(monkeypatch, capsys, "export", "no-way", "--to", str(tmp_path / "a.json"))
+    assert code == 3
+    assert json.loads((tmp_path / "a.json").read_text())["error"]["kind"] == "no_path"

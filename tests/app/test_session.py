@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import viser
 
+from abi.export.formats import FORMATS
 from abi.scene.scene import load_scene
 from app.layers.arm import ArmLayer
 from app.server import Server, start
@@ -214,3 +215,35 @@ def test_surroundings_come_once_after_the_first_plan(monkeypatch: pytest.MonkeyP
     fake.close()
     running.stop()
     assert calls == [(None, False), ("some", True)]
+
+
+def test_a_plan_is_downloaded_in_the_format_chosen(
+    tab: tuple[FakeTab, Session], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    fake, session = tab
+    sent: dict[str, bytes] = {}
+    refused: list[str] = []
+    monkeypatch.setattr(
+        session.client,
+        "send_file_download",
+        lambda file, content, save_immediately: sent.update({file: content}),
+    )
+    monkeypatch.setattr(
+        session.client, "add_notification", lambda title, body, **_: refused.append(body)
+    )
+    panel = session.panels.exports
+    for row in FORMATS.values():
+        fake.set(panel.format, row.label)
+        until(lambda label=row.label: panel.format.value == label)  # type: ignore[misc]
+        fake.set(panel.button, True)
+        until(lambda file=row.file: file in sent)  # type: ignore[misc]
+        assert session.plan is not None
+        if row.file != "plan.json":  # which holds how long the plan took
+            assert sent[row.file] == row.write(session.plan, row.file)
+
+    fake.set(panel.format, FORMATS["csv"].label)
+    fake.set(session.panels.files.choice, "no-way")
+    until(lambda: session.plan is not None and session.plan.motion is None)
+    fake.set(panel.button, True)
+    until(lambda: bool(refused))
+    assert refused[0].startswith("There is no motion to export: ")

@@ -1,0 +1,33 @@
+"""Files written in one step: whole, or not at all."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import secrets
+import shutil
+from pathlib import Path
+
+
+def replace_file(path: Path, content: bytes) -> None:
+    """Write ``content`` to ``path`` in one step; the old file stays whole on failure.
+
+    A file that was there keeps its permissions; a new one has those of any new file.
+
+    Raises:
+        OSError: it cannot be written; nothing of it is left.
+        ValueError: the name can be no path.
+    """
+    # not by tempfile, whose files are for the owner alone whatever the umask says
+    temporary = path.parent / f".{secrets.token_hex(8)}{path.suffix}"
+    try:
+        with temporary.open("xb") as file:
+            if path.is_file():
+                shutil.copymode(path, temporary)
+            file.write(content)
+            file.flush()
+            os.fsync(file.fileno())
+        os.replace(temporary, path)
+    finally:
+        with contextlib.suppress(OSError, ValueError):
+            temporary.unlink(missing_ok=True)

@@ -1,0 +1,1 @@
+"""Plans as files for other programs: motions, curves, obstacles and arms."""

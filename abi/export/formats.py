@@ -1,0 +1,98 @@
+"""The formats a plan is exported in, as one table.
+
+A new format is a file beside this one and a row here. Its ``write(plan, name)`` returns the file's
+content and raises :class:`abi.errors.ExportError` where the format cannot hold the plan.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from abi.atomic_file import replace_file
+from abi.errors import ExportError
+from abi.export import (
+    csv_table,
+    json_plan,
+    mcap_recording,
+    moveit_scene,
+    robot_description,
+    ros_trajectory,
+    spline_curves,
+)
+from abi.planner.plan import Plan
+
+
+@dataclass(frozen=True)
+class Format:
+    """A file format.
+
+    Attributes:
+        label: what it holds, for a person.
+        file: name that a download gets.
+        endings: those of file names that mean this format.
+        write: content of the file of a plan, given the file's name.
+    """
+
+    label: str
+    file: str
+    endings: tuple[str, ...]
+    write: Callable[[Plan, str], bytes]
+
+
+FORMATS: dict[str, Format] = {
+    "csv": Format("motion as a table (CSV)", "motion.csv", (".csv",), csv_table.write),
+    "json": Format("whole plan (JSON)", "plan.json", (".json",), json_plan.write),
+    "ros": Format(
+        "motion for ROS 2 (JointTrajectory)",
+        "trajectory.ros.yaml",
+        (".yaml", ".yml", ".ros.json"),
+        ros_trajectory.write,
+    ),
+    "spline": Format(
+        "curves as B-splines (JSON)", "curves.spline.json", (".spline.json",), spline_curves.write
+    ),
+    "moveit": Format("obstacles for MoveIt", "obstacles.scene", (".scene",), moveit_scene.write),
+    "mcap": Format(
+        "recording for Foxglove (MCAP)", "motion.mcap", (".mcap",), mcap_recording.write
+    ),
+    "urdf": Format("arm (URDF)", "arm.urdf", (".urdf",), robot_description.write),
+}
+"""Formats by the names that ``abi export --format`` takes."""
+
+
+def format_of(path: Path) -> str:
+    """Name of the format that a file's ending means; the longest ending that fits counts.
+
+    Raises:
+        ExportError: it means none.
+    """
+    endings = {ending: name for name, row in FORMATS.items() for ending in row.endings}
+    fitting = [ending for ending in endings if path.name.lower().endswith(ending)]
+    if not fitting:
+        known = ", ".join(endings)
+        raise ExportError(
+            f"The ending of {path.name!r} means no format; expected one of {known}.",
+            f"Or name a format: {', '.join(FORMATS)}.",
+        )
+    return endings[max(fitting, key=len)]
+
+
+def export(plan: Plan, path: Path, format_name: str) -> None:
+    """Write a plan to a file, whole or not at all.
+
+    Args:
+        plan: the plan.
+        path: of the file; one that is there is replaced.
+        format_name: a name in :data:`FORMATS`.
+
+    Raises:
+        ExportError: the format cannot hold the plan, or the file cannot be written.
+    """
+    content = FORMATS[format_name].write(plan, path.name)
+    try:
+        replace_file(path, content)
+    except (OSError, ValueError) as error:
+        reason = (getattr(error, "strerror", None) or "not writable").lower()
+        raise ExportError(f"{str(path)!r} cannot be written ({reason}).") from None

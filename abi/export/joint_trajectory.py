@@ -1,0 +1,78 @@
+"""Joints over time, in the units of ROS: what robot controllers and recordings take."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from abi.arm.arm import JOINTS
+from abi.arm.trajectory import ArmMotion
+from abi.arrays import FloatArray, read_only
+from abi.errors import ExportError
+from abi.planner.plan import Plan
+
+
+@dataclass(frozen=True, eq=False)
+class JointTrajectory:
+    """Joint positions and their derivatives, from rest to rest.
+
+    Attributes:
+        names: names of the n joints.
+        time: increasing from 0, shape (m,), [s].
+        positions: shape (m, n), [rad], of sliding joints [m].
+        velocities: shape (m, n), [rad/s] or [m/s]; zero at both ends.
+        accelerations: shape (m, n), [rad/s²] or [m/s²].
+    """
+
+    names: tuple[str, ...]
+    time: FloatArray
+    positions: FloatArray
+    velocities: FloatArray
+    accelerations: FloatArray
+
+
+def motion_of(plan: Plan) -> ArmMotion:
+    """The motion of a plan.
+
+    Raises:
+        ExportError: it has none.
+    """
+    if plan.motion is None:
+        cause = "it was not planned" if plan.error is None else plan.error.message
+        raise ExportError(f"There is no motion to export: {cause}")
+    return plan.motion
+
+
+def joint_trajectory(plan: Plan) -> JointTrajectory:
+    """Joints of a plan's motion, with derivatives by central differences of its samples.
+
+    Controllers begin and end at rest, and so does what is planned: the drives hold before the
+    motion and after it.
+
+    Raises:
+        ExportError: there is no motion, it leaves the arm's reach, or passes a limit.
+    """
+    motion = motion_of(plan)
+    if motion.error is not None:
+        raise ExportError(f"The arm cannot execute this motion: {motion.error.message}")
+    if motion.limit_violations:
+        joint = motion.limit_violations[0]
+        raise ExportError(
+            f"The arm cannot execute this motion: {joint.joint} passes its limit of "
+            f"{joint.limit:.4g} at {joint.since:.2f} s.",
+            "Move the base, or change the elbow or the forces of the drives.",
+        )
+    assert plan.arm is not None
+    scale = np.array([plan.arm.metres if name == "q5" else 1.0 for name in JOINTS])
+    positions = motion.positions * scale
+    velocities = np.gradient(positions, motion.time, axis=0, edge_order=2)
+    accelerations = np.gradient(velocities, motion.time, axis=0, edge_order=2)
+    velocities[[0, -1]] = 0.0
+    return JointTrajectory(
+        names=JOINTS,
+        time=motion.time,
+        positions=read_only(positions),
+        velocities=read_only(velocities),
+        accelerations=read_only(accelerations),
+    )

@@ -1,0 +1,12 @@
+"""The whole plan as JSON: what ``abi plan --full`` prints, for ``abi verify`` and scripts."""
+
+from __future__ import annotations
+
+import json
+
+from abi.planner.plan import Plan
+
+
+def write(plan: Plan, name: str) -> bytes:
+    """The plan with its mesh and every sample; a plan that is not complete says why."""
+    return (json.dumps(plan.to_dict(full=True), indent=1, allow_nan=False) + "\n").encode()

@@ -1,0 +1,63 @@
+"""The obstacles as a MoveIt scene file, which RViz imports under Scene Objects.
+
+The text form of ``planning_scene::PlanningScene::saveGeometryToStream`` of MoveIt 1 and 2 with an
+object's own pose. Lengths in [m], quaternions x y z w, in the world's frame.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from abi.errors import ExportError
+from abi.export.solids import Quaternion, Solid, solids
+from abi.obstacles.pose import Vec3
+from abi.planner.plan import Plan
+
+_NO_COLOUR = "0 0 0 0"
+
+
+def write(plan: Plan, name: str) -> bytes:
+    """Every obstacle as an object; a capsule is three shapes of one.
+
+    Raises:
+        ExportError: there are no obstacles; MoveIt refuses a file without.
+    """
+    scene = plan.scene
+    if not scene.obstacles:
+        raise ExportError("The scene has no obstacles, and MoveIt reads no scene without.")
+    lines = ["abi"]
+    for number, parts in enumerate(solids(scene.obstacles, scene.unit)):
+        lines += [f"* obstacle_{number + 1}", *_pose((0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0))]
+        lines.append(str(len(parts)))
+        for solid in parts:
+            lines += [*_shape(solid), *_pose(solid.position, solid.wxyz), _NO_COLOUR]
+        lines.append("0")  # subframes
+    return "\n".join([*lines, ".", ""]).encode()
+
+
+def _shape(solid: Solid) -> Iterator[str]:
+    yield solid.kind
+    width, _, height = solid.size
+    if solid.kind == "box":
+        yield _numbers(solid.size)
+    elif solid.kind == "sphere":
+        yield _numbers((width / 2,))
+    elif solid.kind == "cylinder":
+        yield _numbers((width / 2, height))
+    else:
+        corners, faces = np.unique(solid.triangles.reshape(-1, 3), axis=0, return_inverse=True)
+        triangles = faces.reshape(-1, 3)
+        yield f"{len(corners)} {len(triangles)}"
+        yield from (_numbers(tuple(corner)) for corner in corners.tolist())
+        yield from (f"{a} {b} {c}" for a, b, c in triangles.tolist())
+
+
+def _pose(position: Vec3, wxyz: Quaternion) -> tuple[str, str]:
+    w, x, y, z = wxyz
+    return _numbers(position), _numbers((x, y, z, w))
+
+
+def _numbers(numbers: tuple[float, ...]) -> str:
+    return " ".join(repr(float(number)) for number in numbers)

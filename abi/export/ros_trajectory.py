@@ -1,0 +1,66 @@
+"""The motion as a ROS 2 message ``trajectory_msgs/msg/JointTrajectory``, in YAML or JSON.
+
+``ros2 topic pub --once TOPIC trajectory_msgs/msg/JointTrajectory "$(cat FILE)"`` sends it.
+Definition: https://docs.ros.org/en/rolling/p/trajectory_msgs/msg/JointTrajectory.html
+"""
+
+from __future__ import annotations
+
+import io
+import json
+import math
+from typing import Any
+
+from ruamel.yaml import YAML
+
+from abi.export.joint_trajectory import joint_trajectory
+from abi.planner.plan import Plan
+
+
+def write(plan: Plan, name: str) -> bytes:
+    """The message; JSON where ``name`` ends so, else YAML. Lengths in [m].
+
+    Raises:
+        ExportError: there is no motion that the arm can execute.
+    """
+    message = _message(plan)
+    if name.lower().endswith(".json"):
+        return (json.dumps(message, indent=1, allow_nan=False) + "\n").encode()
+    stream = io.StringIO()
+    yaml = YAML(typ="safe", pure=True)
+    yaml.default_flow_style = None
+    yaml.sort_base_mapping_type_on_output = False  # type: ignore[assignment]
+    yaml.width = 4096
+    yaml.dump(message, stream)
+    return stream.getvalue().encode()
+
+
+def _message(plan: Plan) -> dict[str, Any]:
+    trajectory = joint_trajectory(plan)
+    rows = zip(
+        trajectory.positions.tolist(),
+        trajectory.velocities.tolist(),
+        trajectory.accelerations.tolist(),
+        trajectory.time.tolist(),
+        strict=True,
+    )
+    return {
+        "header": {"stamp": {"sec": 0, "nanosec": 0}, "frame_id": "base_link"},
+        "joint_names": list(trajectory.names),
+        "points": [
+            {
+                "positions": positions,
+                "velocities": velocities,
+                "accelerations": accelerations,
+                "effort": [],
+                "time_from_start": duration(time),
+            }
+            for positions, velocities, accelerations, time in rows
+        ],
+    }
+
+
+def duration(time: float) -> dict[str, int]:
+    """A time [s] as ``builtin_interfaces/msg/Duration``: whole seconds and nanoseconds."""
+    nanoseconds = round(math.fmod(time, 1.0) * 1e9)
+    return {"sec": int(time) + nanoseconds // 10**9, "nanosec": nanoseconds % 10**9}

@@ -1,0 +1,72 @@
+"""The curves as B-splines: degree, knots and control points, every number to its last bit.
+
+scipy's ``BSpline(knots, control_points, degree)``, OpenCASCADE and any CAD kernel take these.
+"""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import numpy as np
+
+from abi.clearance.bezier import Bezier
+from abi.curves.bspline import BSpline
+from abi.curves.fit import Fit
+from abi.curves.quadratic import Quadratic
+from abi.errors import ExportError
+from abi.planner.plan import Plan
+
+
+def write(plan: Plan, name: str) -> bytes:
+    """B-spline and quadratic, which of them is followed, and the motion along it, as JSON.
+
+    Raises:
+        ExportError: the plan has no curves.
+    """
+    if plan.bspline is None:
+        cause = "they were not planned." if plan.error is None else plan.error.message
+        raise ExportError(f"There are no curves to export: {cause}")
+    curves = [_bspline(plan.bspline)]
+    if plan.quadratic is not None:
+        curves.append(_quadratic(plan.quadratic))
+    profile = plan.profile
+    motion = (
+        None
+        if profile is None
+        else {
+            "curve": plan.followed,
+            "speed": profile.peak_speed,
+            "acceleration": profile.acceleration,
+            "deceleration": profile.deceleration,
+            "durations": [profile.t1, profile.t2, profile.t3],
+        }
+    )
+    data = {"version": 1, "unit": plan.scene.unit, "curves": curves, "motion": motion}
+    return (json.dumps(data, indent=1, allow_nan=False) + "\n").encode()
+
+
+def _bspline(fit: Fit[BSpline]) -> dict[str, Any]:
+    spline = fit.curve
+    return {
+        "name": "bspline",
+        "degree": spline.degree,
+        "knots": spline.knots.tolist(),
+        "control_points": spline.control_points.tolist(),
+        "certified": fit.holds,
+    }
+
+
+def _quadratic(fit: Fit[Quadratic]) -> dict[str, Any]:
+    """The quadratic pieces as one B-spline whose inner knots occur twice: its Bézier points."""
+    pieces: Bezier = fit.curve.bezier()
+    breaks = pieces.breaks
+    knots = np.concatenate([breaks[:1], np.repeat(breaks, 2), breaks[-1:]])
+    points = np.concatenate([pieces.points[0, :1], pieces.points[:, 1:].reshape(-1, 3)])
+    return {
+        "name": "quadratic",
+        "degree": 2,
+        "knots": knots.tolist(),
+        "control_points": points.tolist(),
+        "certified": fit.holds,
+    }

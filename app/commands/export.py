@@ -1,0 +1,51 @@
+"""``abi export``: a plan as a file for another program."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from app.commands.exit_code import INCOMPLETE
+
+
+@click.command()
+@click.argument("scene", default="paper")
+@click.option(
+    "--to",
+    "path",
+    required=True,
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="File to write; its ending gives the format.",
+)
+@click.option("--format", "format_name", help="Format, whatever the ending.")
+def export(scene: str, path: Path, format_name: str | None) -> None:
+    """Plan SCENE and write its motion, curves, obstacles or arm to a file.
+
+    Formats: csv, json (the whole plan), ros (JointTrajectory, YAML or JSON), spline (knots and
+    control points), moveit (the obstacles), mcap (for Foxglove), urdf (the arm).
+
+    Exit code 0: written; 3: the scene has no complete plan, and what there is of it is written
+    where the format can hold it; 2: bad input.
+    """
+    from abi.errors import ExportError
+    from abi.export import formats
+    from abi.planner.planner import plan as plan_scene
+    from abi.scene.scene import load_scene
+
+    name = format_name or formats.format_of(path)
+    if name not in formats.FORMATS:
+        known = ", ".join(formats.FORMATS)
+        raise click.ClickException(f"--format is {name!r}; expected one of {known}.")
+    plan = plan_scene(load_scene(scene))
+    try:
+        formats.export(plan, path, name)
+    except ExportError as error:
+        if plan.error is None:
+            raise
+        click.echo(f"abi: {error.message} {error.hint}".rstrip(), err=True)
+        raise SystemExit(INCOMPLETE) from None
+    click.echo(f"{path}: {formats.FORMATS[name].label}, {path.stat().st_size:,} bytes")
+    if plan.error is not None:
+        click.echo(f"{plan.error.message} {plan.error.hint}", err=True)
+        raise SystemExit(INCOMPLETE)

@@ -1,0 +1,276 @@
+from __future__ import annotations
+
+import csv
+import io
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import scipy
+import yourdfpy
+from mcap.reader import make_reader
+from ruamel.yaml import YAML
+
+from abi.arm.arm import JOINTS, forward
+from abi.errors import ExportError
+from abi.export import formats
+from abi.export.formats import FORMATS
+from abi.obstacles.pose import METRES
+from abi.planner.plan import Plan
+from abi.planner.planner import plan
+from abi.scene.scene import Scene, load_scene
+
+ROS_POINT = {
+    "positions": float,
+    "velocities": float,
+    "accelerations": float,
+    "effort": float,
+}
+
+
+@pytest.fixture(scope="module")
+def planned() -> Plan:
+    """A plan whose slide moves, so that lengths and angles differ."""
+    return plan(load_scene("paper").replace(motion={"curve": "bspline"}))
+
+
+@pytest.fixture(scope="module")
+def sculpture() -> Plan:
+    return plan(load_scene("sculpture"))
+
+
+def content(planned: Plan, name: str, file: str | None = None) -> bytes:
+    return FORMATS[name].write(planned, file or FORMATS[name].file)
+
+
+def test_every_ending_means_its_format() -> None:
+    for name, row in FORMATS.items():
+        assert formats.format_of(Path(row.file)) == name
+        for ending in row.endings:
+            assert formats.format_of(Path(f"A{ending}".upper())) == name
+
+
+def test_an_unknown_ending_names_those_there_are() -> None:
+    with pytest.raises(ExportError) as refusal:
+        formats.format_of(Path("motion.docx"))
+
+    assert all(
+        text in f"{refusal.value.message} {refusal.value.hint}" for text in (".mcap", "urdf")
+    )
+
+
+def test_the_table_is_the_motion_to_the_last_bit(planned: Plan) -> None:
+    header, *rows = csv.reader(io.StringIO(content(planned, "csv").decode(), newline=""))
+    table = np.array(rows, dtype=float)
+
+    motion = planned.motion
+    assert motion is not None
+    assert header[0] == "time [s]"
+    assert header[1:7] == [f"{q} [{'cm' if q == 'q5' else 'rad'}]" for q in JOINTS]
+    assert (table[:, 0] == motion.time).all()
+    assert (table[:, 1:7] == motion.positions).all()
+    assert (table[:, 7:10] == motion.tool).all()
+    assert (table[:, 10:] == motion.velocity).all()
+
+
+def test_the_json_is_the_full_plan(planned: Plan) -> None:
+    assert json.loads(content(planned, "json")) == planned.to_dict(full=True)
+
+
+@pytest.mark.parametrize("file", ["a.yaml", "a.ros.json"])
+def test_the_ros_message_has_the_fields_of_its_definition(planned: Plan, file: str) -> None:
+    raw = content(planned, "ros", file)
+    # PyYAML, which ROS reads with, knows YAML 1.1
+    reader = YAML(typ="safe", pure=True)
+    reader.version = (1, 1)
+    message = json.loads(raw) if file.endswith("json") else reader.load(raw.decode())
+
+    assert list(message) == ["header", "joint_names", "points"]
+    assert message["header"] == {"stamp": {"sec": 0, "nanosec": 0}, "frame_id": "base_link"}
+    assert message["joint_names"] == list(JOINTS)
+    stamps = [point["time_from_start"] for point in message["points"]]
+    for point in message["points"]:
+        assert point.keys() == {*ROS_POINT, "time_from_start"}
+        assert all(
+            isinstance(number, kind) for name, kind in ROS_POINT.items() for number in point[name]
+        )
+        assert {len(point[name]) for name in ROS_POINT} == {0, len(JOINTS)}
+    assert all(isinstance(s["sec"], int) and 0 <= s["nanosec"] < 10**9 for s in stamps)
+    times = np.array([s["sec"] + 1e-9 * s["nanosec"] for s in stamps])
+    assert (np.diff(times) > 0).all()
+
+
+def test_the_ros_message_leads_the_tool_along_the_curve(planned: Plan) -> None:
+    points = json.loads(content(planned, "ros", "a.json"))["points"]
+    positions = np.array([point["positions"] for point in points])
+    velocities = np.array([point["velocities"] for point in points])
+    arm, motion = planned.arm, planned.motion
+    assert arm is not None
+    assert motion is not None
+    scene_units = positions / np.where(np.array(JOINTS) == "q5", METRES["cm"], 1.0)
+
+    np.testing.assert_allclose(forward(arm, scene_units), motion.target, atol=1e-9)
+    assert not velocities[[0, -1]].any()
+    # the integral of the velocities is the way between the samples
+    steps = np.diff(motion.time)[1:-1, None]
+    travelled = (velocities[1:-2] + velocities[2:-1]) / 2 * steps
+    np.testing.assert_allclose(travelled, np.diff(positions[1:-1], axis=0), atol=1e-4)
+
+
+def test_scipy_reads_the_curves_back(planned: Plan, sculpture: Plan) -> None:
+    for result in (planned, sculpture):
+        curves = json.loads(content(result, "spline"))["curves"]
+        assert [curve["name"] for curve in curves] == ["bspline", "quadratic"]
+        for curve, fit in zip(curves, (result.bspline, result.quadratic), strict=True):
+            assert fit is not None
+            knots, points = np.array(curve["knots"]), np.array(curve["control_points"])
+            spline = scipy.interpolate.BSpline(knots, points, curve["degree"])
+            parameters = np.linspace(0, 1, 200)
+            np.testing.assert_allclose(spline(parameters), fit.curve(parameters), atol=1e-12)
+            assert curve["certified"] == fit.holds
+
+
+def read_moveit(text: str) -> dict[str, list[tuple[str, list[float], list[float]]]]:
+    """Shapes of each object: kind, numbers and pose, as MoveIt's own reader goes through them."""
+    words = iter(text.split())
+    assert next(words) == "abi"
+    found: dict[str, list[tuple[str, list[float], list[float]]]] = {}
+    while (marker := next(words)) == "*":
+        shapes = found.setdefault(next(words), [])
+        assert [float(next(words)) for _ in range(7)] == [0, 0, 0, 0, 0, 0, 1]
+        for _ in range(int(next(words))):
+            kind = next(words)
+            counts = {"box": 3, "sphere": 1, "cylinder": 2, "mesh": 2}
+            numbers = [float(next(words)) for _ in range(counts[kind])]
+            if kind == "mesh":
+                numbers += [float(next(words)) for _ in range(3 * int(sum(numbers)))]
+            shapes.append((kind, numbers, [float(next(words)) for _ in range(7)]))
+            assert [next(words) for _ in range(4)] == ["0"] * 4
+        assert next(words) == "0"
+    assert marker == "."
+    return found
+
+
+def test_moveit_reads_every_obstacle_in_metres(sculpture: Plan) -> None:
+    forest = Plan(load_scene("forest"))
+    objects = read_moveit(content(forest, "moveit").decode())
+
+    assert list(objects) == [f"obstacle_{n}" for n in range(1, 7)]
+    (kind, size, pose), *_ = objects["obstacle_6"]
+    assert (kind, size) == ("box", [0.012] * 3)
+    np.testing.assert_allclose(pose[:3], [0.046, 0.014, 0.042])
+    np.testing.assert_allclose(pose[3:], [0, 0.3826834324, 0, 0.9238795325])
+    column, *balls = objects["obstacle_5"]
+    assert column[0] == "cylinder"
+    np.testing.assert_allclose(column[1], [0.004, 0.024])
+    # the capsule lies along -y: its balls are at the ends of that axis
+    places = [ball[2][:3] for ball in balls]
+    np.testing.assert_allclose(sorted(places), [[0.044, 0.039, 0.022], [0.044, 0.063, 0.022]])
+
+    ((kind, numbers, _),) = read_moveit(content(sculpture, "moveit").decode())["obstacle_1"]
+    count = int(numbers[0])
+    corners = np.array(numbers[2 : 2 + 3 * count]).reshape(-1, 3)
+    faces = np.array(numbers[2 + 3 * count :], dtype=int).reshape(-1, 3)
+    (mesh,) = sculpture.scene.obstacles
+    assert kind == "mesh"
+    np.testing.assert_array_equal(corners[faces], mesh.triangles() * METRES["cm"])  # type: ignore[union-attr]
+
+
+def test_a_scene_without_obstacles_is_no_moveit_scene() -> None:
+    with pytest.raises(ExportError, match="no obstacles"):
+        content(Plan(Scene(version=1)), "moveit")
+
+
+def conforms(data: Any, schema: dict[str, Any]) -> bool:
+    """Whether ``data`` is of a JSON schema, as far as ours go."""
+    kinds = {"number": int | float, "integer": int, "string": str, "boolean": bool}
+    if schema["type"] == "array":
+        return isinstance(data, list) and all(conforms(item, schema["items"]) for item in data)
+    if schema["type"] != "object":
+        return isinstance(data, kinds[schema["type"]])
+    fields = schema.get("properties", {})
+    return data.keys() == fields.keys() and all(conforms(data[k], fields[k]) for k in fields)
+
+
+def test_the_recording_plays_the_motion(planned: Plan) -> None:
+    reader = make_reader(io.BytesIO(content(planned, "mcap")))
+    messages: dict[str, list[tuple[int, dict[str, Any]]]] = {}
+    for schema, channel, message in reader.iter_messages():
+        assert schema is not None
+        data = json.loads(message.data)
+        assert conforms(data, json.loads(schema.data)), channel.topic
+        messages.setdefault(channel.topic, []).append((message.log_time, data))
+    attached = {part.name: part.data.decode() for part in reader.iter_attachments()}
+
+    arm, motion = planned.arm, planned.motion
+    assert arm is not None
+    assert motion is not None
+    assert len(messages["/joint_states"]) == len(messages["/tool"]) == len(motion.time)
+    stamps = [stamp for stamp, _ in messages["/tool"]]
+    np.testing.assert_allclose(np.array(stamps) * 1e-9, motion.time, atol=1e-9)
+    tool = [list(data["pose"]["position"].values()) for _, data in messages["/tool"]]
+    np.testing.assert_allclose(tool, motion.tool * METRES["cm"])
+    ((_, scene),) = messages["/scene"]
+    assert [entity["id"] for entity in scene["entities"]] == ["obstacle 1", "curve"]
+    assert Scene.from_dict(json.loads(attached["scene.json"])) == planned.scene
+    ((_, description),) = messages["/robot_description"]
+    assert description["data"] == attached["arm.urdf"]
+
+
+def test_the_recording_holds_meshes(sculpture: Plan) -> None:
+    reader = make_reader(io.BytesIO(content(sculpture, "mcap")))
+    ((_, _, message),) = reader.iter_messages(topics=["/scene"])
+    (mesh,) = sculpture.scene.obstacles
+    entity, _curve = json.loads(message.data)["entities"]
+
+    corners = [list(point.values()) for point in entity["triangles"][0]["points"]]
+    np.testing.assert_allclose(corners, mesh.triangles().reshape(-1, 3) * METRES["cm"])  # type: ignore[union-attr]
+
+
+def test_yourdfpy_moves_the_arm_to_where_the_motion_does(planned: Plan) -> None:
+    robot = yourdfpy.URDF.load(io.BytesIO(content(planned, "urdf")))
+    points = json.loads(content(planned, "ros", "a.json"))["points"]
+    arm, motion = planned.arm, planned.motion
+    assert arm is not None
+    assert motion is not None
+
+    for index in (0, 100, 400):
+        robot.update_cfg(dict(zip(JOINTS, points[index]["positions"], strict=True)))
+        tool = robot.get_transform("tool")[:3, 3] + arm.base * METRES["cm"]
+        np.testing.assert_allclose(tool, motion.target[index] * METRES["cm"], atol=1e-9)
+
+
+def test_a_plan_without_motion_says_why() -> None:
+    blocked = plan(load_scene("no-way"))
+
+    for name in ("csv", "ros", "mcap"):
+        with pytest.raises(ExportError, match="no motion to export: No path"):
+            content(blocked, name)
+    assert json.loads(content(blocked, "json"))["error"]["kind"] == "no_path"
+
+
+def test_a_motion_that_the_arm_cannot_execute_is_for_no_robot() -> None:
+    far = plan(load_scene("paper").replace(arm={"base": (30.0, 0.0, 0.0)}))
+    pushed = plan(load_scene("paper").replace(arm={"q5": 2.5}))
+
+    for result, cause in ((far, "too far away"), (pushed, "q5 passes its limit")):
+        with pytest.raises(ExportError, match=cause):
+            content(result, "ros")
+        assert content(result, "csv")
+
+
+def test_a_file_is_replaced_whole_or_not_at_all(planned: Plan, tmp_path: Path) -> None:
+    path = tmp_path / "motion.csv"
+    path.write_text("old")
+    formats.export(planned, path, "csv")
+    assert path.read_bytes() == content(planned, "csv")
+
+    with pytest.raises(ExportError, match="cannot be written"):
+        formats.export(planned, tmp_path / "none" / "motion.csv", "csv")
+    blocked = plan(load_scene("no-way"))
+    with pytest.raises(ExportError):
+        formats.export(blocked, path, "csv")
+    assert path.read_bytes() == content(planned, "csv")
+    assert [file.name for file in tmp_path.iterdir()] == ["motion.csv"]
