@@ -216,6 +216,17 @@ def _expand(
     return _Progress(used, waiting, current, expanded, relaxed, found, done)
 
 
+@compiled(example=EXAMPLE)
+def estimates(problem: Problem) -> FloatArray:
+    """The heuristic of all nodes (n,), less by what links to the goal may be shorter."""
+    total = problem.net.shape.nodes + problem.ends.own
+    slack = _slack(problem)
+    found = np.zeros(total)
+    for node in range(total):
+        found[node] = max(_estimate(problem.net, problem.metric, node) - slack, 0.0)
+    return found
+
+
 @register_jitable
 def _slack(problem: Problem) -> float:
     """By how much links to the goal may be shorter than the heuristic says."""

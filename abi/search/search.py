@@ -88,16 +88,23 @@ SEARCHES: MappingProxyType[str, Callable[[Graph, Weight], SearchResult]] = Mappi
 """The algorithms by name."""
 
 
-def _search(
-    algorithm: str, kernel: Any, graph: Graph, weight: Weight, towards: Metric
-) -> SearchResult:
-    """Search the graph by one of the kernels."""
+def order_of_expansion(algorithm: str, graph: Graph, weight: Weight) -> IntArray:
+    """Nodes (m,) in the order in which one of :data:`SEARCHES` expands them, path or none."""
+    towards = metric(graph, weight) if algorithm == "a_star" else NO_METRIC
+    kernel: Any = best_first_kernels.best_first
+    if algorithm == "bellman_ford":
+        kernel = bellman_ford_kernels.bellman_ford
+    return read_only(kernel(problem_of(graph, weight, towards))[2])
+
+
+def problem_of(graph: Graph, weight: Weight, towards: Metric) -> Problem:
+    """The graph as the kernels take it, with a heuristic."""
     weights, link_weights, largest = graph.weights, graph.link_lengths, graph.longest_edge
     if weight == "hops":
         largest = _most_hops(graph)
         weights = read_only(np.where(np.isfinite(weights), 1.0, np.inf))
         link_weights = read_only(np.ones(len(link_weights)))
-    problem = Problem(
+    return Problem(
         graph.mesh.net,
         OpenEdges(graph.exits, weights),
         Links(graph.tails, graph.heads, link_weights),
@@ -105,7 +112,13 @@ def _search(
         largest,
         towards,
     )
-    found = kernel(problem)
+
+
+def _search(
+    algorithm: str, kernel: Any, graph: Graph, weight: Weight, towards: Metric
+) -> SearchResult:
+    """Search the graph by one of the kernels."""
+    found = kernel(problem_of(graph, weight, towards))
     return _result(algorithm, graph, weight, *found)
 
 

@@ -4,19 +4,24 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from app.commands.exit_code import INCOMPLETE
 from app.commands.output import print_text, write_text
 
+if TYPE_CHECKING:
+    from abi.planner.plan import Plan
+
 
 @click.command()
 @click.argument("scene", default="paper")
 @click.option("--out", type=click.Path(dir_okay=False, path_type=Path), help="Write to a file.")
 @click.option("--full", is_flag=True, help="Also the mesh's nodes and edges, and every sample.")
+@click.option("--all-searches", is_flag=True, help="Also searches that only compare.")
 @click.option("--list", "list_scenes", is_flag=True, help="Name the shipped scenes and stop.")
-def plan(scene: str, out: Path | None, full: bool, list_scenes: bool) -> None:
+def plan(scene: str, out: Path | None, full: bool, all_searches: bool, list_scenes: bool) -> None:
     """Plan SCENE and print the plan as JSON.
 
     Exit code 0: a complete plan; 3: the scene has none, and the JSON says why; 2: bad input.
@@ -30,6 +35,8 @@ def plan(scene: str, out: Path | None, full: bool, list_scenes: bool) -> None:
         return
     result = plan_scene(load_scene(scene))
     data = result.to_dict(full)
+    if all_searches and result.graph is not None:
+        data["searches"] = _all_searches(result, data["searches"] or [])
     reason = explain(result.scene, result)
     if data["error"] is not None:
         data["error"]["reason"] = None if reason is None else reason.to_dict()
@@ -42,3 +49,12 @@ def plan(scene: str, out: Path | None, full: bool, list_scenes: bool) -> None:
         explained = reason or result.error
         click.echo(f"{explained.message} {explained.hint}", err=True)
         raise SystemExit(INCOMPLETE)
+
+
+def _all_searches(plan: Plan, searches: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """The plan's searches, and behind them those that it does not run by itself."""
+    from abi.planner.comparison import compare, search_task
+
+    done = {search["algorithm"] for search in searches}
+    others = [one.to_dict() for one in compare(search_task(plan, heuristic_weight=1.5))]
+    return searches + [other for other in others if other["algorithm"] not in done]

@@ -12,6 +12,8 @@ import pytest
 from abi import assets
 from abi.errors import AbiError
 from abi.scene.scene import scene_names
+from abi.search.compare import COMPARED
+from abi.search.search import SEARCHES
 from app.__main__ import main
 from app.commands.exit_code import INCOMPLETE
 from app.server import Server
@@ -47,6 +49,27 @@ def test_who_reads_only_the_beginning_gets_it_without_complaints() -> None:
 
     assert done.stdout.strip() == "{"
     assert done.stderr == ""
+
+
+@pytest.mark.parametrize(("scene", "code"), [("paper", 0), ("no-way", INCOMPLETE)])
+def test_plan_compares_all_searches_only_when_asked(
+    scene: str, code: int, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    done, out, _ = run(monkeypatch, capsys, "plan", scene, "--all-searches")
+
+    searches = {search["algorithm"]: search for search in json.loads(out)["searches"]}
+    assert done == code
+    assert tuple(searches) == tuple(COMPARED)
+    exact = {one["length"] for name, one in searches.items() if COMPARED[name].exact}
+    assert (
+        max(exact, default=0) == pytest.approx(min(exact, default=0))
+        if code == 0
+        else (exact == {None})
+    )
+    _, out, _ = run(monkeypatch, capsys, "plan", scene)
+    assert [one["algorithm"] for one in json.loads(out)["searches"] or []] == (
+        list(SEARCHES) if code == 0 else []
+    )
 
 
 def test_plan_list_names_the_scenes(

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from itertools import pairwise, permutations
-from typing import Any, Literal
+from typing import Any
 
 import networkx
 import numpy as np
@@ -13,8 +13,8 @@ from scipy.sparse.csgraph import dijkstra as scipy_dijkstra
 
 from abi.arrays import FloatArray, read_only
 from abi.errors import NoPath
-from abi.obstacles.obstacle_set import NO_OBSTACLES, Obstacles, ObstacleSet
-from abi.obstacles.primitives import Box, Sphere
+from abi.obstacles.obstacle_set import NO_OBSTACLES
+from abi.obstacles.primitives import Box
 from abi.scene.scene import MeshSettings, Workspace
 from abi.search import bellman_ford_kernels, best_first_kernels, heuristic
 from abi.search.graph import Graph, build
@@ -26,43 +26,10 @@ from abi.tet_mesh.adjacency import NO_IDS, NO_NUMBERS, of_rows
 from abi.tet_mesh.adjacency_kernels import BCC, KUHN, Links, OpenEdges, Shape, cell, node_at
 from abi.tet_mesh.exclusion import exclude
 from abi.tet_mesh.tet_mesh import tetrahedralise
+from tests.abi.graphs import LATTICES, Lattice, graph_of, random_graph, walled
 from tests.kernel_forms import compiled, kernels_as, plain
-from tests.random_geometry import random_obstacles
 
-Lattice = Literal["bcc", "kuhn", "delaunay"]
-LATTICES: tuple[Lattice, ...] = ("bcc", "kuhn", "delaunay")
 WEIGHTS: tuple[Weight, ...] = ("length", "hops")
-
-
-def random_graph(seed: int) -> Graph:
-    """A mesh of up to 300 nodes with obstacles, start and goal anywhere or in the corners."""
-    rng = np.random.default_rng(seed)
-    obstacles = random_obstacles(rng, int(rng.integers(0, 6)), 4.0, 2.4)
-    workspace = Workspace(max=(4, 3.3, 4.7))
-    settings = MeshSettings(lattice=LATTICES[seed % 3], pitch=rng.uniform(0.7, 1.5), seed=seed)
-    points = rng.uniform(0, 1, (200, 3)) * workspace.size
-    points = points[ObstacleSet(obstacles).nearest(points)[0] > 0.05]
-    corners = ((0, 0, 0), workspace.max)
-    free_corners = ObstacleSet(obstacles).nearest(np.array(corners, dtype=float))[0].min() > 0.05
-    start, goal = corners if free_corners and seed % 2 else map(tuple, points[:2].tolist())
-    return graph_of(workspace, settings, obstacles, start, goal)
-
-
-def graph_of(
-    workspace: Workspace, settings: MeshSettings, obstacles: Obstacles, start: Any, goal: Any
-) -> Graph:
-    free = exclude(tetrahedralise(workspace, settings), ObstacleSet(obstacles), 0.05)
-    return build(free, ObstacleSet(obstacles), 0.05, start, goal, 0.02)
-
-
-def walled() -> Graph:
-    """Start and goal on the two sides of a plate without a hole; some nodes excluded."""
-    obstacles = (
-        Box(position=(2, 2, 2.1), size=(9, 9, 0.01)),
-        Sphere(position=(1.0, 1.0, 1.0), radius=0.8),
-    )
-    workspace, settings = Workspace(max=(4, 4, 4)), MeshSettings(pitch=0.7)
-    return graph_of(workspace, settings, obstacles, (3, 3, 0.2), (1, 1, 3.8))
 
 
 def matrix(graph: Graph, weight: Weight) -> csr_array:

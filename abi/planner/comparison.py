@@ -1,0 +1,88 @@
+"""Searches that run on a plan's graph when somebody asks, beside the three of every plan."""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import dataclass
+from typing import Any
+
+from abi.errors import AbiError
+from abi.obstacles.obstacle_set import ObstacleSet
+from abi.planner.plan import Plan
+from abi.planner.planner import SLACK
+from abi.search.arcs import Arcs
+from abi.search.compare import COMPARED
+from abi.search.task import SearchTask
+from abi.search.trace import SearchTrace
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """One search of a comparison.
+
+    Attributes:
+        algorithm: its name in :data:`abi.search.compare.COMPARED`.
+        weight: ``length`` or ``hops``: what was made least.
+        trace: all that it did.
+        ms: the time it took, [ms], of which writing down the steps is a part.
+    """
+
+    algorithm: str
+    weight: str
+    trace: SearchTrace
+    ms: float
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain data, as in a plan's ``searches``; numbers of a path are None without one."""
+        trace = self.trace
+        found = len(trace.vertices) > 0
+        return {
+            "algorithm": self.algorithm,
+            "weight": self.weight,
+            "vertices": trace.vertices.tolist() if found else None,
+            "points": trace.arcs.points[trace.vertices].tolist() if found else None,
+            "length": trace.length if found else None,
+            "hops": trace.hops if found else None,
+            "cost": trace.cost if math.isfinite(trace.cost) else None,
+            "expanded": trace.steps,
+            "relaxed": trace.relaxed,
+            "ms": self.ms,
+        }
+
+
+def search_task(plan: Plan, heuristic_weight: float = 1.0) -> SearchTask:
+    """What is searched: the graph of a plan.
+
+    Args:
+        plan: of a scene.
+        heuristic_weight: w of weighted A*, from 0 (Dijkstra) by 1 (A*) to 2 (greedy).
+
+    Raises:
+        AbiError: the plan has no graph, or the weight is not from 0 to 2.
+    """
+    if plan.graph is None:
+        raise AbiError("The plan has no graph to search: see its error.")
+    if not 0 <= heuristic_weight <= 2:
+        raise AbiError(f"heuristic_weight is {heuristic_weight}; expected a number from 0 to 2.")
+    scene = plan.scene
+    return SearchTask(
+        graph=plan.graph,
+        arcs=Arcs.of(plan.graph, scene.search.weight),
+        weight=scene.search.weight,
+        heuristic_weight=float(heuristic_weight),
+        obstacles=ObstacleSet(scene.obstacles),
+        margin=scene.spline.clearance + SLACK * max(scene.workspace.size),
+    )
+
+
+def compare(task: SearchTask) -> tuple[Comparison, ...]:
+    """Run every search that can take the task's arcs, one after the other."""
+    found = []
+    for name, search in COMPARED.items():
+        if task.arcs.negative is None or search.one_way:
+            begin = time.perf_counter()
+            trace = search.find(task)
+            ms = 1e3 * (time.perf_counter() - begin)
+            found.append(Comparison(name, task.weight, trace, ms))
+    return tuple(found)

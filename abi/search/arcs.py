@@ -1,0 +1,72 @@
+"""The graph as arcs with their costs, of which one may be negative: for searches to compare."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from abi.arrays import FloatArray, IntArray, read_only
+from abi.search.best_first_kernels import estimates
+from abi.search.graph import Graph
+from abi.search.heap_kernels import ArcRows
+from abi.search.heuristic import Weight, metric
+from abi.search.search import problem_of
+from abi.search.search_kernels import LITTLE
+
+
+@dataclass(frozen=True, eq=False)
+class Arcs:
+    """Each edge of a graph as two arcs, with the graph's estimates of what is left to the goal.
+
+    Attributes:
+        rows: the arcs.
+        estimates: (n,) A*'s heuristic h; the start's is the least over its neighbours where it is
+            no node of the mesh.
+        points: (n, 3) places of the nodes, [unit], world.
+        start, goal: node ids.
+        negative: (tail, head) of the arc that was added with a cost below 0; None for none.
+    """
+
+    rows: ArcRows
+    estimates: FloatArray
+    points: FloatArray
+    start: int
+    goal: int
+    negative: tuple[int, int] | None = None
+
+    @classmethod
+    def of(cls, graph: Graph, weight: Weight) -> Arcs:
+        """The arcs of a graph, by length or each at cost 1."""
+        weights = graph.lengths if weight == "length" else read_only(np.ones(len(graph.lengths)))
+        left = estimates(problem_of(graph, weight, metric(graph, weight)))
+        if graph.start >= len(graph.mesh.points):
+            row = slice(graph.indptr[graph.start], graph.indptr[graph.start + 1])
+            left[graph.start] = (weights[row] + left[graph.indices[row]]).min(initial=np.inf)
+            if not np.isfinite(left[graph.start]):
+                left[graph.start] = 0.0
+        rows = ArcRows(graph.indptr, graph.indices, weights)
+        return cls(rows, read_only(left), graph.points, graph.start, graph.goal)
+
+    @property
+    def little(self) -> float:
+        """By how much a cost must fall to be worth it."""
+        return LITTLE * float(np.abs(self.rows.weights).max(initial=1.0))
+
+    def degrees(self, nodes: IntArray) -> IntArray:
+        """Number of arcs that leave each of some nodes, (m,)."""
+        indptr = self.rows.indptr
+        return (indptr[nodes + 1] - indptr[nodes]).astype(np.int32)
+
+    def with_arc(self, tail: int, head: int, weight: float) -> Arcs:
+        """The arcs and one more, of any cost; estimates stay, and may then promise too much."""
+        indptr, indices, weights = self.rows
+        place = int(indptr[tail + 1])
+        longer = indptr.copy()
+        longer[tail + 1 :] += 1
+        rows = ArcRows(
+            read_only(longer),
+            read_only(np.insert(indices, place, np.int32(head))),
+            read_only(np.insert(weights, place, weight)),
+        )
+        return replace(self, rows=rows, negative=(tail, head) if weight < 0 else self.negative)

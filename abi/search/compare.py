@@ -1,0 +1,68 @@
+"""The searches that can be compared and stepped through, by name.
+
+They run when somebody asks, not in every plan: a new one is a file beside this one, with a function
+from a task to a trace, and an entry here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import partial
+from types import MappingProxyType
+
+from abi.search.bellman_ford_rounds import bellman_ford_rounds
+from abi.search.bidirectional_dijkstra import bidirectional_dijkstra
+from abi.search.greedy_best_first import greedy_best_first
+from abi.search.heap_kernels import best_first_order
+from abi.search.lazy_theta_star import lazy_theta_star
+from abi.search.search import order_of_expansion
+from abi.search.task import SearchTask
+from abi.search.trace import SearchTrace, trace_of
+from abi.search.weighted_a_star import weighted_a_star
+
+
+@dataclass(frozen=True)
+class ComparedSearch:
+    """An entry of the table.
+
+    Attributes:
+        find: the search.
+        exact: whether its path is always the cheapest of the graph.
+        one_way: whether it takes arcs that lead one way only, such as one of a negative cost.
+    """
+
+    find: Callable[[SearchTask], SearchTrace]
+    exact: bool
+    one_way: bool
+
+
+def _best_first(algorithm: str, factors: tuple[float, float], task: SearchTask) -> SearchTrace:
+    """A* or Dijkstra as every plan runs them; as in the textbook where a cost is negative."""
+    arcs = task.arcs
+    if arcs.negative is None:
+        order = order_of_expansion(algorithm, task.graph, task.weight)
+        return trace_of(arcs, order, "best_first", factors, reopens=True)
+    order = best_first_order(arcs.rows, arcs.estimates, (arcs.start, arcs.goal), factors)
+    return trace_of(arcs, order, "best_first", factors)
+
+
+def _bellman_ford(task: SearchTask) -> SearchTrace:
+    """Bellman-Ford with a queue, as every plan runs it."""
+    order = order_of_expansion("bellman_ford", task.graph, task.weight)
+    return trace_of(task.arcs, order, "first_in", reopens=True)
+
+
+COMPARED: Mapping[str, ComparedSearch] = MappingProxyType(
+    {
+        "a_star": ComparedSearch(partial(_best_first, "a_star", (1.0, 1.0)), True, True),
+        "dijkstra": ComparedSearch(partial(_best_first, "dijkstra", (1.0, 0.0)), True, True),
+        "bellman_ford": ComparedSearch(_bellman_ford, True, False),
+        "bellman_ford_rounds": ComparedSearch(bellman_ford_rounds, True, True),
+        "weighted_a_star": ComparedSearch(weighted_a_star, False, True),
+        "greedy_best_first": ComparedSearch(greedy_best_first, False, True),
+        "bidirectional_dijkstra": ComparedSearch(bidirectional_dijkstra, True, False),
+        "lazy_theta_star": ComparedSearch(lazy_theta_star, False, False),
+    }
+)
+"""The searches by name; the first three are those of every plan."""

@@ -1,0 +1,158 @@
+"""The changes of cost and parent that a search makes, written down one by one.
+
+Compiled by numba; they run uncompiled too.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba.extending import register_jitable
+
+from abi.arrays import ByteArray, FloatArray, IntArray
+from abi.compiled import IDS, compiled
+from abi.search.heap_kernels import NO_ARCS, ArcRows
+
+Labels = tuple[IntArray, IntArray, FloatArray, IntArray]
+"""Number of changes after each step (m + 1,); then each change's node, cost and parent."""
+
+
+@compiled(example=(NO_ARCS, IDS, IDS, 1, True, 0.0))
+def relax_in_order(
+    arcs: ArcRows, order: IntArray, starts: IntArray, sides: int, reopens: bool, little: float
+) -> Labels:
+    """Relax the arcs of nodes in the order in which a search expanded them.
+
+    Args:
+        arcs: of n nodes.
+        order: (m,) nodes; of a second search, from the goal, n is added to the node.
+        starts: those with cost 0.
+        sides: 2 where there is a second search, else 1.
+        reopens: whether a node's cost may fall after its expansion.
+        little: by how much a cost must fall to be worth it.
+    """
+    indptr, indices, weights = arcs
+    nodes = len(indptr) - 1
+    cost = np.full(sides * nodes, np.inf)
+    closed = np.zeros(sides * nodes, np.uint8)
+    ends = np.empty(len(order) + 1, np.int32)
+    node_of = np.empty(len(starts) + 1, np.int32)
+    cost_of = np.empty(len(starts) + 1, np.float64)
+    parent_of = np.empty(len(starts) + 1, np.int32)
+    count = 0
+    for start in starts:
+        cost[start] = 0.0
+        node_of[count], cost_of[count], parent_of[count] = start, 0.0, -1
+        count += 1
+    ends[0] = count
+    for step in range(len(order)):
+        node = order[step]
+        closed[node] = 1
+        side = nodes if node >= nodes else 0
+        begin, end = indptr[node - side], indptr[node - side + 1]
+        if count + end - begin > len(node_of):
+            more = len(node_of) + end - begin
+            node_of = np.concatenate((node_of, np.empty(more, np.int32)))
+            cost_of = np.concatenate((cost_of, np.empty(more, np.float64)))
+            parent_of = np.concatenate((parent_of, np.empty(more, np.int32)))
+        for k in range(begin, end):
+            head = indices[k] + side
+            through = cost[node] + weights[k]
+            if through + little < cost[head] and (reopens or closed[head] == 0):
+                cost[head] = through
+                node_of[count], cost_of[count], parent_of[count] = head, through, node
+                count += 1
+        ends[step + 1] = count
+    return ends, node_of[:count], cost_of[:count], parent_of[:count]
+
+
+@register_jitable
+def parent_cycle(parent: IntArray, seen: ByteArray) -> IntArray:
+    """Nodes of a cycle of parents (c,), each before the one that it is the parent of; or none.
+
+    Args:
+        parent: (n,), -1 for none.
+        seen: (n,) zeros; written.
+    """
+    for first in range(len(parent)):
+        node = first
+        while node >= 0 and seen[node] == 0:
+            seen[node] = 1
+            node = parent[node]
+        if node >= 0 and seen[node] == 1:
+            length, other = 1, parent[node]
+            while other != node:
+                other = parent[other]
+                length += 1
+            found = np.empty(length, np.int32)
+            for k in range(length - 1, -1, -1):
+                found[k] = node
+                node = parent[node]
+            return found
+        node = first
+        while node >= 0 and seen[node] == 1:
+            seen[node] = 2
+            node = parent[node]
+    return np.empty(0, np.int32)
+
+
+@compiled(example=(NO_ARCS, 0, True, 1, 0.0))
+def rounds(
+    arcs: ArcRows, start: int, may_cycle: bool, most: int, little: float
+) -> tuple[IntArray, IntArray, FloatArray, IntArray, IntArray]:
+    """Bellman-Ford by rounds (Bellman, 1958): after k of them, the best walks of k arcs at most.
+
+    Only arcs of nodes that the round before has changed can change anything, so only they are
+    looked at; the result is that of looking at all.
+
+    Args:
+        arcs: of n nodes.
+        start: a node.
+        may_cycle: whether a weight is below 0; then each round looks for a cycle of parents, which
+            is a negative cycle.
+        most: rounds at the most.
+        little: by how much a cost must fall to be worth it.
+
+    Returns:
+        The labels with a round as a step, and the nodes (c,) of a negative cycle, empty for none.
+    """
+    indptr, indices, weights = arcs
+    nodes = len(indptr) - 1
+    cost, pending = np.full(nodes, np.inf), np.full(nodes, np.inf)
+    parent, proposed = np.full(nodes, -1, np.int32), np.full(nodes, -1, np.int32)
+    touched = np.zeros(nodes, np.uint8)
+    cost[start], pending[start] = 0.0, 0.0
+    ends, node_of = [1], [start]
+    cost_of, parent_of = [0.0], [-1]
+    cycle = np.empty(0, np.int32)
+    front = [start]
+    while len(front) > 0 and len(ends) <= most:
+        changed = [0] * 0
+        for node in front:
+            for k in range(indptr[node], indptr[node + 1]):
+                head = indices[k]
+                through = cost[node] + weights[k]
+                if through + little < pending[head]:
+                    pending[head], proposed[head] = through, node
+                    if touched[head] == 0:
+                        touched[head] = 1
+                        changed.append(int(head))
+        for node in changed:
+            touched[node] = 0
+            cost[node], parent[node] = pending[node], proposed[node]
+            node_of.append(node)
+            cost_of.append(float(cost[node]))
+            parent_of.append(int(parent[node]))
+        front = changed
+        if len(changed) > 0:
+            ends.append(len(node_of))
+        if may_cycle:
+            cycle = parent_cycle(parent, np.zeros(nodes, np.uint8))
+            if len(cycle) > 0:
+                break
+    return (
+        np.array(ends, np.int32),
+        np.array(node_of, np.int32),
+        np.array(cost_of),
+        np.array(parent_of, np.int32),
+        cycle,
+    )

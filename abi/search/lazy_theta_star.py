@@ -1,0 +1,51 @@
+"""Lazy Theta* (Nash, Koenig and Tovey, 2010) on the graph: a path that need not follow edges."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from abi.arrays import flat, read_only
+from abi.search.lazy_theta_star_kernels import lazy_theta_star_steps
+from abi.search.task import SearchTask
+from abi.search.trace import NO_NODES, SearchTrace, with_path
+
+
+def lazy_theta_star(task: SearchTask) -> SearchTrace:
+    """Search by length; a node's parent may be any expanded node that sees it.
+
+    A node takes over its neighbour's parent unseen. Whether they see each other is tested when the
+    node is expanded; if not, the best expanded neighbour is its parent, along an edge. The length
+    is what counts, whatever the graph's edges cost, and h is the straight line. A triangle mesh
+    hides what its box does.
+    """
+    arcs = task.arcs
+    obstacles = task.obstacles.boxed
+    margins = read_only(np.full(len(obstacles.primitives), task.margin))
+    order, ends, nodes, costs, parents = lazy_theta_star_steps(
+        arcs.rows.indptr,
+        arcs.rows.indices,
+        flat(arcs.points),
+        (arcs.start, arcs.goal),
+        obstacles.packed,
+        margins,
+    )
+    left = np.linalg.norm(arcs.points - arcs.points[arcs.goal], axis=1)
+    scanned = arcs.degrees(order)
+    if len(order) and order[-1] == arcs.goal:
+        scanned[-1] = 0
+    trace = SearchTrace(
+        arcs=replace(arcs, estimates=read_only(left)),
+        queue="best_first",
+        factors=(1.0, 1.0),
+        sides=1,
+        order=read_only(order),
+        examined=read_only(np.concatenate(([0], np.cumsum(scanned, dtype=np.int64)))),
+        ends=read_only(ends),
+        nodes=read_only(nodes),
+        costs=read_only(costs),
+        parents=read_only(parents),
+        vertices=NO_NODES,
+    )
+    return with_path(trace)

@@ -1,0 +1,89 @@
+"""An arc of a negative cost, put where Dijkstra's algorithm goes wrong, or costs fall for ever.
+
+A one-way shortcut that pays who takes it: a lift down that gives power back, say.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from abi.arrays import FloatArray, IntArray
+from abi.errors import StageError
+from abi.search.label_kernels import rounds
+from abi.search.task import SearchTask
+from abi.search.trace import chain
+
+_HEADS = 8
+"""Nodes of the path that are tried."""
+_TOO_LITTLE = 1e-3
+"""Part of the largest weight: room that there must be between too small and too large a reward."""
+
+
+class _Place(NamedTuple):
+    """Where an arc may go.
+
+    Attributes:
+        room: between the least reward that pays and the way back.
+        tail, head: its ends.
+        way_back: cost of the way from head to tail.
+    """
+
+    room: float
+    tail: int
+    head: int
+    way_back: float
+
+
+def with_negative_arc(task: SearchTask, cycle: bool) -> SearchTask:
+    """The task with one arc more, from a node that Dijkstra expands later to one of the path.
+
+    Without a negative cycle the reward is half way between what makes the detour pay and what
+    makes it pay to come back for more; with one it is larger than the way back costs.
+
+    Args:
+        task: without such an arc, and with a path.
+        cycle: whether the arc closes a negative cycle.
+
+    Raises:
+        StageError: there is no path, or no two nodes that serve.
+    """
+    arcs = task.arcs
+    none = StageError(
+        "search",
+        "no_negative_arc",
+        "There is no place for an edge of a negative cost here.",
+        "Choose a scene with a path and a finer mesh.",
+    )
+    cost, parent = _distances(task, arcs.start)
+    if not np.isfinite(cost[arcs.goal]):
+        raise none
+    path = chain(parent, arcs.goal)[-2:0:-1]
+    places = [_place(task, cost, head) for head in path[:: max(len(path) // _HEADS, 1)]]
+    if not places or max(places).room <= _TOO_LITTLE * float(arcs.rows.weights.max()):
+        raise none
+    place = max(places)
+    reward = 1.5 * place.way_back if cycle else place.way_back - place.room / 2
+    return replace(task, arcs=arcs.with_arc(place.tail, place.head, -reward))
+
+
+def _place(task: SearchTask, cost: FloatArray, head: int) -> _Place:
+    """The best arc to a node of the path."""
+    way_back, _ = _distances(task, head)
+    reached = np.where(np.isfinite(cost), cost, 0.0)
+    least = reached - cost[head]  # a larger reward makes the detour pay
+    room = np.where((least > 0) & np.isfinite(way_back), way_back - least, -np.inf)
+    tail = int(room.argmax())
+    return _Place(float(room[tail]), tail, head, float(way_back[tail]))
+
+
+def _distances(task: SearchTask, node: int) -> tuple[FloatArray, IntArray]:
+    """Costs from a node, or to it, (n,), and parents."""
+    arcs = task.arcs
+    ends, nodes, costs, parents, _ = rounds(arcs.rows, node, False, len(arcs.points), arcs.little)
+    cost, parent = np.full(len(arcs.points), np.inf), np.full(len(arcs.points), -1, np.int32)
+    cost[nodes[: ends[-1]]] = costs
+    parent[nodes[: ends[-1]]] = parents
+    return cost, parent

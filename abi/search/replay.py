@@ -1,0 +1,128 @@
+"""A search stopped after any number of steps: what is open and closed then, and what is next."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from abi.arrays import FloatArray, IntArray, read_only
+from abi.search.best_first_kernels import WIDTH
+from abi.search.trace import SearchTrace, chain, last_labels
+
+
+@dataclass(frozen=True, eq=False)
+class SearchState:
+    """A search after some steps; ids as in its trace.
+
+    Attributes:
+        trace: the search.
+        step: number of steps done.
+        cost, parent: (n or 2n,) g and the node that it comes from; inf and -1 where not reached.
+        closed: (c,) nodes that are done, in the order of their last expansion.
+        open: (o,) nodes that are reached and wait.
+        current: node expanded last; -1 before the first and after a round.
+        following: node that is expanded next; -1 after the last step and before a round.
+    """
+
+    trace: SearchTrace
+    step: int
+    cost: FloatArray
+    parent: IntArray
+    closed: IntArray
+    open: IntArray
+    current: int
+    following: int
+
+    @property
+    def examined(self) -> int:
+        """Arcs examined so far."""
+        return int(self.trace.examined[self.step])
+
+    @property
+    def done(self) -> bool:
+        """Whether that was the last step."""
+        return self.step == self.trace.steps
+
+    def to_go(self, nodes: IntArray) -> FloatArray:
+        """h of nodes (k,); 0 in the search that begins at the goal."""
+        n = len(self.trace.arcs.points)
+        return np.where(nodes < n, self.trace.arcs.estimates[nodes % n], 0.0)
+
+    def promise(self, nodes: IntArray) -> FloatArray:
+        """f of nodes (k,): what a best-first search makes least."""
+        a, b = self.trace.factors
+        with np.errstate(invalid="ignore"):
+            f = (a * self.cost[nodes] if a else 0.0) + (b * self.to_go(nodes) if b else 0.0)
+        return np.where(np.isfinite(self.cost[nodes]), f, np.inf)
+
+    def path(self) -> IntArray:
+        """Nodes of the path so far, from the start to the node expanded last; at the end, to the
+        goal."""
+        if self.done and len(self.trace.vertices):
+            return self.trace.vertices
+        if self.current < 0:
+            return read_only(np.zeros(0, np.int32))
+        return read_only(np.array(chain(self.parent, self.current)[::-1], np.int32))
+
+    def queue(self, most: int) -> IntArray:
+        """The first ``most`` nodes that wait, in the order in which they would go."""
+        if self.trace.queue == "first_in":
+            # nobody overtakes those who wait
+            return self.trace.order[self.step :][: min(most, len(self.open))]
+        promise = self.promise(self.open)
+        if self.following >= 0:
+            # of what promises the same, the search takes one
+            promise[self.open == self.following] = -np.inf
+        if most < len(promise):
+            few = np.argpartition(promise, most)[:most]
+            few = few[np.lexsort((self.open[few], promise[few]))]
+            return self.open[few]
+        return self.open[np.lexsort((self.open, promise))]
+
+    def may_follow(self, node: int) -> bool:
+        """Whether a node is as good a choice as the one that is expanded next."""
+        if self.following < 0:
+            return False
+        if self.trace.queue != "best_first" or node == self.following:
+            return node == self.following
+        pair = np.array([node, self.following], np.int32)
+        if not np.isin(node, self.open):
+            return False
+        n = len(self.trace.arcs.points)
+        mine, best = self.promise(pair)
+        slack = WIDTH * float(np.abs(self.trace.arcs.rows.weights).max(initial=0.0))
+        return bool(mine <= best + slack and (node < n) == (self.following < n))
+
+
+def replay(trace: SearchTrace, step: int) -> SearchState:
+    """The search after ``step`` steps, 0 to ``trace.steps``: the same however one gets there."""
+    cost, parent = last_labels(trace, step)
+    changed = np.full(len(cost), -1, np.int32)
+    changed[trace.nodes[: int(trace.ends[step])]] = _step_of_changes(trace, step)
+    expanded = np.full(len(cost), -2, np.int32)
+    if trace.queue == "rounds":
+        # whatever the last round did not change has nothing new to tell
+        expanded[np.isfinite(cost) & (changed < step)] = step
+        closed = np.flatnonzero(expanded == step)
+    else:
+        order, turns = trace.order[:step], np.arange(1, step + 1, dtype=np.int32)
+        expanded[order] = turns
+        closed = order[(expanded[order] == turns) & (changed[order] <= turns)]
+    open_ = np.flatnonzero((changed >= 0) & (changed > expanded))
+    return SearchState(
+        trace=trace,
+        step=step,
+        cost=read_only(cost),
+        parent=read_only(parent),
+        closed=read_only(closed.astype(np.int32)),
+        open=read_only(open_.astype(np.int32)),
+        current=int(trace.order[step - 1]) if step else -1,
+        following=int(trace.order[step]) if step < trace.steps else -1,
+    )
+
+
+def _step_of_changes(trace: SearchTrace, step: int) -> IntArray:
+    """Steps (c,) that made the changes so far, from 1 on; 0 of the starts."""
+    counts = np.diff(trace.ends[: step + 1], prepend=0)
+    return np.repeat(np.arange(step + 1, dtype=np.int32), counts)

@@ -1,0 +1,165 @@
+"""What a search did, step by step: the order of expansion and every change of cost and parent."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from abi.arrays import FloatArray, IntArray, read_only
+from abi.search.arcs import Arcs
+from abi.search.label_kernels import relax_in_order
+
+Queue = Literal["best_first", "first_in", "rounds"]
+"""Which node comes next: what promises most, what waited longest, or all at once."""
+
+NO_NODES: IntArray = read_only(np.zeros(0, np.int32))
+
+
+@dataclass(frozen=True, eq=False)
+class SearchTrace:
+    """A finished search. A step is the expansion of one node, or a round of all.
+
+    Of a search from both ends, the second search's nodes have n added to their ids.
+
+    Attributes:
+        arcs: what was searched.
+        queue: which node comes next.
+        factors: weights a and b of g and h in what a best-first search makes least.
+        sides: 2 for a search from both ends, else 1.
+        order: (m,) node of each step, -1 for a round.
+        examined: (m + 1,) arcs examined before each step and in all.
+        ends: (m + 1,) changes made before each step and in all; those before the first step are
+            the starts.
+        nodes, costs, parents: of each change; a start's parent is -1.
+        vertices: (k,) the path from start to goal; empty when there is none.
+        cycle: (c,) nodes of a negative cycle; empty when none was found.
+    """
+
+    arcs: Arcs
+    queue: Queue
+    factors: tuple[float, float]
+    sides: int
+    order: IntArray
+    examined: NDArray[np.int64]
+    ends: IntArray
+    nodes: IntArray
+    costs: FloatArray
+    parents: IntArray
+    vertices: IntArray
+    cycle: IntArray = field(default_factory=lambda: NO_NODES)
+
+    @property
+    def steps(self) -> int:
+        """Number of steps m."""
+        return len(self.order)
+
+    @property
+    def relaxed(self) -> int:
+        """Arcs examined in all."""
+        return int(self.examined[-1])
+
+    @property
+    def hops(self) -> int:
+        """Number of legs of the path; -1 without one."""
+        return len(self.vertices) - 1
+
+    @property
+    def length(self) -> float:
+        """Length of the path, [unit]; inf without one."""
+        if not len(self.vertices):
+            return float("inf")
+        legs = np.diff(self.arcs.points[self.vertices], axis=0)
+        return float(np.linalg.norm(legs, axis=1).sum())
+
+    @property
+    def cost(self) -> float:
+        """What the search made the path cost, by the labels; inf without a path."""
+        if self.sides == 2:
+            n, (cost, _) = len(self.arcs.points), last_labels(self, self.steps)
+            return float((cost[:n] + cost[n:]).min())
+        cost, _ = last_labels(self, self.steps)
+        return float(cost[self.arcs.goal])
+
+
+def last_labels(trace: SearchTrace, step: int) -> tuple[FloatArray, IntArray]:
+    """Costs and parents (n or 2n,) after a number of steps; inf and -1 where not reached."""
+    total, count = trace.sides * len(trace.arcs.points), int(trace.ends[step])
+    cost, parent = np.full(total, np.inf), np.full(total, -1, np.int32)
+    # of several changes of a node the last one stays
+    cost[trace.nodes[:count]] = trace.costs[:count]
+    parent[trace.nodes[:count]] = trace.parents[:count]
+    return cost, parent
+
+
+def chain(parent: IntArray, node: int) -> list[int]:
+    """Nodes from a node back to where its search began, along their parents."""
+    found = [node]
+    while (node := int(parent[node])) >= 0:
+        found.append(node)
+    return found
+
+
+def trace_of(
+    arcs: Arcs,
+    order: IntArray,
+    queue: Queue,
+    factors: tuple[float, float] = (1.0, 0.0),
+    sides: int = 1,
+    reopens: bool = False,
+) -> SearchTrace:
+    """The trace of a search of which the order of expansion is known.
+
+    Args:
+        arcs: what was searched.
+        order: (m,) expanded nodes.
+        queue: which node came next.
+        factors: weights of g and h.
+        sides: 2 for a search from both ends.
+        reopens: whether a node's cost may fall after its expansion.
+    """
+    n = len(arcs.points)
+    starts = np.array([arcs.start, arcs.goal + n][:sides], np.int32)
+    # a search that ends at the goal does not look at the goal's arcs
+    stops = sides == 1 and queue == "best_first" and len(order) > 0 and order[-1] == arcs.goal
+    examined = np.concatenate(([0], np.cumsum(arcs.degrees(order % n), dtype=np.int64)))
+    if stops:
+        examined[-1] = examined[-2]
+    scanned = read_only(order[:-1].copy()) if stops else order
+    ends, nodes, costs, parents = relax_in_order(
+        arcs.rows, scanned, read_only(starts), sides, reopens, arcs.little
+    )
+    if stops:
+        ends = np.append(ends, ends[-1])
+    trace = SearchTrace(
+        arcs,
+        queue,
+        factors,
+        sides,
+        order,
+        read_only(examined),
+        read_only(ends),
+        read_only(nodes),
+        read_only(costs),
+        read_only(parents),
+        NO_NODES,
+    )
+    return with_path(trace)
+
+
+def with_path(trace: SearchTrace) -> SearchTrace:
+    """The trace with the path that its last labels lead along."""
+    n, goal = len(trace.arcs.points), trace.arcs.goal
+    cost, parent = last_labels(trace, trace.steps)
+    found: list[int] = []
+    if trace.sides == 2:
+        meeting = int((cost[:n] + cost[n:]).argmin())
+        if np.isfinite(cost[meeting] + cost[meeting + n]):
+            ahead, back = chain(parent, meeting), chain(parent, meeting + n)
+            found = ahead[::-1] + [node - n for node in back[1:]]
+    elif np.isfinite(cost[goal]) and not len(trace.cycle):
+        found = chain(parent, goal)[::-1]
+    vertices = read_only(np.array(found, np.int32))
+    return replace(trace, vertices=vertices)
