@@ -63,6 +63,15 @@ def disable_sharing(server: viser.ViserServer) -> None:
         handlers.pop(message, None)
 
 
+def widget(server: viser.ViserServer, connection: object, uuid: str) -> Any:
+    """The widget with this id in the tab behind a websocket; None without one."""
+    for number, live in tuple(server._websock_server._live_connections.items()):
+        if live is connection:
+            client = server.get_clients().get(number)
+            return None if client is None else client.gui._gui_input_handle_from_uuid.get(uuid)
+    return None
+
+
 def _run(client: viser.ClientHandle, script: str) -> None:
     client._websock_connection.queue_message(_messages.RunJavascriptMessage(source=script))
 

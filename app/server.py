@@ -7,7 +7,6 @@ is used, so that both load at once.
 from __future__ import annotations
 
 import functools
-import socket
 import sys
 import threading
 import warnings
@@ -17,6 +16,10 @@ from typing import TYPE_CHECKING
 import viser
 
 from app import page
+from app.address import ensure_port, listening_url, usable_address
+from app.guard import guarded_server, token
+from app.guard.guard import Guard
+from app.guard.policy import Policy, policy_for
 
 if TYPE_CHECKING:
     from abi.scene.scene import Scene
@@ -25,31 +28,34 @@ if TYPE_CHECKING:
 
 PAPER = "paper"
 
-_ANY_ADDRESS = {"0.0.0.0": "127.0.0.1", "::": "[::1]"}
-"""Addresses that stand for all of this machine's, each with one that a browser can open."""
-
 
 class Server:
     """The page at ``host``, and the tabs' sessions once it has a scene.
 
     Attributes:
         url: of the page, e.g. ``http://127.0.0.1:8080``.
+        link: the same with the token, where one is needed.
+        guard: what lets visitors in.
         sessions: one a tab, by viser's client id.
     """
 
-    def __init__(self, host: str, port: int, plain: bool, dark: bool) -> None:
+    def __init__(
+        self, host: str, port: int, plain: bool, dark: bool, policy: Policy | None = None
+    ) -> None:
         self._plain, self._dark = plain, dark
         self._lock = threading.Lock()
         self.sessions: dict[int, Session] = {}
-        self.viser = viser.ViserServer(
-            host=_usable_address(host), port=port, label="ABI visualiser", verbose=False
-        )
+        self.guard = Guard(policy or policy_for(host))
+        address = usable_address(host, port)
+        self.viser = guarded_server.build(self.guard, address, port, "ABI visualiser")
+        ensure_port(self.viser, port)
         page.disable_sharing(self.viser)
         self.viser.gui.configure_theme(dark_mode=dark, show_logo=False, show_share_button=False)
         # shadows and surroundings take a weak machine seconds: each tab has them after its plan
         self.viser.scene.configure_default_lights(cast_shadow=False)
         self.viser.scene.configure_environment_map(hdri=None)
-        self.url = f"http://{_url_host(host)}:{self.viser.get_port()}"
+        self.url = listening_url(host, self.viser.get_port())
+        self.link = token.link(self.url, self.guard.policy.token)
 
     def show(self, name: str, scene: Scene) -> None:
         """Open a session on the scene for every tab, present and future."""
@@ -59,6 +65,7 @@ class Server:
         look_at(self.viser.initial_camera, scene)
         self.viser.on_client_disconnect(self._close_session)
         self.viser.on_client_connect(functools.partial(self._open_session, name, scene, WarmUp()))
+        self.guard.ready = True
 
     def stop(self) -> None:
         """End every session and close the port."""
@@ -95,19 +102,22 @@ def start(
     plain: bool = False,
     dark: bool = False,
     announce: Callable[[str], object] = lambda url: None,
+    policy: Policy | None = None,
 ) -> Server:
     """Start serving and return at once.
 
     Args:
         host: address to listen on.
-        port: 0 takes any free one; a busy one, the next free.
+        port: 0 takes any free one.
         scene: a shipped scene's name or a scene file.
         plain: no shadows and no environment map, for slow graphics and tests.
         dark: whether a new tab begins dark.
-        announce: called with the URL as soon as there is a page to load.
+        announce: called with the link as soon as there is a page to load.
+        policy: rules for visitors; by default those of :func:`app.guard.policy.policy_for`.
 
     Raises:
-        AbiError: the scene cannot be read, or ``host`` is no address of this machine.
+        AbiError: the scene cannot be read, ``host`` is no address of this machine, or another
+            program has the port.
     """
     # a tab may close in the middle of a frame; its session ends right after
     warnings.filterwarnings("ignore", "Queued a .* on a closed connection", UserWarning)
@@ -115,48 +125,10 @@ def start(
     sys.setswitchinterval(0.0005)
     # a file that may be wrong is read before there is a page
     loaded = None if scene == PAPER else _load(scene)
-    server = Server(host, port, plain, dark)
-    announce(server.url)
+    server = Server(host, port, plain, dark, policy)
+    announce(server.link)
     server.show(scene, loaded or _load(scene))
     return server
-
-
-def _usable_address(host: str) -> str:
-    """An address to listen on, tried out, since viser would try 1,000 ports on a wrong one.
-
-    It is ``host``; of a name with addresses that are not this machine's, such as ``::1`` without
-    IPv6, the first that is.
-
-    Raises:
-        AbiError: no address of ``host`` is this machine's.
-    """
-    usable, refused = [], []
-    try:
-        addresses = socket.getaddrinfo(host, 0, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)
-    except (OSError, ValueError) as error:  # ValueError: cannot be a host's name
-        addresses, refused = [], [error]
-    for family, kind, protocol, _, address in addresses:
-        try:
-            with socket.socket(family, kind, protocol) as probe:
-                probe.bind(address)
-        except OSError as error:
-            refused.append(error)
-        else:
-            usable.append(str(address[0]))
-    if usable:
-        return usable[0] if refused else host
-    from abi.errors import AbiError
-
-    reason = (getattr(refused[0], "strerror", None) or "no name of a host").lower()
-    expected = "an address of this machine, such as 127.0.0.1, or 0.0.0.0 for all of them"
-    raise AbiError(f"--host is {host!r}; expected {expected} ({reason}).")
-
-
-def _url_host(host: str) -> str:
-    """``host`` as part of a URL."""
-    if host in _ANY_ADDRESS:
-        return _ANY_ADDRESS[host]
-    return f"[{host}]" if ":" in host else host
 
 
 def _load(name: str) -> Scene:

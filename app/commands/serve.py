@@ -5,8 +5,11 @@ from __future__ import annotations
 import functools
 import threading
 import webbrowser
+from typing import Any
 
 import click
+
+from app.guard.policy import MAX_TABS, Policy, policy_for
 
 
 @click.command()
@@ -17,12 +20,35 @@ import click
 )
 @click.option("--open/--no-open", "open_tab", default=True, help="Open a browser tab.")
 @click.option("--dark/--light", default=False, help="How a new tab looks.")
-def serve(scene: str, host: str, port: int, open_tab: bool, dark: bool) -> None:
-    """Start the visualiser on SCENE (a shipped scene's name or a file) and print its URL."""
+@click.option(
+    "--token", envvar="ABI_TOKEN", help="Secret that visitors need.  [default: a new one]"
+)
+@click.option("--no-token", is_flag=True, help="Let in whoever can reach the server.")
+@click.option(
+    "--origin", multiple=True, help="URL under which a proxy shows the server, as browsers see it."
+)
+@click.option("--embed-in", multiple=True, help="URL of a site that may show it in a frame.")
+@click.option(
+    "--max-tabs", default=MAX_TABS, show_default=True, type=click.IntRange(1), help="At once."
+)
+def serve(
+    scene: str,
+    host: str,
+    port: int,
+    open_tab: bool,
+    dark: bool,
+    **visitors: Any,
+) -> None:
+    """Start the visualiser on SCENE (a shipped scene's name or a file) and print its URL.
+
+    On any address but this machine's own, and with --origin, visitors need a token: it is part of
+    the link that is printed.
+    """
     from app.server import start
 
+    policy = _policy(host, **visitors)
     announce = functools.partial(_announce, open_tab)
-    server = start(host=host, port=port, scene=scene, dark=dark, announce=announce)
+    server = start(host=host, port=port, scene=scene, dark=dark, announce=announce, policy=policy)
     try:
         threading.Event().wait()
     except KeyboardInterrupt:
@@ -31,7 +57,22 @@ def serve(scene: str, host: str, port: int, open_tab: bool, dark: bool) -> None:
         server.stop()
 
 
-def _announce(open_tab: bool, url: str) -> None:
-    click.echo(f"The ABI visualiser is at {url} (Ctrl+C ends it)")
+def _policy(
+    host: str,
+    token: str | None,
+    no_token: bool,
+    origin: tuple[str, ...],
+    embed_in: tuple[str, ...],
+    max_tabs: int,
+) -> Policy:
+    if token is not None and no_token:
+        raise click.UsageError("--token and --no-token exclude each other.")
+    if token is not None and not (0 < len(token) <= 200 and token.isprintable()):
+        raise click.UsageError("--token must have 1 to 200 characters that can be printed.")
+    return policy_for(host, token, not no_token, origin, embed_in, max_tabs)
+
+
+def _announce(open_tab: bool, link: str) -> None:
+    click.echo(f"The ABI visualiser is at {link} (Ctrl+C ends it)")
     if open_tab:
-        webbrowser.open(url)
+        webbrowser.open(link)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import contextlib
 import threading
 from collections.abc import Callable
 from typing import Any, TypeVar
 
 import msgspec
 import viser
+from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import ClientConnection, connect
 
 from app.session import Session
@@ -50,10 +52,11 @@ def layer(session: Session, kind: type[_Layer]) -> _Layer:
 class FakeTab:
     """Client that sends a page's messages, and counts and drops what it receives."""
 
-    def __init__(self, url: str) -> None:
+    def __init__(self, url: str, headers: dict[str, str] | None = None) -> None:
         self._socket: ClientConnection = connect(
             url.replace("http", "ws", 1),
             subprotocols=[f"viser-v{viser.__version__}"],  # type: ignore[list-item]
+            additional_headers=headers,
             max_size=None,
             compression=None,
         )
@@ -65,6 +68,10 @@ class FakeTab:
     def send(self, message: dict[str, Any]) -> None:
         """Send one message, as the page's msgpack."""
         self._socket.send(msgspec.msgpack.encode(message))
+
+    def send_raw(self, frame: bytes | str) -> None:
+        """Send a frame as it is."""
+        self._socket.send(frame)
 
     def set(self, handle: Any, value: Any) -> None:
         """Type or drag ``value`` into a widget."""
@@ -99,5 +106,6 @@ class FakeTab:
         self._reader.join(timeout=5)
 
     def _read(self) -> None:
-        for raw in self._socket:
-            self.received += len(raw)
+        with contextlib.suppress(ConnectionClosed):
+            for raw in self._socket:
+                self.received += len(raw)

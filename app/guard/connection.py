@@ -1,0 +1,102 @@
+"""One connection: what it receives is checked before viser reads it."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from typing import TYPE_CHECKING, Any
+
+from websockets.asyncio.server import ServerConnection
+from websockets.typing import Data
+
+from app.guard import request_line, responses
+from app.guard.messages import Message, UploadPart, UploadStart, WidgetUpdate, decode
+from app.guard.rate import Rate
+from app.guard.uploads import Uploads
+from app.guard.values import fits
+
+if TYPE_CHECKING:
+    from app.guard.guard import Guard
+
+_log = logging.getLogger("abi.web")
+
+MESSAGES_PER_SECOND = 240.0
+BYTES_PER_SECOND = 8e6
+_BURST = 2.0  # [s] of those rates
+MAX_REFUSED = 100
+"""Refused messages after which a tab is closed."""
+_POLICY_VIOLATION = 1008
+
+
+class GuardedConnection(ServerConnection):
+    """A browser's connection, of which only what a page may send comes through."""
+
+    def __init__(self, guard: Guard, *args: Any, **options: Any) -> None:
+        super().__init__(*args, **options)
+        self._guard = guard
+        self._head: bytes | None = b""
+        self._messages = Rate(MESSAGES_PER_SECOND, _BURST * MESSAGES_PER_SECOND)
+        self._bytes = Rate(BYTES_PER_SECOND, _BURST * BYTES_PER_SECOND)
+        self._uploads = Uploads()
+        self._refused = 0
+
+    def data_received(self, data: bytes) -> None:
+        """Hand the bytes on, once the request's first line is one that can be answered."""
+        if self._head is None:
+            super().data_received(data)
+            return
+        self._head += data
+        line, end, _ = self._head.partition(b"\n")
+        if not end and len(line) <= request_line.MAX_LINE:
+            return
+        if (status := request_line.problem(line)) is None:
+            data, self._head = self._head, None
+            super().data_received(data)
+            return
+        self._head = b""
+        if not self.transport.is_closing():
+            self._guard.note_refusal(self, status, line.decode("ascii", "replace"))
+            answer = self._guard.secured(responses.misunderstood(status))
+            self.transport.write(answer.serialize())
+            self.transport.close()
+
+    async def recv(self, decode: bool | None = None) -> Data:  # type: ignore[override]
+        """The next message that may be read; waits where they come too fast."""
+        while True:
+            frame = await super().recv(decode)
+            pause = max(self._messages.delay(1), self._bytes.delay(len(frame)))
+            if pause > 0:
+                await asyncio.sleep(pause)
+            reason = self._refusal(frame)
+            if reason is None:
+                return frame
+            await self._refuse(reason)
+
+    def _refusal(self, frame: Data) -> str | None:
+        """Why a message may not be read; None where it may."""
+        message = decode(frame)
+        if message is None:
+            return "malformed"
+        return self._misuse(message)
+
+    def _misuse(self, message: Message) -> str | None:
+        """What a message does that its widget does not allow."""
+        if isinstance(message, UploadPart):
+            return None if self._uploads.continues(message) else "unannounced"
+        if isinstance(message, WidgetUpdate):
+            widget = self._guard.widget(self, message.uuid)
+            allowed = widget is not None and fits(widget, message.updates.value)
+            return None if allowed else "value"
+        if isinstance(message, UploadStart):
+            button = self._guard.widget(self, message.source_component_uuid)
+            allowed = hasattr(button, "mime_type") and self._uploads.begins(message, button)
+            return None if allowed else "upload"
+        return None
+
+    async def _refuse(self, reason: str) -> None:
+        self._refused += 1
+        if self._refused == 1:
+            address = self.remote_address
+            _log.warning("messages refused", extra={"why": reason, "address": str(address)})
+        if self._refused > MAX_REFUSED:
+            await self.close(_POLICY_VIOLATION, "too many messages that no page sends")

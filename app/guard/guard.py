@@ -1,0 +1,144 @@
+"""The guard of one server: answers requests, and lets tabs in."""
+
+from __future__ import annotations
+
+import http
+import logging
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+from websockets.asyncio.server import ServerConnection
+from websockets.http11 import Request, Response
+
+from app import page
+from app.guard import responses, token
+from app.guard.host_check import is_known_host, is_own_origin, single
+from app.guard.policy import Policy
+from app.guard.security_headers import secure, security_headers
+
+if TYPE_CHECKING:
+    import viser
+
+_log = logging.getLogger("abi.web")
+
+Pages: TypeAlias = Callable[[ServerConnection, Request], Response | None]
+"""viser's own answers: the page's files."""
+
+_PAGES = ("/", "/index.html")
+
+
+class Guard:
+    """Decides who is let in, and what is answered.
+
+    Attributes:
+        policy: the rules.
+        tabs: connections of the tabs that are open.
+        viser: the server, once it is built.
+        ready: whether plans can be made.
+    """
+
+    def __init__(self, policy: Policy) -> None:
+        self.policy = policy
+        self.tabs: set[ServerConnection] = set()
+        self.viser: viser.ViserServer | None = None
+        self.ready = False
+        self._headers = security_headers(policy)
+
+    @property
+    def is_full(self) -> bool:
+        """Whether another tab has to wait."""
+        return len(self.tabs) >= self.policy.max_tabs
+
+    def answer(
+        self, pages: Pages, connection: ServerConnection, request: Request
+    ) -> Response | None:
+        """Answer to a request; None opens a websocket."""
+        response = self._answer(pages, connection, request)
+        if response is not None and response.status_code >= http.HTTPStatus.BAD_REQUEST:
+            self.note_refusal(connection, http.HTTPStatus(response.status_code), request.path)
+        return response
+
+    def secured(self, response: Response) -> Response:
+        """An answer with the headers that every answer has."""
+        secure(response, self._headers)
+        return response
+
+    def widget(self, connection: ServerConnection, uuid: str) -> Any:
+        """The widget of a tab that has this id; None without one."""
+        return None if self.viser is None else page.widget(self.viser, connection, uuid)
+
+    def note_refusal(
+        self, connection: ServerConnection, status: http.HTTPStatus, asked: str
+    ) -> None:
+        """Tell the log, in one line."""
+        _log.info(
+            "request refused",
+            extra={
+                "status": status.value,
+                "asked": asked[:80],
+                "address": str(connection.remote_address),
+            },
+        )
+
+    def _answer(
+        self, pages: Pages, connection: ServerConnection, request: Request
+    ) -> Response | None:
+        path = request.path.partition("?")[0]
+        if path == "/healthz":
+            return self._health()
+        if not is_known_host(self.policy, request.headers):
+            return _unknown_host(single(request.headers, "Host"))
+        if (response := self._check_token(connection, request, path in _PAGES)) is not None:
+            return response
+        if (request.headers.get("Upgrade") or "").lower() == "websocket":
+            if not is_own_origin(self.policy, request.headers):
+                sentence = "Only this server's own page may open a connection here.\n"
+                return responses.text(http.HTTPStatus.FORBIDDEN, sentence)
+            return responses.full(self.policy.max_tabs) if self.is_full else None
+        if path in _PAGES and self.is_full:
+            return responses.full(self.policy.max_tabs)
+        return _file(pages, connection, request)
+
+    def _health(self) -> Response:
+        if self.ready:
+            return responses.text(http.HTTPStatus.OK, "ok\n")
+        return responses.text(http.HTTPStatus.SERVICE_UNAVAILABLE, "starting\n")
+
+    def _check_token(
+        self, connection: ServerConnection, request: Request, is_page: bool
+    ) -> Response | None:
+        """Answer to a request that has no token, or has it in the link still; None lets it in."""
+        secret = self.policy.token
+        if secret is None:
+            return None
+        port = connection.local_address[1]
+        if token.in_query(request.path, secret):
+            if not is_page:
+                return None
+            secure = request.headers.get("X-Forwarded-Proto") == "https"
+            cookie = token.cookie(secret, port, secure)
+            return responses.see_other(token.without_token(request.path), cookie)
+        if token.in_headers(request.headers, secret, port):
+            return None
+        return responses.token_needed()
+
+
+def _unknown_host(host: str | None) -> Response:
+    name = "" if host is None else f" {host[:80]!r}"
+    sentence = (
+        f"This server does not go by the name{name}. "
+        "If it should, start it with --origin and the whole URL, such as https://abi.example.org\n"
+    )
+    return responses.text(http.HTTPStatus.FORBIDDEN, sentence)
+
+
+def _file(pages: Pages, connection: ServerConnection, request: Request) -> Response:
+    """One of the page's files."""
+    try:
+        response = pages(connection, request)
+    except (OSError, ValueError):
+        response = None
+    if response is None or response.status_code >= http.HTTPStatus.BAD_REQUEST:
+        return responses.text(http.HTTPStatus.NOT_FOUND, "There is no such page.\n")
+    response.headers["Cache-Control"] = "no-cache"
+    return response

@@ -1,0 +1,113 @@
+"""A viser server behind a guard.
+
+viser opens its port with ``websockets.asyncio.server.serve`` and offers no way to change how. While
+the server is built, that name stands for a function that adds the guard.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import functools
+import http
+import io
+import logging
+import threading
+from collections.abc import Awaitable, Callable
+from typing import Any
+
+import viser
+import websockets.asyncio.server
+from websockets.asyncio.server import ServerConnection
+from websockets.http11 import Request, Response
+
+from app.guard.connection import GuardedConnection
+from app.guard.guard import Guard
+
+MAX_MESSAGE = 8_000_000
+"""Bytes of one message; viser's page sends files in parts of 512 kB."""
+_OPEN_TIMEOUT = 5.0
+_PING_TIMEOUT = 60.0
+"""Seconds without an answer after which a connection counts as cut; a loaded machine takes some."""
+_TRY_AGAIN_LATER = 1013
+
+_log = logging.getLogger("abi.web")
+_lock = threading.Lock()
+_Handler = Callable[[ServerConnection], Awaitable[None]]
+
+
+class _OneLine(logging.Filter):
+    """Faults of a connection as one line; the traceback is for the debug level."""
+
+    def filter(self, record: logging.LogRecord) -> bool:
+        error = record.exc_info[1] if record.exc_info else None
+        if error is None:
+            return True
+        causes = f"{type(error).__name__}: {error.__cause__ or error}"
+        if record.getMessage() == "opening handshake failed":
+            # whoever connects and says nothing, as port scanners and health probes do
+            record.levelno, record.levelname = logging.DEBUG, "DEBUG"
+        if not _log.isEnabledFor(logging.DEBUG):
+            record.exc_info = None
+        record.msg, record.args = f"{record.getMessage()} ({causes})"[:300], ()
+        return _log.isEnabledFor(record.levelno)
+
+
+_protocol_log = logging.getLogger("abi.web.protocol")
+_protocol_log.addFilter(_OneLine())
+
+
+def build(guard: Guard, host: str, port: int, label: str) -> viser.ViserServer:
+    """Open the port and serve the page, guarded."""
+    plain = websockets.asyncio.server.serve
+    with _lock:
+        websockets.asyncio.server.serve = functools.partial(_serve, plain, guard)  # type: ignore[assignment, misc]
+        try:
+            # viser prints addresses, which lack the token
+            with contextlib.redirect_stdout(io.StringIO()):
+                server = viser.ViserServer(host=host, port=port, label=label, verbose=False)
+        finally:
+            websockets.asyncio.server.serve = plain  # type: ignore[misc]
+    guard.viser = server
+    return server
+
+
+def _serve(
+    plain: Callable[..., websockets.asyncio.server.serve],
+    guard: Guard,
+    handler: _Handler,
+    host: str,
+    port: int,
+    **options: Any,
+) -> websockets.asyncio.server.serve:
+    """What ``serve`` does, with a guard at the door."""
+    options.update(
+        process_request=functools.partial(guard.answer, options["process_request"]),
+        process_response=functools.partial(_add_headers, guard),
+        create_connection=functools.partial(GuardedConnection, guard),
+        max_size=MAX_MESSAGE,
+        open_timeout=_OPEN_TIMEOUT,
+        ping_timeout=_PING_TIMEOUT,
+        server_header=None,
+        logger=_protocol_log,
+    )
+    return plain(functools.partial(_handle, guard, handler), host, port, **options)
+
+
+async def _handle(guard: Guard, handler: _Handler, connection: ServerConnection) -> None:
+    """Run a tab's connection, counted."""
+    if guard.is_full:
+        # others came between its request and now
+        await connection.close(_TRY_AGAIN_LATER, "all places are taken")
+        return
+    guard.tabs.add(connection)
+    try:
+        await handler(connection)
+    finally:
+        guard.tabs.discard(connection)
+
+
+def _add_headers(
+    guard: Guard, connection: ServerConnection, request: Request, response: Response
+) -> None:
+    if response.status_code != http.HTTPStatus.SWITCHING_PROTOCOLS:
+        guard.secured(response)

@@ -1,0 +1,157 @@
+"""Messages that a tab may send, with the exact fields of each.
+
+Fields are those of viser 1.1.1. Whether a number makes sense is for the panel that reads it to say;
+here it must be a number.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, TypeAlias
+
+import msgspec
+
+MAX_UPLOAD = 50_000_000
+"""Bytes of one file."""
+MAX_PARTS = 4096
+
+_Id: TypeAlias = Annotated[str, msgspec.Meta(max_length=64)]
+_Name: TypeAlias = Annotated[str, msgspec.Meta(max_length=256)]
+_Text: TypeAlias = Annotated[str, msgspec.Meta(max_length=1_000_000)]
+_Pixels: TypeAlias = Annotated[float, msgspec.Meta(ge=0, le=100_000)]
+_Vec2: TypeAlias = tuple[float, float]
+_Vec3: TypeAlias = tuple[float, float, float]
+_Quaternion: TypeAlias = tuple[float, float, float, float]
+
+
+class _Message(msgspec.Struct, tag_field="type", forbid_unknown_fields=True, frozen=True):
+    """Fields of one message; one more or one less is refused."""
+
+
+class Camera(_Message, frozen=True, tag="ViewerCameraMessage"):
+    """The camera has moved."""
+
+    wxyz: _Quaternion
+    position: _Vec3
+    fov: float
+    near: float
+    far: float
+    image_height: _Pixels
+    image_width: _Pixels
+    look_at: _Vec3
+    up_direction: _Vec3
+
+
+class Value(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
+    """New value of a widget; what it may be depends on the widget."""
+
+    value: object
+
+
+class WidgetUpdate(_Message, frozen=True, tag="GuiUpdateMessage"):
+    """A widget was used; of a widget nothing but its value can be set."""
+
+    uuid: _Id
+    updates: Value
+
+
+class GizmoUpdate(_Message, frozen=True, tag="TransformControlsUpdateMessage"):
+    """A gizmo was moved."""
+
+    name: _Name
+    wxyz: _Quaternion
+    position: _Vec3
+    owner: _Id
+
+
+class GizmoDragStart(_Message, frozen=True, tag="TransformControlsDragStartMessage"):
+    """A gizmo was taken."""
+
+    name: _Name
+    owner: _Id
+
+
+class GizmoDragEnd(_Message, frozen=True, tag="TransformControlsDragEndMessage"):
+    """A gizmo was let go."""
+
+    name: _Name
+    owner: _Id
+
+
+class NodeClick(_Message, frozen=True, tag="SceneNodeClickMessage"):
+    """Something in the scene was clicked."""
+
+    name: _Name
+    instance_index: Annotated[int, msgspec.Meta(ge=0, le=10_000_000)] | None
+    ray_origin: _Vec3
+    ray_direction: _Vec3
+    screen_pos: _Vec2
+    modifier: Annotated[str, msgspec.Meta(max_length=32)] | None
+    owner: _Id
+
+
+class UploadStart(_Message, frozen=True, tag="FileTransferStartUpload"):
+    """A file is about to come."""
+
+    source_component_uuid: _Id
+    transfer_uuid: _Id
+    filename: _Name
+    mime_type: _Name
+    part_count: Annotated[int, msgspec.Meta(ge=0, le=MAX_PARTS)]
+    size_bytes: Annotated[int, msgspec.Meta(ge=0, le=MAX_UPLOAD)]
+
+
+class UploadPart(_Message, frozen=True, tag="FileTransferPart"):
+    """A part of it."""
+
+    source_component_uuid: _Id | None
+    transfer_uuid: _Id
+    part_index: Annotated[int, msgspec.Meta(ge=0, lt=MAX_PARTS)]
+    content: bytes
+
+
+class Command(_Message, frozen=True, tag="CommandTriggerMessage"):
+    """A command was chosen, or its key pressed."""
+
+    uuid: _Id
+
+
+class StoredItem(_Message, frozen=True, tag="LocalStorageGetItemResponseMessage"):
+    """What the server asked the browser's storage for."""
+
+    value: _Text | None
+    error: _Name | None
+    request_uuid: _Id
+
+
+class Picture(_Message, frozen=True, tag="GetRenderResponseMessage"):
+    """The picture that the server asked for."""
+
+    payload: bytes
+    render_uuid: _Id
+
+
+Message: TypeAlias = (
+    Camera
+    | WidgetUpdate
+    | GizmoUpdate
+    | GizmoDragStart
+    | GizmoDragEnd
+    | NodeClick
+    | UploadStart
+    | UploadPart
+    | Command
+    | StoredItem
+    | Picture
+)
+
+_DECODER: msgspec.msgpack.Decoder[Message] = msgspec.msgpack.Decoder(Message)
+
+
+def decode(frame: bytes | str) -> Message | None:
+    """Message in a frame; None where it is none that a tab may send."""
+    if isinstance(frame, str):
+        return None
+    try:
+        return _DECODER.decode(frame)
+    except (msgspec.MsgspecError, ValueError, RecursionError):
+        return None

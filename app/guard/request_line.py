@@ -1,0 +1,29 @@
+"""Check of a request's first line, before anything else reads it."""
+
+from __future__ import annotations
+
+import http
+import re
+
+MAX_PATH = 2048
+_MAX_SEGMENT = 200
+MAX_LINE = MAX_PATH + 64
+_LINE = re.compile(rb"([A-Z]{1,16}) ([\x21-\x7e]+) HTTP/1\.1\r?")
+
+
+def problem(line: bytes) -> http.HTTPStatus | None:
+    """What is wrong with the line, without its end; None for nothing."""
+    if len(line) > MAX_LINE:
+        return http.HTTPStatus.REQUEST_URI_TOO_LONG
+    match = _LINE.fullmatch(line)
+    if match is None:
+        return http.HTTPStatus.BAD_REQUEST
+    method, path = match[1], match[2]
+    if method != b"GET":
+        return http.HTTPStatus.METHOD_NOT_ALLOWED
+    segments = path.partition(b"?")[0].split(b"/")
+    if len(path) > MAX_PATH or max(map(len, segments)) > _MAX_SEGMENT:
+        return http.HTTPStatus.REQUEST_URI_TOO_LONG
+    if not path.startswith(b"/") or b"%00" in path:
+        return http.HTTPStatus.BAD_REQUEST
+    return None

@@ -1,0 +1,69 @@
+"""Headers that tell the browser what the page may do: run its own script, and load nothing else."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import re
+from pathlib import Path
+
+import viser
+from websockets.http11 import Response
+
+from app.guard.policy import Policy
+
+_CLIENT = "sha256-o/BTEGoB4UnTxqb+3RxwUFQZkWXpqUxouHkbDNrAkqE="
+"""Digest of the script that viser 1.1.1's page unpacks from itself, which a browser's console names
+where it is not allowed."""
+_SCRIPT = re.compile(r"<script(?![^>]*\bsrc=)[^>]*>(.+?)</script>", re.DOTALL)
+
+
+def security_headers(policy: Policy) -> dict[str, str]:
+    """Headers of every answer."""
+    headers = {
+        "Content-Security-Policy": _content_policy(policy),
+        "X-Content-Type-Options": "nosniff",
+        "Referrer-Policy": "no-referrer",
+        "Cross-Origin-Opener-Policy": "same-origin",
+        "Cross-Origin-Resource-Policy": "same-origin",
+        "Permissions-Policy": "camera=(), microphone=(), geolocation=()",
+    }
+    if not policy.embedders:
+        headers["X-Frame-Options"] = "SAMEORIGIN"
+    return headers
+
+
+def secure(response: Response, headers: dict[str, str]) -> None:
+    """Add the headers to an answer."""
+    for name, value in headers.items():
+        if name not in response.headers:
+            response.headers[name] = value
+
+
+def _content_policy(policy: Policy) -> str:
+    page = Path(viser.__file__).parent / "client" / "build" / "index.html"
+    scripts = _SCRIPT.findall(page.read_text(encoding="utf-8"))
+    digests = " ".join(f"'{digest}'" for digest in (*map(_digest, scripts), _CLIENT))
+    return "; ".join(
+        (
+            "default-src 'self'",
+            # eval: viser runs what the server sends as text, such as the tab's title
+            f"script-src 'self' {digests} 'unsafe-eval' 'wasm-unsafe-eval' blob:",
+            "worker-src 'self' blob: data:",
+            "style-src 'self' 'unsafe-inline'",
+            "img-src 'self' data: blob:",
+            "font-src 'self' data:",
+            "connect-src 'self' data: blob:",
+            "object-src 'none'",
+            "frame-src 'none'",
+            "base-uri 'none'",
+            "form-action 'none'",
+            " ".join(("frame-ancestors 'self'", *policy.embedders)),
+        )
+    )
+
+
+def _digest(script: str) -> str:
+    # browsers normalise line ends before they take the digest
+    content = script.replace("\r\n", "\n").encode()
+    return "sha256-" + base64.b64encode(hashlib.sha256(content).digest()).decode()

@@ -1,0 +1,43 @@
+"""Limits of the files that one tab sends."""
+
+from __future__ import annotations
+
+from pathlib import PurePosixPath
+from typing import Any
+
+from app.guard.messages import UploadPart, UploadStart
+
+MAX_TRANSFERS = 2
+"""Files that one tab sends at once."""
+
+
+class Uploads:
+    """Files on their way from one tab: what was announced of each and has not come yet."""
+
+    def __init__(self) -> None:
+        self._missing: dict[str, tuple[int, int]] = {}
+
+    def begins(self, start: UploadStart, button: Any) -> bool:
+        """Whether a file may come, of a kind that the button takes."""
+        kinds = [kind.strip().lower() for kind in str(button.mime_type).split(",")]
+        suffix = PurePosixPath(start.filename).suffix.lower()
+        named = [kind for kind in kinds if kind.startswith(".")]
+        if named and suffix not in named:
+            return False
+        if len(self._missing) >= MAX_TRANSFERS or start.transfer_uuid in self._missing:
+            return False
+        if start.part_count > 0:
+            self._missing[start.transfer_uuid] = (start.size_bytes, start.part_count)
+        return True
+
+    def continues(self, part: UploadPart) -> bool:
+        """Whether a part belongs to a file that was announced with room for it."""
+        size, count = self._missing.get(part.transfer_uuid, (0, 0))
+        size, count = size - len(part.content), count - 1
+        if size < 0 or count < 0:
+            return False
+        if count == 0:
+            del self._missing[part.transfer_uuid]
+        else:
+            self._missing[part.transfer_uuid] = (size, count)
+        return True

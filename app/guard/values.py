@@ -1,0 +1,47 @@
+"""Check of a widget's new value against the widget: viser casts and stores whatever comes."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, TypeGuard
+
+_MAX_TEXT = 10_000
+_MAX_INTEGER = 1e15
+
+
+def fits(widget: Any, value: object) -> bool:
+    """Whether ``value`` is of the kind that the widget holds.
+
+    A number may be out of the widget's range, or no finite one: typing passes through such numbers,
+    and the panel that reads them says what is wrong with the last.
+
+    Args:
+        widget: a viser handle with a value.
+        value: plain data as it came.
+    """
+    held = widget.value
+    options = getattr(widget, "options", None)
+    if options is not None:
+        return isinstance(value, str) and value in options
+    if isinstance(held, tuple):
+        return (
+            isinstance(value, list)
+            and len(value) == len(held)
+            and all(_like(old, new) for old, new in zip(held, value, strict=True))
+        )
+    return _like(held, value)
+
+
+def _like(held: object, value: object) -> bool:
+    if isinstance(held, bool):
+        return isinstance(value, bool)
+    if isinstance(held, int):
+        # viser casts it to int, which takes no nan and no infinity
+        return _is_number(value) and math.isfinite(value) and abs(value) < _MAX_INTEGER
+    if isinstance(held, float):
+        return _is_number(value)
+    return isinstance(held, str) and isinstance(value, str) and len(value) <= _MAX_TEXT
+
+
+def _is_number(value: object) -> TypeGuard[float]:
+    return isinstance(value, int | float) and not isinstance(value, bool)

@@ -1,0 +1,203 @@
+"""A guarded server, asked and talked to over the wire."""
+
+from __future__ import annotations
+
+import http.client
+import logging
+import math
+import socket
+from collections.abc import Iterator
+from typing import Any
+
+import msgspec
+import pytest
+from websockets.exceptions import InvalidStatus
+
+from abi.errors import AbiError
+from app.guard import token
+from app.guard.connection import MAX_REFUSED
+from app.guard.policy import policy_for
+from app.server import Server, start
+from app.session import Session
+from tests.app.fake_tab import FakeTab, until
+
+TOKEN = "a secret/ü"
+HEADERS = (
+    "content-security-policy",
+    "x-content-type-options",
+    "referrer-policy",
+    "x-frame-options",
+    "cross-origin-opener-policy",
+)
+
+
+@pytest.fixture(scope="module")
+def locked() -> Iterator[Server]:
+    """A server that needs a token and takes two tabs."""
+    running = start(port=0, plain=True, policy=policy_for("127.0.0.1", TOKEN, max_tabs=2))
+    yield running
+    running.stop()
+
+
+def ask(server: Server, path: str, **headers: str) -> tuple[int, dict[str, str], str]:
+    """Status, headers and text of an answer."""
+    connection = http.client.HTTPConnection("127.0.0.1", server.viser.get_port(), timeout=30)
+    connection.request("GET", path, headers=headers)
+    answer = connection.getresponse()
+    content = answer.read().decode()
+    connection.close()
+    return answer.status, {name.lower(): value for name, value in answer.getheaders()}, content
+
+
+def say(server: Server, line: bytes) -> bytes:
+    """All that comes back for raw bytes."""
+    with socket.create_connection(("127.0.0.1", server.viser.get_port()), timeout=30) as wire:
+        wire.sendall(line)
+        return b"".join(iter(lambda: wire.recv(65536), b""))
+
+
+def test_the_link_leads_to_a_cookie_and_the_cookie_to_the_page(locked: Server) -> None:
+    assert ask(locked, "/")[0] == 401
+    assert ask(locked, "/?token=wrong")[0] == 401
+    assert ask(locked, "/", Cookie="abi_token=x")[0] == 401
+    path = locked.link.removeprefix(locked.url)
+    status, headers, _ = ask(locked, f"{path}&darkMode=1")
+    assert (status, headers["location"]) == (303, "./?darkMode=1")
+    cookie = headers["set-cookie"].partition(";")[0]
+    status, headers, page = ask(locked, "/", Cookie=cookie)
+    assert status == 200
+    assert '<div id="root">' in page
+    assert all(name in headers for name in HEADERS)
+
+    for good, extra in ((True, {"Cookie": cookie}), (False, {}), (False, {"Cookie": cookie[:-1]})):
+        if good:
+            FakeTab(locked.url, extra).close()
+        else:
+            with pytest.raises(InvalidStatus, match="401"):
+                FakeTab(locked.url, extra)
+
+
+def test_a_foreign_host_or_origin_is_refused_and_the_page_s_own_is_not(server: Server) -> None:
+    assert ask(server, "/", Host="evil.example")[0] == 403
+    for origin in ("https://evil.example", "null", server.url.replace("http", "https", 1) + "0"):
+        with pytest.raises(InvalidStatus, match="403"):
+            FakeTab(server.url, {"Origin": origin})
+    until(lambda: not server.sessions)
+    FakeTab(server.url, {"Origin": server.url}).close()
+    until(lambda: not server.sessions)
+
+
+def test_one_tab_too_many_is_told_so_kindly(locked: Server) -> None:
+    cookie = {"Cookie": token.cookie(TOKEN, locked.viser.get_port(), False).partition(";")[0]}
+    until(lambda: not locked.sessions)
+    tabs = [FakeTab(locked.url, cookie) for _ in range(2)]
+    until(lambda: len(locked.guard.tabs) == 2)
+    status, headers, page = ask(locked, "/", **cookie)
+    assert status == 503
+    assert "All places are taken" in page
+    assert all(name in headers for name in HEADERS)
+    with pytest.raises(InvalidStatus, match="503"):
+        FakeTab(locked.url, cookie)
+    tabs[0].close()
+    until(lambda: len(locked.guard.tabs) == 1)
+    assert ask(locked, "/", **cookie)[0] == 200
+    tabs[1].close()
+    until(lambda: not locked.sessions)
+
+
+@pytest.mark.parametrize(
+    ("line", "status"),
+    [
+        (b"POST / HTTP/1.1\r\nHost: localhost\r\nContent-Length: 3\r\n\r\nabc", 405),
+        (b"HEAD / HTTP/1.1\r\nHost: localhost\r\n\r\n", 405),
+        (b"GET /" + b"a" * 300 + b" HTTP/1.1\r\nHost: localhost\r\n\r\n", 414),
+        (b"GET /" + b"a/" * 5000 + b" HTTP/1.1\r\nHost: localhost\r\n\r\n", 414),
+        (b"GET / HTTP/1.0\r\n\r\n", 400),
+        (b"GET  / HTTP/1.1\r\nHost: localhost\r\n\r\n", 400),
+        (b"GET http://evil.example/ HTTP/1.1\r\nHost: localhost\r\n\r\n", 400),
+        (b"GET /%00 HTTP/1.1\r\nHost: localhost\r\n\r\n", 400),
+        (b"\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03\n", 400),
+        (b"GET /../../etc/passwd HTTP/1.1\r\nHost: localhost\r\n\r\n", 404),
+        (b"GET /%2e%2e/%2e%2e/etc/passwd HTTP/1.1\r\nHost: localhost\r\n\r\n", 404),
+        (b"GET /%ff%fe HTTP/1.1\r\nHost: localhost\r\n\r\n", 404),
+        (b"GET /assets HTTP/1.1\r\nHost: localhost\r\n\r\n", 404),
+        (b"GET / HTTP/1.1\r\n\r\n", 403),
+        (b"GET / HTTP/1.1\r\nHost: localhost\r\nUpgrade: websocket\r\n\r\n", 426),
+    ],
+)
+def test_odd_requests_get_a_clean_answer(
+    server: Server, caplog: pytest.LogCaptureFixture, line: bytes, status: int
+) -> None:
+    with caplog.at_level(logging.INFO, "abi.web"):
+        answer = say(server, line)
+    assert answer.startswith(b"HTTP/1.1 %d " % status)
+    assert b"\r\nContent-Security-Policy: " in answer
+    assert not any(record.exc_info for record in caplog.records)
+
+
+def test_health_is_told_without_a_token(locked: Server) -> None:
+    assert ask(locked, "/healthz", Host="evil.example")[::2] == (200, "ok\n")
+
+
+def test_malformed_messages_are_dropped_and_many_of_them_close_only_their_tab(
+    server: Server, tab: tuple[FakeTab, Session], caplog: pytest.LogCaptureFixture
+) -> None:
+    fake, session = tab
+    pitch = session.panels.stages.mesh.pitch
+    frames: list[bytes | str] = [
+        "text",
+        b"\xc1",
+        msgspec.msgpack.encode({"type": "ShareUrlRequest"}),
+    ]
+    for frame in frames:
+        fake.send_raw(frame)
+    updates: list[Any] = [{"removed": True}, {"update_cb": []}, {"value": 1.0, "label": "x"}, [], 1]
+    for update in updates:
+        fake.send({"type": "GuiUpdateMessage", "uuid": pitch._impl.uuid, "updates": update})
+    for value in ("junk", None, [math.nan], {"a": 1}, True):
+        fake.set(pitch, value)
+    fake.set(pitch, 0.9)
+    until(lambda: session.plan.scene.mesh.pitch == 0.9)  # type: ignore[union-attr]
+
+    known = set(server.sessions)
+    hostile = FakeTab(server.url)
+    until(lambda: bool(set(server.sessions) - known))
+    (number,) = set(server.sessions) - known
+    for _ in range(MAX_REFUSED + 1):
+        hostile.send_raw(b"\xc1")
+    until(lambda: number not in server.sessions)
+    hostile.close()
+    fake.set(pitch, 1.0)
+    until(lambda: session.plan.scene.mesh.pitch == 1.0)  # type: ignore[union-attr]
+    assert not any(record.exc_info for record in caplog.records)
+
+
+def test_a_file_that_no_button_takes_is_not_stored(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    upload = session.panels.files.upload
+    begin = {
+        "type": "FileTransferStartUpload",
+        "source_component_uuid": upload._impl.uuid,
+        "mime_type": "",
+        "part_count": 1,
+    }
+    for name, size in (("scene.exe", 3), ("scene.yaml", 10**12)):
+        fake.send({**begin, "transfer_uuid": name, "filename": name, "size_bytes": size})
+    part = {"type": "FileTransferPart", "source_component_uuid": None, "part_index": 0}
+    fake.send({**part, "transfer_uuid": "scene.exe", "content": b"abc"})
+    fake.set(session.panels.stages.mesh.pitch, 0.8)
+    until(lambda: session.plan.scene.mesh.pitch == 0.8)  # type: ignore[union-attr]
+    assert session.client.gui._current_file_upload_states == {}
+    assert session.panels.files.upload.value.content == b""
+
+
+def test_a_busy_port_ends_with_a_sentence(server: Server) -> None:
+    port = server.viser.get_port()
+    with pytest.raises(AbiError, match=f"--port is {port}, which another program uses"):
+        start(port=port)
+    with socket.socket() as busy:
+        busy.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        busy.bind(("127.0.0.1", 65535))
+        busy.listen()
+        with pytest.raises(AbiError, match="65535"):
+            start(port=65535)
