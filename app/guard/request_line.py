@@ -5,9 +5,10 @@ from __future__ import annotations
 import http
 import re
 
-MAX_PATH = 2048
+MAX_LINE = 8000
+"""Characters of the line; a link to a tab's state has most of them."""
 _MAX_SEGMENT = 200
-MAX_LINE = MAX_PATH + 64
+_MAX_SEGMENTS = 20
 _LINE = re.compile(rb"([A-Z]{1,16}) ([\x21-\x7e]+) HTTP/1\.1\r?")
 
 
@@ -22,7 +23,7 @@ def problem(line: bytes) -> http.HTTPStatus | None:
     if method != b"GET":
         return http.HTTPStatus.METHOD_NOT_ALLOWED
     segments = path.partition(b"?")[0].split(b"/")
-    if len(path) > MAX_PATH or max(map(len, segments)) > _MAX_SEGMENT:
+    if len(segments) > _MAX_SEGMENTS or max(map(len, segments)) > _MAX_SEGMENT:
         return http.HTTPStatus.REQUEST_URI_TOO_LONG
     if not path.startswith(b"/") or b"%00" in path:
         return http.HTTPStatus.BAD_REQUEST

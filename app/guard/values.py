@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from typing import Any, TypeGuard
 
-_MAX_TEXT = 10_000
+_MAX_TEXT = 1_000_000
+"""Letters; a page reports its state, a whole scene, as a text."""
 _MAX_INTEGER = 1e15
 
 
