@@ -154,6 +154,7 @@ def run(code: str, *arguments: str, **environment: str) -> str:
     return out.stdout
 
 
+@pytest.mark.slow
 def test_the_second_plan_of_a_script_runs_compiled() -> None:
     abi.compile()
     first, second = map(float, run(PLANS, "3").split()[:2])
@@ -203,11 +204,13 @@ def test_after_an_edit_only_what_depends_on_it_is_compiled_anew(tmp_path: Path) 
     assert len(list(tmp_path.rglob("*.nbi"))) == kept
 
 
+@pytest.mark.slow
 def test_without_a_compiler_all_runs_as_python() -> None:
     code = "import abi; abi.compile(); print(abi.plan(abi.load_scene('paper')).error)"
     assert run(code, NUMBA_DISABLE_JIT="1").strip() == "None"
 
 
+@pytest.mark.slow
 def test_where_nothing_can_be_kept_one_kernel_is_compiled_where_it_is(tmp_path: Path) -> None:
     code = """
 from abi.tet_mesh import exclusion_kernels

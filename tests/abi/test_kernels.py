@@ -31,6 +31,7 @@ def some_spline(random: np.random.Generator) -> BSpline:
     return clamped(random.uniform(0, 6, (degree + int(random.integers(1, 9)), 3)), degree)
 
 
+@pytest.mark.slow
 @settings(max_examples=150, deadline=None)
 @given(seeds, st.integers(2, 6), st.booleans())
 def test_polylines_are_as_near_as_their_nearest_segment(seed: int, size: int, snap: bool) -> None:

@@ -35,6 +35,7 @@ def test_the_mesh_shown_has_the_start_where_it_is(tab: tuple[FakeTab, Session]) 
     assert np.linalg.norm(nodes - np.array(place), axis=1).min() < 1e-4
 
 
+@pytest.mark.slow
 def test_the_part_of_a_fine_mesh_that_is_shown_goes_with_the_path(
     tab: tuple[FakeTab, Session],
 ) -> None:
@@ -64,6 +65,7 @@ def test_the_ground_is_below_the_arm(tab: tuple[FakeTab, Session]) -> None:
         until(lambda z=height: z - 0.1 < layer(session, WorkspaceLayer)._grid.position[2] < z)  # type: ignore[misc, union-attr]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "scene",
     [

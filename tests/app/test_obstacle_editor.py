@@ -60,6 +60,7 @@ def boxes(session: Session) -> dict[str, list[float]]:
     return {name: list(value) for name, value in numbers.items()}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["two-boxes", "forest", "no-way"])
 def test_another_scene_is_in_the_numbers(tab: tuple[FakeTab, Session], name: str) -> None:
     fake, session = tab
@@ -127,6 +128,7 @@ def test_while_a_number_is_wrong_the_rest_goes_on(
     assert len(sent) == 1
 
 
+@pytest.mark.slow
 def test_a_wrong_number_is_told_of_until_it_is_mended(tab: tuple[FakeTab, Session]) -> None:
     fake, session = tab
     note = session.panels.stage_headers._notes["quadratic"]

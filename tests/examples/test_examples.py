@@ -26,6 +26,7 @@ def test_runs_and_prints_numbers(
     assert err == ""
 
 
+@pytest.mark.slow
 def test_runs_as_a_command_from_any_folder(tmp_path: Path) -> None:
     done = subprocess.run(
         [sys.executable, str(SCRIPTS[0])], cwd=tmp_path, capture_output=True, text=True, check=True

@@ -313,6 +313,7 @@ def test_link_clearance_is_the_least_distance_of_dense_samples(seed: int, count:
     assert there == pytest.approx(float(distances.min()), abs=0.02)
 
 
+@pytest.mark.slow
 @settings(max_examples=40, deadline=None)
 @given(SEED, st.integers(0, 2))
 def test_the_links_are_as_far_from_a_mesh_as_from_the_solid_it_bounds(

@@ -77,6 +77,7 @@ curves = st.builds(
 some_obstacles = st.sets(st.sampled_from(OBSTACLES), min_size=1).map(tuple)
 
 
+@pytest.mark.slow
 @given(curves, some_obstacles, st.floats(-0.5, 1.5), st.sampled_from([1e-1, 1e-3, 1e-5]))
 @settings(max_examples=120, deadline=None)
 def test_no_dense_sample_contradicts_the_measurement(

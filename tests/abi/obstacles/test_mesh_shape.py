@@ -119,6 +119,7 @@ def test_a_mesh_of_a_sphere_is_the_sphere_but_for_its_facets() -> None:
     assert toward[away & (np.linalg.norm(points - (1, 2, 3), axis=1) > 0.3)].min() > 0.9
 
 
+@pytest.mark.slow
 @settings(max_examples=12, deadline=None)
 @given(names, seeds)
 def test_distances_are_those_of_the_nearest_triangle(name: str, seed: int) -> None:
@@ -175,6 +176,7 @@ def test_moving_mesh_and_points_together_changes_nothing(name: str, seed: int) -
     np.testing.assert_allclose(corners.max(axis=(0, 1)), high, atol=tolerance)
 
 
+@pytest.mark.slow
 @settings(max_examples=25, deadline=None)
 @given(names, seeds)
 def test_no_sample_of_a_segment_is_nearer_than_its_distance(name: str, seed: int) -> None:

@@ -207,6 +207,7 @@ def test_gradient_agrees_with_central_differences(solid: Obstacle) -> None:
     np.testing.assert_allclose(solid.gradient(points)[smooth], differences[smooth], atol=1e-4)
 
 
+@pytest.mark.slow
 @given(aligned, ends, st.lists(ends, min_size=1, max_size=8))
 @settings(max_examples=300, deadline=None)
 def test_gradient_is_a_unit_subgradient_everywhere(
@@ -261,6 +262,7 @@ def test_segment_of_no_length_is_a_point(
     np.testing.assert_allclose(solid.segment_distance(p, p + length), at_p, atol=2 * length + 1e-14)
 
 
+@pytest.mark.slow
 @given(solids, triples, triples, st.floats(0.05, 3))
 @settings(max_examples=200, deadline=None)
 def test_a_segment_is_as_near_as_its_nearer_part(

@@ -241,6 +241,7 @@ def test_the_obstacle_that_shuts_the_way_is_named() -> None:
     assert passes(plan(more.replace(obstacles=left)), "search")
 
 
+@pytest.mark.slow
 @settings(max_examples=25, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(
     start=points,

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -36,6 +37,7 @@ def test_a_mesh_that_is_too_fine_is_made_just_coarse_enough(
     assert coarser.model_copy(update={"mesh": scene.mesh}) == scene
 
 
+@pytest.mark.slow
 @settings(max_examples=60, deadline=None)
 @given(rate=st.floats(300, 60_000), pitch=st.floats(0.07, 0.2))
 def test_it_learns_how_many_nodes_fit_a_frame_and_stays_there(rate: float, pitch: float) -> None:

@@ -53,6 +53,7 @@ scenes = st.fixed_dictionaries(
 )
 
 
+@pytest.mark.slow
 @settings(max_examples=100, deadline=None)
 @given(scenes, st.sampled_from(["scene.yaml", "scene.json"]))
 def test_a_saved_scene_loads_equal_to_itself(data: dict[str, Any], name: str) -> None:
@@ -134,6 +135,7 @@ def test_what_is_no_scene_at_all_is_refused(data: object) -> None:
         ("a.yaml", "#" * 400_001, "400 kB"),
         ("a.yaml", "a: \x00", "YAML"),
     ],
+    ids=lambda value: value[:12] if isinstance(value, str) else None,
 )
 def test_hostile_files_get_one_sentence(name: str, text: str, words: str) -> None:
     with pytest.raises(SceneError) as caught:

@@ -58,6 +58,7 @@ def outcome(make: Callable[[], Scene]) -> Scene | str:
         return f"{error.field}: {error}"
 
 
+@pytest.mark.slow
 @given(changes=CHANGES)
 def test_a_change_makes_what_all_the_plain_data_would_make(changes: dict[str, Any]) -> None:
     scene = load_scene("paper")

@@ -4,6 +4,7 @@ import itertools
 from typing import Any
 
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -30,6 +31,7 @@ def blocked(obstacles: tuple[Primitive, ...], margin: float, p: FloatArray, q: F
     return bool(sight.blocked(solids, margins, 0, tuple(p.tolist()), tuple(q.tolist())))
 
 
+@pytest.mark.slow
 @settings(max_examples=300, deadline=None)
 @given(obstacles, points, points, st.floats(-0.3, 1))
 def test_a_line_of_sight_is_what_the_exact_distance_says(

@@ -100,6 +100,7 @@ def explicit(
     return edges, {(int(a), int(b)) for a, b in made.edges[loose & ~tight]}
 
 
+@pytest.mark.slow
 @settings(max_examples=150, deadline=None, suppress_health_check=list(HealthCheck))
 @given(cases(), st.booleans())
 def test_the_graph_is_what_its_definition_says(case: Any, compiled: bool) -> None:
@@ -172,6 +173,7 @@ def test_what_is_passed_over_in_a_fine_lattice_is_clear(
             assert set(map(tuple, found.edges.tolist())) ^ set(expected) <= ties
 
 
+@pytest.mark.slow
 @settings(max_examples=150, deadline=None, suppress_health_check=list(HealthCheck))
 @given(cases(), st.sampled_from(["length", "hops"]), st.booleans())
 def test_the_searches_find_what_scipy_finds_in_the_table(

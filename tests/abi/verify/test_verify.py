@@ -492,6 +492,7 @@ def past_the_blob() -> tuple[Data, MeshSource]:
     return as_plan(curve, (shape,), result), MeshSource({"blob.stl": surface})
 
 
+@pytest.mark.slow
 def test_certificates_of_meshes_are_accepted_and_damaged_ones_refused() -> None:
     data, files = past_the_blob()
     assert verdict(data, folder=files).proven

@@ -75,6 +75,7 @@ def test_offsets_lead_from_the_closest_point(name: str, seed: int) -> None:
         assert exactly(x - offset, vertices[faces[triangle]]) <= closest.error
 
 
+@pytest.mark.slow
 @settings(max_examples=300, deadline=None)
 @given(st.floats(-17, 0), st.sampled_from(["needle", "cap", "lattice"]), seeds)
 def test_no_triangle_is_too_thin(power: float, kind: str, seed: int) -> None:
@@ -102,6 +103,7 @@ def test_no_triangle_is_too_thin(power: float, kind: str, seed: int) -> None:
     np.testing.assert_allclose(found, expected, atol=closest.error, rtol=1e-14)
 
 
+@pytest.mark.slow
 @settings(max_examples=40, deadline=None)
 @given(st.floats(-17, -2), seeds)
 def test_slivers_shorten_a_distance_but_never_lengthen_it(power: float, seed: int) -> None:

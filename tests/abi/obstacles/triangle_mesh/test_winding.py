@@ -108,6 +108,7 @@ def beside(
     return on, gap * normal / np.linalg.norm(normal, axis=1, keepdims=True)
 
 
+@pytest.mark.slow
 @settings(max_examples=25, deadline=None)
 @given(names, seeds)
 def test_the_numbers_are_the_sums_of_all_solid_angles(name: str, seed: int) -> None:
@@ -122,6 +123,7 @@ def test_the_numbers_are_the_sums_of_all_solid_angles(name: str, seed: int) -> N
     assert finer < 1e-3
 
 
+@pytest.mark.slow
 def test_a_far_group_is_one_dipole() -> None:
     """Also around open surfaces the error falls faster than the opening grows."""
     rng = np.random.default_rng(0)
