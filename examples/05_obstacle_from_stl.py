@@ -45,5 +45,5 @@ assert plan.error is None and plan.bspline is not None and plan.taut is not None
 middle = plan.bspline.curve(0.5)
 away = float(((middle - scene.obstacles[0].position) ** 2).sum() ** 0.5)
 print(f"half-way the curve is {away:.2f} cm from the ring's centre; the hole's radius is 1.4 cm")
-print(f"taut path {plan.taut.length:.3f} cm, straight line {plan.lower_bound:.3f} cm")
+print(f"taut path {plan.taut.length:.3f} cm, straight line {plan.straight_length:.3f} cm")
 print(f"proven clearance: {plan.bspline.clearance.distance:.4f} cm")

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from functools import lru_cache
+from typing import assert_never
 
 import numpy as np
 
 from abi.arrays import FloatArray, read_only
 from abi.obstacles.pose import rotation
 from abi.obstacles.primitive_kernels import WIDTH
-from abi.obstacles.primitives import Box, Capsule, Cylinder, Primitive
+from abi.obstacles.primitives import Box, Capsule, Cylinder, Primitive, Sphere
 
 
 def pack(primitives: tuple[Primitive, ...]) -> FloatArray:
@@ -47,5 +48,8 @@ def _core(primitive: Primitive) -> tuple[float, float, float, float, float]:
         return x / 2, y / 2, z / 2, 0.0, 0.0
     if isinstance(primitive, Cylinder):
         return primitive.radius, primitive.radius, primitive.height / 2, 0.0, 1.0
-    height = primitive.height if isinstance(primitive, Capsule) else 0.0
-    return 0.0, 0.0, height / 2, primitive.radius, 0.0
+    if isinstance(primitive, Capsule):
+        return 0.0, 0.0, primitive.height / 2, primitive.radius, 0.0
+    if isinstance(primitive, Sphere):
+        return 0.0, 0.0, 0.0, primitive.radius, 0.0
+    assert_never(primitive)

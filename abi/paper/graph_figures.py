@@ -152,4 +152,4 @@ def _detour(scene: Scene, pitch: float) -> float:
         )
     )
     assert result.path is not None
-    return result.path.length / result.lower_bound
+    return result.path.length / result.straight_length

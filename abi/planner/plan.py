@@ -61,7 +61,7 @@ class Plan:
         return {"bspline": self.bspline, "quadratic": self.quadratic}.get(self.followed or "")
 
     @property
-    def lower_bound(self) -> float:
+    def straight_length(self) -> float:
         """Length of the straight line from start to goal, [unit]: no curve is shorter."""
         return float(np.linalg.norm(np.subtract(self.scene.goal, self.scene.start)))
 

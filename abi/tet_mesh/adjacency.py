@@ -11,6 +11,8 @@ from abi.tet_mesh.stencil import Stencil
 
 NO_IDS: IntArray = read_only(np.zeros(0, dtype=np.int32))
 NO_NUMBERS: FloatArray = read_only(np.zeros(0))
+KINDS = {"bcc": BCC, "kuhn": KUHN}
+"""Lattices by name, as the kernels know them."""
 
 
 def of_lattice(stencil: Stencil, nodes: int) -> Net:
@@ -18,7 +20,7 @@ def of_lattice(stencil: Stencil, nodes: int) -> Net:
     nx, ny, nz = stencil.cells
     directions = len(stencil.lengths)
     shape = Shape(
-        kind=BCC if stencil.cross else KUHN,
+        kind=KINDS[stencil.lattice],
         nx=nx,
         ny=ny,
         nz=nz,

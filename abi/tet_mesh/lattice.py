@@ -58,21 +58,20 @@ def edges(lattice: str, values: Values, cells: Cells) -> Iterator[tuple[Values, 
         values: (n,), one value per node.
         cells: cubes along each axis.
     """
-    return (_kuhn_edges if lattice == "kuhn" else _bcc_edges)(values, cells)
+    return _EDGES[lattice](values, cells)
 
 
 def tetrahedra(lattice: str, values: Values, cells: Cells) -> Iterator[Corners]:
     """Families of tetrahedra: values at the four corners, in positive order.
 
-    Positive: the last three corners turn counter-clockwise as seen from the first's far side, that
-    is (b - a) × (c - a) · (d - a) > 0.
+    Positive: (b - a) × (c - a) · (d - a) > 0.
 
     Args:
         lattice: ``bcc`` or ``kuhn``.
         values: (n,), one value per node.
         cells: cubes along each axis.
     """
-    return (_kuhn_tetrahedra if lattice == "kuhn" else _bcc_tetrahedra)(values, cells)
+    return _TETRAHEDRA[lattice](values, cells)
 
 
 def _kuhn_edges(values: Values, cells: Cells) -> Iterator[tuple[Values, Values, Step]]:
@@ -150,3 +149,7 @@ def _at(corners: Values, place: Iterable[int], cells: Cells) -> Values:
 def _facing(values: Values, axis: int) -> Values:
     """``values`` with ``axis`` first, the other two in the order that keeps them right-handed."""
     return values.transpose(axis, (axis + 1) % 3, (axis + 2) % 3)
+
+
+_EDGES = {"bcc": _bcc_edges, "kuhn": _kuhn_edges}
+_TETRAHEDRA = {"bcc": _bcc_tetrahedra, "kuhn": _kuhn_tetrahedra}

@@ -21,6 +21,11 @@ from abi.tet_mesh.lattice import Cells, Step
 _KUHN = tuple(step for step in product((0, 2), repeat=3) if any(step))
 _CROSS = tuple((1 - 2 * x, 1 - 2 * y, 1 - 2 * z) for x, y, z in product((0, 1), repeat=3))
 _BCC = ((2, 0, 0), (0, 2, 0), (0, 0, 2), (0, 2, 2), (2, 0, 2), (2, 2, 0))
+_STEPS: dict[str, tuple[tuple[tuple[int, ...], ...], tuple[tuple[int, ...], ...]]] = {
+    "bcc": (_CROSS, _BCC),
+    "kuhn": ((), _KUHN),
+}
+"""Of each lattice: steps from a corner to the centres around it, and those between like nodes."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,7 +58,7 @@ class Stencil:
     @classmethod
     def of(cls, name: str, low: FloatArray, high: FloatArray, cells: Cells) -> Stencil:
         """The stencil of the lattice that divides the box ``low``..``high``, [unit]."""
-        cross, paired = (_CROSS, _BCC) if name == "bcc" else ((), _KUHN)
+        cross, paired = _STEPS[name]
         both = [tuple(sign * s for s in step) for step in paired for sign in (1, -1)]
         steps = np.array([*cross, *both], dtype=np.int32)
         _, ny, nz = cells

@@ -25,9 +25,9 @@ _CORNER_PAIRS = np.array([(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)])
 _JITTER = 0.3
 """Largest displacement of a node along each axis, in cells; below 0.5 nodes keep their order."""
 
-_FLAT = 1e-9
-"""Tetrahedra below this part of a cell's volume are flat: Delaunay's way to fill nothing where more
-than four nodes lie on one sphere."""
+_SLIVER = 1e-9
+"""Part of a cell's volume below which a tetrahedron is left out: where more than four nodes lie on
+one sphere, Delaunay's triangulation has tetrahedra without volume."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,7 +151,7 @@ def tetrahedralise(workspace: Workspace, settings: MeshSettings) -> TetMesh:
     cells = settings.cells(workspace)
     cube = np.asarray(workspace.size) / cells
     if settings.lattice == "delaunay":
-        return _irregular(workspace, cells, cube, settings.seed)
+        return _jittered_delaunay(workspace, cells, cube, settings.seed)
     low, high = np.array(workspace.min), np.array(workspace.max)
     stencil = Stencil.of(settings.lattice, low, high, cells)
     return TetMesh(
@@ -184,7 +184,7 @@ def volumes(points: FloatArray, tetrahedra: IntArray) -> FloatArray:
     return np.asarray(np.einsum("ij,ij->i", np.cross(b - a, c - a), d - a) / 6)
 
 
-def _irregular(workspace: Workspace, cells: Cells, cube: FloatArray, seed: int) -> TetMesh:
+def _jittered_delaunay(workspace: Workspace, cells: Cells, cube: FloatArray, seed: int) -> TetMesh:
     """The grid with displaced nodes; a node on a face of the box is not moved out of its plane."""
     points = lattice.grid(workspace.min, workspace.max, cells)
     inside = (points > np.asarray(workspace.min)) & (points < np.asarray(workspace.max))
@@ -209,4 +209,4 @@ def _delaunay(points: FloatArray, cells: Cells) -> IntArray:
     volume = volumes(points, tetrahedra)
     tetrahedra[volume < 0] = tetrahedra[volume < 0][:, [0, 1, 3, 2]]
     cube = np.prod(np.ptp(points, axis=0) / cells)
-    return np.asarray(tetrahedra[np.abs(volume) > _FLAT * cube])
+    return np.asarray(tetrahedra[np.abs(volume) > _SLIVER * cube])

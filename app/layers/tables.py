@@ -105,7 +105,7 @@ def _times(plan: Plan) -> str:
 def _stages(plan: Plan) -> str:
     """Length, gap to the optimum and clearance of each stage's result."""
     required = plan.scene.spline.clearance
-    shortest = plan.lower_bound if plan.optimum is None else plan.optimum.length
+    shortest = plan.straight_length if plan.optimum is None else plan.optimum.length
     rows = []
     if plan.path is not None:
         label, colour = style.ALGORITHMS[plan.path.algorithm]

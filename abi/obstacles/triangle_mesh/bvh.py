@@ -9,7 +9,7 @@ import numpy as np
 
 from abi.arrays import FloatArray, IntArray, read_only
 
-_LEAF = 4  # triangles, about
+_LEAF = 4  # triangles a leaf has, about: fewer cost memory, more cost tests
 
 
 class TriangleTree(NamedTuple):

@@ -444,7 +444,7 @@ def test_the_paper_shortens_stage_by_stage() -> None:
 
     assert max(lengths) - min(lengths) <= 1e-9 * max(lengths)
     assert made.path.length > made.bspline_arc.length > made.quadratic_arc.length
-    assert made.quadratic_arc.length > made.lower_bound
+    assert made.quadratic_arc.length > made.straight_length
 
 
 @pytest.mark.parametrize("name", ["paper", "two-boxes", "forest"])
