@@ -17,6 +17,7 @@ from app.commands.plan import plan
 from app.commands.reproduce import reproduce
 from app.commands.serve import serve
 from app.commands.verify import verify
+from app.versions import version_text
 
 
 class _DefaultGroup(click.Group):
@@ -28,8 +29,21 @@ class _DefaultGroup(click.Group):
         return super().parse_args(ctx, args)
 
 
+def _print_versions(ctx: click.Context, parameter: click.Parameter, asked: bool) -> None:
+    if asked:
+        click.echo(version_text())
+        ctx.exit()
+
+
 @click.group(cls=_DefaultGroup)
-@click.version_option(package_name="abi-visualiser", prog_name="abi")
+@click.option(
+    "--version",
+    is_flag=True,
+    is_eager=True,
+    expose_value=False,
+    callback=_print_versions,
+    help="Show the versions that matter and stop.",
+)
 def cli() -> None:
     """Plan a smooth, clear path for a robot's tool, and see every stage of it."""
 

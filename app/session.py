@@ -20,7 +20,8 @@ from abi.planner.diagnosis import explain
 from abi.planner.live_planner import LivePlanner
 from abi.planner.plan import Plan
 from abi.scene.scene import Scene
-from app import page
+from app import metrics, page
+from app.bug_report import bug_report, describe_fault
 from app.camera import Viewpoint
 from app.frame import Drawable, Frame, Switchable
 from app.layers.catalogue import LAYERS, SLOW_LAYERS
@@ -30,10 +31,12 @@ from app.panels.playback import PlaybackPanel
 from app.tab_memory import Report, TabMemory
 from app.tab_state import TabState
 
-_log = logging.getLogger(__name__)
+_log = logging.getLogger("abi.tab")
 
 SLOW_MS = 120.0
 """Where the last plan took longer, it is drawn in grey while the next is made."""
+LOGGED_MS = 1000.0
+"""A plan that takes longer has a line in the log."""
 REST = 0.3
 """Seconds without input that make a pause: time to plan in full, and to diagnose."""
 IDLE = 1.0
@@ -69,8 +72,9 @@ class Session:
         self.plans = 0
         self._scene = scene
         self._planner = LivePlanner(compile=False)
-        self._last_input = 0.0
+        self._last_input = self._woken = 0.0
         self._diagnosed: Plan | None = None
+        self._fault: str | None = None
         self._changed = threading.Event()
         self._planned = planned
         self._closing = False
@@ -85,6 +89,10 @@ class Session:
             target=self._work, name=f"tab-{client.client_id}", daemon=True
         )
         self._worker.start()
+        self._opened = time.monotonic()
+        metrics.SESSIONS.inc()
+        metrics.TABS.inc()
+        _log.info("tab opened", extra={"tab": client.client_id})
 
     def close(self) -> None:
         """End the worker of a closed tab."""
@@ -92,6 +100,10 @@ class Session:
         self._changed.set()
         if threading.current_thread() is not self._worker:
             self._worker.join(timeout=5)
+        metrics.TABS.dec()
+        seconds = time.monotonic() - self._opened
+        fields = {"tab": self.client.client_id, "seconds": seconds, "plans": self.plans}
+        _log.info("tab closed", extra=fields)
 
     @property
     def plan(self) -> Plan | None:
@@ -111,6 +123,8 @@ class Session:
         viser leaves coroutines behind when it stops.
         """
         if getattr(event, "client", None) is not None:
+            if not self._changed.is_set():
+                self._woken = time.monotonic()
             self._changed.set()
 
     def _build(self, name: str, scene: Scene, dark: bool) -> None:
@@ -143,12 +157,14 @@ class Session:
                         self._use_pause()
                     self._draw(self.frame)
                 self._memory.keep(self._state())
-            except Exception:
-                _log.exception("tab %s", self.client.client_id)
+            except Exception as error:
+                self._fault = describe_fault(error)
+                metrics.FAULTS.inc()
+                _log.exception("fault", extra={"tab": self.client.client_id})
                 self.client.add_notification(
                     "This did not work",
                     "The visualiser met a fault of its own; the last picture stays. "
-                    "Details are in the server's log.",
+                    "The Scene tab has a text for a bug report.",
                     color="red",
                     auto_close_seconds=8,
                 )
@@ -180,11 +196,13 @@ class Session:
         self.panels.files.save_if_requested(self._scene)
         if self.panels.exports.requested:
             self._export()
+        if self.panels.bug_report.requested:
+            self.panels.bug_report.send(bug_report(self.frame, self._fault))
 
     def _export(self) -> None:
         """Send the plan as a file, in full."""
         if self._planner.partial:
-            self._show(self._planner.finish(self._scene))
+            self._show(self._observed(self._planner.finish(self._scene)))
         self.panels.exports.send(self.frame.plan)
 
     def _restore(self, report: Report) -> bool:
@@ -225,7 +243,18 @@ class Session:
         self._scene = scene
         if self.frame.plan.total_ms > SLOW_MS:
             self._draw(replace(self.frame, outdated=True))
-        return self._planner(scene)
+        return self._observed(self._planner(scene))
+
+    def _observed(self, plan: Plan) -> Plan:
+        """The plan, counted."""
+        metrics.observe_plan(plan.total_ms / 1e3, self.frame.plan.ms, plan.ms)
+        if plan.total_ms > LOGGED_MS:
+            nodes = 0 if plan.mesh is None else len(plan.mesh.points)
+            _log.info(
+                "slow plan",
+                extra={"tab": self.client.client_id, "ms": plan.total_ms, "nodes": nodes},
+            )
+        return plan
 
     def _show(self, plan: Plan, interactive: bool = False) -> None:
         """Draw a plan; ``interactive`` while the input may still change."""
@@ -235,6 +264,8 @@ class Session:
         coarse, partial = self._planner.coarse, self._planner.partial
         frame = replace(frame, coarse=coarse, partial=partial, interactive=interactive)
         self._draw(replace(frame, outdated=False))
+        if interactive and self.plans:
+            metrics.UPDATES.observe(time.monotonic() - self._woken)
         self.plans += 1
         self._planned.set()
 
@@ -254,7 +285,7 @@ class Session:
         if self._planner.partial:
             if self._planner.coarse:
                 self._draw(replace(self.frame, outdated=True))
-            self._show(self._planner.finish(self._scene))
+            self._show(self._observed(self._planner.finish(self._scene)))
             return
         if self.frame.interactive:
             self._draw(replace(self.frame, interactive=False))
@@ -266,7 +297,7 @@ class Session:
             self._compiled = True
             if self.plans and self.frame.plan.error is None:
                 self._planner = LivePlanner(compile=False)  # for the times of compiled code
-                self._show(self._planner.finish(self._scene))
+                self._show(self._observed(self._planner.finish(self._scene)))
 
     def _undiagnosed(self) -> bool:
         return self.frame.plan.error is not None and self.frame.plan is not self._diagnosed

@@ -10,6 +10,7 @@ from typing import Any
 import click
 
 from app.guard.policy import MAX_TABS, Policy, policy_for
+from app.logs import LEVELS, configure
 
 
 @click.command()
@@ -20,6 +21,9 @@ from app.guard.policy import MAX_TABS, Policy, policy_for
 )
 @click.option("--open/--no-open", "open_tab", default=True, help="Open a browser tab.")
 @click.option("--dark/--light", default=False, help="How a new tab looks.")
+@click.option(
+    "--log-level", default="info", show_default=True, type=click.Choice(LEVELS), help="Of the log."
+)
 @click.option(
     "--token", envvar="ABI_TOKEN", help="Secret that visitors need.  [default: a new one]"
 )
@@ -37,6 +41,7 @@ def serve(
     port: int,
     open_tab: bool,
     dark: bool,
+    log_level: str,
     **visitors: Any,
 ) -> None:
     """Start the visualiser on SCENE (a shipped scene's name or a file) and print its URL.
@@ -46,6 +51,7 @@ def serve(
     """
     from app.server import start
 
+    configure(log_level)
     policy = _policy(host, **visitors)
     announce = functools.partial(_announce, open_tab)
     server = start(host=host, port=port, scene=scene, dark=dark, announce=announce, policy=policy)

@@ -94,6 +94,9 @@ class GuardedConnection(ServerConnection):
         return None
 
     async def _refuse(self, reason: str) -> None:
+        from app import metrics  # takes a tenth of a second to load, and the page is waiting
+
+        metrics.REFUSED_MESSAGES.labels(reason).inc()
         self._refused += 1
         if self._refused == 1:
             address = self.remote_address

@@ -9,6 +9,7 @@ import viser
 from abi.scene.scene import Scene
 from app.frame import Drawable, Frame, Switch
 from app.layout import Layout
+from app.panels.bug_report_button import BugReportButton
 from app.panels.end_gizmos import EndGizmos
 from app.panels.exports import ExportPanel
 from app.panels.files import FilesPanel
@@ -49,6 +50,7 @@ class AllPanels:
             self.files = FilesPanel(client, name, scene, wake)
             self.exports = ExportPanel(client, wake)
             self.editor = ObstacleEditor(client, self.obstacles, self.ends, wake)
+            self.bug_report = BugReportButton(client, wake)
         self._inputs = (self.stages, self.obstacles, self.ends)
         self.drawn: tuple[Drawable, ...] = (
             self.stage_headers,

@@ -1,0 +1,50 @@
+"""Text for a bug report: versions, the scene, the plan's times, and what went wrong."""
+
+from __future__ import annotations
+
+import traceback
+from pathlib import Path
+
+from abi.errors import AbiError
+from abi.scene.scene_file import dump
+from app.frame import Frame
+from app.versions import version_text
+
+_ROOT = Path(__file__).parents[1]
+
+
+def bug_report(frame: Frame, fault: str | None) -> str:
+    """The report, as Markdown.
+
+    Args:
+        frame: what the tab shows.
+        fault: the last fault that the tab met, by :func:`describe_fault`; None for none.
+    """
+    plan = frame.plan
+    times = [f"{name:<16}{ms:10.2f} ms" for name, ms in plan.ms.items() if ms > 0]
+    failure = frame.refused or plan.error
+    try:
+        scene = dump(plan.scene.to_dict(), "scene.yaml")
+    except AbiError as error:
+        scene = str(error)
+    parts = (
+        ("What did you do, and what did you see?", ""),
+        ("Versions", version_text()),
+        ("Message", "none" if failure is None else str(failure)),
+        ("Fault", fault or "none"),
+        ("Times", "\n".join((*times, f"{'in all':<16}{plan.total_ms:10.2f} ms"))),
+        ("Scene", scene.strip()),
+    )
+    return "\n".join(f"## {title}\n\n```\n{text}\n```\n" for title, text in parts)
+
+
+def describe_fault(error: Exception) -> str:
+    """Kind of a fault and where it arose; paths only below the project's folder."""
+    frames = traceback.extract_tb(error.__traceback__)
+    own = [frame for frame in frames if Path(frame.filename).is_relative_to(_ROOT)]
+    places = [
+        f"{Path(frame.filename).relative_to(_ROOT)}:{frame.lineno} in {frame.name}"
+        for frame in own
+        if "site-packages" not in frame.filename or len(own) == len(frames)
+    ]
+    return "\n".join((f"{type(error).__name__}: {error}"[:500], *places[-12:]))

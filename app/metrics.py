@@ -1,0 +1,48 @@
+"""Figures of a running server, in the text format of Prometheus."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from prometheus_client import (
+    CONTENT_TYPE_LATEST,
+    REGISTRY,
+    Counter,
+    Gauge,
+    Histogram,
+    generate_latest,
+)
+
+_SECONDS = (0.001, 0.0025, 0.005, 0.01, 0.025, 0.05, 0.1, 0.25, 0.5, 1, 2.5, 5, 10, 30)
+
+TABS = Gauge("abi_tabs", "Tabs that are open.")
+SESSIONS = Counter("abi_sessions", "Tabs opened since the start.")
+PLANS = Histogram("abi_plan_seconds", "Time of a plan.", buckets=_SECONDS)
+STAGES = Histogram(
+    "abi_stage_seconds", "Time of a stage, when it ran.", ["stage"], buckets=_SECONDS
+)
+UPDATES = Histogram(
+    "abi_update_seconds", "Time from an input to its plan being sent.", buckets=_SECONDS
+)
+FAULTS = Counter("abi_faults", "Faults of the visualiser's own that a tab met.")
+REFUSED_MESSAGES = Counter("abi_refused_messages", "Messages not read.", ["reason"])
+REFUSED_REQUESTS = Counter("abi_refused_requests", "Requests refused.", ["status"])
+
+
+def observe_plan(seconds: float, before: Mapping[str, float], after: Mapping[str, float]) -> None:
+    """Count a plan and the stages that ran for it.
+
+    Args:
+        seconds: time of the whole plan.
+        before: time of each stage when it last ran for the plan before, [ms].
+        after: the same for this plan; equal where the stage did not run again.
+    """
+    PLANS.observe(seconds)
+    for stage, milliseconds in after.items():
+        if milliseconds > 0 and milliseconds != before.get(stage):
+            STAGES.labels(stage).observe(milliseconds / 1e3)
+
+
+def text() -> tuple[str, str]:
+    """All figures, and the content type that says how to read them."""
+    return generate_latest(REGISTRY).decode(), CONTENT_TYPE_LATEST
