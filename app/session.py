@@ -96,6 +96,8 @@ class Session:
 
     def close(self) -> None:
         """End the worker of a closed tab."""
+        if self._closing:
+            return
         self._closing = True
         self._changed.set()
         if threading.current_thread() is not self._worker:

@@ -123,6 +123,7 @@ def test_only_what_changed_is_kept(
     tab: tuple[FakeTab, Session], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     _, session = tab
+    session.close()  # its worker keeps states, too
     texts: list[str] = []
     monkeypatch.setattr(page, "remember", lambda _, text: texts.append(text))
     memory = TabMemory(session.client, session.wake)
