@@ -11,7 +11,7 @@ import viser
 from viser import _messages
 
 from abi import assets
-from app.style import Colour, css
+from app.style import VIOLATION, Colour, css
 
 assert viser.__version__ == "1.1.1", "app/page.py uses private names of viser 1.1.1"
 
@@ -54,6 +54,29 @@ def swatch_style(colours: Iterable[tuple[viser.GuiCheckboxHandle, Colour]]) -> s
         for handle, colour in colours
     ]
     return f"<style>{''.join(rules)}</style>"
+
+
+def slider_style(
+    slider: viser.GuiSliderHandle[float], stretches: Iterable[tuple[float, float]], end: float
+) -> str:
+    """Style sheet that makes stretches of a slider red, which runs from 0 to ``end``.
+
+    A short one is made as wide as can be seen.
+    """
+    stops, reached = [], 0.0
+    for first, last in sorted(stretches):
+        low, high = max(100 * first / end - 0.5, reached), min(100 * last / end + 0.5, 100.0)
+        if high > low:
+            stops += [f"transparent {reached:.2f}% {low:.2f}%"]
+            stops += [f"{css(VIOLATION)} {low:.2f}% {high:.2f}%"]
+            reached = high
+    if not stops:
+        return "<style></style>"
+    stops.append(f"transparent {reached:.2f}% 100%")
+    track = f'[id="{slider._impl.uuid}"] .mantine-Slider-track::after'
+    fill = f"linear-gradient(90deg,{','.join(stops)})"
+    place = "position:absolute;inset:0;z-index:2;pointer-events:none"
+    return f'<style>{track}{{content:"";{place};background:{fill}}}</style>'
 
 
 def disable_sharing(server: viser.ViserServer) -> None:

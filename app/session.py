@@ -275,6 +275,7 @@ class Session:
         """Draw a frame at the time of the playback."""
         with self.client.atomic():
             now = self.playback.advance(frame.duration)
+            self.playback.mark(frame.plan.arm_clearance, frame.duration)
             self.frame = replace(frame, time=now, playing=self.playback.playing)
             for part in self._groups[0]:
                 part.draw(self.frame)

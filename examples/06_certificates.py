@@ -37,6 +37,6 @@ for verdict in verify(written):
 # %%
 # Move one control point and claim that nothing happened: the old planes do not prove the new curve.
 written["bspline"]["control_points"][2][0] += 0.5
-verdict, _ = verify(written)
+verdict, *_ = verify(written)
 assert not verdict.proven
 print(verdict)

@@ -31,14 +31,14 @@ print(f"fastest at {motion.time[fastest]:.2f} s with {speed[fastest]:.2f} cm/s, 
 print(f"three phases: {profile.t1:.2f} s, {profile.t2:.2f} s and {profile.t3:.2f} s")
 
 # %%
-# The links are looked at, too: how near they come, and to which obstacle.
+# The whole arm is looked at, too: every link in capsules, proven clear between the samples or not.
 planner = abi.Planner()
 for elbow in ("up", "down"):
     plan = planner(scene.replace(arm={"elbow": elbow}))
-    motion = plan.motion
-    assert motion is not None
-    print(
-        f"elbow {elbow:4}  links' centre lines {motion.clearance:6.3f} cm from obstacle "
-        f"{motion.clearance_obstacle + 1} at {motion.clearance_time:.2f} s, "
-        f"limits {'kept' if motion.within_limits else 'passed'}"
-    )
+    arm = plan.arm_clearance
+    assert arm is not None
+    print(f"elbow {elbow:4}  proven clear: {arm.certified}", end="")
+    print(f", {arm.distance:.3f} cm from obstacle {arm.obstacle + 1}: the {arm.link}")
+    for contact in arm.contacts[:1]:
+        print(f"  {contact.link} touches {contact.obstacle} by {contact.depth:.2f} cm", end="")
+        print(f" at {contact.time:.2f} s")

@@ -11,12 +11,15 @@ from __future__ import annotations
 import itertools
 import math
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Literal, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from abi.arm import arm_kernels as kernels
+from abi.arm import capsule_kernels
+from abi.arm.link_capsules import LinkCapsule, link_capsules, steepest_bend
 from abi.arrays import FloatArray, flat, read_only
 from abi.obstacles.pose import METRES
 from abi.scene.scene import ArmSettings
@@ -39,7 +42,9 @@ class Arm:
         a3: length of the upper arm, [unit].
         a4: length of the forearm, [unit].
         a5: length from the forearm's end to the tool at q5 = 0, [unit].
-        limits: lowest and highest position of each joint, shape (6, 2), [rad], q5 [unit].
+        limits: lowest and highest position of each joint, shape (6, 2), [rad], q5 [unit]. That of
+            q3 keeps forearm and upper arm apart.
+        capsules: around the links, those that stand still first.
         unit: the unit of all lengths.
     """
 
@@ -50,13 +55,17 @@ class Arm:
     a4: float
     a5: float
     limits: FloatArray
+    capsules: tuple[LinkCapsule, ...]
     unit: Literal["m", "cm", "mm"] = "cm"
 
     @classmethod
     def from_settings(cls, settings: ArmSettings, unit: Literal["m", "cm", "mm"] = "cm") -> Self:
         """The arm that a scene's settings describe; lengths in the scene's unit."""
         roll = (-2 * math.pi, 2 * math.pi)
-        limits = [roll, (-2.8, 2.8), (-2.9, 2.9), roll, (0.0, STROKE * settings.a4), roll]
+        lengths = settings.a1, settings.a2, settings.a3, settings.a4, settings.a5
+        capsules = link_capsules(*lengths)
+        bend = min(2.9, steepest_bend(capsules, settings.a4))
+        limits = [roll, (-2.8, 2.8), (-bend, bend), roll, (0.0, STROKE * settings.a4), roll]
         return cls(
             base=read_only(np.array(settings.base, dtype=float)),
             a1=settings.a1,
@@ -65,6 +74,7 @@ class Arm:
             a4=settings.a4,
             a5=settings.a5,
             limits=read_only(np.array(limits)),
+            capsules=capsules,
             unit=unit,
         )
 
@@ -72,6 +82,19 @@ class Arm:
     def shoulder(self) -> FloatArray:
         """Centre of q2, shape (3,), [unit], world; it never moves."""
         return np.asarray(self.base + np.array([0.0, 0.0, self.a1 + self.a2]))
+
+    def numbers(self, elbow: Literal["up", "down"] = "up") -> FloatArray:
+        """Base, shoulder's height, a3, a4 + a5 and the sign of q3, (7,), as the kernels take it."""
+        x, y, z = self.base.tolist()
+        side = 1.0 if elbow == "up" else -1.0
+        lengths = (z + self.a1 + self.a2, self.a3, self.a4 + self.a5)
+        return read_only(np.array([x, y, z, *lengths, side]))
+
+    @cached_property
+    def capsule_rows(self) -> FloatArray:
+        """Body, ends and radius of each capsule, flat (4 c,), as the kernels take them."""
+        rows = [(c.body, c.low, c.high, c.radius) for c in self.capsules]
+        return read_only(np.array(rows, dtype=float).ravel())
 
     @property
     def metres(self) -> float:
@@ -114,6 +137,22 @@ def skeleton(arm: Arm, positions: FloatArray) -> FloatArray:
     lengths = float(arm.a1 + arm.a2), float(arm.a3), flat(arm.forearm(joints[:, 4]))
     kernels.skeleton(flat(joints), flat(arm.base), *lengths, points)
     return points.reshape(-1, 4, 3)
+
+
+def place(arm: Arm, positions: FloatArray) -> FloatArray:
+    """Ends of the capsules' segments.
+
+    Args:
+        arm: the arm.
+        positions: joint positions, shape (n, 6), [rad], q5 [unit].
+
+    Returns:
+        Shape (n, c, 2, 3), [unit], world; capsules in the order of ``arm.capsules``.
+    """
+    ends = np.empty((len(positions), len(arm.capsules), 2, 3))
+    joints = flat(np.asarray(positions, dtype=float))
+    capsule_kernels.place_capsules(joints, arm.numbers(), arm.capsule_rows, ends.reshape(-1))
+    return ends
 
 
 def urdf(arm: Arm, scale: float | None = None) -> str:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from abi.arm.urdf import LinkSolid
+from abi.arm.link_solid import LinkSolid
 from abi.obstacles.pose import Vec3
 
 COLOURS: dict[str, Vec3] = {
@@ -52,7 +52,7 @@ def proportions(a1: float, a2: float, a3: float, a4: float, a5: float) -> Propor
         elbow=elbow,
         roll=min(1.75 * elbow, 0.7 * a4),
         wrist=0.4 * a5,
-        grip=min(elbow, 0.45 * a5),
+        grip=min(0.6 * elbow, 0.3 * a5),
     )
 
 
@@ -90,18 +90,18 @@ def _base(size: Proportions, a1: float) -> tuple[LinkSolid, ...]:
     step = plate + 0.45 * (a1 - plate)
     bolts = tuple(
         _column(
-            0.13 * s,
+            0.1 * s,
             plate,
             1.3 * plate,
             "steel",
-            (1.92 * s * math.cos(angle), 1.92 * s * math.sin(angle)),
+            (1.63 * s * math.cos(angle), 1.63 * s * math.sin(angle)),
             body=False,
         )
         for angle in (math.pi / 6 + k * math.pi / 3 for k in range(6))
     )
     return (
-        _column(2.2 * s, 0.0, plate, "joint"),
-        _column(1.58 * s, plate, step, "shell"),
+        _column(1.8 * s, 0.0, plate, "joint"),
+        _column(1.5 * s, plate, step, "shell"),
         _column(1.42 * s, step, a1 - 0.12 * plate, "shell"),
         _column(1.3 * s, a1 - 0.12 * plate, a1 + 0.3 * plate, "joint", body=False),
         *bolts,
@@ -198,14 +198,21 @@ def _rod(size: Proportions, a4: float) -> tuple[LinkSolid, ...]:
 def _gripper(size: Proportions, a5: float) -> tuple[LinkSolid, ...]:
     g, length = size.grip, a5 - size.wrist
     plate, palm, knuckle = 0.1 * length, 0.32 * length, 0.62 * length
-    thick = 0.26 * g
+    bend = knuckle + 0.06 * length
+    # slender at the tool, which may pass an obstacle at little more than the clearance
     fingers = tuple(
         solid
         for side in (-1, 1)
         for solid in (
-            _block((thick, 0.62 * g), palm, knuckle, side * 0.78 * g, "accent"),
-            _block((1.3 * thick, 0.5 * g), knuckle, length, side * 0.62 * g, "accent"),
-            _block((0.3 * thick, 0.42 * g), 0.74 * length, 0.97 * length, side * 0.4 * g, "joint"),
+            _block((0.26 * g, 0.5 * g), palm, knuckle, side * 0.55 * g, "accent"),
+            _block(
+                (0.6 * g, 0.42 * g),
+                0.94 * knuckle,
+                bend,
+                side * 0.38 * g,
+                "joint",
+            ),
+            _block((0.16 * g, 0.3 * g), knuckle, length, side * 0.14 * g, "accent"),
         )
     )
     return (

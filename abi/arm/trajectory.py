@@ -8,19 +8,20 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from abi.arm.arm import JOINTS, Arm, skeleton
+from abi.arm.arm_certificate import slide_bounds
 from abi.arm.inverse_kinematics import solve
+from abi.arm.separate_arm_kernels import Slide
 from abi.arm.wrist_drives import wrist_positions
 from abi.arrays import FloatArray, read_only
 from abi.curves.curve import ArcLength, Curve
 from abi.curves.speed_profile import SpeedProfile
 from abi.errors import OutOfReach
-from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.pose import Vec3
 from abi.scene.scene import ArmSettings
 
@@ -134,6 +135,9 @@ class ArmMotion:
     """The arm's motion, sampled uniformly in time.
 
     Attributes:
+        curve: the path of the tool.
+        elbow: branch of the inverse kinematics.
+        slide: bounds of q5 along the path.
         time: shape (m,), [s].
         positions: joint positions, shape (m, 6), [rad], q5 [unit].
         target: point of the curve, shape (m, 3), [unit], world.
@@ -142,13 +146,11 @@ class ArmMotion:
         unreachable: the stretches out of reach; empty when the arm follows the whole curve.
         limit_violations: one for each joint that passes a limit, where it is farthest past it.
         peak_joint_speed: largest mean speed between two samples, shape (6,), [rad/s], q5 [unit/s].
-        clearance: smallest distance of the links' centre lines (base, shoulder, elbow, tool) to an
-            obstacle at the samples, [unit], inf without obstacles. The links' thickness is not in
-            it, nor what happens between samples.
-        clearance_time: time at which it is smallest, [s].
-        clearance_obstacle: number of that obstacle, -1 without obstacles.
     """
 
+    curve: Curve
+    elbow: Literal["up", "down"]
+    slide: Slide
     time: FloatArray
     positions: FloatArray
     target: FloatArray
@@ -157,9 +159,6 @@ class ArmMotion:
     unreachable: tuple[Stretch, ...]
     limit_violations: tuple[Violation, ...]
     peak_joint_speed: FloatArray
-    clearance: float
-    clearance_time: float
-    clearance_obstacle: int
 
     @property
     def reachable(self) -> bool:
@@ -194,7 +193,6 @@ def follow(
     profile: SpeedProfile,
     arm: Arm,
     settings: ArmSettings,
-    obstacles: ObstacleSet,
     samples: int = 200,
 ) -> ArmMotion:
     """Move the arm's tool along a curve.
@@ -205,11 +203,10 @@ def follow(
         profile: the motion along it.
         arm: the arm.
         settings: elbow branch and drives of the arm.
-        obstacles: the solids near its links.
         samples: number of samples m, at least 2.
 
     Returns:
-        The motion; it records what is out of reach, past a limit or hits an obstacle: none raises.
+        The motion; it records what is out of reach or past a limit: none raises.
     """
     trajectory = Trajectory(curve, arc, profile)
     time = np.linspace(0.0, profile.duration, samples)
@@ -219,10 +216,12 @@ def follow(
     joints = np.concatenate([[angles.q1, angles.q2, angles.q3], wrist.T])
     positions = np.ascontiguousarray(joints.T)
     points = skeleton(arm, positions)
-    distance, nearest_sample, obstacle = obstacles.nearest_polyline(points)
     step = profile.duration / (samples - 1)
     largest = np.abs(np.diff(joints)).max(axis=1)
     return ArmMotion(
+        curve=curve,
+        elbow=settings.elbow,
+        slide=slide_bounds(curve, arc, profile, settings),
         time=read_only(time),
         positions=read_only(positions),
         target=read_only(target),
@@ -231,9 +230,6 @@ def follow(
         unreachable=_stretches(time, angles.shortfall),
         limit_violations=_violations(time, joints, arm.limits),
         peak_joint_speed=read_only(largest / step if step > 0 else np.zeros(6)),
-        clearance=distance,
-        clearance_time=float(time[nearest_sample]),
-        clearance_obstacle=obstacle,
     )
 
 

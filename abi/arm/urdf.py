@@ -8,13 +8,13 @@ from __future__ import annotations
 import io
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 from yourdfpy import urdf as model
 
+from abi.arm.link_solid import LinkSolid, rotation_of
 from abi.arrays import FloatArray
 from abi.obstacles.pose import Vec3
 
@@ -26,27 +26,6 @@ EFFORT = 1000.0
 
 _TEXTS = {"name", "type", "link"}
 """Attributes that are not numbers."""
-
-
-@dataclass(frozen=True)
-class LinkSolid:
-    """A box or a cylinder of a link.
-
-    Attributes:
-        shape: ``box`` with ``size`` = edge lengths, or ``cylinder`` with ``size`` = (radius,
-            radius, height) and its axis along its own z, [m].
-        material: name of its colour.
-        xyz: centre in the link's frame, [m].
-        rpy: roll, pitch and yaw in the link's frame, [rad].
-        body: True when it has mass and can collide; False when it is trim, only drawn.
-    """
-
-    shape: Literal["box", "cylinder"]
-    size: Vec3
-    material: str
-    xyz: Vec3 = (0.0, 0.0, 0.0)
-    rpy: Vec3 = (0.0, 0.0, 0.0)
-    body: bool = True
 
 
 def write(
@@ -130,7 +109,7 @@ def inertia(solids: Iterable[LinkSolid]) -> tuple[float, FloatArray, FloatArray]
     centre = masses @ centres / mass
     total = np.zeros((3, 3))
     for solid, part, offset in zip(bodies, masses, centres - centre, strict=True):
-        rotation = _rotation(solid.rpy)
+        rotation = rotation_of(solid.rpy)
         total += rotation @ np.diag(part * _squared_radii(solid)) @ rotation.T
         # Steiner's theorem: the part's mass about the common centre
         total += part * (offset @ offset * np.eye(3) - np.outer(offset, offset))
@@ -150,19 +129,10 @@ def _squared_radii(solid: LinkSolid) -> FloatArray:
     return np.array([3 * x + z, 3 * x + z, 6 * x]) / 12
 
 
-def _rotation(rpy: Vec3) -> FloatArray:
-    """Rz(yaw)·Ry(pitch)·Rx(roll), URDF's order, shape (3, 3)."""
-    (a, b, c), (u, v, w) = np.cos(rpy), np.sin(rpy)
-    about_x = np.array([[1, 0, 0], [0, a, -u], [0, u, a]])
-    about_y = np.array([[b, 0, v], [0, 1, 0], [-v, 0, b]])
-    about_z = np.array([[c, -w, 0], [w, c, 0], [0, 0, 1]])
-    return np.asarray(about_z @ about_y @ about_x)
-
-
 def _pose(xyz: ArrayLike, rpy: Vec3 = (0.0, 0.0, 0.0)) -> FloatArray:
     """Homogeneous matrix (4, 4)."""
     pose = np.eye(4)
-    pose[:3, :3], pose[:3, 3] = _rotation(rpy), xyz
+    pose[:3, :3], pose[:3, 3] = rotation_of(rpy), xyz
     return pose
 
 

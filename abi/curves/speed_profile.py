@@ -81,6 +81,23 @@ class SpeedProfile:
             return np.where(given == t, value, 0.0)
         return np.zeros_like(t)
 
+    def time_at(self, distance: ArrayLike) -> FloatArray:
+        """Time at which a distance has been travelled, [s].
+
+        Args:
+            distance: [unit], a number or any shape; clamped to the length.
+        """
+        travelled = np.clip(np.asarray(distance, dtype=float), 0.0, self.length)
+        left = self.length - travelled
+        first, last = self.peak_speed * self.t1 / 2, self.peak_speed * self.t3 / 2
+        speeding = np.sqrt(2 * travelled / self.acceleration)
+        slowing = self.duration - np.sqrt(2 * left / self.deceleration)
+        speed = self.peak_speed or 1.0
+        cruising = self.t1 + (travelled - first) / speed
+        return np.asarray(
+            np.where(travelled < first, speeding, np.where(left > last, cruising, slowing))
+        )
+
 
 def three_phase(
     length: float, speed: float, acceleration: float, deceleration: float

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from abi.arm.arm import Arm
+from abi.arm.arm_clearance import ArmClearance
 from abi.arm.trajectory import ArmMotion
 from abi.curves.bspline import BSpline
 from abi.curves.curve import ArcLength
@@ -51,6 +52,7 @@ class Plan:
     profile: SpeedProfile | None = None
     arm: Arm | None = None
     motion: ArmMotion | None = None
+    arm_clearance: ArmClearance | None = None
     error: StageError | None = None
     ms: Mapping[str, float] = field(default_factory=dict)
     total_ms: float = 0.0
@@ -105,7 +107,7 @@ class Plan:
             ),
             "optimum": plan_json.optimum(self.optimum, self.kept_lengths, self.followed),
             "timing": plan_json.timing(self.profile, self.followed, self.ms),
-            "arm": plan_json.arm(self.motion, self.ms, full),
+            "arm": plan_json.arm(self.arm, self.motion, self.arm_clearance, self.ms, full),
             "total_ms": self.total_ms,
             "error": plan_json.error(self.error),
         }

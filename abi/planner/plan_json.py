@@ -11,7 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from abi.arm.arm import JOINTS
+from abi.arm.arm import JOINTS, Arm, place
+from abi.arm.arm_clearance import ArmClearance, named
+from abi.arm.link_capsules import BODIES
 from abi.arm.trajectory import ArmMotion
 from abi.clearance.certificate import Certificate
 from abi.curves.bspline import BSpline
@@ -179,27 +181,51 @@ def timing(profile: SpeedProfile | None, followed: str | None, ms: Times) -> Sec
     }
 
 
-def arm(motion: ArmMotion | None, ms: Times, full: bool) -> Section:
-    """Stage 6; at most ``SAMPLES`` samples, or ``full`` all."""
-    if motion is None:
+def arm(
+    model: Arm | None,
+    motion: ArmMotion | None,
+    clearance: ArmClearance | None,
+    ms: Times,
+    full: bool,
+) -> Section:
+    """Stage 6; at most ``SAMPLES`` samples, or ``full`` all, with the capsules at each."""
+    if model is None or motion is None or clearance is None:
         return None
     last = len(motion.time) - 1
     keep = np.linspace(0, last, last + 1 if full else min(last + 1, SAMPLES)).round().astype(int)
-    has_obstacles = motion.clearance_obstacle >= 0
-    return {
+    has_obstacles = clearance.obstacle >= 0
+    nearest = {"link": clearance.link, "obstacle": clearance.obstacle, "time": clearance.time}
+    section = {
         "joints": list(JOINTS),
         "time": motion.time[keep].tolist(),
         "positions": motion.positions[keep].tolist(),
         "tool": motion.tool[keep].tolist(),
+        "elbow": motion.elbow,
         "reachable": motion.reachable,
-        "clearance": _finite(motion.clearance),
-        "clearance_time": motion.clearance_time if has_obstacles else None,
-        "clearance_obstacle": motion.clearance_obstacle if has_obstacles else None,
+        "clearance": _finite(clearance.distance),
+        "certified": clearance.certified,
+        "nearest": nearest if has_obstacles else None,
+        "clearance_time": clearance.time if has_obstacles else None,
+        "clearance_obstacle": clearance.obstacle if has_obstacles else None,
+        "contacts": [contact._asdict() for contact in clearance.contacts],
+        "certificate": _arm_certificate(model, clearance),
         "peak_joint_speed": motion.peak_joint_speed.tolist(),
         "limits_passed": [violation._asdict() for violation in motion.limit_violations],
         "within_limits": motion.within_limits,
         "ms": ms["arm"],
     }
+    if full:
+        ends = place(model, motion.positions[keep])
+        section["capsules"] = [
+            {
+                "link": capsule.link,
+                "radius": capsule.radius,
+                "from": ends[:, k, 0].tolist(),
+                "to": ends[:, k, 1].tolist(),
+            }
+            for k, capsule in enumerate(model.capsules)
+        ]
+    return section
 
 
 def error(stage_error: StageError | None) -> Section:
@@ -234,6 +260,30 @@ def _certificate(proof: Certificate) -> dict[str, Any]:
         "planes": [
             {"t0": t0, "t1": t1, "obstacle": obstacle, "direction": direction}
             for (t0, t1), obstacle, direction in zip(*columns, strict=True)
+        ],
+    }
+
+
+def _arm_certificate(arm: Arm, clearance: ArmClearance) -> Section:
+    proof = clearance.certificate
+    if proof is None:
+        return None
+    columns = (
+        *(proof.pieces.tolist(), proof.poses.tolist(), proof.capsule.tolist()),
+        *(proof.obstacle.tolist(), proof.directions.tolist()),
+    )
+    capsules = [
+        {"link": one.link, "body": BODIES[one.body], "low": one.low, "high": one.high}
+        | {"radius": one.radius, "neighbour": one.neighbour, "grips": one.grips}
+        for one in arm.capsules
+    ]
+    return {
+        "margin": _finite(proof.margin),
+        "capsules": capsules,
+        "planes": [
+            {"t0": t0, "t1": t1, "at": at, "capsule": capsule}
+            | {"obstacle": named(obstacle, arm), "direction": way}
+            for (t0, t1), at, capsule, obstacle, way in zip(*columns, strict=True)
         ],
     }
 

@@ -13,6 +13,8 @@ from typing import Any
 from abi import compiling
 from abi.arm import trajectory
 from abi.arm.arm import Arm
+from abi.arm.arm_clearance import arm_clearance
+from abi.arm.surroundings import surroundings
 from abi.curves import fit_bspline, fit_quadratic, speed_profile
 from abi.curves.bspline import BSpline
 from abi.curves.curve import Curve, arc_length
@@ -73,6 +75,8 @@ class Planner:
         self._profile = Stage(speed_profile.three_phase)
         self._arm = Stage(Arm.from_settings)
         self._motion = Stage(trajectory.follow)
+        self._surroundings = Stage(surroundings)
+        self._arm_clearance = Stage(arm_clearance)
 
     def __call__(self, scene: Scene, chosen_only: bool = False) -> Plan:
         """Plan ``scene``; a scene without a plan returns a plan whose ``error`` is set.
@@ -149,9 +153,9 @@ class Planner:
         )
 
         # 6 inverse kinematics of the arm along that motion
-        results["motion"] = joints = self._motion(
-            curve, arc, profile, arm, scene.arm, obstacles, SAMPLES
-        )
+        results["motion"] = joints = self._motion(curve, arc, profile, arm, scene.arm, SAMPLES)
+        around = self._surroundings(arm, obstacles, workspace.min[2])
+        results["arm_clearance"] = self._arm_clearance(joints, arm, obstacles, around, 0.0)
         if joints.error is not None:
             raise joints.error
 
@@ -167,7 +171,7 @@ class Planner:
             "bspline": self._bspline.ms + self._bspline_arc.ms,
             "quadratic": self._quadratic.ms + self._quadratic_arc.ms,
             "timing": self._profile.ms,
-            "arm": self._arm.ms + self._motion.ms,
+            "arm": self._arm.ms + self._motion.ms + self._surroundings.ms + self._arm_clearance.ms,
         }
 
 

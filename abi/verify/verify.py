@@ -10,8 +10,6 @@ cover the whole curve for every obstacle.
 from __future__ import annotations
 
 import contextlib
-import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
@@ -31,9 +29,11 @@ from abi.verify.exact import (
     Vec3,
     dot,
     hull,
-    vector,
 )
 from abi.verify.exact_mesh import ExactMesh
+from abi.verify.fault import Fault
+from abi.verify.plan_fields import finite, list_of, mapping, number_of, numbers_of, vector_of
+from abi.verify.verify_arm import check_arm
 
 CURVES = ("bspline", "quadratic")
 
@@ -43,10 +43,10 @@ _TOUCH = Fraction(1, 10**9)
 
 @dataclass(frozen=True)
 class Verdict:
-    """Finding about one curve.
+    """Finding about one curve, or about the arm that follows it.
 
     Attributes:
-        curve: ``bspline`` or ``quadratic``.
+        curve: ``bspline``, ``quadratic`` or ``arm``.
         proven: whether its certificate proves what the plan claims.
         reason: what is proven, or why it is not, as the end of a sentence.
     """
@@ -64,10 +64,6 @@ class _Plane:
     start: float
     end: float
     normal: Vec3
-
-
-class _Fault(Exception):
-    """Fault of a certificate that leaves its claim unproven."""
 
 
 class PlanMeshes(MeshSource):
@@ -98,7 +94,7 @@ class PlanMeshes(MeshSource):
 
 
 def verify(plan: object, folder: Path | MeshSource | None = None) -> tuple[Verdict, ...]:
-    """Check every curve of a plan.
+    """Check every curve of a plan, and the arm.
 
     Args:
         plan: the result of ``Plan.to_dict``, as it is or read back from JSON.
@@ -112,7 +108,29 @@ def verify(plan: object, folder: Path | MeshSource | None = None) -> tuple[Verdi
     scene = Scene.from_dict(plan["scene"], folder)
     obstacles = _obstacles(plan["scene"], scene)
     required = Fraction(scene.spline.clearance)
-    return tuple(_verdict(name, plan[name], obstacles, required) for name in CURVES)
+    verdicts = [_verdict(name, plan[name], obstacles, required) for name in CURVES]
+    if "arm" in plan:
+        verdicts.append(_arm_verdict(plan, scene, obstacles))
+    return tuple(verdicts)
+
+
+def _arm_verdict(
+    plan: dict[str, Any], scene: Scene, obstacles: list[ExactSolid | ExactMesh]
+) -> Verdict:
+    if plan["arm"] is None:
+        return Verdict("arm", False, "the plan has no motion")
+    section, timing = mapping("arm", plan["arm"]), mapping("timing", plan.get("timing"))
+    if section.get("certificate") is None:
+        claim = "it claims to be certified but" if section.get("certified") else "it"
+        return Verdict("arm", False, f"{claim} carries no certificate")
+    name = timing.get("curve")
+    if name not in CURVES:
+        raise SceneError("timing.curve", name, f"one of {', '.join(CURVES)}")
+    curve = _curve(name, mapping(name, plan[name]))
+    try:
+        return Verdict("arm", True, check_arm(section, timing, curve, scene, obstacles))
+    except Fault as fault:
+        return Verdict("arm", False, f"its certificate is wrong, {fault}")
 
 
 def _verdict(
@@ -120,13 +138,13 @@ def _verdict(
 ) -> Verdict:
     if section is None:
         return Verdict(name, False, "the plan has no such curve")
-    curve = _curve(name, _mapping(name, section))
+    curve = _curve(name, mapping(name, section))
     certificate = section.get("certificate")
     if certificate is None:
         claim = "it claims to be certified but" if section.get("certified") else "it"
         return Verdict(name, False, f"{claim} carries no certificate")
     field = f"{name}.certificate"
-    margin, planes = _certificate(field, _mapping(field, certificate), len(obstacles))
+    margin, planes = _certificate(field, mapping(field, certificate), len(obstacles))
     try:
         _check_claim(section, margin, required)
         _check_margin(margin, obstacles)
@@ -134,9 +152,9 @@ def _verdict(
             assert margin is not None
             try:
                 _check_obstacle(curve, obstacle, planes[k], margin)
-            except _Fault as fault:
-                raise _Fault(f"obstacle {k + 1}: {fault}") from None
-    except _Fault as fault:
+            except Fault as fault:
+                raise Fault(f"obstacle {k + 1}: {fault}") from None
+    except Fault as fault:
         return Verdict(name, False, f"its certificate is wrong, {fault}")
     if margin is None:
         return Verdict(name, True, "there is no obstacle")
@@ -150,22 +168,22 @@ def _verdict(
 
 def _check_claim(section: dict[str, Any], margin: Fraction | None, required: Fraction) -> None:
     stated = section.get("clearance")
-    if (stated is None) != (margin is None) or (margin is not None and _number(stated) != margin):
-        raise _Fault("its margin is not the clearance stated")
+    if (stated is None) != (margin is None) or (margin is not None and number_of(stated) != margin):
+        raise Fault("its margin is not the clearance stated")
     enough = margin is None or margin >= required - _TOUCH
     if section.get("certified") is not enough:
         claim = "said to be certified" if not enough else "not said to be certified"
-        raise _Fault(f"as the curve is {claim}")
+        raise Fault(f"as the curve is {claim}")
 
 
 def _check_margin(margin: Fraction | None, obstacles: list[ExactSolid | ExactMesh]) -> None:
     if (margin is None) != (not obstacles):
-        raise _Fault("a margin belongs to obstacles")
+        raise Fault("a margin belongs to obstacles")
     if margin is None or margin >= 0:
         return
     deep = all(isinstance(solid, ExactSolid) and solid.depth > 4 * _TOUCH for solid in obstacles)
     if margin < -_TOUCH or not deep:
-        raise _Fault("its margin is negative")
+        raise Fault("its margin is negative")
 
 
 def _check_obstacle(
@@ -179,23 +197,23 @@ def _check_obstacle(
         start, end = Fraction(plane.start), Fraction(plane.end)
         points = hull(curve, start, end) if start < end else []
         if not points:
-            raise _Fault(f"a piece from {plane.start:g} to {plane.end:g} is not on the curve")
+            raise Fault(f"a piece from {plane.start:g} to {plane.end:g} is not on the curve")
         sides.append((start, end, plane.normal, min(dot(plane.normal, at) for at in points)))
     if isinstance(obstacle, ExactMesh):
         if (at := obstacle.uncovered(sides, first, last, margin)) is not None:
-            raise _Fault(f"nothing separates a triangle from the curve at {float(at):g}")
+            raise Fault(f"nothing separates a triangle from the curve at {float(at):g}")
         if obstacle.closed and any(obstacle.inside(point) for point in _starts(curve)):
-            raise _Fault("the curve begins inside")
+            raise Fault("the curve begins inside")
         return
     reached = first
     for start, end, normal, least in sides:
         if start > reached:
             break
         if not obstacle.separated(normal, least, margin):
-            raise _Fault(f"the piece from {float(start):g} to {float(end):g} is not separated")
+            raise Fault(f"the piece from {float(start):g} to {float(end):g} is not separated")
         reached = max(reached, end)
     if reached < last:
-        raise _Fault(f"no piece covers the curve after {float(reached):g}")
+        raise Fault(f"no piece covers the curve after {float(reached):g}")
 
 
 def _starts(curve: ExactCurve) -> list[Vec3]:
@@ -215,9 +233,9 @@ def _curve(name: str, section: dict[str, Any]) -> ExactCurve:
         degree = section.get("degree")
         if type(degree) is not int or not 1 <= degree <= 20:
             raise SceneError("bspline.degree", degree, "a whole number from 1 to 20")
-        knots = _numbers("bspline.knots", section.get("knots"))
-        points = _list("bspline.control_points", section.get("control_points"))
-        control = tuple(_vector("bspline.control_points", point) for point in points)
+        knots = numbers_of("bspline.knots", section.get("knots"))
+        points = list_of("bspline.control_points", section.get("control_points"))
+        control = tuple(vector_of("bspline.control_points", point) for point in points)
         if len(knots) != len(control) + degree + 1 or len(control) <= degree:
             raise SceneError("bspline.knots", len(knots), "one for each control point and degree+1")
         if sorted(knots) != knots or knots[degree] >= knots[len(control)]:
@@ -225,14 +243,14 @@ def _curve(name: str, section: dict[str, Any]) -> ExactCurve:
         return ExactSpline(degree, tuple(map(Fraction, knots)), control)
     ends: list[tuple[Fraction, Fraction]] = []
     coefficients: list[tuple[Vec3, Vec3, Vec3]] = []
-    for piece in _list("quadratic.pieces", section.get("pieces")):
-        part = _mapping("quadratic.pieces", piece)
-        start, end = (_finite("quadratic.pieces.t", part.get(key)) for key in ("t0", "t1"))
-        rows = _list("quadratic.pieces.coefficients", part.get("coefficients"))
+    for piece in list_of("quadratic.pieces", section.get("pieces")):
+        part = mapping("quadratic.pieces", piece)
+        start, end = (finite("quadratic.pieces.t", part.get(key)) for key in ("t0", "t1"))
+        rows = list_of("quadratic.pieces.coefficients", part.get("coefficients"))
         if len(rows) != 3 or start >= end or (ends and ends[-1][1] != start):
             raise SceneError("quadratic.pieces", piece, "pieces of three rows, side by side")
         ends.append((Fraction(start), Fraction(end)))
-        c0, c1, c2 = (_vector("quadratic.pieces.coefficients", row) for row in rows)
+        c0, c1, c2 = (vector_of("quadratic.pieces.coefficients", row) for row in rows)
         coefficients.append((c0, c1, c2))
     if not ends:
         raise SceneError("quadratic.pieces", [], "at least one piece")
@@ -245,30 +263,30 @@ def _certificate(
     """Margin of a certificate, and its planes by obstacle."""
     margin = data.get("margin")
     planes: list[list[_Plane]] = [[] for _ in range(obstacles)]
-    for entry in _list(f"{field}.planes", data.get("planes")):
-        plane = _mapping(f"{field}.planes", entry)
+    for entry in list_of(f"{field}.planes", data.get("planes")):
+        plane = mapping(f"{field}.planes", entry)
         number = plane.get("obstacle")
         if type(number) is not int or not 0 <= number < obstacles:
             raise SceneError(f"{field}.planes.obstacle", number, "the number of an obstacle")
-        start, end = (_finite(f"{field}.planes.{key}", plane.get(key)) for key in ("t0", "t1"))
-        normal = _vector(f"{field}.planes.direction", plane.get("direction"))
+        start, end = (finite(f"{field}.planes.{key}", plane.get(key)) for key in ("t0", "t1"))
+        normal = vector_of(f"{field}.planes.direction", plane.get("direction"))
         planes[number].append(_Plane(start, end, normal))
-    return None if margin is None else Fraction(_finite(f"{field}.margin", margin)), planes
+    return None if margin is None else Fraction(finite(f"{field}.margin", margin)), planes
 
 
 def _obstacles(data: Any, scene: Scene) -> list[ExactSolid | ExactMesh]:
-    entries = _list("scene.obstacles", _mapping("scene", data).get("obstacles", []))
+    entries = list_of("scene.obstacles", mapping("scene", data).get("obstacles", []))
     if len(entries) != len(scene.obstacles):
         raise SceneError("scene.obstacles", len(entries), "those of the scene")
     return [
-        _obstacle(_mapping("scene.obstacles", entry), shape)
+        _obstacle(mapping("scene.obstacles", entry), shape)
         for entry, shape in zip(entries, scene.obstacles, strict=True)
     ]
 
 
 def _obstacle(entry: dict[str, Any], shape: object) -> ExactSolid | ExactMesh:
-    position = _vector("scene.obstacles.position", entry.get("position", (0.0, 0.0, 0.0)))
-    w, x, y, z = _numbers("scene.obstacles.wxyz", entry.get("wxyz", (1.0, 0.0, 0.0, 0.0)))
+    position = vector_of("scene.obstacles.position", entry.get("position", (0.0, 0.0, 0.0)))
+    w, x, y, z = numbers_of("scene.obstacles.wxyz", entry.get("wxyz", (1.0, 0.0, 0.0, 0.0)))
     if isinstance(shape, MeshShape):
         surface = shape.surface
         return ExactMesh(
@@ -277,46 +295,10 @@ def _obstacle(entry: dict[str, Any], shape: object) -> ExactSolid | ExactMesh:
     zero = Fraction(0)
     half, disc, ball = (zero, zero, zero), zero, zero
     if entry["shape"] == "box":
-        a, b, c = _vector("scene.obstacles.size", entry["size"])
+        a, b, c = vector_of("scene.obstacles.size", entry["size"])
         half = (a / 2, b / 2, c / 2)
     else:
         radius = Fraction(entry["radius"])
         disc, ball = (radius, zero) if entry["shape"] == "cylinder" else (zero, radius)
         half = (zero, zero, Fraction(entry.get("height", 0)) / 2)
     return ExactSolid(half, disc, ball, position, (w, x, y, z))
-
-
-def _number(value: object) -> Fraction | None:
-    """The exact number; None where it is none."""
-    if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) < math.inf:
-        return None
-    return Fraction(value)
-
-
-def _finite(field: str, value: object) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) <= 1e15:
-        raise SceneError(field, value, "a number up to 1e15")
-    return float(value)
-
-
-def _numbers(field: str, value: object) -> list[float]:
-    return [_finite(field, number) for number in _list(field, value)]
-
-
-def _vector(field: str, value: object) -> Vec3:
-    numbers = _numbers(field, value)
-    if len(numbers) != 3:
-        raise SceneError(field, value, "three numbers")
-    return vector(numbers)
-
-
-def _list(field: str, value: object) -> Sequence[Any]:
-    if not isinstance(value, list | tuple):
-        raise SceneError(field, value, "a list")
-    return value
-
-
-def _mapping(field: str, value: object) -> dict[str, Any]:
-    if not isinstance(value, dict):
-        raise SceneError(field, value, "a mapping")
-    return value

@@ -78,6 +78,11 @@ class ArmLayer:
         self._arm: Arm | None = None
         self._built: tuple[str, float] | None = None
         self._posed: object = None
+        self._meshes: dict[str, viser.GlbHandle] = {}
+        self._red: dict[str, viser.GlbHandle] = {}
+        self._solids: dict[str, trimesh.Trimesh] = {}
+        self._names: dict[str, str] = {}
+        self._touching: frozenset[str] = frozenset()
         self._trace = add_line(self._scene, "/trace", style.TRACE, 4.0)
         self._traced: tuple[object, int] = (None, -1)
 
@@ -86,6 +91,8 @@ class ArmLayer:
         if frame.plan.arm is not None and frame.plan.arm is not self._arm:
             self._place(frame.plan.arm)
         self._pose(frame.plan, frame.time)
+        clearance = frame.plan.arm_clearance
+        self._redden(frozenset() if clearance is None else clearance.touching(frame.time))
         self._base.visible = "arm" in frame.shown
         self._trace.visible = "trace" in frame.shown
 
@@ -122,6 +129,20 @@ class ArmLayer:
             height = 0.008 * max(plan.scene.workspace.size)
             self._trace.points = segments(motion.tool[samples] + np.array([0.0, 0.0, height]))
 
+    def _redden(self, links: frozenset[str]) -> None:
+        """Draw links in red, and the others in their own colours."""
+        if links == self._touching:
+            return
+        self._touching = links
+        for link, mesh in self._meshes.items():
+            touching = link in links
+            if touching and link not in self._red:
+                solid = _reddened(self._solids[link])
+                self._red[link] = self._scene.add_mesh_trimesh(f"{self._names[link]}/red", solid)
+            if link in self._red:
+                self._red[link].visible = touching
+            mesh.visible = not touching
+
     def _move(self, positions: FloatArray) -> None:
         for node in self._joint_nodes:
             node.move(positions)
@@ -131,10 +152,11 @@ class ArmLayer:
         for node in self._joint_nodes[:1]:
             node.frame.remove()
         self._joint_nodes = []
-        self._posed = None
-        meshes = _link_meshes(robot, scale)
-        names = {robot.base_link: "/arm/links"}
-        self._add_mesh(names[robot.base_link], meshes.get(robot.base_link))
+        self._posed, self._touching = None, frozenset()
+        self._meshes, self._red = {}, {}
+        self._solids = _link_meshes(robot, scale)
+        self._names = names = {robot.base_link: "/arm/links"}
+        self._add_mesh(robot.base_link)
         for joint in robot.robot.joints:
             names[joint.child] = name = f"{names[joint.parent]}/{joint.child}"
             matrix = np.eye(4) if joint.origin is None else np.array(joint.origin)
@@ -146,7 +168,7 @@ class ArmLayer:
                 wxyz=origin.rotation().wxyz,
                 position=origin.translation(),
             )
-            self._add_mesh(name, meshes.get(joint.child))
+            self._add_mesh(joint.child)
             self._joint_nodes.append(
                 _JointNode(
                     frame,
@@ -157,9 +179,10 @@ class ArmLayer:
                 )
             )
 
-    def _add_mesh(self, name: str, mesh: trimesh.Trimesh | None) -> None:
-        if mesh is not None:
-            self._scene.add_mesh_trimesh(f"{name}/mesh", mesh)
+    def _add_mesh(self, link: str) -> None:
+        if link in self._solids:
+            name = f"{self._names[link]}/mesh"
+            self._meshes[link] = self._scene.add_mesh_trimesh(name, self._solids[link])
 
 
 @functools.cache
@@ -174,6 +197,16 @@ def _load(text: str) -> yourdfpy.URDF:
     if text == _shipped_urdf():
         return yourdfpy.URDF.load(str(_SHIPPED_FILE))
     return yourdfpy.URDF.load(io.BytesIO(text.encode()))
+
+
+def _reddened(solid: trimesh.Trimesh) -> trimesh.Trimesh:
+    """The same mesh in the colour of what is in the way."""
+    from trimesh.visual import ColorVisuals
+
+    red = solid.copy()
+    colours = np.tile(np.array([*style.VIOLATION, 255], dtype=np.uint8), (len(red.faces), 1))
+    red.visual = ColorVisuals(red, face_colors=colours)
+    return red
 
 
 def _link_meshes(robot: yourdfpy.URDF, scale: float) -> dict[str, trimesh.Trimesh]:

@@ -38,8 +38,10 @@ class PlotsLayer:
             self._no_motion = gui.add_html(_NO_MOTION)
             self._angles = _plot(gui, "joint angles q1 q2 q3 q4 q6 [rad]", angles, 250)
             self._slide = _plot(gui, _slide_title(unit), (("q5", style.JOINTS[4]),), 170)
+            clear = (("links to obstacles", style.MARK),)
+            self._clearance = _plot(gui, _clearance_title(unit), clear, 170)
         self._unit = unit
-        self._plots = (self._speed, self._angles, self._slide)
+        self._plots = (self._speed, self._angles, self._slide, self._clearance)
         self._motion: object = None
         self._marked: tuple[object, float] = (None, -1.0)
         self._next_mark = 0.0
@@ -72,11 +74,17 @@ class PlotsLayer:
             self._unit = plan.scene.unit
             self._speed.title = _speed_title(self._unit)
             self._slide.title = _slide_title(self._unit)
+            self._clearance.title = _clearance_title(self._unit)
         self._data = (
             (self._speed, (time, speed, *velocity.T)),
             (self._angles, (time, *positions[:, [0, 1, 2, 3, 5]].T)),
             (self._slide, (time, positions[:, 4])),
         )
+        clearance = plan.arm_clearance
+        if clearance is not None and clearance.obstacle >= 0:
+            self._data += ((self._clearance, (time, clearance.distances[samples])),)
+        else:
+            self._clearance.visible = False
 
     def _mark(self, time: float, playing: bool) -> None:
         """Draw the line at ``time`` [s]; while ``playing`` not at every frame."""
@@ -111,6 +119,10 @@ def _speed_title(unit: str) -> str:
 
 def _slide_title(unit: str) -> str:
     return f"slide q5 [{unit}]"
+
+
+def _clearance_title(unit: str) -> str:
+    return f"clearance of the arm [{unit}]"
 
 
 def _plot(

@@ -12,11 +12,13 @@ from abi.curves.fit import Fit
 from abi.curves.quadratic import Quadratic
 from abi.planner.plan import Plan
 from app import style
+from app.arm_words import clearance_sentence, contact_sentence
 from app.frame import Frame, Switch
 from app.layout import Layout
 from app.numbers import distance_to_show, format_length, format_lower_bound, format_setting
 
 _PIECES_SHOWN = 2
+_CONTACTS_SHOWN = 3
 
 
 class StageNotesLayer:
@@ -123,13 +125,12 @@ def _arm(plan: Plan) -> str:
     if curve is not None and not curve.holds and plan.followed is not None:
         label = style.CURVES[plan.followed][0]
         lines.append(f"<b>✗ The {label}, which the arm follows, is too near an obstacle.</b>")
-    if motion.clearance < math.inf:
-        where = f"obstacle {motion.clearance_obstacle + 1}, at {motion.clearance_time:.2f} s"
-        lines.append(
-            f"The links' centre lines come nearest to {where}: {motion.clearance:.3f} {unit}."
-            if motion.clearance > 0
-            else f"<b>✗ A link passes through {where}.</b> Only the tool's path is planned clear."
-        )
+    if plan.arm_clearance is not None:
+        contacts = plan.arm_clearance.contacts
+        lines += [f"<b>✗ {contact_sentence(one, unit)}.</b>" for one in contacts[:_CONTACTS_SHOWN]]
+        if len(contacts) > _CONTACTS_SHOWN:
+            lines.append(f"… {len(contacts)} contacts in all")
+        lines += [sentence for sentence in [clearance_sentence(plan)] if sentence]
     lines += [_limit_note(violation, unit) for violation in motion.limit_violations]
     return style.BOX + "<br>".join(lines) + "</div>" if lines else ""
 

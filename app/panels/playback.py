@@ -7,6 +7,8 @@ import time
 
 import viser
 
+from abi.arm.arm_clearance import ArmClearance
+from app import page
 from app.panels.widgets import Wake
 
 SPEEDS = {"¼ ×": 0.25, "½ ×": 0.5, "real time": 1.0, "2 ×": 2.0}
@@ -21,11 +23,13 @@ class PlaybackPanel:
 
     def __init__(self, gui: viser.GuiApi, wake: Wake) -> None:
         self.slider = gui.add_slider("time [s]", 0.0, 1.0, 0.01, 0.0, hint="Drag to scrub.")
+        self._bar = gui.add_html("")
         self.button = gui.add_button("Pause", hint="Or press Space.")
         self.speed = gui.add_dropdown("playback", tuple(SPEEDS), initial_value="real time")
         self.command = gui.add_command("Play or pause the arm", hotkey="space")
         self.playing = True
         self._wake = wake
+        self._marked: ArmClearance | None = None
         self._written = 0.0
         self._time = 0.0
         self._advanced = self._sent = time.monotonic()
@@ -73,6 +77,15 @@ class PlaybackPanel:
         self.button.label = "Pause" if self.playing else "Play"
         self.button.disabled = duration == 0.0
         return shown
+
+    def mark(self, clearance: ArmClearance | None, duration: float) -> None:
+        """Colour the times at which the arm touches something."""
+        if clearance is self._marked:
+            return
+        self._marked = clearance
+        contacts = () if clearance is None else clearance.contacts
+        stretches = [(one.first, one.last) for one in contacts] if duration > 0 else []
+        self._bar.content = page.slider_style(self.slider, stretches, duration)
 
     def _toggle(self, event: object) -> None:
         self.playing = not self.playing

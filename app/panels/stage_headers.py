@@ -12,6 +12,7 @@ from abi.errors import AbiError, NoPath, SceneError, StageError
 from abi.planner.diagnosis import Reason
 from abi.planner.plan import Plan
 from app import style
+from app.arm_words import arm_result, contact_sentence
 from app.frame import Frame
 from app.labels import LABELS, with_labels
 from app.numbers import format_length, format_setting
@@ -78,6 +79,17 @@ class StageHeaders:
             self._show_error(frame.refused, None)
         else:
             self._show_error(plan.error, frame.reason)
+            if plan.error is None:
+                self._show_contact(plan)
+
+    def _show_contact(self, plan: Plan) -> None:
+        """Show above stage 6 what the arm touches worst; the others stand in the stage."""
+        contacts = () if plan.arm_clearance is None else plan.arm_clearance.contacts
+        note = self._notes["arm"]
+        note.visible = len(contacts) > 0
+        if contacts:
+            sentence = f"{contact_sentence(contacts[0], plan.scene.unit)}."
+            note.content = _error_html(sentence, "Only the tool's path is planned clear.")
 
     def _show_error(self, error: AbiError | None, reason: Reason | None) -> None:
         """Show an error above its stage, and nothing above the others.
@@ -165,15 +177,7 @@ def _results(plan: Plan) -> dict[str, str]:
             results[stage] = f"{format_length(arc.length)} {plan.scene.unit} ✓"
         else:
             results[stage] = "too close ✗" if fit.clearance.nearest > 0 else "collides ✗"
-    if plan.motion is not None:
-        motion = plan.motion
-        results["arm"] = "reaches all of it" if motion.reachable else "out of reach"
-        if plan.followed_curve is not None and not plan.followed_curve.holds:
-            results["arm"] += ", curve not clear ✗"
-        elif motion.clearance <= 0:
-            results["arm"] += ", a link hits ✗"
-        elif not motion.within_limits:
-            results["arm"] += ", joint limit passed ✗"
+    results["arm"] = arm_result(plan)
     return results
 
 

@@ -140,7 +140,7 @@ def test_headings_carry_the_results(page: Page, session: Session) -> None:
         f"4 · B-spline — {plan.bspline_arc.length:.3f} cm ✓",
         "5 · Quadratic — too close ✗",
         "too close: 0.012 cm, wanted 0.2 cm",
-        "6 · Arm — reaches all of it",
+        "6 · Arm — proven clear ✓",
     ):
         assert heading in text
     assert page.complaints() == []

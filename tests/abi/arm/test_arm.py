@@ -17,7 +17,8 @@ from scipy.spatial.transform import Rotation
 from abi import assets
 from abi.arm import arm_links
 from abi.arm.arm import JOINTS, STROKE, Arm, forward, skeleton, urdf
-from abi.arm.urdf import DENSITY, LinkSolid, inertia
+from abi.arm.link_solid import LinkSolid
+from abi.arm.urdf import DENSITY, inertia
 from abi.arrays import FloatArray
 from abi.scene.scene import ArmSettings
 

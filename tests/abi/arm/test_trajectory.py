@@ -3,16 +3,15 @@ from __future__ import annotations
 import itertools
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import assume, example, given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from numpy.typing import ArrayLike
 from scipy.integrate import solve_ivp
 
-from abi.arm.arm import JOINTS, Arm, skeleton
+from abi.arm.arm import JOINTS, Arm
 from abi.arm.trajectory import ArmMotion, Trajectory, follow
 from abi.arm.wrist_drives import wrist_positions
 from abi.arrays import FloatArray
@@ -20,13 +19,8 @@ from abi.clearance.bezier import Bezier
 from abi.curves.curve import arc_length
 from abi.curves.speed_profile import three_phase
 from abi.errors import OutOfReach
-from abi.obstacles.mesh_shape import MeshShape
-from abi.obstacles.obstacle_set import Obstacles, ObstacleSet
-from abi.obstacles.primitives import Box, Sphere
-from abi.obstacles.triangle_mesh.repair import clean
 from abi.paper import printed
 from abi.scene.scene import ArmSettings
-from tests.abi import meshes
 from tests.abi.bezier import interpolated
 
 POSITIVE = st.floats(-1, 1).map(lambda power: 10.0**power)
@@ -65,13 +59,12 @@ def printed_quadratic() -> Polynomial:
 def run(
     curve: Polynomial,
     arm: ArmSettings | None = None,
-    obstacles: Obstacles = (),
     samples: int = 200,
 ) -> ArmMotion:
     arm = ArmSettings() if arm is None else arm
     arc = arc_length(curve)
     profile = three_phase(arc.length, 4.0, 6.0, 6.0)
-    return follow(curve, arc, profile, Arm.from_settings(arm), arm, ObstacleSet(obstacles), samples)
+    return follow(curve, arc, profile, Arm.from_settings(arm), arm, samples)
 
 
 def random_curve(seed: int) -> Polynomial:
@@ -203,8 +196,6 @@ def test_the_arm_follows_the_papers_curve(elbow: str) -> None:
     assert len(motion.time) == 200
     np.testing.assert_allclose(motion.positions[:, 3:], wrist_positions(arm, motion.time))
     assert motion.positions[-1, 4] > 0
-    assert motion.clearance == math.inf
-    assert motion.clearance_obstacle == -1
 
 
 def test_the_papers_start_on_the_base_axis_has_a_q1() -> None:
@@ -283,64 +274,6 @@ def test_joints_past_their_limits_are_named() -> None:
         row = int(np.flatnonzero(motion.time == violation.time)[0])
         assert motion.positions[row, column] == violation.value
         assert abs(violation.value) == np.abs(motion.positions[:, column]).max()
-
-
-@settings(max_examples=25, deadline=None)
-@given(SEED, st.integers(1, 4))
-def test_link_clearance_is_the_least_distance_of_dense_samples(seed: int, count: int) -> None:
-    rng = np.random.default_rng(seed)
-    obstacles: Obstacles = tuple(
-        Sphere(radius=float(rng.uniform(0.2, 1)), position=tuple(rng.uniform(-2, 8, 3).tolist()))
-        if k % 2
-        else Box(size=(1.0, 2.0, 0.5), position=tuple(rng.uniform(-2, 8, 3).tolist()))
-        for k in range(count)
-    )
-    arm = ArmSettings()
-    motion = run(printed_quadratic(), arm, obstacles, samples=40)
-    points = skeleton(Arm.from_settings(arm), motion.positions)
-    shares = np.linspace(0, 1, 400)[:, None, None, None]
-    dense = points[:, :-1] * (1 - shares) + points[:, 1:] * shares
-    distances = np.array(
-        [
-            obstacle.signed_distance(dense.reshape(-1, 3)).reshape(dense.shape[:3])
-            for obstacle in obstacles
-        ]
-    )
-    assert motion.clearance <= distances.min() + 1e-9
-    assert motion.clearance == pytest.approx(float(distances.min()), abs=0.02)
-    row = int(np.flatnonzero(motion.time == motion.clearance_time)[0])
-    there = distances[motion.clearance_obstacle][:, row].min()
-    assert there == pytest.approx(float(distances.min()), abs=0.02)
-
-
-@pytest.mark.slow
-@settings(max_examples=40, deadline=None)
-@given(SEED, st.integers(0, 2))
-def test_the_links_are_as_far_from_a_mesh_as_from_the_solid_it_bounds(
-    seed: int, others: int
-) -> None:
-    """The least distance, when it is, and of which obstacle: a box's, whichever way it is given."""
-    rng = np.random.default_rng(seed)
-    size = tuple(rng.uniform(0.3, 2, 3).tolist())
-    turned = tuple(rng.normal(size=4).tolist())
-    pose: Any = {"position": tuple(rng.uniform(-2, 8, 3).tolist()), "wxyz": turned}
-    balls: Obstacles = tuple(
-        Sphere(radius=float(rng.uniform(0.2, 1)), position=tuple(rng.uniform(-2, 8, 3).tolist()))
-        for _ in range(others)
-    )
-    box = Box(size=size, **pose)
-    solids: Obstacles = (*balls[:1], box, *balls[1:])
-    shape = MeshShape.of(clean(*meshes.box(size)), **pose)
-    solid = run(printed_quadratic(), obstacles=solids, samples=60)
-    mesh = run(printed_quadratic(), obstacles=(*balls[:1], shape, *balls[1:]), samples=60)
-    assume(solid.clearance > 0)  # within a mesh there is only a bound
-
-    assert mesh.clearance == pytest.approx(solid.clearance, abs=1e-9)
-    # there and then it is as near, be it one of several times
-    points = skeleton(Arm.from_settings(ArmSettings()), mesh.positions)
-    links = points[int(np.flatnonzero(mesh.time == mesh.clearance_time)[0])]
-    away = solids[mesh.clearance_obstacle].segment_distance(links[:-1], links[1:])
-    assert away.min() == pytest.approx(mesh.clearance, abs=1e-9)
 
 
 def test_results_cannot_be_changed() -> None:

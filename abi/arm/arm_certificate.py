@@ -1,0 +1,146 @@
+"""Proofs that an arm's links keep clear while its tool runs along a curve.
+
+Theorem. Let a piece of the curve be within d of a point x, and the slide q5 within e of a number,
+so that every point of a capsule's segment a..b, as it is at x, moves by at most A d + B e
+(:mod:`abi.arm.pose_kernels`). Let O be a compact convex set with the support function h, and let
+abs(n) = 1. If min(n·a, n·b) - h(n) > m + radius + A d + B e, then the capsule stays farther than m
+from O all along the piece.
+
+Proof. A point of the capsule is within its radius of one of the segment's, and that is within
+A d + B e of where it is at x; there n·y >= min(n·a, n·b), and for z in O n·z <= h(n).
+
+The piece lies in the convex hull of its Bézier points, so d is the largest distance of these from
+x. A pair of capsule and obstacle that no direction separates goes on with both halves of the piece.
+Rounding: the elbow is computed with errors of some 100 u S / sin q3, S being the largest
+coordinate; 2^-40 S (1 + 1 / sin q3) is asked for on top. :mod:`abi.verify.verify` checks the
+directions in exact numbers.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from abi.arm.arm import Arm
+from abi.arm.separate_arm_kernels import UNREACHED, Slide, separate_arm
+from abi.arm.surroundings import Surroundings
+from abi.arm.wrist_drives import wrist_positions
+from abi.arrays import FloatArray, IntArray, flat, read_only
+from abi.clearance.bezier import PolynomialCurve
+from abi.clearance.separation_kernels import CERTIFIED, MOST_HALVINGS, REFUTED
+from abi.curves.curve import ArcLength
+from abi.curves.speed_profile import SpeedProfile
+from abi.scene.scene import ArmSettings
+
+_MOST_TRIES = 50_000  # and 20 for each pair of capsule and obstacle
+_PARTS = 16  # of each polynomial, at whose ends q5 is known
+_SLIDE_PAD = 1e-3  # of its range, for the check's own coarser bounds
+
+
+@dataclass(frozen=True, eq=False)
+class ArmCertificate:
+    """Directions that keep every capsule clear of everything around, along a whole curve.
+
+    Attributes:
+        margin: distance that the capsules keep from every obstacle, [unit]; inf without obstacles.
+            From floor and column they keep more than 0.
+        pieces: first and last parameter for each direction, shape (k, 2).
+        poses: parameter, within the piece, of the place x of the tool, shape (k,).
+        capsule: number of its capsule, shape (k,).
+        obstacle: number of its obstacle, or of what :class:`Surroundings` has besides, shape (k,).
+            From a triangle mesh it separates some of the triangles.
+        directions: unit vectors towards the capsule, shape (k, 3), world.
+    """
+
+    margin: float
+    pieces: FloatArray
+    poses: FloatArray
+    capsule: IntArray
+    obstacle: IntArray
+    directions: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class ArmRefutation:
+    """A place where an arm is not proven clear.
+
+    Attributes:
+        parameter: where on the curve.
+        capsule: number of the capsule, -1 where the arm does not reach the place.
+        obstacle: number of the obstacle, or of what :class:`Surroundings` has besides.
+        decided: whether it is nearer than the margin there, or out of reach.
+    """
+
+    parameter: float
+    capsule: int
+    obstacle: int
+    decided: bool
+
+
+def certify_arm(
+    curve: PolynomialCurve,
+    slide: Slide,
+    arm: Arm,
+    elbow: Literal["up", "down"],
+    around: Surroundings,
+    margin: float,
+) -> ArmCertificate | ArmRefutation:
+    """Prove that an arm keeps more than ``margin`` from every obstacle, or find where not.
+
+    Args:
+        curve: path of the tool.
+        slide: bounds of q5 along it.
+        arm: the arm.
+        elbow: its branch.
+        around: obstacles, floor and column.
+        margin: distance to prove from obstacles, at least 0, [unit].
+    """
+    pieces = curve.bezier()
+    room = np.zeros(3 * (len(pieces.points) + 2 * MOST_HALVINGS + 2) * (pieces.degree + 1))
+    tries = _MOST_TRIES + 20 * around.asked.size
+    status, at, pair, _, planes = separate_arm(
+        flat(pieces.points),
+        flat(pieces.breaks),
+        room,
+        arm.numbers(elbow),
+        arm.capsule_rows,
+        around.beyond(margin),
+        slide,
+        tries,
+    )
+    count = len(around.numbers)
+    if status != CERTIFIED:
+        capsule, row = (-1, -1) if status == UNREACHED else divmod(pair, count)
+        decided = status in (REFUTED, UNREACHED)
+        return ArmRefutation(at, capsule, int(around.numbers[row]), decided)
+    pairs = planes[:, 2].astype(np.int32)
+    rows = pairs % count
+    return ArmCertificate(
+        margin=margin if (around.numbers >= 0).any() else math.inf,
+        pieces=read_only(planes[:, :2].copy()),
+        poses=read_only(planes[:, 6].copy()),
+        capsule=read_only((pairs // count).astype(np.int32)),
+        obstacle=read_only(around.numbers[rows]),
+        directions=read_only(planes[:, 3:6].copy()),
+    )
+
+
+def slide_bounds(
+    curve: PolynomialCurve, arc: ArcLength, profile: SpeedProfile, settings: ArmSettings
+) -> Slide:
+    """Bounds of q5 along a curve that is run through by a speed profile."""
+    breaks = curve.bezier().breaks
+    if settings.forces[1] == 0 or profile.duration == 0:
+        still = read_only(np.full(2, float(settings.q5)))
+        return Slide(flat(breaks[[0, -1]]), still, still)
+    parameters = np.linspace(breaks[:-1], breaks[1:], _PARTS, endpoint=False, axis=1).ravel()
+    parameters = np.append(parameters, breaks[-1])
+    q5 = wrist_positions(settings, profile.time_at(arc.distance(parameters)))[:, 1]
+    pad = _SLIDE_PAD * float(np.ptp(q5))
+    low, high = q5 - pad, q5 + pad
+    if settings.forces[1] < 0:
+        low, high = np.full_like(q5, low.min()), np.full_like(q5, high.max())
+    return Slide(flat(parameters), flat(low), flat(high))

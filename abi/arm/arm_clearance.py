@@ -1,0 +1,217 @@
+"""Clearance of the whole arm along its motion: measured at samples, and proven between them."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import dataclass
+from typing import Literal, NamedTuple
+
+import numpy as np
+
+from abi.arm import capsule_kernels
+from abi.arm.arm import Arm, place
+from abi.arm.arm_certificate import ArmCertificate, certify_arm
+from abi.arm.surroundings import FLOOR, Surroundings
+from abi.arm.trajectory import ArmMotion
+from abi.arrays import FloatArray, IntArray, flat, read_only
+from abi.obstacles.mesh_shape import MeshShape
+from abi.obstacles.obstacle_set import ObstacleSet
+
+_SHARES = (0.999, 0.98, 0.9, 0.75, 0.55, 0.35, 0.2)
+"""Parts of the measured distance that are tried to prove, and at last the one asked for."""
+
+
+class Contact(NamedTuple):
+    """A stretch of time in which a link touches something.
+
+    Attributes:
+        link: name of the link.
+        obstacle: number of an obstacle, or name of a link, or ``floor``.
+        first: time of the first sample, [s].
+        last: time of the last sample, [s].
+        time: time at which it is deepest, [s].
+        depth: how far the link's capsule is in it then, [unit].
+    """
+
+    link: str
+    obstacle: int | str
+    first: float
+    last: float
+    time: float
+    depth: float
+
+
+@dataclass(frozen=True, eq=False)
+class ArmClearance:
+    """How the arm keeps clear of obstacles, of the floor and of itself.
+
+    Attributes:
+        elbow: branch of the motion.
+        distances: of the links' surfaces to the nearest obstacle at each sample of the motion,
+            shape (m,), [unit], negative inside; inf without obstacles.
+        required: distance to keep from obstacles, [unit].
+        distance: least distance of the links' surfaces to an obstacle, [unit]; proven where there
+            is a certificate, else that of the samples; inf without obstacles.
+        time: time at which it is least, [s].
+        link: name of the link that is nearest then; empty without obstacles.
+        obstacle: number of that obstacle, -1 without obstacles.
+        contacts: what touches what, the deepest first.
+        certificate: the proof of ``distance``, and that nothing else is touched; None without.
+    """
+
+    elbow: Literal["up", "down"]
+    distances: FloatArray
+    required: float
+    distance: float
+    time: float
+    link: str
+    obstacle: int
+    contacts: tuple[Contact, ...]
+    certificate: ArmCertificate | None
+
+    @property
+    def certified(self) -> bool:
+        """Whether it is proven that the whole arm keeps the required distance all the time."""
+        return self.certificate is not None and self.certificate.margin >= self.required
+
+    def touching(self, time: float) -> frozenset[str]:
+        """Names of the links that touch something at a time, [s], or are touched."""
+        now = [one for one in self.contacts if one.first <= time <= one.last]
+        links = {contact.link for contact in now}
+        return frozenset(links | {one.obstacle for one in now if isinstance(one.obstacle, str)})
+
+
+def arm_clearance(
+    motion: ArmMotion,
+    arm: Arm,
+    obstacles: ObstacleSet,
+    around: Surroundings,
+    required: float,
+) -> ArmClearance:
+    """Measure how clear an arm stays, and prove as much of it as possible.
+
+    Args:
+        motion: its motion.
+        arm: the arm.
+        obstacles: the solids.
+        around: the same, with the floor and the arm's column.
+        required: distance to keep from obstacles, at least 0, [unit].
+    """
+    ends = place(arm, motion.positions)
+    own = _measured(ends, arm, around.only(around.numbers < 0))
+    solid = _measured(ends, arm, around.only(np.isin(around.numbers, obstacles.primitive_numbers)))
+    for number, mesh in zip(obstacles.mesh_numbers.tolist(), obstacles.meshes, strict=True):
+        solid = _nearer(solid, _to_mesh(ends, arm, mesh, float(solid.distance.min())), number)
+    contacts = _contacts(motion.time, own, arm) + _contacts(motion.time, solid, arm)
+    contacts = tuple(sorted(contacts, key=_depth, reverse=True))
+    least = solid.distance.min(axis=1)
+    sample = int(least.argmin())
+    capsule = int(solid.distance[sample].argmin())
+    has = len(obstacles) > 0
+    measured = float(least[sample]) if has else math.inf
+    proof = None
+    if motion.reachable and not contacts:
+        proof = _proof(motion, arm, around, measured, required)
+    return ArmClearance(
+        elbow=motion.elbow,
+        distances=read_only(least),
+        required=required,
+        distance=measured if proof is None else proof.margin,
+        time=float(motion.time[sample]),
+        link=arm.capsules[capsule].link if has else "",
+        obstacle=int(solid.number[sample, capsule]) if has else -1,
+        contacts=contacts,
+        certificate=proof,
+    )
+
+
+def _proof(
+    motion: ArmMotion, arm: Arm, around: Surroundings, measured: float, required: float
+) -> ArmCertificate | None:
+    """Proof of the largest of some distances below the measured one."""
+    tries = [0.0, required]
+    if math.isfinite(measured):
+        tries += [share * measured for share in _SHARES]
+    for margin in sorted({one for one in tries if 0 <= one < measured}, reverse=True):
+        result = certify_arm(motion.curve, motion.slide, arm, motion.elbow, around, margin)
+        if isinstance(result, ArmCertificate):
+            return result
+        if result.capsule < 0 or (result.decided and result.obstacle < 0):
+            return None
+    return None
+
+
+class _Measured(NamedTuple):
+    """Least signed distances of capsules (m, c), [unit], and numbers of what is nearest (m, c).
+
+    Of a capsule that touches nothing and is not the nearest of its pose the distance may be inf.
+    """
+
+    distance: FloatArray
+    number: IntArray
+
+
+def _measured(ends: FloatArray, arm: Arm, around: Surroundings) -> _Measured:
+    """Distances of capsules to convex solids and the floor."""
+    shape = ends.shape[:2]
+    distance, row = np.empty(shape), np.empty(shape, dtype=np.int32)
+    capsule_kernels.capsule_clearances(
+        *(flat(ends), arm.capsule_rows, around.beyond(0.0), distance.reshape(-1), row.reshape(-1))
+    )
+    return _Measured(distance, around.numbers[row])
+
+
+def _to_mesh(ends: FloatArray, arm: Arm, mesh: MeshShape, best: float) -> FloatArray:
+    """Distances of capsules (m, c) to a mesh, [unit]; inf of those that cannot count."""
+    shape = ends.shape[:2]
+    radii = np.broadcast_to([capsule.radius for capsule in arm.capsules], shape)
+    lower, upper = (bound.reshape(*shape, 2) for bound in mesh.distance_bounds(ends.reshape(-1, 3)))
+    lengths = np.linalg.norm(ends[:, :, 1] - ends[:, :, 0], axis=2)
+    # the distance is 1-Lipschitz: only capsules that could touch, or be nearest, are measured
+    bound = (lower.sum(axis=2) - lengths) / 2 - radii
+    near = bound <= max(0.0, min(best, float((upper.min(axis=2) - radii).min())))
+    found = np.full(shape, np.inf)
+    if near.any():
+        found[near] = mesh.segment_distance(ends[near, 0], ends[near, 1]) - radii[near]
+    return found
+
+
+def _nearer(measured: _Measured, distance: FloatArray, number: int) -> _Measured:
+    """The nearer of what was measured and one more obstacle."""
+    nearer = distance < measured.distance
+    return _Measured(
+        np.where(nearer, distance, measured.distance),
+        np.where(nearer, np.int32(number), measured.number),
+    )
+
+
+def _contacts(time: FloatArray, measured: _Measured, arm: Arm) -> tuple[Contact, ...]:
+    """Stretches of time in which capsules are in something."""
+    contacts = []
+    touches = measured.distance <= 0
+    for c in np.flatnonzero(touches.any(axis=0)).tolist():
+        # no number is so low: where nothing is touched
+        touched = np.where(touches[:, c], measured.number[:, c], np.iinfo(np.int32).min)
+        changes = np.flatnonzero(np.diff(touched)) + 1
+        for first, end in itertools.pairwise([0, *changes.tolist(), len(time)]):
+            if touches[first, c]:
+                deepest = first + int(measured.distance[first:end, c].argmin())
+                contact = Contact(
+                    *(arm.capsules[c].link, named(int(touched[first]), arm)),
+                    *(float(time[first]), float(time[end - 1]), float(time[deepest])),
+                    -float(measured.distance[deepest, c]),
+                )
+                contacts.append(contact)
+    return tuple(contacts)
+
+
+def _depth(contact: Contact) -> float:
+    return contact.depth
+
+
+def named(number: int, arm: Arm) -> int | str:
+    """An obstacle's number, or the name of what else is around an arm."""
+    if number >= 0:
+        return number
+    return "floor" if number == FLOOR else arm.capsules[-number - 2].link

@@ -1,0 +1,91 @@
+"""Capsules of the arm at joint positions, and how near they come to what stands around.
+
+See ``abi.arm.pose_kernels`` for the numbers of an arm and its capsules.
+"""
+
+from __future__ import annotations
+
+import math
+
+from abi.arm.pose_kernels import CAPSULE, Pose, capsule_ends
+from abi.arm.separate_arm_kernels import NO_OBSTACLES, Obstacles, between_boxes, to_segment
+from abi.arrays import FloatArray, IntArray
+from abi.compiled import FLOATS, NEW_FLOATS, NEW_IDS, compiled
+from abi.obstacles.vector_kernels import vec3_at
+
+
+@compiled(example=(FLOATS, FLOATS, FLOATS, NEW_FLOATS))
+def place_capsules(
+    joints: FloatArray, arm: FloatArray, capsules: FloatArray, ends: FloatArray
+) -> None:
+    """Both ends of every capsule at joint positions.
+
+    Args:
+        joints: of each pose q1 to q6, flat (6 n,), [rad], q5 [unit].
+        arm: its seven numbers.
+        capsules: rows (4 c,).
+        ends: flat (6 n c,), [unit], world; written.
+    """
+    count = len(capsules) // CAPSULE
+    for i in range(len(joints) // 6):
+        q1, q2, q3 = joints[6 * i], joints[6 * i + 1], joints[6 * i + 2]
+        forearm = arm[5] + joints[6 * i + 4]
+        right, ahead = math.sin(q1), math.cos(q1)
+        out, up = arm[4] * math.sin(q2), arm[3] + arm[4] * math.cos(q2)
+        across, height = out + forearm * math.sin(q2 + q3), up + forearm * math.cos(q2 + q3)
+        shoulder = (arm[0], arm[1], arm[3])
+        elbow = (arm[0] + right * out, arm[1] - ahead * out, up)
+        tool = (arm[0] + right * across, arm[1] - ahead * across, height)
+        pose = Pose(shoulder, elbow, tool, forearm, out, across, 0.0)
+        for c in range(count):
+            k = 6 * (i * count + c)
+            a, b = capsule_ends(arm, pose, capsules, c)
+            ends[k], ends[k + 1], ends[k + 2] = a
+            ends[k + 3], ends[k + 4], ends[k + 5] = b
+
+
+@compiled(example=(FLOATS, FLOATS, NO_OBSTACLES, NEW_FLOATS, NEW_IDS))
+def capsule_clearances(
+    ends: FloatArray,
+    capsules: FloatArray,
+    around: Obstacles,
+    clearances: FloatArray,
+    nearest: IntArray,
+) -> None:
+    """Least signed distance of capsules' surfaces to what they are to keep clear of.
+
+    Of a capsule that touches nothing and is not the nearest of its pose the distance may be inf.
+
+    Args:
+        ends: of each pose both ends of the capsules, flat (6 n c,), [unit], world.
+        capsules: rows (4 c,).
+        around: the obstacles; the last one is the floor.
+        clearances: (n c,), [unit]; written.
+        nearest: (n c,) the nearest obstacle, -1 where there is none; written.
+    """
+    moving, count = len(capsules) // CAPSULE, len(around.margins)
+    least = math.inf
+    for k in range(len(clearances)):
+        c = k % moving
+        if c == 0:
+            least = math.inf
+        radius = capsules[CAPSULE * c + 3]
+        a, b = vec3_at(ends, 6 * k), vec3_at(ends, 6 * k + 3)
+        best, whose = max(least, 0.0) + radius, -1
+        # what was nearest at the pose before rules out most of the others
+        guess = max(nearest[k - moving], 0) if k >= moving else 0
+        for turn in range(count + 1):
+            s = guess if turn == 0 else turn - 1
+            if not around.asked[c * count + s] or (turn > 0 and s == guess):
+                continue
+            if s == count - 1:
+                away = min(a[2], b[2]) - around.floor
+            else:
+                if between_boxes(around.primitives, s, a, b)[0] >= best:
+                    continue
+                away = to_segment(around.primitives, s, a, b)[0]
+            if away < best:
+                best, whose = away, s
+        clearances[k] = best - radius if whose >= 0 else math.inf
+        least = min(least, clearances[k])
+        nearest[k] = whose

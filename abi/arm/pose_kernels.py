@@ -1,0 +1,162 @@
+"""Poses of the arm by its tool's place, and bounds of the way its links move when the tool does.
+
+With S the shoulder, E the elbow, T the tool, D = |T - S|, r the tool's distance from the base axis
+and p the elbow's, in the arm's plane |T - E| = a6 gives, with u along the forearm,
+
+    u·dT - u·dE = da6,   dE = a3 dq2 e,   |u·e| = |sin q3|,
+
+so the elbow moves by (u·dT - da6) / sin q3 in the plane, and by p / r of the tool's way around the
+axis across it. Both are orthogonal: |dE| <= L |dT| + |da6| / |sin q3| with
+L = max(1, 1 / |sin q3|, p / r). The other points of a rigid link move as two of its points tell.
+
+Plain Python that numba compiles with its caller. An arm is seven numbers: the base's x, y and z,
+the shoulder's z, a3, a4 + a5, and the sign of q3. A capsule is four: its body as in
+``abi.arm.link_capsules``, low and high end, radius.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from numba.extending import register_jitable
+
+from abi.arrays import FloatArray
+from abi.obstacles.vector_kernels import Vec3, axpy, sub
+
+CAPSULE = 4
+"""Numbers that describe a capsule."""
+
+_LEAST_SINE = 1e-3  # of q3: nearer to stretched or folded nothing is claimed
+_COLUMN, _UPPER_ARM, _FOREARM = 0, 1, 2
+
+
+class Pose(NamedTuple):
+    """The arm with its tool at a place.
+
+    Attributes:
+        shoulder, elbow, tool: [unit], world.
+        forearm: length from elbow to tool, a6, [unit].
+        out: the elbow's distance from the base axis, on the tool's side, [unit].
+        across: the tool's, [unit].
+        reach: from shoulder to tool, [unit].
+    """
+
+    shoulder: Vec3
+    elbow: Vec3
+    tool: Vec3
+    forearm: float
+    out: float
+    across: float
+    reach: float
+
+
+class Rates(NamedTuple):
+    """Bounds of how much faster than the tool the elbow moves.
+
+    Attributes:
+        elbow: L, per way of the tool.
+        slide: 1 / |sin q3|, per way of the slide.
+        shortest, longest: forearm's length a6, [unit].
+    """
+
+    elbow: float
+    slide: float
+    shortest: float
+    longest: float
+
+
+@register_jitable
+def reaches(arm: FloatArray, tool: Vec3, forearm: float) -> bool:
+    """Whether the tool can be there, off the axis and with the elbow bent."""
+    x, y, z = tool[0] - arm[0], tool[1] - arm[1], tool[2] - arm[3]
+    reach = math.sqrt(x * x + y * y + z * z)
+    low, high = abs(arm[4] - forearm), arm[4] + forearm
+    return forearm > 0 and low < reach < high and x * x + y * y > 0
+
+
+@register_jitable
+def pose_of(arm: FloatArray, tool: Vec3, forearm: float) -> Pose:
+    """The arm with its tool at a place that it reaches."""
+    x, y, z = tool[0] - arm[0], tool[1] - arm[1], tool[2] - arm[3]
+    across = math.sqrt(x * x + y * y)
+    reach = math.sqrt(across * across + z * z)
+    upper = arm[4]
+    along = (upper * upper - forearm * forearm + reach * reach) / (2 * reach)
+    height = arm[6] * math.sqrt(max(upper * upper - along * along, 0.0))
+    out = (along * across - height * z) / reach
+    up = (along * z + height * across) / reach
+    elbow = (arm[0] + x / across * out, arm[1] + y / across * out, arm[3] + up)
+    return Pose((arm[0], arm[1], arm[3]), elbow, tool, forearm, out, across, reach)
+
+
+@register_jitable
+def rates_near(arm: FloatArray, pose: Pose, tool: float, slide: float) -> Rates:
+    """Rates within distances of the tool and of the slide from a pose, [unit]; inf where unbounded.
+
+    cos q3 = (D² - a3² - a6²) / (2 a3 a6) is enclosed by its numerator and denominator.
+    """
+    upper = arm[4]
+    near, far = pose.reach - tool, pose.reach + tool
+    short, long = pose.forearm - slide, pose.forearm + slide
+    none = Rates(math.inf, math.inf, short, long)
+    if near <= 0 or short <= 0 or pose.across - tool <= 0:
+        return none
+    low = near * near - upper * upper - long * long
+    high = far * far - upper * upper - short * short
+    low /= 2 * upper * (short if low < 0 else long)
+    high /= 2 * upper * (short if high > 0 else long)
+    cosine = max(abs(low), abs(high))
+    if cosine >= 1:
+        return none
+    sine = math.sqrt(1 - cosine * cosine)
+    if sine < _LEAST_SINE:
+        return none
+    out = abs(pose.out) + (tool + slide) / sine
+    rate = max(1.0, 1 / sine, out / (pose.across - tool))
+    return Rates(rate, 1 / sine, short, long)
+
+
+@register_jitable
+def capsule_ends(arm: FloatArray, pose: Pose, capsules: FloatArray, c: int) -> tuple[Vec3, Vec3]:
+    """Both ends of capsule c's segment, [unit], world."""
+    body, low, high = capsules[CAPSULE * c], capsules[CAPSULE * c + 1], capsules[CAPSULE * c + 2]
+    if body == _COLUMN:
+        return (arm[0], arm[1], arm[2] + low), (arm[0], arm[1], arm[2] + high)
+    if body == _UPPER_ARM:
+        way = sub(pose.elbow, pose.shoulder)
+        return axpy(low / arm[4], way, pose.shoulder), axpy(high / arm[4], way, pose.shoulder)
+    way = sub(pose.tool, pose.elbow)
+    slide = 0.0 if body == _FOREARM else pose.forearm - arm[5]
+    a, b = (low + slide) / pose.forearm, (high + slide) / pose.forearm
+    return axpy(a, way, pose.elbow), axpy(b, way, pose.elbow)
+
+
+@register_jitable
+def _along(rates: Rates, share: float, slides: bool) -> tuple[float, float]:
+    """Ways of a point at a share of the forearm, per way of the tool and of the slide."""
+    behind, ahead = abs(1 - share), abs(share)
+    if slides:
+        return behind * rates.elbow + ahead, behind * (rates.slide + 1)
+    return behind * rates.elbow + ahead, behind * rates.slide + ahead
+
+
+@register_jitable
+def capsule_rates(
+    arm: FloatArray, rates: Rates, capsules: FloatArray, c: int
+) -> tuple[float, float]:
+    """Ways of every point of capsule c's segment, per way of the tool and of the slide."""
+    body, low, high = capsules[CAPSULE * c], capsules[CAPSULE * c + 1], capsules[CAPSULE * c + 2]
+    if body == _COLUMN:
+        return 0.0, 0.0
+    if body == _UPPER_ARM:
+        share = max(abs(low), abs(high)) / arm[4]
+        return share * rates.elbow, share * rates.slide
+    slides = body != _FOREARM
+    most, slid = 0.0, 0.0
+    for forearm in (rates.shortest, rates.longest):
+        for end in (low, high):
+            at = end + (forearm - arm[5] if slides else 0.0)
+            a, b = _along(rates, at / forearm, slides)
+            most, slid = max(most, a), max(slid, b)
+    return most, slid

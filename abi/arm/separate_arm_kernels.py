@@ -1,0 +1,362 @@
+"""Certificates of the arm: directions that separate its capsules from what stands around it.
+
+See ``abi.arm.arm_certificate`` for what a direction proves, ``abi.arm.pose_kernels`` for the
+numbers of an arm and its capsules, ``abi.clearance.separation_kernels`` for pieces and planes.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from numba.extending import register_jitable
+
+from abi.arm.pose_kernels import (
+    CAPSULE,
+    Pose,
+    Rates,
+    capsule_ends,
+    capsule_rates,
+    pose_of,
+    rates_near,
+    reaches,
+)
+from abi.arrays import BoolArray, FloatArray, IntArray
+from abi.clearance.separation_kernels import (
+    CERTIFIED,
+    MOST_HALVINGS,
+    NO_PLANE,
+    REFUTED,
+    UNDECIDED,
+    Outcome,
+    Piece,
+    Plane,
+    halves_of,
+    table_of,
+)
+from abi.compiled import FLAGS, FLOATS, IDS, NEW_FLOATS, compiled
+from abi.obstacles.primitive_kernels import (
+    WIDTH,
+    Core,
+    axes_of,
+    centre_of,
+    core_of,
+    in_body,
+    in_world,
+    signed_distance_gradient,
+)
+from abi.obstacles.vector_kernels import Vec3, axpy, distance, dot, sub, vec3_at
+
+UNREACHED = 3
+"""Outcome of a piece with a place that the arm does not reach off the axis, elbow bent."""
+
+_STEPS = 40
+_FINEST = 2.0**-26  # of the largest coordinate: smaller pieces are not halved
+_ALLOWANCE = 2.0**-40  # of the largest coordinate, for each place of the elbow computed
+
+
+class Obstacles(NamedTuple):
+    """Everything around that the arm is to keep clear of.
+
+    Attributes:
+        primitives: rows (k WIDTH,).
+        inside: first and last row but one of those inside a row that is a box around others; 0 and
+            0 of what is itself solid (2 k,).
+        margins: distance to prove from each of them and, last, from the floor (k + 1,), [unit].
+        asked: whether a capsule is to keep clear of one of them, flat (c (k + 1),).
+        floor: height of the floor, [unit].
+        size: largest coordinate of arm and obstacles, [unit].
+    """
+
+    primitives: FloatArray
+    inside: IntArray
+    margins: FloatArray
+    asked: BoolArray
+    floor: float
+    size: float
+
+
+class Slide(NamedTuple):
+    """Bounds of q5 along the curve, which does not fall.
+
+    Attributes:
+        parameters: increasing, from the curve's first to its last (m,).
+        low, high: bounds at each of them (m,), [unit].
+    """
+
+    parameters: FloatArray
+    low: FloatArray
+    high: FloatArray
+
+
+NO_OBSTACLES = Obstacles(FLOATS, IDS, FLOATS, FLAGS, 0.0, 1.0)
+NO_SLIDE = Slide(FLOATS, FLOATS, FLOATS)
+"""Examples."""
+
+
+@register_jitable
+def support(core: Core, direction: Vec3) -> float:
+    """Greatest product of a body direction with a primitive."""
+    x, y, z = abs(direction[0]), abs(direction[1]), abs(direction[2])
+    if core[4] == 1:
+        across: float = math.sqrt(x * x + y * y) * core[0] + z * core[2]
+        return across
+    return x * core[0] + y * core[1] + z * core[2] + core[3]
+
+
+@register_jitable
+def between_boxes(primitives: FloatArray, s: int, a: Vec3, b: Vec3) -> tuple[float, Vec3]:
+    """Largest gap along an axis of the world between a segment and primitive s, and its way."""
+    k = WIDTH * s + 17
+    best, way = -math.inf, (0.0, 0.0, 1.0)
+    for axis in range(3):
+        low, high = min(a[axis], b[axis]), max(a[axis], b[axis])
+        above, below = low - primitives[k + 3 + axis], primitives[k + axis] - high
+        if max(above, below) > best:
+            best = max(above, below)
+            sign = 1.0 if above >= below else -1.0
+            way = (
+                sign if axis == 0 else 0.0,
+                sign if axis == 1 else 0.0,
+                sign if axis == 2 else 0.0,
+            )
+    return best, way
+
+
+@register_jitable
+def _nearest_way(core: Core, p: Vec3, d: Vec3) -> tuple[float, Vec3]:
+    """Least signed distance along p to p + d, body frame, and the gradient there.
+
+    The slope is bisected and interpolated in turn; where it is 0 the gradient separates best.
+    """
+    low, high = 0.0, 1.0
+    best, way = signed_distance_gradient(core, p)
+    fall = dot(way, d)
+    if fall >= 0:
+        return best, way
+    at_end, end_way = signed_distance_gradient(core, axpy(1.0, d, p))
+    rise = dot(end_way, d)
+    if at_end < best:
+        best, way = at_end, end_way
+    if rise <= 0:
+        return best, way
+    for step in range(_STEPS):
+        share = fall / (fall - rise)
+        if step % 3 == 2 or not 0.01 < share < 0.99:
+            share = 0.5
+        t = low + share * (high - low)
+        if not low < t < high:
+            break
+        away, gradient = signed_distance_gradient(core, axpy(t, d, p))
+        slope = dot(gradient, d)
+        if away < best:
+            best, way = away, gradient
+        if slope < 0:
+            low, fall = t, slope
+        elif slope > 0:
+            high, rise = t, slope
+        else:
+            return away, gradient
+        if (rise - fall) * (high - low) < 1e-12 * (abs(best) + 1e-300):
+            break
+    return best, way
+
+
+@register_jitable
+def to_segment(primitives: FloatArray, s: int, a: Vec3, b: Vec3) -> tuple[float, Vec3, float]:
+    """Least signed distance from primitive s to a..b, a unit direction to it, and its gap."""
+    axes, core = axes_of(primitives, s), core_of(primitives, s)
+    p = in_body(axes, sub(a, centre_of(primitives, s)))
+    d = in_body(axes, sub(b, a))
+    away, way = _nearest_way(core, p, d)
+    gap = dot(way, p) + min(0.0, dot(way, d)) - support(core, way)
+    return away, in_world(axes, way), gap
+
+
+@register_jitable
+def _slide_within(slide: Slide, start: float, end: float) -> tuple[float, float]:
+    """Bounds of q5 from one parameter to another."""
+    last = len(slide.parameters) - 1
+    low, high = 0, last
+    while low < high:  # the last parameter not after the start
+        middle = (low + high + 1) // 2
+        if slide.parameters[middle] <= start:
+            low = middle
+        else:
+            high = middle - 1
+    first = low
+    low, high = 0, last
+    while low < high:  # the first parameter not before the end
+        middle = (low + high) // 2
+        if slide.parameters[middle] >= end:
+            high = middle
+        else:
+            low = middle + 1
+    return slide.low[first], slide.high[low]
+
+
+@register_jitable
+def _separates(
+    pose: Pose,
+    rates: Rates,
+    ways: tuple[float, float],
+    arm: FloatArray,
+    capsules: FloatArray,
+    around: Obstacles,
+    pair: int,
+) -> tuple[int, float, Vec3, float]:
+    """Whether a direction keeps a capsule clear of an obstacle near a pose.
+
+    Args:
+        pose: the middle one.
+        rates: of the elbow.
+        ways: of the tool and the slide, at most, [unit].
+        arm: its numbers.
+        capsules: theirs.
+        around: the obstacles.
+        pair: capsule times number of obstacles, plus obstacle.
+
+    Returns:
+        CERTIFIED, REFUTED at the pose or UNDECIDED; the distance there; the direction; the way of
+        the capsule at most, [unit].
+    """
+    count = len(around.margins)
+    c, s = pair // count, pair % count
+    a, b = capsule_ends(arm, pose, capsules, c)
+    by_tool, by_slide = capsule_rates(arm, rates, capsules, c)
+    radius = capsules[CAPSULE * c + 3]
+    allowance = _ALLOWANCE * around.size * (1 + rates.slide)
+    if math.isinf(rates.slide):
+        allowance = _ALLOWANCE * around.size
+    need = radius + around.margins[s] + allowance
+    moves = by_tool * ways[0] + by_slide * ways[1]
+    if s == count - 1:
+        gap, way = min(a[2], b[2]) - around.floor, (0.0, 0.0, 1.0)
+        away = gap
+    else:
+        gap, way = between_boxes(around.primitives, s, a, b)
+        away = math.inf
+        if not gap > need + moves:
+            away, way, gap = to_segment(around.primitives, s, a, b)
+    if gap > need + moves:
+        return CERTIFIED, away, way, moves
+    if away < need - 2 * allowance:
+        return REFUTED, away - radius, way, moves
+    return UNDECIDED, away - radius, way, moves
+
+
+@register_jitable
+def _open(around: Obstacles, pair: int, moves: float, work: list[int]) -> bool:
+    """Add what is inside a box that is larger than a capsule's way; whether it is one."""
+    count = len(around.margins)
+    s = pair % count
+    if s == count - 1 or around.inside[2 * s + 1] == 0:
+        return False
+    k = WIDTH * s + 17
+    size = 0.0
+    for axis in range(3):
+        size = max(size, around.primitives[k + 3 + axis] - around.primitives[k + axis])
+    if size < moves:
+        return False
+    for row in range(around.inside[2 * s], around.inside[2 * s + 1]):
+        work.append(pair - s + row)
+    return True
+
+
+@register_jitable
+def _solid(around: Obstacles, pair: int) -> bool:
+    """Whether the obstacle of a pair is solid, not a box around others."""
+    count = len(around.margins)
+    s = pair % count
+    return s == count - 1 or around.inside[2 * s + 1] == 0
+
+
+@compiled(
+    example=(
+        *(FLOATS, FLOATS, NEW_FLOATS, FLOATS, FLOATS),
+        *(NO_OBSTACLES, NO_SLIDE, 9),
+    )
+)
+def separate_arm(
+    world: FloatArray,
+    breaks: FloatArray,
+    points: FloatArray,
+    arm: FloatArray,
+    capsules: FloatArray,
+    around: Obstacles,
+    slide: Slide,
+    most_tries: int,
+) -> Outcome:
+    """Separate every capsule from every obstacle while the tool runs along a curve.
+
+    A piece of the curve carries the pairs that its parents were not separated in; what is left of
+    them is tried on both halves.
+
+    Args:
+        world: Bézier points of the s polynomials, flat (3 s (degree + 1),), world frame.
+        breaks: parameters between them (s + 1,).
+        points: room for the same and the halves, flat (3 (s + 2 MOST_HALVINGS + 2) (degree + 1),).
+        arm: its seven numbers.
+        capsules: rows (4 c,).
+        around: what to keep clear of.
+        slide: bounds of q5.
+        most_tries: tries it may take.
+
+    Returns:
+        As for curves; a plane's obstacle is the number of its pair, and its level the parameter of
+        the pose.
+    """
+    spans, count = len(breaks) - 1, len(around.margins)
+    width = len(world) // (3 * spans)
+    for i in range(len(world)):
+        points[i] = world[i]
+    planes, candidates, work, tries = [NO_PLANE], [0], [0], 0
+    candidates.clear()
+    for pair in range(len(capsules) // CAPSULE * count):
+        if around.asked[pair]:
+            candidates.append(pair)
+    if len(candidates) == 0:
+        return CERTIFIED, 0.0, -1, math.inf, table_of(planes)
+    whole = Piece(0, spans * width, 0, breaks[0], breaks[spans])
+    pending = [(whole, 0, len(candidates))]
+    while len(pending) > 0:
+        piece, lowest, highest = pending.pop()
+        while len(candidates) > highest:
+            candidates.pop()
+        at, ahead, behind = halves_of(points, piece, breaks, width)
+        middle = vec3_at(points, 3 * behind.first)
+        low, high = _slide_within(slide, piece.start, piece.end)
+        forearm, slid = arm[5] + (low + high) / 2, (high - low) / 2
+        farthest = 0.0
+        for i in range(3 * piece.first, 3 * piece.last, 3):
+            farthest = max(farthest, distance(middle, vec3_at(points, i)))
+        farthest *= 1 + 2.0**-40
+        if not reaches(arm, middle, forearm):
+            return UNREACHED, at, -1, 0.0, table_of(planes)
+        pose = pose_of(arm, middle, forearm)
+        rates = rates_near(arm, pose, farthest, slid)
+        bounded = not math.isinf(rates.elbow)
+        work.clear()
+        for i in range(lowest, highest):
+            work.append(candidates[i])
+        while len(work) > 0:
+            pair = work.pop()
+            tries += 1
+            outcome, away, way, moves = _separates(
+                pose, rates, (farthest, slid), arm, capsules, around, pair
+            )
+            if outcome == REFUTED and _solid(around, pair):
+                return REFUTED, at, pair, away, table_of(planes)
+            if bounded and outcome == CERTIFIED:
+                planes.append(Plane(piece.start, piece.end, pair, way, at))
+            elif not _open(around, pair, moves, work):
+                candidates.append(pair)
+        if len(candidates) == highest:
+            continue
+        run = piece.last - piece.first > width
+        final = piece.halvings == MOST_HALVINGS or farthest < _FINEST * around.size
+        if tries > most_tries or (not run and (final or not piece.start < at < piece.end)):
+            return UNDECIDED, at, candidates[len(candidates) - 1], 0.0, table_of(planes)
+        pending.append((behind, highest, len(candidates)))
+        pending.append((ahead, highest, len(candidates)))
+    return CERTIFIED, 0.0, -1, math.inf, table_of(planes)

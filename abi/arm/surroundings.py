@@ -1,0 +1,184 @@
+"""What the links of an arm are to keep clear of: obstacles, the floor, and its own column."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+
+from abi.arm.arm import Arm
+from abi.arm.link_capsules import COLUMN
+from abi.arm.separate_arm_kernels import Obstacles
+from abi.arrays import BoolArray, FloatArray, IntArray, read_only
+from abi.obstacles.mesh_shape import MeshShape
+from abi.obstacles.obstacle_set import ObstacleSet
+from abi.obstacles.pose import rotation
+from abi.obstacles.primitive_kernels import WIDTH
+from abi.obstacles.triangle_mesh.bvh import build_tree
+from abi.obstacles.triangle_mesh.surface import Surface
+
+FLOOR, OWN = -1, -2
+"""Numbers among those of obstacles: of the floor, and of the arm's first capsule; -3 is its second,
+and so on."""
+
+_MOST_TRIANGLES = 20_000
+"""Triangles above which a mesh is taken for the boxes of the leaves of a tree."""
+
+
+@dataclass(frozen=True, eq=False)
+class Surroundings:
+    """Obstacles, floor and column as the kernels take them.
+
+    A triangle mesh is a tree of boxes, the last of which hold its triangles and little more.
+
+    Attributes:
+        rows: convex primitives, flat (k WIDTH,).
+        inside: rows of boxes inside each, see :class:`Obstacles`, flat (2 k,).
+        numbers: obstacle of each of them, ``OWN`` minus a capsule's number, last ``FLOOR``,
+            (k + 1,).
+        asked: whether a capsule is to keep clear of it; of boxes inside others False, (c, k + 1).
+        floor: height of the floor, [unit].
+        size: largest coordinate of arm and obstacles, [unit].
+    """
+
+    rows: FloatArray
+    inside: IntArray
+    numbers: IntArray
+    asked: BoolArray
+    floor: float
+    size: float
+
+    def beyond(self, margin: float) -> Obstacles:
+        """With a distance to keep from obstacles, [unit]; from floor and column it is 0."""
+        margins = np.where(self.numbers >= 0, margin, 0.0)
+        asked = self.asked.reshape(-1)
+        return Obstacles(self.rows, self.inside, read_only(margins), asked, self.floor, self.size)
+
+    def only(self, kept: BoolArray) -> Surroundings:
+        """The same with some of its rows alone; ``kept`` has one mark for each number."""
+        return replace(self, asked=read_only(self.asked & kept))
+
+
+def surroundings(arm: Arm, obstacles: ObstacleSet, lowest: float) -> Surroundings:
+    """Everything around an arm.
+
+    The floor is level with the base or, where that is lower, the workspace. What is jointed to the
+    column may touch it, and the fingers may touch the floor.
+
+    Args:
+        arm: the arm.
+        obstacles: the solids.
+        lowest: height of the workspace's bottom, [unit].
+    """
+    rows = [obstacles.packed]
+    numbers = [obstacles.primitive_numbers]
+    inside = [np.zeros((len(obstacles.primitives), 2), dtype=np.int32)]
+    for number, mesh in zip(obstacles.mesh_numbers.tolist(), obstacles.meshes, strict=True):
+        boxes = _boxes_of(mesh.surface).inside
+        inside.append(np.where(boxes[:, 1:] > 0, boxes + sum(map(len, numbers)), 0))
+        rows.append(_boxes(mesh))
+        numbers.append(np.full(len(boxes), number, dtype=np.int32))
+    still = [k for k, capsule in enumerate(arm.capsules) if capsule.body == COLUMN]
+    x, y, z = arm.base.tolist()
+    for capsule in (arm.capsules[k] for k in still):
+        half, radius = (capsule.high - capsule.low) / 2, capsule.radius
+        centre = np.array([[x, y, z + (capsule.low + capsule.high) / 2]])
+        rows.append(_rows(centre, np.eye(3)[None], np.array([[0.0, 0.0, half]]), radius))
+    numbers.append(np.array([*(OWN - k for k in still), FLOOR], dtype=np.int32))
+    number = np.concatenate(numbers)
+    moves = np.array([capsule.body != COLUMN for capsule in arm.capsules])[:, None]
+    jointed = np.array([capsule.neighbour for capsule in arm.capsules])[:, None]
+    grips = np.array([capsule.grips for capsule in arm.capsules])[:, None]
+    asked = (number >= 0) | (moves & ~jointed & (number <= OWN))
+    asked |= moves & ~grips & (number == FLOOR)
+    inside.append(np.zeros((len(still), 2), dtype=np.int32))
+    within = np.concatenate(inside).astype(np.int32)
+    steps = np.zeros(len(number) + 1, dtype=np.int32)
+    np.add.at(steps, within[:, 0], within[:, 1] > 0)
+    np.subtract.at(steps, within[:, 1], within[:, 1] > 0)
+    asked &= np.cumsum(steps)[:-1] == 0
+    packed = np.concatenate(rows)
+    reach = arm.a1 + arm.a2 + arm.a3 + 2 * arm.a4 + arm.a5
+    size = float(np.abs(arm.base).max()) + reach
+    bounds = packed.reshape(-1, WIDTH)[:, -6:]
+    size += float(np.abs(bounds).max(initial=0.0))
+    return Surroundings(
+        *(read_only(packed), read_only(within.reshape(-1)), read_only(number)),
+        *(read_only(asked), min(z, lowest), size),
+    )
+
+
+def _boxes(mesh: MeshShape) -> FloatArray:
+    """Rows of the boxes of a mesh, flat."""
+    boxes = _boxes_of(mesh.surface)
+    turn = rotation(mesh.wxyz)
+    centres = mesh.position + mesh.factor * boxes.middles @ turn.T
+    sizes = mesh.factor * boxes.halves
+    sizes += 1e-12 * (sizes.max() + np.abs(centres).max())
+    return _rows(centres, turn @ boxes.axes, sizes, 0.0)
+
+
+class _Boxes(NamedTuple):
+    """A tree of boxes that hold the triangles of a surface, in the file's unit.
+
+    Attributes:
+        middles: (n, 3).
+        halves: half sizes (n, 3).
+        axes: as columns (n, 3, 3).
+        inside: first and last but one of the boxes in each, 0 and 0 of the last ones, (n, 2).
+    """
+
+    middles: FloatArray
+    halves: FloatArray
+    axes: FloatArray
+    inside: IntArray
+
+
+@lru_cache(maxsize=16)
+def _boxes_of(surface: Surface) -> _Boxes:
+    """Boxes of a tree over the triangles, and a flat one for each triangle, in its plane.
+
+    Of a mesh of many triangles these are left out.
+    """
+    triangles = surface.vertices[surface.faces]
+    tree = build_tree(triangles)
+    low, high = tree.low.reshape(-1, 3), tree.high.reshape(-1, 3)
+    nodes = len(low)
+    inner = nodes // 2
+    inside = np.zeros((nodes, 2), dtype=np.int32)
+    inside[:inner] = 2 * np.arange(inner)[:, None] + (1, 3)
+    upright = np.broadcast_to(np.eye(3), (nodes, 3, 3))
+    boxes = _Boxes((low + high) / 2, (high - low) / 2, upright, inside)
+    if len(triangles) > _MOST_TRIANGLES:
+        return boxes
+    inside[inner:, 0], inside[inner:, 1] = tree.leaves[:-1] + nodes, tree.leaves[1:] + nodes
+    corners = tree.corners.reshape(-1, 3, 3)
+    first, second = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    # any orthonormal axes do: those of a triangle with no width are whatever comes out
+    axes, _ = np.linalg.qr(np.stack([first, second, np.cross(first, second)], axis=2))
+    own = np.einsum("nij,nki->nkj", axes, corners)
+    middles = np.einsum("nij,nj->ni", axes, (own.min(axis=1) + own.max(axis=1)) / 2)
+    return _Boxes(
+        np.concatenate([boxes.middles, middles]),
+        np.concatenate([boxes.halves, np.ptp(own, axis=1) / 2]),
+        np.concatenate([upright, axes]),
+        np.concatenate([inside, np.zeros((len(corners), 2), dtype=np.int32)]),
+    )
+
+
+def _rows(centres: FloatArray, axes: FloatArray, halves: FloatArray, radius: float) -> FloatArray:
+    """Rows of boxes, or of capsules along their z, flat (n WIDTH,).
+
+    Args:
+        centres: (n, 3), [unit], world.
+        axes: in the world, as columns (n, 3, 3).
+        halves: half sizes (n, 3), [unit].
+        radius: around the core, [unit].
+    """
+    reach = np.einsum("nij,nj->ni", np.abs(axes), halves) + radius
+    core = np.broadcast_to([radius, 0.0], (len(centres), 2))
+    turned = np.swapaxes(axes, 1, 2).reshape(-1, 9)
+    columns = (centres, turned, halves, core, centres - reach, centres + reach)
+    return np.concatenate(columns, axis=1).ravel()

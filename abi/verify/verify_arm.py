@@ -1,0 +1,277 @@
+"""Check of the arm's certificate in exact rational numbers.
+
+The proof is the one in :mod:`abi.arm.arm_certificate`. Checked are the capsules as written down:
+that they contain the links as drawn is for the eye, and for a test.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from fractions import Fraction
+from typing import Any
+
+from abi.scene.scene import Scene
+from abi.verify.exact import ExactCurve, ExactSolid, Vec3, dot, hull, sub, times_length, vector
+from abi.verify.exact_arm import ExactArm, ExactCapsule, ExactPose
+from abi.verify.exact_mesh import ExactMesh
+from abi.verify.exact_slide import ExactSlide, ExactTiming, moving, still
+from abi.verify.fault import Fault
+from abi.verify.interval import enclose, rounded
+from abi.verify.plan_fields import finite, list_of, mapping, number_of, vector_of
+
+FIELD = "arm.certificate"
+
+_BODIES = ("column", "upper_arm", "forearm", "slide")
+_UPRIGHT = (1.0, 0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class _Plane:
+    """A direction that keeps a capsule from something, while the tool is on a piece of the curve.
+
+    ``obstacle`` is the number of an obstacle, the name of a link, or ``floor``.
+    """
+
+    start: Fraction
+    end: Fraction
+    at: Fraction
+    normal: Vec3
+
+
+@dataclass(frozen=True, eq=False)
+class _Motion:
+    """The arm with its tool on a curve, and the poses around which directions hold."""
+
+    arm: ExactArm
+    curve: ExactCurve
+    slide: ExactSlide
+    poses: dict[tuple[Fraction, Fraction, Fraction], ExactPose] = field(default_factory=dict)
+
+    def near(self, plane: _Plane) -> ExactPose:
+        """The pose of a plane, and how far the arm gets from it."""
+        key = plane.start, plane.end, plane.at
+        if key not in self.poses:
+            self.poses[key] = self._pose(plane)
+        return self.poses[key]
+
+    def _pose(self, plane: _Plane) -> ExactPose:
+        points = hull(self.curve, plane.start, plane.end) if plane.start < plane.end else []
+        if not points or not plane.start <= plane.at <= plane.end:
+            raise Fault(f"a piece from {float(plane.start):g} is not on the curve")
+        place = rounded(_point(self.curve, plane.at))
+        # rounding a point moves it by less than 2^-59
+        ways = [sub(rounded(point), place) for point in points]
+        away = enclose(max(dot(way, way) for way in ways)).sqrt().high + Fraction(1, 1 << 59)
+        slid = self.slide.within(plane.start, plane.end)
+        forearm = enclose(self.arm.lower + slid.low, self.arm.lower + slid.high)
+        pose = self.arm.near(place, forearm, away)
+        if pose is None:
+            raise Fault(f"the arm may not reach all places near {float(plane.at):g}")
+        return pose
+
+
+def check_arm(
+    section: dict[str, Any],
+    timing: dict[str, Any],
+    curve: ExactCurve,
+    scene: Scene,
+    obstacles: list[ExactSolid | ExactMesh],
+) -> str:
+    """What the certificate of a plan's arm proves, as the end of a sentence.
+
+    Raises:
+        Fault: it does not prove what the plan claims.
+        SceneError: a field of the wrong form.
+    """
+    certificate = mapping(FIELD, section["certificate"])
+    margin = certificate.get("margin")
+    exact = None if margin is None else Fraction(finite(f"{FIELD}.margin", margin))
+    _check_claim(section, exact, obstacles)
+    elbow = section.get("elbow")
+    if elbow not in ("up", "down"):
+        raise Fault("its elbow is neither up nor down")
+    settings = scene.arm
+    arm = ExactArm(
+        *(vector(settings.base), Fraction(settings.a1) + Fraction(settings.a2)),
+        *(Fraction(settings.a3), Fraction(settings.a4) + Fraction(settings.a5)),
+        1 if elbow == "up" else -1,
+    )
+    motion = _Motion(arm, curve, _slide(scene, timing, curve))
+    capsules = [_capsule(one) for one in list_of(f"{FIELD}.capsules", certificate.get("capsules"))]
+    planes = _planes(certificate, len(capsules))
+    floor = min(arm.base[2], Fraction(scene.workspace.min[2]))
+    for number, capsule in enumerate(capsules):
+        for name, solid in _asked(capsule, capsules, obstacles, arm):
+            wanted = planes.get((number, name), [])
+            try:
+                if name == "floor":
+                    _check_floor(motion, capsule, wanted, floor)
+                else:
+                    assert solid is not None
+                    keep = exact if isinstance(name, int) and exact is not None else Fraction(0)
+                    _check_solid(motion, capsule, solid, wanted, keep)
+            except Fault as fault:
+                label = f"obstacle {name + 1}" if isinstance(name, int) else name
+                raise Fault(f"{capsule.link} and {label}: {fault}") from None
+    for obstacle in obstacles:
+        if isinstance(obstacle, ExactMesh) and obstacle.closed and obstacle.inside(arm.base):
+            raise Fault("the base is inside a mesh")
+    count = sum(map(len, planes.values()))
+    kept = "there is no obstacle" if exact is None else f"its links keep {float(exact):.9g}"
+    return f"{kept}, and clear of the floor and each other, by {count} directions"
+
+
+def _check_claim(
+    section: dict[str, Any], margin: Fraction | None, obstacles: list[ExactSolid | ExactMesh]
+) -> None:
+    stated = section.get("clearance")
+    if (margin is None) != (not obstacles):
+        raise Fault("a margin belongs to obstacles")
+    if (stated is None) != (margin is None) or (margin is not None and number_of(stated) != margin):
+        raise Fault("its margin is not the clearance stated")
+    if margin is not None and margin < 0:
+        raise Fault("its margin is negative")
+    if section.get("certified") is not True:
+        raise Fault("as the arm is not said to be certified")
+    if section.get("reachable") is not True:
+        raise Fault("the motion is said to be out of reach")
+
+
+def _asked(
+    capsule: ExactCapsule,
+    capsules: list[ExactCapsule],
+    obstacles: list[ExactSolid | ExactMesh],
+    arm: ExactArm,
+) -> list[tuple[int | str, ExactSolid | ExactMesh | None]]:
+    """Everything that a capsule is to keep clear of, by number or name."""
+    asked: list[tuple[int | str, ExactSolid | ExactMesh | None]] = [*enumerate(obstacles)]
+    if capsule.body == "column":
+        return asked
+    if not capsule.grips:
+        asked.append(("floor", None))
+    if not capsule.neighbour:
+        asked += [(one.link, _still(one, arm)) for one in capsules if one.body == "column"]
+    return asked
+
+
+def _still(capsule: ExactCapsule, arm: ExactArm) -> ExactSolid:
+    """A capsule of the column as a solid."""
+    zero, (x, y, z) = Fraction(0), arm.base
+    centre = (x, y, z + (capsule.low + capsule.high) / 2)
+    half = (zero, zero, (capsule.high - capsule.low) / 2)
+    return ExactSolid(half, zero, capsule.radius, centre, _UPRIGHT)
+
+
+def _least(motion: _Motion, capsule: ExactCapsule, plane: _Plane) -> Fraction:
+    """Lower bound of a plane's product with the capsule all along its piece."""
+    pose = motion.near(plane)
+    way = motion.arm.way(pose, capsule) + capsule.radius
+    return motion.arm.least(pose, capsule, plane.normal) - times_length(way, plane.normal)
+
+
+def _check_floor(
+    motion: _Motion, capsule: ExactCapsule, planes: list[_Plane], floor: Fraction
+) -> None:
+    for plane in planes:
+        x, y, z = plane.normal
+        if x or y or z <= 0 or _least(motion, capsule, plane) <= z * floor:
+            raise Fault(f"the piece from {float(plane.start):g} is not separated")
+    _check_cover(motion.curve, planes)
+
+
+def _check_solid(
+    motion: _Motion,
+    capsule: ExactCapsule,
+    solid: ExactSolid | ExactMesh,
+    planes: list[_Plane],
+    margin: Fraction,
+) -> None:
+    sides = [
+        (plane.start, plane.end, plane.normal, _least(motion, capsule, plane)) for plane in planes
+    ]
+    if isinstance(solid, ExactMesh):
+        spans = motion.curve.spans
+        if (at := solid.uncovered(sides, spans[0][0], spans[-1][1], margin)) is not None:
+            raise Fault(f"nothing separates a triangle at {float(at):g}")
+        return
+    for start, _, normal, least in sides:
+        if not solid.separated(normal, least, margin):
+            raise Fault(f"the piece from {float(start):g} is not separated")
+    _check_cover(motion.curve, planes)
+
+
+def _check_cover(curve: ExactCurve, planes: list[_Plane]) -> None:
+    """Raise where the pieces, in order, do not cover the curve."""
+    reached, last = curve.spans[0][0], curve.spans[-1][1]
+    for plane in planes:
+        if plane.start > reached:
+            break
+        reached = max(reached, plane.end)
+    if reached < last:
+        raise Fault(f"no piece covers the curve after {float(reached):g}")
+
+
+def _point(curve: ExactCurve, at: Fraction) -> Vec3:
+    """Place on the curve."""
+    for start, end, span in curve.spans:
+        if start <= at <= end:
+            return curve.points(span, at, at)[0]
+    raise Fault(f"{float(at):g} is not on the curve")
+
+
+def _slide(scene: Scene, timing: dict[str, Any], curve: ExactCurve) -> ExactSlide:
+    settings, motion = scene.arm, scene.motion
+    start, force = Fraction(settings.q5), Fraction(settings.forces[1])
+    if force == 0:
+        return still(start)
+    mass5, mass6 = map(Fraction, settings.masses[1:])
+    radius5, radius6 = map(Fraction, settings.radii[1:])
+    inertia = mass5 * radius5**2 + mass6 * radius6**2
+    if settings.dynamics == "corrected":
+        inertia = 2 * (mass5 + mass6)
+    names = ("t1", "t2", "t3", "peak_speed")
+    t1, t2, t3, peak = (Fraction(finite(f"timing.{name}", timing.get(name))) for name in names)
+    rates = Fraction(motion.acceleration), Fraction(motion.deceleration)
+    if not any((t1, t2, t3)):
+        return still(start)
+    return moving(curve, ExactTiming(t1, t2, t3, peak, *rates), start, force / inertia)
+
+
+def _capsule(entry: object) -> ExactCapsule:
+    data = mapping(f"{FIELD}.capsules", entry)
+    body, link = data.get("body"), data.get("link")
+    numbers = (
+        Fraction(finite(f"{FIELD}.capsules.{name}", data.get(name)))
+        for name in ("low", "high", "radius")
+    )
+    low, high, radius = numbers
+    if body not in _BODIES or not isinstance(link, str) or low > high or radius <= 0:
+        raise Fault("a capsule has no link, or no extent")
+    flags = (data.get("neighbour") is True, data.get("grips") is True)
+    return ExactCapsule(link, body, low, high, radius, *flags)
+
+
+def _planes(
+    certificate: dict[str, Any], capsules: int
+) -> dict[tuple[int, int | str], list[_Plane]]:
+    """Planes by capsule and obstacle, in the order in which their pieces begin."""
+    planes: dict[tuple[int, int | str], list[_Plane]] = {}
+    for entry in list_of(f"{FIELD}.planes", certificate.get("planes")):
+        data = mapping(f"{FIELD}.planes", entry)
+        capsule, obstacle = data.get("capsule"), data.get("obstacle")
+        if type(capsule) is not int or not 0 <= capsule < capsules:
+            raise Fault("a direction belongs to no capsule")
+        if type(obstacle) is not int and not isinstance(obstacle, str):
+            raise Fault("a direction belongs to no obstacle")
+        start, end, at = (
+            Fraction(finite(f"{FIELD}.planes.{key}", data.get(key))) for key in ("t0", "t1", "at")
+        )
+        normal = vector_of(f"{FIELD}.planes.direction", data.get("direction"))
+        planes.setdefault((capsule, obstacle), []).append(_Plane(start, end, at, normal))
+    for group in planes.values():
+        group.sort(key=_start)
+    return planes
+
+
+def _start(plane: _Plane) -> Fraction:
+    return plane.start

@@ -1,0 +1,59 @@
+"""Sentences on the arm: whether it is clear, and what it touches."""
+
+from __future__ import annotations
+
+import math
+
+from abi.arm.arm_clearance import Contact
+from abi.planner.plan import Plan
+from app.numbers import format_length, format_lower_bound
+
+_LINKS = {"base_link": "base", "upper_arm": "upper arm"}
+
+
+def arm_result(plan: Plan) -> str:
+    """Result of stage 6, short enough for its heading; empty where it was not reached."""
+    motion, clearance = plan.motion, plan.arm_clearance
+    if motion is None or clearance is None:
+        return ""
+    if not motion.reachable:
+        return "out of reach ✗"
+    if clearance.contacts:
+        return f"{link_label(clearance.contacts[0].link)} collides ✗"
+    if plan.followed_curve is not None and not plan.followed_curve.holds:
+        return "curve not clear ✗"
+    if not motion.within_limits:
+        return "joint limit passed ✗"
+    return "proven clear ✓" if clearance.certified else "not proven clear ?"
+
+
+def link_label(link: str) -> str:
+    """Name of a link as a person would say it."""
+    return _LINKS.get(link, link)
+
+
+def contact_sentence(contact: Contact, unit: str) -> str:
+    """What touches what, when and how deep."""
+    other = contact.obstacle
+    name = f"obstacle {other + 1}" if isinstance(other, int) else f"the {link_label(other)}"
+    depth = f"{format_length(contact.depth)} {unit}"
+    return f"The {link_label(contact.link)} touches {name}, by {depth} at {contact.time:.2f} s"
+
+
+def clearance_sentence(plan: Plan) -> str:
+    """How far the links stay from the nearest obstacle, and what of it is proven."""
+    clearance, unit = plan.arm_clearance, plan.scene.unit
+    if clearance is None or clearance.contacts:
+        return ""
+    if math.isinf(clearance.distance):
+        if clearance.certificate is not None:
+            return "Proven: the arm keeps clear of the floor and of itself."
+        return "It is not proven that the arm keeps clear of the floor and of itself."
+    distance = f"{format_lower_bound(clearance.distance)} {unit}"
+    nearest = (
+        f"the {link_label(clearance.link)} comes nearest to obstacle {clearance.obstacle + 1} "
+        f"at {clearance.time:.2f} s"
+    )
+    if clearance.certificate is not None:
+        return f"Proven: every link keeps {distance} from the obstacles; {nearest}."
+    return f"Not proven. At the samples every link keeps {distance}; {nearest}."

@@ -1,0 +1,168 @@
+"""What is proven of the arm, against dense samples measured in another way."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from abi.arm.arm import Arm, place
+from abi.arm.arm_clearance import ArmClearance, arm_clearance
+from abi.arm.surroundings import surroundings
+from abi.arm.trajectory import ArmMotion, follow
+from abi.arrays import FloatArray
+from abi.curves.bspline import clamped
+from abi.curves.curve import arc_length
+from abi.curves.speed_profile import three_phase
+from abi.obstacles.mesh_shape import MeshShape
+from abi.obstacles.obstacle_set import Obstacles, ObstacleSet
+from abi.obstacles.primitives import Box, Sphere
+from abi.obstacles.triangle_mesh.repair import clean
+from abi.scene.scene import ArmSettings
+from tests.abi import meshes
+from tests.random_geometry import random_obstacle
+
+SEED = st.integers(0, 2**32 - 1)
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """An arm on its way, and what is around."""
+
+    arm: Arm
+    motion: ArmMotion
+    obstacles: ObstacleSet
+    clearance: ArmClearance
+
+    @property
+    def distances(self) -> FloatArray:
+        """Densely sampled distances (m, c, k) of the capsules to each obstacle, at finer times."""
+        ends = place(self.arm, self.motion.positions)
+        shares = np.linspace(0, 1, 25)[:, None, None, None]
+        points = ends[:, :, 0] + shares * (ends[:, :, 1] - ends[:, :, 0])
+        radii = np.array([capsule.radius for capsule in self.arm.capsules])
+        away = [
+            one.signed_distance(points.reshape(-1, 3)).reshape(points.shape[:3]).min(axis=0) - radii
+            for one in self.obstacles
+        ]
+        return np.stack(away, axis=2)
+
+
+def case(settings: ArmSettings, points: FloatArray, obstacles: Obstacles, samples: int) -> Case:
+    arm, curve = Arm.from_settings(settings), clamped(points, min(3, len(points) - 1))
+    arc = arc_length(curve)
+    profile = three_phase(arc.length, 4.0, 6.0, 6.0)
+    motion = follow(curve, arc, profile, arm, settings, samples)
+    solids = ObstacleSet(obstacles)
+    around = surroundings(arm, solids, 0.0)
+    return Case(arm, motion, solids, arm_clearance(motion, arm, solids, around, 0.0))
+
+
+def random_case(seed: int, samples: int = 301) -> Case:
+    """An arm beside or under the workspace; the slide moves in half of the cases."""
+    random = np.random.default_rng(seed)
+    obstacles = [random_obstacle(random) for _ in range(int(random.integers(0, 5)))]
+    if random.random() < 0.3:
+        size = float(random.uniform(0.2, 1.2))
+        place_ = tuple(random.uniform(1, 6, 3).tolist())
+        obstacles.append(MeshShape.of(clean(*meshes.box((size, 0.8, 1.3 - size))), position=place_))
+    base = (float(random.uniform(1, 5)), float(random.uniform(-4, -1)), 0.0)
+    force = float(random.choice([0.0, 0.3, -0.2]))
+    settings = ArmSettings(
+        base=base if random.random() < 0.7 else (3.0, 3.0, -6.0),
+        elbow="up" if random.random() < 0.7 else "down",
+        forces=(0.1, force, 0.2),
+        q5=0.5,
+    )
+    points = random.uniform((0.5, 0.5, 1.5), 5.5, (int(random.integers(2, 7)), 3))
+    return case(settings, points, tuple(obstacles), samples)
+
+
+@pytest.mark.slow
+@settings(max_examples=30, deadline=None)
+@given(SEED)
+def test_nothing_proven_is_refuted_by_dense_samples(seed: int) -> None:
+    found = random_case(seed)
+    clearance = found.clearance
+    assert clearance.certified == (clearance.certificate is not None)
+    if clearance.certificate is None:
+        return
+    assert not clearance.contacts
+    if len(found.obstacles):
+        assert found.distances.min() > clearance.distance - 1e-9
+    ends = place(found.arm, found.motion.positions)
+    column = found.arm.base + np.array([0.0, 0.0, 1.0]) * np.linspace(0, 3, 40)[:, None]
+    for c, capsule in enumerate(found.arm.capsules):
+        if capsule.body == 0:
+            continue
+        if not capsule.grips:
+            assert ends[:, c, :, 2].min() - capsule.radius > min(found.arm.base[2], 0.0)
+        if not capsule.neighbour:  # the column is at least as thick as its turret
+            inner = ends[:, c, 0, None] - column[None, 20:37]
+            assert np.linalg.norm(inner, axis=2).min() > capsule.radius + 1.0
+
+
+@settings(max_examples=40, deadline=None)
+@given(SEED)
+def test_contacts_and_the_least_distance_are_those_of_dense_samples(seed: int) -> None:
+    found = random_case(seed, 61)
+    if not len(found.obstacles):
+        assert found.clearance.distance == math.inf
+        return
+    distances = found.distances
+    least = found.clearance.distances.min()
+    assert distances.min() >= least - 1e-9
+    if least > 0:  # within a mesh there is only a bound
+        assert distances.min() == pytest.approx(least, abs=0.03)
+    touching = {
+        (found.arm.capsules[c].link, k)
+        for c, k in zip(*np.nonzero((distances < -0.01).any(axis=0)), strict=True)
+    }
+    said = {link for link, _ in touching} - {one.link for one in found.clearance.contacts}
+    assert not said
+    for one in found.clearance.contacts:
+        assert one.first <= one.time <= one.last
+        assert one.link in found.clearance.touching(one.time)
+
+
+def test_a_link_in_an_obstacle_is_named_with_its_time_and_depth() -> None:
+    points = np.array([[1.0, 1.0, 3.0], [5.0, 1.0, 3.0]])
+    free = case(ArmSettings(), points, (), 101)
+    assert free.clearance.certified
+    assert free.clearance.obstacle == -1
+    # in the forearm at the middle of the motion
+    ends = place(free.arm, free.motion.positions[[50]])[0]
+    c = next(k for k, one in enumerate(free.arm.capsules) if one.link == "forearm")
+    x, y, z = ends[c].mean(axis=0).tolist()
+    ball = Sphere(radius=0.05, position=(x, y, z))
+
+    found = case(ArmSettings(), points, (ball,), 101).clearance
+
+    assert found.certificate is None
+    assert not found.certified
+    worst = found.contacts[0]
+    assert (worst.link, worst.obstacle) == ("forearm", 0)
+    assert worst.time == pytest.approx(free.motion.time[50], abs=0.05)
+    assert worst.depth == pytest.approx(free.arm.capsules[c].radius + 0.05, abs=0.02)
+    assert "forearm" in found.touching(worst.time)
+    assert not found.touching(0.0)
+
+
+def test_the_arm_may_not_enter_the_floor_or_its_column() -> None:
+    low = case(ArmSettings(elbow="down"), np.array([[1.0, 0.0, 0.1], [5.0, 0.0, 0.1]]), (), 60)
+    assert "floor" in {one.obstacle for one in low.clearance.contacts}
+    near = ArmSettings(base=(3.0, 0.0, 0.0), a3=3, a4=1.5, a5=1.2)
+    through = case(near, np.array([[3.2, 0.1, 1.2], [3.3, 0.6, 1.2]]), (), 60)
+    assert {"turret", "base_link"} & {one.obstacle for one in through.clearance.contacts}
+    assert through.clearance.certificate is None
+
+
+def test_a_box_on_the_column_is_seen() -> None:
+    box = Box(size=(0.5, 0.5, 0.5), position=(3.0, -3.0, 1.0))
+    found = case(ArmSettings(), np.array([[1.0, 1.0, 3.0], [5.0, 1.0, 3.0]]), (box,), 31)
+    links = {one.link for one in found.clearance.contacts}
+    assert {"base_link", "turret"} & links

@@ -1,0 +1,100 @@
+"""The arm's certificates are accepted in exact numbers, and what is damaged is refused."""
+
+from __future__ import annotations
+
+import copy
+import json
+from typing import Any
+
+import numpy as np
+import pytest
+
+from abi import Scene, plan
+from abi.verify.verify import Verdict, verify
+
+Data = dict[str, Any]
+
+
+def written(**arm: Any) -> Data:
+    scene = Scene.from_dict(
+        {
+            "version": 1,
+            "obstacles": [
+                {"shape": "box", "size": [1.5, 1.5, 1.5], "position": [3, 3.6, 2.4]},
+                {"shape": "cylinder", "radius": 0.4, "height": 1, "position": [1, 5, 5]},
+            ],
+            "start": [0.5, 1, 1],
+            "goal": [5.5, 5, 4],
+            "arm": arm,
+        }
+    )
+    data: Data = json.loads(json.dumps(plan(scene).to_dict(), allow_nan=False))
+    assert data["arm"]["certified"], data["arm"]["contacts"]
+    return data
+
+
+def of_arm(data: Data) -> Verdict:
+    return next(one for one in verify(data) if one.curve == "arm")
+
+
+@pytest.fixture(scope="module")
+def honest() -> Data:
+    return written()
+
+
+def test_a_certificate_is_accepted_with_and_without_a_moving_slide(honest: Data) -> None:
+    pushed = written(forces=[0.5, 0.2, 0.6])
+    for data in (honest, pushed, written(forces=[0.0, -0.05, 0.0], q5=0.3)):
+        found = of_arm(data)
+        assert found.proven, found.reason
+        assert "keep" in found.reason
+    pushed["scene"]["arm"]["forces"][1] = 3.0
+    assert not of_arm(pushed).proven
+
+
+def test_damage_is_refused(honest: Data) -> None:
+    random = np.random.default_rng(1)
+    planes = len(honest["arm"]["certificate"]["planes"])
+    for _ in range(2):
+        chosen = int(random.integers(planes))
+        for damage in ("gone", "turned", "shorter", "pose"):
+            data = copy.deepcopy(honest)
+            plane = data["arm"]["certificate"]["planes"][chosen]
+            if damage == "gone":
+                del data["arm"]["certificate"]["planes"][chosen]
+            elif damage == "turned":
+                plane["direction"] = [-number for number in plane["direction"]]
+            elif damage == "shorter":
+                plane["t1"] = (plane["t0"] + plane["t1"]) / 2
+            else:
+                plane["at"] = plane["t1"] + 1.0
+            assert not of_arm(data).proven, damage
+
+
+@pytest.mark.parametrize(
+    ("path", "value"),
+    [
+        (("arm", "clearance"), 0.5),
+        (("arm", "certificate", "margin"), -0.1),
+        (("arm", "elbow"), "down"),
+        (("arm", "elbow"), "both"),
+        (("arm", "reachable"), False),
+        (("arm", "certified"), False),
+        (("scene", "arm", "base"), [3.6, -3, 0]),
+        (("scene", "obstacles", 0, "position"), [3, 3, 3.2]),
+        (("arm", "certificate", "capsules", 5, "radius"), 1.2),
+    ],
+)
+def test_a_changed_number_is_refused(honest: Data, path: tuple[Any, ...], value: Any) -> None:
+    data = copy.deepcopy(honest)
+    section = data
+    for key in path[:-1]:
+        section = section[key]
+    section[path[-1]] = value
+    assert not of_arm(data).proven
+
+
+def test_a_claim_without_a_certificate_is_refused(honest: Data) -> None:
+    data = copy.deepcopy(honest)
+    data["arm"]["certificate"] = None
+    assert "no certificate" in of_arm(data).reason
