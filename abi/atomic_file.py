@@ -12,12 +12,16 @@ from pathlib import Path
 def replace_file(path: Path, content: bytes) -> None:
     """Write ``content`` to ``path`` in one step; the old file stays whole on failure.
 
-    A file that was there keeps its permissions; a new one has those of any new file.
+    A file that was there keeps its permissions; a new one has those of any new file. What is there
+    and no file, such as ``/dev/stdout`` or a pipe, is written to as it is.
 
     Raises:
         OSError: it cannot be written; nothing of it is left.
         ValueError: the name can be no path.
     """
+    if path.exists() and not path.is_file():
+        path.write_bytes(content)
+        return
     # not by tempfile, whose files are for the owner alone whatever the umask says
     temporary = path.parent / f".{secrets.token_hex(8)}{path.suffix}"
     try:

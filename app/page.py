@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import json
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import viser
@@ -84,6 +84,13 @@ def disable_sharing(server: viser.ViserServer) -> None:
     handlers = server._websock_server._incoming_handlers
     for message in (_messages.ShareUrlRequest, _messages.ShareUrlDisconnect):
         handlers.pop(message, None)
+
+
+def run_on_loop(server: viser.ViserServer, call: Callable[[], object]) -> None:
+    """Run ``call`` in the thread of the server's connections, soon."""
+    loop = server._websock_server._background_event_loop
+    assert loop is not None
+    loop.call_soon_threadsafe(call)
 
 
 def widget(server: viser.ViserServer, connection: object, uuid: str) -> Any:

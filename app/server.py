@@ -27,6 +27,8 @@ if TYPE_CHECKING:
     from app.warm_up import WarmUp
 
 PAPER = "paper"
+_FAREWELL = 0.2
+"""Seconds in which the tabs are told that the server stops."""
 
 
 class Server:
@@ -68,11 +70,16 @@ class Server:
         self.guard.ready = True
 
     def stop(self) -> None:
-        """End every session and close the port."""
+        """Tell every tab, end its session and close the port."""
+        self.guard.ready = False
         with self._lock:
             sessions, self.sessions = list(self.sessions.values()), {}
         for session in sessions:
             session.close()
+            session.tell_end()
+        if sessions:
+            threading.Event().wait(_FAREWELL)
+        page.run_on_loop(self.viser, self.guard.hang_up)
         self.viser.stop()
 
     def _open_session(

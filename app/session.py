@@ -75,6 +75,7 @@ class Session:
         self._last_input = self._woken = 0.0
         self._diagnosed: Plan | None = None
         self._fault: str | None = None
+        self._broken = False
         self._changed = threading.Event()
         self._planned = planned
         self._closing = False
@@ -106,6 +107,16 @@ class Session:
         seconds = time.monotonic() - self._opened
         fields = {"tab": self.client.client_id, "seconds": seconds, "plans": self.plans}
         _log.info("tab closed", extra=fields)
+
+    def tell_end(self) -> None:
+        """Tell the tab that the server is about to stop."""
+        self.client.add_notification(
+            "The server has stopped",
+            "This tab keeps its scene. Once the server runs again, the page connects by itself.",
+            color="yellow",
+            auto_close_seconds=None,
+        )
+        self.client.flush()
 
     @property
     def plan(self) -> Plan | None:
@@ -150,29 +161,41 @@ class Session:
             if woken := self._changed.is_set():
                 self._changed.clear()
             try:
-                self._viewpoint.fit()
-                if woken:
-                    self._last_input = time.monotonic()
-                    self._update()
-                else:
-                    if time.monotonic() - self._last_input >= REST:
-                        self._use_pause()
-                    self._draw(self.frame)
-                self._memory.keep(self._state())
+                self._step(woken)
             except Exception as error:
-                self._fault = describe_fault(error)
-                metrics.FAULTS.inc()
-                _log.exception("fault", extra={"tab": self.client.client_id})
-                self.client.add_notification(
-                    "This did not work",
-                    "The visualiser met a fault of its own; the last picture stays. "
-                    "The Scene tab has a text for a bug report.",
-                    color="red",
-                    auto_close_seconds=8,
-                )
+                self._recover(error)
+
+    def _step(self, woken: bool) -> None:
+        """Do what there is to do: on input, in a pause, and for the playback."""
+        self._viewpoint.fit()
+        if woken:
+            self._broken = False
+            self._last_input = time.monotonic()
+            self._update()
+        elif not self._broken:
+            if time.monotonic() - self._last_input >= REST:
+                self._use_pause()
+            self._draw(self.frame)
+        self._memory.keep(self._state())
+
+    def _recover(self, error: Exception) -> None:
+        """Go back to the last plan after a fault of our own, and say so, until there is input."""
+        self._broken = True
+        self._scene = self.frame.plan.scene
+        self._fault = describe_fault(error)
+        metrics.FAULTS.inc()
+        _log.exception("fault", extra={"tab": self.client.client_id})
+        sentence = (
+            "There was not enough memory for this; a coarser mesh takes less."
+            if isinstance(error, MemoryError)
+            else "The visualiser met a fault of its own. The Scene tab has a text for a bug report."
+        )
+        page.notify_refusal(self.client, "This did not work", f"{sentence} The last picture stays.")
 
     def _timeout(self) -> float:
         """Time to wait for input, [s]."""
+        if self._broken:
+            return IDLE
         playing = self.playback.timeout()
         incomplete = self.frame.interactive or self.frame.partial or self._undiagnosed()
         idle = self._has_lights and self._compiled and not incomplete

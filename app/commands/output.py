@@ -23,9 +23,11 @@ def print_text(text: str) -> None:
 
 
 def write_text(path: Path, text: str) -> None:
-    """Write ``text`` into the file that ``--out`` names."""
+    """Write ``text`` into the file that ``--out`` names, whole or not at all."""
+    from abi.atomic_file import replace_file  # the method takes a second to load
+
     try:
-        path.write_text(text + "\n", encoding="utf-8")
+        replace_file(path, f"{text}\n".encode())
     except OSError as error:
         reason = cause(error, "not writable")
         raise click.ClickException(f"--out: {str(path)!r} cannot be written ({reason}).") from None

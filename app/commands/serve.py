@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import functools
+import signal
 import threading
 import webbrowser
+from types import FrameType
 from typing import Any
 
 import click
@@ -51,6 +53,7 @@ def serve(
     """
     from app.server import start
 
+    signal.signal(signal.SIGTERM, _interrupt)
     configure(log_level)
     policy = _policy(host, **visitors)
     announce = functools.partial(_announce, open_tab)
@@ -61,6 +64,11 @@ def serve(
         click.echo()
     finally:
         server.stop()
+
+
+def _interrupt(number: int, frame: FrameType | None) -> None:
+    """End as Ctrl+C does: the tabs are told, and the exit code is 0."""
+    raise KeyboardInterrupt
 
 
 def _policy(

@@ -23,6 +23,8 @@ _log = logging.getLogger("abi.web")
 MESSAGES_PER_SECOND = 240.0
 BYTES_PER_SECOND = 8e6
 _BURST = 2.0  # [s] of those rates
+REQUEST_TIMEOUT = 10.0
+"""Seconds in which a request must have come."""
 MAX_REFUSED = 100
 """Refused messages after which a tab is closed."""
 _POLICY_VIOLATION = 1008
@@ -39,6 +41,16 @@ class GuardedConnection(ServerConnection):
         self._bytes = Rate(BYTES_PER_SECOND, _BURST * BYTES_PER_SECOND)
         self._uploads = Uploads()
         self._refused = 0
+        guard.connections.add(self)
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        """Give whoever has connected a few seconds to say what for."""
+        super().connection_made(transport)
+        self.loop.call_later(REQUEST_TIMEOUT, self._hang_up_on_silence)
+
+    def _hang_up_on_silence(self) -> None:
+        if self.request is None:
+            self.transport.abort()
 
     def data_received(self, data: bytes) -> None:
         """Hand the bytes on, once the request's first line is one that can be answered."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import http
 import logging
+import weakref
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -32,13 +33,15 @@ class Guard:
 
     Attributes:
         policy: the rules.
-        tabs: connections of the tabs that are open.
+        connections: all that are open, requests for the page's files included.
+        tabs: those of them that are tabs.
         viser: the server, once it is built.
         ready: whether plans can be made.
     """
 
     def __init__(self, policy: Policy) -> None:
         self.policy = policy
+        self.connections: weakref.WeakSet[ServerConnection] = weakref.WeakSet()
         self.tabs: set[ServerConnection] = set()
         self.viser: viser.ViserServer | None = None
         self.ready = False
@@ -48,6 +51,11 @@ class Guard:
     def is_full(self) -> bool:
         """Whether another tab has to wait."""
         return len(self.tabs) >= self.policy.max_tabs
+
+    def hang_up(self) -> None:
+        """Cut the connections that are no tabs', on the server's loop: they may be slow to go."""
+        for connection in tuple(self.connections - self.tabs):
+            connection.transport.abort()
 
     def answer(
         self, pages: Pages, connection: ServerConnection, request: Request

@@ -25,7 +25,8 @@ from app.guard.guard import Guard
 
 MAX_MESSAGE = 8_000_000
 """Bytes of one message; viser's page sends files in parts of 512 kB."""
-_OPEN_TIMEOUT = 5.0
+_SLOW = 60.0
+"""Seconds in which the page, 0.7 MB, must have gone over the slowest line."""
 _PING_TIMEOUT = 60.0
 """Seconds without an answer after which a connection counts as cut; a loaded machine takes some."""
 _TRY_AGAIN_LATER = 1013
@@ -36,12 +37,13 @@ _Handler = Callable[[ServerConnection], Awaitable[None]]
 
 
 class _OneLine(logging.Filter):
-    """Faults of a connection as one line; the traceback is for the debug level."""
+    """Faults of a connection as one line; all else about it is for the debug level."""
 
     def filter(self, record: logging.LogRecord) -> bool:
+        vars(record).pop("websocket", None)
         error = record.exc_info[1] if record.exc_info else None
         if error is None:
-            return True
+            return record.levelno >= logging.WARNING or _log.isEnabledFor(logging.DEBUG)
         causes = f"{type(error).__name__}: {error.__cause__ or error}"
         if record.getMessage() == "opening handshake failed":
             # whoever connects and says nothing, as port scanners and health probes do
@@ -85,7 +87,8 @@ def _serve(
         process_response=functools.partial(_add_headers, guard),
         create_connection=functools.partial(GuardedConnection, guard),
         max_size=MAX_MESSAGE,
-        open_timeout=_OPEN_TIMEOUT,
+        open_timeout=_SLOW,
+        close_timeout=_SLOW,
         ping_timeout=_PING_TIMEOUT,
         server_header=None,
         logger=_protocol_log,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import socket
 import threading
 from collections.abc import Callable
 from typing import Any, TypeVar
@@ -103,6 +104,12 @@ class FakeTab:
     def close(self) -> None:
         """Disconnect."""
         self._socket.close()
+        self._reader.join(timeout=5)
+
+    def cut(self) -> None:
+        """Vanish without a word, as a laptop whose lid is closed."""
+        with contextlib.suppress(OSError):
+            self._socket.socket.shutdown(socket.SHUT_RDWR)
         self._reader.join(timeout=5)
 
     def _read(self) -> None:
