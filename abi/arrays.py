@@ -23,4 +23,4 @@ def read_only(array: _Array) -> _Array:
 
 def flat(array: NDArray[np.float64]) -> FloatArray:
     """The numbers of ``array``, flat and read-only: the form that kernels take."""
-    return read_only(np.ascontiguousarray(array).reshape(-1))
+    return read_only(np.ascontiguousarray(array, dtype=np.float64).reshape(-1))

@@ -13,7 +13,7 @@ from scipy.sparse.csgraph import dijkstra
 from abi.arrays import BoolArray, FloatArray, IntArray, read_only
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.packing import pack
-from abi.obstacles.primitive_kernels import blocked
+from abi.obstacles.primitive_tree_kernels import blocked
 from abi.obstacles.primitives import Box
 from abi.obstacles.vector_kernels import vec3_at
 from abi.scene.scene import Scene

@@ -14,7 +14,7 @@ from ompl import base, geometric, util
 from abi.arrays import FloatArray
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.packing import pack
-from abi.obstacles.primitive_kernels import blocked
+from abi.obstacles.primitive_tree_kernels import blocked
 from abi.scene.scene import Scene
 
 SIMPLIFYING = 0.3  # part of the budget that is left for simplification

@@ -70,14 +70,22 @@ def _tab(sizes: Sequence[int], scenes: int) -> list[Row]:
     return [tab.measure(nodes) for nodes in sizes if nodes <= _MAX_TAB_NODES]
 
 
+def _crowds(sizes: Sequence[int], scenes: int) -> list[Row]:
+    from benchmarks import crowds
+
+    return crowds.measure(crowds.COUNTS) + crowds.measure(crowds.COUNTS[:3], meshes=0.2)
+
+
 PARTS: dict[str, Callable[[Sequence[int], int], list[Row]]] = {
     "frames": _frames,
     "quality": _quality,
     "browser": _browser,
     "start": _start,
     "tab": _tab,
+    "crowds": _crowds,
 }
-"""Costs of a drag, lengths over the optimum, latency in the browser, start, cost of a tab."""
+"""Costs of a drag, lengths over the optimum, latency in the browser, start, cost of a tab,
+drags among many obstacles."""
 
 _NEEDS: dict[str, tuple[str, ...]] = {
     "frames": (),
@@ -85,4 +93,5 @@ _NEEDS: dict[str, tuple[str, ...]] = {
     "browser": ("playwright",),
     "start": ("playwright",),
     "tab": ("playwright",),
+    "crowds": (),
 }

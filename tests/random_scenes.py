@@ -98,6 +98,49 @@ def box_scene(seed: int, pitch: float) -> Scene:
     )
 
 
+def crowd(count: int, seed: int, nodes: int, meshes: float = 0.0, fill: float = 0.12) -> Scene:
+    """So many small obstacles of all shapes, apart from start and goal, in a mesh of so many nodes.
+
+    Args:
+        count: number of obstacles.
+        seed: of the generator.
+        nodes: of the body-centred mesh, about.
+        meshes: part of the obstacles that are triangle meshes.
+        fill: part of the workspace that their bounding boxes would fill side by side.
+    """
+    random = np.random.default_rng([seed, count])
+    side = (fill * 6**3 / count) ** (1 / 3)
+    clearance = 0.02
+    obstacles: list[dict[str, Any]] = []
+    while len(obstacles) < count:
+        sizes, place = side * random.uniform(0.6, 1.4, 3), random.uniform(0, 6, 3)
+        room = float(np.linalg.norm(sizes)) / 2 + 4 * clearance + 0.05
+        if min(np.linalg.norm(place), np.linalg.norm(place - 6)) < room:
+            continue
+        pose = {"position": place.tolist(), "wxyz": random.normal(size=4).tolist()}
+        a, b, c = sizes.tolist()
+        choices: list[dict[str, Any]] = [
+            {"shape": "box", "size": [a, b, c]},
+            {"shape": "sphere", "radius": 0.62 * a},
+            {"shape": "cylinder", "radius": 0.5 * a, "height": b},
+            {"shape": "capsule", "radius": 0.4 * a, "height": b},
+        ]
+        chosen = choices[random.integers(4)]
+        if random.random() < meshes:
+            chosen = {"shape": "mesh", "file": "ring.stl", "scale": a / 2}
+        obstacles.append({**chosen, **pose})
+    pitch = float((2 * 6**3 / nodes) ** (1 / 3) * np.sqrt(3) / 2)
+    return Scene.from_dict(
+        {
+            "version": 1,
+            "obstacles": obstacles,
+            "mesh": {"lattice": "bcc", "pitch": pitch},
+            "spline": {"clearance": clearance},
+        },
+        _meshes(),
+    )
+
+
 def _wall(random: np.random.Generator) -> list[dict[str, Any]]:
     """Two boxes across the workspace with a slit between them, or none."""
     slit = float(random.choice([0.0, random.uniform(0.01, 1)]))

@@ -15,7 +15,13 @@ from abi.arrays import FloatArray
 from abi.clearance.bezier_kernels import divide, extent_of
 from abi.compiled import FLOATS, compiled
 from abi.obstacles.obstacle_set_kernels import distance_gradient, nearest_primitive
-from abi.obstacles.primitive_kernels import WIDTH, bounds_apart
+from abi.obstacles.primitive_tree_kernels import (
+    bounds_apart,
+    first_row,
+    row_after,
+    row_below,
+    tree_apart,
+)
 from abi.obstacles.vector_kernels import Vec3, vec3_at
 
 MOST_HALVINGS = 40
@@ -68,17 +74,21 @@ def _bound(
     """
     low, high = extent_of(points, piece, piece + 3 * width)
     best, whose, bound = math.inf, -1, math.inf
-    for s in range(len(primitives) // WIDTH):
-        if bounds_apart(primitives, s, enough, low, high):
+    s = first_row(primitives)
+    while s >= 0:
+        if tree_apart(primitives, s, enough, low, high):
+            s = row_after(primitives, s)
             continue
-        distance, (gx, gy, gz) = distance_gradient(primitives, s, x)
-        rise = 0.0
-        for i in range(piece, piece + 3 * width, 3):
-            ahead = gx * (points[i] - x[0]) + gy * (points[i + 1] - x[1])
-            rise = min(rise, ahead + gz * (points[i + 2] - x[2]))
-        bound = min(bound, distance + rise)
-        if distance < best:
-            best, whose = distance, s
+        if not bounds_apart(primitives, s, enough, low, high):
+            distance, (gx, gy, gz) = distance_gradient(primitives, s, x)
+            rise = 0.0
+            for i in range(piece, piece + 3 * width, 3):
+                ahead = gx * (points[i] - x[0]) + gy * (points[i + 1] - x[1])
+                rise = min(rise, ahead + gz * (points[i + 2] - x[2]))
+            bound = min(bound, distance + rise)
+            if distance < best or (distance == best and s < whose):
+                best, whose = distance, s
+        s = row_below(primitives, s)
     return best, whose, bound
 
 

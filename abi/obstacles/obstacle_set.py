@@ -1,8 +1,9 @@
 """The obstacles of a scene as one set, whatever their shapes.
 
 Primitives are measured by the kernels, triangle meshes by their own tree, and the nearest counts.
-Only what rests on convexity asks for ``primitives`` and ``meshes``. Lengths are in the scene's
-[unit], points in the world frame.
+Both stand in a tree of their bounds, so that a query looks at those near it. Only what rests on
+convexity asks for ``primitives`` and ``meshes``. Lengths are in the scene's [unit], points in the
+world frame.
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Annotated, Self
 
 import numpy as np
@@ -20,11 +21,17 @@ from abi.arrays import BoolArray, FloatArray, IntArray, flat, read_only
 from abi.obstacles import obstacle_set_kernels as kernels
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.packing import pack
-from abi.obstacles.primitive_kernels import WIDTH
+from abi.obstacles.primitive_kernels import BOUNDS, WIDTH
 from abi.obstacles.primitives import Box, Primitive
 
 Obstacle = Annotated[Primitive | MeshShape, Field(discriminator="shape")]
 Obstacles = tuple[Obstacle, ...]
+
+_WIDER = 1e-9
+"""How much farther meshes are looked for, [unit] and part, so that rounding leaves none out."""
+
+_TOUCH = 1e-9
+"""Least margin to a mesh's bounds, [unit]: what touches the surface may lie on them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,7 +90,7 @@ class ObstacleSet:
     def bounds(self) -> tuple[FloatArray, FloatArray]:
         """Low and high corners (k, 3) of the obstacles' axis-parallel boxes, [unit], world."""
         corners = np.empty((len(self.obstacles), 2, 3))
-        of_primitives = self.packed.reshape(-1, WIDTH)[:, -6:]
+        of_primitives = self.packed.reshape(-1, WIDTH)[:, BOUNDS : BOUNDS + 6]
         corners[self.primitive_numbers] = of_primitives.reshape(-1, 2, 3)
         for number, mesh in zip(self.mesh_numbers, self.meshes, strict=True):
             corners[number] = mesh.bounds()
@@ -94,12 +101,9 @@ class ObstacleSet:
         """The set with each mesh's bounding box in its place; itself without meshes."""
         if self.all_convex:
             return self
-        low, high = self.bounds
         boxed = list(self.obstacles)
-        for number in self.mesh_numbers.tolist():
-            x, y, z = np.maximum(high[number] - low[number], 1e-9).tolist()
-            a, b, c = ((low[number] + high[number]) / 2).tolist()
-            boxed[number] = Box(size=(x, y, z), position=(a, b, c))
+        for number, box in zip(self.mesh_numbers.tolist(), self._mesh_boxes, strict=True):
+            boxed[number] = box
         return type(self)(tuple(boxed))
 
     @cached_property
@@ -112,32 +116,36 @@ class ObstacleSet:
 
         The first obstacle counts on a tie; without obstacles the distance is inf, the number -1.
         """
-        distance = np.full(len(points), np.inf)
+        distance, row = self._from_primitives(points)
         number = np.full(len(points), -1, dtype=np.int32)
-        for k, obstacle in enumerate(self.obstacles):
-            to_obstacle = obstacle.signed_distance(points)
-            nearer = to_obstacle < distance
-            distance[nearer] = to_obstacle[nearer]
-            number[nearer] = k
+        of_primitive = row >= 0
+        number[of_primitive] = self.primitive_numbers[row[of_primitive]]
+        for k, mesh, rows in self._near_meshes(points, points, distance):
+            to_mesh = mesh.signed_distance(points[rows])
+            before = distance[rows]
+            nearer = (to_mesh < before) | ((to_mesh == before) & (k < number[rows]))
+            distance[rows[nearer]], number[rows[nearer]] = to_mesh[nearer], k
         return distance, number
 
     def signed_distance(self, points: FloatArray) -> FloatArray:
         """Least signed distance (n,) of points (n, 3), [unit]; inf without obstacles."""
-        distance, _ = self._from_primitives(points)
-        for mesh in self.meshes:
-            np.minimum(distance, mesh.signed_distance(points), out=distance)
-        return distance
+        return self.nearest(points)[0]
 
-    def signed_distances(self, points: FloatArray) -> FloatArray:
-        """Signed distance (n, k) of points (n, 3) to each obstacle, [unit]."""
+    def distances_up_to(self, limit: float, points: FloatArray) -> FloatArray:
+        """Signed distance (n, k) of points (n, 3) to each obstacle, [unit].
+
+        Exact below ``limit``; what is not may be any distance from there on.
+        """
         distances = np.empty((len(points), len(self.obstacles)))
         of_primitives = np.empty(len(points) * len(self.primitives))
         kernels.signed_distances(flat(points), self.packed, of_primitives)
         distances[:, self.primitive_numbers] = of_primitives.reshape(
             len(points), len(self.primitives)
         )
-        for number, mesh in zip(self.mesh_numbers, self.meshes, strict=True):
-            distances[:, number] = mesh.signed_distance(points)
+        distances[:, self.mesh_numbers] = np.inf
+        limits = np.full(len(points), limit)
+        for number, mesh, rows in self._near_meshes(points, points, limits):
+            distances[rows, number] = mesh.signed_distance(points[rows])
         return distances
 
     def signed_distance_gradient(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -146,11 +154,13 @@ class ObstacleSet:
         The gradient is a unit subgradient of a primitive's distance; without obstacles the distance
         is inf, the gradient 0.
         """
-        distance, gradient = self._from_primitives(points)
-        for mesh in self.meshes:
-            to_mesh = mesh.signed_distance(points)
-            nearer = np.flatnonzero(to_mesh < distance)
-            distance[nearer] = to_mesh[nearer]
+        distance, row = self._from_primitives(points)
+        gradient = np.zeros((len(points), 3))
+        kernels.gradients(flat(points), self.packed, row, gradient.ravel())
+        for _, mesh, rows in self._near_meshes(points, points, distance):
+            to_mesh = mesh.signed_distance(points[rows])
+            nearer = rows[to_mesh < distance[rows]]
+            distance[nearer] = to_mesh[to_mesh < distance[rows]]
             gradient[nearer] = mesh.gradient(points[nearer])
         return distance, gradient
 
@@ -159,25 +169,24 @@ class ObstacleSet:
     ) -> BoolArray:
         """Mask (n,) of the segments that come nearer to an obstacle than ``margin``.
 
-        Only the segments near an obstacle's bounding box are measured.
-
         Args:
             starts: first ends (n, 3), [unit], world.
             ends: second ends (n, 3), [unit], world.
             margin: [unit], one for all or one for each segment (n,).
         """
         blocked = np.zeros(len(starts), dtype=np.bool_)
-        if not self.obstacles:
-            return blocked
         margins = np.broadcast_to(np.asarray(margin, dtype=float), (len(starts),))
-        below, above = np.minimum(starts, ends), np.maximum(starts, ends)
-        for obstacle, low, high in zip(self.obstacles, *self.bounds, strict=True):
-            near = ~blocked
-            for axis in range(3):
-                near &= above[:, axis] + margins > low[axis]
-                near &= below[:, axis] - margins < high[axis]
-            rows = np.flatnonzero(near)
-            blocked[rows] = obstacle.blocks(starts[rows], ends[rows], margins[rows])
+        packed = flat(starts), flat(ends), flat(margins)
+        if self.primitives:
+            kernels.blocked_segments(*packed, self.packed, blocked)
+        open_ = np.flatnonzero(~blocked)
+        if not self.meshes or not len(open_):
+            return blocked
+        starts, ends, margins = starts[open_], ends[open_], margins[open_]
+        # touching a surface blocks even without a margin
+        for _, mesh, rows in self._near_meshes(starts, ends, np.maximum(margins, _TOUCH)):
+            rows = rows[~blocked[open_[rows]]]
+            blocked[open_[rows]] = mesh.blocks(starts[rows], ends[rows], margins[rows])
         return blocked
 
     def polyline_clearance(self, points: FloatArray) -> float:
@@ -194,9 +203,13 @@ class ObstacleSet:
         count, size, _ = polylines.shape
         clearances = np.empty(count)
         kernels.polyline_distances(flat(polylines), size, self.packed, clearances)
-        for mesh in self.meshes:
-            legs = mesh.segment_distance(*_segments(polylines)).reshape(count, size - 1)
-            np.minimum(clearances, legs.min(axis=1), out=clearances)
+        if not self.meshes:
+            return clearances
+        starts, ends = _segments(polylines)
+        of_polyline = np.repeat(np.arange(count), size - 1)
+        for _, mesh, rows in self._near_meshes(starts, ends, clearances[of_polyline]):
+            legs = mesh.segment_distance(starts[rows], ends[rows])
+            np.minimum.at(clearances, of_polyline[rows], legs)
         return clearances
 
     def segment_clearances(self, points: FloatArray) -> FloatArray:
@@ -240,13 +253,66 @@ class ObstacleSet:
         chosen = [k for k, shape in enumerate(self.obstacles) if shape.convex == convex]
         return read_only(np.array(chosen, dtype=np.int32))
 
-    def _from_primitives(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
-        distance, gradient = np.empty(len(points)), np.zeros(3 * len(points))
-        kernels.nearest(flat(points), self.packed, distance, gradient)
-        return distance, gradient.reshape(-1, 3)
+    @cached_property
+    def _mesh_boxes(self) -> tuple[Box, ...]:
+        """Bounding boxes of the meshes (m,)."""
+        return tuple(map(_bounding_box, self.meshes))
+
+    @cached_property
+    def _packed_mesh_boxes(self) -> FloatArray:
+        return pack(self._mesh_boxes)
+
+    def _from_primitives(self, points: FloatArray) -> tuple[FloatArray, IntArray]:
+        """Least signed distance of points to a primitive (n,), and whose it is (n,)."""
+        distance, row = np.empty(len(points)), np.empty(len(points), dtype=np.int32)
+        kernels.nearest(flat(points), self.packed, distance, row)
+        return distance, row
+
+    def _near_meshes(
+        self, starts: FloatArray, ends: FloatArray, limits: FloatArray
+    ) -> Iterator[tuple[int, MeshShape, IntArray]]:
+        """Meshes with the segments that may be nearer to them than a limit.
+
+        Args:
+            starts, ends: (n, 3), [unit], world.
+            limits: (n,), [unit].
+
+        Yields:
+            Number of a mesh, the mesh, and rows (m,) of segments, m >= 1, ascending.
+        """
+        if not self.meshes:
+            return
+        if len(self.meshes) == 1 and np.isinf(limits).all():
+            rows, boxes = np.arange(len(starts), dtype=np.int32), np.zeros(len(starts), np.int32)
+        else:
+            if np.isinf(limits).any():
+                limits = np.minimum(limits, self._most_to_mesh(starts))
+            wide = flat(limits * (1 + _WIDER) + _WIDER)
+            rows, boxes = kernels.near_boxes(
+                flat(starts), flat(ends), wide, self._packed_mesh_boxes
+            )
+        cuts = np.flatnonzero(np.diff(boxes, prepend=-1, append=-1))
+        for first, last in zip(cuts[:-1].tolist(), cuts[1:].tolist(), strict=True):
+            k = int(boxes[first])
+            yield int(self.mesh_numbers[k]), self.meshes[k], rows[first:last]
+
+    def _most_to_mesh(self, points: FloatArray) -> FloatArray:
+        """Upper bound (n,) of the distance of points (n, 3) to the nearest mesh, [unit]."""
+        distance, row = np.empty(len(points)), np.empty(len(points), dtype=np.int32)
+        kernels.nearest(flat(points), self._packed_mesh_boxes, distance, row)
+        diagonals = np.array([math.hypot(*box.size) for box in self._mesh_boxes])
+        return np.asarray(np.maximum(distance, 0) + diagonals[row])
 
 
 NO_OBSTACLES = ObstacleSet()
+
+
+@lru_cache(maxsize=4096)
+def _bounding_box(mesh: MeshShape) -> Box:
+    low, high = mesh.bounds()
+    x, y, z = np.maximum(high - low, 1e-9).tolist()
+    a, b, c = ((low + high) / 2).tolist()
+    return Box(size=(x, y, z), position=(a, b, c))
 
 
 def _segments(polylines: FloatArray) -> tuple[FloatArray, FloatArray]:

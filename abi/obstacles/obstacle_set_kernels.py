@@ -8,21 +8,31 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 from numba.extending import register_jitable
 
-from abi.arrays import FloatArray
-from abi.compiled import FLOATS, NEW_FLOATS, compiled
+from abi.arrays import BoolArray, FloatArray, IntArray
+from abi.compiled import FLOATS, IDS, NEW_FLAGS, NEW_FLOATS, NEW_IDS, compiled
 from abi.obstacles.primitive_kernels import (
     WIDTH,
     Core,
     axes_of,
-    bounds_apart,
     centre_of,
     core_of,
     in_body,
     in_world,
     signed_distance,
     signed_distance_gradient,
+)
+from abi.obstacles.primitive_tree_kernels import (
+    any_nearer,
+    bounds_apart,
+    first_row,
+    row_after,
+    row_below,
+    segment_apart,
+    tree_apart,
+    tree_gap,
 )
 from abi.obstacles.vector_kernels import Vec3, add, axpy, dot, sub, vec3_at
 
@@ -74,23 +84,83 @@ def _least_distance(core: Core, best: float, p: Vec3, d: Vec3) -> float:
 @register_jitable
 def _to_segment(primitives: FloatArray, s: int, best: float, a: Vec3, b: Vec3) -> float:
     """Least signed distance from the segment a..b, world, to primitive s; ``best`` if above."""
-    if bounds_apart(primitives, s, best, a, b):
-        return best
     axes = axes_of(primitives, s)
     p = in_body(axes, sub(a, centre_of(primitives, s)))
     return _least_distance(core_of(primitives, s), best, p, in_body(axes, sub(b, a)))
 
 
-@register_jitable(forceinline=True)
-def nearest_primitive(primitives: FloatArray, enough: float, x: Vec3) -> tuple[float, int]:
-    """Least signed distance of a point and whose it is; ``enough`` and -1 if it is not below."""
+@register_jitable
+def _likely_nearest(primitives: FloatArray, x: Vec3) -> int:
+    """A primitive not far from a point: down the tree, each time to the nearer side."""
+    s = first_row(primitives)
+    best, whose = math.inf, s
+    while True:
+        p = in_body(axes_of(primitives, s), sub(x, centre_of(primitives, s)))
+        distance = signed_distance(core_of(primitives, s), p)
+        if distance < best:
+            best, whose = distance, s
+        one, after = row_below(primitives, s), row_after(primitives, s)
+        if one == after:
+            return whose
+        other = row_after(primitives, one)
+        nearer = one
+        if other != after and tree_gap(primitives, other, x) < tree_gap(primitives, one, x):
+            nearer = other
+        s = nearer
+
+
+@register_jitable
+def nearest_to_segment(
+    primitives: FloatArray, enough: float, a: Vec3, b: Vec3
+) -> tuple[float, int]:
+    """Least signed distance of a segment and whose it is; ``enough`` and -1 if it is not below.
+
+    Args:
+        primitives: rows (k WIDTH,).
+        enough: [unit].
+        a: one end, [unit], world; it may be the other one, too.
+        b: the other end.
+    """
     best, whose = enough, -1
-    for s in range(len(primitives) // WIDTH):
-        if not bounds_apart(primitives, s, best, x, x):
-            p = in_body(axes_of(primitives, s), sub(x, centre_of(primitives, s)))
-            distance = signed_distance(core_of(primitives, s), p)
+    s = first_row(primitives)
+    if s >= 0 and enough == math.inf:
+        whose = _likely_nearest(primitives, axpy(0.5, sub(b, a), a))
+        best = _to_segment(primitives, whose, enough, a, b)
+    while s >= 0:
+        if segment_apart(primitives, s, True, best, a, b):
+            s = row_after(primitives, s)
+            continue
+        if not segment_apart(primitives, s, False, best, a, b):
+            distance = _to_segment(primitives, s, best, a, b)
             if distance < best:
                 best, whose = distance, s
+        s = row_below(primitives, s)
+    return best, whose
+
+
+@register_jitable
+def nearest_primitive(primitives: FloatArray, enough: float, x: Vec3) -> tuple[float, int]:
+    """Least signed distance of a point and whose it is; ``enough`` and -1 if it is not below.
+
+    The first primitive counts on a tie.
+    """
+    best, whose = enough, -1
+    s = first_row(primitives)
+    if s >= 0 and enough == math.inf:
+        whose = _likely_nearest(primitives, x)
+        p = in_body(axes_of(primitives, whose), sub(x, centre_of(primitives, whose)))
+        best = signed_distance(core_of(primitives, whose), p)
+    while s >= 0:
+        more = best + _ROUNDING * abs(best)  # with those that are as near
+        if tree_apart(primitives, s, more, x, x):
+            s = row_after(primitives, s)
+            continue
+        if not bounds_apart(primitives, s, more, x, x):
+            p = in_body(axes_of(primitives, s), sub(x, centre_of(primitives, s)))
+            distance = signed_distance(core_of(primitives, s), p)
+            if distance < best or (distance == best and s < whose):
+                best, whose = distance, s
+        s = row_below(primitives, s)
     return best, whose
 
 
@@ -117,10 +187,9 @@ def polyline_distances(
     """
     for run in range(len(distances)):
         best = math.inf
-        for s in range(len(primitives) // WIDTH):
-            for i in range(3 * run * size, 3 * (run * size + size - 1), 3):
-                a, b = vec3_at(points, i), vec3_at(points, i + 3)
-                best = _to_segment(primitives, s, best, a, b)
+        for i in range(3 * run * size, 3 * (run * size + size - 1), 3):
+            a, b = vec3_at(points, i), vec3_at(points, i + 3)
+            best = nearest_to_segment(primitives, best, a, b)[0]
         distances[run] = best
 
 
@@ -141,31 +210,137 @@ def nearest_polyline(
         for run in range(0, len(points) // (3 * size), stride):
             for i in range(3 * run * size, 3 * (run * size + size - 1), 3):
                 a, b = vec3_at(points, i), vec3_at(points, i + 3)
-                for s in range(len(primitives) // WIDTH):
-                    distance = _to_segment(primitives, s, best, a, b)
-                    if distance < best:
-                        best, which, whose = distance, run, s
+                distance, s = nearest_to_segment(primitives, best, a, b)
+                if distance < best:
+                    best, which, whose = distance, run, s
     return best, which, whose
 
 
-@compiled(example=(FLOATS, FLOATS, NEW_FLOATS, NEW_FLOATS))
+@compiled(example=(FLOATS, FLOATS, 1.0))
+def near_polyline(points: FloatArray, primitives: FloatArray, reach: float) -> FloatArray:
+    """Signed distances of primitives to a polyline, inf where they are not below ``reach``.
+
+    Args:
+        points: flat (3 n,), n >= 2, [unit], world.
+        primitives: rows (k WIDTH,).
+        reach: [unit].
+
+    Returns:
+        Distances (k,), [unit].
+    """
+    distances = np.full(len(primitives) // WIDTH, math.inf)
+    for i in range(0, len(points) - 3, 3):
+        a, b = vec3_at(points, i), vec3_at(points, i + 3)
+        s = first_row(primitives)
+        while s >= 0:
+            if segment_apart(primitives, s, True, reach, a, b):
+                s = row_after(primitives, s)
+                continue
+            most = min(reach, distances[s])
+            if not segment_apart(primitives, s, False, most, a, b):
+                distance = _to_segment(primitives, s, most, a, b)
+                if distance < most:
+                    distances[s] = distance
+            s = row_below(primitives, s)
+    return distances
+
+
+@compiled(example=(FLOATS, FLOATS, NEW_FLOATS, NEW_IDS))
 def nearest(
-    points: FloatArray, primitives: FloatArray, distances: FloatArray, gradients: FloatArray
+    points: FloatArray, primitives: FloatArray, distances: FloatArray, numbers: IntArray
 ) -> None:
-    """Signed distances of points to the nearest primitive, and their gradients.
+    """Signed distances of points to the nearest primitive, and whose they are.
 
     Args:
         points: flat (3 n,), [unit], world.
         primitives: rows (k WIDTH,).
         distances: (n,), [unit], inf without primitives; written.
-        gradients: unit subgradients of the distances, flat (3 n,), world; written.
+        numbers: rows of the nearest (n,), -1 without primitives; written.
     """
     for i in range(len(distances)):
         x = vec3_at(points, 3 * i)
-        distances[i], whose = nearest_primitive(primitives, math.inf, x)
-        if whose >= 0:
-            gradient = distance_gradient(primitives, whose, x)[1]
-            gradients[3 * i], gradients[3 * i + 1], gradients[3 * i + 2] = gradient
+        distances[i], numbers[i] = nearest_primitive(primitives, math.inf, x)
+
+
+@compiled(example=(FLOATS, FLOATS, IDS, NEW_FLOATS))
+def gradients(
+    points: FloatArray, primitives: FloatArray, numbers: IntArray, found: FloatArray
+) -> None:
+    """Gradients of the signed distances of points, each to one primitive.
+
+    Args:
+        points: flat (3 n,), [unit], world.
+        primitives: rows (k WIDTH,).
+        numbers: rows of the primitives (n,); nothing is written where they are negative.
+        found: unit subgradients, flat (3 n,), world; written.
+    """
+    for i in range(len(numbers)):
+        if numbers[i] >= 0:
+            gradient = distance_gradient(primitives, numbers[i], vec3_at(points, 3 * i))[1]
+            found[3 * i], found[3 * i + 1], found[3 * i + 2] = gradient
+
+
+@compiled(example=(FLOATS, FLOATS, FLOATS, FLOATS, NEW_FLAGS))
+def blocked_segments(
+    starts: FloatArray,
+    ends: FloatArray,
+    margins: FloatArray,
+    primitives: FloatArray,
+    found: BoolArray,
+) -> None:
+    """Which segments come nearer to a primitive than their margins.
+
+    Args:
+        starts, ends: flat (3 n,), [unit], world.
+        margins: (n,), [unit].
+        primitives: rows (k WIDTH,).
+        found: (n,); written.
+    """
+    for i in range(len(margins)):
+        a, b = vec3_at(starts, 3 * i), vec3_at(ends, 3 * i)
+        found[i] = any_nearer(primitives, margins[i], a, b)
+
+
+@compiled(example=(FLOATS, FLOATS, FLOATS, FLOATS))
+def near_boxes(
+    starts: FloatArray, ends: FloatArray, limits: FloatArray, boxes: FloatArray
+) -> tuple[IntArray, IntArray]:
+    """Pairs of a segment and a box that may be nearer to each other than the segment's limit.
+
+    Args:
+        starts, ends: flat (3 n,), [unit], world.
+        limits: (n,), [unit].
+        boxes: primitives parallel to the axes, rows (k WIDTH,).
+
+    Returns:
+        Segments and boxes of the pairs (m,); each box's pairs together, the segments in order.
+    """
+    segments, near = np.empty(64, np.int32), np.empty(64, np.int32)
+    counts = np.zeros(len(boxes) // WIDTH + 1, np.int32)
+    found = 0
+    for i in range(len(limits)):
+        a, b = vec3_at(starts, 3 * i), vec3_at(ends, 3 * i)
+        s = first_row(boxes)
+        while s >= 0:
+            if segment_apart(boxes, s, True, limits[i], a, b):
+                s = row_after(boxes, s)
+                continue
+            if not segment_apart(boxes, s, False, limits[i], a, b):
+                if found == len(near):
+                    segments = np.concatenate((segments, np.empty_like(segments)))
+                    near = np.concatenate((near, np.empty_like(near)))
+                segments[found], near[found] = i, s
+                counts[s + 1] += 1
+                found += 1
+            s = row_below(boxes, s)
+    for s in range(1, len(counts)):
+        counts[s] += counts[s - 1]
+    in_order, of_box = np.empty(found, np.int32), np.empty(found, np.int32)
+    for k in range(found):
+        at = counts[near[k]]
+        in_order[at], of_box[at] = segments[k], near[k]
+        counts[near[k]] += 1
+    return in_order, of_box
 
 
 @compiled(example=(FLOATS, FLOATS, NEW_FLOATS))

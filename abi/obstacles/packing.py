@@ -11,15 +11,22 @@ import numpy as np
 from abi.arrays import FloatArray, read_only
 from abi.obstacles.pose import rotation
 from abi.obstacles.primitive_kernels import WIDTH
+from abi.obstacles.primitive_tree_kernels import TREE, link
 from abi.obstacles.primitives import Box, Capsule, Cylinder, Primitive, Sphere
 
 
 def pack(primitives: tuple[Primitive, ...]) -> FloatArray:
-    """Rows of k primitives, flat (k ``WIDTH``,); see ``primitive_kernels``."""
-    return read_only(np.concatenate([np.zeros(0), *map(_row, primitives)]))
+    """Rows of k primitives and their tree, flat (k ``WIDTH``,); see ``primitive_kernels``."""
+    rows = np.zeros((len(primitives), WIDTH))
+    for row, primitive in zip(rows, primitives, strict=True):
+        row[:TREE] = _row(primitive)
+    packed = rows.ravel()
+    if len(rows):
+        link(packed)
+    return read_only(packed)
 
 
-@lru_cache(maxsize=1024)
+@lru_cache(maxsize=8192)
 def _row(primitive: Primitive) -> FloatArray:
     axes = _axes(primitive.wxyz)
     a, b, c, radius, is_cylinder = core = _core(primitive)
@@ -31,7 +38,7 @@ def _row(primitive: Primitive) -> FloatArray:
     ]
     (x, y, z), (u, v, w) = primitive.position, half
     row = np.array([x, y, z, *axes, *core, x - u, y - v, z - w, x + u, y + v, z + w])
-    assert len(row) == WIDTH
+    assert len(row) == TREE
     return read_only(row)
 
 

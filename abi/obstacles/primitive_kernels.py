@@ -4,9 +4,10 @@ Plain Python that numba compiles with its caller; uncompiled it runs on lists. M
 tuples are handed over, for arrays are counted in and out at every call.
 
 A primitive is ``WIDTH`` numbers: centre (3), the body's axes in the world (9), half sizes of its
-core (3), radius around the core, 1 for a cylinder and 0 otherwise, its bounds low and high (6). A
-box is a core alone, a sphere and a capsule are a core with a radius. A cylinder's core is its own
-radius, twice, and its half height.
+core (3), radius around the core, 1 for a cylinder and 0 otherwise, its bounds low and high (6), and
+nine of the tree that several make, see ``primitive_tree_kernels``. A box is a core alone, a sphere
+and a capsule are a core with a radius. A cylinder's core is its own radius, twice, and its half
+height.
 """
 
 from __future__ import annotations
@@ -16,10 +17,12 @@ import math
 from numba.extending import register_jitable
 
 from abi.arrays import FloatArray
-from abi.obstacles.vector_kernels import Vec3, axpy, dot, sub
+from abi.obstacles.vector_kernels import Vec3, axpy, dot
 
-WIDTH = 23
+WIDTH = 32
 """Numbers that describe a primitive."""
+BOUNDS = 17
+"""Where its bounds begin among them."""
 
 Core = tuple[float, float, float, float, float]
 """Half sizes of the core, the radius around it, and 1 for a cylinder."""
@@ -154,69 +157,3 @@ def segment_within(core: Core, margin: float, p: Vec3, d: Vec3) -> bool:
             if step % 3 == 2 or t <= low or t >= high:
                 t = (low + high) / 2
     return False
-
-
-@register_jitable
-def bounds_apart(primitives: FloatArray, s: int, margin: float, a: Vec3, b: Vec3) -> bool:
-    """Whether the box around a and b is ``margin`` or farther from that around primitive s.
-
-    Along one of the world's axes.
-    """
-    k = WIDTH * s + 17
-    result: bool = (
-        min(a[0], b[0]) - primitives[k + 3] >= margin
-        or primitives[k] - max(a[0], b[0]) >= margin
-        or min(a[1], b[1]) - primitives[k + 4] >= margin
-        or primitives[k + 1] - max(a[1], b[1]) >= margin
-        or min(a[2], b[2]) - primitives[k + 5] >= margin
-        or primitives[k + 2] - max(a[2], b[2]) >= margin
-    )
-    return result
-
-
-@register_jitable
-def any_within(primitives: FloatArray, margin: float, p: Vec3) -> bool:
-    """Whether any primitive is nearer to a point of the world than ``margin``."""
-    for s in range(len(primitives) // WIDTH):
-        if bounds_apart(primitives, s, margin, p, p):
-            continue
-        q = in_body(axes_of(primitives, s), sub(p, centre_of(primitives, s)))
-        if signed_distance(core_of(primitives, s), q) < margin:
-            return True
-    return False
-
-
-@register_jitable
-def blocked(primitives: FloatArray, margins: FloatArray, first: int, a: Vec3, b: Vec3) -> bool:
-    """Whether the segment a..b comes nearer to a primitive than that one's margin.
-
-    Args:
-        primitives: (k WIDTH,) rows, one after the other.
-        margins: [unit]; those of the k primitives begin at ``first``.
-        first: index.
-        a: one end, [unit], world.
-        b: the other end.
-    """
-    return blocker(primitives, margins, first, 0, a, b) >= 0
-
-
-@register_jitable
-def blocker(
-    primitives: FloatArray, margins: FloatArray, first: int, guess: int, a: Vec3, b: Vec3
-) -> int:
-    """A primitive to which the segment a..b comes nearer than that one's margin, or -1.
-
-    Args:
-        primitives, margins, first, a, b: see :func:`blocked`.
-        guess: the primitive that is tried first.
-    """
-    for k in range(len(primitives) // WIDTH):
-        s = guess if k == 0 else (k - 1 if k <= guess else k)
-        margin = margins[first + s]
-        if bounds_apart(primitives, s, margin, a, b):
-            continue
-        axes = axes_of(primitives, s)
-        p = in_body(axes, sub(a, centre_of(primitives, s)))
-        if segment_within(core_of(primitives, s), margin, p, in_body(axes, sub(b, a))):
-            return s
-    return -1

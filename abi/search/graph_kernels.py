@@ -10,7 +10,7 @@ import numpy as np
 
 from abi.arrays import BoolArray, FloatArray, IntArray
 from abi.compiled import FLAGS, FLOATS, compiled
-from abi.obstacles.primitive_kernels import blocked
+from abi.obstacles.primitive_tree_kernels import blocked
 from abi.obstacles.vector_kernels import Vec3, distance
 from abi.tet_mesh.adjacency_kernels import (
     BCC,

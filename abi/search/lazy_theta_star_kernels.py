@@ -13,7 +13,7 @@ from numba.extending import register_jitable
 
 from abi.arrays import FloatArray, IntArray
 from abi.compiled import FLOATS, IDS, compiled
-from abi.obstacles.primitive_kernels import blocked
+from abi.obstacles.primitive_tree_kernels import blocked
 from abi.obstacles.vector_kernels import Vec3, distance
 
 Steps = tuple[IntArray, IntArray, IntArray, FloatArray, IntArray]

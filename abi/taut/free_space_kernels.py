@@ -11,7 +11,8 @@ from numba.extending import register_jitable
 
 from abi.arrays import FloatArray
 from abi.compiled import FLOATS
-from abi.obstacles.primitive_kernels import WIDTH, blocked
+from abi.obstacles.primitive_kernels import WIDTH
+from abi.obstacles.primitive_tree_kernels import blocked
 from abi.obstacles.vector_kernels import Vec3
 
 

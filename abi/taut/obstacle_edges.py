@@ -31,7 +31,8 @@ def obstacle_edges(primitives: tuple[Primitive, ...], margin: float, ahead: Vec3
         ahead: from start to goal, [unit], world: along it stands the prism around a ball.
 
     Returns:
-        Both ends of each edge, one after the other, (6 n,), [unit], world.
+        Of each edge, one after the other, both ends, [unit], and the unit normals of the two faces
+        that meet there, (12 n,), world.
     """
     wider = margin * (1 + _WIDER) + _APART
     edges = [
@@ -43,8 +44,12 @@ def obstacle_edges(primitives: tuple[Primitive, ...], margin: float, ahead: Vec3
 @lru_cache(maxsize=1024)
 def _edges(solid: Primitive, margin: float, ahead: Vec3 | None) -> FloatArray:
     axes = rotation(solid.wxyz).T if ahead is None else _axes_along(np.array(ahead))
-    ends = _box_edges(solid, margin) if isinstance(solid, Box) else _prism_edges(solid, margin)
-    return read_only((ends @ axes + solid.position).ravel())
+    ends, normals = (
+        (_box_edges(solid, margin), _CUBE_NORMALS)
+        if isinstance(solid, Box)
+        else (_prism_edges(solid, margin), _prism_normals(solid))
+    )
+    return read_only(np.concatenate([ends @ axes + solid.position, normals @ axes], axis=1).ravel())
 
 
 def _axes_along(ahead: FloatArray) -> FloatArray:
@@ -72,6 +77,19 @@ _ACROSS = read_only(np.where(np.diff(_CUBE, axis=1, prepend=0)[:, 1:] == 0, _CUB
 """The same without the component along the edge."""
 
 
+def _cube_normals() -> FloatArray:
+    """Normals (12, 2, 3) of the two faces at each of the cube's edges."""
+    normals = np.zeros((12, 2, 3))
+    for axis in range(3):
+        along = slice(4 * axis, 4 * axis + 4)
+        for k in (1, 2):
+            normals[along, k - 1, axis - k] = _ACROSS[along, 0, axis - k]
+    return read_only(normals)
+
+
+_CUBE_NORMALS = _cube_normals()
+
+
 def _box_edges(solid: Box, margin: float) -> FloatArray:
     """Ends (12, 2, 3) of the edges of a box, moved outwards along both their faces, body."""
     return np.asarray(_CUBE * (np.array(solid.size) / 2) + _ACROSS * margin)
@@ -96,3 +114,23 @@ def _prism_edges(solid: Primitive, margin: float) -> FloatArray:
     rims = np.stack([rim - height * up, rim + height * up])
     following = np.roll(rims, -1, axis=1)
     return np.concatenate([sides, np.stack([rims, following], axis=2).reshape(-1, 2, 3)])
+
+
+def _prism_normals(solid: Primitive) -> FloatArray:
+    """Normals (n, 2, 3) of the faces at the edges of that prism, in the order of the edges."""
+    turn = math.pi / _SIDES
+    angle = 2 * turn * np.arange(_SIDES)
+    before, after = (
+        np.stack([np.cos(middle), np.sin(middle), np.zeros(_SIDES)], axis=1)
+        for middle in (angle - turn, angle + turn)
+    )
+    sides = np.stack([before, after], axis=1)
+    if isinstance(solid, Sphere):
+        return sides
+    rims = []
+    for side in (-1.0, 1.0):
+        over = np.broadcast_to([0.0, 0.0, side], after.shape)
+        # a capsule's rim lies between an end and the bevel around it
+        beside = after if isinstance(solid, Cylinder) else (after + over) / math.sqrt(2)
+        rims.append(np.stack([beside, over], axis=1))
+    return np.concatenate([sides, np.stack(rims).reshape(-1, 2, 3)])

@@ -13,7 +13,7 @@ from abi.compiled import FLOATS, IDS, compiled
 from abi.obstacles.vector_kernels import Vec3, vec3_at
 from abi.taut.free_space_kernels import SPACE, FreeSpace
 from abi.taut.tighten_kernels import length_of, tighten
-from abi.taut.visibility_graph_kernels import edge_waypoints, short_paths
+from abi.taut.visibility_graph_kernels import Search, edge_waypoints, short_paths
 
 _SAME = 1e-6  # part of the length: two paths that differ by less are the same one,
 _CLOSE = 2e-4  # by less than this, either may be the shorter once its corners are cut
@@ -27,12 +27,16 @@ class Effort(NamedTuple):
         slack: ratio to the shortest length so far up to which a path by waypoints is tightened.
         paths: number of paths by waypoints.
         least_gain: part of the length that a cut corner must gain.
+        weight: of the distance to go in the search for such paths; they may be longer by that.
+        sights: lines of sight that this search may test.
     """
 
     samples: int
     slack: float
     paths: int
     least_gain: float
+    weight: float
+    sights: int
 
 
 @register_jitable
@@ -59,7 +63,7 @@ def _add(path: list[Vec3], points: list[Vec3], ends: list[int], lengths: list[fl
     lengths.append(length_of(path))
 
 
-@compiled(example=(FLOATS, IDS, FLOATS, SPACE, Effort(1, 1.0, 1, 1e-6)))
+@compiled(example=(FLOATS, IDS, FLOATS, SPACE, Effort(1, 1.0, 1, 1e-6, 1.0, 1)))
 def taut_paths(
     given: FloatArray, begins: IntArray, edges: FloatArray, space: FreeSpace, effort: Effort
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -71,7 +75,8 @@ def taut_paths(
         given: the paths, one after the other, all between the same ends, of two points or more,
             their segments clear, flat (3 n,), [unit], world.
         begins: index of the point where each begins, and where the last ends (q + 1,), q >= 1.
-        edges: both ends of each edge, one after the other, flat (6 e,), [unit], world.
+        edges: both ends of each edge, one after the other, flat (12 e,), see
+            ``obstacle_edges``.
         space: free space.
         effort: how much is tried.
 
@@ -87,7 +92,8 @@ def taut_paths(
     most = effort.slack * min(lengths)
     waypoints, labels = edge_waypoints(edges, start, goal, effort.samples, most, space)
     path = [start][:0]
-    for node in short_paths(waypoints, labels, space, most, effort.paths):
+    search = Search(most, effort.paths, effort.weight, effort.sights)
+    for node in short_paths(waypoints, labels, edges, space, search):
         path.append(waypoints[node])
         if node == 1:
             if length_of(path) <= effort.slack * min(lengths):

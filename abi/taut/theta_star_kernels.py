@@ -17,7 +17,8 @@ from numba.extending import register_jitable
 
 from abi.arrays import BoolArray, ByteArray, FloatArray, IntArray
 from abi.compiled import FLAGS, FLOATS, compiled
-from abi.obstacles.primitive_kernels import WIDTH, blocked
+from abi.obstacles.primitive_kernels import WIDTH
+from abi.obstacles.primitive_tree_kernels import blocked
 from abi.obstacles.vector_kernels import Vec3, distance
 from abi.tet_mesh.adjacency_kernels import (
     BCC,

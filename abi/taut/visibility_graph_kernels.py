@@ -7,13 +7,33 @@ Plain Python that numba compiles with its caller; uncompiled it runs on lists. W
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 from numba.extending import register_jitable
 
 from abi.arrays import FloatArray
-from abi.obstacles.primitive_kernels import WIDTH, any_within, blocker
+from abi.obstacles.primitive_kernels import WIDTH
+from abi.obstacles.primitive_tree_kernels import any_within, blocker
 from abi.obstacles.vector_kernels import Vec3, axpy, distance, dot, sub, vec3_at
 from abi.taut.free_space_kernels import FreeSpace, in_bounds, is_clear, kind_of
+
+_SUPPORT = 0.02  # the part of a squared length that counts as none: edges are round, in fact
+
+
+class Search(NamedTuple):
+    """Limits of a search for short paths.
+
+    Attributes:
+        most: length that the paths must be below, [unit].
+        paths: how many at most.
+        weight: of the distance to go; 1 finds the shortest first, more a short one sooner.
+        sights: lines of sight that may be tested; what was found until then counts.
+    """
+
+    most: float
+    paths: int
+    weight: float
+    sights: int
 
 
 @register_jitable
@@ -40,7 +60,7 @@ def edge_waypoints(
     shortest; those that keep the general margin, lie in the box and are not too far off.
 
     Args:
-        edges: (6 e,) both ends of each, [unit], world.
+        edges: (12 e,) both ends of each and the normals of its faces, [unit], world.
         start: start.
         goal: goal.
         samples: number on each edge.
@@ -54,9 +74,9 @@ def edge_waypoints(
     for s in range(len(space.margins) // 4):
         margin = max(margin, space.margins[s])
     waypoints, labels = [start, goal], [-1, -1]
-    for e in range(len(edges) // 6):
-        p = vec3_at(edges, 6 * e)
-        edge = sub(vec3_at(edges, 6 * e + 3), p)
+    for e in range(len(edges) // 12):
+        p = vec3_at(edges, 12 * e)
+        edge = sub(vec3_at(edges, 12 * e + 3), p)
         best = _best_share(p, edge, start, goal)
         q = axpy(best, edge, p)
         if distance(q, start) + distance(q, goal) >= most:
@@ -101,36 +121,58 @@ def _reconstruct_paths(parent: list[int], lasts: list[int]) -> list[int]:
 
 
 @register_jitable
+def _supports(edges: FloatArray, label: int, d: Vec3) -> bool:
+    """Whether a line in direction d can touch an edge without entering its solid.
+
+    A shortest path enters and leaves an edge only along such lines.
+    """
+    if label < 0:
+        return True
+    n, m = vec3_at(edges, 12 * label + 6), vec3_at(edges, 12 * label + 9)
+    result: bool = dot(n, d) * dot(m, d) <= _SUPPORT * dot(d, d)
+    return result
+
+
+@register_jitable
 def short_paths(
-    waypoints: list[Vec3], labels: list[int], space: FreeSpace, most: float, count: int
+    waypoints: list[Vec3],
+    labels: list[int],
+    edges: FloatArray,
+    space: FreeSpace,
+    search: Search,
 ) -> list[int]:
     """Short paths from the first waypoint to the second by waypoints that see each other.
 
     A* on the visibility graph: of the shortest paths to each waypoint that sees the second, the
     first in order of length that go by other labels than those before. The first of all is the
-    shortest path there is. Whether two waypoints see each other is tested only where it matters.
+    shortest path there is, up to the weight. Whether two waypoints see each other is tested only
+    where it matters, and not where the line between them would enter the solid of an edge.
 
     Args:
         waypoints: n >= 2.
-        labels: (n,) equal where waypoints count as the same, from the third on.
+        labels: (n,) edges of the waypoints, from the third on; negative ones are of none.
+        edges: (12 e,) both ends of each and the normals of its faces, [unit], world.
         space: free space.
-        most: length that the paths must be below, [unit].
-        count: how many paths at most.
+        search: what is looked for.
 
     Returns:
         Indices of the paths, one after the other, each from 0 to 1 (m,); empty when there is none.
     """
     solids, margins = space.solids, space.margins
+    most, count, weight, most_sights = search
     cost = [math.inf] * len(waypoints)
     parent = [0] * len(waypoints)
     to_go = [distance(waypoint, waypoints[1]) for waypoint in waypoints]
     unexpanded = list(range(2, len(waypoints)))
     lasts = [0] * 0
-    guess = 0
+    guess = -1
+    sights = 0
     node, cost[0] = 0 if to_go[0] < most else -1, 0.0
-    while node >= 0 and len(lasts) < count:
+    while node >= 0 and len(lasts) < count and sights < most_sights:
         here, so_far = waypoints[node], cost[node]
-        if is_clear(space, kind_of(node, 1, 1), here, waypoints[1]):
+        if _supports(edges, labels[node], sub(waypoints[1], here)) and is_clear(
+            space, kind_of(node, 1, 1), here, waypoints[1]
+        ):
             new = True
             for other in lasts:
                 if _same_labels(parent, labels, node, other):
@@ -138,11 +180,18 @@ def short_paths(
             if new:
                 lasts.append(node)
         first = kind_of(node, 0, 1) * (len(solids) // WIDTH)
-        last, node, at, least = node, -1, 0, most
+        last, node, at, least = node, -1, 0, math.inf
         for k in range(len(unexpanded)):
             i = unexpanded[k]
             through = so_far + distance(here, waypoints[i])
-            if through < cost[i] and through + to_go[i] < most:
+            d = sub(waypoints[i], here)
+            if (
+                through < cost[i]
+                and through + to_go[i] < most
+                and _supports(edges, labels[last], d)
+                and _supports(edges, labels[i], d)
+            ):
+                sights += 1
                 # a solid that blocked one line is likely to block the next one too
                 blocking = blocker(solids, margins, first, guess, here, waypoints[i])
                 if blocking >= 0:
@@ -150,8 +199,8 @@ def short_paths(
                 else:
                     cost[i] = through
                     parent[i] = last
-            if cost[i] + to_go[i] < least:
-                node, at, least = i, k, cost[i] + to_go[i]
+            if cost[i] + weight * to_go[i] < least:
+                node, at, least = i, k, cost[i] + weight * to_go[i]
         if node >= 0:
             unexpanded[at] = unexpanded[len(unexpanded) - 1]
             unexpanded.pop()

@@ -236,7 +236,7 @@ def test_nearest_of_a_mesh_among_others() -> None:
     mesh, ball = MeshShape.of(BOX), Sphere(radius=1, position=(3, 0, 0))
     distance, index = ObstacleSet((ball, mesh)).nearest(points)
     both = np.stack([ball.signed_distance(points), mesh.signed_distance(points)])
-    np.testing.assert_array_equal(distance, both.min(axis=0))
+    np.testing.assert_allclose(distance, both.min(axis=0), atol=1e-14)
     np.testing.assert_array_equal(index, both.argmin(axis=0))
 
 

@@ -46,7 +46,9 @@ def test_distances_are_those_of_the_obstacles_one_by_one(seed: int) -> None:
     distance, number = obstacles.nearest(points)
     outward_distance, gradient = obstacles.signed_distance_gradient(points)
 
-    assert obstacles.signed_distances(points) == pytest.approx(each, abs=1e-12)
+    near = obstacles.distances_up_to(1.0, points)
+    assert near[each < 1] == pytest.approx(each[each < 1], abs=1e-12)
+    assert (near[each >= 1] >= 1 - 1e-12).all()
     for found in (distance, outward_distance, obstacles.signed_distance(points)):
         assert found == pytest.approx(each.min(axis=1), abs=1e-12)
     assert np.array_equal(number, each.argmin(axis=1))
@@ -104,7 +106,8 @@ def test_bounds_and_boxes_hold_the_obstacles(seed: int) -> None:
     assert boxed.all_convex
     assert len(boxed) == len(obstacles)
     assert (boxed is obstacles) == obstacles.all_convex
-    assert (boxed.signed_distances(points) <= obstacles.signed_distances(points) + 1e-9).all()
+    to_boxes = boxed.distances_up_to(20.0, points)
+    assert (to_boxes <= obstacles.distances_up_to(20.0, points) + 1e-9).all()
 
 
 def test_primitives_and_meshes_know_their_numbers() -> None:
@@ -124,7 +127,7 @@ def test_nothing_is_near_an_empty_set() -> None:
 
     assert not nothing
     assert nothing.signed_distance(points).tolist() == [math.inf] * 3
-    assert nothing.signed_distances(points).shape == (3, 0)
+    assert nothing.distances_up_to(1.0, points).shape == (3, 0)
     assert nothing.polyline_clearance(points) == math.inf
     assert nothing.nearest_polyline(points[None]) == (math.inf, 0, -1)
     assert nothing.boxed is nothing

@@ -41,7 +41,7 @@ def _tightened(path: FloatArray, solids: tuple[Primitive, ...]) -> float:
     edges = obstacle_edges(solids, CLEARANCE, (x, y, z))
     limits = read_only(np.full(4 * len(solids), CLEARANCE))
     space = FreeSpace(pack(solids), limits, (-20.0, -20.0, -20.0), (20.0, 20.0, 20.0))
-    effort = Effort(samples=21, slack=1.5, paths=30, least_gain=1e-7)
+    effort = Effort(samples=21, slack=1.5, paths=30, least_gain=1e-7, weight=1.0, sights=10**9)
     length = math.inf
     pull: Any = taut_paths
     for _ in range(20):

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from abi.arrays import FloatArray
-from abi.obstacles import primitive_kernels as sight
+from abi.obstacles import primitive_tree_kernels as sight
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.packing import pack
@@ -70,7 +70,9 @@ def test_paths_by_waypoints_are_the_shortest(bodies: list[dict[str, Any]], seed:
     space = FreeSpace(solids, margins, (0.0, 0.0, 0.0), (6.0, 6.0, 6.0))
     waypoints: Any = list(map(tuple, vertices.tolist()))
 
-    nodes = visibility.short_paths(waypoints, labels, space, 1e9, 5)
+    edges: Any = [0.0] * 48  # without normals, so that every line counts
+    search = visibility.Search(1e9, 5, 1.0, 10**9)
+    nodes = visibility.short_paths(waypoints, labels, edges, space, search)
 
     # Floyd and Warshall on the whole visibility graph
     n = len(vertices)
@@ -100,7 +102,8 @@ def test_paths_by_waypoints_are_the_shortest(bodies: list[dict[str, Any]], seed:
     ]
     assert len(set(sequences)) == len(sequences)
     # a path must be shorter than asked
-    assert len(visibility.short_paths(waypoints, labels, space, lengths[0] * (1 - 1e-9), 5)) == 0
+    shorter = search._replace(most=lengths[0] * (1 - 1e-9))
+    assert len(visibility.short_paths(waypoints, labels, edges, space, shorter)) == 0
 
 
 @settings(max_examples=100, deadline=None)

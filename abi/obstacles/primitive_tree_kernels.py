@@ -1,0 +1,306 @@
+"""Tree over convex primitives, so that a query's cost follows what is near it.
+
+The tree is part of the rows (``primitive_kernels``). Each node is a primitive, the largest of those
+below it, and has the bounds low and high (6) of all of them, the row that follows it and the row
+that follows all below it, -1 at the end, and in row 0 the row to begin with. A few primitives are a
+chain without branches: then each is looked at, in order.
+
+Plain Python that numba compiles with its caller; uncompiled it runs on lists.
+"""
+
+from __future__ import annotations
+
+import math
+
+from numba.extending import register_jitable
+
+from abi.arrays import FloatArray
+from abi.compiled import NEW_FLOATS, compiled
+from abi.obstacles.primitive_kernels import (
+    BOUNDS,
+    WIDTH,
+    axes_of,
+    centre_of,
+    core_of,
+    in_body,
+    segment_within,
+    signed_distance,
+)
+from abi.obstacles.vector_kernels import Vec3, sub, vec3_at
+
+TREE = 23
+"""Where a row's numbers of the tree begin: the bounds, and then the rows."""
+
+_NEXT, _AFTER, _ROOT = 29, 30, 31
+_CHAIN = 8  # so few primitives have no branches
+_ROUNDING = 1e-13
+
+
+@register_jitable
+def first_row(primitives: FloatArray) -> int:
+    """Row with which a walk through the tree begins; -1 without primitives."""
+    return int(primitives[_ROOT]) if len(primitives) > 0 else -1
+
+
+@register_jitable
+def row_below(primitives: FloatArray, s: int) -> int:
+    """Row that follows row s; -1 at the end."""
+    return int(primitives[WIDTH * s + _NEXT])
+
+
+@register_jitable
+def row_after(primitives: FloatArray, s: int) -> int:
+    """Row that follows all those below row s; -1 at the end."""
+    return int(primitives[WIDTH * s + _AFTER])
+
+
+@register_jitable
+def _apart(rows: FloatArray, k: int, margin: float, low: Vec3, high: Vec3) -> bool:
+    """Whether the box at ``rows[k:]`` is ``margin`` or farther from another along an axis."""
+    result: bool = (
+        low[0] - rows[k + 3] >= margin
+        or rows[k] - high[0] >= margin
+        or low[1] - rows[k + 4] >= margin
+        or rows[k + 1] - high[1] >= margin
+        or low[2] - rows[k + 5] >= margin
+        or rows[k + 2] - high[2] >= margin
+    )
+    return result
+
+
+@register_jitable
+def _apart_across(rows: FloatArray, k: int, margin: float, a: Vec3, b: Vec3) -> bool:
+    """Whether the box at ``rows[k:]``, widened, is beside a segment, across one of the axes.
+
+    By the separating axis theorem, for a box and a segment (Ericson, Real-Time Collision Detection,
+    section 5.3.3); for segments whose own box does not tell.
+    """
+    dx, dy, dz = b[0] - a[0], b[1] - a[1], b[2] - a[2]
+    ax, ay, az = a[0] - rows[k], a[1] - rows[k + 1], a[2] - rows[k + 2]
+    bx, by, bz = b[0] - rows[k + 3], b[1] - rows[k + 4], b[2] - rows[k + 5]
+    ex = rows[k + 3] - rows[k] + 2 * margin
+    ey = rows[k + 4] - rows[k + 1] + 2 * margin
+    ez = rows[k + 5] - rows[k + 2] + 2 * margin
+    u, v, w = abs(dx), abs(dy), abs(dz)
+    size = abs(ax) + abs(ay) + abs(az) + abs(bx) + abs(by) + abs(bz)
+    pad = _ROUNDING * size * (u + v + w)
+    x, y, z = ax + bx, ay + by, az + bz
+    result: bool = (
+        abs(y * dz - z * dy) > ey * w + ez * v + pad
+        or abs(z * dx - x * dz) > ez * u + ex * w + pad
+        or abs(x * dy - y * dx) > ex * v + ey * u + pad
+    )
+    return result
+
+
+@register_jitable
+def bounds_apart(primitives: FloatArray, s: int, margin: float, low: Vec3, high: Vec3) -> bool:
+    """Whether a box is ``margin`` or farther from that around primitive s, along an axis."""
+    return _apart(primitives, WIDTH * s + BOUNDS, margin, low, high)
+
+
+@register_jitable
+def tree_apart(primitives: FloatArray, s: int, margin: float, low: Vec3, high: Vec3) -> bool:
+    """Whether a box is ``margin`` or farther from those around primitive s and all below it."""
+    return _apart(primitives, WIDTH * s + TREE, margin, low, high)
+
+
+@register_jitable
+def tree_gap(primitives: FloatArray, s: int, x: Vec3) -> float:
+    """Squared distance of a point to the box around primitive s and all below it, [unit²]."""
+    k = WIDTH * s + TREE
+    dx = max(primitives[k] - x[0], x[0] - primitives[k + 3], 0.0)
+    dy = max(primitives[k + 1] - x[1], x[1] - primitives[k + 4], 0.0)
+    dz = max(primitives[k + 2] - x[2], x[2] - primitives[k + 5], 0.0)
+    gap: float = dx * dx + dy * dy + dz * dz
+    return gap
+
+
+@register_jitable
+def is_leaf(primitives: FloatArray, s: int) -> bool:
+    """Whether nothing is below row s: then its bounds are those of its primitive."""
+    k = WIDTH * s
+    leaf: bool = primitives[k + _NEXT] == primitives[k + _AFTER]
+    return leaf
+
+
+@register_jitable
+def segment_apart(
+    primitives: FloatArray, s: int, below: bool, margin: float, a: Vec3, b: Vec3
+) -> bool:
+    """Whether the segment a..b is certain to be ``margin`` or farther from primitive s.
+
+    Args:
+        primitives: rows.
+        s: row.
+        below: whether from all below it, too.
+        margin: [unit].
+        a: one end, [unit], world.
+        b: the other end.
+    """
+    k = WIDTH * s + (TREE if below else BOUNDS)
+    low = (min(a[0], b[0]), min(a[1], b[1]), min(a[2], b[2]))
+    high = (max(a[0], b[0]), max(a[1], b[1]), max(a[2], b[2]))
+    return _apart(primitives, k, margin, low, high) or _apart_across(primitives, k, margin, a, b)
+
+
+@register_jitable
+def any_within(primitives: FloatArray, margin: float, p: Vec3) -> bool:
+    """Whether any primitive is nearer to a point of the world than ``margin``."""
+    s = first_row(primitives)
+    while s >= 0:
+        if tree_apart(primitives, s, margin, p, p):
+            s = row_after(primitives, s)
+            continue
+        if not bounds_apart(primitives, s, margin, p, p):
+            q = in_body(axes_of(primitives, s), sub(p, centre_of(primitives, s)))
+            if signed_distance(core_of(primitives, s), q) < margin:
+                return True
+        s = row_below(primitives, s)
+    return False
+
+
+@register_jitable
+def _blocks(primitives: FloatArray, s: int, margin: float, a: Vec3, b: Vec3) -> bool:
+    """Whether the segment a..b comes nearer to primitive s than ``margin``."""
+    axes = axes_of(primitives, s)
+    p = in_body(axes, sub(a, centre_of(primitives, s)))
+    return segment_within(core_of(primitives, s), margin, p, in_body(axes, sub(b, a)))
+
+
+@register_jitable
+def any_nearer(primitives: FloatArray, margin: float, a: Vec3, b: Vec3) -> bool:
+    """Whether the segment a..b comes nearer to any primitive than ``margin``."""
+    s = first_row(primitives)
+    while s >= 0:
+        if segment_apart(primitives, s, True, margin, a, b):
+            s = row_after(primitives, s)
+            continue
+        if (
+            is_leaf(primitives, s) or not segment_apart(primitives, s, False, margin, a, b)
+        ) and _blocks(primitives, s, margin, a, b):
+            return True
+        s = row_below(primitives, s)
+    return False
+
+
+@register_jitable
+def blocked(primitives: FloatArray, margins: FloatArray, first: int, a: Vec3, b: Vec3) -> bool:
+    """Whether the segment a..b comes nearer to a primitive than that one's margin.
+
+    Args:
+        primitives: (k WIDTH,) rows, one after the other.
+        margins: [unit]; those of the k primitives begin at ``first``; none is above ``margins[0]``.
+        first: index.
+        a: one end, [unit], world.
+        b: the other end.
+    """
+    return blocker(primitives, margins, first, -1, a, b) >= 0
+
+
+@register_jitable
+def blocker(
+    primitives: FloatArray, margins: FloatArray, first: int, guess: int, a: Vec3, b: Vec3
+) -> int:
+    """A primitive to which the segment a..b comes nearer than that one's margin, or -1.
+
+    Args:
+        primitives, margins, first, a, b: see :func:`blocked`.
+        guess: the primitive that is tried first; -1 for none.
+    """
+    if (
+        guess >= 0
+        and not segment_apart(primitives, guess, False, margins[first + guess], a, b)
+        and _blocks(primitives, guess, margins[first + guess], a, b)
+    ):
+        return guess
+    s = first_row(primitives)
+    while s >= 0:
+        if segment_apart(primitives, s, True, margins[0], a, b):
+            s = row_after(primitives, s)
+            continue
+        margin = margins[first + s]
+        if (
+            is_leaf(primitives, s) or not segment_apart(primitives, s, False, margin, a, b)
+        ) and _blocks(primitives, s, margin, a, b):
+            return s
+        s = row_below(primitives, s)
+    return -1
+
+
+@compiled(example=(NEW_FLOATS,))
+def link(primitives: FloatArray) -> None:
+    """Make the tree of the rows, which have none.
+
+    Of the primitives below a node the largest is the node. The others are parted in the middle of
+    the longest side of the box around their centres.
+
+    Args:
+        primitives: rows (k WIDTH,), k >= 1; written.
+    """
+    count = len(primitives) // WIDTH
+    for s in range(count):
+        for i in range(6):
+            primitives[WIDTH * s + TREE + i] = primitives[WIDTH * s + BOUNDS + i]
+        primitives[WIDTH * s + _NEXT] = primitives[WIDTH * s + _AFTER] = (s + 2) % (count + 1) - 1
+    primitives[_ROOT] = 0
+    if count <= _CHAIN:
+        return
+    order = list(range(count))
+    primitives[_ROOT] = _largest_first(primitives, order, 0, count)
+    pending = [(0, count, -1)]
+    while len(pending) > 0:
+        first, last, after = pending.pop()
+        k = WIDTH * order[first]
+        primitives[k + _AFTER] = primitives[k + _NEXT] = after
+        if last - first == 1:
+            continue
+        for i in range(first + 1, last):
+            other = WIDTH * order[i] + BOUNDS
+            for j in range(3):
+                low, high = k + TREE + j, k + TREE + 3 + j
+                primitives[low] = min(primitives[low], primitives[other + j])
+                primitives[high] = max(primitives[high], primitives[other + 3 + j])
+        middle = _part(primitives, order, first + 1, last)
+        if middle < last:
+            after_first = _largest_first(primitives, order, middle, last)
+            pending.append((middle, last, after))
+        else:
+            after_first = after
+        primitives[k + _NEXT] = _largest_first(primitives, order, first + 1, middle)
+        pending.append((first + 1, middle, after_first))
+
+
+@register_jitable
+def _largest_first(primitives: FloatArray, order: list[int], first: int, last: int) -> int:
+    """Put the largest of the primitives ``order[first:last]`` first, and return it."""
+    at, most = first, -math.inf
+    for i in range(first, last):
+        low = vec3_at(primitives, WIDTH * order[i] + BOUNDS)
+        high = vec3_at(primitives, WIDTH * order[i] + BOUNDS + 3)
+        size = (high[0] - low[0]) + (high[1] - low[1]) + (high[2] - low[2])
+        if size > most:
+            at, most = i, size
+    order[first], order[at] = order[at], order[first]
+    return order[first]
+
+
+@register_jitable
+def _part(primitives: FloatArray, order: list[int], first: int, last: int) -> int:
+    """Part ``order[first:last]`` in two by place; where the second begins, or ``last``."""
+    if last - first == 1:
+        return last
+    axis, widest, middle = 0, -1.0, 0.0
+    for j in range(3):
+        low, high = math.inf, -math.inf
+        for i in range(first, last):
+            centre = primitives[WIDTH * order[i] + j]
+            low, high = min(low, centre), max(high, centre)
+        if high - low > widest:
+            axis, widest, middle = j, high - low, low + (high - low) / 2
+    at = first
+    for i in range(first, last):
+        if primitives[WIDTH * order[i] + axis] < middle:
+            order[at], order[i] = order[i], order[at]
+            at += 1
+    return at if first < at < last else (first + last) // 2
