@@ -15,7 +15,8 @@ from abi.arrays import BoolArray, FloatArray, IntArray, read_only
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.pose import rotation
-from abi.obstacles.primitive_kernels import WIDTH
+from abi.obstacles.primitive_kernels import BOUNDS, WIDTH
+from abi.obstacles.primitive_tree_kernels import TREE
 from abi.obstacles.triangle_mesh.bvh import build_tree
 from abi.obstacles.triangle_mesh.surface import Surface
 
@@ -34,7 +35,7 @@ class Surroundings:
     A triangle mesh is a tree of boxes, the last of which hold its triangles and little more.
 
     Attributes:
-        rows: convex primitives, flat (k WIDTH,).
+        rows: convex primitives, whose tree does not count, flat (k WIDTH,).
         inside: rows of boxes inside each, see :class:`Obstacles`, flat (2 k,).
         numbers: obstacle of each of them, ``OWN`` minus a capsule's number, last ``FLOOR``,
             (k + 1,).
@@ -102,7 +103,7 @@ def surroundings(arm: Arm, obstacles: ObstacleSet, lowest: float) -> Surrounding
     packed = np.concatenate(rows)
     reach = arm.a1 + arm.a2 + arm.a3 + 2 * arm.a4 + arm.a5
     size = float(np.abs(arm.base).max()) + reach
-    bounds = packed.reshape(-1, WIDTH)[:, -6:]
+    bounds = packed.reshape(-1, WIDTH)[:, BOUNDS:TREE]
     size += float(np.abs(bounds).max(initial=0.0))
     return Surroundings(
         *(read_only(packed), read_only(within.reshape(-1)), read_only(number)),
@@ -169,7 +170,7 @@ def _boxes_of(surface: Surface) -> _Boxes:
 
 
 def _rows(centres: FloatArray, axes: FloatArray, halves: FloatArray, radius: float) -> FloatArray:
-    """Rows of boxes, or of capsules along their z, flat (n WIDTH,).
+    """Rows of boxes, or of capsules along their z, without a tree, flat (n WIDTH,).
 
     Args:
         centres: (n, 3), [unit], world.
@@ -180,5 +181,6 @@ def _rows(centres: FloatArray, axes: FloatArray, halves: FloatArray, radius: flo
     reach = np.einsum("nij,nj->ni", np.abs(axes), halves) + radius
     core = np.broadcast_to([radius, 0.0], (len(centres), 2))
     turned = np.swapaxes(axes, 1, 2).reshape(-1, 9)
-    columns = (centres, turned, halves, core, centres - reach, centres + reach)
+    tree = np.zeros((len(centres), WIDTH - TREE))
+    columns = (centres, turned, halves, core, centres - reach, centres + reach, tree)
     return np.concatenate(columns, axis=1).ravel()
