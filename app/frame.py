@@ -9,6 +9,7 @@ from abi.errors import AbiError
 from abi.planner.diagnosis import Reason
 from abi.planner.plan import Plan
 from app.style import Colour
+from app.theatre import Theatre
 
 
 @dataclass(frozen=True)
@@ -43,6 +44,7 @@ class Frame:
         shown: names of the switches that are on.
         mesh_view: which part of the mesh to draw, of :data:`abi.search.subset.VIEWS`.
         expanded_share: part of the chosen search's expansions to draw, 0 to 1.
+        theatre: the search that is stepped through; None while none is.
         time: since the begin of the motion, [s].
         playing: whether it advances by itself.
     """
@@ -57,6 +59,7 @@ class Frame:
     shown: frozenset[str] = frozenset()
     mesh_view: str = "near"
     expanded_share: float = 0.0
+    theatre: Theatre | None = None
     time: float = 0.0
     playing: bool = False
 

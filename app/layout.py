@@ -19,6 +19,7 @@ class Layout:
         unit: of lengths in the tab's first scene.
         folders: of the stages, in the left panel.
         result: tab of the right panel, as are the others.
+        search: the search step by step, and all of them compared.
         joints: plots of the joints.
         scene: files, and positions as numbers.
         layers: the legend.
@@ -29,6 +30,7 @@ class Layout:
     unit: str
     folders: Mapping[str, viser.GuiFolderHandle]
     result: viser.GuiTabHandle
+    search: viser.GuiTabHandle
     joints: viser.GuiTabHandle
     scene: viser.GuiTabHandle
     layers: viser.GuiTabHandle
@@ -45,7 +47,7 @@ class Layout:
         gui.main_panel.dock_left()
         gui.main_panel.set_width(style.LEFT_WIDTH)
         right = gui.add_panel()
-        names = ("Result", "Joints", "Scene", "Layers", "Paper")
+        names = ("Result", "Search", "Plots", "Scene", "Layers", "Paper")
         tabs = [right.add_tab(name) for name in names]
         right.dock_right()
         right.set_width(style.RIGHT_WIDTH)

@@ -196,7 +196,8 @@ class Session:
         """Time to wait for input, [s]."""
         if self._broken:
             return IDLE
-        playing = self.playback.timeout()
+        clocks = (self.playback.timeout(), self.panels.theatre.timeout())
+        playing = min((seconds for seconds in clocks if seconds is not None), default=None)
         incomplete = self.frame.interactive or self.frame.partial or self._undiagnosed()
         idle = self._has_lights and self._compiled and not incomplete
         if playing is not None:
@@ -299,7 +300,8 @@ class Session:
         with self.client.atomic():
             now = self.playback.advance(frame.duration)
             self.playback.mark(frame.plan.arm_clearance, frame.duration)
-            self.frame = replace(frame, time=now, playing=self.playback.playing)
+            frame = replace(frame, time=now, playing=self.playback.playing)
+            self.frame = replace(frame, theatre=self.panels.theatre.advance(frame))
             for part in self._groups[0]:
                 part.draw(self.frame)
         with self.client.atomic():

@@ -31,6 +31,8 @@ JOINTS: tuple[Colour, ...] = (
     (125, 125, 125),
 )
 AXES: tuple[Colour, ...] = ((214, 69, 65), (63, 163, 77), (58, 124, 222))
+CLOSED: Colour = (84, 110, 158)
+OPEN: Colour = (122, 190, 0)
 FADED: Colour = (150, 156, 163)
 GOOD: tuple[Colour, Colour] = ((10, 122, 90), (60, 196, 152))
 """Of ✓ on the light page and on the dark one; a text's, so apart from its ground by 4.5 to 1."""
@@ -44,6 +46,15 @@ ALGORITHMS: dict[str, tuple[str, Colour]] = {
     "dijkstra": ("Dijkstra", DIJKSTRA),
     "bellman_ford": ("Bellman-Ford", BELLMAN_FORD),
 }
+SEARCHES: dict[str, str] = {
+    **{name: label for name, (label, _) in ALGORITHMS.items()},
+    "bellman_ford_rounds": "Bellman-Ford, by rounds",
+    "weighted_a_star": "weighted A*",
+    "greedy_best_first": "greedy best-first",
+    "bidirectional_dijkstra": "Dijkstra from both ends",
+    "lazy_theta_star": "Lazy Theta*",
+}
+"""Names of all searches that can be compared."""
 CURVES: dict[str, tuple[str, Colour]] = {
     "bspline": ("B-spline", BSPLINE),
     "quadratic": ("quadratic", QUADRATIC),
@@ -53,7 +64,7 @@ BOX = '<div style="margin:0 10px 4px;line-height:1.35;font-size:12.5px">'
 """Opening tag of a paragraph between widgets, as HTML."""
 
 LEFT_WIDTH = 344
-RIGHT_WIDTH = 368
+RIGHT_WIDTH = 384
 
 
 def css(colour: Colour) -> str:

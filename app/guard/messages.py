@@ -6,7 +6,7 @@ here it must be a number.
 
 from __future__ import annotations
 
-from typing import Annotated, TypeAlias
+from typing import Annotated, Literal, TypeAlias
 
 import msgspec
 
@@ -89,6 +89,16 @@ class NodeClick(_Message, frozen=True, tag="SceneNodeClickMessage"):
     owner: _Id
 
 
+class ScenePointer(_Message, frozen=True, tag="ScenePointerMessage"):
+    """The scene was clicked, whatever is there."""
+
+    event_type: Literal["click"]
+    ray_origin: _Vec3
+    ray_direction: _Vec3
+    screen_pos: tuple[_Vec2]
+    modifier: Annotated[str, msgspec.Meta(max_length=32)] | None
+
+
 class UploadStart(_Message, frozen=True, tag="FileTransferStartUpload"):
     """A file is about to come."""
 
@@ -137,6 +147,7 @@ Message: TypeAlias = (
     | GizmoDragStart
     | GizmoDragEnd
     | NodeClick
+    | ScenePointer
     | UploadStart
     | UploadPart
     | Command

@@ -8,14 +8,17 @@ from __future__ import annotations
 
 from app.layers.arm import ArmLayer
 from app.layers.curves import CurvesLayer
+from app.layers.ghost import GhostLayer
 from app.layers.lesson import LessonLayer
 from app.layers.markers import MarkersLayer
 from app.layers.mesh import MeshLayer
 from app.layers.paths import PathsLayer
 from app.layers.plots import PlotsLayer
+from app.layers.race import RaceLayer
 from app.layers.search_order import SearchOrderLayer
 from app.layers.stage_notes import StageNotesLayer
 from app.layers.tables import TablesLayer
+from app.layers.theatre import TheatreLayer
 from app.layers.workspace import WorkspaceLayer
 
 LAYERS = (
@@ -27,7 +30,10 @@ LAYERS = (
     MeshLayer,
     PathsLayer,
     SearchOrderLayer,
+    TheatreLayer,
+    RaceLayer,
     CurvesLayer,
+    GhostLayer,
 )
 SLOW_LAYERS = (ArmLayer, LessonLayer)
 """Sent in a message of their own: the page takes longer to show them than all the others."""

@@ -26,6 +26,7 @@ _STYLE = (
     ".abi-table th{font-weight:600;white-space:normal;vertical-align:bottom;"
     "border-bottom-color:rgba(128,128,128,.5)}"
     ".abi-table :first-child{text-align:left}"
+    ".mantine-Tabs-tab{padding-left:9px;padding-right:9px}"
     "@media(max-width:600px){.abi-table{font-size:10px}"
     ".abi-table th,.abi-table td{padding:2px}.abi-table td:first-child{white-space:normal}}</style>"
 )
@@ -89,7 +90,7 @@ def _searches(plan: Plan, partial: bool) -> str:
             )
         )
     head = ("search", "path nodes", f"length [{plan.scene.unit}]", "nodes visited", "edges tried")
-    return _table(head, rows) + _times(plan)
+    return table(head, rows) + _times(plan)
 
 
 def _times(plan: Plan) -> str:
@@ -148,7 +149,7 @@ def _stages(plan: Plan) -> str:
     longer = "longer than best" if exact else "longer, at most"
     head = ("stage", f"length [{unit}]", longer, f"distance kept [{unit}]")
     legend = _LEGEND if plan.bspline is not None and plan.scene.obstacles else ""
-    return _table(head, rows, best) + legend
+    return table(head, rows, best) + legend
 
 
 def _stage_row(title: str, length: float, shortest: float, clearance: str) -> tuple[str, ...]:
@@ -166,8 +167,8 @@ def _clearance(distance: float, required: float, proven: bool) -> str:
     return f'<span style="color:{style.readable(colour)}">{format_lower_bound(shown)} {sign}</span>'
 
 
-def _table(head: tuple[str, ...], rows: Iterable[tuple[str, ...]], last: str = "") -> str:
-    """Rows under a head; ``last`` is one cell over the whole width."""
+def table(head: tuple[str, ...], rows: Iterable[tuple[str, ...]], last: str = "") -> str:
+    """An HTML table of rows under a head; ``last`` is one cell over the whole width."""
     lines = [_row("th", head)] + [_row("td", row) for row in rows]
     if last:
         lines.append(f'<tr><td colspan="{len(head)}">{last}</td></tr>')

@@ -11,7 +11,7 @@ import viser
 from abi.scene.scene import Workspace
 from app import style
 from app.frame import Frame, Switch
-from app.layers.lines import add_line
+from app.layers.lines import Segments, add_line
 from app.layout import Layout
 
 _CORNERS = np.array(list(itertools.product((0.0, 1.0), repeat=3)))
@@ -41,8 +41,7 @@ class WorkspaceLayer:
             self._draw_box(*state)
 
     def _draw_box(self, workspace: Workspace, base: float) -> None:
-        corners = np.array(workspace.min) + _CORNERS * workspace.size
-        self._box.points = corners[_EDGES].astype(np.float32)
+        self._box.points = box_edges(workspace)
         longest = max(workspace.size)
         centre = np.add(workspace.min, workspace.max) / 2
         ground = min(workspace.min[2], base) - 0.002 * longest
@@ -62,3 +61,9 @@ class WorkspaceLayer:
             shadow_opacity=0.1,
             position=(centre[0], centre[1], ground),
         )
+
+
+def box_edges(workspace: Workspace) -> Segments:
+    """The twelve edges (12, 2, 3) of the box, [unit], world."""
+    corners = np.array(workspace.min) + _CORNERS * workspace.size
+    return corners[_EDGES].astype(np.float32)

@@ -10,6 +10,7 @@ from abi.scene.scene import Scene
 from app.frame import Drawable, Frame, Switch
 from app.layout import Layout
 from app.panels.bug_report_button import BugReportButton
+from app.panels.comparison import ComparisonPanel
 from app.panels.end_gizmos import EndGizmos
 from app.panels.exports import ExportPanel
 from app.panels.files import FilesPanel
@@ -18,6 +19,7 @@ from app.panels.obstacle_editor import ObstacleEditor
 from app.panels.obstacle_gizmos import ObstacleGizmos
 from app.panels.stage_headers import StageHeaders
 from app.panels.stages import StagePanels
+from app.panels.theatre import TheatrePanel
 from app.panels.widgets import Wake
 from app.tab_state import TabState
 
@@ -46,6 +48,9 @@ class AllPanels:
         self.layer_switches = LayerSwitches(self.layout, switches, wake, dark)
         self.obstacles = ObstacleGizmos(client, scene, wake)
         self.ends = EndGizmos(client, scene, wake)
+        with self.layout.search:
+            self.theatre = TheatrePanel(client, wake)
+            self.comparison = ComparisonPanel(client.gui, wake)
         with self.layout.scene:
             self.files = FilesPanel(client, name, scene, wake)
             self.exports = ExportPanel(client, wake)
@@ -59,6 +64,7 @@ class AllPanels:
             self.obstacles,
             self.editor,
             self.layer_switches,
+            self.comparison,
         )
 
     def read(self, scene: Scene) -> Scene:

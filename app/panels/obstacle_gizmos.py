@@ -11,18 +11,13 @@ from typing import Any, ClassVar
 import numpy as np
 import viser
 
-from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import Obstacle
-from abi.obstacles.primitives import Box, Cylinder, Sphere
 from abi.scene.scene import Scene
 from app import style
 from app.frame import Frame, Switch
+from app.obstacle_body import Body, add_body
 from app.panels.widgets import Wake
 
-_Body = viser.BoxHandle | viser.IcosphereHandle | viser.MeshHandle
-
-_OPACITY = 0.62
-_SUBDIVISIONS = 8
 _POSE = {"position", "wxyz"}
 
 
@@ -43,7 +38,7 @@ class ObstacleGizmos:
         self._scene_size = 1.0
         self.data: list[dict[str, Any]] = []
         self.gizmos: list[viser.TransformControlsHandle] = []
-        self._bodies: list[_Body] = []
+        self._bodies: list[Body] = []
         self._drawn: list[dict[str, Any]] = []
         self._added = 0
         self._visible = True
@@ -92,7 +87,7 @@ class ObstacleGizmos:
             gizmo.scale = (
                 min(1.35 * _radius(obstacle), 0.4 * self._scene_size) + 0.03 * self._scene_size
             )
-            self._bodies[number] = body = _body(self._scene, f"{gizmo.name}/body", obstacle)
+            self._bodies[number] = body = add_body(self._scene, f"{gizmo.name}/body", obstacle)
             body.on_click(self._choose_clicked)
 
     def add(self, obstacle: Obstacle) -> None:
@@ -148,25 +143,3 @@ def _radius(obstacle: Obstacle) -> float:
     """Half the diagonal of the bounds, [unit]."""
     low, high = obstacle.bounds()
     return float(np.linalg.norm(high - low) / 2)
-
-
-def _body(scene: viser.SceneApi, name: str, obstacle: Obstacle) -> _Body:
-    """Add the obstacle's surface, in its own frame."""
-    look: dict[str, Any] = {"color": style.OBSTACLE, "opacity": _OPACITY, "side": "double"}
-    if isinstance(obstacle, Box):
-        return scene.add_box(name, dimensions=obstacle.size, **look)
-    if isinstance(obstacle, Sphere):
-        return scene.add_icosphere(name, radius=obstacle.radius, subdivisions=_SUBDIVISIONS, **look)
-    if isinstance(obstacle, MeshShape):
-        vertices = (obstacle.surface.vertices * obstacle.factor).astype(np.float32)
-        faces = obstacle.surface.faces.astype(np.uint32)
-        return scene.add_mesh_simple(name, vertices, faces, flat_shading=True, **look)
-    from trimesh import creation  # here, since it takes long to import
-
-    if isinstance(obstacle, Cylinder):
-        mesh = creation.cylinder(radius=obstacle.radius, height=obstacle.height, sections=48)
-    else:
-        mesh = creation.capsule(radius=obstacle.radius, height=obstacle.height, count=(24, 24))
-        mesh.apply_translation((0, 0, -mesh.bounds.mean(axis=0)[2]))
-    vertices, faces = mesh.vertices.astype(np.float32), mesh.faces.astype(np.uint32)
-    return scene.add_mesh_simple(name, vertices, faces, **look)

@@ -114,7 +114,7 @@ def test_a_plot_has_its_data_before_it_is_shown(tab: tuple[FakeTab, Session]) ->
     _, session = tab
     tabs = session.client.gui.add_tab_group()
     one = tabs.add_tab("all of it")
-    layer = PlotsLayer(Layout(session.client, "cm", {}, one, one, one, one, one))
+    layer = PlotsLayer(Layout(session.client, "cm", {}, one, one, one, one, one, one))
     updates: list[tuple[object, str]] = []
     for plot in layer._plots:
         object.__setattr__(
@@ -166,7 +166,8 @@ def test_a_switch_sends_what_it_hides_and_nothing_else(
     tab: tuple[FakeTab, Session], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     _, session = tab
-    frame = _still(session)
+    frame = replace(_still(session), shown=frozenset(switch.name for switch in SWITCHES))
+    _draw(session, frame)
     sent: list[object] = []
     monkeypatch.setattr(session.client._websock_connection, "queue_message", sent.append)
     hidden: list[str] = []

@@ -37,6 +37,14 @@ EXAMPLES: tuple[dict[str, Any], ...] = (
         "owner": "",
     },
     {
+        "type": "ScenePointerMessage",
+        "event_type": "click",
+        "ray_origin": [0, 0, 0],
+        "ray_direction": [0, 0, 1],
+        "screen_pos": [[0.5, 0.5]],
+        "modifier": None,
+    },
+    {
         "type": "FileTransferStartUpload",
         "source_component_uuid": "a",
         "transfer_uuid": "b",

@@ -1,0 +1,49 @@
+"""The curve of the plan before the hand moved, to compare the present one with."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+import numpy as np
+
+from abi.planner.plan import Plan
+from app import style
+from app.frame import Frame, Switch
+from app.layers.curves import SAMPLES
+from app.layers.lines import NO_SEGMENTS, add_line, dashes
+from app.layout import Layout
+
+
+class GhostLayer:
+    """The last plan at rest, dashed and grey, once there is another."""
+
+    switches: ClassVar[tuple[Switch, ...]] = (
+        Switch("ghost", "last plan's curve", style.FADED, on=False),
+    )
+
+    def __init__(self, layout: Layout) -> None:
+        self._line = add_line(layout.client.scene, "/ghost", style.FADED, 3.0)
+        self._rested: Plan | None = None
+        self._ghost: Plan | None = None
+
+    def draw(self, frame: Frame) -> None:
+        """Draw the plan that was at rest before this one."""
+        self._line.visible = "ghost" in frame.shown
+        resting = not (frame.interactive or frame.partial or frame.faded)
+        if not resting or frame.plan is self._rested:
+            if frame.plan is not self._rested and self._ghost is not self._rested:
+                self._show(self._rested)
+            return
+        if self._ghost is not self._rested:
+            self._show(self._rested)
+        self._rested = frame.plan
+
+    def _show(self, plan: Plan | None) -> None:
+        """Draw the curve that a plan's arm follows."""
+        self._ghost = plan
+        fit = None if plan is None else plan.followed_curve
+        if plan is None or fit is None:
+            self._line.points = NO_SEGMENTS
+            return
+        points = fit.curve(np.linspace(*fit.curve.interval, SAMPLES))
+        self._line.points = dashes(points, 0.02 * max(plan.scene.workspace.size))

@@ -1,0 +1,179 @@
+"""Three searches in three copies of the workspace, at equal steps, coloured by their order."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+import numpy as np
+import viser
+from numpy.typing import NDArray
+
+from abi.arrays import FloatArray
+from abi.scene.scene import Scene
+from abi.search.replay import SearchState
+from app import style
+from app.camera import View
+from app.frame import Frame, Switch
+from app.layers.lines import add_line, segments
+from app.layers.theatre import few, order_colours
+from app.layers.workspace import box_edges
+from app.layout import Layout
+from app.numbers import format_count, format_length
+from app.obstacle_body import add_body
+from app.theatre import Theatre
+
+_ROW = np.array([0.42, 0.82, 0.0]) / np.hypot(0.42, 0.82)
+"""Direction of the row: across the first view."""
+_GAP = 1.7
+_COLOURS: FloatArray = np.array(
+    [(68, 1, 84), (59, 82, 139), (33, 145, 140), (94, 201, 98), (253, 231, 37)], float
+)
+"""Viridis, early to late."""
+
+
+class RaceLayer:
+    """The copies, above the workspace; the camera looks at them while there are any."""
+
+    switches: ClassVar[tuple[Switch, ...]] = ()
+
+    def __init__(self, layout: Layout) -> None:
+        self._client = layout.client
+        self._scene = layout.client.scene
+        with layout.search:
+            self._text = layout.client.gui.add_html("", visible=False)
+        self._root: viser.FrameHandle | None = None
+        self._labels: list[viser.LabelHandle] = []
+        self._built: tuple[object, ...] = ()
+        self._drawn: Theatre | None = None
+        self._view: View | None = None
+
+    def draw(self, frame: Frame) -> None:
+        """Draw the race; take the copies away where there is none."""
+        theatre = frame.theatre if frame.theatre is not None and frame.theatre.race else None
+        if theatre is self._drawn:
+            return
+        self._drawn = theatre
+        self._text.visible = theatre is not None
+        if theatre is None:
+            self._clear()
+            return
+        scene = frame.plan.scene
+        built = (scene.obstacles, scene.workspace, len(theatre.race))
+        if built != self._built or self._root is None:
+            self._clear()
+            self._build(scene, len(theatre.race))
+            self._built = built
+        for place, (name, state) in enumerate(theatre.race):
+            self._draw_one(place, name, state, scene)
+        unit = frame.plan.scene.unit
+        lines = [report(name, state, unit) for name, state in theatre.race]
+        self._text.content = f"{style.BOX}{'<br>'.join(lines)}</div>"
+
+    def _build(self, scene: Scene, count: int) -> None:
+        """Add boxes and obstacles, and turn the camera to them."""
+        longest = max(scene.workspace.size)
+        self._root = self._scene.add_frame("/race", show_axes=False)
+        for place in range(count):
+            shift = offset(scene, place, count)
+            name = f"/race/{place}"
+            self._scene.add_frame(name, show_axes=False, position=tuple(shift.tolist()))
+            box = add_line(self._scene, f"{name}/box", style.WORKSPACE, 1.5)
+            box.points = box_edges(scene.workspace)
+            for number, obstacle in enumerate(scene.obstacles):
+                self._scene.add_frame(
+                    f"{name}/obstacle_{number}",
+                    show_axes=False,
+                    position=obstacle.position,
+                    wxyz=obstacle.wxyz,
+                )
+                add_body(self._scene, f"{name}/obstacle_{number}/body", obstacle)
+            middle = np.add(scene.workspace.min, scene.workspace.max) / 2
+            # in steps, since long names side by side would overlap
+            height = scene.workspace.max[2] + (0.15 + 0.17 * place) * longest
+            top = (middle[0], middle[1], height)
+            self._labels.append(self._scene.add_label(f"{name}/label", "", position=top))
+        camera = self._client.camera
+        self._view = View.of([camera.position, camera.look_at, camera.up_direction])
+        centre = np.add(scene.workspace.min, scene.workspace.max) / 2
+        target = centre + offset(scene, 0, 1)
+        away = np.array([_ROW[1], -_ROW[0], 0.42])
+        sideways = np.tan(camera.fov / 2) * min(camera.aspect, 1.5)
+        camera.position = target + max(2.5 / sideways, 2.5) * longest * away
+        camera.look_at = target
+
+    def _clear(self) -> None:
+        """Take the copies away, and give the camera back."""
+        if self._root is None:
+            return
+        self._root.remove()
+        self._root, self._built = None, ()
+        self._labels.clear()
+        if self._view is not None:
+            camera = self._client.camera
+            camera.up_direction = np.array(self._view.up)
+            camera.position = np.array(self._view.position)
+            camera.look_at = np.array(self._view.target)
+
+    def _draw_one(self, place: int, name: str, state: SearchState, scene: Scene) -> None:
+        points, n = state.trace.arcs.points, len(state.trace.arcs.points)
+        closed, front = few(state.closed, n), few(state.open, n)
+        late = order_colours(state, closed)
+        colours = np.concatenate(
+            [_viridis(late), np.tile(np.array(style.MARK, np.uint8), (len(front), 1))]
+        )
+        nodes = np.concatenate([closed, front])
+        size = 0.24 * float((np.prod(scene.workspace.size) / n) ** (1 / 3))
+        self._scene.add_point_cloud(
+            f"/race/{place}/nodes",
+            points[nodes % n].astype(np.float32),
+            colours,
+            point_size=size,
+            point_shape="circle",
+            precision="float32",
+        )
+        path = add_line(self._scene, f"/race/{place}/path", style.MARK, 5.0)
+        path.points = segments(points[state.trace.vertices]) if state.done else path.points
+        self._labels[place].text = _label(name, state, scene.unit)
+
+
+def offset(scene: Scene, place: int, count: int) -> FloatArray:
+    """Where a copy is, (3,), from the workspace, [unit]."""
+    longest = max(scene.workspace.size)
+    across = (place - (count - 1) / 2) * _GAP * longest * _ROW
+    return np.asarray(across + np.array([0.0, 0.0, 3.2 * longest]))
+
+
+def report(name: str, state: SearchState, unit: str) -> str:
+    """Counters of one search, as HTML."""
+    done = f"found {format_length(state.trace.length)} {unit}" if _found(state) else "no path"
+    return (
+        f"<b>{style.SEARCHES[name]}</b>: {_steps(state)}, "
+        f"{format_count(state.examined)} edges tried, {done if state.done else 'searching'}"
+    )
+
+
+def _label(name: str, state: SearchState, unit: str) -> str:
+    text = f"{style.SEARCHES[name]}: {_steps(state)}"
+    if not state.done:
+        return text
+    return (
+        f"{text}, {format_length(state.trace.length)} {unit}"
+        if _found(state)
+        else f"{text}, no path"
+    )
+
+
+def _steps(state: SearchState) -> str:
+    what = "rounds" if state.trace.queue == "rounds" else "nodes"
+    return f"{format_count(state.step)} {what}"
+
+
+def _found(state: SearchState) -> bool:
+    return len(state.trace.vertices) > 0
+
+
+def _viridis(share: FloatArray) -> NDArray[np.uint8]:
+    """Colours (k, 3) of numbers (k,) from 0 to 1."""
+    places = np.linspace(0, 1, len(_COLOURS))
+    columns = [np.interp(share, places, _COLOURS[:, channel]) for channel in range(3)]
+    return np.stack(columns, axis=1).astype(np.uint8)

@@ -1,0 +1,203 @@
+"""One search at one step: closed and open nodes, the current one, tree, path and numbers."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+import numpy as np
+import viser
+
+from abi.arrays import FloatArray, IntArray
+from abi.search.replay import SearchState
+from app import glb, style
+from app.frame import Frame, Switch
+from app.layers.lines import NO_SEGMENTS, add_line, segments
+from app.layers.points import add_points
+from app.layers.tables import table
+from app.layout import Layout
+from app.numbers import format_count, format_length
+from app.theatre import Theatre, labels
+
+NODE_BUDGET = 20_000
+"""Nodes of each kind that a tab is sent at the most."""
+_QUEUE = 5
+"""Nodes of the queue that are listed."""
+_MIX = np.uint64(2654435761)
+
+
+class TheatreLayer:
+    """What the frame's theatre shows; nothing while it has none."""
+
+    switches: ClassVar[tuple[Switch, ...]] = ()
+
+    def __init__(self, layout: Layout) -> None:
+        self._scene = scene = layout.client.scene
+        with layout.search:
+            self._text = layout.client.gui.add_html("", visible=False)
+        self._clouds: dict[str, viser.PointCloudHandle] = {}
+        self._tree: viser.GlbHandle | None = None
+        self._path = add_line(scene, "/theatre/path", style.MARK, 5.0)
+        self._negative = add_line(scene, "/theatre/negative", style.VIOLATION, 6.0)
+        self._cycle = add_line(scene, "/theatre/cycle", style.VIOLATION, 6.0)
+        self._drawn: Theatre | None = None
+
+    def draw(self, frame: Frame) -> None:
+        """Draw the step; hide all where there is none, or while searches race."""
+        theatre = frame.theatre
+        if theatre is self._drawn:
+            return
+        alone = theatre is not None and not theatre.race
+        for cloud in self._clouds.values():
+            cloud.visible = alone
+        for line in (self._path, self._negative, self._cycle):
+            line.visible = alone
+        if self._tree is not None and not alone:
+            self._tree.remove()
+            self._tree = None
+        self._text.visible = alone
+        if theatre is not None and alone:
+            self._draw_state(theatre)
+            self._text.content = describe(theatre, frame.plan.scene.unit)
+        self._drawn = theatre
+
+    def _draw_state(self, theatre: Theatre) -> None:
+        state = theatre.state
+        points, n = state.trace.arcs.points, len(state.trace.arcs.points)
+        size = _size(state)
+        shown = {
+            "closed": (style.CLOSED, size, few(state.closed, n)),
+            "open": (style.OPEN, 1.25 * size, few(state.open, n)),
+            "current": (
+                style.MARK,
+                1.9 * size,
+                np.array([state.current], np.int32)[: state.current >= 0],
+            ),
+            "clicked": (
+                style.POINT,
+                1.6 * size,
+                np.array([theatre.clicked], np.int32)[: theatre.clicked >= 0],
+            ),
+        }
+        for name, (colour, diameter, nodes) in shown.items():
+            self._clouds[name] = add_points(
+                self._scene, f"/theatre/{name}", points[nodes % n], colour, diameter, len(nodes) > 0
+            )
+        self._path.points = segments(points[state.path() % n])
+        arc = state.trace.arcs.negative
+        self._negative.points = NO_SEGMENTS if arc is None else segments(points[list(arc)])
+        cycle = state.trace.cycle if state.done else state.trace.cycle[:0]
+        self._cycle.points = segments(points[[*cycle, *cycle[:1]]])
+        self._draw_tree(state)
+
+    def _draw_tree(self, state: SearchState) -> None:
+        points, n = state.trace.arcs.points, len(state.trace.arcs.points)
+        child = np.flatnonzero(state.parent >= 0).astype(np.int32)
+        child = few(child, n)
+        edges = np.stack([state.parent[child] % n, child % n], axis=1)
+        if not len(edges):
+            if self._tree is not None:
+                self._tree.remove()
+                self._tree = None
+            return
+        used, places = np.unique(edges, return_inverse=True)
+        data = glb.line_set(
+            points[used], places.reshape(-1, 2).astype(np.int32), style.CLOSED, 0.55
+        )
+        if self._tree is None:
+            self._tree = self._scene.add_glb(
+                "/theatre/tree", data, cast_shadow=False, receive_shadow=False
+            )
+        else:
+            self._tree.glb_data = data
+
+
+def few(nodes: IntArray, n: int) -> IntArray:
+    """At most about ``NODE_BUDGET`` of the nodes, by a lot that each has drawn for good."""
+    if n <= NODE_BUDGET:
+        return nodes
+    lot = (nodes.astype(np.uint64) * _MIX) & np.uint64(0xFFFFFFFF)
+    return nodes[lot < np.uint64(NODE_BUDGET / n * 2**32)]
+
+
+def order_colours(state: SearchState, nodes: IntArray) -> FloatArray:
+    """How early (0) or late (1) closed nodes (k,) were expanded, of all in the whole search."""
+    turn = np.zeros(len(state.cost))
+    if state.trace.queue == "rounds":
+        counts = np.diff(state.trace.ends[: state.step + 1], prepend=0)
+        turn[state.trace.nodes[: state.trace.ends[state.step]]] = np.repeat(
+            np.arange(state.step + 1), counts
+        )
+    else:
+        turn[state.trace.order[: state.step]] = np.arange(state.step)
+    return turn[nodes] / max(state.trace.steps, 1)
+
+
+def _size(state: SearchState) -> float:
+    """Diameter of a node, [unit]."""
+    points = state.trace.arcs.points
+    box = points.max(axis=0) - points.min(axis=0)
+    return 0.2 * float((box.prod() / len(points)) ** (1 / 3))
+
+
+def describe(theatre: Theatre, unit: str) -> str:
+    """The step in words and numbers, as HTML."""
+    state = theatre.state
+    trace, n = state.trace, len(state.trace.arcs.points)
+    what = "round" if trace.queue == "rounds" else "step"
+    text = (
+        f"<b>{style.SEARCHES[theatre.name]}</b>, {what} {format_count(state.step)} of "
+        f"{format_count(trace.steps)}: "
+        f"{_swatch(style.CLOSED)}{format_count(len(state.closed))} closed, "
+        f"{_swatch(style.OPEN)}{format_count(len(state.open))} open, "
+        f"{format_count(state.examined)} edges tried."
+    )
+    if state.done:
+        text += f" {_end(state, unit)}"
+    rows = []
+    if state.current >= 0:
+        rows.append(
+            (f"{_swatch(style.MARK)}now: {state.current % n}", *labels(state, state.current))
+        )
+    if theatre.clicked >= 0:
+        rows.append(
+            (
+                f"{_swatch(style.POINT)}clicked: {theatre.clicked % n}",
+                *labels(state, theatre.clicked),
+            )
+        )
+    if not theatre.asking and trace.queue != "rounds":
+        for place, node in enumerate(state.queue(_QUEUE).tolist()):
+            side = " ←" if node >= n else ""
+            rows.append(
+                (
+                    f"{'next' if place == 0 else f'{place + 1}.'}: {node % n}{side}",
+                    *labels(state, node),
+                )
+            )
+    text = f"{style.BOX}{text}</div>"
+    if rows:
+        text += table(("node", "g so far", "h to go", "f"), rows)
+    if theatre.asking and not state.done:
+        text += f"{style.BOX}<b>Which node is expanded next?</b> Click one of the open ones.</div>"
+    if theatre.answer:
+        text += f"{style.BOX}{theatre.answer}</div>"
+    return text
+
+
+def _end(state: SearchState, unit: str) -> str:
+    trace = state.trace
+    if len(trace.cycle):
+        return "<b>✗ Negative cycle</b> (red): each turn costs less, so there is no cheapest path."
+    if not len(trace.vertices):
+        return "<b>✗ No path.</b>"
+    found = f"<b>Path found:</b> {format_length(trace.length)} {unit}"
+    if trace.arcs.negative is not None:
+        found += f", cost {format_length(trace.cost)}"
+    return f"{found}."
+
+
+def _swatch(colour: style.Colour) -> str:
+    return (
+        '<span style="display:inline-block;width:9px;height:9px;border-radius:50%;margin-right:4px;'
+        f'background:{style.css(colour)}"></span>'
+    )

@@ -1,0 +1,77 @@
+"""All searches on the present graph, in one table, when asked."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import viser
+
+from abi.planner.comparison import Comparison, compare, search_task
+from abi.planner.plan import Plan
+from abi.search.compare import COMPARED
+from app import style
+from app.frame import Frame
+from app.layers.tables import table
+from app.numbers import format_count, format_length
+from app.panels.widgets import Wake
+
+_NOTE = (
+    "Where edges cost their length, the exact ones (=) tie. Where each costs 1 (stage 3), they tie "
+    "in edges, and their lengths differ: that is how the paper's Table I comes about."
+)
+_LAST = 1e9
+"""Place in the tab: behind what the layers add later."""
+
+
+class ComparisonPanel:
+    """A button, and the table that it fills."""
+
+    def __init__(self, gui: viser.GuiApi, wake: Wake) -> None:
+        # Any, since viser declares a button's value read-only
+        self.button: Any = gui.add_button(
+            "Compare all searches", hint="Runs them once, on the present mesh.", order=_LAST
+        )
+        self._text = gui.add_html("", visible=False, order=_LAST + 1)
+        self._plan: Plan | None = None
+        self.button.on_click(wake)
+
+    def draw(self, frame: Frame) -> None:
+        """Run the searches if the button was pressed; hide what is of another plan's graph."""
+        if self._plan is not None and frame.plan.graph is not self._plan.graph:
+            self._plan = None
+            self._text.visible = False
+        if not self.button.value:
+            return
+        self.button.value = False
+        if frame.plan.graph is None:
+            return
+        self._plan = frame.plan
+        found = compare(search_task(frame.plan, heuristic_weight=1.5))
+        self._text.content = _table(found, frame.plan.scene.unit)
+        self._text.visible = True
+
+
+def _table(found: tuple[Comparison, ...], unit: str) -> str:
+    """Table I, and the searches that the paper does not have."""
+    least = min(one.trace.cost for one in found if COMPARED[one.algorithm].exact)
+    rows = []
+    for one in found:
+        trace = one.trace
+        gap = "–"
+        if trace.hops >= 0:
+            cost = trace.length if one.weight == "length" else trace.cost
+            gap = f"{100 * (cost / least - 1):+.1f} %".replace("-", "−")
+            gap = "=" if abs(cost - least) < 1e-9 * max(least, 1) else gap
+        rows.append(
+            (
+                f'<span style="white-space:normal">{style.SEARCHES[one.algorithm]}</span>',
+                str(trace.hops) if trace.hops >= 0 else "–",
+                format_length(trace.length) if trace.hops >= 0 else "–",
+                gap,
+                format_count(trace.steps),
+                format_count(trace.relaxed),
+                f"{one.ms:.1f}" if one.ms < 100 else f"{one.ms:.0f}",
+            )
+        )
+    head = ("search", "edges", f"length [{unit}]", "gap", "visited", "tried", "ms")
+    return f'<div style="zoom:.82">{table(head, rows)}</div>{style.BOX}{_NOTE}</div>'

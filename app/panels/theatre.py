@@ -1,0 +1,278 @@
+"""The search theatre: any search step by step, forward and back, guessed, or in a race."""
+
+from __future__ import annotations
+
+import time
+from collections import deque
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+import viser
+
+from abi.arrays import FloatArray, IntArray
+from abi.errors import StageError
+from abi.planner.comparison import search_task
+from abi.planner.plan import Plan
+from abi.search.compare import COMPARED
+from abi.search.negative_arc import with_negative_arc
+from abi.search.replay import replay
+from abi.search.task import SearchTask
+from abi.search.trace import SearchTrace
+from app import page, style
+from app.frame import Frame
+from app.panels.widgets import Wake, clamp
+from app.theatre import Theatre, judge, node_at, race_of
+
+FRAME = 1 / 20
+"""Seconds between two pictures while it plays."""
+SPEEDS = {"2 steps a second": 2.0, "10 steps a second": 10.0, "all in 10 s": 0.0}
+_ALL_IN = 10.0
+EDGES = {"none": "", "one": "negative", "one, with a cycle": "cycle"}
+_STEPS = {"to start": None, "◀ 1": -1, "1 ▶": 1}
+
+
+class TheatrePanel:
+    """Widgets and clock of the theatre, and the searches that it shows."""
+
+    def __init__(self, client: viser.ClientHandle, wake: Wake) -> None:
+        gui, self._client, self._wake = client.gui, client, wake
+        self.on = gui.add_checkbox("step through a search", False)
+        self.algorithm = gui.add_dropdown("algorithm", tuple(style.SEARCHES.values()))
+        self.weight = gui.add_slider(
+            "heuristic weight w",
+            0.0,
+            2.0,
+            0.05,
+            1.5,
+            hint="f = (2 − w) g + w h: 0 is Dijkstra, 1 is A*, 2 is greedy.",
+        )
+        self.edges = gui.add_dropdown(
+            "negative edge",
+            tuple(EDGES),
+            hint="A one-way edge that costs less than nothing: Dijkstra goes wrong.",
+        )
+        self.step = gui.add_slider("step", 0, 1, 1, 0, hint="Drag to go anywhere in the search.")
+        self.play = gui.add_button("Play the search", hint="Or press P.")
+        self.one = gui.add_button_group("one step", tuple(_STEPS), hint="Or press B and N.")
+        self.speed = gui.add_dropdown("speed", tuple(SPEEDS), initial_value="10 steps a second")
+        self.ask = gui.add_checkbox(
+            "ask me: which node next?",
+            False,
+            hint="Click the node that you think is expanded next.",
+        )
+        self.race = gui.add_checkbox(
+            "race of three", False, hint="Three searches side by side, at equal steps."
+        )
+        self.playing = False
+        self.guesses = [0, 0]
+        """Right ones, and all."""
+        self._inputs: deque[int | None] = deque()
+        self._click: tuple[FloatArray, FloatArray] | None = None
+        self._advanced, self._position, self._written = time.monotonic(), 0.0, 0
+        self._plan: Plan | None = None
+        self._tasks: dict[str, SearchTask] = {}
+        self._traces: dict[tuple[str, str, float], SearchTrace] = {}
+        self._answer: tuple[int, str] = (-1, "")
+        self._refused: object = None
+        self._last: Theatre | None = None
+        for widget in (self.on, self.algorithm, self.weight, self.edges, self.step):
+            widget.on_update(wake)
+        for widget in (self.speed, self.ask, self.race):
+            widget.on_update(wake)
+        self.play.on_click(self._toggle)
+        self.one.on_click(self._one_step)
+        gui.add_command("Search: play or pause", hotkey="P").on_trigger(self._toggle)
+        gui.add_command("Search: one step", hotkey="N").on_trigger(partial(self._by, 1))
+        gui.add_command("Search: one step back", hotkey="B").on_trigger(partial(self._by, -1))
+        client.scene.on_click()(self._clicked)
+
+    @property
+    def chosen(self) -> str:
+        """Name of the search in :data:`abi.search.compare.COMPARED`."""
+        name = next((k for k, v in style.SEARCHES.items() if v == self.algorithm.value), "a_star")
+        # of a negative cost only those that take one-way edges
+        return name if not self._kind or COMPARED[name].one_way else "dijkstra"
+
+    def timeout(self) -> float | None:
+        """Time until the next picture, [s]; None while it stands still."""
+        return FRAME if self.playing and self.on.value else None
+
+    def set(self, **settings: Any) -> None:
+        """Set widgets by name, as a lesson does: ``on``, ``algorithm``, ``step``, …"""
+        for name, value in settings.items():
+            if name == "step":
+                self._position = float(value)
+                self.playing = False
+            elif name == "algorithm":
+                self.algorithm.value = style.SEARCHES[value]
+            else:
+                getattr(self, name).value = value
+
+    def advance(self, frame: Frame) -> Theatre | None:
+        """What to show now; None while it is off, or while the plan changes under the hand."""
+        self._show_widgets()
+        now = time.monotonic()
+        elapsed, self._advanced = now - self._advanced, now
+        plan = frame.plan
+        if not self.on.value or plan.graph is None:
+            self._last = None
+            return None
+        if (
+            self._plan is None
+            or plan.graph is not self._plan.graph
+            or (plan.scene.search.weight != self._plan.scene.search.weight)
+        ):
+            if frame.interactive or frame.partial or frame.outdated:
+                return None
+            self._plan, self._tasks, self._last = plan, {}, None
+            self._traces.clear()
+        name, trace = self._trace_of(self.chosen)
+        racing = tuple(map(self._trace_of, race_of(name))) if self.race.value else ()
+        steps = max([trace.steps, *(other.steps for _, other in racing)])
+        self._move(trace, steps, elapsed)
+        self._last = self._view(name, trace, racing)
+        return self._last
+
+    def _show_widgets(self) -> None:
+        """Show the widgets that count now."""
+        on = bool(self.on.value)
+        for widget in (self.algorithm, self.edges, self.step, self.play, self.one, self.speed):
+            widget.visible = on
+        self.ask.visible = on and not self.race.value
+        self.race.visible = on
+        self.weight.visible = on and self.chosen == "weighted_a_star"
+        self.play.label = "Pause the search" if self.playing else "Play the search"
+
+    @property
+    def _kind(self) -> str:
+        return EDGES.get(self.edges.value, "")
+
+    def _task(self) -> SearchTask:
+        """The plan's graph, with a negative edge where one is asked for."""
+        assert self._plan is not None
+        if self._kind not in self._tasks:
+            if "" not in self._tasks:
+                self._tasks[""] = search_task(self._plan)
+            if self._kind:
+                try:
+                    task = with_negative_arc(self._tasks[""], self._kind == "cycle")
+                except StageError as error:
+                    page.notify_refusal(self._client, "No negative edge", error.message)
+                    self.edges.value = next(iter(EDGES))
+                else:
+                    self._tasks[self._kind] = task
+        return self._tasks[self._kind]
+
+    def _trace_of(self, name: str) -> tuple[str, SearchTrace]:
+        """A search and its trace, searched once; another where it takes no one-way edges."""
+        task = self._task()
+        if self._kind and not COMPARED[name].one_way:
+            name = "bellman_ford_rounds"
+        w = float(clamp(self.weight.value, 0.0, 2.0)) if name == "weighted_a_star" else 0.0
+        key = (name, self._kind, w)
+        if key not in self._traces:
+            if len(self._traces) > 12:
+                self._traces.clear()
+            self._traces[key] = COMPARED[name].find(replace(task, heuristic_weight=w))
+        return name, self._traces[key]
+
+    def _move(self, trace: SearchTrace, steps: int, elapsed: float) -> None:
+        """Go to the step that the widgets and the clock ask for."""
+        asking = self.ask.value and not self.race.value
+        if self.step.max != max(steps, 1):
+            self.step.max = max(steps, 1)
+        if self.step.value != self._written:
+            self._position, self.playing = float(self.step.value), False
+        while self._inputs:
+            change = self._inputs.popleft()
+            self._position = 0.0 if change is None else int(self._position) + change
+            self.playing = False
+        if self.playing and not asking:
+            rate = SPEEDS.get(self.speed.value, 10.0) or steps / _ALL_IN
+            if self._position >= steps:
+                self._position = 0.0
+            self._position += elapsed * rate
+            self.playing = self._position < steps
+        before = self._written
+        self._position = clamp(self._position, 0.0, float(steps))
+        if self._click is not None:
+            self._take(trace, asking)
+        step = int(self._position)
+        if step != before and not asking:
+            self._answer = (self._answer[0], "") if self._answer[1] else self._answer
+        if self.step.value != step:
+            self.step.value = step
+        self._written = step
+
+    def _take(self, trace: SearchTrace, asking: bool) -> None:
+        """Judge the node that was clicked, or look it up."""
+        assert self._click is not None
+        (origin, direction), self._click = self._click, None
+        state = replay(trace, min(int(self._position), trace.steps))
+        n = len(trace.arcs.points)
+        reached = np.flatnonzero(np.isfinite(state.cost)).astype(np.int32)
+        # of both searches' nodes the one that waits
+        points: FloatArray = np.concatenate([trace.arcs.points] * trace.sides)
+        nodes: IntArray = state.open if asking else reached
+        node = node_at(points, nodes, origin, direction)
+        if node < 0 and asking:
+            node = node_at(points, reached, origin, direction)
+        if node < 0:
+            return
+        self._answer = (node, "")
+        if not asking or trace.queue == "rounds":
+            return
+        right, why = judge(state, node)
+        self.guesses[0] += right
+        self.guesses[1] += 1
+        word = "✓ <b>Right:</b>" if right else "✗ <b>Not this one:</b>"
+        self._answer = (node, f"Node {node % n}. {word} {why}")
+        self._position += right
+
+    def _view(
+        self, name: str, trace: SearchTrace, racing: tuple[tuple[str, SearchTrace], ...]
+    ) -> Theatre:
+        step, last = self._written, self._last
+        asking = bool(self.ask.value) and not racing
+        if (
+            last is not None
+            and last.state.trace is trace
+            and last.state.step == min(step, trace.steps)
+            and (last.clicked, last.answer, last.asking) == (*self._answer, asking)
+            and tuple(state.trace for _, state in last.race) == tuple(one for _, one in racing)
+            and all(state.step == min(step, state.trace.steps) for _, state in last.race)
+        ):
+            return last
+        return Theatre(
+            name=name,
+            state=replay(trace, min(step, trace.steps)),
+            race=tuple((other, replay(one, min(step, one.steps))) for other, one in racing),
+            asking=asking,
+            clicked=self._answer[0]
+            if self._answer[0] < trace.sides * len(trace.arcs.points)
+            else -1,
+            answer=self._answer[1],
+        )
+
+    def _toggle(self, event: Any) -> None:
+        self.playing = not self.playing
+        self._advanced = time.monotonic()
+        self._wake(event)
+
+    def _one_step(self, event: Any) -> None:
+        if event.target.value in _STEPS:
+            self._inputs.append(_STEPS[event.target.value])
+        self._wake(event)
+
+    def _by(self, change: int, event: Any) -> None:
+        self._inputs.append(change)
+        self._wake(event)
+
+    def _clicked(self, event: Any) -> None:
+        if self.on.value and not self.race.value:
+            ray = np.array(event.ray_origin, float), np.array(event.ray_direction, float)
+            if np.isfinite(ray).all():
+                self._click = ray
+                self._wake(event)

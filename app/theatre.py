@@ -1,0 +1,105 @@
+"""Searches stopped at a step: what is shown of them, and the question "which node next?"."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from abi.arrays import FloatArray, IntArray
+from abi.search.replay import SearchState
+from app import style
+from app.numbers import format_length
+
+_NEAR = 0.04
+"""Angle, [rad], from a node within which a click means it."""
+
+
+@dataclass(frozen=True, eq=False)
+class Theatre:
+    """What a tab shows of one search, or of three that race.
+
+    Attributes:
+        name: of the search, in :data:`abi.search.compare.COMPARED`.
+        state: the search at the step shown.
+        race: (name, state) of each search of a race; empty without one.
+        asking: whether the next node is to be guessed, so not given away.
+        clicked: node clicked last; -1 for none.
+        answer: what is said of it, as HTML; empty for nothing.
+    """
+
+    name: str
+    state: SearchState
+    race: tuple[tuple[str, SearchState], ...] = ()
+    asking: bool = False
+    clicked: int = -1
+    answer: str = ""
+
+
+def node_at(points: FloatArray, nodes: IntArray, origin: FloatArray, direction: FloatArray) -> int:
+    """The node that a ray means, the one that it passes at the least angle; -1 for none near.
+
+    Args:
+        points: places (n, 3) of all nodes, [unit], world.
+        nodes: (k,) those that may be meant.
+        origin: of the ray (3,), [unit], world.
+        direction: of the ray (3,), a unit vector.
+    """
+    if len(nodes) == 0:
+        return -1
+    to_node = points[nodes] - origin
+    ahead = to_node @ direction
+    aside = np.linalg.norm(to_node - ahead[:, None] * direction, axis=1)
+    angle = np.where(ahead > 0, np.arctan2(aside, ahead), np.inf)
+    nearest = angle <= max(2.0 * float(angle.min()), 0.2 * _NEAR)
+    # of several behind each other the one in front
+    best = int(np.where(nearest, ahead, np.inf).argmin())
+    return int(nodes[best]) if angle[best] <= _NEAR else -1
+
+
+def judge(state: SearchState, node: int) -> tuple[bool, str]:
+    """Whether a node may be expanded next, and why, as HTML with the present numbers."""
+    if state.following < 0:
+        return False, "The search has ended: nothing comes next."
+    queue = state.trace.queue
+    if state.may_follow(node):
+        if queue == "first_in":
+            return True, "it has waited longest."
+        same = "" if node == state.following else " Several are as good, and any of them is right."
+        return True, f"{_sum(state, node)} is the least of all that wait.{same}"
+    if not np.isfinite(state.cost[node]):
+        return False, "it has not been reached: no edge leads there from a closed node."
+    if node in state.closed:
+        return False, "it is closed: it has been expanded, and its cost has not fallen since."
+    if queue == "first_in":
+        return False, "it waits, but others have waited longer: first in, first out."
+    least = state.promise(np.array([state.following], np.int32))[0]
+    return False, f"{_sum(state, node)}, and one that waits has only {format_length(float(least))}."
+
+
+def labels(state: SearchState, node: int) -> tuple[str, str, str]:
+    """g, h and f of a node, as text; "∞" where it is not reached."""
+    one = np.array([node], np.int32)
+    numbers = (state.cost[node], state.to_go(one)[0], state.promise(one)[0])
+    g, h, f = (format_length(float(x)) if np.isfinite(x) else "∞" for x in numbers)
+    return g, h, f
+
+
+def race_of(name: str) -> tuple[str, ...]:
+    """The three searches that race: the chosen one among them."""
+    first = tuple(style.ALGORITHMS)
+    return first if name in first else (name, *first[:2])
+
+
+def _sum(state: SearchState, node: int) -> str:
+    """What is made least, of one node, as a sum."""
+    a, b = state.trace.factors
+    g, h, f = labels(state, node)
+    parts = [f"{_factor(k)}{x}" for k, x in ((a, g), (b, h)) if k]
+    names = [f"{_factor(k)}{x}" for k, x in ((a, "g"), (b, "h")) if k]
+    total = f" = {f}" if len(parts) > 1 or parts[0] != f else ""
+    return f"its f = {' + '.join(names)} = {' + '.join(parts)}{total}"
+
+
+def _factor(k: float) -> str:
+    return "" if k == 1 else f"{k:.3g}·"

@@ -1,0 +1,156 @@
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from abi import load_scene, plan
+from abi.planner.comparison import search_task
+from abi.search.compare import COMPARED
+from abi.search.replay import SearchState, replay
+from app import style
+from app.layers.race import RaceLayer
+from app.layers.theatre import NODE_BUDGET, TheatreLayer, describe, few, order_colours
+from app.session import Session
+from app.theatre import Theatre, judge, node_at, race_of
+from tests.app.fake_tab import FakeTab, layer, until
+
+PLAN = plan(load_scene("paper"))
+
+
+def state_of(name: str, step: int, w: float = 1.0) -> SearchState:
+    return replay(COMPARED[name].find(search_task(PLAN, w)), step)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_a_click_means_the_node_under_it(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    points = rng.uniform(0, 6, (60, 3))
+    nodes = rng.permutation(60)[:40].astype(np.int32)
+    eye, target = np.array([20.0, -9.0, 8.0]), int(nodes[3])
+    ray = points[target] - eye
+    found = node_at(points, nodes, eye, ray / np.linalg.norm(ray))
+    rays = points[nodes] - eye
+    angles = np.arccos(
+        np.clip(rays @ ray / np.linalg.norm(rays, axis=1) / np.linalg.norm(ray), -1, 1)
+    )
+    assert found in nodes[angles < 0.01]
+    assert np.linalg.norm(points[found] - eye) <= np.linalg.norm(ray) + 1e-9
+    assert node_at(points, nodes, eye, -ray / np.linalg.norm(ray)) == -1
+    assert node_at(points, nodes[:0], eye, ray) == -1
+
+
+@pytest.mark.parametrize("name", COMPARED)
+def test_guesses_are_judged_with_a_reason(name: str) -> None:
+    state = state_of(name, 3)
+    if state.following >= 0:
+        assert judge(state, state.following)[0]
+        right, why = judge(state, int(state.closed[0]))
+        assert not right
+        assert "closed" in why
+        unreached = int(np.flatnonzero(~np.isfinite(state.cost))[0])
+        assert "not been reached" in judge(state, unreached)[1]
+    end = replay(state.trace, state.trace.steps)
+    assert judge(end, 0) == (False, "The search has ended: nothing comes next.")
+
+
+def test_a_sum_is_what_the_search_makes_least() -> None:
+    state = state_of("weighted_a_star", 2, 1.5)
+    node = int(state.open[0])
+    assert f"{state.promise(state.open[:1])[0]:.3f}" in judge(state, node)[1]
+    assert "0.5·g + 1.5·h" in judge(state, node)[1]
+
+
+@pytest.mark.parametrize("name", COMPARED)
+def test_what_is_written_has_the_numbers_of_the_step(name: str) -> None:
+    state = state_of(name, 5)
+    text = describe(Theatre(name, state), "cm")
+    assert f"{len(state.open)} open" in text
+    assert style.SEARCHES[name] in text
+    end = replay(state.trace, state.trace.steps)
+    assert f"{end.trace.length:.3f} cm" in describe(Theatre(name, end), "cm")
+    shares = order_colours(end, end.closed)
+    assert 0 <= shares.min() <= shares.max() <= 1
+
+
+def test_of_many_nodes_the_same_part_is_drawn_at_every_step() -> None:
+    n = 200_000
+    nodes = np.arange(n, dtype=np.int32)
+    part = set(few(nodes, n).tolist())
+    assert 0.8 * NODE_BUDGET < len(part) < 1.2 * NODE_BUDGET
+    assert set(few(nodes[::3], n).tolist()) == part & set(nodes[::3].tolist())
+    assert len(few(nodes[:5000], 5000)) == 5000
+
+
+def test_the_chosen_search_is_in_the_race() -> None:
+    for name in COMPARED:
+        assert name in race_of(name)
+        assert len(set(race_of(name))) == 3
+
+
+def drawn(session: Session) -> list[object]:
+    clouds = layer(session, TheatreLayer)._clouds
+    parts = [np.asarray(clouds[name].points).tobytes() for name in ("closed", "open", "current")]
+    return [*parts, layer(session, TheatreLayer)._path.points.tobytes()]
+
+
+def test_steps_forward_and_back_show_the_same(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    panel = session.panels.theatre
+
+    def at(step: int) -> bool:
+        theatre = session.frame.theatre
+        shown = layer(session, TheatreLayer)._drawn is theatre
+        return theatre is not None and theatre.state.step == step and session.resting and shown
+
+    fake.set(panel.on, True)
+    until(lambda: at(0))
+    pictures = [drawn(session)]
+    for step in (1, 2, 3):
+        fake.set(panel.one, "1 ▶")
+        until(lambda step=step: at(step))  # type: ignore[misc]
+        pictures.append(drawn(session))
+    assert all(one != other for one, other in pairwise(pictures))
+    for step in (2, 1, 0):
+        fake.set(panel.one, "◀ 1")
+        until(lambda step=step: at(step))  # type: ignore[misc]
+        assert drawn(session) == pictures[step]
+    fake.set(panel.step, 3)
+    until(lambda: at(3))
+    assert drawn(session) == pictures[3]
+    fake.set(panel.race, True)
+    until(lambda: layer(session, RaceLayer)._root is not None)
+    assert [name for name, _ in session.frame.theatre.race] == list(style.ALGORITHMS)  # type: ignore[union-attr]
+    fake.set(panel.on, False)
+    until(lambda: session.frame.theatre is None and layer(session, RaceLayer)._root is None)
+
+
+def test_a_search_follows_its_plan_and_takes_any_edge(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    panel = session.panels.theatre
+    fake.set(panel.on, True)
+    until(lambda: session.frame.theatre is not None)
+    fake.drag(session.panels.ends.gizmos["start"], [0.0, 2.0, 0.0])
+    until(lambda: session.resting and session.plan.scene.start[1] == 2.0)  # type: ignore[union-attr]
+    graph = session.frame.plan.graph
+    assert graph is not None
+    until(
+        lambda: (
+            session.frame.theatre is not None
+            and session.frame.theatre.state.trace.arcs.points is graph.points
+        )
+    )
+    fake.set(panel.edges, "one, with a cycle")
+    fake.set(panel.algorithm, style.SEARCHES["bellman_ford_rounds"])
+    until(
+        lambda: (
+            session.frame.theatre is not None and len(session.frame.theatre.state.trace.cycle) > 0
+        )
+    )
+    fake.set(panel.algorithm, style.SEARCHES["bidirectional_dijkstra"])
+    until(lambda: session.frame.theatre is not None and session.frame.theatre.name == "dijkstra")
+    fake.set(session.panels.comparison.button, True)
+    until(lambda: session.panels.comparison._text.visible)
+    for label in style.SEARCHES.values():
+        assert label in session.panels.comparison._text.content

@@ -1,0 +1,47 @@
+"""The search theatre as a student uses it: steps, a guess in the scene, a race."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from app.session import Session
+from tests.browser.page import Page
+
+
+def test_a_search_is_stepped_guessed_and_raced(page: Page, session: Session) -> None:
+    page.click("Search")
+    page.tick("step through a search", True)
+    page.set_number("step", 12)
+    page.reads("step 12 of")
+    page.click("1 ▶")
+    page.reads("step 13 of")
+    page.click("◀ 1")
+    page.reads("step 12 of")
+    assert session.frame.theatre is not None
+    state = session.frame.theatre.state
+    closed = np.reshape(page.props("/theatre/closed")["points"], (-1, 3))
+    assert np.allclose(closed, state.trace.arcs.points[state.closed], atol=1e-6)
+
+    page.tick("ask me: which node next?", True)
+    page.reads("Which node is expanded next?")
+    promise = state.promise(state.open)
+    free = [
+        (float(f), page.pixel("/workspace", state.trace.arcs.points[node].tolist()))
+        for node, f in zip(state.open.tolist(), promise, strict=True)
+    ]
+    wrong = max(one for one in free if page.is_free(one[1]))[1]
+    page.tab.mouse.click(*wrong)
+    page.reads("Not this one")
+    right = min(one for one in free if page.is_free(one[1]))[1]
+    page.tab.mouse.click(*right)
+    page.reads("Right:")
+    page.reads("step 13 of")
+    page.tick("ask me: which node next?", False)
+
+    page.tick("race of three", True)
+    page.set_number("step", 40)
+    page.reads("Dijkstra: 40 nodes, ")
+    page.until(lambda: page.props("/race/1/nodes") is not None, "the second copy")
+    page.tick("race of three", False)
+    page.tick("step through a search", False)
+    page.until(lambda: session.frame.theatre is None, "the theatre closed")
