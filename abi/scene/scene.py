@@ -135,13 +135,18 @@ class MotionSettings(_Settings):
     """Stage 5, the motion: cruise speed [unit/s], acceleration and deceleration [unit/s²].
 
     ``curve`` is the one the tool follows; ``auto`` is the quadratic when it keeps the clearance,
-    the B-spline otherwise.
+    the B-spline otherwise. ``law`` is the paper's three phases, those slowed down until the joints'
+    limits hold, the fastest motion under these limits, or one of limited jerk [unit/s³].
+    ``joint_acceleration`` limits each joint, [rad/s²], sliding ones [m/s²].
     """
 
     speed: Rate = 4.0
     acceleration: Rate = 6.0
     deceleration: Rate = 6.0
     curve: Literal["auto", "quadratic", "bspline"] = "auto"
+    law: Literal["three_phase", "slowed", "time_optimal", "jerk_limited"] = "three_phase"
+    joint_acceleration: Rate = 8.0
+    jerk: Rate = 40.0
 
 
 class ArmSettings(_Settings):
