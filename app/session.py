@@ -24,6 +24,7 @@ from app import metrics, page
 from app.bug_report import bug_report, describe_fault
 from app.camera import Viewpoint
 from app.frame import Drawable, Frame, Switchable
+from app.labels import sentence
 from app.layers.catalogue import LAYERS, SLOW_LAYERS
 from app.panels.all_panels import AllPanels
 from app.panels.obstacle_gizmos import ObstacleGizmos
@@ -82,6 +83,7 @@ class Session:
         self._has_lights = plain
         self._viewpoint = Viewpoint(client.camera, scene)
         self._compiled = compiling.is_done()
+        page.install(client)
         self._memory = TabMemory(client, self.wake)
         with client.atomic():
             self._build(name, scene, dark)
@@ -146,7 +148,7 @@ class Session:
         layers: list[Drawable] = [layer(self.panels.layout) for layer in LAYERS]
         slow_layers: list[Drawable] = [layer(self.panels.layout) for layer in SLOW_LAYERS]
         with self.panels.layout.result:
-            self.playback = PlaybackPanel(self.client.gui, self.wake)
+            self.playback = PlaybackPanel(self.client.gui, self.panels.layout.overlay, self.wake)
         self.layers = (*layers, *slow_layers)
         self._groups = ((*self.panels.drawn, *layers), slow_layers)
 
@@ -209,7 +211,7 @@ class Session:
         report = self._memory.report()
         restored = report is not None and self._restore(report)
         try:
-            scene = self.panels.read(self._scene)
+            scene = self._read()
         except AbiError as error:
             # the last valid scene stays, to be looked at and saved
             self._draw(replace(self.panels.apply_switches(self.frame), refused=error))
@@ -231,6 +233,19 @@ class Session:
             self._show(self._observed(self._planner.finish(self._scene)))
         self.panels.exports.send(self.frame.plan)
 
+    def _read(self) -> Scene:
+        """Read the panels; what is refused but once, as a file is, is told of and left.
+
+        Raises:
+            SceneError: what they show is no scene.
+        """
+        try:
+            return self.panels.read(self._scene)
+        except AbiError as error:
+            scene = self.panels.read(self._scene)
+            page.notify_refusal(self.client, "Not changed", sentence(error))
+            return scene
+
     def _restore(self, report: Report) -> bool:
         """Bring back what the page or a link remembers; False where that is nothing."""
         if not report.state:
@@ -247,6 +262,7 @@ class Session:
             self._viewpoint.restore(state.view)
         self.playback.restore(state.time, state.playing)
         self._scene = state.scene
+        self.panels.history.begin(state.scene)
         return True
 
     def _state(self) -> TabState:
@@ -315,6 +331,7 @@ class Session:
                 self._draw(replace(self.frame, outdated=True))
             self._show(self._observed(self._planner.finish(self._scene)))
             return
+        self.panels.history.note(self._scene)
         if self.frame.interactive:
             self._draw(replace(self.frame, interactive=False))
         if self._undiagnosed():

@@ -208,9 +208,12 @@ class Scene(_Settings):
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
         for name in ("start", "goal"):
-            if not self.workspace.contains(getattr(self, name)):
-                expected = f"a point between {self.workspace.min} and {self.workspace.max}"
-                raise SceneError(name, getattr(self, name), expected)
+            point = getattr(self, name)
+            for axis, number, low, high in zip(
+                "xyz", point, self.workspace.min, self.workspace.max, strict=True
+            ):
+                if not low <= number <= high:
+                    raise SceneError(name, point, f"{axis} between {low:g} and {high:g}")
         nodes = self.mesh.node_count(self.workspace)
         if nodes > self.mesh.max_nodes:
             coarsest = self.mesh.model_copy(update={"pitch": LARGEST}).node_count(self.workspace)

@@ -91,7 +91,7 @@ def _coefficients(plan: Plan) -> str:
         lines.append(f"… {len(pieces)} pieces in all")
     if plan.quadratic.note:
         lines.append(f"✗ {html.escape(plan.quadratic.note)}")
-    css = "margin:0 12px 3px;font:12px/1.4 ui-monospace,monospace"
+    css = "margin:0 12px 3px;font:12px/1.3 ui-monospace,monospace"
     return f'<div style="{css}">{"<br>".join(lines)}</div>'
 
 
@@ -112,16 +112,13 @@ def _motion(plan: Plan) -> str:
     if isinstance(profile, TimedProfile):
         text = f"{_LAWS[profile.law]}, up to {format_length(profile.peak_speed)} {unit}: "
         return f"{style.BOX}{text}{profile.duration:.2f} s in all.{_tilt(plan)}</div>"
-    text = (
-        f"speed up {profile.t1:.3f} s, cruise {profile.t2:.3f} s, brake {profile.t3:.3f} s: "
-        f"{profile.duration:.2f} s in all."
-    )
+    text = f"Speed up {profile.t1:.2f} s, cruise {profile.t2:.2f} s, brake {profile.t3:.2f} s."
     if profile.triangular:
         text += (
             f" The path is too short to reach {format_setting(plan.scene.motion.speed)} {unit}; "
             f"top speed {format_length(profile.peak_speed)} {unit}."
         )
-    return f"{style.BOX}{text[0].upper()}{text[1:]}{_tilt(plan)}</div>"
+    return f"{style.BOX}{text}{_tilt(plan)}</div>"
 
 
 def _tilt(plan: Plan) -> str:

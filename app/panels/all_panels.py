@@ -14,12 +14,15 @@ from app.panels.comparison import ComparisonPanel
 from app.panels.end_gizmos import EndGizmos
 from app.panels.exports import ExportPanel
 from app.panels.files import FilesPanel
+from app.panels.history import History
 from app.panels.layer_switches import LayerSwitches
+from app.panels.messages import Messages
 from app.panels.obstacle_editor import ObstacleEditor
 from app.panels.obstacle_gizmos import ObstacleGizmos
 from app.panels.stage_headers import StageHeaders
 from app.panels.stages import StagePanels
 from app.panels.theatre import TheatrePanel
+from app.panels.toolbar import Toolbar
 from app.panels.widgets import Wake
 from app.tab_state import TabState
 
@@ -42,7 +45,7 @@ class AllPanels:
         dark: bool,
     ) -> None:
         self._client = client
-        self.stage_headers = StageHeaders(client.gui, wake)
+        self.stage_headers = StageHeaders(client.gui)
         self.layout = Layout.of(client, scene.unit, self.stage_headers.folders)
         self.stages = StagePanels(self.layout, scene, wake)
         self.layer_switches = LayerSwitches(self.layout, switches, wake, dark)
@@ -56,8 +59,12 @@ class AllPanels:
             self.exports = ExportPanel(client, wake)
             self.editor = ObstacleEditor(client, self.obstacles, self.ends, wake)
             self.bug_report = BugReportButton(client, wake)
+        self.messages = Messages(self.layout, wake)
+        self.history = History(client.gui, scene, wake)
         self._inputs = (self.stages, self.obstacles, self.ends)
         self.drawn: tuple[Drawable, ...] = (
+            self.messages,
+            Toolbar(self.layout, self.history),
             self.stage_headers,
             self.stages.mesh,
             self.ends,
@@ -77,11 +84,15 @@ class AllPanels:
             SceneError: names the field.
         """
         requested = self.files.requested(self.editor.meshes(scene))
-        if requested is None and (change := self.stage_headers.accepted_change()) is not None:
+        if requested is None and (change := self.messages.accepted_change()) is not None:
             requested = scene.replace(**change)
+        if requested is None:
+            requested = self.history.requested(scene)
         if requested is not None:
             self._write(requested)
             return requested
+        if (number := self.messages.pointed_out()) is not None:
+            self.obstacles.point_out(number)
         self.editor.apply(scene)
         sections = {name: part for panel in self._inputs for name, part in panel.read().items()}
         return scene.replace(self.editor.surfaces, **sections)

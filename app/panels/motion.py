@@ -10,12 +10,12 @@ from abi.scene.scene import Scene
 from app.panels.widgets import DIGITS, Choice, Wake
 
 FITS = {
-    "least squares": "least_squares",
-    "nearest clear one": "clear",
-    "fewest clear pieces": "pieces",
+    "paper's fit (may hit)": "least_squares",
+    "closest that does not hit": "clear",
+    "several that do not hit": "pieces",
 }
 FOLLOWED = {
-    "quadratic if clear, else B-spline": "auto",
+    "quadratic if it keeps clear": "auto",
     "quadratic": "quadratic",
     "B-spline": "bspline",
 }
@@ -33,12 +33,19 @@ class MotionPanel:
     def __init__(self, gui: viser.GuiApi, scene: Scene, wake: Wake) -> None:
         self.fit = Choice(
             gui,
-            "fit",
+            "curve",
             FITS,
-            "Least squares is the paper's and may enter an obstacle; the others keep clear.",
+            "The paper's arc, by least squares, may enter an obstacle. The closest arc that does "
+            "not, or several joined smoothly, keep clear.",
             wake,
         )
-        self.curve = Choice(gui, "arm follows", FOLLOWED, "The curve that the arm executes.", wake)
+        self.curve = Choice(
+            gui,
+            "arm follows",
+            FOLLOWED,
+            "The curve that the arm executes: the B-spline where the quadratic comes too close.",
+            wake,
+        )
         self.law = Choice(
             gui,
             "motion",
@@ -47,9 +54,14 @@ class MotionPanel:
             "accelerations, too.",
             wake,
         )
-        self.speed = gui.add_number("speed V", 1.0, step=0.1, hint="Cruise speed.")
+        self.speed = gui.add_number(
+            "cruise speed", 1.0, step=0.1, hint="Of the tool, once it has sped up (V in the paper)."
+        )
         self.rates = gui.add_vector2(
-            "a1, a3", (1.0, 1.0), step=0.1, hint="Speeding up from rest, and braking to rest."
+            "accel.",
+            (1.0, 1.0),
+            step=0.1,
+            hint="Acceleration from rest, and braking to rest (a₁ and a₃ in the paper).",
         )
         self.joint_acceleration = gui.add_number(
             "joints [rad/s²]", 1.0, step=0.1, hint="Largest acceleration of every joint."
@@ -78,8 +90,8 @@ class MotionPanel:
 
     def write(self, scene: Scene) -> None:
         """Show ``scene``."""
-        self.speed.label = f"V [{scene.unit}/s]"
-        self.rates.label = f"a1, a3 [{scene.unit}/s²]"
+        self.speed.label = f"speed [{scene.unit}/s]"
+        self.rates.label = f"accel. [{scene.unit}/s²]"
         self.fit.write(scene.quadratic.mode)
         self.curve.write(scene.motion.curve)
         self.speed.value = scene.motion.speed
