@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import viser
 
 from app import page, style
-from app.overlay import Overlay
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,8 +23,7 @@ class Layout:
         joints: plots of the joints.
         scene: files, and positions as numbers.
         layers: the legend.
-        paper: the lesson.
-        overlay: text and controls over the scene.
+        paper: lessons, the paper's figures, and its text.
     """
 
     client: viser.ClientHandle
@@ -37,7 +35,6 @@ class Layout:
     scene: viser.GuiTabHandle
     layers: viser.GuiTabHandle
     paper: viser.GuiTabHandle
-    overlay: Overlay
 
     @classmethod
     def of(
@@ -46,15 +43,12 @@ class Layout:
         """Dock the two panels and add the right one's tabs."""
         gui = client.gui
         page.set_title(client, "ABI visualiser")
-        gui.set_panel_label("ABI path planning")
+        gui.set_panel_label("ABI path planner")
         gui.main_panel.dock_left()
         gui.main_panel.set_width(style.LEFT_WIDTH)
         right = gui.add_panel()
-        names = ("Result", "Search", "Plots", "Scene", "Layers", "Paper")
+        names = ("Result", "Search", "Plots", "Scene", "Layers", "Learn")
         tabs = [right.add_tab(name) for name in names]
         right.dock_right()
         right.set_width(style.RIGHT_WIDTH)
-        result, search, plots, scene, layers, paper = tabs
-        return cls(
-            client, unit, folders, result, search, plots, scene, layers, paper, Overlay(client)
-        )
+        return cls(client, unit, folders, *tabs)

@@ -26,10 +26,9 @@ class LayerSwitches:
         with layout.layers:
             self.dark = gui.add_checkbox("dark page", dark)
             self.mesh_view = gui.add_dropdown(
-                "part of the mesh",
+                "mesh shown",
                 tuple(MESH_VIEWS),
-                hint="Grids above 4,000 nodes are shown only in part: near path and "
-                "obstacles, or as chosen here.",
+                hint="A mesh of up to about 4,000 nodes is shown whole by the first of these.",
             )
             self.boxes = {
                 switch.name: gui.add_checkbox(switch.label, switch.on) for switch in switches

@@ -20,31 +20,31 @@ class SearchPanel:
     def __init__(self, gui: viser.GuiApi, scene: Scene, wake: Wake) -> None:
         self.algorithm = Choice(
             gui,
-            "path used",
+            "goes on with",
             ALGORITHMS,
-            "Every search runs on every plan; this one's path becomes the curve.",
+            "All three run on every plan; this one's path becomes the curve.",
             wake,
         )
         self.weight = Choice(
             gui,
-            "shortest by",
+            "edge costs",
             WEIGHTS,
-            "By number of edges all searches find paths of equally many edges; several such paths "
-            "exist, and they differ in length (the paper's Table I).",
+            "By length the three lengths tie. By hops they tie in edges and differ in length: "
+            "that is how the paper's Table I comes about.",
             wake,
         )
         self.taut = gui.add_checkbox(
-            "straighten",
+            "pull taut (3½)",
             scene.search.taut,
-            hint="Cuts the zigzag that the grid forces on the path. Not in the paper.",
+            hint="Frees the path of the mesh's directions; off is the paper's way.",
         )
         self.shown = gui.add_slider(
-            "visited [%]",
+            "search [%]",
             0,
             100,
             1,
             0,
-            hint="Shows the nodes visited so far, from the first to the last.",
+            hint="Colours the nodes in the order in which the algorithm expanded them.",
         )
         self.taut.on_update(wake)
         self.shown.on_update(wake)

@@ -111,8 +111,10 @@ def test_while_a_number_is_wrong_the_rest_goes_on(
     monkeypatch.setattr(session.client, "send_file_download", keep)
     good = session.plan
     fake.set(session.panels.stages.motion.speed, 0.0)
-    shown = session.panels.layout.overlay.shown
-    until(lambda: "The cruise speed must be above 0; it is 0." in shown["message"])
+    until(lambda: session.panels.stage_headers._notes["quadratic"].visible)
+    sentence = session.panels.stage_headers._notes["quadratic"].content
+    assert "V is 0.0" in sentence
+    assert "motion.speed" not in sentence
 
     fake.set(session.panels.layer_switches.boxes["arm"], False)
     until(lambda: not layer(session, ArmLayer)._base.visible)
@@ -129,21 +131,22 @@ def test_while_a_number_is_wrong_the_rest_goes_on(
 @pytest.mark.slow
 def test_a_wrong_number_is_told_of_until_it_is_mended(tab: tuple[FakeTab, Session]) -> None:
     fake, session = tab
-    shown = session.panels.layout.overlay.shown
+    note = session.panels.stage_headers._notes["quadratic"]
     until(lambda: session.resting)
     fake.set(session.panels.stages.motion.speed, 0.0)
-    until(lambda: "The cruise speed must be" in shown["message"])
+    until(lambda: note.visible and session.frame.faded)
 
     # at rest the good scene is planned anew, as it is once everything is compiled
     plans = session.plans
     compiling.compile()
     session._compiled = False
     until(lambda: session.plans > plans and session._compiled)
-    assert "The cruise speed must be" in shown["message"]
-    assert session.frame.refused is not None
+    assert note.visible
+    assert "V is 0.0" in note.content
+    assert session.frame.faded
 
     fake.set(session.panels.stages.motion.speed, 4.0)
-    until(lambda: "✗" not in shown["message"] and session.frame.current)
+    until(lambda: not note.visible and not session.frame.faded)
 
 
 @pytest.mark.slow
@@ -191,8 +194,8 @@ def test_a_file_that_is_no_scene_is_named_and_changes_nothing(
         ("my scene.yaml is not opened", "workspace is [1, 2]; expected the fields min, max."),
     ]
     assert session.plan is good
-    assert session.frame.current
-    assert "✗" not in session.panels.layout.overlay.shown["message"]
+    assert not session.frame.faded
+    assert not any(note.visible for note in session.panels.stage_headers._notes.values())
 
 
 def test_what_is_not_listed_is_not_opened(tab: tuple[FakeTab, Session], tmp_path: Path) -> None:

@@ -93,16 +93,16 @@ def test_a_bad_number_keeps_the_last_plan_and_says_why(
 ) -> None:
     fake, session = tab
     good = session.plan
-    shown = session.panels.layout.overlay.shown
+    note = session.panels.stage_headers._notes["mesh"]
     fake.set(session.panels.stages.mesh.pitch, value)
-    until(lambda: "✗" in shown["message"])
+    until(lambda: note.visible)
 
     assert session.plan is good
-    assert "The node spacing must be " in shown["message"]
+    assert "pitch is" in note.content
 
     fake.set(session.panels.stages.mesh.pitch, 1.0)
     until(lambda: session.plan.scene.mesh.pitch == 1.0)  # type: ignore[union-attr]
-    until(lambda: "✗" not in shown["message"])
+    until(lambda: not note.visible)
 
 
 @pytest.mark.parametrize("value", ["junk", None, [1, 2], {"a": 1}, "B-spline"])
@@ -140,13 +140,12 @@ def test_another_scene_fills_the_panels(tab: tuple[FakeTab, Session]) -> None:
 
     assert session.plan is not None
     assert session.plan.error is not None
-    shown = session.panels.layout.overlay.shown
-    assert "✗" in shown["message"]
+    assert session.panels.stage_headers._notes["search"].visible
     assert session.panels.stages.mesh.pitch.value == load_scene("no-way").mesh.pitch
 
     fake.set(session.panels.files.choice, "paper")
     until(lambda: session.plan.scene == load_scene("paper"))  # type: ignore[union-attr]
-    until(lambda: "✗" not in shown["message"])
+    assert not session.panels.stage_headers._notes["search"].visible
 
 
 def test_play_moves_the_arm_and_pause_holds_it(tab: tuple[FakeTab, Session]) -> None:
