@@ -124,10 +124,10 @@ class NoPath(StageError):
         super().__init__(
             "search",
             "no_path",
-            f"No path: the start reaches {len(reached)} of {total} free nodes, and the goal is not "
-            "among them.",
-            "Move an obstacle out of the way, lower the clearance, or try a finer pitch than "
-            f"{format_length(pitch)} if there is a gap.",
+            f"No path: the start reaches {len(reached):,} of {total:,} free nodes, and the goal is "
+            "not among them.",
+            "Move an obstacle out of the way, lower the clearance, or put nodes nearer than "
+            f"{format_length(pitch)} to each other if there is a gap.",
         )
         self.reached = np.asarray(reached)
         self.total = total
@@ -149,7 +149,7 @@ class ClearanceNotHeld(StageError):
             "clearance_not_held",
             "The B-spline is not proven to keep the clearance of "
             f"{format_length(clearance)}: it {fault}.",
-            "Lower the clearance or the degree, or try a finer pitch.",
+            "Lower the clearance or the degree, or make the node spacing finer.",
         )
         self.clearance = clearance
         self.reached = reached
@@ -177,20 +177,21 @@ class OutOfReach(StageError):
     ) -> None:
         place = "too near to the shoulder" if too_near else "too far away"
         hint = (
-            "Move the base away from the curve or make a3 and a4 + a5 more alike."
+            "Move the base away from the curve, or make the upper arm as long as forearm and slide "
+            "together."
             if too_near
-            else "Move the base nearer or lengthen a3, a4 or a5."
+            else "Move the base nearer, or lengthen upper arm, forearm or slide."
         )
         if slide is not None:
             extension, limit = slide
             hint = (
-                f"The drive pushes the slide q5 to {format_length(extension)}, and it ends at "
-                f"{format_length(limit)}: make Q5 smaller, m5 and m6 larger or the motion shorter."
+                f"The slide would run to {format_length(extension)}, and it ends at "
+                f"{format_length(limit)}: go faster, or set the slide's force to 0."
             )
         super().__init__(
             "arm",
             "out_of_reach",
-            f"From t = {first:.2f} s to {last:.2f} s the curve is {place} for the arm, "
+            f"The arm cannot reach the curve from {first:.2f} s to {last:.2f} s: it is {place}, "
             f"by up to {format_length(shortfall)}.",
             hint,
         )

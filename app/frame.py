@@ -64,9 +64,9 @@ class Frame:
     playing: bool = False
 
     @property
-    def faded(self) -> bool:
-        """Whether the plan is not that of the input, and drawn in grey."""
-        return self.outdated or self.refused is not None
+    def current(self) -> bool:
+        """Whether the plan is that of the input."""
+        return not self.outdated and self.refused is None
 
     @property
     def duration(self) -> float:

@@ -2,38 +2,66 @@
 
 from __future__ import annotations
 
+import math
 import re
 
 from abi.errors import AbiError, SceneError
+from app.numbers import format_setting
+
+_DRIVES = (("wrist", "torque"), ("slide", "force"), ("gripper", "torque"))
 
 LABELS = {
-    "mesh.pitch": "pitch",
-    "mesh.seed": "seed",
+    "mesh.pitch": "node spacing",
+    "mesh.seed": "random seed",
     "spline.degree": "degree",
     "spline.clearance": "clearance",
-    "motion.speed": "V",
-    "motion.acceleration": "a1",
-    "motion.deceleration": "a3",
+    "motion.speed": "cruise speed",
+    "motion.acceleration": "acceleration",
+    "motion.deceleration": "braking",
     "arm.base": "base",
-    "arm.q5": "q5 at start",
-    **{f"arm.a{k}": f"link length a{k}" for k in range(1, 6)},
-    **{f"arm.forces[{k}]": f"Q{k + 4}" for k in range(3)},
-    **{f"arm.masses[{k}]": f"m{k + 4}" for k in range(3)},
-    **{f"arm.radii[{k}]": f"i{k + 4}" for k in range(3)},
+    "arm.q5": "slide's extension at start",
+    "arm.a1": "pedestal's height",
+    "arm.a2": "column's height",
+    "arm.a3": "upper arm's length",
+    "arm.a4": "forearm's length",
+    "arm.a5": "slide's length",
+    **{f"arm.forces[{k}]": f"{name}'s {what}" for k, (name, what) in enumerate(_DRIVES)},
+    **{f"arm.masses[{k}]": f"{name}'s mass" for k, (name, _) in enumerate(_DRIVES)},
+    **{f"arm.radii[{k}]": f"{name}'s radius of gyration" for k, (name, _) in enumerate(_DRIVES)},
 }
 """By the name in a file, but for obstacles and the coordinates of points."""
 
+_LONGEST = 60
+"""Letters of a wrong value that are shown."""
 _OBSTACLE = re.compile(r"obstacles\[(\d+)\]\.?")
 _COORDINATE = re.compile(r"\[[012]\]$")
+_ABOVE_ZERO = re.compile(r"at least 0\.0*1$")
 
 
-def with_labels(message: str, error: AbiError) -> str:
-    """``message`` with the page's name of the field that ``error`` names by its name in a file."""
+def sentence(error: AbiError) -> str:
+    """Message of an error in the words of the page: its name of the field, and what it must be."""
     if not isinstance(error, SceneError):
-        return message
-    field = _COORDINATE.sub("", error.field)
-    label = LABELS.get(error.field, LABELS.get(field, error.field))
-    if found := _OBSTACLE.match(error.field):
-        part = field[found.end() :]
-        label = f"obstacle {int(found[1]) + 1}" + (f": {LABELS.get(part, part)}" if part else "")
-    return message.replace(error.field, label, 1)
+        return error.message
+    name, expected = label(error.field), _ABOVE_ZERO.sub("above 0", error.expected)
+    if error.field.endswith("file"):
+        return f"{error.value} cannot be used: it should be {expected}."
+    if expected[:2] in ("x ", "y ", "z "):  # of a point
+        return f"The {name}'s {expected[0]} must be {expected[2:]}."
+    return f"The {name} must be {expected}; it is {_shown(error.value)}."
+
+
+def label(field: str) -> str:
+    """The page's name of a field, from its name in a file."""
+    whole = _COORDINATE.sub("", field)
+    name = LABELS.get(field, LABELS.get(whole, field))
+    if found := _OBSTACLE.match(field):
+        part = whole[found.end() :]
+        name = f"{LABELS.get(part, part)} of obstacle {int(found[1]) + 1}".removeprefix(" of ")
+    return name
+
+
+def _shown(value: object) -> str:
+    if isinstance(value, float) and math.isfinite(value):
+        return format_setting(value)
+    text = str(value)
+    return text if len(text) <= _LONGEST else f"{text[:_LONGEST]}…"

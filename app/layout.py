@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import viser
 
 from app import page, style
+from app.overlay import Overlay
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,7 +24,8 @@ class Layout:
         joints: plots of the joints.
         scene: files, and positions as numbers.
         layers: the legend.
-        paper: lessons, the paper's figures, and its text.
+        paper: the lesson.
+        overlay: text and controls over the scene.
     """
 
     client: viser.ClientHandle
@@ -35,6 +37,7 @@ class Layout:
     scene: viser.GuiTabHandle
     layers: viser.GuiTabHandle
     paper: viser.GuiTabHandle
+    overlay: Overlay
 
     @classmethod
     def of(
@@ -43,12 +46,15 @@ class Layout:
         """Dock the two panels and add the right one's tabs."""
         gui = client.gui
         page.set_title(client, "ABI visualiser")
-        gui.set_panel_label("ABI path planner")
+        gui.set_panel_label("ABI path planning")
         gui.main_panel.dock_left()
         gui.main_panel.set_width(style.LEFT_WIDTH)
         right = gui.add_panel()
-        names = ("Result", "Search", "Plots", "Scene", "Layers", "Learn")
+        names = ("Result", "Search", "Plots", "Scene", "Layers", "Paper")
         tabs = [right.add_tab(name) for name in names]
         right.dock_right()
         right.set_width(style.RIGHT_WIDTH)
-        return cls(client, unit, folders, *tabs)
+        result, search, plots, scene, layers, paper = tabs
+        return cls(
+            client, unit, folders, result, search, plots, scene, layers, paper, Overlay(client)
+        )

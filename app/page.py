@@ -28,7 +28,7 @@ def install(client: viser.ClientHandle) -> None:
 
 def ask(client: viser.ClientHandle, widget: viser.GuiTextHandle) -> None:
     """Have the tab type a report on itself into ``widget``: see ``assets/page/page.js``."""
-    _run(client, f"abi.report({json.dumps(_uuid(widget))})")
+    _run(client, f"abi.report({json.dumps(uuid(widget))})")
 
 
 def remember(client: viser.ClientHandle, text: str) -> None:
@@ -41,6 +41,21 @@ def copy_link(client: viser.ClientHandle, state: str) -> None:
     _run(client, f"abi.copyLink({json.dumps(state)})")
 
 
+def uuid(widget: viser.GuiInputHandle[Any] | viser.GuiButtonHandle) -> str:
+    """Name by which the page sets a widget."""
+    return widget._impl.uuid
+
+
+def show_part(client: viser.ClientHandle, part: str, content: str) -> None:
+    """Show HTML in a part of the layer over the scene."""
+    _run(client, f"abi.show({json.dumps(part)}, {json.dumps(content)})")
+
+
+def set_clock(client: viser.ClientHandle, time: float, end: float, playing: bool) -> None:
+    """Show the motion's time and end, [s], in the layer over the scene."""
+    _run(client, f"abi.clock({time}, {end}, {json.dumps(playing)})")
+
+
 def notify_refusal(client: viser.ClientHandle, title: str, reason: str) -> None:
     """Notify the user of what was not done, and why."""
     client.add_notification(title, reason, color="red", auto_close_seconds=12)
@@ -49,17 +64,15 @@ def notify_refusal(client: viser.ClientHandle, title: str, reason: str) -> None:
 def swatch_style(colours: Iterable[tuple[viser.GuiCheckboxHandle, Colour]]) -> str:
     """Style sheet that puts a line of its colour before each checkbox's label."""
     rules = [
-        f'label[for="{_uuid(handle)}"]::before{{content:"";display:inline-block;width:14px;'
+        f'label[for="{uuid(handle)}"]::before{{content:"";display:inline-block;width:14px;'
         f"height:4px;margin-right:7px;vertical-align:middle;background:{css(colour)}}}"
         for handle, colour in colours
     ]
     return f"<style>{''.join(rules)}</style>"
 
 
-def slider_style(
-    slider: viser.GuiSliderHandle[float], stretches: Iterable[tuple[float, float]], end: float
-) -> str:
-    """Style sheet that makes stretches of a slider red, which runs from 0 to ``end``.
+def player_style(stretches: Iterable[tuple[float, float]], end: float) -> str:
+    """Style sheet that makes stretches of the player's slider red, which runs from 0 to ``end``.
 
     A short one is made as wide as can be seen.
     """
@@ -71,12 +84,10 @@ def slider_style(
             stops += [f"{css(VIOLATION)} {low:.2f}% {high:.2f}%"]
             reached = high
     if not stops:
-        return "<style></style>"
+        return ""
     stops.append(f"transparent {reached:.2f}% 100%")
-    track = f'[id="{slider._impl.uuid}"] .mantine-Slider-track::after'
     fill = f"linear-gradient(90deg,{','.join(stops)})"
-    place = "position:absolute;inset:0;z-index:2;pointer-events:none"
-    return f'<style>{track}{{content:"";{place};background:{fill}}}</style>'
+    return f"<style>#abi-overlay .abi-track{{background:{fill}}}</style>"
 
 
 def disable_sharing(server: viser.ViserServer) -> None:
@@ -104,10 +115,6 @@ def widget(server: viser.ViserServer, connection: object, uuid: str) -> Any:
 
 def _run(client: viser.ClientHandle, script: str) -> None:
     client._websock_connection.queue_message(_messages.RunJavascriptMessage(source=script))
-
-
-def _uuid(widget: viser.GuiInputHandle[Any]) -> str:
-    return widget._impl.uuid
 
 
 @functools.cache

@@ -8,27 +8,27 @@ from __future__ import annotations
 
 Colour = tuple[int, int, int]
 
-A_STAR: Colour = (31, 132, 214)
-DIJKSTRA: Colour = (230, 159, 0)
-BELLMAN_FORD: Colour = (18, 166, 124)
-BSPLINE: Colour = (224, 64, 154)
-QUADRATIC: Colour = (124, 77, 255)
-TAUT: Colour = (0, 178, 200)
-TRACE: Colour = (110, 117, 125)
+A_STAR: Colour = (120, 139, 241)
+DIJKSTRA: Colour = (219, 167, 0)
+BELLMAN_FORD: Colour = (22, 118, 83)
+BSPLINE: Colour = (241, 73, 176)
+QUADRATIC: Colour = (85, 65, 222)
+TAUT: Colour = (14, 189, 226)
+TRACE: Colour = (99, 84, 111)
 MARK: Colour = (255, 90, 54)
-OBSTACLE: Colour = (205, 117, 79)
+OBSTACLE: Colour = (222, 128, 62)
 MESH: Colour = (120, 144, 172)
 EXCLUDED: Colour = (150, 96, 72)
-VIOLATION: Colour = (224, 49, 49)
+VIOLATION: Colour = (169, 57, 22)
 WORKSPACE: Colour = (128, 138, 150)
 POINT: Colour = (92, 107, 122)
 JOINTS: tuple[Colour, ...] = (
-    (23, 162, 184),
-    (160, 116, 47),
-    (111, 127, 199),
-    (138, 161, 58),
-    (196, 109, 138),
-    (125, 125, 125),
+    (98, 156, 253),
+    (210, 158, 14),
+    (131, 22, 234),
+    (40, 107, 65),
+    (181, 9, 165),
+    (127, 105, 3),
 )
 AXES: tuple[Colour, ...] = ((214, 69, 65), (63, 163, 77), (58, 124, 222))
 CLOSED: Colour = (84, 110, 158)
@@ -44,7 +44,7 @@ PAGES: tuple[Colour, Colour] = ((255, 255, 255), (46, 46, 46))
 ALGORITHMS: dict[str, tuple[str, Colour]] = {
     "a_star": ("A*", A_STAR),
     "dijkstra": ("Dijkstra", DIJKSTRA),
-    "bellman_ford": ("Bellman-Ford", BELLMAN_FORD),
+    "bellman_ford": ("Bellman-Ford (queue)", BELLMAN_FORD),
 }
 SEARCHES: dict[str, str] = {
     **{name: label for name, (label, _) in ALGORITHMS.items()},

@@ -47,7 +47,6 @@ class TabMemory:
         self._kept: tuple[object, ...] = ()
         self._sent = -_PERIOD
         self._box.on_update(self._receive)
-        page.install(client)
         page.ask(client, self._box)
 
     def wait(self) -> None:

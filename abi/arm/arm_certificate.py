@@ -32,7 +32,7 @@ from abi.arrays import FloatArray, IntArray, flat, read_only
 from abi.clearance.bezier import PolynomialCurve
 from abi.clearance.separation_kernels import CERTIFIED, MOST_HALVINGS, REFUTED
 from abi.curves.curve import ArcLength
-from abi.curves.speed_profile import SpeedProfile
+from abi.curves.timed_profile import PathProfile, TimedProfile
 from abi.scene.scene import ArmSettings
 
 _MOST_TRIES = 50_000  # and 20 for each pair of capsule and obstacle
@@ -129,13 +129,19 @@ def certify_arm(
 
 
 def slide_bounds(
-    curve: PolynomialCurve, arc: ArcLength, profile: SpeedProfile, settings: ArmSettings
+    curve: PolynomialCurve, arc: ArcLength, profile: PathProfile, settings: ArmSettings
 ) -> Slide:
     """Bounds of q5 along a curve that is run through by a speed profile."""
     breaks = curve.bezier().breaks
     if settings.forces[1] == 0 or profile.duration == 0:
         still = read_only(np.full(2, float(settings.q5)))
         return Slide(flat(breaks[[0, -1]]), still, still)
+    if isinstance(profile, TimedProfile):
+        # a proof is checked again from the duration alone
+        ends = np.sort(wrist_positions(settings, np.array([0.0, profile.duration]))[:, 1])
+        pad = _SLIDE_PAD * float(np.ptp(ends))
+        low, high = np.full(2, ends[0] - pad), np.full(2, ends[1] + pad)
+        return Slide(flat(breaks[[0, -1]]), flat(low), flat(high))
     parameters = np.linspace(breaks[:-1], breaks[1:], _PARTS, endpoint=False, axis=1).ravel()
     parameters = np.append(parameters, breaks[-1])
     q5 = wrist_positions(settings, profile.time_at(arc.distance(parameters)))[:, 1]

@@ -20,7 +20,7 @@ from abi.arm.separate_arm_kernels import Slide
 from abi.arm.wrist_drives import wrist_positions
 from abi.arrays import FloatArray, read_only
 from abi.curves.curve import ArcLength, Curve
-from abi.curves.speed_profile import SpeedProfile
+from abi.curves.timed_profile import PathProfile
 from abi.errors import OutOfReach
 from abi.obstacles.pose import Vec3
 from abi.scene.scene import ArmSettings
@@ -64,7 +64,7 @@ class Trajectory:
 
     curve: Curve
     arc: ArcLength
-    profile: SpeedProfile
+    profile: PathProfile
 
     @property
     def interval(self) -> tuple[float, float]:
@@ -190,7 +190,7 @@ class ArmMotion:
 def follow(
     curve: Curve,
     arc: ArcLength,
-    profile: SpeedProfile,
+    profile: PathProfile,
     arm: Arm,
     settings: ArmSettings,
     samples: int = 200,

@@ -45,6 +45,11 @@ class SpeedProfile:
         return self.t1 + self.t2 + self.t3
 
     @property
+    def jumps(self) -> FloatArray:
+        """Times at which the acceleration jumps, [s]."""
+        return np.array([0.0, self.t1, self.t1 + self.t2, self.duration])
+
+    @property
     def theorem_residual(self) -> float:
         """Theorem 1 of the paper, t1 = t3·abs(a3 / a1): left side minus right, [s]."""
         return self.t1 - self.t3 * abs(self.deceleration / self.acceleration)

@@ -17,6 +17,8 @@ from abi.curves.quadratic import Quadratic
 from abi.errors import ExportError
 from abi.planner.plan import Plan
 
+_TIMES = 201
+
 
 def write(plan: Plan, name: str) -> bytes:
     """B-spline and quadratic, which of them is followed, and the motion along it, as JSON.
@@ -31,15 +33,16 @@ def write(plan: Plan, name: str) -> bytes:
     if plan.quadratic is not None:
         curves.append(_quadratic(plan.quadratic))
     profile = plan.profile
+    times = np.linspace(0.0, profile.duration if profile is not None else 0.0, _TIMES)
     motion = (
         None
         if profile is None
         else {
             "curve": plan.followed,
-            "speed": profile.peak_speed,
-            "acceleration": profile.acceleration,
-            "deceleration": profile.deceleration,
-            "durations": [profile.t1, profile.t2, profile.t3],
+            "duration": profile.duration,
+            "peak_speed": profile.peak_speed,
+            "times": times.tolist(),
+            "distances": profile(times).tolist(),
         }
     )
     data = {"version": 1, "unit": plan.scene.unit, "curves": curves, "motion": motion}

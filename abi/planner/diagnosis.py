@@ -36,12 +36,14 @@ class Reason:
             failed, and that has a plan if ``hint`` does not say otherwise; None when nothing that
             was tried helps.
         points: points to mark in the scene, shape (k, 3), [unit], world.
+        obstacle: index of the obstacle that ``change`` removes; None where it removes none.
     """
 
     message: str
     hint: str
     change: dict[str, Any] | None
     points: FloatArray
+    obstacle: int | None = None
 
     def to_dict(self) -> dict[str, Any]:
         """Plain data, as under ``error`` in a plan's JSON."""
@@ -134,7 +136,7 @@ def _blocked(scene: Scene, plan: Plan, what_if: WhatIf) -> Reason:
         return Reason(message, "No free point was found near it: move an obstacle.", None, points)
     remedies = [remedy for remedy in remedies if remedy[0].error is None] or remedies[:1]
     trial, change, _ = remedies[0]
-    hint = _sentence(", or ".join(text for *_, text in remedies) + _tried(trial))
+    hint = _sentence(", or ".join(text for *_, text in remedies) + _tested(trial))
     return Reason(message, hint, change, points)
 
 
@@ -147,12 +149,13 @@ def _disconnected(scene: Scene, plan: Plan, graph: Graph, what_if: WhatIf) -> Re
     for fine in finer:
         change: dict[str, Any] = {"mesh": {"pitch": fine}}
         if what_if.connected(clearance, fine) and (trial := what_if.plan_past("search", **change)):
-            or_lower = f", or at this pitch a clearance of {format_length(lower or 0.0)}"
+            or_lower = f", or as it is with a clearance of {format_length(lower or 0.0)},"
             also = "" if lower is None else or_lower
             return Reason(
-                "The mesh is too coarse for the gap: no way of edges at a pitch of "
-                f"{format_length(pitch)} keeps a clearance of {format_length(clearance)}.",
-                f"A pitch of {format_length(fine)} works{also}{_tried(trial)}.",
+                f"The grid is too coarse for the gap: with nodes {format_length(pitch)} apart no "
+                f"path keeps a clearance of {format_length(clearance)}.",
+                f"With a node spacing of {format_length(fine)}{also} there is a path"
+                f"{_tested(trial)}.",
                 change,
                 _narrowest_point(trial),
             )
@@ -163,10 +166,9 @@ def _disconnected(scene: Scene, plan: Plan, graph: Graph, what_if: WhatIf) -> Re
         change = {"spline": {"clearance": lower}}
         if trial := what_if.plan_past("search", **change):
             return Reason(
-                f"The clearance is too large for the gap: nothing joins start and goal with a "
-                f"clearance of {format_length(clearance)}{_down_to(finer)}.",
-                f"A clearance of {format_length(lower)} works, the largest that does at this pitch"
-                f"{_tried(trial)}.",
+                f"The gap is too narrow for a clearance of {format_length(clearance)}"
+                f"{', on finer grids too' if finer else ''}.",
+                f"With {format_length(lower)} there is a path{_tested(trial)}.",
                 change,
                 _narrowest_point(trial),
             )
@@ -176,39 +178,33 @@ def _disconnected(scene: Scene, plan: Plan, graph: Graph, what_if: WhatIf) -> Re
         if trial := what_if.plan_past("search", **change):
             return Reason(
                 f"The gap is too narrow for a clearance of {format_length(clearance)}, "
-                f"and the pitch of {format_length(pitch)} too coarse for the gap.",
-                f"A clearance of {format_length(largest)} at a pitch of {format_length(fine)} works"
-                f"{_tried(trial)}.",
+                f"and nodes {format_length(pitch)} apart are too coarse for the gap.",
+                f"With a clearance of {format_length(largest)} and a node spacing of "
+                f"{format_length(fine)} there is a path{_tested(trial)}.",
                 change,
                 _narrowest_point(trial),
             )
-    return _walled_in(scene, plan, graph, what_if, finer)
+    return _walled_in(scene, plan, graph, what_if)
 
 
-def _walled_in(
-    scene: Scene, plan: Plan, graph: Graph, what_if: WhatIf, finer: list[float]
-) -> Reason:
+def _walled_in(scene: Scene, plan: Plan, graph: Graph, what_if: WhatIf) -> Reason:
     """Reason where no clearance and no pitch helps: the component cut off, and its walls."""
     component = components(graph)
     from_start = np.flatnonzero(component == component[graph.start]).astype(np.int32)
     from_goal = np.flatnonzero(component == component[graph.goal]).astype(np.int32)
     smaller, inside = min((from_start, "start"), (from_goal, "goal"), key=lambda side: len(side[0]))
     walls = _walls(scene, plan, graph, smaller)
-    # start and goal, where they are no nodes of the mesh, do not count: the mesh's nodes come first
-    nodes = len(graph.mesh.points)
-    of_start, of_goal = ((side < nodes).sum() for side in (from_start, from_goal))
-    message = (
-        f"The {inside} is walled in{f' by {_listed(walls)}' if walls else ''}: the start reaches "
-        f"{of_start:,} of {graph.free_nodes - len(graph.own):,} nodes, the goal {of_goal:,}."
-    )
-    tried = f"clearances down to 0{_down_to(finer)} do not help: they have been tried"
-    hint = f"Move {'them' if len(walls) > 1 else 'an obstacle'} apart; {tried}."
+    message = f"No path: the {inside} is walled in{f' by {_listed(walls)}' if walls else ''}."
+    tested = "A smaller clearance or a finer grid does not help (tested)."
+    hint = f"Move {'them' if len(walls) > 1 else 'an obstacle'} apart. {tested}"
+    points = _read_only_points(graph.points[smaller])
     for k in walls[:_NAMED]:
-        others = ObstacleSet(scene.obstacles[:k] + scene.obstacles[k + 1 :])
-        if what_if.connected(scene.spline.clearance, obstacles=others):
-            hint = f"Move obstacle {k + 1}, without which there is a way; {tried}."
-            break
-    return Reason(message, hint, None, _read_only_points(graph.points[smaller]))
+        others = scene.obstacles[:k] + scene.obstacles[k + 1 :]
+        if what_if.connected(scene.spline.clearance, obstacles=ObstacleSet(others)):
+            hint = f"Removing obstacle {k + 1} opens a way (tested). {tested}"
+            change = {"obstacles": [other.model_dump(mode="json") for other in others]}
+            return Reason(message, hint, change, points, obstacle=k)
+    return Reason(message, hint, None, points)
 
 
 def _walls(scene: Scene, plan: Plan, graph: Graph, inside: IntArray) -> list[int]:
@@ -251,13 +247,13 @@ def _not_held(scene: Scene, plan: Plan, error: ClearanceNotHeld, what_if: WhatIf
         change: dict[str, Any] = {"spline": {"clearance": lower}}
         remedies.append((f"A clearance of {format_length(lower)}", change))
     for fine in what_if.finer_pitches():
-        remedies.append((f"A pitch of {format_length(fine)}", {"mesh": {"pitch": fine}}))
+        remedies.append((f"A node spacing of {format_length(fine)}", {"mesh": {"pitch": fine}}))
     for remedy, change in remedies:
         if trial := what_if.plan_past("bspline", **change):
-            hint = f"{remedy} works{_tried(trial)}."
+            hint = f"{remedy} works{_tested(trial)}."
             return Reason(message, hint, change, read_only(points))
     return Reason(
-        message, "No lower clearance and no finer pitch that was tried helps.", None, points
+        message, "No smaller clearance and no finer grid that was tested helps.", None, points
     )
 
 
@@ -272,19 +268,18 @@ def _narrowest_point(plan: Plan) -> FloatArray:
     return _read_only_points(points[distance.argmin()][None])
 
 
-def _tried(plan: Plan) -> str:
-    """End of a hint: that it was tried, and the next error where there is one."""
+def _tested(plan: Plan) -> str:
+    """End of a hint: that it was tested, and the next error where there is one."""
     error: StageError | None = plan.error
     if error is None:
-        return ": it has been tried"
-    return f": it has been tried and gets further, until: {error.message.removesuffix('.')}"
-
-
-def _down_to(finer: list[float]) -> str:
-    return f" at pitches down to {format_length(finer[-1])}" if finer else ""
+        return " (tested)"
+    return f" (tested), but then: {error.message.removesuffix('.')}"
 
 
 def _listed(obstacles: list[int]) -> str:
+    """Numbers of obstacles, from 1, as the page has them: "obstacles 1–3 and 5"."""
+    if len(obstacles) > 2 and obstacles == list(range(obstacles[0], obstacles[-1] + 1)):
+        return f"obstacles {obstacles[0] + 1}–{obstacles[-1] + 1}"
     numbers = [str(k + 1) for k in obstacles[:_NAMED]]
     if len(obstacles) > _NAMED:
         return f"obstacles {', '.join(numbers)} and {len(obstacles) - _NAMED} more"

@@ -16,7 +16,7 @@ from abi.curves.bspline import BSpline
 from abi.curves.curve import ArcLength
 from abi.curves.fit import Fit
 from abi.curves.quadratic import Quadratic
-from abi.curves.speed_profile import SpeedProfile
+from abi.curves.timed_profile import PathProfile
 from abi.errors import StageError
 from abi.planner import plan_json
 from abi.scene.scene import Scene
@@ -32,7 +32,8 @@ from abi.tet_mesh.tet_mesh import TetMesh
 class Plan:
     """Results of the stages for a scene; a stage that was not reached is None.
 
-    ``ms`` holds the time of each stage when it last ran, [ms]; ``total_ms`` is that of this call.
+    ``liquid_tilt`` is the largest tilt of a liquid that is carried along, [rad]. ``ms`` holds the
+    time of each stage when it last ran, [ms]; ``total_ms`` is that of this call.
     """
 
     scene: Scene
@@ -49,7 +50,8 @@ class Plan:
     quadratic: Fit[Quadratic] | None = None
     quadratic_arc: ArcLength | None = None
     followed: str | None = None
-    profile: SpeedProfile | None = None
+    profile: PathProfile | None = None
+    liquid_tilt: float | None = None
     arm: Arm | None = None
     motion: ArmMotion | None = None
     arm_clearance: ArmClearance | None = None
@@ -106,7 +108,7 @@ class Plan:
                 self.quadratic, self.quadratic_arc, self.scene.quadratic.mode, self.ms
             ),
             "optimum": plan_json.optimum(self.optimum, self.kept_lengths, self.followed),
-            "timing": plan_json.timing(self.profile, self.followed, self.ms),
+            "timing": plan_json.timing(self.profile, self.followed, self.liquid_tilt, self.ms),
             "arm": plan_json.arm(self.arm, self.motion, self.arm_clearance, self.ms, full),
             "total_ms": self.total_ms,
             "error": plan_json.error(self.error),

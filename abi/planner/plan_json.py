@@ -21,6 +21,7 @@ from abi.curves.curve import ArcLength
 from abi.curves.fit import Fit
 from abi.curves.quadratic import Quadratic
 from abi.curves.speed_profile import SpeedProfile
+from abi.curves.timed_profile import PathProfile
 from abi.errors import StageError
 from abi.search.graph import Graph
 from abi.search.search import SearchResult
@@ -165,18 +166,22 @@ def optimum(bound: Bound | None, kept: Mapping[str, float], followed: str | None
     }
 
 
-def timing(profile: SpeedProfile | None, followed: str | None, ms: Times) -> Section:
-    """Stage 5, the motion along the curve that the arm executes."""
+def timing(
+    profile: PathProfile | None, followed: str | None, tilt: float | None, ms: Times
+) -> Section:
+    """Stage 5, the motion along the curve that the arm executes; the phases where it has them."""
     if profile is None:
         return None
+    phases = profile if isinstance(profile, SpeedProfile) else None
     return {
         "curve": followed,
-        "t1": profile.t1,
-        "t2": profile.t2,
-        "t3": profile.t3,
+        "t1": None if phases is None else phases.t1,
+        "t2": None if phases is None else phases.t2,
+        "t3": None if phases is None else phases.t3,
         "duration": profile.duration,
         "peak_speed": profile.peak_speed,
-        "theorem_residual": profile.theorem_residual,
+        "theorem_residual": None if phases is None else phases.theorem_residual,
+        "liquid_tilt": tilt,
         "ms": ms["timing"],
     }
 

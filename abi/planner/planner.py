@@ -14,6 +14,8 @@ from abi import compiling
 from abi.arm import trajectory
 from abi.arm.arm import Arm
 from abi.arm.arm_clearance import arm_clearance
+from abi.arm.liquid import largest_tilt
+from abi.arm.motion_law import motion_law
 from abi.arm.surroundings import surroundings
 from abi.curves import fit_bspline, fit_quadratic, speed_profile
 from abi.curves.bspline import BSpline
@@ -73,6 +75,8 @@ class Planner:
         self._quadratic = Stage(fit_quadratic.fit)
         self._quadratic_arc = Stage(arc_length)
         self._profile = Stage(speed_profile.three_phase)
+        self._law = Stage(motion_law)
+        self._tilt = Stage(largest_tilt)
         self._arm = Stage(Arm.from_settings)
         self._motion = Stage(trajectory.follow)
         self._surroundings = Stage(surroundings)
@@ -138,7 +142,7 @@ class Planner:
         )
         results["bspline_arc"] = bspline_arc = self._bspline_arc(bspline.curve)
 
-        # 5 quadratic curve with exact ends, and a motion in three phases along one of the curves
+        # 5 quadratic curve with exact ends, and a motion along one of the curves
         results["quadratic"] = quadratic = self._quadratic(
             bspline, bspline_arc, obstacles, clearance, scene.quadratic.mode
         )
@@ -148,9 +152,13 @@ class Planner:
         curve: Curve = bspline.curve if is_bspline else quadratic.curve
         arc = bspline_arc if is_bspline else quadratic_arc
         motion = scene.motion
-        results["profile"] = profile = self._profile(
-            arc.length, motion.speed, motion.acceleration, motion.deceleration
+        rates = motion.speed, motion.acceleration, motion.deceleration
+        results["profile"] = profile = (
+            self._profile(arc.length, *rates)
+            if motion.law == "three_phase"
+            else self._law(curve, arc, motion, arm, scene.arm)
         )
+        results["liquid_tilt"] = self._tilt(curve, arc, profile, scene.unit)
 
         # 6 inverse kinematics of the arm along that motion
         results["motion"] = joints = self._motion(curve, arc, profile, arm, scene.arm, SAMPLES)
@@ -170,7 +178,7 @@ class Planner:
             "optimum": self._optimum.ms,
             "bspline": self._bspline.ms + self._bspline_arc.ms,
             "quadratic": self._quadratic.ms + self._quadratic_arc.ms,
-            "timing": self._profile.ms,
+            "timing": self._profile.ms + self._law.ms + self._tilt.ms,
             "arm": self._arm.ms + self._motion.ms + self._surroundings.ms + self._arm_clearance.ms,
         }
 

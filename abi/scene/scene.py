@@ -135,13 +135,18 @@ class MotionSettings(_Settings):
     """Stage 5, the motion: cruise speed [unit/s], acceleration and deceleration [unit/s²].
 
     ``curve`` is the one the tool follows; ``auto`` is the quadratic when it keeps the clearance,
-    the B-spline otherwise.
+    the B-spline otherwise. ``law`` is the paper's three phases, those slowed down until the joints'
+    limits hold, the fastest motion under these limits, or one of limited jerk [unit/s³].
+    ``joint_acceleration`` limits each joint, [rad/s²], sliding ones [m/s²].
     """
 
     speed: Rate = 4.0
     acceleration: Rate = 6.0
     deceleration: Rate = 6.0
     curve: Literal["auto", "quadratic", "bspline"] = "auto"
+    law: Literal["three_phase", "slowed", "time_optimal", "jerk_limited"] = "three_phase"
+    joint_acceleration: Rate = 8.0
+    jerk: Rate = 40.0
 
 
 class ArmSettings(_Settings):
@@ -203,9 +208,12 @@ class Scene(_Settings):
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
         for name in ("start", "goal"):
-            if not self.workspace.contains(getattr(self, name)):
-                expected = f"a point between {self.workspace.min} and {self.workspace.max}"
-                raise SceneError(name, getattr(self, name), expected)
+            point = getattr(self, name)
+            for axis, number, low, high in zip(
+                "xyz", point, self.workspace.min, self.workspace.max, strict=True
+            ):
+                if not low <= number <= high:
+                    raise SceneError(name, point, f"{axis} between {low:g} and {high:g}")
         nodes = self.mesh.node_count(self.workspace)
         if nodes > self.mesh.max_nodes:
             coarsest = self.mesh.model_copy(update={"pitch": LARGEST}).node_count(self.workspace)

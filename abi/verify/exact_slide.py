@@ -72,6 +72,11 @@ def still(q5: Fraction) -> ExactSlide:
     return ExactSlide([Fraction(0)], [Interval(q5, q5)])
 
 
+def anywhere(first: Fraction, last: Fraction) -> ExactSlide:
+    """A slide of which only the ends of its way are known."""
+    return ExactSlide([Fraction(0)], [Interval(min(first, last), max(first, last))])
+
+
 def moving(curve: ExactCurve, timing: ExactTiming, q5: Fraction, rate: Fraction) -> ExactSlide:
     """A slide pushed from ``q5`` by rate·t², [unit/s²]."""
     low = high = Fraction(0)

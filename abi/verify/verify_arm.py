@@ -14,7 +14,7 @@ from abi.scene.scene import Scene
 from abi.verify.exact import ExactCurve, ExactSolid, Vec3, dot, hull, sub, times_length, vector
 from abi.verify.exact_arm import ExactArm, ExactCapsule, ExactPose
 from abi.verify.exact_mesh import ExactMesh
-from abi.verify.exact_slide import ExactSlide, ExactTiming, moving, still
+from abi.verify.exact_slide import ExactSlide, ExactTiming, anywhere, moving, still
 from abi.verify.fault import Fault
 from abi.verify.interval import enclose, rounded
 from abi.verify.plan_fields import finite, list_of, mapping, number_of, vector_of
@@ -229,11 +229,16 @@ def _slide(scene: Scene, timing: dict[str, Any], curve: ExactCurve) -> ExactSlid
     inertia = mass5 * radius5**2 + mass6 * radius6**2
     if settings.dynamics == "corrected":
         inertia = 2 * (mass5 + mass6)
+    if motion.law in ("time_optimal", "jerk_limited"):
+        duration = Fraction(finite("timing.duration", timing.get("duration")))
+        return anywhere(start, start + force / inertia * duration**2)
     names = ("t1", "t2", "t3", "peak_speed")
     t1, t2, t3, peak = (Fraction(finite(f"timing.{name}", timing.get(name))) for name in names)
     rates = Fraction(motion.acceleration), Fraction(motion.deceleration)
     if not any((t1, t2, t3)):
         return still(start)
+    if motion.law == "slowed" and t1 and t3:
+        rates = peak / t1, peak / t3
     return moving(curve, ExactTiming(t1, t2, t3, peak, *rates), start, force / inertia)
 
 

@@ -99,6 +99,21 @@ class ScenePointer(_Message, frozen=True, tag="ScenePointerMessage"):
     modifier: Annotated[str, msgspec.Meta(max_length=32)] | None
 
 
+class NodeDrag(_Message, frozen=True, tag="SceneNodeDragMessage"):
+    """Something in the scene was dragged by its body."""
+
+    phase: Literal["start", "update", "end"]
+    name: _Name
+    instance_index: Annotated[int, msgspec.Meta(ge=0, le=10_000_000)] | None
+    start_position: _Vec3
+    start_screen_pos: _Vec2
+    end_position: _Vec3
+    end_screen_pos: _Vec2
+    button: Literal["left", "middle", "right"]
+    modifier: Annotated[str, msgspec.Meta(max_length=32)] | None
+    owner: _Id
+
+
 class UploadStart(_Message, frozen=True, tag="FileTransferStartUpload"):
     """A file is about to come."""
 
@@ -148,6 +163,7 @@ Message: TypeAlias = (
     | GizmoDragEnd
     | NodeClick
     | ScenePointer
+    | NodeDrag
     | UploadStart
     | UploadPart
     | Command

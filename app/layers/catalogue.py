@@ -9,9 +9,11 @@ from __future__ import annotations
 from app.layers.arm import ArmLayer
 from app.layers.curves import CurvesLayer
 from app.layers.ghost import GhostLayer
+from app.layers.headline import HeadlineLayer
 from app.layers.lesson import LessonLayer
 from app.layers.markers import MarkersLayer
 from app.layers.mesh import MeshLayer
+from app.layers.names import NamesLayer
 from app.layers.paths import PathsLayer
 from app.layers.plots import PlotsLayer
 from app.layers.race import RaceLayer
@@ -22,6 +24,7 @@ from app.layers.theatre import TheatreLayer
 from app.layers.workspace import WorkspaceLayer
 
 LAYERS = (
+    HeadlineLayer,
     TablesLayer,
     StageNotesLayer,
     PlotsLayer,
@@ -34,6 +37,7 @@ LAYERS = (
     RaceLayer,
     CurvesLayer,
     GhostLayer,
+    NamesLayer,
 )
 SLOW_LAYERS = (ArmLayer, LessonLayer)
 """Sent in a message of their own: the page takes longer to show them than all the others."""

@@ -42,8 +42,8 @@ class CurvesLayer:
     def draw(self, frame: Frame) -> None:
         """Draw the plan's curves; none where there are none."""
         self._draw_curves(frame.plan)
-        if frame.faded != self._faded:
-            self._fade(frame.faded)
+        if frame.outdated != self._faded:
+            self._fade(frame.outdated)
         self._lines["bspline"].visible = "bspline" in frame.shown
         self._lines["quadratic"].visible = self._violations.visible = "quadratic" in frame.shown
         self._polygon.visible = "control" in frame.shown

@@ -29,7 +29,7 @@ class GhostLayer:
     def draw(self, frame: Frame) -> None:
         """Draw the plan that was at rest before this one."""
         self._line.visible = "ghost" in frame.shown
-        resting = not (frame.interactive or frame.partial or frame.faded)
+        resting = not (frame.interactive or frame.partial or frame.outdated)
         if not resting or frame.plan is self._rested:
             if frame.plan is not self._rested and self._ghost is not self._rested:
                 self._show(self._rested)

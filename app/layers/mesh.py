@@ -36,7 +36,7 @@ class MeshLayer:
     switches: ClassVar[tuple[Switch, ...]] = (
         Switch("edges", "mesh edges", style.MESH),
         Switch("nodes", "mesh nodes", style.MESH),
-        Switch("excluded", "excluded", style.EXCLUDED),
+        Switch("excluded", "nodes inside obstacles", style.EXCLUDED),
     )
 
     def __init__(self, layout: Layout) -> None:
@@ -116,7 +116,7 @@ class MeshLayer:
 
 def _opacity(edges: int) -> float:
     """Opacity of so many edges: fainter the more there are, to leave the paths visible."""
-    return float(np.clip(0.4 * (1000 / max(edges, 1)) ** 0.6, 0.1, 0.4))
+    return float(np.clip(0.22 * (1000 / max(edges, 1)) ** 0.5, 0.07, 0.22))
 
 
 def _counts(plan: Plan, note: str) -> str:

@@ -22,7 +22,7 @@ class PathsLayer:
 
     switches: ClassVar[tuple[Switch, ...]] = (
         *(Switch(name, label, colour) for name, (label, colour) in style.ALGORITHMS.items()),
-        Switch("taut", "taut path", style.TAUT),
+        Switch("taut", "straightened path", style.TAUT),
     )
 
     def __init__(self, layout: Layout) -> None:
@@ -41,8 +41,8 @@ class PathsLayer:
         self._taut.visible = "taut" in frame.shown
         for name, line in self._lines.items():
             line.visible = name in frame.shown
-        if frame.faded != self._faded:
-            self._fade(frame.faded)
+        if frame.outdated != self._faded:
+            self._fade(frame.outdated)
         if frame.plan.taut is not self._drawn_taut:
             self._drawn_taut = taut = frame.plan.taut
             self._taut.points = NO_SEGMENTS if taut is None else segments(taut.points)
@@ -54,6 +54,7 @@ class PathsLayer:
         longest = max(plan.scene.workspace.size)
         results = {result.algorithm: result for result in plan.searches}
         for name, line in self._lines.items():
+            line.thickness = 4.0 if plan.path and name == plan.path.algorithm else 1.8
             if name not in results:
                 line.points = NO_SEGMENTS
                 continue

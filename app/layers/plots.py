@@ -18,6 +18,9 @@ from app.layout import Layout
 _GREY = "rgba(128,128,128,0.25)"
 _INK = "#868e96"
 _FLAT = 1e-9
+_JOINTS = ("q1 base", "q2 shoulder", "q3 elbow", "q4 wrist", "q5 slide", "q6 gripper")
+_DASHES: tuple[tuple[float, ...], ...] = ((), (8, 4), (2, 3), (12, 4, 2, 4), (5, 3, 1, 3))
+"""Of the lines of a plot, in order: none is told from another by its colour alone."""
 _NO_MOTION = '<div style="margin:8px 10px;font-size:12.5px">No motion, nothing to plot.</div>'
 _MARK_PERIOD = 0.08
 """Seconds between two moves of the line while the arm plays: each sends all curves anew."""
@@ -30,14 +33,14 @@ class PlotsLayer:
 
     def __init__(self, layout: Layout) -> None:
         gui, unit = layout.client.gui, layout.unit
-        speed = (("|v|", style.MARK), *zip(("vx", "vy", "vz"), style.AXES, strict=True))
-        angles = tuple((f"q{i}", style.JOINTS[i - 1]) for i in (1, 2, 3, 4, 6))
+        speed = (("speed", style.MARK), *zip("xyz", style.AXES, strict=True))
+        angles = tuple((_JOINTS[i - 1], style.JOINTS[i - 1]) for i in (1, 2, 3, 4, 6))
         with layout.result:
             self._speed = _plot(gui, _speed_title(unit), speed, 160)
         with layout.joints:
             self._no_motion = gui.add_html(_NO_MOTION)
-            self._angles = _plot(gui, "joint angles q1 q2 q3 q4 q6 [rad]", angles, 250)
-            self._slide = _plot(gui, _slide_title(unit), (("q5", style.JOINTS[4]),), 170)
+            self._angles = _plot(gui, "joint angles [rad]", angles, 250)
+            self._slide = _plot(gui, _slide_title(unit), ((_JOINTS[4], style.JOINTS[4]),), 170)
             clear = (("links to obstacles", style.MARK),)
             self._clearance = _plot(gui, _clearance_title(unit), clear, 170)
         self._unit = unit
@@ -96,29 +99,30 @@ class PlotsLayer:
         for handle, (times, *series) in self._data:
             low = min(float(np.min(line)) for line in series)
             high = max(float(np.max(line)) for line in series)
-            flat = high - low < _FLAT
-            if flat:
+            if high - low < _FLAT:
                 low, high = low - 1, high + 1
-            # three samples at the same time make the upright line; uplot has no marker of its own
+            # three samples at the same time make the upright line, on a scale from 0 to 1 of its
+            # own that leaves the rest of it outside; uplot has no marker
             index = int(np.searchsorted(times, time))
             marked = np.insert(times, index, (time, time, time))
-            upright = np.full(len(marked), low)
-            upright[index + 1] = high
-            if flat:
-                # uplot finds no scale for a constant: this spans one
-                marked, upright = np.insert(marked, 0, marked[0]), np.insert(upright, 0, high)
-            handle.data = (marked, *(np.interp(marked, times, line) for line in series), upright)
+            upright = np.full(len(marked), -1.0)
+            upright[index + 1] = 2.0
+            # uplot finds no scale for a constant: this line, not to be seen, spans one
+            span = np.full(len(marked), high)
+            span[0] = low
+            lines = (np.interp(marked, times, line) for line in series)
+            handle.data = (marked, *lines, upright, span)
             # Never shown before it has its data: a chart that gets them before it is drawn for the
             # first time stays without a time axis.
             handle.visible = True
 
 
 def _speed_title(unit: str) -> str:
-    return f"tool speed [{unit}/s]"
+    return f"tool speed, and along x, y, z [{unit}/s]"
 
 
 def _slide_title(unit: str) -> str:
-    return f"slide q5 [{unit}]"
+    return f"slide [{unit}]"
 
 
 def _clearance_title(unit: str) -> str:
@@ -129,8 +133,14 @@ def _plot(
     gui: viser.GuiApi, title: str, lines: tuple[tuple[str, style.Colour], ...], height: int
 ) -> viser.GuiUplotHandle:
     series = [uplot.Series(label="t")]
-    series += [uplot.Series(label=name, stroke=style.css(c), width=2) for name, c in lines]
-    series += [uplot.Series(label="now", stroke=_INK, width=1)]
+    series += [
+        uplot.Series(label=name, stroke=style.css(colour), width=2, dash=dash)
+        for (name, colour), dash in zip(lines, _DASHES, strict=False)
+    ]
+    series += [
+        uplot.Series(label="now", stroke=_INK, width=1, scale="mark"),
+        uplot.Series(label="", stroke="transparent", width=0),
+    ]
     axis = uplot.Axis(
         stroke=_INK, grid=uplot.Axis_Grid(stroke=_GREY, width=1), size=40, font="11px sans-serif"
     )
@@ -139,7 +149,8 @@ def _plot(
         (empty, *(np.zeros(2) for _ in series[1:])),
         tuple(series),
         title=title,
-        scales={"x": uplot.Scale(time=False)},
+        scales={"x": uplot.Scale(time=False), "mark": uplot.Scale(range=(0.0, 1.0))},
+        legend=uplot.Legend(live=False),
         axes=(axis, axis),
         height=height,
         visible=False,

@@ -10,6 +10,7 @@ from abi.arm.trajectory import Violation
 from abi.curves.bspline import BSpline
 from abi.curves.fit import Fit
 from abi.curves.quadratic import Quadratic
+from abi.curves.timed_profile import TimedProfile
 from abi.planner.plan import Plan
 from app import style
 from app.arm_words import clearance_sentence, contact_sentence
@@ -19,6 +20,10 @@ from app.numbers import distance_to_show, format_length, format_lower_bound, for
 
 _PIECES_SHOWN = 2
 _CONTACTS_SHOWN = 3
+_LAWS = {
+    "time_optimal": "As fast as the joints may",
+    "jerk_limited": "Of limited jerk",
+}
 
 
 class StageNotesLayer:
@@ -86,7 +91,7 @@ def _coefficients(plan: Plan) -> str:
         lines.append(f"… {len(pieces)} pieces in all")
     if plan.quadratic.note:
         lines.append(f"✗ {html.escape(plan.quadratic.note)}")
-    css = "margin:0 12px 3px;font:12px/1.4 ui-monospace,monospace"
+    css = "margin:0 12px 3px;font:12px/1.3 ui-monospace,monospace"
     return f'<div style="{css}">{"<br>".join(lines)}</div>'
 
 
@@ -103,18 +108,23 @@ def _polynomial(*coefficients: float) -> str:
 def _motion(plan: Plan) -> str:
     if plan.profile is None:
         return ""
-    profile = plan.profile
-    text = (
-        f"speed up {profile.t1:.3f} s, cruise {profile.t2:.3f} s, brake {profile.t3:.3f} s: "
-        f"{profile.duration:.2f} s in all."
-    )
+    profile, unit = plan.profile, f"{plan.scene.unit}/s"
+    if isinstance(profile, TimedProfile):
+        text = f"{_LAWS[profile.law]}, up to {format_length(profile.peak_speed)} {unit}: "
+        return f"{style.BOX}{text}{profile.duration:.2f} s in all.{_tilt(plan)}</div>"
+    text = f"Speed up {profile.t1:.2f} s, cruise {profile.t2:.2f} s, brake {profile.t3:.2f} s."
     if profile.triangular:
-        unit = f"{plan.scene.unit}/s"
         text += (
             f" The path is too short to reach {format_setting(plan.scene.motion.speed)} {unit}; "
             f"top speed {format_length(profile.peak_speed)} {unit}."
         )
-    return f"{style.BOX}{text[0].upper()}{text[1:]}</div>"
+    return f"{style.BOX}{text}{_tilt(plan)}</div>"
+
+
+def _tilt(plan: Plan) -> str:
+    if plan.liquid_tilt is None:
+        return ""
+    return f" Liquid in a cup would tilt by up to {math.degrees(plan.liquid_tilt):.2g}°."
 
 
 def _arm(plan: Plan) -> str:

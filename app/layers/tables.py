@@ -27,8 +27,9 @@ _STYLE = (
     "border-bottom-color:rgba(128,128,128,.5)}"
     ".abi-table :first-child{text-align:left}"
     ".mantine-Tabs-tab{padding-left:9px;padding-right:9px}"
+    ".abi-name{display:inline-block;max-width:7.6em;white-space:normal;vertical-align:middle}"
     "@media(max-width:600px){.abi-table{font-size:10px}"
-    ".abi-table th,.abi-table td{padding:2px}.abi-table td:first-child{white-space:normal}}</style>"
+    ".abi-table th,.abi-table td{padding:2px}}</style>"
 )
 """Numbers stay on one line; names and headings wrap where the font is wide or the page narrow."""
 _COARSE = (
@@ -75,7 +76,7 @@ def _searches(plan: Plan, partial: bool) -> str:
     for name, (label, colour) in style.ALGORITHMS.items():
         mark = style.swatch(colour, dashed=name == "dijkstra")
         chosen = name == plan.scene.search.algorithm
-        title = f"{mark}<b>{label}</b>" if chosen else mark + label
+        title = f'{mark}<span class="abi-name">{f"<b>{label}</b>" if chosen else label}</span>'
         if name not in results:
             rows.append((title, *[missing] * 4))
             continue

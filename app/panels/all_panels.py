@@ -9,21 +9,20 @@ import viser
 from abi.scene.scene import Scene
 from app.frame import Drawable, Frame, Switch
 from app.layout import Layout
-from app.lessons.cue import Cue
-from app.lessons.lesson import Library
 from app.panels.bug_report_button import BugReportButton
 from app.panels.comparison import ComparisonPanel
 from app.panels.end_gizmos import EndGizmos
 from app.panels.exports import ExportPanel
-from app.panels.figures import FiguresPanel
 from app.panels.files import FilesPanel
+from app.panels.history import History
 from app.panels.layer_switches import LayerSwitches
-from app.panels.lessons import LessonPanel
+from app.panels.messages import Messages
 from app.panels.obstacle_editor import ObstacleEditor
 from app.panels.obstacle_gizmos import ObstacleGizmos
 from app.panels.stage_headers import StageHeaders
 from app.panels.stages import StagePanels
 from app.panels.theatre import TheatrePanel
+from app.panels.toolbar import Toolbar
 from app.panels.widgets import Wake
 from app.tab_state import TabState
 
@@ -44,10 +43,9 @@ class AllPanels:
         switches: tuple[Switch, ...],
         wake: Wake,
         dark: bool,
-        library: Library,
     ) -> None:
         self._client = client
-        self.stage_headers = StageHeaders(client.gui, wake)
+        self.stage_headers = StageHeaders(client.gui)
         self.layout = Layout.of(client, scene.unit, self.stage_headers.folders)
         self.stages = StagePanels(self.layout, scene, wake)
         self.layer_switches = LayerSwitches(self.layout, switches, wake, dark)
@@ -61,11 +59,12 @@ class AllPanels:
             self.exports = ExportPanel(client, wake)
             self.editor = ObstacleEditor(client, self.obstacles, self.ends, wake)
             self.bug_report = BugReportButton(client, wake)
-        with self.layout.paper:
-            self.lessons = LessonPanel(client, library, wake)
-            self.figures = FiguresPanel(client.gui, wake)
+        self.messages = Messages(self.layout, wake)
+        self.history = History(client.gui, scene, wake)
         self._inputs = (self.stages, self.obstacles, self.ends)
         self.drawn: tuple[Drawable, ...] = (
+            self.messages,
+            Toolbar(self.layout, self.history),
             self.stage_headers,
             self.stages.mesh,
             self.ends,
@@ -73,8 +72,6 @@ class AllPanels:
             self.editor,
             self.layer_switches,
             self.comparison,
-            self.lessons,
-            self.figures,
         )
 
     def read(self, scene: Scene) -> Scene:
@@ -87,32 +84,23 @@ class AllPanels:
             SceneError: names the field.
         """
         requested = self.files.requested(self.editor.meshes(scene))
-        if requested is None and (change := self.stage_headers.accepted_change()) is not None:
+        if requested is None and (change := self.messages.accepted_change()) is not None:
             requested = scene.replace(**change)
+        if requested is None:
+            requested = self.history.requested(scene)
         if requested is not None:
             self._write(requested)
             return requested
+        if (number := self.messages.pointed_out()) is not None:
+            self.obstacles.point_out(number)
         self.editor.apply(scene)
         sections = {name: part for panel in self._inputs for name, part in panel.read().items()}
         return scene.replace(self.editor.surfaces, **sections)
-
-    def cue(self, scene: Scene) -> Cue | None:
-        """What a lesson or a figure sets now, starting from ``scene``; None for nothing."""
-        return self.lessons.cue(scene) or self.figures.cue(scene)
-
-    def follow(self, cue: Cue) -> None:
-        """Show the cue's scene, layers and search."""
-        self._write(cue.scene)
-        if cue.setting.shown is not None:
-            self.layer_switches.restore(frozenset(cue.setting.shown), None)
-        if cue.setting.search is not None:
-            self.theatre.set(**cue.setting.search.model_dump(exclude_none=True))
 
     def restore(self, state: TabState) -> None:
         """Show what a tab showed before."""
         self.files.restore(state.name, state.scene)
         self.layer_switches.restore(state.shown, state.dark)
-        self.lessons.restore(state.lessons)
         self._write(state.scene)
 
     def apply_switches(self, frame: Frame) -> Frame:

@@ -9,7 +9,7 @@ import viser
 from abi.scene.scene import Scene
 from app.panels.widgets import DIGITS, Choice, Wake
 
-DYNAMICS = {"corrected: ½ and mass": "corrected", "as printed": "as_printed"}
+DYNAMICS = {"physics (½·t²)": "corrected", "as printed in the paper": "as_printed"}
 
 
 class ArmPanel:
@@ -18,31 +18,41 @@ class ArmPanel:
     def __init__(self, gui: viser.GuiApi, scene: Scene, wake: Wake) -> None:
         arm = scene.arm
         self.elbow = gui.add_dropdown(
-            "elbow", ("up", "down"), hint="Which of the two solutions; kept along the whole path."
+            "elbow", ("up", "down"), hint="Which of the two poses; kept along the whole path."
         )
         self.base = gui.add_vector3("base", arm.base, step=0.1, hint="Where the arm stands.")
         self.columns = gui.add_vector2(
-            "a1, a2", (arm.a1, arm.a2), step=0.1, hint="Pedestal and column: the shoulder's height."
+            "pedestal, column", (arm.a1, arm.a2), step=0.1, hint="Together the shoulder's height."
         )
         self.links = gui.add_vector3(
-            "a3, a4, a5", (arm.a3, arm.a4, arm.a5), step=0.1, hint="Upper arm, forearm, slide."
+            "upper arm, forearm, slide",
+            (arm.a3, arm.a4, arm.a5),
+            step=0.1,
+            hint="Lengths of the links.",
         )
         self.extension = gui.add_number(
-            "q5 at start", arm.q5, min=0.0, step=0.1, hint="How far the slide is out at t = 0."
+            "slide at start", arm.q5, min=0.0, step=0.1, hint="How far the slide is out at 0 s."
         )
         self.dynamics = Choice(
             gui,
-            "q4, q5, q6",
+            "wrist, slide, gripper",
             DYNAMICS,
             "From constant forces: the paper prints t²Q/I; from rest it is t²Q/(2I), and a "
             "slide has mass, not moment of inertia.",
             wake,
         )
         self.forces = gui.add_vector3(
-            "Q4, Q5, Q6", arm.forces, step=0.1, hint="Generalised forces of wrist, slide, gripper."
+            "torque, force, torque",
+            arm.forces,
+            step=0.1,
+            hint="Of wrist, slide and gripper; with 0 the joint stands still.",
         )
-        self.masses = gui.add_vector3("m4, m5, m6 [kg]", arm.masses, step=0.1, hint="Masses.")
-        self.radii = gui.add_vector3("i4, i5, i6", arm.radii, step=0.1, hint="Radii of inertia.")
+        self.masses = gui.add_vector3(
+            "masses [kg]", arm.masses, step=0.1, hint="Of wrist, slide and gripper."
+        )
+        self.radii = gui.add_vector3(
+            "radii of gyration", arm.radii, step=0.1, hint="Of wrist, slide and gripper."
+        )
         for box in (
             self.base,
             self.columns,
@@ -83,10 +93,10 @@ class ArmPanel:
         arm = scene.arm
         for handle, name in (
             (self.base, "base"),
-            (self.columns, "a1, a2"),
-            (self.links, "a3, a4, a5"),
-            (self.extension, "q5 at start"),
-            (self.radii, "i4, i5, i6"),
+            (self.columns, "pedestal, column"),
+            (self.links, "upper arm, forearm, slide"),
+            (self.extension, "slide at start"),
+            (self.radii, "radii of gyration"),
         ):
             handle.label = f"{name} [{scene.unit}]"
         self.elbow.value = arm.elbow

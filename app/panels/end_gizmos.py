@@ -17,6 +17,8 @@ from app.panels.widgets import Wake
 
 _ROUNDING = 1e-9
 """Part of the workspace's size."""
+_RADIUS = 0.022
+"""Of a ball, as a part of the workspace's size."""
 
 
 class EndGizmos:
@@ -33,12 +35,17 @@ class EndGizmos:
         self._labels: dict[str, viser.LabelHandle] = {}
         self._balls: dict[str, viser.IcosphereHandle] = {}
         self._origins: dict[str, FloatArray] = {}
+        self._grips: dict[str, FloatArray] = {}
+        self._chosen = ""
+        self._with_handles = ""
+        self._wake = wake
         for name in ("start", "goal"):
             position = np.array(getattr(scene, name))
             gizmo = client.scene.add_transform_controls(
                 f"/{name}",
                 position=position,
                 line_width=3.0,
+                disable_axes=True,
                 disable_rotations=True,
                 disable_sliders=True,
                 depth_test=False,
@@ -46,9 +53,11 @@ class EndGizmos:
             )
             gizmo.on_update(wake)
             self.gizmos[name], self._origins[name] = gizmo, position
-            self._balls[name] = client.scene.add_icosphere(
-                f"/{name}/ball", radius=0.018 * size, color=style.POINT
+            self._balls[name] = ball = client.scene.add_icosphere(
+                f"/{name}/ball", radius=_RADIUS * size, color=style.POINT
             )
+            ball.on_click(self._choose)
+            ball.on_drag(self._drag)
             self._labels[name] = client.scene.add_label(
                 f"/{name}/label", name, anchor="top-center", depth_test=False
             )
@@ -79,18 +88,43 @@ class EndGizmos:
     def write(self, scene: Scene) -> None:
         """Show ``scene``."""
         size = max(scene.workspace.size)
+        self._chosen = ""
         self._bounds = np.array(scene.workspace.min), np.array(scene.workspace.max)
         for name, gizmo in self.gizmos.items():
             self.place(name, getattr(scene, name))
             gizmo.scale = 0.13 * size
-            self._balls[name].radius = 0.018 * size
+            self._balls[name].radius = _RADIUS * size
             self._labels[name].position = (0.0, 0.0, -0.05 * size)
         self._label(scene)
 
     def draw(self, frame: Frame) -> None:
-        """Write the coordinates on the labels."""
-        if not frame.faded and frame.plan.scene is not self._labelled:
+        """Write the coordinates on the labels; give the handles to the end chosen last."""
+        if self._chosen != self._with_handles:
+            self._with_handles = self._chosen
+            for name, gizmo in self.gizmos.items():
+                gizmo.disable_axes = name != self._chosen
+        if frame.current and frame.plan.scene is not self._labelled:
             self._label(frame.plan.scene)
+
+    def _choose(self, event: viser.SceneNodePointerEvent[Any]) -> None:
+        self._chosen = self._name_of(event.target)
+        self._wake(event)
+
+    def _drag(self, event: viser.SceneNodeDragEvent[Any]) -> None:
+        """Move an end with the hand, in the plane that faces the camera, within the workspace."""
+        self._chosen = name = self._name_of(event.target)
+        grip = self._grips.setdefault(
+            name, np.subtract(self.gizmos[name].position, event.start_position)
+        )
+        position = np.add(event.end_position, grip)
+        if np.isfinite(position).all():
+            self.place(name, np.clip(position, *self._bounds).tolist())
+        if event.phase == "end":
+            self._grips.pop(name, None)
+        self._wake(event)
+
+    def _name_of(self, ball: object) -> str:
+        return next(name for name, other in self._balls.items() if other is ball)
 
     def _label(self, scene: Scene) -> None:
         self._labelled = scene

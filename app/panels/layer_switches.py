@@ -26,9 +26,10 @@ class LayerSwitches:
         with layout.layers:
             self.dark = gui.add_checkbox("dark page", dark)
             self.mesh_view = gui.add_dropdown(
-                "mesh shown",
+                "part of the mesh",
                 tuple(MESH_VIEWS),
-                hint="A mesh of up to about 4,000 nodes is shown whole by the first of these.",
+                hint="Grids above 4,000 nodes are shown only in part: near path and "
+                "obstacles, or as chosen here.",
             )
             self.boxes = {
                 switch.name: gui.add_checkbox(switch.label, switch.on) for switch in switches

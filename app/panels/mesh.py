@@ -12,9 +12,9 @@ from app.frame import Frame
 from app.panels.widgets import DIGITS, Choice, Wake, clamp
 
 LATTICES = {
-    "BCC: congruent tetrahedra": "bcc",
-    "Kuhn: six per cube": "kuhn",
-    "Delaunay: jittered": "delaunay",
+    "BCC (14 neighbours)": "bcc",
+    "Kuhn (cube cut in 6)": "kuhn",
+    "Delaunay (irregular)": "delaunay",
 }
 
 
@@ -24,18 +24,22 @@ class MeshPanel:
     def __init__(self, gui: viser.GuiApi, scene: Scene, wake: Wake) -> None:
         low, high, step = _pitch_range(scene)
         self.lattice = Choice(
-            gui, "lattice", LATTICES, "How the workspace is cut into tetrahedra.", wake
+            gui, "grid type", LATTICES, "How the workspace is cut into tetrahedra.", wake
         )
         self.pitch = gui.add_slider(
-            f"pitch [{scene.unit}]",
+            f"spacing [{scene.unit}]",
             low,
             high,
             step,
             clamp(scene.mesh.pitch, low, high),
-            hint="Distance between neighbouring nodes. Half the pitch: eight times the nodes.",
+            hint="Distance between neighbouring nodes. Half of it makes eight times the nodes.",
         )
         self.seed = gui.add_number(
-            "seed", scene.mesh.seed, min=0, step=1, hint="Another seed jitters the nodes anew."
+            "seed",
+            scene.mesh.seed,
+            min=0,
+            step=1,
+            hint="Another random shift of the nodes.",
         )
         self.pitch.precision = DIGITS
         self.pitch.on_update(wake)
@@ -55,7 +59,7 @@ class MeshPanel:
     def write(self, scene: Scene) -> None:
         """Show ``scene``."""
         low, high, step = _pitch_range(scene)
-        self.pitch.label = f"pitch [{scene.unit}]"
+        self.pitch.label = f"spacing [{scene.unit}]"
         self.pitch.min, self.pitch.max, self.pitch.step = low, high, step
         self.lattice.write(scene.mesh.lattice)
         self.pitch.value = scene.mesh.pitch
@@ -64,7 +68,7 @@ class MeshPanel:
 
     def draw(self, frame: Frame) -> None:
         """Show the seed where the plan's lattice has one."""
-        if not frame.faded:
+        if frame.current:
             self._show_seed(frame.plan.scene)
 
     def _show_seed(self, scene: Scene) -> None:

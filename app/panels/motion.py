@@ -10,14 +10,20 @@ from abi.scene.scene import Scene
 from app.panels.widgets import DIGITS, Choice, Wake
 
 FITS = {
-    "least squares": "least_squares",
-    "nearest clear one": "clear",
-    "fewest clear pieces": "pieces",
+    "paper's fit (may hit)": "least_squares",
+    "closest that does not hit": "clear",
+    "several that do not hit": "pieces",
 }
 FOLLOWED = {
-    "quadratic if clear, else B-spline": "auto",
+    "quadratic if it keeps clear": "auto",
     "quadratic": "quadratic",
     "B-spline": "bspline",
+}
+LAWS = {
+    "three phases": "three_phase",
+    "three phases, joints in limits": "slowed",
+    "fastest the joints may": "time_optimal",
+    "limited jerk": "jerk_limited",
 }
 
 
@@ -27,23 +33,48 @@ class MotionPanel:
     def __init__(self, gui: viser.GuiApi, scene: Scene, wake: Wake) -> None:
         self.fit = Choice(
             gui,
-            "fit",
+            "curve",
             FITS,
-            "Least squares is the paper's and may enter an obstacle; the others keep clear.",
+            "The paper's arc, by least squares, may enter an obstacle. The closest arc that does "
+            "not, or several joined smoothly, keep clear.",
             wake,
         )
-        self.curve = Choice(gui, "arm follows", FOLLOWED, "The curve that the arm executes.", wake)
-        self.speed = gui.add_number("speed V", 1.0, step=0.1, hint="Cruise speed.")
-        self.rates = gui.add_vector2(
-            "a1, a3", (1.0, 1.0), step=0.1, hint="Speeding up from rest, and braking to rest."
+        self.curve = Choice(
+            gui,
+            "arm follows",
+            FOLLOWED,
+            "The curve that the arm executes: the B-spline where the quadratic comes too close.",
+            wake,
         )
-        self.speed.precision = self.rates.precision = DIGITS
-        self.speed.on_update(wake)
-        self.rates.on_update(wake)
+        self.law = Choice(
+            gui,
+            "motion",
+            LAWS,
+            "The paper's three phases ask the tool alone. The others keep joint speeds and "
+            "accelerations, too.",
+            wake,
+        )
+        self.speed = gui.add_number(
+            "cruise speed", 1.0, step=0.1, hint="Of the tool, once it has sped up (V in the paper)."
+        )
+        self.rates = gui.add_vector2(
+            "accel.",
+            (1.0, 1.0),
+            step=0.1,
+            hint="Acceleration from rest, and braking to rest (a₁ and a₃ in the paper).",
+        )
+        self.joint_acceleration = gui.add_number(
+            "joints [rad/s²]", 1.0, step=0.1, hint="Largest acceleration of every joint."
+        )
+        self.jerk = gui.add_number("jerk", 1.0, step=1.0, hint="Largest jerk of the tool.")
+        for box in (self.speed, self.rates, self.joint_acceleration, self.jerk):
+            box.precision = DIGITS
+            box.on_update(wake)
         self.write(scene)
 
     def read(self) -> dict[str, Any]:
         """Read the sections as typed."""
+        self._show_limits()
         return {
             "quadratic": {"mode": self.fit.read()},
             "motion": {
@@ -51,14 +82,29 @@ class MotionPanel:
                 "speed": self.speed.value,
                 "acceleration": self.rates.value[0],
                 "deceleration": self.rates.value[1],
+                "law": self.law.read(),
+                "joint_acceleration": self.joint_acceleration.value,
+                "jerk": self.jerk.value,
             },
         }
 
     def write(self, scene: Scene) -> None:
         """Show ``scene``."""
-        self.speed.label = f"V [{scene.unit}/s]"
-        self.rates.label = f"a1, a3 [{scene.unit}/s²]"
+        self.speed.label = f"speed [{scene.unit}/s]"
+        self.rates.label = f"accel. [{scene.unit}/s²]"
         self.fit.write(scene.quadratic.mode)
         self.curve.write(scene.motion.curve)
         self.speed.value = scene.motion.speed
         self.rates.value = (scene.motion.acceleration, scene.motion.deceleration)
+        self.jerk.label = f"jerk [{scene.unit}/s³]"
+        self.law.write(scene.motion.law)
+        self.joint_acceleration.value = scene.motion.joint_acceleration
+        self.jerk.value = scene.motion.jerk
+        self._show_limits()
+
+    def _show_limits(self) -> None:
+        """Show the boxes that the chosen law asks for."""
+        law = self.law.read()
+        self.speed.visible = self.rates.visible = law != "time_optimal"
+        self.joint_acceleration.visible = law != "three_phase"
+        self.jerk.visible = law == "jerk_limited"

@@ -22,7 +22,7 @@ from abi.obstacles.triangle_mesh.surface import Surface
 from abi.scene.scene import Scene
 from app import page
 from app.frame import Frame
-from app.labels import with_labels
+from app.labels import sentence
 from app.panels.end_gizmos import EndGizmos
 from app.panels.mesh_note import MeshNote
 from app.panels.obstacle_gizmos import ObstacleGizmos
@@ -145,10 +145,9 @@ class ObstacleEditor:
         if str(error or "") != self._refused:
             self._refused = str(error or "")
             if error is not None and getattr(error, "field", "").startswith(_FIELDS):
-                message = with_labels(error.message, error)
-                page.notify_refusal(self._client, "Not taken over", message)
+                page.notify_refusal(self._client, "Not changed", sentence(error))
         scene, number = frame.plan.scene, self._obstacles.chosen
-        if not frame.faded and (scene, number) != self._noted:
+        if frame.current and (scene, number) != self._noted:
             self._noted = scene, number
             chosen = scene.obstacles[number] if number < len(scene.obstacles) else None
             current = len(scene.obstacles) == len(self._obstacles.data)

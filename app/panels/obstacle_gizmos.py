@@ -11,6 +11,7 @@ from typing import Any, ClassVar
 import numpy as np
 import viser
 
+from abi.arrays import FloatArray
 from abi.obstacles.obstacle_set import Obstacle
 from abi.scene.scene import Scene
 from app import style
@@ -45,7 +46,9 @@ class ObstacleGizmos:
         self._embodied: Sequence[Obstacle] | None = None
         self._last_read: list[dict[str, Any]] = []
         self._validated: list[tuple[dict[str, Any], Obstacle]] = []
-        self._with_handles = -1
+        self._with_handles = -2
+        self._touched = False
+        self._grip: FloatArray | None = None
         self.chosen = 0
         self.write(scene)
 
@@ -64,6 +67,7 @@ class ObstacleGizmos:
             self.add(obstacle)
         self._last_read = [data for data, _ in self._validated]
         self._update_bodies(scene.obstacles)
+        self.chosen, self._touched = 0, False
         self.choose(0)
 
     def draw(self, frame: Frame) -> None:
@@ -72,7 +76,7 @@ class ObstacleGizmos:
             self._visible = visible
             for gizmo in self.gizmos:
                 gizmo.visible = visible
-        if not frame.faded and frame.plan.scene.obstacles is not self._embodied:
+        if frame.current and frame.plan.scene.obstacles is not self._embodied:
             self._update_bodies(frame.plan.scene.obstacles)
             self._validated = list(zip(self._last_read, frame.plan.scene.obstacles, strict=True))
 
@@ -89,6 +93,7 @@ class ObstacleGizmos:
             )
             self._bodies[number] = body = add_body(self._scene, f"{gizmo.name}/body", obstacle)
             body.on_click(self._choose_clicked)
+            body.on_drag(self._drag)
 
     def add(self, obstacle: Obstacle) -> None:
         """Add an obstacle's gizmo; the next frame gives it a body."""
@@ -110,27 +115,51 @@ class ObstacleGizmos:
         self._drawn.append({})
         self._bodies.append(None)  # type: ignore[arg-type]
         self._embodied = None
-        self._with_handles = -1
+        self._with_handles = -2
 
     def remove(self, number: int) -> None:
         """Remove obstacle ``number``, from 0."""
         self.gizmos.pop(number).remove()
         for column in (self.data, self._drawn, self._bodies, self._validated):
             column.pop(number)
-        self._with_handles = -1
+        self._with_handles = -2
+
+    def point_out(self, number: int) -> None:
+        """Choose obstacle ``number``, from 0, and give it the handles."""
+        self._touched = True
+        self.choose(number)
 
     def choose(self, number: int) -> None:
-        """Give the handles to obstacle ``number``, from 0."""
+        """Give the handles to obstacle ``number``, from 0; to none before a hand chose one."""
+        self._touched |= number != self.chosen
         self.chosen = number
-        if number == self._with_handles:
+        handles = number if self._touched else -1
+        if handles == self._with_handles:
             return
-        self._with_handles = number
+        self._with_handles = handles
         for index, gizmo in enumerate(self.gizmos):
-            hidden = index != number
+            hidden = index != handles
             gizmo.disable_axes = gizmo.disable_sliders = gizmo.disable_rotations = hidden
 
     def _choose_clicked(self, event: viser.SceneNodePointerEvent[Any]) -> None:
         self.chosen = next(i for i, body in enumerate(self._bodies) if body is event.target)
+        self._touched = True
+        self._wake(event)
+
+    def _drag(self, event: viser.SceneNodeDragEvent[Any]) -> None:
+        """Move a body with the hand, in the plane that faces the camera."""
+        number = next((i for i, body in enumerate(self._bodies) if body is event.target), None)
+        if number is None:
+            return
+        gizmo = self.gizmos[number]
+        if self._grip is None:
+            self._grip = np.subtract(gizmo.position, event.start_position)
+        position = np.add(event.end_position, self._grip)
+        if np.isfinite(position).all():
+            gizmo.position = position
+        if event.phase == "end":
+            self._grip = None
+        self.chosen, self._touched = number, True
         self._wake(event)
 
 

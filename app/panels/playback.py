@@ -9,6 +9,7 @@ import viser
 
 from abi.arm.arm_clearance import ArmClearance
 from app import page
+from app.overlay import Overlay, button, slider
 from app.panels.widgets import Wake
 
 SPEEDS = {"¼ ×": 0.25, "½ ×": 0.5, "real time": 1.0, "2 ×": 2.0}
@@ -19,13 +20,19 @@ _LATENCY = 3.0
 
 
 class PlaybackPanel:
-    """Clock of the motion, with the widgets that show and set it."""
+    """Clock of the motion, with the widgets that set it; those over the scene show it."""
 
-    def __init__(self, gui: viser.GuiApi, wake: Wake) -> None:
-        self.slider = gui.add_slider("time [s]", 0.0, 1.0, 0.01, 0.0, hint="Drag to scrub.")
-        self._bar = gui.add_html("")
-        self.button = gui.add_button("Pause", hint="Or press Space.")
+    def __init__(self, gui: viser.GuiApi, overlay: Overlay, wake: Wake) -> None:
+        self._overlay = overlay
+        self.slider = gui.add_slider("time [s]", 0.0, 1.0, 0.01, 0.0, visible=False)
+        self.button = gui.add_button("Play or pause", visible=False)
         self.speed = gui.add_dropdown("playback", tuple(SPEEDS), initial_value="real time")
+        toggle = button(self.button, "Pause", kind="abi-play", hint="Or press Space.")
+        overlay.show(
+            "player",
+            f'<div class="abi-card abi-player">{toggle}{slider(self.slider, "time [s]")}'
+            "<output></output></div>",
+        )
         self.command = gui.add_command("Play or pause the arm", hotkey="space")
         self.playing = True
         self._wake = wake
@@ -74,8 +81,7 @@ class PlaybackPanel:
             self._written = round(shown, 2)
             self.slider.value = self._written
             self._sent = now
-        self.button.label = "Pause" if self.playing else "Play"
-        self.button.disabled = duration == 0.0
+        self._overlay.set_clock(self._written, end, self.playing)
         return shown
 
     def mark(self, clearance: ArmClearance | None, duration: float) -> None:
@@ -85,7 +91,7 @@ class PlaybackPanel:
         self._marked = clearance
         contacts = () if clearance is None else clearance.contacts
         stretches = [(one.first, one.last) for one in contacts] if duration > 0 else []
-        self._bar.content = page.slider_style(self.slider, stretches, duration)
+        self._overlay.show("marks", page.player_style(stretches, duration))
 
     def _toggle(self, event: object) -> None:
         self.playing = not self.playing

@@ -20,31 +20,31 @@ class SearchPanel:
     def __init__(self, gui: viser.GuiApi, scene: Scene, wake: Wake) -> None:
         self.algorithm = Choice(
             gui,
-            "goes on with",
+            "path used",
             ALGORITHMS,
-            "All three run on every plan; this one's path becomes the curve.",
+            "Every search runs on every plan; this one's path becomes the curve.",
             wake,
         )
         self.weight = Choice(
             gui,
-            "edge costs",
+            "shortest by",
             WEIGHTS,
-            "By length the three lengths tie. By hops they tie in edges and differ in length: "
-            "that is how the paper's Table I comes about.",
+            "By number of edges all searches find paths of equally many edges; several such paths "
+            "exist, and they differ in length (the paper's Table I).",
             wake,
         )
         self.taut = gui.add_checkbox(
-            "pull taut (3½)",
+            "straighten",
             scene.search.taut,
-            hint="Frees the path of the mesh's directions; off is the paper's way.",
+            hint="Cuts the zigzag that the grid forces on the path. Not in the paper.",
         )
         self.shown = gui.add_slider(
-            "search [%]",
+            "visited [%]",
             0,
             100,
             1,
             0,
-            hint="Colours the nodes in the order in which the algorithm expanded them.",
+            hint="Shows the nodes visited so far, from the first to the last.",
         )
         self.taut.on_update(wake)
         self.shown.on_update(wake)

@@ -15,7 +15,12 @@ class SplinePanel:
 
     def __init__(self, gui: viser.GuiApi, scene: Scene, wake: Wake) -> None:
         self.degree = gui.add_slider(
-            "degree", 2, 5, 1, scene.spline.degree, hint="The paper uses 3 and 4."
+            "degree",
+            2,
+            5,
+            1,
+            scene.spline.degree,
+            hint="Of the curve's polynomials; the paper uses 3 and 4.",
         )
         high = _max_clearance(scene)
         self.clearance = gui.add_slider(
@@ -24,7 +29,7 @@ class SplinePanel:
             high,
             high / 100,
             clamp(scene.spline.clearance, 0.0, high),
-            hint="The distance that mesh, path and curve keep from every obstacle.",
+            hint="Distance that path and curve keep from every obstacle.",
         )
         self.clearance.precision = DIGITS
         self.degree.on_update(wake)

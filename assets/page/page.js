@@ -1,4 +1,5 @@
 // What the server asks of a page and viser has no message for; app/page.py sends it to every tab.
+window.abi?.clear?.();
 window.abi = {
   KEY: "abi-tab",
 
@@ -37,4 +38,98 @@ window.abi = {
     try { await navigator.clipboard.writeText(url.href); }
     catch { prompt("Copy this link:", url.href); }
   },
+
+  // The layer over the scene: text and a few controls, between which the mouse reaches the scene.
+  // Made again, with all that it showed, wherever viser makes the scene's element again.
+  parts: {},
+  overlay() {
+    let root = document.getElementById("abi-overlay");
+    if (root) return root;
+    let host = window.__viserMutable.canvas;
+    while (host !== document.body && getComputedStyle(host).position !== "absolute") {
+      host = host.parentElement;
+    }
+    root = document.createElement("div");
+    root.id = "abi-overlay";
+    root.innerHTML = `<div class="abi-top"><div data-part="message"></div>
+      <div data-part="tools"></div><div data-part="tour"></div></div>
+      <div class="abi-bottom"><div data-part="numbers"></div><div data-part="player"></div>
+      <div data-part="marks"></div></div>`;
+    for (const [part, html] of Object.entries(this.parts)) {
+      root.querySelector(`[data-part=${part}]`).innerHTML = html;
+    }
+    root.addEventListener("click", event => {
+      const button = event.target.closest("[data-press]");
+      if (button) this.send(button.dataset.press, true);
+    });
+    root.addEventListener("input", event => {
+      const uuid = event.target.dataset.set;
+      if (uuid) this.send(uuid, Number(event.target.value));
+    });
+    host.append(root);
+    return root;
+  },
+  show(part, html) {
+    this.parts[part] = html;
+    this.overlay().querySelector(`[data-part=${part}]`).innerHTML = html;
+  },
+  clear() {
+    this.parts = {};
+    document.getElementById("abi-overlay")?.remove();
+  },
+
+  // The time of the motion and its end, [s]; a slider that is held stays with the hand.
+  clock(time, end, playing) {
+    const root = this.overlay(), slider = root.querySelector("input[type=range]");
+    if (!slider) return;
+    slider.max = end;
+    slider.disabled = end <= 0.01;
+    if (!slider.matches(":active")) slider.value = time;
+    root.querySelector("output").textContent = `${time.toFixed(2)} of ${end.toFixed(2)} s`;
+    root.querySelector(".abi-play").textContent = playing ? "Pause" : "Play";
+  },
 };
+
+document.getElementById("abi-style")?.remove();
+document.head.insertAdjacentHTML("beforeend", `<style id="abi-style">
+#abi-overlay {
+  position: absolute; inset: 0; pointer-events: none; container-type: inline-size;
+  display: flex; flex-direction: column; justify-content: space-between;
+  color: var(--mantine-color-text); font: 14px/1.35 var(--mantine-font-family);
+}
+#abi-overlay .abi-top, #abi-overlay .abi-bottom { padding: 8px 10px; display: flex; gap: 6px; }
+#abi-overlay .abi-top { flex-wrap: wrap; justify-content: space-between; }
+#abi-overlay [data-part=message] { flex: 1 1 240px; }
+#abi-overlay .abi-bottom { flex-direction: column; }
+#abi-overlay .abi-card {
+  background: color-mix(in srgb, var(--mantine-color-body) 88%, transparent);
+  border-radius: 6px; padding: 5px 9px;
+}
+#abi-overlay .abi-error { border-left: 4px solid #e03131; }
+#abi-overlay button, #abi-overlay input { pointer-events: auto; font: inherit; }
+#abi-overlay button {
+  color: inherit; background: var(--mantine-color-body); cursor: pointer; padding: 3px 9px;
+  border: 1px solid rgba(128, 128, 128, .55); border-radius: 5px;
+}
+#abi-overlay button:hover { border-color: currentColor; }
+#abi-overlay button:disabled { opacity: .4; cursor: default; }
+#abi-overlay button:focus-visible { outline: 2px solid #1f84d6; }
+#abi-overlay .abi-buttons { display: flex; flex-wrap: wrap; gap: 6px; }
+#abi-overlay .abi-numbers { display: inline-flex; gap: 4px 18px; flex-wrap: wrap; }
+#abi-overlay .abi-numbers b {
+  display: block; font-size: clamp(16px, 4.4cqw, 34px); line-height: 1.15;
+  font-variant-numeric: tabular-nums; white-space: nowrap;
+}
+#abi-overlay .abi-numbers span { font-size: clamp(11px, 2.3cqw, 16px); }
+#abi-overlay [data-part=numbers] { align-self: flex-start; }
+#abi-overlay .abi-player { display: flex; align-items: center; gap: 8px; }
+#abi-overlay .abi-track { flex: 1 1 60px; min-width: 0; border-radius: 4px; padding: 3px 0; }
+#abi-overlay .abi-track input { display: block; width: 100%; margin: 0; accent-color: #1f84d6; }
+#abi-overlay [data-part=tour], #abi-overlay [data-part=tour]:empty { flex: 1 0 100%; }
+#abi-overlay [data-part=marks] { display: none; }
+#abi-overlay .abi-tour { max-width: 34em; border-left: 4px solid #1f84d6; }
+#abi-overlay .abi-player output { white-space: nowrap; font-variant-numeric: tabular-nums; }
+#abi-overlay .abi-play { min-width: 4.6em; }
+/* the line that only spans a plot's scale */
+.u-legend .u-series:last-child { display: none; }
+</style>`);

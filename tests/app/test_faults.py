@@ -90,7 +90,7 @@ def test_going_back_after_a_fault_shows_the_last_plan_as_it_is(
     fake.set(speed, before)
     until(lambda: session.resting and not session._broken)
     assert session.plan is good
-    assert not session.frame.faded
+    assert session.frame.current
 
 
 def test_a_tab_that_is_cut_in_the_middle_of_a_drag_leaves_nothing_behind(server: Server) -> None:

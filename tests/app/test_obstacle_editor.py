@@ -111,10 +111,8 @@ def test_while_a_number_is_wrong_the_rest_goes_on(
     monkeypatch.setattr(session.client, "send_file_download", keep)
     good = session.plan
     fake.set(session.panels.stages.motion.speed, 0.0)
-    until(lambda: session.panels.stage_headers._notes["quadratic"].visible)
-    sentence = session.panels.stage_headers._notes["quadratic"].content
-    assert "V is 0.0" in sentence
-    assert "motion.speed" not in sentence
+    shown = session.panels.layout.overlay.shown
+    until(lambda: "The cruise speed must be above 0; it is 0." in shown["message"])
 
     fake.set(session.panels.layer_switches.boxes["arm"], False)
     until(lambda: not layer(session, ArmLayer)._base.visible)
@@ -131,22 +129,21 @@ def test_while_a_number_is_wrong_the_rest_goes_on(
 @pytest.mark.slow
 def test_a_wrong_number_is_told_of_until_it_is_mended(tab: tuple[FakeTab, Session]) -> None:
     fake, session = tab
-    note = session.panels.stage_headers._notes["quadratic"]
+    shown = session.panels.layout.overlay.shown
     until(lambda: session.resting)
     fake.set(session.panels.stages.motion.speed, 0.0)
-    until(lambda: note.visible and session.frame.faded)
+    until(lambda: "The cruise speed must be" in shown["message"])
 
     # at rest the good scene is planned anew, as it is once everything is compiled
     plans = session.plans
     compiling.compile()
     session._compiled = False
     until(lambda: session.plans > plans and session._compiled)
-    assert note.visible
-    assert "V is 0.0" in note.content
-    assert session.frame.faded
+    assert "The cruise speed must be" in shown["message"]
+    assert session.frame.refused is not None
 
     fake.set(session.panels.stages.motion.speed, 4.0)
-    until(lambda: not note.visible and not session.frame.faded)
+    until(lambda: "✗" not in shown["message"] and session.frame.current)
 
 
 @pytest.mark.slow
@@ -194,8 +191,8 @@ def test_a_file_that_is_no_scene_is_named_and_changes_nothing(
         ("my scene.yaml is not opened", "workspace is [1, 2]; expected the fields min, max."),
     ]
     assert session.plan is good
-    assert not session.frame.faded
-    assert not any(note.visible for note in session.panels.stage_headers._notes.values())
+    assert session.frame.current
+    assert "✗" not in session.panels.layout.overlay.shown["message"]
 
 
 def test_what_is_not_listed_is_not_opened(tab: tuple[FakeTab, Session], tmp_path: Path) -> None:

@@ -93,16 +93,16 @@ def test_a_bad_number_keeps_the_last_plan_and_says_why(
 ) -> None:
     fake, session = tab
     good = session.plan
-    note = session.panels.stage_headers._notes["mesh"]
+    shown = session.panels.layout.overlay.shown
     fake.set(session.panels.stages.mesh.pitch, value)
-    until(lambda: note.visible)
+    until(lambda: "✗" in shown["message"])
 
     assert session.plan is good
-    assert "pitch is" in note.content
+    assert "The node spacing must be " in shown["message"]
 
     fake.set(session.panels.stages.mesh.pitch, 1.0)
     until(lambda: session.plan.scene.mesh.pitch == 1.0)  # type: ignore[union-attr]
-    until(lambda: not note.visible)
+    until(lambda: "✗" not in shown["message"])
 
 
 @pytest.mark.parametrize("value", ["junk", None, [1, 2], {"a": 1}, "B-spline"])
@@ -140,12 +140,13 @@ def test_another_scene_fills_the_panels(tab: tuple[FakeTab, Session]) -> None:
 
     assert session.plan is not None
     assert session.plan.error is not None
-    assert session.panels.stage_headers._notes["search"].visible
+    shown = session.panels.layout.overlay.shown
+    assert "✗" in shown["message"]
     assert session.panels.stages.mesh.pitch.value == load_scene("no-way").mesh.pitch
 
     fake.set(session.panels.files.choice, "paper")
     until(lambda: session.plan.scene == load_scene("paper"))  # type: ignore[union-attr]
-    assert not session.panels.stage_headers._notes["search"].visible
+    until(lambda: "✗" not in shown["message"])
 
 
 def test_play_moves_the_arm_and_pause_holds_it(tab: tuple[FakeTab, Session]) -> None:

@@ -119,6 +119,8 @@ _TYPE = "name => window.__viserSceneTree.getState()[name].message.type"
 
 _SEND = "message => window.__viserMutable.sendMessage(message)"
 
+_PLAYER = "#abi-overlay input[type=range]"
+
 _POSITION = """name => {
   const nodes = window.__viserMutable.nodeRefFromName;
   if (!nodes[name]) return null;
@@ -280,11 +282,25 @@ class Page:
         The arrow is gripped near its tip, since what is clickable and nearer to the eye, such as an
         obstacle's body, takes the mouse from its shaft.
         """
+        self.choose_body(gizmo)
         grip = [0.0, 0.0, 0.0]
         grip[axis] = 0.85 * float(self.props(gizmo)["scale"])
         start = self.pixel(gizmo, grip)
         grip[axis] += distance
         self.drag(start, self.pixel(gizmo, grip), midway=midway)
+
+    def choose_body(self, gizmo: str) -> None:
+        """Click what a gizmo moves, and wait for its arrows."""
+        if self.props(gizmo)["disable_axes"]:
+            x, y = self.pixel(gizmo)
+            assert self.is_free((x, y)), f"{gizmo} is covered"
+            self.tab.mouse.move(x, y)
+            self.frames(3)
+            self.tab.mouse.down()
+            self.frames(2)
+            self.tab.mouse.up()
+            self.until(lambda: not self.props(gizmo)["disable_axes"], f"the arrows of {gizmo}")
+            self.frames(3)
 
     def frames(self, count: int) -> None:
         """Let the page draw that many frames."""
@@ -311,12 +327,19 @@ class Page:
         box.fill(str(value))
         box.press("Tab")
 
-    def slide(self, label: str, part: float) -> None:
-        """Press a slider's track at ``part`` (0 to 1) of its length."""
-        track = self.row(label).locator(".mantine-Slider-track")
-        box = track.bounding_box()
-        assert box is not None, f"the slider {label} is not on screen"
+    def scrub(self, part: float) -> None:
+        """Press the track of the player's slider at ``part`` (0 to 1) of its length."""
+        box = self.tab.locator(_PLAYER).bounding_box()
+        assert box is not None, "the player is not on screen"
         self.tab.mouse.click(box["x"] + part * box["width"], box["y"] + box["height"] / 2)
+
+    def set_time(self, time: float) -> None:
+        """Set the player's slider to ``time`` [s]."""
+        self.tab.locator(_PLAYER).fill(str(time))
+
+    def time(self) -> float:
+        """The time that the player shows, [s]."""
+        return float(self.tab.locator("#abi-overlay output").inner_text().split(" of ")[0])
 
     def choose(self, label: str, option: str) -> None:
         """Pick an option of a dropdown, or press one button of a group."""

@@ -49,6 +49,20 @@ def test_the_obstacle_goes_where_it_is_dragged(page: Page, session: Session) -> 
         assert ((gone > low - room) & (gone < high + room)).all()
 
 
+def test_bodies_are_dragged_by_themselves(page: Page, session: Session) -> None:
+    (obstacle,) = drawn.obstacles(page)
+    for gizmo, field in ((obstacle, "obstacles"), ("/goal", "goal")):
+        old, start = np.array(page.position(gizmo)), page.pixel(gizmo)
+        page.drag(start, (start[0] - 30, start[1] + 24))
+        page.until(lambda old=old, g=gizmo: not np.allclose(page.position(g), old), "a move")  # type: ignore[misc]
+        _is_planned(page, session, gizmo, field)
+        page.settle()
+        assert page.pixel(gizmo) == pytest.approx((start[0] - 30, start[1] + 24), abs=12)
+    goal = page.position("/goal")
+    assert all(-1e-6 <= number <= 6 + 1e-6 for number in goal)
+    assert page.complaints() == []
+
+
 def test_the_goal_goes_where_it_is_dragged(page: Page, session: Session) -> None:
     before, old = session.plan, np.array(page.position("/goal"))
     page.drag_arrow("/goal", 1, -2.0)

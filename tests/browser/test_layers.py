@@ -12,13 +12,14 @@ NODES = {
     "edges": ("/mesh/edges",),
     "nodes": ("/mesh/nodes",),
     "excluded": ("/mesh/excluded",),
-    "a_star": ("/path/a_star",),
+    "a_star": ("/path/a_star", "/name/path"),
     "dijkstra": ("/path/dijkstra",),
     "bellman_ford": ("/path/bellman_ford",),
     "taut": ("/path/taut",),
-    "bspline": ("/curve/bspline",),
+    "bspline": ("/curve/bspline", "/name/bspline"),
     "control": ("/curve/control_points", "/curve/control_polygon"),
-    "quadratic": ("/curve/quadratic", "/curve/entering"),
+    "quadratic": ("/curve/quadratic", "/curve/entering", "/name/quadratic"),
+    "names": ("/name/*",),
     "obstacles": ("/obstacle_*",),
     "trace": ("/trace",),
     "arm": ("/arm",),
@@ -71,7 +72,7 @@ def test_what_is_hidden_stays_hidden_in_a_new_plan(page: Page, session: Session)
         _switch(page, layer, False)
     hidden = set().union(*(_nodes(page, layer) for layer in NODES))
     page.until(lambda: not page.shown() & hidden, "all layers to go")
-    page.set_number("pitch [cm]", 1.0)
+    page.set_number("spacing [cm]", 1.0)
     page.set_number("degree", 3)
     page.until(
         lambda: session.plan.scene.spline.degree == 3,  # type: ignore[union-attr]
@@ -100,8 +101,8 @@ def test_the_search_slider_shows_what_was_expanded(page: Page, session: Session)
     assert session.plan is not None
     assert session.plan.path is not None
     assert "/search/reached" not in page.shown()
-    page.set_number("search [%]", 100)
+    page.set_number("visited [%]", 100)
     page.until(lambda: "/search/reached" in page.shown(), "the expanded nodes")
     assert len(page.points("/search/reached")) == len(set(session.plan.path.order.tolist()))
-    page.set_number("search [%]", 0)
+    page.set_number("visited [%]", 0)
     page.until(lambda: "/search/reached" not in page.shown(), "them to go")

@@ -25,7 +25,7 @@ def _edit(page: Page, session: Session, degree: int) -> abi.Scene:
     page.drag((640.0, 90.0), (690.0, 110.0))
     page.until(lambda: session.plan.scene.spline.degree == degree, "the degree")  # type: ignore[union-attr]
     page.click("Pause")
-    page.set_number("time [s]", 1.5)
+    page.set_time(1.5)
     page.until(lambda: session.frame.time == pytest.approx(1.5), "the time")
     _is_kept(page, session)
     assert session.plan is not None

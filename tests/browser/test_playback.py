@@ -9,8 +9,6 @@ from app.session import Session
 from tests.browser import drawn
 from tests.browser.page import Page
 
-TIME = "time [s]"
-
 
 def _label(page: Page) -> str:
     return (
@@ -22,10 +20,6 @@ def _label(page: Page) -> str:
 
 def _tool(page: Page) -> drawn.Points:
     return np.array(page.position(drawn.TOOL))
-
-
-def _time(page: Page) -> float:
-    return float(page.row(TIME).locator("input:visible").input_value())
 
 
 def _plays(page: Page) -> None:
@@ -41,12 +35,12 @@ def _stands(page: Page, session: Session) -> None:
     """Wait until the arm stands still, and where it should at the time shown."""
     page.until(lambda: _label(page) == "Play", "the button to say Play")
     page.settle()
-    shown = _time(page)
+    shown = page.time()
     assert session.plan is not None
     here = _tool(page)
     page.frames(10)
     np.testing.assert_array_equal(_tool(page), here)
-    assert _time(page) == shown
+    assert page.time() == shown
 
 
 def _is_at(page: Page, session: Session, time: float) -> None:
@@ -70,10 +64,10 @@ def test_pause_holds_the_arm_and_play_moves_it(page: Page, session: Session) -> 
 
 def test_a_typed_time_moves_the_arm_there(page: Page, session: Session) -> None:
     for time in (1.25, 0.4, 2.9):
-        page.set_number(TIME, time)
+        page.set_time(time)
         _is_at(page, session, time)
         _stands(page, session)
-        assert _time(page) == time
+        assert page.time() == time
 
 
 def test_pressing_the_track_scrubs(page: Page, session: Session) -> None:
@@ -81,12 +75,12 @@ def test_pressing_the_track_scrubs(page: Page, session: Session) -> None:
     assert session.plan.profile is not None
     for part in (0.5, 0.2, 0.8):
         _plays(page)
-        page.slide(TIME, part)
+        page.scrub(part)
         scrubbed = part * session.plan.profile.duration
-        page.until(lambda scrubbed=scrubbed: abs(_time(page) - scrubbed) < 0.1, "the time")  # type: ignore[misc]
+        page.until(lambda scrubbed=scrubbed: abs(page.time() - scrubbed) < 0.1, "the time")  # type: ignore[misc]
         _stands(page, session)
-        assert _time(page) == pytest.approx(scrubbed, abs=0.1)
-        _is_at(page, session, _time(page))
+        assert page.time() == pytest.approx(scrubbed, abs=0.1)
+        _is_at(page, session, page.time())
 
 
 def test_space_toggles_from_canvas_and_button(page: Page, session: Session) -> None:

@@ -88,11 +88,11 @@ def test_hostile_values_break_neither_their_tab_nor_another(page: Page, server: 
         page.send({"type": "GuiUpdateMessage", "uuid": uuid, "updates": {"value": value}})
 
     say(mine.panels.stages.motion.speed, NAN)
-    page.reads("V is nan")
+    page.reads("it is nan")
     shown = mine.playback.slider.value
     say(mine.playback.slider, NAN)
     say(mine.panels.stages.motion.speed, math.inf)
-    page.reads("V is inf")
+    page.reads("it is inf")
     page.until(lambda: mine.playback.slider.value == shown, "the good time again")
     assert mine.plan is good
     assert drawn.shows(page, good)
@@ -106,7 +106,7 @@ def test_hostile_values_break_neither_their_tab_nor_another(page: Page, server: 
     }
     say(mine.panels.stages.motion.speed, 4.0)
     page.send({**place, "position": [NAN, 3.0, 3.0]})
-    page.reads("obstacle 1: position")
+    page.reads("position of obstacle 1")
     assert mine.plan is good
     page.send({**place, "position": [3.0, 3.0, 2.5]})
     page.until(lambda: page.complaints() == [], "no complaint")
@@ -115,7 +115,7 @@ def test_hostile_values_break_neither_their_tab_nor_another(page: Page, server: 
     # And by hand, everything works as before.
     page.until(lambda: drawn.shows(page, mine.plan), "its picture")
     page.settle()
-    page.slide("time [s]", 0.5)
+    page.scrub(0.5)
     assert good is not None
     assert good.profile is not None
     half = good.profile.duration / 2

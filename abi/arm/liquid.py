@@ -1,0 +1,40 @@
+"""A cup of liquid on the tool: how far its level tilts while the tool moves."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from abi.arm.trajectory import Trajectory
+from abi.arrays import FloatArray
+from abi.curves.curve import ArcLength, Curve
+from abi.curves.timed_profile import PathProfile
+from abi.obstacles.pose import METRES
+
+GRAVITY = 9.80665
+"""Standard gravity, [m/s²]."""
+
+_SAMPLES = 801
+
+
+def largest_tilt(curve: Curve, arc: ArcLength, profile: PathProfile, unit: str) -> float:
+    """Largest tilt of the level of a liquid that is carried upright, [rad].
+
+    The level is across the gravity that the cup feels, g minus its acceleration: it tilts by the
+    angle between that and the vertical. Sloshing is left out.
+
+    Args:
+        curve: path of the tool, [unit].
+        arc: its arc length.
+        profile: the motion along it.
+        unit: of lengths.
+    """
+    times = np.linspace(0.0, profile.duration, _SAMPLES)
+    # just before the acceleration jumps, too
+    times = np.concatenate([times, profile.jumps, np.nextafter(profile.jumps, 0.0)])
+    return float(tilts(Trajectory(curve, arc, profile)(times, 2), unit).max())
+
+
+def tilts(accelerations: FloatArray, unit: str) -> FloatArray:
+    """Tilt of the level at accelerations (n, 3) of the cup, [unit/s²], z up; (n,), [rad]."""
+    x, y, z = accelerations.T * METRES[unit]
+    return np.asarray(np.arctan2(np.hypot(x, y), GRAVITY + z))

@@ -1,0 +1,140 @@
+"""The motion along a curve by laws that know the joints' limits."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from abi.arm.arm import Arm
+from abi.arm.inverse_kinematics import solve
+from abi.arrays import FloatArray, flat, read_only
+from abi.curves.curve import ArcLength, Curve
+from abi.curves.speed_profile import three_phase
+from abi.curves.time_optimal_kernels import fastest_speeds
+from abi.curves.timed_profile import (
+    PathProfile,
+    TimedProfile,
+    from_squared_speeds,
+    jerk_limited,
+)
+from abi.scene.scene import ArmSettings, MotionSettings
+
+JOINT_SPEED = np.pi
+"""Largest speed of the paper's turning joints, nominal, [rad/s]."""
+
+_MOVED = 3
+_GRID = 3201
+"""Points along the curve at which the joints are asked."""
+_ROOM = 1.001
+"""What the differences of samples may leave out."""
+
+
+class JointLimits(NamedTuple):
+    """Largest speeds and accelerations of the joints, (n,) each, [rad/s] and [rad/s²]."""
+
+    speeds: FloatArray
+    accelerations: FloatArray
+
+
+class JointPath(NamedTuple):
+    """Joints as a function of the distance along a curve."""
+
+    curve: Curve
+    arc: ArcLength
+    arm: Arm
+    settings: ArmSettings
+
+    def at(self, distances: FloatArray) -> FloatArray:
+        """Positions of q1 to q3 at distances (k,) in their order, (k, 3), [rad]."""
+        parameters = self.arc.parameter(distances)
+        tangents = self.curve(parameters, 1)
+        lengths = np.linalg.norm(tangents, axis=1)
+        tangents = tangents / np.where(lengths > 0, lengths, 1)[:, None]
+        q5, points = np.full(len(distances), self.settings.q5), self.curve(parameters)
+        found = solve(self.arm, points, q5, self.settings.elbow, tangents)
+        return np.stack([found.q1, found.q2, found.q3], axis=1)
+
+
+def motion_law(
+    curve: Curve, arc: ArcLength, settings: MotionSettings, arm: Arm, arm_settings: ArmSettings
+) -> PathProfile:
+    """Motion from rest to rest along a curve by a law other than the paper's three phases.
+
+    It keeps the speeds and accelerations of the joints that the inverse kinematics moves, q1 to
+    q3, with q5 as at first.
+
+    Args:
+        curve: path of the tool.
+        arc: its arc length.
+        settings: law, speeds and accelerations.
+        arm: the arm.
+        arm_settings: its branch.
+    """
+    rates = settings.speed, settings.acceleration, settings.deceleration
+    phases = three_phase(arc.length, *rates)
+    path = JointPath(curve, arc, arm, arm_settings)
+    limits = JointLimits(np.full(_MOVED, JOINT_SPEED), np.full(_MOVED, settings.joint_acceleration))
+    if settings.law == "time_optimal":
+        profile = _time_optimal(path, limits)
+        return profile.stretched(_excess(profile, path, limits))
+    if settings.law == "jerk_limited":
+        gentle = min(settings.acceleration, settings.deceleration)
+        profile = jerk_limited(arc.length, settings.speed, gentle, settings.jerk)
+        return profile.stretched(_excess(profile, path, limits))
+    factor = _excess(phases, path, limits)
+    # a triangle's peak scales by itself: its speed is not reached
+    speed, faster, slower = rates[0] / factor, rates[1] / factor**2, rates[2] / factor**2
+    return three_phase(arc.length, speed, faster, slower)
+
+
+def joint_accelerations(time: FloatArray, positions: FloatArray) -> FloatArray:
+    """Second differences of joint positions at uniform times, (k, n) at times (k,)."""
+    found = np.zeros_like(positions)
+    step = float(time[1] - time[0]) if len(time) > 1 else 0.0
+    if step > 0:
+        found[1:-1] = np.diff(positions, 2, axis=0) / step**2
+    return found
+
+
+def _derivatives(length: float, joints: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """First and second derivatives of joints by the distance, (k, n) each."""
+    step = length / (len(joints) - 1)
+    first = np.gradient(joints, step, axis=0, edge_order=2)
+    second = np.zeros_like(joints)
+    second[1:-1] = np.diff(joints, 2, axis=0) / step**2
+    second[0], second[-1] = second[1], second[-2]
+    return first, second
+
+
+def _excess(profile: PathProfile, path: JointPath, limits: JointLimits) -> float:
+    """Factor, at least 1, by which a motion is to be slowed so that the limits hold.
+
+    The speeds and accelerations are differences of many samples.
+    """
+    times = np.linspace(0.0, profile.duration, 2 * _GRID)
+    positions = path.at(profile(times))
+    step = float(times[1])
+    faster = float((np.abs(np.diff(positions, axis=0)) / step / limits.speeds).max())
+    rates = np.abs(joint_accelerations(times, positions))
+    harder = float((rates / limits.accelerations).max())
+    return max(1.0, faster * _ROOM, math.sqrt(harder * _ROOM))
+
+
+def _time_optimal(path: JointPath, limits: JointLimits) -> TimedProfile:
+    """Fastest motion along the curve under the joints' limits."""
+    length = path.arc.length
+    distances = np.linspace(0.0, length, _GRID)
+    joints = path.at(distances)
+    first, second = _derivatives(length, joints)
+    squared, sets = np.zeros(len(joints)), np.zeros(2 * len(joints))
+    step = float(distances[1])
+    rates = flat(first), flat(second)
+    bounds = flat(limits.speeds), flat(limits.accelerations)
+    failed = fastest_speeds(*rates, step, *bounds, sets, squared)
+    assert failed < 0, "standing still is always possible"
+    # rest within the path would take for ever: such points are passed slowly
+    slowest = 1e-6 * float(squared.max())
+    squared[1:-1] = np.maximum(squared[1:-1], slowest)
+    return from_squared_speeds(length, read_only(distances), squared)

@@ -1,0 +1,154 @@
+"""Motions along a length that are polynomials in time, piece by piece."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+import ruckig
+import scipy
+from numpy.typing import ArrayLike
+
+from abi.arrays import FloatArray, read_only
+from abi.curves.speed_profile import SpeedProfile
+
+_TINY = 1e-12
+
+
+@dataclass(frozen=True, eq=False)
+class TimedProfile:
+    """Motion from rest to rest whose speed never turns back.
+
+    Attributes:
+        law: ``jerk_limited`` or ``time_optimal``.
+        length: distance to travel, [unit].
+        breaks: times between the pieces, from 0, increasing, shape (k + 1,), [s].
+        coefficients: of the distance in each piece, from the third power of the time since its
+            break down, shape (4, k), [unit/s³] to [unit].
+    """
+
+    law: Literal["jerk_limited", "time_optimal"]
+    length: float
+    breaks: FloatArray
+    coefficients: FloatArray
+
+    @property
+    def duration(self) -> float:
+        """Time of the whole motion, [s]."""
+        return float(self.breaks[-1])
+
+    @property
+    def jumps(self) -> FloatArray:
+        """Times at which the acceleration may jump, [s]."""
+        return self.breaks
+
+    @cached_property
+    def peak_speed(self) -> float:
+        """The largest speed, [unit/s]."""
+        a, b, c = self.coefficients[0], self.coefficients[1], self.coefficients[2]
+        # it is least or largest where pieces meet, or where the acceleration vanishes within one
+        inner = np.divide(-b, 3 * a, out=np.zeros_like(b), where=np.abs(a) > _TINY)
+        inner = np.clip(inner, 0, np.diff(self.breaks))
+        return float(max(self(self.breaks, 1).max(), ((3 * a * inner + 2 * b) * inner + c).max()))
+
+    def stretched(self, factor: float) -> TimedProfile:
+        """The same motion in ``factor`` times the time."""
+        powers = factor ** np.array([-3.0, -2.0, -1.0, 0.0])[:, None]
+        slower = read_only(self.coefficients * powers)
+        return TimedProfile(self.law, self.length, read_only(self.breaks * factor), slower)
+
+    def time_at(self, distance: ArrayLike) -> FloatArray:
+        """Time at which a distance has been travelled, by bisection, [s].
+
+        Args:
+            distance: [unit], a number or any shape; clamped to the length.
+        """
+        asked = np.asarray(distance, dtype=float)
+        low, high = np.zeros_like(asked), np.full_like(asked, self.duration)
+        for _ in range(60):
+            middle = (low + high) / 2
+            before = self(middle) < asked
+            low, high = np.where(before, middle, low), np.where(before, high, middle)
+        return np.asarray((low + high) / 2)
+
+    def __call__(self, time: ArrayLike, order: int = 0) -> FloatArray:
+        """Distance travelled, or its derivative by time.
+
+        Args:
+            time: [s], a number or any shape; before 0 and after the duration the motion rests.
+            order: of the derivative; where it jumps, that of the later piece.
+
+        Returns:
+            [unit/s**order], in the shape given.
+        """
+        given = np.asarray(time, dtype=float)
+        t = np.clip(given, 0.0, self.duration)
+        if order > 3:
+            return np.zeros_like(t)
+        curve = scipy.interpolate.PPoly(self.coefficients, self.breaks)
+        value = np.asarray(curve(t, order))
+        if order == 0:
+            return np.asarray(np.clip(value, 0.0, self.length))
+        if order == 1:
+            return np.asarray(np.maximum(value, 0.0))
+        return np.where(given == t, value, 0.0)
+
+
+PathProfile = SpeedProfile | TimedProfile
+"""Distance along a curve as a function of time."""
+
+
+def jerk_limited(length: float, speed: float, acceleration: float, jerk: float) -> TimedProfile:
+    """Fastest motion from rest to rest under a speed, an acceleration and a jerk.
+
+    Ruckig (Berscheid and Kröger, Jerk-limited real-time trajectory generation with arbitrary
+    target states, 2021), from state to state.
+
+    Args:
+        length: distance to travel, [unit], above 0.
+        speed: largest, [unit/s].
+        acceleration: largest, of either sign, [unit/s²].
+        jerk: largest, of either sign, [unit/s³].
+    """
+    # in units of the length and the time to go it at full speed, so that no number is extreme
+    pace = length / speed
+    states = ruckig.InputParameter(1)
+    states.current_position, states.target_position = [0.0], [1.0]
+    states.max_velocity = [1.0]
+    states.max_acceleration = [acceleration * pace**2 / length]
+    states.max_jerk = [jerk * pace**3 / length]
+    found = ruckig.Trajectory(1)
+    result = ruckig.Ruckig(1).calculate(states, found)
+    assert result in (ruckig.Result.Working, ruckig.Result.Finished), result
+    profile = found.profiles[0][0]
+    durations, jerks = np.array(profile.t), np.array(profile.j)
+    kept = durations > _TINY
+    rates = np.array([profile.a, profile.v, profile.p])[:, :-1]
+    coefficients = np.stack([jerks / 6, rates[0] / 2, rates[1], rates[2]])[:, kept]
+    breaks = np.concatenate([[0.0], np.cumsum(durations[kept])])
+    powers = np.array([pace**-3, pace**-2, 1 / pace, 1.0])[:, None]
+    return TimedProfile(
+        "jerk_limited",
+        length,
+        read_only(breaks * pace),
+        read_only(coefficients * powers * length),
+    )
+
+
+def from_squared_speeds(length: float, distances: FloatArray, squared: FloatArray) -> TimedProfile:
+    """The motion whose acceleration is constant between distances, from its speeds there.
+
+    Args:
+        length: distance to travel, [unit].
+        distances: from 0 to the length, increasing, shape (k,), [unit].
+        squared: squares of the speeds there, 0 at both ends and above between them, (k,).
+    """
+    steps = np.diff(distances)
+    speeds = np.sqrt(squared)
+    times = 2 * steps / (speeds[:-1] + speeds[1:])
+    accelerations = np.diff(squared) / (2 * steps)
+    breaks = np.concatenate([[0.0], np.cumsum(times)])
+    coefficients = np.stack([np.zeros_like(steps), accelerations / 2, speeds[:-1], distances[:-1]])
+    return TimedProfile("time_optimal", length, read_only(breaks), read_only(coefficients))

@@ -1,0 +1,51 @@
+"""The plan's three headline numbers, over the scene."""
+
+from __future__ import annotations
+
+import math
+from typing import ClassVar
+
+from abi.planner.plan import Plan
+from app import style
+from app.frame import Frame, Switch
+from app.layout import Layout
+from app.numbers import distance_to_show, format_length, format_lower_bound
+
+
+class HeadlineLayer:
+    """Length, gap and distance kept of the curve that the arm follows."""
+
+    switches: ClassVar[tuple[Switch, ...]] = ()
+
+    def __init__(self, layout: Layout) -> None:
+        self._overlay = layout.overlay
+        self._drawn: Plan | None = None
+
+    def draw(self, frame: Frame) -> None:
+        """Write the plan's numbers; none without a curve."""
+        if frame.plan is self._drawn:
+            return
+        self._drawn = frame.plan
+        self._overlay.show("numbers", headline(frame.plan))
+
+
+def headline(plan: Plan) -> str:
+    """The three numbers as HTML; empty where no curve is followed."""
+    fit, unit = plan.followed_curve, plan.scene.unit
+    arc = {"bspline": plan.bspline_arc, "quadratic": plan.quadratic_arc}.get(plan.followed or "")
+    if fit is None or arc is None or plan.followed is None:
+        return ""
+    shortest = plan.straight_length if plan.optimum is None else plan.optimum.length
+    numbers = [(f"{format_length(arc.length)} {unit}", f"{style.CURVES[plan.followed][0]} length")]
+    if fit.holds:
+        exact = plan.optimum is not None and plan.optimum.exact
+        share = f"{100 * max(arc.length / shortest - 1, 0):.1f} %"
+        numbers.append((share if exact else f"≤ {share}", "longer than the best"))
+    distance = distance_to_show(fit.clearance)
+    if math.isfinite(distance):
+        colour, sign = (style.GOOD, "✓") if fit.holds else (style.BAD, "✗")
+        kept = f'<span style="font-size:inherit;color:{style.readable(colour)}">'
+        shown = format_lower_bound(max(distance, 0.0) if fit.holds else distance)
+        numbers.append((f"{kept}{shown} {unit} {sign}</span>", "from the obstacles"))
+    blocks = "".join(f"<div><b>{value}</b><span>{name}</span></div>" for value, name in numbers)
+    return f'<div class="abi-card abi-numbers">{blocks}</div>'

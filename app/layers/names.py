@@ -1,0 +1,128 @@
+"""Names of path and curves where they run, and the distance to the nearest obstacle as a line."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import ClassVar
+
+import numpy as np
+import viser
+
+from abi.arrays import FloatArray
+from abi.obstacles.obstacle_set import ObstacleSet
+from abi.planner.plan import Plan
+from app import style
+from app.frame import Frame, Switch
+from app.layers.lines import add_line, segments
+from app.layout import Layout
+from app.numbers import distance_to_show, format_lower_bound
+
+_NAMED = ("path", "bspline", "quadratic")
+_PLACES = np.linspace(0.12, 0.88, 20)
+"""Parts of a line's length at which its name may stand."""
+
+
+class NamesLayer:
+    """A label on each line, away from the other labels, and a dimension line."""
+
+    switches: ClassVar[tuple[Switch, ...]] = (Switch("names", "names, distance", style.POINT),)
+
+    def __init__(self, layout: Layout) -> None:
+        scene = layout.client.scene
+        self._labels = {name: _add_label(scene, f"/name/{name}") for name in _NAMED}
+        self._distance = _add_label(scene, "/name/distance")
+        self._line = add_line(scene, "/name/line", style.POINT, 2.0)
+        self._drawn: tuple[object, ...] = ()
+        self._places: dict[str, float] = {}
+        self._measured = False
+
+    def draw(self, frame: Frame) -> None:
+        """Name the plan's lines; names move along them only while the input rests."""
+        plan = frame.plan
+        state = plan, frame.interactive
+        if state != self._drawn:
+            self._drawn = state
+            self._draw(plan, frame.interactive)
+        on = "names" in frame.shown
+        for name, label in self._labels.items():
+            label.visible = on and name in self._places and _switch(plan, name) in frame.shown
+        self._line.visible = self._distance.visible = on and self._measured
+
+    def _draw(self, plan: Plan, interactive: bool) -> None:
+        nearest, lines = _nearest(plan), _lines(plan)
+        self._draw_distance(plan, nearest)
+        if not interactive or set(lines) != set(self._places):
+            self._places = _apart(plan, lines, [] if nearest is None else list(nearest))
+        for name, points in lines.items():
+            self._labels[name].text = _title(plan, name)
+            self._labels[name].position = _point_at(points, self._places[name])
+
+    def _draw_distance(self, plan: Plan, nearest: FloatArray | None) -> None:
+        self._measured = nearest is not None
+        if nearest is None:
+            return
+        assert plan.followed_curve is not None
+        self._line.points = segments(nearest)
+        distance = format_lower_bound(distance_to_show(plan.followed_curve.clearance))
+        self._distance.text = f"{distance} {plan.scene.unit}"
+        self._distance.position = nearest.mean(axis=0)
+
+
+def _add_label(scene: viser.SceneApi, name: str) -> viser.LabelHandle:
+    return scene.add_label(name, "", anchor="bottom-center", visible=False)
+
+
+def _switch(plan: Plan, name: str) -> str:
+    """Switch of the line that a name stands on."""
+    return plan.path.algorithm if name == "path" and plan.path is not None else name
+
+
+def _lines(plan: Plan) -> dict[str, FloatArray]:
+    """Points (n, 3) of the lines to name, [unit], world."""
+    lines: dict[str, FloatArray] = {}
+    if plan.path is not None:
+        lines["path"] = plan.path.points
+    for name, fit in (("bspline", plan.bspline), ("quadratic", plan.quadratic)):
+        if fit is not None:
+            lines[name] = fit.curve(np.linspace(*fit.curve.interval, 60))
+    return {name: points for name, points in lines.items() if len(points) > 1}
+
+
+def _title(plan: Plan, name: str) -> str:
+    if name == "path":
+        assert plan.path is not None
+        return style.ALGORITHMS[plan.path.algorithm][0]
+    return style.CURVES[name][0] + (" ▸" if name == plan.followed else "")
+
+
+def _nearest(plan: Plan) -> FloatArray | None:
+    """Nearest point of the followed curve and of the obstacle to each other, (2, 3); or None."""
+    fit = plan.followed_curve
+    if fit is None or fit.clearance.obstacle < 0 or fit.clearance.nearest <= 0:
+        return None
+    here = fit.curve(np.array([fit.clearance.at]))
+    obstacle = ObstacleSet((plan.scene.obstacles[fit.clearance.obstacle],))
+    distance, gradient = obstacle.signed_distance_gradient(here)
+    return np.concatenate([here, here - distance[:, None] * gradient])
+
+
+def _apart(
+    plan: Plan, lines: dict[str, FloatArray], taken: Iterable[FloatArray]
+) -> dict[str, float]:
+    """Part of each line's length at which its name is farthest from the other labels."""
+    others = [np.array(plan.scene.start), np.array(plan.scene.goal), *taken]
+    places = {}
+    for name, points in lines.items():
+        candidates = [_point_at(points, place) for place in _PLACES]
+        room = [min(float(np.linalg.norm(c - other)) for other in others) for c in candidates]
+        best = int(np.argmax(room))
+        places[name] = float(_PLACES[best])
+        others.append(candidates[best])
+    return places
+
+
+def _point_at(points: FloatArray, part: float) -> FloatArray:
+    """Point (3,) of a polyline (n, 3) at a part of its length."""
+    steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    arc = np.concatenate(([0.0], np.cumsum(steps)))
+    return np.array([np.interp(part * arc[-1], arc, axis) for axis in points.T])

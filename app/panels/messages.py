@@ -1,0 +1,142 @@
+"""The sentence over the scene: what to do and what was just done, or what is wrong and what helps.
+
+It lies over the scene, so that nothing that a hand may be holding moves when it changes.
+"""
+
+from __future__ import annotations
+
+import html
+from typing import Any
+
+from abi.errors import AbiError, NoPath
+from abi.obstacles.primitives import Box, Capsule, Cylinder, Sphere
+from abi.planner.diagnosis import Reason
+from abi.planner.plan import Plan
+from app import style
+from app.arm_words import contact_sentence
+from app.frame import Frame
+from app.labels import LABELS, sentence
+from app.layout import Layout
+from app.numbers import format_length, format_setting
+from app.overlay import button
+from app.panels.widgets import Wake
+
+_SHAPES = ((Box, "box"), (Sphere, "ball"), (Cylinder, "cylinder"), (Capsule, "capsule"))
+
+
+class Messages:
+    """One sentence, and the buttons of the change that helps."""
+
+    def __init__(self, layout: Layout, wake: Wake) -> None:
+        self._overlay = layout.overlay
+        gui = layout.client.gui
+        # Any, since viser declares a button's value read-only
+        self.accept: Any = gui.add_button("Accept", visible=False)
+        self.point_out: Any = gui.add_button("Show it", visible=False)
+        self.accept.on_click(wake)
+        self.point_out.on_click(wake)
+        self._reason: Reason | None = None
+        self._drawn: tuple[object, ...] = ()
+
+    def draw(self, frame: Frame) -> None:
+        """Write the sentence for a frame."""
+        state = frame.plan, frame.refused, frame.reason, frame.coarse, frame.interactive
+        if state == self._drawn:
+            return
+        self._drawn = state
+        self._reason = None if frame.refused is not None else frame.reason
+        if frame.refused is not None:
+            content = _error("Not changed. " + sentence(frame.refused), "")
+        elif frame.plan.error is not None:
+            content = self._failure(frame.plan.error, frame.reason)
+        else:
+            content = f'<div class="abi-card">{_progress(frame)}</div>{_contact(frame.plan)}'
+        self._overlay.show("message", content)
+
+    def accepted_change(self) -> dict[str, Any] | None:
+        """The change of the scene whose button was pressed since the last call."""
+        pressed, self.accept.value = self.accept.value, False
+        return self._reason.change if pressed and self._reason is not None else None
+
+    def pointed_out(self) -> int | None:
+        """The obstacle that was asked for since the last call."""
+        pressed, self.point_out.value = self.point_out.value, False
+        return self._reason.obstacle if pressed and self._reason is not None else None
+
+    def _failure(self, error: AbiError, reason: Reason | None) -> str:
+        """Why there is no plan, and the buttons of what would help."""
+        explained = error if reason is None else reason
+        dots = " The blue dots are what the start reaches." if isinstance(error, NoPath) else ""
+        content = _error(explained.message, explained.hint + dots)
+        if reason is None or reason.change is None:
+            return content
+        buttons = button(self.accept, _change_label(reason))
+        if reason.obstacle is not None:
+            buttons += button(self.point_out, f"Show obstacle {reason.obstacle + 1}")
+        return f'{content}<div class="abi-buttons" style="margin-top:6px">{buttons}</div>'
+
+
+def _contact(plan: Plan) -> str:
+    """What the arm touches worst; the rest stands in stage 6."""
+    contacts = () if plan.arm_clearance is None else plan.arm_clearance.contacts
+    if not contacts:
+        return ""
+    sentence = html.escape(contact_sentence(contacts[0], plan.scene.unit))
+    return (
+        f'<div class="abi-card abi-error"><b>{sentence} ✗</b> Only the tool\'s path is planned '
+        "clear.</div>"
+    )
+
+
+def _progress(frame: Frame) -> str:
+    """What to do, and what the last plan did, in numbers."""
+    plan = frame.plan
+    if plan.free is None or plan.path is None:
+        return ""
+    name = style.ALGORITHMS[plan.path.algorithm][0]
+    coarse = "≈ coarser while you drag · " if frame.coarse else ""
+    length = ""
+    if plan.bspline_arc is not None:
+        length = f", a curve of {format_length(plan.bspline_arc.length)} {plan.scene.unit}"
+    did = (
+        f"{coarse}{name} and B-spline through {plan.free.nodes:,} nodes in "
+        f"{max(plan.total_ms, 1):.0f} ms{length}."
+    )
+    return f"<b>{_invitation(plan)}</b> {did}"
+
+
+def _invitation(plan: Plan) -> str:
+    obstacles = plan.scene.obstacles
+    if not obstacles:
+        return "Drag start or goal."
+    names = [name for kind, name in _SHAPES if isinstance(obstacles[0], kind)]
+    if len(obstacles) > 1 or not names:
+        return "Drag an orange obstacle." if len(obstacles) > 1 else "Drag the orange obstacle."
+    return f"Drag the orange {names[0]}."
+
+
+def _change_label(reason: Reason) -> str:
+    """Text of the button that makes a diagnosis' change of the scene."""
+    if reason.obstacle is not None:
+        return f"Remove obstacle {reason.obstacle + 1}"
+    parts = []
+    for section, value in (reason.change or {}).items():
+        if section in ("start", "goal"):
+            parts.append(f"move the {section}")
+        elif isinstance(value, dict):
+            for name, number in value.items():
+                label = LABELS.get(f"{section}.{name}", name)
+                shown = format_setting(number) if isinstance(number, float) else str(number)
+                parts.append(f"set {label} to {shown}")
+        else:
+            parts.append(f"change {section}")
+    text = " and ".join(parts)
+    return text[:1].upper() + text[1:]
+
+
+def _error(message: str, hint: str) -> str:
+    """Message and hint as HTML; escaped, since both can quote what a user typed."""
+    return (
+        '<div class="abi-card abi-error" role="alert">'
+        f"<b>✗ {html.escape(message)}</b> {html.escape(hint)}</div>"
+    )

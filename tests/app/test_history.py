@@ -1,0 +1,83 @@
+"""Undo and redo: whatever was done, one gets back, and forward again."""
+
+from __future__ import annotations
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from abi.scene.scene import Scene, load_scene
+from app.panels.history import History
+from app.session import Session
+from tests.app.fake_tab import FakeTab, until
+
+
+class _Widget:
+    def on_click(self, _: object) -> None:
+        pass
+
+    on_trigger = on_click
+
+
+class _Gui:
+    def add_button(self, *_: object, **__: object) -> _Widget:
+        return _Widget()
+
+    add_command = add_button
+
+
+def _scene(number: int) -> Scene:
+    return Scene(version=1, motion={"speed": float(number + 1)})
+
+
+@given(st.lists(st.sampled_from(["undo", "redo", *range(5)]), max_size=30))
+def test_history_is_that_of_an_editor(steps: list[str | int]) -> None:
+    history = History(_Gui(), _scene(0), lambda _: None)  # type: ignore[arg-type]
+    before, now, after = list[Scene](), _scene(0), list[Scene]()
+    for step in steps:
+        if isinstance(step, int):
+            if _scene(step) != now:
+                before, now, after = [*before, now], _scene(step), []
+            history.note(_scene(step))
+        elif step == "undo":
+            history._step_back(None)
+            if before:
+                before, now, after = before[:-1], before[-1], [now, *after]
+            assert history.requested(now if not after else after[0]) == now
+        else:
+            history._step_forward(None)
+            old = now
+            if after:
+                before, now, after = [*before, now], after[0], after[1:]
+            assert history.requested(old) == now
+        assert history.noted == now
+        assert history.can_undo == bool(before)
+        assert history.can_redo == bool(after)
+    assert history.requested(now) is None
+
+
+def test_everything_is_undone_and_done_again(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    until(lambda: session.resting)
+    panels = session.panels
+    scenes = [load_scene("paper")]
+
+    def done() -> None:
+        until(lambda: session.frame.plan.scene != scenes[-1])
+        until(lambda: panels.history.noted == session.frame.plan.scene)
+        scenes.append(session.frame.plan.scene)
+
+    fake.set(panels.stages.spline.degree, 2)
+    done()
+    fake.drag(panels.obstacles.gizmos[0], [3.0, 3.0, 2.0])
+    done()
+    fake.set(panels.editor.buttons, "Add")
+    done()
+    fake.set(panels.files.choice, "two-boxes")
+    done()
+    for scene in scenes[-2::-1]:
+        fake.set(panels.history.undo, True)
+        until(lambda scene=scene: session.frame.plan.scene == scene)  # type: ignore[misc]
+    for scene in scenes[1:]:
+        fake.set(panels.history.redo, True)
+        until(lambda scene=scene: session.frame.plan.scene == scene)  # type: ignore[misc]
+    assert len(panels.obstacles.gizmos) == 2
