@@ -24,7 +24,7 @@ class Layout:
         joints: plots of the joints.
         scene: files, and positions as numbers.
         layers: the legend.
-        paper: the lesson.
+        paper: lessons, the paper's figures, and its text.
         overlay: text and controls over the scene.
     """
 
@@ -50,7 +50,7 @@ class Layout:
         gui.main_panel.dock_left()
         gui.main_panel.set_width(style.LEFT_WIDTH)
         right = gui.add_panel()
-        names = ("Result", "Search", "Plots", "Scene", "Layers", "Paper")
+        names = ("Result", "Search", "Plots", "Scene", "Layers", "Learn")
         tabs = [right.add_tab(name) for name in names]
         right.dock_right()
         right.set_width(style.RIGHT_WIDTH)

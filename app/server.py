@@ -22,7 +22,10 @@ from app.guard.guard import Guard
 from app.guard.policy import Policy, policy_for
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from abi.scene.scene import Scene
+    from app.lessons.lesson import Lessons, Library
     from app.session import Session
     from app.warm_up import WarmUp
 
@@ -59,14 +62,16 @@ class Server:
         self.url = listening_url(host, self.viser.get_port())
         self.link = token.link(self.url, self.guard.policy.token)
 
-    def show(self, name: str, scene: Scene) -> None:
+    def show(self, name: str, scene: Scene, library: Library) -> None:
         """Open a session on the scene for every tab, present and future."""
         from app.camera import look_at
         from app.warm_up import WarmUp
 
         look_at(self.viser.initial_camera, scene)
         self.viser.on_client_disconnect(self._close_session)
-        self.viser.on_client_connect(functools.partial(self._open_session, name, scene, WarmUp()))
+        self.viser.on_client_connect(
+            functools.partial(self._open_session, name, scene, library, WarmUp())
+        )
         self.guard.ready = True
 
     def stop(self) -> None:
@@ -83,11 +88,16 @@ class Server:
         self.viser.stop()
 
     def _open_session(
-        self, name: str, scene: Scene, warm_up: WarmUp, client: viser.ClientHandle
+        self,
+        name: str,
+        scene: Scene,
+        library: Library,
+        warm_up: WarmUp,
+        client: viser.ClientHandle,
     ) -> None:
         from app.session import Session
 
-        session = Session(client, name, scene, self._plain, self._dark, warm_up.planned)
+        session = Session(client, name, scene, self._plain, self._dark, warm_up.planned, library)
         warm_up.add(client)
         with self._lock:
             if client.client_id in self.viser.get_clients():
@@ -110,6 +120,7 @@ def start(
     dark: bool = False,
     announce: Callable[[str], object] = lambda url: None,
     policy: Policy | None = None,
+    lessons: Path | None = None,
 ) -> Server:
     """Start serving and return at once.
 
@@ -120,11 +131,12 @@ def start(
         plain: no shadows and no environment map, for slow graphics and tests.
         dark: whether a new tab begins dark.
         announce: called with the link as soon as there is a page to load.
+        lessons: a folder with lessons of one's own, besides the shipped ones.
         policy: rules for visitors; by default those of :func:`app.guard.policy.policy_for`.
 
     Raises:
-        AbiError: the scene cannot be read, ``host`` is no address of this machine, or another
-            program has the port.
+        AbiError: the scene or a lesson cannot be read, ``host`` is no address of this machine, or
+            another program has the port.
     """
     # a tab may close in the middle of a frame; its session ends right after
     warnings.filterwarnings("ignore", "Queued a .* on a closed connection", UserWarning)
@@ -132,9 +144,10 @@ def start(
     sys.setswitchinterval(0.0005)
     # a file that may be wrong is read before there is a page
     loaded = None if scene == PAPER else _load(scene)
+    lesson_library = _library(lessons)
     server = Server(host, port, plain, dark, policy)
     announce(server.link)
-    server.show(scene, loaded or _load(scene))
+    server.show(scene, loaded or _load(scene), lesson_library)
     return server
 
 
@@ -142,3 +155,18 @@ def _load(name: str) -> Scene:
     from abi.scene.scene import load_scene
 
     return load_scene(name)
+
+
+def _library(folder: Path | None) -> Library:
+    if folder is None:
+        return _shipped_lessons
+    from app.lessons.lesson import library
+
+    return library(folder)
+
+
+@functools.cache
+def _shipped_lessons() -> Lessons:
+    from app.lessons.lesson import load_lessons
+
+    return load_lessons()

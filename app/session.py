@@ -22,10 +22,12 @@ from abi.planner.plan import Plan
 from abi.scene.scene import Scene
 from app import metrics, page
 from app.bug_report import bug_report, describe_fault
-from app.camera import Viewpoint
+from app.camera import View, Viewpoint
 from app.frame import Drawable, Frame, Switchable
 from app.labels import sentence
 from app.layers.catalogue import LAYERS, SLOW_LAYERS
+from app.lessons.cue import Cue
+from app.lessons.lesson import Library
 from app.panels.all_panels import AllPanels
 from app.panels.obstacle_gizmos import ObstacleGizmos
 from app.panels.playback import PlaybackPanel
@@ -66,6 +68,7 @@ class Session:
         plain: bool,
         dark: bool,
         planned: threading.Event,
+        library: Library,
     ) -> None:
         """Build the tab and start its worker; sets ``planned`` whenever a plan has been drawn."""
         self.client = client
@@ -86,7 +89,7 @@ class Session:
         page.install(client)
         self._memory = TabMemory(client, self.wake)
         with client.atomic():
-            self._build(name, scene, dark)
+            self._build(name, scene, dark, library)
         self._changed.set()
         self._worker = threading.Thread(
             target=self._work, name=f"tab-{client.client_id}", daemon=True
@@ -142,9 +145,9 @@ class Session:
                 self._woken = time.monotonic()
             self._changed.set()
 
-    def _build(self, name: str, scene: Scene, dark: bool) -> None:
+    def _build(self, name: str, scene: Scene, dark: bool, library: Library) -> None:
         """Add panels and layers, in the order of the page where they share a tab or a folder."""
-        self.panels = AllPanels(self.client, name, scene, SWITCHES, self.wake, dark)
+        self.panels = AllPanels(self.client, name, scene, SWITCHES, self.wake, dark, library)
         layers: list[Drawable] = [layer(self.panels.layout) for layer in LAYERS]
         slow_layers: list[Drawable] = [layer(self.panels.layout) for layer in SLOW_LAYERS]
         with self.panels.layout.result:
@@ -210,6 +213,8 @@ class Session:
         """Plan and draw what the panels show."""
         report = self._memory.report()
         restored = report is not None and self._restore(report)
+        if (cue := self.panels.cue(self._scene)) is not None:
+            restored |= self._follow(cue)
         try:
             scene = self._read()
         except AbiError as error:
@@ -265,6 +270,22 @@ class Session:
         self.panels.history.begin(state.scene)
         return True
 
+    def _follow(self, cue: Cue) -> bool:
+        """Show what a lesson or a figure sets; whether there is another scene to plan."""
+        self.panels.follow(cue)
+        setting, before = cue.setting, self._scene
+        self._scene = cue.scene
+        if setting.scene is not None:
+            self._viewpoint.show(cue.scene)
+        if setting.camera is not None:
+            camera = setting.camera
+            view = View.of([camera.position, camera.target, (0.0, 0.0, 1.0)])
+            if view is not None:
+                self._viewpoint.restore(view)
+        if setting.time is not None or setting.play is not None:
+            self.playback.restore(setting.time or 0.0, bool(setting.play))
+        return cue.scene != before
+
     def _state(self) -> TabState:
         """What the page is to remember; while the arm moves, not where it is."""
         playing = self.playback.playing
@@ -276,6 +297,7 @@ class Session:
             playing=playing,
             shown=self.panels.layer_switches.shown(),
             dark=bool(self.panels.layer_switches.dark.value),
+            lessons=self.panels.lessons.progress,
         )
 
     def _replan(self, scene: Scene) -> Plan:
@@ -323,6 +345,8 @@ class Session:
         with self.client.atomic():
             for part in self._groups[1]:
                 part.draw(self.frame)
+        if self.panels.lessons.waiting:
+            self._changed.set()
 
     def _use_pause(self) -> None:
         """Do one thing that takes longer than a frame, since there is no input."""

@@ -17,6 +17,8 @@ from app.camera import View
 
 LONGEST_LINK = 6000
 """Characters of a state that servers and browsers still take as part of an address."""
+MAX_PROGRESS = 10_000
+"""Characters of the progress in lessons."""
 _VERSION = 1
 _FIELD = "link"
 
@@ -33,6 +35,7 @@ class TabState:
         playing: whether it advances by itself.
         shown: names of the switches that are on; None for those of a new tab.
         dark: whether the page is dark; None for as the system has it.
+        lessons: where the student is in which lesson, as the player writes it; empty for nowhere.
     """
 
     name: str
@@ -42,6 +45,7 @@ class TabState:
     playing: bool = True
     shown: frozenset[str] | None = None
     dark: bool | None = None
+    lessons: str = ""
 
     def encode(self) -> str:
         """The state in letters that an address takes as they are."""
@@ -54,6 +58,7 @@ class TabState:
             "playing": self.playing,
             "shown": None if self.shown is None else sorted(self.shown),
             "dark": self.dark,
+            "lessons": self.lessons,
         }
         packed = zlib.compress(json.dumps(data, separators=(",", ":")).encode(), 9)
         return base64.urlsafe_b64encode(packed).decode().rstrip("=")
@@ -81,6 +86,7 @@ class TabState:
             playing=data.get("playing") is not False,
             shown=frozenset(map(str, shown)) if isinstance(shown, list) else None,
             dark=dark if isinstance(dark, bool) else None,
+            lessons=str(data.get("lessons", ""))[:MAX_PROGRESS],
         )
 
 

@@ -6,6 +6,7 @@ import functools
 import signal
 import threading
 import webbrowser
+from pathlib import Path
 from types import FrameType
 from typing import Any
 
@@ -23,6 +24,11 @@ from app.logs import LEVELS, configure
 )
 @click.option("--open/--no-open", "open_tab", default=True, help="Open a browser tab.")
 @click.option("--dark/--light", default=False, help="How a new tab looks.")
+@click.option(
+    "--lessons",
+    type=click.Path(file_okay=False, exists=True, path_type=Path),
+    help="Folder with lessons of your own, besides the shipped ones.",
+)
 @click.option(
     "--log-level", default="info", show_default=True, type=click.Choice(LEVELS), help="Of the log."
 )
@@ -43,6 +49,7 @@ def serve(
     port: int,
     open_tab: bool,
     dark: bool,
+    lessons: Path | None,
     log_level: str,
     **visitors: Any,
 ) -> None:
@@ -57,7 +64,15 @@ def serve(
     configure(log_level)
     policy = _policy(host, **visitors)
     announce = functools.partial(_announce, open_tab)
-    server = start(host=host, port=port, scene=scene, dark=dark, announce=announce, policy=policy)
+    server = start(
+        host=host,
+        port=port,
+        scene=scene,
+        dark=dark,
+        announce=announce,
+        policy=policy,
+        lessons=lessons,
+    )
     try:
         threading.Event().wait()
     except KeyboardInterrupt:

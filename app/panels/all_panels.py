@@ -9,13 +9,17 @@ import viser
 from abi.scene.scene import Scene
 from app.frame import Drawable, Frame, Switch
 from app.layout import Layout
+from app.lessons.cue import Cue
+from app.lessons.lesson import Library
 from app.panels.bug_report_button import BugReportButton
 from app.panels.comparison import ComparisonPanel
 from app.panels.end_gizmos import EndGizmos
 from app.panels.exports import ExportPanel
+from app.panels.figures import FiguresPanel
 from app.panels.files import FilesPanel
 from app.panels.history import History
 from app.panels.layer_switches import LayerSwitches
+from app.panels.lessons import LessonPanel
 from app.panels.messages import Messages
 from app.panels.obstacle_editor import ObstacleEditor
 from app.panels.obstacle_gizmos import ObstacleGizmos
@@ -43,6 +47,7 @@ class AllPanels:
         switches: tuple[Switch, ...],
         wake: Wake,
         dark: bool,
+        library: Library,
     ) -> None:
         self._client = client
         self.stage_headers = StageHeaders(client.gui)
@@ -61,6 +66,9 @@ class AllPanels:
             self.bug_report = BugReportButton(client, wake)
         self.messages = Messages(self.layout, wake)
         self.history = History(client.gui, scene, wake)
+        with self.layout.paper:
+            self.lessons = LessonPanel(client, library, wake)
+            self.figures = FiguresPanel(client.gui, wake)
         self._inputs = (self.stages, self.obstacles, self.ends)
         self.drawn: tuple[Drawable, ...] = (
             self.messages,
@@ -72,6 +80,8 @@ class AllPanels:
             self.editor,
             self.layer_switches,
             self.comparison,
+            self.lessons,
+            self.figures,
         )
 
     def read(self, scene: Scene) -> Scene:
@@ -97,10 +107,23 @@ class AllPanels:
         sections = {name: part for panel in self._inputs for name, part in panel.read().items()}
         return scene.replace(self.editor.surfaces, **sections)
 
+    def cue(self, scene: Scene) -> Cue | None:
+        """What a lesson or a figure sets now, starting from ``scene``; None for nothing."""
+        return self.lessons.cue(scene) or self.figures.cue(scene)
+
+    def follow(self, cue: Cue) -> None:
+        """Show the cue's scene, layers and search."""
+        self._write(cue.scene)
+        if cue.setting.shown is not None:
+            self.layer_switches.restore(frozenset(cue.setting.shown), None)
+        if cue.setting.search is not None:
+            self.theatre.set(**cue.setting.search.model_dump(exclude_none=True))
+
     def restore(self, state: TabState) -> None:
         """Show what a tab showed before."""
         self.files.restore(state.name, state.scene)
         self.layer_switches.restore(state.shown, state.dark)
+        self.lessons.restore(state.lessons)
         self._write(state.scene)
 
     def apply_switches(self, frame: Frame) -> Frame:

@@ -1,0 +1,21 @@
+"""What a tab is told to show at once: by a lesson, a figure of the paper, or a teacher."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from abi.scene.scene import Scene
+from app.lessons.lesson import Setting
+
+
+@dataclass(frozen=True, eq=False)
+class Cue:
+    """A setting, and the scene that it leads to.
+
+    Attributes:
+        setting: layers, camera, search and time.
+        scene: to be planned.
+    """
+
+    setting: Setting
+    scene: Scene

@@ -1,0 +1,256 @@
+"""Lessons as data: YAML files with Markdown in them, checked when they are read."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from types import MappingProxyType
+from typing import Annotated, Any, Self
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+
+from abi import assets
+from abi.errors import AbiError, SceneError
+from abi.scene.scene import Scene, load_scene, scene_names
+from abi.scene.scene_file import parse
+from app import style
+from app.frame import Frame
+from app.lessons.measures import MEASURES, names_in, value
+
+Numbers3 = tuple[float, float, float]
+
+
+class _Part(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+    @model_validator(mode="after")
+    def _measures_exist(self) -> Self:
+        """Refuse texts that name a measure that there is not."""
+        for field, content in self:
+            for name in names_in(content) if isinstance(content, str) else ():
+                if name not in MEASURES:
+                    raise ValueError(f"{field}: a measure of {', '.join(MEASURES)}, not {name}")
+        return self
+
+
+class Condition(_Part):
+    """A measure and the range that it must be in."""
+
+    measure: str
+    at_least: float | None = None
+    at_most: float | None = None
+
+    @model_validator(mode="after")
+    def _measure_exists(self) -> Self:
+        if self.measure not in MEASURES:
+            raise ValueError(f"one of the measures {', '.join(MEASURES)}")
+        if self.at_least is None and self.at_most is None:
+            raise ValueError("at_least or at_most")
+        return self
+
+    def holds(self, frame: Frame) -> bool:
+        """Whether it holds now; a measure that there is not holds in nothing."""
+        number = value(self.measure, frame)
+        return number is not None and (
+            (self.at_least is None or number >= self.at_least - 1e-9)
+            and (self.at_most is None or number <= self.at_most + 1e-9)
+        )
+
+
+class Camera(_Part):
+    """Where the eye is and what it looks at, [unit], world."""
+
+    position: Numbers3
+    target: Numbers3
+
+
+class SearchCue(_Part):
+    """What the search theatre shows."""
+
+    on: bool = True
+    algorithm: str | None = None
+    step: Annotated[int, Field(ge=0)] | None = None
+    weight: Annotated[float, Field(ge=0, le=2)] | None = None
+    edges: str | None = None
+    ask: bool | None = None
+    race: bool | None = None
+
+    @model_validator(mode="after")
+    def _search_exists(self) -> Self:
+        if self.algorithm is not None and self.algorithm not in style.SEARCHES:
+            raise ValueError(f"one of the searches {', '.join(style.SEARCHES)}")
+        return self
+
+
+class Setting(_Part):
+    """What a step sets: each part that is given, and no other.
+
+    Attributes:
+        scene: name of a shipped scene, or a scene file beside the lesson.
+        change: fields of the scene to change after that.
+        shown: layers to show; all others are hidden.
+        camera: where to look from.
+        search: of the theatre.
+        time: of the motion, [s]; it stands still there.
+        play: whether the motion plays.
+    """
+
+    scene: str | None = None
+    change: dict[str, Any] | None = None
+    shown: tuple[str, ...] | None = None
+    camera: Camera | None = None
+    search: SearchCue | None = None
+    time: Annotated[float, Field(ge=0)] | None = None
+    play: bool | None = None
+
+
+class Choice(_Part):
+    """One answer of a question, and what is said to whoever gives it."""
+
+    text: str
+    right: bool = False
+    why: str
+
+
+class Question(_Part):
+    """A question with answers to choose from, asked before anything is revealed."""
+
+    text: str
+    choices: Annotated[tuple[Choice, ...], Field(min_length=2, max_length=4)]
+
+    @model_validator(mode="after")
+    def _one_is_right(self) -> Self:
+        if sum(choice.right for choice in self.choices) != 1:
+            raise ValueError("choices of which exactly one is right")
+        return self
+
+
+class Task(_Part):
+    """Something to do; the lesson waits until all its conditions hold.
+
+    Attributes:
+        text: what to do.
+        until: conditions.
+        shown_by: what does it, for those who are stuck.
+    """
+
+    text: str
+    until: Annotated[tuple[Condition, ...], Field(min_length=1)]
+    shown_by: Setting
+
+
+class Step(_Part):
+    """One page of a lesson.
+
+    Attributes:
+        set: what it sets when it begins.
+        text: what to look at, Markdown with formulas between dollars, numbers as
+            ``{{path.length}}``.
+        question: asked before ``after`` is revealed.
+        task: to be done before it is.
+        reveal: what is set then.
+        after: text that is shown then.
+    """
+
+    text: str
+    set: Setting = Setting()
+    question: Question | None = None
+    task: Task | None = None
+    reveal: Setting = Setting()
+    after: str = ""
+
+
+class Lesson(_Part):
+    """A lesson.
+
+    Attributes:
+        title: in the list.
+        minutes: that it takes.
+        steps: in order.
+    """
+
+    title: Annotated[str, Field(min_length=1, max_length=60)]
+    minutes: Annotated[int, Field(ge=1, le=120)] = 5
+    steps: Annotated[tuple[Step, ...], Field(min_length=1, max_length=40)]
+
+
+Lessons = Mapping[str, tuple[Lesson, Path]]
+"""Lessons by file name, each with its folder."""
+NO_LESSONS: Lessons = MappingProxyType({})
+Library = Callable[[], Lessons]
+"""Reads the lessons at the first call, and remembers them."""
+
+
+class LessonError(AbiError):
+    """A lesson that cannot be read."""
+
+
+def scene_of(setting: Setting, scene: Scene, folder: Path) -> Scene:
+    """The scene that a step sets, starting from ``scene``.
+
+    Raises:
+        SceneError: it cannot be read, or a change is wrong.
+    """
+    if setting.scene is not None:
+        file = folder / setting.scene
+        known = setting.scene in scene_names()
+        scene = load_scene(setting.scene if known else file)
+    return scene.replace(**setting.change) if setting.change else scene
+
+
+def load_lessons(folder: Path | None = None) -> Lessons:
+    """The shipped lessons and those of a folder, by file name, each with its folder.
+
+    Raises:
+        LessonError: the folder has no lesson, or one is wrong; names file and field.
+    """
+    found: dict[str, tuple[Lesson, Path]] = {}
+    for place in (assets.path("lessons"), folder):
+        if place is None:
+            continue
+        files = sorted(place.glob("*.yaml")) if place.is_dir() else []
+        if not files:
+            raise LessonError(f"--lessons: {str(place)!r} has no lesson; expected *.yaml in it.")
+        for file in files:
+            found[file.stem] = (_read(file, check_scenes=place is folder), place)
+    return found
+
+
+def library(folder: Path | None) -> Library:
+    """The shipped lessons and those of a folder, which is checked at once.
+
+    Raises:
+        LessonError: as :func:`load_lessons`.
+    """
+    read = functools.cache(functools.partial(load_lessons, folder))
+    if folder is not None:
+        read()
+    return read
+
+
+def _read(file: Path, check_scenes: bool) -> Lesson:
+    try:
+        lesson = Lesson.model_validate(parse(file))
+        if not check_scenes:
+            return lesson
+        scene = load_scene("paper")
+        for number, step in enumerate(lesson.steps):
+            for part in (step.set, step.reveal, step.task.shown_by if step.task else None):
+                if part is not None:
+                    scene = _checked(part, scene, file, number)
+    except SceneError as error:
+        raise LessonError(f"{file.name}: {error.message}") from None
+    except ValidationError as error:
+        detail = error.errors(include_url=False)[0]
+        place = ".".join(str(part) for part in detail["loc"]) or "the lesson"
+        message = detail["msg"].removeprefix("Value error, ")
+        raise LessonError(f"{file.name}: {place} is wrong; expected: {message}.") from None
+    return lesson
+
+
+def _checked(setting: Setting, scene: Scene, file: Path, number: int) -> Scene:
+    try:
+        return scene_of(setting, scene, file.parent)
+    except SceneError as error:
+        raise LessonError(f"{file.name}: steps.{number}: {error.message}") from None

@@ -1,0 +1,153 @@
+"""Numbers of a plan by name: what lessons ask about, wait for, and set into their texts."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
+
+import numpy as np
+
+from abi.planner.plan import Plan
+from abi.search.search import SearchResult
+from app.frame import Frame
+from app.numbers import distance_to_show, format_count, format_length
+
+Measure = Callable[[Frame], float | None]
+"""A number of the frame; None where there is none."""
+
+_PLACE = re.compile(r"\{\{\s*([a-z_.0-9]+)\s*\}\}")
+
+
+def _of_search(name: str, attribute: str) -> Measure:
+    def_ = (name, attribute)
+    return lambda frame: _searched(frame.plan, *def_)
+
+
+def _searched(plan: Plan, name: str, attribute: str) -> float | None:
+    found: dict[str, SearchResult] = {result.algorithm: result for result in plan.searches}
+    return float(getattr(found[name], attribute)) if name in found else None
+
+
+def _gap(length: float | None, plan: Plan) -> float | None:
+    """By how many percent a length is over the least possible."""
+    if length is None:
+        return None
+    least = plan.straight_length if plan.optimum is None else plan.optimum.length
+    return 100 * (length / least - 1)
+
+
+def _clearance(plan: Plan, name: str) -> float | None:
+    fit = plan.bspline if name == "bspline" else plan.quadratic
+    if fit is None or math.isinf(fit.clearance.distance):
+        return None
+    return distance_to_show(fit.clearance)
+
+
+def _axis_speed(plan: Plan, place: float) -> float | None:
+    """Size of the quadratic's derivative in t, of its own parameter, at a share of its interval."""
+    if plan.quadratic is None:
+        return None
+    curve = plan.quadratic.curve
+    first, last = curve.interval
+    return float(np.linalg.norm(curve(np.array([first + place * (last - first)]), 1)[0]))
+
+
+MEASURES: Mapping[str, Measure] = MappingProxyType(
+    {
+        "mesh.nodes": lambda f: None if f.plan.free is None else f.plan.free.nodes,
+        "mesh.excluded": lambda f: None if f.plan.free is None else int(f.plan.free.excluded.sum()),
+        "mesh.pitch": lambda f: None if f.plan.mesh is None else f.plan.mesh.pitch,
+        "graph.edges": lambda f: None if f.plan.graph is None else f.plan.graph.edge_count,
+        "graph.crossing": lambda f: None if f.plan.graph is None else len(f.plan.graph.crossing),
+        "path.length": lambda f: None if f.plan.path is None else f.plan.path.length,
+        "path.hops": lambda f: None if f.plan.path is None else f.plan.path.hops,
+        "path.gap": lambda f: None if f.plan.path is None else _gap(f.plan.path.length, f.plan),
+        "path.clearance": lambda f: None if f.plan.path is None else f.plan.path_clearance,
+        **{
+            f"{name}.{attribute}": _of_search(name, attribute)
+            for name in ("a_star", "dijkstra", "bellman_ford")
+            for attribute in ("length", "hops", "expanded", "relaxed")
+        },
+        "taut.length": lambda f: None if f.plan.taut is None else f.plan.taut.length,
+        "taut.gap": lambda f: None if f.plan.taut is None else _gap(f.plan.taut.length, f.plan),
+        "optimum.length": lambda f: (
+            f.plan.straight_length if f.plan.optimum is None else f.plan.optimum.length
+        ),
+        "straight.length": lambda f: f.plan.straight_length,
+        "clearance.wanted": lambda f: f.plan.scene.spline.clearance,
+        "bspline.length": lambda f: (
+            None if f.plan.bspline_arc is None else f.plan.bspline_arc.length
+        ),
+        "bspline.degree": lambda f: f.plan.scene.spline.degree,
+        "bspline.clearance": lambda f: _clearance(f.plan, "bspline"),
+        "bspline.points": lambda f: (
+            None if f.plan.bspline is None else len(f.plan.bspline.curve.control_points)
+        ),
+        "quadratic.length": lambda f: (
+            None if f.plan.quadratic_arc is None else f.plan.quadratic_arc.length
+        ),
+        "quadratic.clearance": lambda f: _clearance(f.plan, "quadratic"),
+        "quadratic.clear": lambda f: (
+            None if f.plan.quadratic is None else float(f.plan.quadratic.holds)
+        ),
+        "quadratic.pieces": lambda f: (
+            None if f.plan.quadratic is None else len(f.plan.quadratic.curve.pieces)
+        ),
+        "quadratic.speed_first": lambda f: _axis_speed(f.plan, 0.0),
+        "quadratic.speed_middle": lambda f: _axis_speed(f.plan, 0.5),
+        "quadratic.speed_last": lambda f: _axis_speed(f.plan, 1.0),
+        "motion.speed": lambda f: f.plan.scene.motion.speed,
+        "motion.a1": lambda f: f.plan.scene.motion.acceleration,
+        "motion.a3": lambda f: f.plan.scene.motion.deceleration,
+        "motion.t1": lambda f: getattr(f.plan.profile, "t1", None),
+        "motion.t2": lambda f: getattr(f.plan.profile, "t2", None),
+        "motion.t3": lambda f: getattr(f.plan.profile, "t3", None),
+        "motion.duration": lambda f: None if f.plan.profile is None else f.plan.profile.duration,
+        "motion.peak": lambda f: None if f.plan.profile is None else f.plan.profile.peak_speed,
+        "arm.clearance": lambda f: (
+            None if f.plan.arm_clearance is None else f.plan.arm_clearance.distance
+        ),
+        "arm.reaches": lambda f: None if f.plan.motion is None else float(f.plan.motion.reachable),
+        "plan.complete": lambda f: float(f.plan.error is None),
+        "search.step": lambda f: None if f.theatre is None else f.theatre.state.step,
+        "search.done": lambda f: None if f.theatre is None else float(f.theatre.state.done),
+        "search.length": lambda f: None if f.theatre is None else f.theatre.state.trace.length,
+        "search.cost": lambda f: None if f.theatre is None else f.theatre.state.trace.cost,
+        "search.cycle": lambda f: (
+            None if f.theatre is None else float(len(f.theatre.state.trace.cycle) > 0)
+        ),
+        "playback.time": lambda f: f.time,
+    }
+)
+"""The numbers by name."""
+
+_COUNTS = {"nodes", "excluded", "edges", "crossing", "hops", "expanded", "relaxed", "points"}
+_COUNTS |= {"degree", "pieces", "step"}
+
+
+def value(name: str, frame: Frame) -> float | None:
+    """A measure of the frame; None where there is none."""
+    return MEASURES[name](frame)
+
+
+def text(name: str, frame: Frame) -> str:
+    """A measure as it is read."""
+    number = value(name, frame)
+    if number is None or not math.isfinite(number):
+        return "–"
+    last = name.rsplit(".", 1)[-1]
+    if last in _COUNTS:
+        return format_count(int(number))
+    return f"{number:.1f}" if last == "gap" else format_length(number)
+
+
+def names_in(template: str) -> list[str]:
+    """Measures that a text names as ``{{path.length}}``."""
+    return _PLACE.findall(template)
+
+
+def filled(template: str, frame: Frame) -> str:
+    """The text with the present numbers in it."""
+    return _PLACE.sub(lambda match: text(match[1], frame), template)

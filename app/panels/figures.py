@@ -1,0 +1,90 @@
+"""The paper's figures in one click each, and the table of its numbers beside ours."""
+
+from __future__ import annotations
+
+import functools
+import html
+from typing import Any
+
+import viser
+
+from abi import assets
+from abi.scene.scene import Scene
+from app import style
+from app.frame import Frame
+from app.layers.tables import table
+from app.lessons.cue import Cue
+from app.lessons.figures import figures
+from app.lessons.lesson import scene_of
+from app.panels.widgets import Wake
+
+_SIGNS = {"holds": "✓", "depends on the mesh": "≈", "does not hold": "✗"}
+
+
+class FiguresPanel:
+    """Nine buttons, a caption, and a button for the table."""
+
+    def __init__(self, gui: viser.GuiApi, wake: Wake) -> None:
+        self._wake = wake
+        self._pressed: int | None = None
+        with gui.add_folder("The paper's figures", expand_by_default=False):
+            numbers = [str(number) for number in range(1, len(figures()) + 1)]
+            self.buttons = (
+                gui.add_button_group("figure", numbers[:5]),
+                gui.add_button_group(" ", numbers[5:]),
+            )
+            self._caption = gui.add_html("", visible=False)
+            # Any, since viser declares a button's value read-only
+            self.reproduce: Any = gui.add_button(
+                "The paper's numbers beside ours", hint="Computes each anew, in some seconds."
+            )
+            self._text = gui.add_html("", visible=False)
+        for group in self.buttons:
+            group.on_click(self._press)
+        self.reproduce.on_click(wake)
+
+    @property
+    def waiting(self) -> bool:
+        """Whether a figure was asked for."""
+        return self._pressed is not None
+
+    def cue(self, scene: Scene) -> Cue | None:
+        """The figure asked for since the last call; None for none."""
+        if self._pressed is None:
+            return None
+        number, self._pressed = self._pressed, None
+        figure = figures()[number]
+        self._caption.content = (
+            f"{style.BOX}<b>Fig. {number + 1}.</b> {html.escape(figure.caption)}</div>"
+        )
+        self._caption.visible = True
+        return Cue(figure.set, scene_of(figure.set, scene, assets.path("scenes")))
+
+    def draw(self, frame: Frame) -> None:
+        """Compute the table if its button was pressed; no frame changes it."""
+        if self.reproduce.value:
+            self.reproduce.value = False
+            self._text.content = _table()
+            self._text.visible = True
+
+    def _press(self, event: Any) -> None:
+        if event.target.value.isdigit():
+            self._pressed = int(event.target.value) - 1
+        self._wake(event)
+
+
+@functools.cache
+def _table() -> str:
+    """The paper's statements beside what we find, as HTML."""
+    from abi.paper.reproduction import compare
+
+    rows = [
+        (*map(_wrapped, (row.subject, row.printed, row.ours)), _SIGNS[row.verdict])
+        for row in compare()
+    ]
+    signs = ", ".join(f"{sign} {verdict}" for verdict, sign in _SIGNS.items())
+    return f'<div style="zoom:.82">{table(("what", "printed", "ours", ""), rows, signs)}</div>'
+
+
+def _wrapped(text: str) -> str:
+    return f'<span style="white-space:normal">{html.escape(text)}</span>'

@@ -1,0 +1,239 @@
+"""The lesson player: pages, questions before the answer, tasks that wait for the student."""
+
+from __future__ import annotations
+
+import json
+from functools import partial
+from typing import Any
+
+import viser
+
+from abi.errors import SceneError
+from abi.scene.scene import Scene
+from app import page, style
+from app.formulas import with_formulas
+from app.frame import Frame
+from app.lessons.cue import Cue
+from app.lessons.lesson import NO_LESSONS, Library, Setting, Step, scene_of
+from app.lessons.measures import filled
+from app.panels.widgets import Wake
+
+_NONE = "choose a lesson"
+_MOST_CHOICES = 4
+
+
+class LessonPanel:
+    """Widgets of the player, and where the student is."""
+
+    def __init__(
+        self,
+        client: viser.ClientHandle,
+        library: Library,
+        wake: Wake,
+    ) -> None:
+        gui, self._client, self._wake = client.gui, client, wake
+        self._library, self._lessons = library, NO_LESSONS
+        self._name, self._number = "", 0
+        self._passed: set[tuple[str, int]] = set()
+        self._answer = -1
+        self._cue: Setting | None = None
+        self._pressed: list[str] = []
+        self._drawn: tuple[object, ...] = ()
+        self.choice = gui.add_dropdown("lesson", (_NONE,), hint="Each takes some minutes.")
+        self._place = gui.add_html("", visible=False)
+        self._text = gui.add_markdown("", visible=False)
+        self._question = gui.add_markdown("", visible=False)
+        self.answers = [
+            gui.add_button("", visible=False, color="gray") for _ in range(_MOST_CHOICES)
+        ]
+        self._reply = gui.add_markdown("", visible=False)
+        self._after = gui.add_markdown("", visible=False)
+        self.show_me = gui.add_button(
+            "Show me", visible=False, color="gray", hint="Does it for you, to look at."
+        )
+        self.next = gui.add_button("Next", visible=False)
+        self.back = gui.add_button("Back", visible=False, color="gray")
+        self.choice.on_update(wake)
+        for number, button in enumerate(self.answers):
+            button.on_click(partial(self._press, str(number)))
+        for name, button in (("show", self.show_me), ("next", self.next), ("back", self.back)):
+            button.on_click(partial(self._press, name))
+
+    @property
+    def waiting(self) -> bool:
+        """Whether there is a cue to follow."""
+        return self._cue is not None
+
+    @property
+    def progress(self) -> str:
+        """Where the student is and what has been passed, as a text to keep."""
+        if not self._name and not self._passed:
+            return ""
+        passed = sorted(self._passed)
+        return json.dumps({"lesson": self._name, "step": self._number, "passed": passed})
+
+    def restore(self, text: str) -> None:
+        """Go on where a kept text says; ignore one that says nothing of these lessons."""
+        if not text:
+            return
+        if self._lessons is NO_LESSONS:
+            self._list()
+        try:
+            data = json.loads(text)
+            name, number = str(data["lesson"]), int(data["step"])
+            passed = {(str(a), int(b)) for a, b in data["passed"]}
+        except (ValueError, TypeError, KeyError):
+            return
+        self._passed |= {(a, b) for a, b in passed if a in self._lessons}
+        if name in self._lessons and 0 <= number < len(self._lessons[name][0].steps):
+            self._name, self._number = name, number
+            self.choice.value = self._titles()[list(self._lessons).index(name)]
+
+    def cue(self, scene: Scene) -> Cue | None:
+        """What the lesson sets now, starting from ``scene``; None where it sets nothing."""
+        self._take_presses()
+        if self._cue is None:
+            return None
+        setting, self._cue = self._cue, None
+        folder = self._lessons[self._name][1]
+        try:
+            return Cue(setting, scene_of(setting, scene, folder))
+        except SceneError as error:
+            page.notify_refusal(self._client, "The lesson cannot change this", error.message)
+            return None
+
+    def draw(self, frame: Frame) -> None:
+        """Show the page with the frame's numbers; go on where its task is done."""
+        resting = not (frame.interactive or frame.partial or not frame.current)
+        if resting and self._lessons is NO_LESSONS:
+            self._list()
+        step = self._step
+        if (
+            step is not None
+            and step.task is not None
+            and not self._is_passed
+            and resting
+            and self._cue is None
+            and all(condition.holds(frame) for condition in step.task.until)
+        ):
+            self._pass(step)
+        state = (frame.plan, frame.theatre, self._name, self._number, self._answer, self._is_passed)
+        if state != self._drawn:
+            self._drawn = state
+            self._write(frame)
+
+    @property
+    def _step(self) -> Step | None:
+        if self._name not in self._lessons:
+            return None
+        return self._lessons[self._name][0].steps[self._number]
+
+    @property
+    def _is_passed(self) -> bool:
+        step = self._step
+        nothing_to_do = step is not None and step.question is None and step.task is None
+        return nothing_to_do or (self._name, self._number) in self._passed
+
+    def _list(self) -> None:
+        """List the lessons, which take longer to read than a frame."""
+        self._lessons = self._library()
+        self.choice.options = (_NONE, *self._titles())
+
+    def _titles(self) -> list[str]:
+        return [
+            f"{number}. {lesson.title} ({lesson.minutes} min)"
+            for number, (lesson, _) in enumerate(self._lessons.values(), 1)
+        ]
+
+    def _take_presses(self) -> None:
+        """Do what the student pressed or chose since the last call."""
+        titles = self._titles()
+        chosen = self.choice.value
+        name = list(self._lessons)[titles.index(chosen)] if chosen in titles else ""
+        if name != self._name:
+            self._go(name, 0)
+        while self._pressed:
+            self._take(self._pressed.pop(0))
+
+    def _take(self, press: str) -> None:
+        step = self._step
+        if step is None:
+            return
+        if press == "back" and self._number > 0:
+            self._go(self._name, self._number - 1)
+        elif press == "next" and self._is_passed:
+            last = self._number + 1 == len(self._lessons[self._name][0].steps)
+            if last:
+                self.choice.value = _NONE
+            self._go("" if last else self._name, 0 if last else self._number + 1)
+        elif press == "show" and step.task is not None:
+            self._cue = step.task.shown_by
+        elif press.isdigit() and step.question is not None:
+            number = int(press)
+            if number < len(step.question.choices):
+                self._answer = number
+                if step.question.choices[number].right and not self._is_passed:
+                    self._pass(step)
+
+    def _go(self, name: str, number: int) -> None:
+        """Turn to a page."""
+        self._name, self._number, self._answer = name, number, -1
+        step = self._step
+        self._cue = None if step is None else step.set
+
+    def _pass(self, step: Step) -> None:
+        """Reveal what the page has kept back."""
+        self._passed.add((self._name, self._number))
+        self._cue = step.reveal
+
+    def _write(self, frame: Frame) -> None:
+        """Write the page into the widgets."""
+        step, passed = self._step, self._is_passed
+        for widget in (self._place, self._text, self.next, self.back):
+            widget.visible = step is not None
+        if step is None:
+            for text in (self._question, self._reply, self._after):
+                text.visible = False
+            for button in (self.show_me, *self.answers):
+                button.visible = False
+            return
+        lesson = self._lessons[self._name][0]
+        done = sum((self._name, number) in self._passed for number in range(len(lesson.steps)))
+        asked = sum(one.question is not None or one.task is not None for one in lesson.steps)
+        self._place.content = (
+            f"{style.BOX}<b>{self._number + 1} of {len(lesson.steps)}</b>, "
+            f"{done} of {asked} answered or done</div>"
+        )
+        self._show(self._text, step.text, frame)
+        question, task = step.question, step.task
+        asking = question.text if question is not None else ""
+        if task is not None:
+            asking = f"{'✓' if passed else '➜'} {task.text}"
+        self._show(self._question, asking, frame)
+        choices = question.choices if question is not None else ()
+        for number, button in enumerate(self.answers):
+            button.visible = number < len(choices)
+            if number < len(choices):
+                button.label = choices[number].text
+        reply = ""
+        if question is not None and 0 <= self._answer < len(choices):
+            choice = choices[self._answer]
+            reply = f"**{'✓ Right.' if choice.right else '✗ No.'}** {choice.why}"
+        self._show(self._reply, reply, frame)
+        self._show(self._after, step.after if passed else "", frame)
+        self.show_me.visible = task is not None and not passed
+        self.next.disabled = not passed
+        last = self._number + 1 == len(lesson.steps)
+        self.next.label = "Finish" if last else "Next"
+        self.back.disabled = self._number == 0
+
+    def _show(self, widget: viser.GuiMarkdownHandle, text: str, frame: Frame) -> None:
+        """Write a text with its numbers and formulas, or hide the widget where there is none."""
+        widget.visible = bool(text)
+        content = with_formulas(filled(text, frame)) if text else ""
+        if widget.content != content:
+            widget.content = content
+
+    def _press(self, name: str, event: Any) -> None:
+        self._pressed.append(name)
+        self._wake(event)

@@ -1,0 +1,207 @@
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from abi import assets, load_scene
+from abi.planner.planner import Planner
+from abi.scene.scene import Scene
+from abi.search.compare import COMPARED
+from app.formulas import with_formulas
+from app.frame import Frame
+from app.lessons.figures import figures
+from app.lessons.lesson import (
+    Lesson,
+    LessonError,
+    Setting,
+    Step,
+    load_lessons,
+    scene_of,
+)
+from app.lessons.measures import MEASURES, filled, text, value
+from app.panels.theatre import EDGES
+from app.session import SWITCHES, Session
+from tests.app.fake_tab import FakeTab, until
+
+LESSONS = load_lessons()
+FOLDER = assets.path("lessons")
+NAMES = {switch.name for switch in SWITCHES}
+
+
+def settings_of(step: Step) -> list[Setting]:
+    return [step.set, step.reveal, *([step.task.shown_by] if step.task else [])]
+
+
+def texts_of(step: Step) -> list[str]:
+    choices = step.question.choices if step.question else ()
+    asked = [step.question.text if step.question else "", step.task.text if step.task else ""]
+    return [step.text, step.after, *asked, *(choice.why for choice in choices)]
+
+
+def test_there_are_enough_lessons_and_each_asks() -> None:
+    assert len(LESSONS) >= 10
+    for lesson, _ in LESSONS.values():
+        assert any(step.question for step in lesson.steps)
+    tasks = [step.task for lesson, _ in LESSONS.values() for step in lesson.steps if step.task]
+    assert len(tasks) >= 10
+
+
+@pytest.mark.parametrize("name", LESSONS)
+def test_texts_are_typeset_with_the_present_numbers(name: str) -> None:
+    frame = Frame(Planner(compile=False)(load_scene("paper")))
+    for step in LESSONS[name][0].steps:
+        for content in texts_of(step):
+            shown = with_formulas(filled(content, frame))
+            assert "{{" not in shown
+            assert "$" not in shown
+            assert shown.count("<math") == len(
+                re.findall(r"\$\$.+?\$\$|\$[^$\n]+\$", content, re.S)
+            )
+
+
+@pytest.mark.parametrize("name", LESSONS)
+def test_settings_name_what_there_is(name: str) -> None:
+    for step in LESSONS[name][0].steps:
+        for setting in settings_of(step):
+            assert set(setting.shown or ()) <= NAMES
+            if setting.search is not None:
+                assert setting.search.algorithm in (None, *COMPARED)
+                assert setting.search.edges in (None, *EDGES)
+
+
+@pytest.mark.parametrize("name", LESSONS)
+def test_a_task_waits_until_it_is_done_and_show_me_does_it(name: str) -> None:
+    lesson, folder = LESSONS[name]
+    planner, scene = Planner(compile=False), load_scene("paper")
+    for step in lesson.steps:
+        scene = scene_of(step.set, scene, folder)
+        if step.task is not None and not uses_search(step):
+            conditions = step.task.until
+            assert not all(one.holds(Frame(planner(scene))) for one in conditions)
+            scene = scene_of(step.task.shown_by, scene, folder)
+            assert all(one.holds(Frame(planner(scene))) for one in conditions)
+        scene = scene_of(step.reveal, scene, folder)
+
+
+def uses_search(step: Step) -> bool:
+    assert step.task is not None
+    return any(condition.measure.startswith("search.") for condition in step.task.until)
+
+
+@pytest.mark.parametrize("scene", ["paper", "no-way", "two-boxes"])
+def test_every_measure_is_a_number_or_missing(scene: str) -> None:
+    frame = Frame(Planner(compile=False)(load_scene(scene)))
+    for name in MEASURES:
+        assert value(name, frame) is None or isinstance(float(value(name, frame)), float)  # type: ignore[arg-type]
+        assert text(name, frame)
+
+
+def test_figures_are_those_of_the_paper() -> None:
+    assert len(figures()) == 9
+    for figure in figures():
+        assert set(figure.set.shown or ()) <= NAMES
+        assert isinstance(scene_of(figure.set, load_scene("paper"), FOLDER), Scene)
+
+
+GOOD = """
+title: Mine
+steps:
+  - text: "Length {{path.length}}"
+    set: {scene: mine.yaml}
+    question:
+      text: Why?
+      choices: [{text: a, right: true, why: b}, {text: c, why: d}]
+"""
+
+
+def folder_with(tmp_path: Path, content: str) -> Path:
+    (tmp_path / "mine.yaml").write_text("version: 1\n", encoding="utf-8")
+    lessons = tmp_path / "lessons"
+    lessons.mkdir()
+    (lessons / "mine.yaml").write_text("version: 1\n", encoding="utf-8")
+    (lessons / "own.yaml").write_text(content, encoding="utf-8")
+    (lessons / "mine.yaml").rename(lessons / "mine.yml")
+    return lessons
+
+
+def test_a_teacher_adds_a_folder(tmp_path: Path) -> None:
+    lessons = load_lessons(folder_with(tmp_path, GOOD.replace("mine.yaml", "mine.yml")))
+    assert len(lessons) == len(LESSONS) + 1
+    assert lessons["own"][0].title == "Mine"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "named"),
+    [
+        ("path.length", "path.lenght", "path.lenght"),
+        ("title: Mine", "", "title"),
+        ("right: true", "right: false", "exactly one is right"),
+        ("scene: mine.yaml", "scene: other.yaml", "other.yaml"),
+        ("set: {scene: mine.yaml}", "set: {change: {mesh: {pitch: -1}}}", "mesh.pitch"),
+        ("set: {scene: mine.yaml}", "set: {search: {algorithm: magic}}", "a_star"),
+        ("text: Why?", "txt: Why?", "steps.0.question.text"),
+        ("title: Mine", "title: [", "own.yaml"),
+    ],
+)
+def test_a_wrong_lesson_is_named_in_one_sentence(
+    old: str, new: str, named: str, tmp_path: Path
+) -> None:
+    content = (
+        GOOD.replace(old, new)
+        if "scene" in old
+        else GOOD.replace(old, new).replace("mine.yaml", "mine.yml")
+    )
+    with pytest.raises(LessonError) as caught:
+        load_lessons(folder_with(tmp_path, content))
+    assert named in caught.value.message
+    assert "own.yaml" in caught.value.message
+    assert "\n" not in caught.value.message
+
+
+def test_an_empty_folder_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(LessonError, match="has no lesson"):
+        load_lessons(tmp_path)
+
+
+def test_lessons_keep_what_they_are_given() -> None:
+    data: dict[str, Any] = {"title": "a", "steps": [{"text": "b"}]}
+    assert Lesson.model_validate(data).steps[0].text == "b"
+
+
+def test_a_lesson_goes_on_where_it_was_left(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    panel = session.panels.lessons
+    until(lambda: len(panel.choice.options) == len(LESSONS) + 1)
+    fake.set(panel.choice, panel._titles()[2])
+    until(lambda: session.frame.theatre is not None and session.frame.theatre.name == "dijkstra")
+    assert session.frame.theatre is not None
+    assert session.frame.theatre.state.step == 60
+    fake.set(panel.next, True)
+    fake.set(panel.answers[0], True)
+    until(lambda: "✗ No." in panel._reply.content)
+    assert panel.next.disabled
+    fake.set(panel.answers[1], True)
+    until(lambda: "✓ Right." in panel._reply.content and not panel.next.disabled)
+    fake.set(panel.next, True)
+    until(lambda: "### A*" in panel._text.content and session.resting)
+    kept = panel.progress
+    fake.set(panel.choice, panel.choice.options[0])
+    until(lambda: not panel._text.visible)
+    panel.restore("{")
+    panel.restore('{"lesson": "none", "step": 3, "passed": []}')
+    assert panel._step is None
+    panel.restore(kept)
+    assert panel.progress == kept
+    fake.set(panel.back, True)
+    until(lambda: panel._number == 0 and not panel.next.disabled)
+
+
+def test_a_figure_is_one_click(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    fake.set(session.panels.figures.buttons[0], "3")
+    until(lambda: session.frame.plan.scene.search.weight == "hops" and session.resting)
+    assert {"a_star", "dijkstra", "bellman_ford"} <= session.frame.shown
+    assert "quadratic" not in session.frame.shown

@@ -1,0 +1,60 @@
+"""Every lesson, walked through as a student does: first the wrong answers, then the right one."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pytest
+from playwright.sync_api import Browser
+
+from app.lessons.lesson import Step, load_lessons
+from app.server import Server
+from app.session import Session
+from tests.browser.conftest import Tabs
+from tests.browser.page import Page
+
+LESSONS = load_lessons()
+
+
+@pytest.fixture(scope="module")
+def student(chromium: Browser, server: Server) -> Iterator[tuple[Page, Session]]:
+    """A tab of its own for all lessons, one after the other, as in a class."""
+    tabs = Tabs(chromium, server)
+    page = tabs()
+    page.click("Pause")
+    page.click("Learn")
+    yield page, server.sessions[page.client]
+    tabs.close()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", LESSONS)
+def test_a_student_walks_through(name: str, student: tuple[Page, Session]) -> None:
+    page, session = student
+    lesson = LESSONS[name][0]
+    panel = session.panels.lessons
+    page.until(lambda: len(panel.choice.options) > len(LESSONS), "the list of lessons")
+    title = panel._titles()[list(LESSONS).index(name)]
+    page.choose("lesson", title)
+    for number, step in enumerate(lesson.steps):
+        page.reads(f"{number + 1} of {len(lesson.steps)}, ")
+        _do(step, page, session)
+        page.click("Finish" if number + 1 == len(lesson.steps) else "Next")
+    page.until(lambda: panel.choice.value == "choose a lesson", "the end of the lesson")
+
+
+def _do(step: Step, page: Page, session: Session) -> None:
+    if step.question is not None:
+        assert (
+            page.tab.get_by_role("button", name="Next", exact=True)
+            .or_(page.tab.get_by_role("button", name="Finish", exact=True))
+            .is_disabled()
+        )
+        for choice in sorted(step.question.choices, key=lambda choice: choice.right):
+            page.click(choice.text)
+            page.reads("✓ Right." if choice.right else "✗ No.")
+    if step.task is not None:
+        page.click("Show me")
+    panel = session.panels.lessons
+    page.until(lambda: panel._is_passed and not panel.waiting, "the step is done")
+    page.until(lambda: session.resting, "rest")
