@@ -19,6 +19,7 @@ from abi.errors import AbiError, SceneError, StageError
 from abi.planner.plan import Plan
 from abi.planner.planner import Planner, plan
 from abi.scene.scene import Scene, load_scene, scene_names
+from abi.show import show
 
 __all__ = [
     "AbiError",
@@ -31,4 +32,5 @@ __all__ = [
     "load_scene",
     "plan",
     "scene_names",
+    "show",
 ]

@@ -14,6 +14,7 @@ from abi.atomic_file import replace_file
 from abi.errors import ExportError
 from abi.export import (
     csv_table,
+    html_page,
     json_plan,
     mcap_recording,
     moveit_scene,
@@ -57,6 +58,7 @@ FORMATS: dict[str, Format] = {
     "mcap": Format(
         "recording for Foxglove (MCAP)", "motion.mcap", (".mcap",), mcap_recording.write
     ),
+    "html": Format("page that plays by itself (HTML)", "plan.html", (".html",), html_page.write),
     "urdf": Format("arm (URDF)", "arm.urdf", (".urdf",), robot_description.write),
 }
 """Formats by the names that ``abi export --format`` takes."""

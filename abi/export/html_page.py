@@ -1,0 +1,187 @@
+"""The plan as one HTML file that plays by itself: its stages, its search, and the arm's motion.
+
+The page's script draws in two dimensions what it projects itself, so the file needs no server, no
+library and no graphics card; it holds the numbers that the drawing takes, rounded.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from typing import Any
+
+import numpy as np
+
+from abi import assets
+from abi.arm.arm import place
+from abi.arrays import FloatArray, IntArray
+from abi.curves.curve import Curve
+from abi.errors import ExportError
+from abi.obstacles.mesh_shape import MeshShape
+from abi.obstacles.obstacle_set import Obstacle
+from abi.obstacles.pose import rotation
+from abi.obstacles.primitives import Box, Cylinder, Sphere
+from abi.planner.plan import Plan
+from abi.search.subset import excerpt
+
+EDGES = 5_000
+"""Edges of the mesh that are drawn at the most, those near path and obstacles."""
+EXPANSIONS = 4_000
+"""Expanded nodes that are drawn at the most, evenly of all."""
+FACES = 3_000
+"""Triangles of an obstacle that are drawn at the most."""
+_CURVE, _POSES = 161, 121  # samples
+_DIGITS = 5
+_SEARCH_SECONDS = 8.0
+_ROUND_ANGLE = 24
+
+
+def write(plan: Plan, name: str) -> bytes:
+    """The page.
+
+    Raises:
+        ExportError: the plan has no mesh, so there is nothing to show.
+    """
+    if plan.free is None:
+        raise ExportError("A plan without a mesh cannot be shown.", "See its error.")
+    # what could end the script's element is written as an escape
+    data = json.dumps(_data(plan), separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
+    template = assets.path("export", "page.html").read_text(encoding="utf-8")
+    return template.replace("/*PLAN*/", data).encode()
+
+
+def _data(plan: Plan) -> dict[str, Any]:
+    """Numbers of the drawing, and words beside it."""
+    assert plan.free is not None
+    scene = plan.scene
+    near = np.array([scene.start]) if plan.path is None else plan.path.points
+    part = excerpt(plan.free, plan.graph, scene.obstacles, near, "near", EDGES)
+    order = _order(plan)
+    corners = np.array([scene.workspace.min, scene.workspace.max, scene.arm.base])
+    return {
+        "workspace": [list(scene.workspace.min), list(scene.workspace.max)],
+        "box": [corners.min(axis=0).tolist(), corners.max(axis=0).tolist()],
+        "start": list(scene.start),
+        "goal": list(scene.goal),
+        "faces": _rounded(np.concatenate([_faces(one) for one in scene.obstacles] or [_NO_FACES])),
+        "nodes": _rounded(part.points),
+        "edges": part.edges.tolist(),
+        "removed": _rounded(part.excluded[:: max(1, len(part.excluded) // 500)]),
+        "order": _rounded(order),
+        "expanded": 0 if plan.path is None else plan.path.expanded,
+        "path": [] if plan.path is None else _rounded(plan.path.points),
+        "taut": [] if plan.taut is None else _rounded(plan.taut.points),
+        "bspline": [] if plan.bspline is None else _sampled(plan.bspline.curve),
+        "control": [] if plan.bspline is None else _rounded(plan.bspline.curve.control_points),
+        "quadratic": [] if plan.quadratic is None else _sampled(plan.quadratic.curve),
+        "arm": _arm(plan),
+        "steps": _steps(plan),
+    }
+
+
+_NO_FACES: FloatArray = np.zeros((0, 3, 3))
+
+
+def _order(plan: Plan) -> FloatArray:
+    """Places (k, 3) of the nodes that the chosen search expanded, in order, [unit]."""
+    if plan.path is None or plan.graph is None:
+        return np.zeros((0, 3))
+    order: IntArray = plan.path.order
+    return plan.graph.places(order[:: -(-len(order) // EXPANSIONS)])
+
+
+def _steps(plan: Plan) -> list[dict[str, Any]]:
+    """Stages in order: names, sentences with numbers, what each draws, and its bar."""
+    assert plan.free is not None
+    unit = plan.scene.unit
+    steps = [_step("1 Mesh", "A mesh of tetrahedra", f"{plan.free.nodes:,} free nodes.", ["mesh"])]
+    if plan.graph is not None:
+        text = f"{plan.graph.edge_count:,} edges, each clear along its whole length."
+        steps.append(_step("2 Graph", "The graph of what is left", text, ["mesh"]))
+    if plan.path is not None:
+        name = {"a_star": "A*", "dijkstra": "Dijkstra", "bellman_ford": "Bellman-Ford"}
+        chosen = name[plan.path.algorithm]
+        length = _length(plan.path.length, unit)
+        text = f"{plan.path.expanded:,} nodes expanded, dark first; the path is {length} long."
+        search = _step("3 Search", f"The shortest path, by {chosen}", text, ["search"])
+        steps.append(search | {"bar": "search", "seconds": _SEARCH_SECONDS})
+    if plan.taut is not None:
+        text = f"{_length(plan.taut.length, unit)}, freed of the edges' directions."
+        steps.append(_step("3½ Taut", "The path pulled taut", text, ["path", "taut"]))
+    if plan.bspline is not None and plan.bspline_arc is not None:
+        text = f"{_length(plan.bspline_arc.length, unit)}, {_kept(plan.bspline.holds)}."
+        steps.append(_step("4 B-spline", "A smooth curve", text, ["path", "bspline"]))
+    if plan.quadratic is not None and plan.quadratic_arc is not None:
+        text = f"{_length(plan.quadratic_arc.length, unit)}, {_kept(plan.quadratic.holds)}."
+        steps.append(_step("5 Quadratic", "A simple formula", text, ["bspline", "quadratic"]))
+    if plan.motion is not None and plan.followed is not None:
+        text = "The arm follows the " + {"bspline": "B-spline"}.get(plan.followed, plan.followed)
+        arm = _step("6 Arm", "The motion", f"{text}.", [plan.followed, "arm"])
+        steps.append(arm | {"bar": "time", "seconds": float(plan.motion.time[-1])})
+    if plan.error is not None:
+        steps[-1]["text"] += f" {plan.error.message}"
+    return steps
+
+
+def _step(name: str, title: str, text: str, draw: list[str]) -> dict[str, Any]:
+    return {"name": name, "title": title, "text": text, "draw": draw, "bar": "", "seconds": 0}
+
+
+def _kept(holds: bool) -> str:
+    return "proven to keep the clearance" if holds else "✗ nearer to an obstacle than asked"
+
+
+def _length(length: float, unit: str) -> str:
+    return f"{length:.3f} {unit}"
+
+
+def _arm(plan: Plan) -> dict[str, Any]:
+    """Capsules of the links and the tool, at moments evenly spaced in time."""
+    if plan.motion is None or plan.arm is None:
+        return {"time": [0.0], "links": [[]], "radii": [], "tool": []}
+    last = len(plan.motion.time) - 1
+    chosen = np.unique(np.linspace(0, last, min(_POSES, last + 1)).round().astype(int))
+    poses = place(plan.arm, plan.motion.positions[chosen])
+    return {
+        "time": _rounded(plan.motion.time[chosen]),
+        "links": _rounded(poses),
+        "radii": [_round(capsule.radius) for capsule in plan.arm.capsules],
+        "tool": _rounded(plan.motion.tool[chosen]),
+    }
+
+
+def _sampled(curve: Curve) -> Any:
+    return _rounded(curve(np.linspace(*curve.interval, _CURVE)))
+
+
+def _faces(obstacle: Obstacle) -> FloatArray:
+    """Triangles (m, 3, 3) of an obstacle's surface, [unit], world."""
+    if isinstance(obstacle, MeshShape):
+        triangles = obstacle.triangles()
+        # of a fine surface every few triangles still show its shape
+        return np.asarray(triangles[:: -(-len(triangles) // FACES)])
+    from trimesh import creation  # here, since it takes long to import
+
+    if isinstance(obstacle, Box):
+        mesh = creation.box(obstacle.size)
+    elif isinstance(obstacle, Sphere):
+        mesh = creation.icosphere(subdivisions=2, radius=obstacle.radius)
+    elif isinstance(obstacle, Cylinder):
+        mesh = creation.cylinder(obstacle.radius, obstacle.height, sections=_ROUND_ANGLE)
+    else:
+        count = (_ROUND_ANGLE, _ROUND_ANGLE // 2)
+        mesh = creation.capsule(radius=obstacle.radius, height=obstacle.height, count=count)
+        mesh.apply_translation((0, 0, -mesh.bounds.mean(axis=0)[2]))
+    own = np.asarray(mesh.triangles, dtype=float)
+    return np.asarray(own @ rotation(obstacle.wxyz).T + np.array(obstacle.position))
+
+
+def _rounded(array: FloatArray) -> Any:
+    """The numbers as lists, to as many digits as a drawing shows."""
+    largest = float(np.abs(array).max(initial=0.0))
+    digits = _DIGITS - (math.floor(math.log10(largest)) + 1 if largest > 0 else 0)
+    return np.round(array, max(digits, 0)).tolist()
+
+
+def _round(number: float) -> float:
+    return float(f"{number:.{_DIGITS}g}")

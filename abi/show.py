@@ -1,0 +1,51 @@
+"""A plan in a notebook's cell, or in a browser's tab."""
+
+from __future__ import annotations
+
+import html
+import sys
+import tempfile
+import webbrowser
+from dataclasses import dataclass
+from pathlib import Path
+
+from abi.export import html_page
+from abi.planner.plan import Plan
+
+HEIGHT = 560
+"""Of the frame in a notebook, [px]."""
+
+
+@dataclass(frozen=True)
+class Shown:
+    """A plan's page; a notebook draws it as a cell's value.
+
+    Attributes:
+        page: the whole HTML file.
+    """
+
+    page: str
+
+    def _repr_html_(self) -> str:
+        """The page in a frame of its own, whose script cannot reach the notebook's."""
+        return (
+            f'<iframe srcdoc="{html.escape(self.page)}" sandbox="allow-scripts" '
+            f'style="width:100%;height:{HEIGHT}px;border:0"></iframe>'
+        )
+
+
+def show(plan: Plan) -> Shown:
+    """Show a plan: in a notebook as the cell's value, elsewhere in a tab of the browser.
+
+    The page is the one of ``abi export --to plan.html``: it plays without a server.
+
+    Raises:
+        ExportError: the plan has no mesh.
+    """
+    page = html_page.write(plan, "plan.html").decode()
+    if "ipykernel" not in sys.modules:
+        folder = Path(tempfile.mkdtemp(prefix="abi-"))
+        file = folder / "plan.html"
+        file.write_text(page, encoding="utf-8")
+        webbrowser.open(file.as_uri())
+    return Shown(page)
