@@ -9,10 +9,13 @@
         ├── PointBlocked      start or goal lies inside an obstacle or its clearance
         ├── NoPath            no path joins start and goal on this mesh
         ├── ClearanceNotHeld  a curve could not be kept clear of the obstacles
-        └── OutOfReach        the arm cannot follow the curve all the way
+        ├── OutOfReach        the arm cannot follow the curve all the way
+        └── ArmNotClear       no motion was found whose whole arm keeps clear
 """
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -198,6 +201,57 @@ class OutOfReach(StageError):
         self.first = first
         self.last = last
         self.shortfall = shortfall
+
+
+class ArmNotClear(StageError):
+    """No motion was found whose whole arm is proven clear; the tool alone has one.
+
+    Args:
+        elbow: branch that it was sought on.
+        where: ``start`` or ``goal``, where the arm is not clear at once; ``path`` where the mesh
+            has none, ``curve`` where no curve near the path is clear.
+        link: link that is in the way at start or goal; empty where that is out of reach.
+        obstacle: index of what it touches, from 0, or its name; None where out of reach.
+        sentences: other sentences than these tell.
+    """
+
+    def __init__(
+        self,
+        elbow: str,
+        where: str,
+        link: str = "",
+        obstacle: int | str | None = None,
+        sentences: str = "",
+    ) -> None:
+        name = f"obstacle {obstacle + 1}" if isinstance(obstacle, int) else f"the {obstacle}"
+        message = {
+            "path": f"With the elbow {elbow}, no path was found that keeps the whole arm clear.",
+            "curve": f"With the elbow {elbow}, the arm is clear along a path, but it is not proven "
+            "clear along any curve found near it.",
+        }.get(where)
+        if message is None:
+            fault = "cannot take its pose within reach and limits"
+            if obstacle is not None:
+                fault = f"touches {name} with its {link.replace('_', ' ')}"
+            message = f"With the elbow {elbow}, the arm {fault} at the {where}."
+        super().__init__(
+            "arm",
+            "arm_not_clear",
+            sentences or message,
+            "The plan shown is for the tool alone. Move an obstacle or the arm's base, or let the "
+            "elbow be auto.",
+        )
+        self.elbow = elbow
+        self.where = where
+        self.link = link
+        self.obstacle = obstacle
+
+    @classmethod
+    def of_both(cls, faults: Sequence[ArmNotClear]) -> ArmNotClear:
+        """The faults of both branches as one."""
+        first = faults[0]
+        text = " ".join(fault.message for fault in faults)
+        return cls(first.elbow, first.where, first.link, first.obstacle, text)
 
 
 def format_length(length: float) -> str:

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import ClassVar, Protocol
 
 from abi.errors import AbiError
-from abi.planner.diagnosis import Reason
 from abi.planner.plan import Plan
+from abi.planner.reason import Reason
 from app.style import Colour
 from app.theatre import Theatre
 

@@ -19,6 +19,8 @@ LABELS = {
     "motion.acceleration": "acceleration",
     "motion.deceleration": "braking",
     "arm.base": "base",
+    "arm.elbow": "elbow",
+    "arm.clearance": "links clear by",
     "arm.q5": "slide's extension at start",
     "arm.a1": "pedestal's height",
     "arm.a2": "column's height",

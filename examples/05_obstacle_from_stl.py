@@ -35,6 +35,7 @@ scene = abi.Scene.from_dict(
         ],
         "mesh": {"pitch": 0.5},
         "spline": {"clearance": 0.1},
+        "arm": {"avoid": False},  # through the ring goes the tool alone
     },
     {"ring.stl": stl},
 )

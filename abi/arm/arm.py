@@ -83,12 +83,18 @@ class Arm:
         """Centre of q2, shape (3,), [unit], world; it never moves."""
         return np.asarray(self.base + np.array([0.0, 0.0, self.a1 + self.a2]))
 
-    def numbers(self, elbow: Literal["up", "down"] = "up") -> FloatArray:
-        """Base, shoulder's height, a3, a4 + a5 and the sign of q3, (7,), as the kernels take it."""
+    def numbers(self, elbow: Literal["up", "down"] = "up", spare: float = 0.0) -> FloatArray:
+        """The arm as its kernels take it, (9,): see :mod:`abi.arm.pose_kernels`.
+
+        Args:
+            elbow: its branch.
+            spare: distance that q2 and q3 keep from their limits, [rad].
+        """
         x, y, z = self.base.tolist()
         side = 1.0 if elbow == "up" else -1.0
         lengths = (z + self.a1 + self.a2, self.a3, self.a4 + self.a5)
-        return read_only(np.array([x, y, z, *lengths, side]))
+        cosines = math.cos(self.limits[2, 1] - spare), math.cos(self.limits[1, 1] - spare)
+        return read_only(np.array([x, y, z, *lengths, side, *cosines]))
 
     @cached_property
     def capsule_rows(self) -> FloatArray:

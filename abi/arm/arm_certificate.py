@@ -87,6 +87,7 @@ def certify_arm(
     elbow: Literal["up", "down"],
     around: Surroundings,
     margin: float,
+    spare: float = 0.0,
 ) -> ArmCertificate | ArmRefutation:
     """Prove that an arm keeps more than ``margin`` from every obstacle, or find where not.
 
@@ -97,6 +98,7 @@ def certify_arm(
         elbow: its branch.
         around: obstacles, floor and column.
         margin: distance to prove from obstacles, at least 0, [unit].
+        spare: distance that q2 and q3 are to keep from their limits, [rad].
     """
     pieces = curve.bezier()
     room = np.zeros(3 * (len(pieces.points) + 2 * MOST_HALVINGS + 2) * (pieces.degree + 1))
@@ -105,7 +107,7 @@ def certify_arm(
         flat(pieces.points),
         flat(pieces.breaks),
         room,
-        arm.numbers(elbow),
+        arm.numbers(elbow, spare),
         arm.capsule_rows,
         around.beyond(margin),
         slide,

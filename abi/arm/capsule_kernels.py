@@ -22,7 +22,7 @@ def place_capsules(
 
     Args:
         joints: of each pose q1 to q6, flat (6 n,), [rad], q5 [unit].
-        arm: its seven numbers.
+        arm: its nine numbers.
         capsules: rows (4 c,).
         ends: flat (6 n c,), [unit], world; written.
     """

@@ -53,7 +53,7 @@ class JointPath(NamedTuple):
         lengths = np.linalg.norm(tangents, axis=1)
         tangents = tangents / np.where(lengths > 0, lengths, 1)[:, None]
         q5, points = np.full(len(distances), self.settings.q5), self.curve(parameters)
-        found = solve(self.arm, points, q5, self.settings.elbow, tangents)
+        found = solve(self.arm, points, q5, self.settings.branches[0], tangents)
         return np.stack([found.q1, found.q2, found.q3], axis=1)
 
 

@@ -9,9 +9,9 @@ so the elbow moves by (u·dT - da6) / sin q3 in the plane, and by p / r of the t
 axis across it. Both are orthogonal: |dE| <= L |dT| + |da6| / |sin q3| with
 L = max(1, 1 / |sin q3|, p / r). The other points of a rigid link move as two of its points tell.
 
-Plain Python that numba compiles with its caller. An arm is seven numbers: the base's x, y and z,
-the shoulder's z, a3, a4 + a5, and the sign of q3. A capsule is four: its body as in
-``abi.arm.link_capsules``, low and high end, radius.
+Plain Python that numba compiles with its caller. An arm is nine numbers: the base's x, y and z, the
+shoulder's z, a3, a4 + a5, the sign of q3, and the cosines of the limits of q3 and q2. A capsule is
+four: its body as in ``abi.arm.link_capsules``, low and high end, radius.
 """
 
 from __future__ import annotations
@@ -68,11 +68,22 @@ class Rates(NamedTuple):
 
 @register_jitable
 def reaches(arm: FloatArray, tool: Vec3, forearm: float) -> bool:
-    """Whether the tool can be there, off the axis and with the elbow bent."""
+    """Whether the tool can be there, off the axis, with the elbow bent and q3 within its limit."""
     x, y, z = tool[0] - arm[0], tool[1] - arm[1], tool[2] - arm[3]
     reach = math.sqrt(x * x + y * y + z * z)
     low, high = abs(arm[4] - forearm), arm[4] + forearm
-    return forearm > 0 and low < reach < high and x * x + y * y > 0
+    if not (forearm > 0 and low < reach < high and x * x + y * y > 0):
+        return False
+    cosine = (reach * reach - arm[4] * arm[4] - forearm * forearm) / (2 * arm[4] * forearm)
+    bent: bool = cosine >= arm[7]
+    return bent
+
+
+@register_jitable
+def shoulder_holds(arm: FloatArray, pose: Pose) -> bool:
+    """Whether q2 is within its limit."""
+    holds: bool = pose.elbow[2] - arm[3] >= arm[4] * arm[8]
+    return holds
 
 
 @register_jitable
@@ -115,6 +126,17 @@ def rates_near(arm: FloatArray, pose: Pose, tool: float, slide: float) -> Rates:
     out = abs(pose.out) + (tool + slide) / sine
     rate = max(1.0, 1 / sine, out / (pose.across - tool))
     return Rates(rate, 1 / sine, short, long)
+
+
+@register_jitable
+def limits_hold_near(arm: FloatArray, pose: Pose, rates: Rates, tool: float, slide: float) -> bool:
+    """Whether q2 and q3 keep their limits within distances of tool and slide from a pose."""
+    near, long = pose.reach - tool, rates.longest
+    cosine = near * near - arm[4] * arm[4] - long * long
+    cosine /= 2 * arm[4] * (rates.shortest if cosine < 0 else long)
+    lowest = pose.elbow[2] - arm[3] - rates.elbow * tool - rates.slide * slide
+    hold: bool = cosine >= arm[7] and lowest >= arm[4] * arm[8]
+    return hold
 
 
 @register_jitable

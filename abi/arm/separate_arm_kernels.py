@@ -17,9 +17,11 @@ from abi.arm.pose_kernels import (
     Rates,
     capsule_ends,
     capsule_rates,
+    limits_hold_near,
     pose_of,
     rates_near,
     reaches,
+    shoulder_holds,
 )
 from abi.arrays import BoolArray, FloatArray, IntArray
 from abi.clearance.separation_kernels import (
@@ -36,6 +38,7 @@ from abi.clearance.separation_kernels import (
 )
 from abi.compiled import FLAGS, FLOATS, IDS, NEW_FLOATS, compiled
 from abi.obstacles.primitive_kernels import (
+    BOUNDS,
     WIDTH,
     Core,
     axes_of,
@@ -48,7 +51,7 @@ from abi.obstacles.primitive_kernels import (
 from abi.obstacles.vector_kernels import Vec3, axpy, distance, dot, sub, vec3_at
 
 UNREACHED = 3
-"""Outcome of a piece with a place that the arm does not reach off the axis, elbow bent."""
+"""Outcome of a piece with a place that the arm does not reach within its limits."""
 
 _STEPS = 40
 _FINEST = 2.0**-26  # of the largest coordinate: smaller pieces are not halved
@@ -107,7 +110,7 @@ def support(core: Core, direction: Vec3) -> float:
 @register_jitable
 def between_boxes(primitives: FloatArray, s: int, a: Vec3, b: Vec3) -> tuple[float, Vec3]:
     """Largest gap along an axis of the world between a segment and primitive s, and its way."""
-    k = WIDTH * s + 17
+    k = WIDTH * s + BOUNDS
     best, way = -math.inf, (0.0, 0.0, 1.0)
     for axis in range(3):
         low, high = min(a[axis], b[axis]), max(a[axis], b[axis])
@@ -252,7 +255,7 @@ def _open(around: Obstacles, pair: int, moves: float, work: list[int]) -> bool:
     s = pair % count
     if s == count - 1 or around.inside[2 * s + 1] == 0:
         return False
-    k = WIDTH * s + 17
+    k = WIDTH * s + BOUNDS
     size = 0.0
     for axis in range(3):
         size = max(size, around.primitives[k + 3 + axis] - around.primitives[k + axis])
@@ -289,14 +292,14 @@ def separate_arm(
 ) -> Outcome:
     """Separate every capsule from every obstacle while the tool runs along a curve.
 
-    A piece of the curve carries the pairs that its parents were not separated in; what is left of
-    them is tried on both halves.
+    Where that is proven, q2 and q3 keep their limits, too. A piece of the curve carries the pairs
+    that its parents were not separated in; what is left of them is tried on both halves.
 
     Args:
         world: Bézier points of the s polynomials, flat (3 s (degree + 1),), world frame.
         breaks: parameters between them (s + 1,).
         points: room for the same and the halves, flat (3 (s + 2 MOST_HALVINGS + 2) (degree + 1),).
-        arm: its seven numbers.
+        arm: its nine numbers.
         capsules: rows (4 c,).
         around: what to keep clear of.
         slide: bounds of q5.
@@ -334,8 +337,11 @@ def separate_arm(
         if not reaches(arm, middle, forearm):
             return UNREACHED, at, -1, 0.0, table_of(planes)
         pose = pose_of(arm, middle, forearm)
+        if not shoulder_holds(arm, pose):
+            return UNREACHED, at, -1, 0.0, table_of(planes)
         rates = rates_near(arm, pose, farthest, slid)
         bounded = not math.isinf(rates.elbow)
+        bounded = bounded and limits_hold_near(arm, pose, rates, farthest, slid)
         work.clear()
         for i in range(lowest, highest):
             work.append(candidates[i])

@@ -202,7 +202,7 @@ def follow(
         arc: the curve's arc length.
         profile: the motion along it.
         arm: the arm.
-        settings: elbow branch and drives of the arm.
+        settings: elbow branch, up where either will do, and drives of the arm.
         samples: number of samples m, at least 2.
 
     Returns:
@@ -211,8 +211,8 @@ def follow(
     trajectory = Trajectory(curve, arc, profile)
     time = np.linspace(0.0, profile.duration, samples)
     target, tangent, velocity = trajectory.sampled(time)
-    wrist = wrist_positions(settings, time)
-    angles = solve(arm, target, wrist[:, 1], settings.elbow, tangent)
+    wrist, elbow = wrist_positions(settings, time), settings.branches[0]
+    angles = solve(arm, target, wrist[:, 1], elbow, tangent)
     joints = np.concatenate([[angles.q1, angles.q2, angles.q3], wrist.T])
     positions = np.ascontiguousarray(joints.T)
     points = skeleton(arm, positions)
@@ -220,7 +220,7 @@ def follow(
     largest = np.abs(np.diff(joints)).max(axis=1)
     return ArmMotion(
         curve=curve,
-        elbow=settings.elbow,
+        elbow=elbow,
         slide=slide_bounds(curve, arc, profile, settings),
         time=read_only(time),
         positions=read_only(positions),
@@ -240,7 +240,7 @@ def rest_pose(arm: Arm, settings: ArmSettings, point: Vec3) -> FloatArray:
         Shape (6,), [rad], q5 [unit].
     """
     q5 = np.array([settings.q5])
-    angles = solve(arm, np.array([point]), q5, settings.elbow, np.zeros((1, 3)))
+    angles = solve(arm, np.array([point]), q5, settings.branches[0], np.zeros((1, 3)))
     return read_only(np.array([angles.q1[0], angles.q2[0], angles.q3[0], 0.0, settings.q5, 0.0]))
 
 

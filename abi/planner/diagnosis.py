@@ -3,18 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
 import numpy as np
 
 from abi.arrays import FloatArray, IntArray, read_only
-from abi.errors import ClearanceNotHeld, NoPath, PointBlocked, StageError, format_length, in_unit
+from abi.errors import (
+    ArmNotClear,
+    ClearanceNotHeld,
+    NoPath,
+    PointBlocked,
+    StageError,
+    format_length,
+    in_unit,
+)
 from abi.obstacles.obstacle_set import ObstacleSet
+from abi.planner.arm_diagnosis import arm_reason
 from abi.planner.nearest_free_point import nearest_free_point, rounded
 from abi.planner.plan import Plan
 from abi.planner.planner import SLACK
+from abi.planner.reason import Reason
 from abi.planner.what_if import CancelledError, WhatIf, components, rounded_down
 from abi.scene.scene import Scene
 from abi.search.graph import Graph
@@ -25,31 +35,6 @@ _SAMPLES = 400  # of a path, to find its narrowest point
 _NAMED = 6  # obstacles in one sentence
 
 
-@dataclass(frozen=True, eq=False)
-class Reason:
-    """Reason why there is no plan.
-
-    Attributes:
-        message: one sentence on the cause.
-        hint: one sentence on a remedy; every number in it has been tried.
-        change: arguments of ``scene.replace(**change)`` for a scene that gets past the stage that
-            failed, and that has a plan if ``hint`` does not say otherwise; None when nothing that
-            was tried helps.
-        points: points to mark in the scene, shape (k, 3), [unit], world.
-        obstacle: index of the obstacle that ``change`` removes; None where it removes none.
-    """
-
-    message: str
-    hint: str
-    change: dict[str, Any] | None
-    points: FloatArray
-    obstacle: int | None = None
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain data, as under ``error`` in a plan's JSON."""
-        return {"message": self.message, "hint": self.hint, "change": self.change}
-
-
 def explain(
     scene: Scene, plan: Plan, cancelled: Callable[[], bool] = lambda: False
 ) -> Reason | None:
@@ -58,7 +43,8 @@ def explain(
     - start or goal blocked: how deep, the nearest free point, the clearance that would do;
     - no path: a finer pitch that works, else the largest clearance that does, else both; else the
       obstacles that wall in start or goal;
-    - clearance not held: the largest clearance that is.
+    - clearance not held: the largest clearance that is;
+    - the arm not clear: another elbow, place of the base or pitch, or an obstacle less.
 
     Takes about as long as some ten plans, and as long as meshes of up to 60,000 nodes take where
     the pitch is in question. Raises nothing.
@@ -89,6 +75,8 @@ def _reason(scene: Scene, plan: Plan, what_if: WhatIf) -> Reason | None:
         return _disconnected(scene, plan, plan.graph, what_if)
     if isinstance(plan.error, ClearanceNotHeld):
         return _not_held(scene, plan, plan.error, what_if)
+    if isinstance(plan.error, ArmNotClear):
+        return arm_reason(scene, plan, plan.error, what_if)
     return None
 
 

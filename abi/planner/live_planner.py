@@ -60,4 +60,5 @@ def _path_settings(scene: Scene) -> tuple[object, ...]:
         scene.goal,
         scene.search,
         scene.spline.clearance,
+        scene.arm if scene.arm.avoid else None,
     )

@@ -32,8 +32,9 @@ from abi.tet_mesh.tet_mesh import TetMesh
 class Plan:
     """Results of the stages for a scene; a stage that was not reached is None.
 
-    ``liquid_tilt`` is the largest tilt of a liquid that is carried along, [rad]. ``ms`` holds the
-    time of each stage when it last ran, [ms]; ``total_ms`` is that of this call.
+    ``liquid_tilt`` is the largest tilt of a liquid that is carried along, [rad]. ``tool_only`` is
+    the curve of the tool alone where the one followed keeps the whole arm clear instead. ``ms``
+    holds the time of each stage when it last ran, [ms]; ``total_ms`` is that of this call.
     """
 
     scene: Scene
@@ -55,6 +56,7 @@ class Plan:
     arm: Arm | None = None
     motion: ArmMotion | None = None
     arm_clearance: ArmClearance | None = None
+    tool_only: Fit[BSpline] | Fit[Quadratic] | None = None
     error: StageError | None = None
     ms: Mapping[str, float] = field(default_factory=dict)
     total_ms: float = 0.0

@@ -13,21 +13,24 @@ from typing import Any
 from abi import compiling
 from abi.arm import trajectory
 from abi.arm.arm import Arm
-from abi.arm.arm_clearance import arm_clearance
+from abi.arm.arm_clearance import ArmClearance, arm_clearance
 from abi.arm.liquid import largest_tilt
 from abi.arm.motion_law import motion_law
 from abi.arm.surroundings import surroundings
+from abi.arm.trajectory import ArmMotion
 from abi.curves import fit_bspline, fit_quadratic, speed_profile
 from abi.curves.bspline import BSpline
-from abi.curves.curve import Curve, arc_length
+from abi.curves.curve import ArcLength, Curve, arc_length
 from abi.curves.fit import Fit
 from abi.curves.quadratic import Quadratic
-from abi.errors import ClearanceNotHeld, StageError
+from abi.curves.timed_profile import PathProfile
+from abi.errors import ArmNotClear, ClearanceNotHeld, StageError
 from abi.obstacles.obstacle_set import ObstacleSet
+from abi.planner.arm_aware import ArmAware, ArmTask
 from abi.planner.exclusion_cache import ExclusionCache
 from abi.planner.plan import Plan
 from abi.planner.stage import Stage
-from abi.scene.scene import Scene
+from abi.scene.scene import ArmSettings, MotionSettings, Scene
 from abi.search.graph import build as build_graph
 from abi.search.search import SEARCHES
 from abi.taut.lower_bound import lower_bound
@@ -78,9 +81,10 @@ class Planner:
         self._law = Stage(motion_law)
         self._tilt = Stage(largest_tilt)
         self._arm = Stage(Arm.from_settings)
-        self._motion = Stage(trajectory.follow)
         self._surroundings = Stage(surroundings)
-        self._arm_clearance = Stage(arm_clearance)
+        self._motion = {elbow: Stage(trajectory.follow) for elbow in ("up", "down")}
+        self._arm_clearance = {elbow: Stage(arm_clearance) for elbow in ("up", "down")}
+        self._arm_aware, self._arm_aware_ms = ArmAware(), 0.0
 
     def __call__(self, scene: Scene, chosen_only: bool = False) -> Plan:
         """Plan ``scene``; a scene without a plan returns a plan whose ``error`` is set.
@@ -93,6 +97,7 @@ class Planner:
             compiling.wait_for_loading()
         begin = time.perf_counter()
         results: dict[str, Any] = {}
+        self._arm_aware_ms = 0.0
         _wait_for_compiler(scene)
         try:
             self._run(scene, chosen_only, results)
@@ -151,21 +156,45 @@ class Planner:
         is_bspline = followed == "bspline"
         curve: Curve = bspline.curve if is_bspline else quadratic.curve
         arc = bspline_arc if is_bspline else quadratic_arc
-        motion = scene.motion
-        rates = motion.speed, motion.acceleration, motion.deceleration
-        results["profile"] = profile = (
-            self._profile(arc.length, *rates)
-            if motion.law == "three_phase"
-            else self._law(curve, arc, motion, arm, scene.arm)
-        )
-        results["liquid_tilt"] = self._tilt(curve, arc, profile, scene.unit)
 
         # 6 inverse kinematics of the arm along that motion
-        results["motion"] = joints = self._motion(curve, arc, profile, arm, scene.arm, SAMPLES)
         around = self._surroundings(arm, obstacles, workspace.min[2])
-        results["arm_clearance"] = self._arm_clearance(joints, arm, obstacles, around, 0.0)
-        if joints.error is not None:
+        for k, elbow in enumerate(scene.arm.branches):
+            profile = self._timed(curve, arc, scene.motion, arm, scene.arm.on(elbow))
+            joints = self._motion[elbow](curve, arc, profile, arm, scene.arm.on(elbow), SAMPLES)
+            clear = self._arm_clearance[elbow](joints, arm, obstacles, around, scene.arm.clearance)
+            if k == 0 or _is_clear(joints, clear):
+                results["profile"] = profile
+                results["motion"], results["arm_clearance"] = joints, clear
+        results["liquid_tilt"] = self._tilt(curve, arc, results["profile"], scene.unit)
+        joints, clear = results["motion"], results["arm_clearance"]
+        if scene.arm.avoid and not _is_clear(joints, clear):
+            task = ArmTask(scene, arm, obstacles, around, free, margin, SAMPLES)
+            self._avoid(task, names, results)
+        if joints.error is not None and results["motion"] is joints:
             raise joints.error
+
+    def _timed(
+        self, curve: Curve, arc: ArcLength, asked: MotionSettings, arm: Arm, settings: ArmSettings
+    ) -> PathProfile:
+        """Motion along a curve by the law that is asked for."""
+        if asked.law == "three_phase":
+            return self._profile(arc.length, asked.speed, asked.acceleration, asked.deceleration)
+        return self._law(curve, arc, asked, arm, settings)
+
+    def _avoid(self, task: ArmTask, names: list[str], results: dict[str, Any]) -> None:
+        """Replace results by those of a motion whose whole arm is clear, or raise."""
+        begin = time.perf_counter()
+        of_tool = results["followed"]
+        try:
+            aware = self._arm_aware(task, names)
+        except ArmNotClear as fault:
+            out_of_reach: StageError | None = results["motion"].error
+            raise out_of_reach or fault from None
+        finally:
+            self._arm_aware_ms = 1e3 * (time.perf_counter() - begin)
+        results["tool_only"] = results[of_tool]
+        results.update(aware)
 
     def _times(self) -> dict[str, float]:
         """Time of each stage when it last ran, [ms]."""
@@ -179,8 +208,17 @@ class Planner:
             "bspline": self._bspline.ms + self._bspline_arc.ms,
             "quadratic": self._quadratic.ms + self._quadratic_arc.ms,
             "timing": self._profile.ms + self._law.ms + self._tilt.ms,
-            "arm": self._arm.ms + self._motion.ms + self._surroundings.ms + self._arm_clearance.ms,
+            "arm": self._arm.ms
+            + self._surroundings.ms
+            + sum(stage.ms for stage in self._motion.values())
+            + sum(stage.ms for stage in self._arm_clearance.values()),
+            "arm_aware": self._arm_aware_ms,
         }
+
+
+def _is_clear(motion: ArmMotion, clearance: ArmClearance) -> bool:
+    """Whether the whole arm is proven clear, within reach and limits."""
+    return motion.reachable and motion.within_limits and clearance.certified
 
 
 def _wait_for_compiler(scene: Scene) -> None:

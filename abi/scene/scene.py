@@ -33,6 +33,7 @@ from abi.scene.scene_changes import changed_value, without_stale_meshes
 from abi.scene.scene_file import parse, write
 
 Lattice = Literal["bcc", "kuhn", "delaunay"]
+Elbow = Literal["up", "down"]
 Algorithm = Literal["a_star", "dijkstra", "bellman_ford"]
 Count = Annotated[int, Strict()]
 Number = Annotated[float, Strict(), Field(allow_inf_nan=False, ge=-1e6, le=1e6)]
@@ -152,6 +153,8 @@ class MotionSettings(_Settings):
 class ArmSettings(_Settings):
     """Stage 6. Link lengths and base position in [unit]; ``q5`` is the initial extension, [unit].
 
+    With ``avoid`` the plan keeps the whole arm clear, its links ``clearance`` [unit] from every
+    obstacle; ``elbow`` auto takes the branch with the shorter path.
     ``forces``, ``masses`` and ``radii`` are the paper's Q4..Q6, m4..m6 and i4..i6: the generalised
     forces [kg·unit²/s² for q4 and q6, kg·unit/s² for q5], masses [kg] and radii of inertia [unit].
     """
@@ -163,12 +166,23 @@ class ArmSettings(_Settings):
     a3: Length = 6.0
     a4: Length = 3.0
     a5: Length = 2.5
-    elbow: Literal["up", "down"] = "up"
+    elbow: Literal["up", "down", "auto"] = "up"
+    avoid: Annotated[bool, Strict()] = True
+    clearance: Annotated[Number, Field(ge=0)] = 0.0
     q5: Annotated[Number, Field(ge=0)] = 0.0
     forces: Vec3 = (0.0, 0.0, 0.0)
     masses: Rates = (1.0, 1.0, 1.0)
     radii: Rates = (1.0, 1.0, 1.0)
     dynamics: Literal["corrected", "as_printed"] = "corrected"
+
+    @property
+    def branches(self) -> tuple[Elbow, ...]:
+        """Elbow branches that may be taken, the preferred first."""
+        return ("up", "down") if self.elbow == "auto" else (self.elbow,)
+
+    def on(self, elbow: Elbow) -> Self:
+        """The same on one branch."""
+        return self if self.elbow == elbow else self.model_copy(update={"elbow": elbow})
 
 
 class Scene(_Settings):

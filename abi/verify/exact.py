@@ -125,6 +125,8 @@ class ExactSpline:
     def points(self, span: int, start: Fraction, end: Fraction) -> list[Vec3]:
         """Bézier points of the span's polynomial on [start, end]."""
         p = self.degree
+        if start == end:
+            return [self._blossom(span, [start] * p)] * (p + 1)
         return [self._blossom(span, [start] * (p - j) + [end] * j) for j in range(p + 1)]
 
     def _blossom(self, span: int, arguments: list[Fraction]) -> Vec3:

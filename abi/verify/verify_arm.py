@@ -86,7 +86,7 @@ def check_arm(
     certificate = mapping(FIELD, section["certificate"])
     margin = certificate.get("margin")
     exact = None if margin is None else Fraction(finite(f"{FIELD}.margin", margin))
-    _check_claim(section, exact, obstacles)
+    _check_claim(section, exact, Fraction(scene.arm.clearance), obstacles)
     elbow = section.get("elbow")
     if elbow not in ("up", "down"):
         raise Fault("its elbow is neither up nor down")
@@ -122,7 +122,10 @@ def check_arm(
 
 
 def _check_claim(
-    section: dict[str, Any], margin: Fraction | None, obstacles: list[ExactSolid | ExactMesh]
+    section: dict[str, Any],
+    margin: Fraction | None,
+    required: Fraction,
+    obstacles: list[ExactSolid | ExactMesh],
 ) -> None:
     stated = section.get("clearance")
     if (margin is None) != (not obstacles):
@@ -131,8 +134,9 @@ def _check_claim(
         raise Fault("its margin is not the clearance stated")
     if margin is not None and margin < 0:
         raise Fault("its margin is negative")
-    if section.get("certified") is not True:
-        raise Fault("as the arm is not said to be certified")
+    enough = margin is None or margin >= required
+    if section.get("certified") is not enough:
+        raise Fault(f"as the arm is {'not ' if enough else ''}said to be certified")
     if section.get("reachable") is not True:
         raise Fault("the motion is said to be out of reach")
 

@@ -6,7 +6,7 @@ from typing import ClassVar
 
 import viser
 
-from abi.planner.diagnosis import Reason
+from abi.planner.reason import Reason
 from app import style
 from app.frame import Frame, Switch
 from app.layers.points import add_points

@@ -17,8 +17,18 @@ class ArmPanel:
 
     def __init__(self, gui: viser.GuiApi, scene: Scene, wake: Wake) -> None:
         arm = scene.arm
+        self.avoid = gui.add_checkbox(
+            "avoid with the whole arm",
+            arm.avoid,
+            hint="Plan so that no link touches an obstacle, the floor or the arm itself.",
+        )
         self.elbow = gui.add_dropdown(
-            "elbow", ("up", "down"), hint="Which of the two poses; kept along the whole path."
+            "elbow",
+            ("up", "down", "auto"),
+            hint="Which of the two poses, kept along the whole path; auto: the shorter.",
+        )
+        self.clearance = gui.add_number(
+            "links clear by", arm.clearance, min=0.0, step=0.05, hint="Distance links keep."
         )
         self.base = gui.add_vector3("base", arm.base, step=0.1, hint="Where the arm stands.")
         self.columns = gui.add_vector2(
@@ -54,6 +64,7 @@ class ArmPanel:
             "radii of gyration", arm.radii, step=0.1, hint="Of wrist, slide and gripper."
         )
         for box in (
+            self.clearance,
             self.base,
             self.columns,
             self.links,
@@ -65,6 +76,7 @@ class ArmPanel:
             box.precision = DIGITS
             box.on_update(wake)
         self.elbow.on_update(wake)
+        self.avoid.on_update(wake)
         self.write(scene)
 
     def read(self) -> dict[str, Any]:
@@ -73,7 +85,9 @@ class ArmPanel:
         a3, a4, a5 = self.links.value
         return {
             "arm": {
+                "avoid": self.avoid.value,
                 "elbow": self.elbow.value,
+                "clearance": self.clearance.value,
                 "base": self.base.value,
                 "a1": a1,
                 "a2": a2,
@@ -92,6 +106,7 @@ class ArmPanel:
         """Show ``scene``."""
         arm = scene.arm
         for handle, name in (
+            (self.clearance, "links clear by"),
             (self.base, "base"),
             (self.columns, "pedestal, column"),
             (self.links, "upper arm, forearm, slide"),
@@ -100,6 +115,8 @@ class ArmPanel:
         ):
             handle.label = f"{name} [{scene.unit}]"
         self.elbow.value = arm.elbow
+        self.avoid.value = arm.avoid
+        self.clearance.value = arm.clearance
         self.base.value = arm.base
         self.columns.value = (arm.a1, arm.a2)
         self.links.value = (arm.a3, arm.a4, arm.a5)

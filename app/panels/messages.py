@@ -10,8 +10,8 @@ from typing import Any
 
 from abi.errors import AbiError, NoPath
 from abi.obstacles.primitives import Box, Capsule, Cylinder, Sphere
-from abi.planner.diagnosis import Reason
 from abi.planner.plan import Plan
+from abi.planner.reason import Reason
 from app import style
 from app.arm_words import contact_sentence
 from app.frame import Frame
@@ -82,10 +82,9 @@ def _contact(plan: Plan) -> str:
     if not contacts:
         return ""
     sentence = html.escape(contact_sentence(contacts[0], plan.scene.unit))
-    return (
-        f'<div class="abi-card abi-error"><b>{sentence} ✗</b> Only the tool\'s path is planned '
-        "clear.</div>"
-    )
+    hint = "Only the tool's path is planned clear"
+    hint += "." if plan.scene.arm.avoid else "; stage 6 can avoid with the whole arm."
+    return f'<div class="abi-card abi-error"><b>{sentence} ✗</b> {hint}</div>'
 
 
 def _progress(frame: Frame) -> str:

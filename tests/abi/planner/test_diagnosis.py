@@ -15,10 +15,11 @@ from abi import Scene, load_scene, plan
 from abi.errors import NoPath, PointBlocked
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner import what_if as trials
-from abi.planner.diagnosis import Reason, explain
+from abi.planner.diagnosis import explain
 from abi.planner.nearest_free_point import nearest_free_point, rounded
 from abi.planner.plan import Plan
 from abi.planner.planner import SLACK
+from abi.planner.reason import Reason
 from abi.planner.what_if import MOST_NODES, WhatIf, rounded_down
 from abi.scene.scene import MeshSettings, Workspace
 from abi.tet_mesh import tet_mesh as mesh

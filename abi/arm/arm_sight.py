@@ -1,0 +1,105 @@
+"""What an arm may do on one elbow branch: places, legs and curves of its tool."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+
+from abi.arm import mask_kernels
+from abi.arm.arm import Arm
+from abi.arm.arm_certificate import ArmCertificate, ArmRefutation, certify_arm
+from abi.arm.separate_arm_kernels import Slide
+from abi.arm.surroundings import Surroundings, surroundings
+from abi.arrays import BoolArray, FloatArray, flat, read_only
+from abi.clearance.bezier import Bezier, PolynomialCurve
+from abi.obstacles.obstacle_set import Obstacle, ObstacleSet
+
+_SPARE = 0.01
+"""Distance that legs and places keep from the limits of q2 and q3, for curves to round, [rad]."""
+
+
+@dataclass(frozen=True, eq=False)
+class ArmSight:
+    """Questions to an arm on one elbow branch, with its slide anywhere in a range.
+
+    Attributes:
+        arm: the arm.
+        elbow: its branch.
+        around: obstacles, floor and column.
+        extensions: least and greatest q5 while it moves, [unit].
+        clearance: distance that its links keep from obstacles, [unit].
+        slack: distance that legs and places keep beyond that, so that a curve may round them,
+            [unit].
+    """
+
+    arm: Arm
+    elbow: Literal["up", "down"]
+    around: Surroundings
+    extensions: tuple[float, float]
+    clearance: float
+    slack: float
+
+    def refutation(self, curve: PolynomialCurve) -> ArmRefutation | None:
+        """Place of a curve at which the arm is not proven clear; None for a clear curve."""
+        return self._refutation(curve, self.clearance, 0.0)
+
+    def leg_refutation(self, points: FloatArray) -> ArmRefutation | None:
+        """The same of a polyline (k, 3), k >= 1, [unit], world; parameter k is its vertex k."""
+        vertices = points if len(points) > 1 else np.repeat(points, 2, axis=0)
+        breaks = np.arange(len(vertices), dtype=float)
+        legs = np.stack([vertices[:-1], vertices[1:]], axis=1)
+        size = float(np.abs(vertices).max())
+        return self._refutation(Bezier(breaks, legs, size), self.clearance + self.slack, _SPARE)
+
+    def sees(self, a: FloatArray, b: FloatArray) -> bool:
+        """Whether the arm is clear while the tool runs straight from a (3,) to b (3,)."""
+        return self.leg_refutation(np.stack([a, b])) is None
+
+    def reached(self, points: FloatArray) -> BoolArray:
+        """Places (n, 3) that the arm reaches, clear of floor and column, (n,)."""
+        reached = np.zeros(len(points), dtype=np.bool_)
+        numbers, forearm = self.arm.numbers(self.elbow, _SPARE), self._forearm
+        mask_kernels.reached_places(flat(points), numbers, *forearm, reached)
+        return reached & ~self._touching(points, self.around.only(self.around.numbers < 0), reached)
+
+    def touching(
+        self, points: FloatArray, obstacle: Obstacle, lowest: float, reached: BoolArray
+    ) -> BoolArray:
+        """Places (n, 3) at which the arm touches an obstacle, or nearly, of those reached (n,)."""
+        around = surroundings(self.arm, ObstacleSet((obstacle,)), lowest)
+        return self._touching(points, around.only(around.numbers >= 0), reached)
+
+    def _touching(self, points: FloatArray, around: Surroundings, reached: BoolArray) -> BoolArray:
+        touching = np.zeros(len(points), dtype=np.bool_)
+        mask_kernels.touching_places(
+            flat(points),
+            self.arm.numbers(self.elbow),
+            self.arm.capsule_rows,
+            around.beyond(self.clearance + self.slack),
+            *self._forearm,
+            reached,
+            touching,
+        )
+        return touching
+
+    def _refutation(
+        self, curve: PolynomialCurve, margin: float, spare: float
+    ) -> ArmRefutation | None:
+        result = certify_arm(
+            curve, self._slide(curve), self.arm, self.elbow, self.around, margin, spare
+        )
+        return None if isinstance(result, ArmCertificate) else result
+
+    def _slide(self, curve: PolynomialCurve) -> Slide:
+        low, high = self.extensions
+        breaks = flat(curve.bezier().breaks[[0, -1]])
+        return Slide(breaks, read_only(np.full(2, low)), read_only(np.full(2, high)))
+
+    @cached_property
+    def _forearm(self) -> tuple[float, float]:
+        """Middle of a6 and half of its range, [unit]."""
+        low, high = self.extensions
+        return self.arm.a4 + self.arm.a5 + (low + high) / 2, (high - low) / 2

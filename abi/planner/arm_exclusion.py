@@ -1,0 +1,61 @@
+"""Memory of what an arm excludes from a mesh, obstacle by obstacle, on one elbow branch."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from abi.arm.arm_sight import ArmSight
+from abi.arrays import BoolArray, IntArray, read_only
+from abi.obstacles.obstacle_set import Obstacle, ObstacleSet
+from abi.tet_mesh.exclusion import Exclusion, FreeMesh, apply
+from abi.tet_mesh.tet_mesh import TetMesh
+
+_NO_IDS = read_only(np.zeros(0, dtype=np.int32))
+
+
+class ArmExclusionCache:
+    """Nodes at which an arm is out of reach, past a limit or too near, taken from a free mesh.
+
+    It remembers the nodes that each obstacle takes, and those that the arm alone takes.
+    """
+
+    def __init__(self) -> None:
+        self._state: tuple[object, ...] = ()
+        self._reached: BoolArray = np.zeros(0, dtype=np.bool_)
+        self._own = Exclusion(_NO_IDS, _NO_IDS, _NO_IDS, _NO_IDS)
+        self._exclusions: dict[Obstacle, Exclusion] = {}
+
+    def __call__(
+        self, free: FreeMesh, sight: ArmSight, obstacles: ObstacleSet, lowest: float
+    ) -> FreeMesh:
+        """The mesh without the nodes that the arm excludes, too.
+
+        Args:
+            free: the mesh without those that the tool excludes.
+            sight: the arm.
+            obstacles: the solids.
+            lowest: height of the workspace's bottom, [unit].
+        """
+        mesh = free.mesh
+        state = (mesh, sight.arm, sight.elbow, sight.extensions, sight.clearance, sight.slack)
+        if len(state) != len(self._state) or any(
+            a is not b and (isinstance(a, TetMesh) or a != b)
+            for a, b in zip(state, self._state, strict=True)
+        ):
+            self._state, self._exclusions = state, {}
+            self._reached = sight.reached(mesh.points)
+            self._own = _nodes(~self._reached)
+        exclusions = {}
+        for obstacle in obstacles:
+            if obstacle not in self._exclusions:
+                touching = sight.touching(mesh.points, obstacle, lowest, self._reached)
+                self._exclusions[obstacle] = _nodes(touching)
+            exclusions[obstacle] = self._exclusions[obstacle]
+        self._exclusions = exclusions
+        return apply(free, [self._own, *exclusions.values()])
+
+
+def _nodes(excluded: BoolArray) -> Exclusion:
+    """Exclusion of nodes alone."""
+    ids: IntArray = np.flatnonzero(excluded).astype(np.int32)
+    return Exclusion(read_only(ids), read_only(np.ones_like(ids)), _NO_IDS, _NO_IDS)

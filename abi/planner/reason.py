@@ -1,0 +1,33 @@
+"""Reason why a scene has no plan."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from abi.arrays import FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Reason:
+    """Reason why there is no plan.
+
+    Attributes:
+        message: one sentence on the cause.
+        hint: one sentence on a remedy; every number in it has been tried.
+        change: arguments of ``scene.replace(**change)`` for a scene that gets past the stage that
+            failed, and that has a plan if ``hint`` does not say otherwise; None when nothing that
+            was tried helps.
+        points: points to mark in the scene, shape (k, 3), [unit], world.
+        obstacle: index of the obstacle that ``change`` removes; None where it removes none.
+    """
+
+    message: str
+    hint: str
+    change: dict[str, Any] | None
+    points: FloatArray
+    obstacle: int | None = None
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain data, as under ``error`` in a plan's JSON."""
+        return {"message": self.message, "hint": self.hint, "change": self.change}

@@ -1,0 +1,147 @@
+"""Plans whose whole arm keeps clear: found, proven, checked, and explained where there is none."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+from abi import Planner, load_scene, plan
+from abi.arm.arm import Arm
+from abi.arm.arm_sight import ArmSight
+from abi.arm.surroundings import surroundings
+from abi.errors import ArmNotClear
+from abi.obstacles.obstacle_set import ObstacleSet
+from abi.planner.arm_exclusion import ArmExclusionCache
+from abi.planner.diagnosis import explain
+from abi.scene.scene import Elbow, Scene
+from abi.search.graph import build
+from abi.search.without_edges import without_edges
+from abi.tet_mesh.exclusion import FreeMesh
+from abi.tet_mesh.tet_mesh import tetrahedralise
+from abi.verify.verify import verify
+from tests.random_arms import arm_scene, dense_clearance
+
+
+def sight_of(scene: Scene, elbow: Elbow = "up", slack: float = 0.0) -> ArmSight:
+    arm, obstacles = Arm.from_settings(scene.arm), ObstacleSet(scene.obstacles)
+    around = surroundings(arm, obstacles, scene.workspace.min[2])
+    return ArmSight(arm, elbow, around, (0.0, 0.0), scene.arm.clearance, slack)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(40, 60))
+def test_a_motion_is_found_and_no_dense_sample_touches(seed: int) -> None:
+    scene = arm_scene(seed)
+    found = plan(scene)
+    if found.error is not None and found.error.kind != "arm_not_clear":
+        return  # the tool has none
+    assert found.error is None
+    assert found.motion is not None
+    assert found.arm is not None
+    assert found.arm_clearance is not None
+    assert found.arm_clearance.certified
+    assert found.motion.within_limits
+    assert found.motion.reachable
+    kept = found.arm_clearance.distance - 1e-9
+    assert dense_clearance(found.arm, found.motion, ObstacleSet(scene.obstacles)) >= kept
+    if found.tool_only is not None:  # there was something to avoid
+        before = plan(scene.replace(arm={"avoid": False, "elbow": found.motion.elbow}))
+        assert before.arm_clearance is not None
+        assert before.motion is not None
+        limits = before.motion.within_limits and before.motion.reachable
+        assert not (before.arm_clearance.certified and limits)
+
+
+def test_the_arm_in_the_way_goes_round() -> None:
+    scene = load_scene("arm-in-the-way")
+    tool, whole = plan(scene.replace(arm={"avoid": False})), plan(scene)
+    assert tool.arm_clearance is not None
+    assert "forearm" in {one.link for one in tool.arm_clearance.contacts}
+    assert tool.error is None  # said, not refused
+    assert whole.error is None
+    assert whole.arm_clearance is not None
+    assert whole.arm_clearance.certified
+    assert whole.tool_only is not None
+    assert whole.taut is not None
+    assert tool.taut is not None
+    assert whole.taut.length > tool.taut.length
+    written = json.loads(json.dumps(whole.to_dict(), allow_nan=False))
+    assert next(one for one in verify(written) if one.curve == "arm").proven
+
+
+def test_links_keep_the_clearance_asked_for() -> None:
+    scene = load_scene("arm-in-the-way").replace(arm={"clearance": 0.1})
+    found = plan(scene)
+    assert found.error is None
+    assert found.arm_clearance is not None
+    assert found.arm_clearance.distance >= 0.1
+    assert found.arm_clearance.certified
+
+
+def test_a_wrong_elbow_is_explained_and_the_other_one_is_tried() -> None:
+    scene = load_scene("wrong-elbow").replace(arm={"elbow": "up"})
+    found = plan(scene)
+    assert isinstance(found.error, ArmNotClear)
+    assert (found.error.where, found.error.obstacle) == ("start", 0)
+    assert "obstacle 1" in found.error.message
+    reason = explain(scene, found)
+    assert reason is not None
+    assert reason.change == {"arm": {"elbow": "down"}}
+    np.testing.assert_allclose(reason.points, [scene.start])
+    helped = plan(scene.replace(**reason.change))
+    assert helped.error is None
+    both = plan(scene.replace(arm={"elbow": "auto"}))
+    assert both.motion is not None
+    assert both.motion.elbow == "down"
+
+
+def test_what_no_elbow_does_names_both_and_what_was_tried() -> None:
+    around = {"shape": "box", "size": [0.4, 8, 8], "position": [2.6, -1, 4]}
+    other = {**around, "position": [3.4, -1, 4]}
+    data = {"version": 1, "start": [0.5, 4, 3], "goal": [1.5, 5, 3]}
+    scene = Scene.from_dict({**data, "obstacles": [around, other], "arm": {"elbow": "auto"}})
+    found = plan(scene)
+    assert isinstance(found.error, ArmNotClear)
+    assert "elbow up" in found.error.message
+    assert "elbow down" in found.error.message
+    assert found.motion is not None  # the tool's own plan stays to be looked at
+    assert explain(scene, found) is not None
+
+
+def test_the_same_planner_plans_the_same_while_an_obstacle_moves() -> None:
+    planner, scene = Planner(), load_scene("arm-in-the-way")
+    for y in (2.5, 2.3, 2.5, 1.0, 2.4):
+        moved = [{**scene.to_dict()["obstacles"][0], "position": [3, y, 2.25]}]
+        changed = scene.replace(obstacles=moved)
+        one, fresh = planner(changed), plan(changed)
+        assert one.arm_clearance is not None
+        assert fresh.arm_clearance is not None
+        assert one.arm_clearance.distance == fresh.arm_clearance.distance
+        assert (one.tool_only is None) == (fresh.tool_only is None)
+
+
+@pytest.mark.parametrize("elbow", ["up", "down"])
+def test_excluded_nodes_are_those_where_the_arm_is_not_clear(elbow: Elbow) -> None:
+    scene = arm_scene(3, pitch=1.4)
+    mesh = tetrahedralise(scene.workspace, scene.mesh)
+    sight, obstacles = sight_of(scene, elbow), ObstacleSet(scene.obstacles)
+    free = ArmExclusionCache()(FreeMesh.of(mesh), sight, obstacles, scene.workspace.min[2])
+    for node, point in enumerate(mesh.points):
+        fault = sight.leg_refutation(point[None])
+        assert free.excluded[node] == (fault is not None and fault.decided)
+
+
+@pytest.mark.parametrize("lattice", ["bcc", "delaunay"])
+def test_edges_are_taken_from_a_graph_both_ways(lattice: str) -> None:
+    scene = Scene.from_dict({"version": 1, "mesh": {"lattice": lattice, "pitch": 2.0}})
+    free = FreeMesh.of(tetrahedralise(scene.workspace, scene.mesh))
+    graph = build(free, ObstacleSet(()), 0.0, (0.1, 0.2, 0.3), (5.7, 5.6, 5.5), 0.0)
+    a, b = map(int, graph.edges[len(graph.edges) // 2])
+    link = (int(graph.tails[0]), int(graph.heads[0]))
+
+    less = without_edges(graph, [(a, b), link])
+
+    before, after = ({tuple(sorted(edge)) for edge in one.edges.tolist()} for one in (graph, less))
+    assert before - after == {tuple(sorted((a, b))), tuple(sorted(link))}
