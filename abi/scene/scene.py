@@ -28,9 +28,10 @@ from abi.obstacles.obstacle_set import Obstacles
 from abi.obstacles.pose import LARGEST, Length, Vec3
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.obstacles.triangle_mesh.surface import Surface
+from abi.scene import scene_archive
 from abi.scene.field_errors import first_error
 from abi.scene.scene_changes import changed_value, without_stale_meshes
-from abi.scene.scene_file import parse, write
+from abi.scene.scene_file import parse, read_file, write
 
 Lattice = Literal["bcc", "kuhn", "delaunay"]
 Elbow = Literal["up", "down"]
@@ -40,6 +41,8 @@ Number = Annotated[float, Strict(), Field(allow_inf_nan=False, ge=-1e6, le=1e6)]
 Rate = Annotated[float, Strict(), Field(allow_inf_nan=False, ge=1e-6, le=1e6)]
 Rates = tuple[Rate, Rate, Rate]
 
+MOST_OBSTACLES = 5_000
+"""Obstacles that a scene may have: their first plan takes about a second."""
 FINEST_PITCH = 1e-6
 """Smallest pitch, [unit]: the shortest side that a workspace may have."""
 
@@ -201,6 +204,14 @@ class Scene(_Settings):
     motion: MotionSettings = MotionSettings()
     arm: ArmSettings = ArmSettings()
 
+    @field_validator("obstacles", mode="before")
+    @classmethod
+    def _can_be_planned(cls, obstacles: object) -> object:
+        if isinstance(obstacles, list | tuple) and len(obstacles) > MOST_OBSTACLES:
+            expected = f"at most {MOST_OBSTACLES:,} of them, more are not planned in time"
+            raise SceneError("obstacles", len(obstacles), expected)
+        return obstacles
+
     @field_validator("obstacles")
     @classmethod
     def _scale_meshes(cls, obstacles: Obstacles, info: ValidationInfo) -> Obstacles:
@@ -299,6 +310,15 @@ class Scene(_Settings):
             return self
         return self.from_dict(data, MeshSource({**self.meshes.files, **(files or {})}))
 
+    def pack(self) -> bytes:
+        """The scene and its meshes as one zip archive, which :func:`load_scene` reads.
+
+        Raises:
+            SceneError: it is too large to be read again.
+        """
+        shapes = [shape for shape in self.obstacles if isinstance(shape, MeshShape)]
+        return scene_archive.pack(self.to_dict(), {shape.file: shape.surface for shape in shapes})
+
     def save(self, path: str | Path) -> None:
         """Write a scene file, YAML or JSON by its ending; the old file stays whole on failure.
 
@@ -311,6 +331,8 @@ class Scene(_Settings):
 def load_scene(name_or_path: str | Path) -> Scene:
     """Load a shipped scene by its name, or a scene file (``.yaml``, ``.yml`` or ``.json``).
 
+    A ``.zip`` holds a scene and its meshes (:mod:`abi.scene.scene_archive`).
+
     Raises:
         SceneError: no such scene, not readable, or a field is wrong.
     """
@@ -321,6 +343,9 @@ def load_scene(name_or_path: str | Path) -> Scene:
     path = Path(name_or_path)
     if not path.suffix:
         raise SceneError("scene", str(name_or_path), f"a file or one of {', '.join(shipped)}")
+    if path.suffix.lower() == scene_archive.SUFFIX:
+        data, files = scene_archive.unpack(read_file(path, scene_archive.MAX_BYTES), path.name)
+        return Scene.from_dict(data, files)
     return Scene.from_dict(parse(path), path.parent)
 
 

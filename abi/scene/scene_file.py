@@ -32,13 +32,21 @@ def parse(path: Path) -> object:
         SceneError: missing, unreadable, too large, or not YAML or JSON; names the file and line.
     """
     _refuse_ending(path)
+    return parse_bytes(read_file(path, MAX_BYTES), path.name)
+
+
+def read_file(path: Path, most: int) -> bytes:
+    """The first ``most`` bytes of a file, and one more where there are more.
+
+    Raises:
+        SceneError: missing or unreadable.
+    """
     try:
         with path.open("rb") as file:
-            content = file.read(MAX_BYTES + 1)
+            return file.read(most + 1)
     except (OSError, ValueError) as error:  # a name that can be no path is a ValueError
         reason = (getattr(error, "strerror", None) or "no path").lower()
         raise SceneError("scene", str(path), f"a file that can be read ({reason})") from None
-    return parse_bytes(content, path.name)
 
 
 def parse_bytes(content: bytes, name: str) -> object:

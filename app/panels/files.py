@@ -6,6 +6,7 @@ import viser
 
 from abi.errors import SceneError
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
+from abi.scene import scene_archive
 from abi.scene.scene import Scene, load_scene, scene_names
 from abi.scene.scene_file import MAX_BYTES, dump, parse_bytes
 from app import page
@@ -31,10 +32,12 @@ class FilesPanel:
         )
         self.upload = gui.add_upload_button(
             "Open a scene file…",
-            mime_type=".yaml,.yml,.json",
-            hint=f"YAML or JSON, up to {_MAX_SIZE}.",
+            mime_type=".yaml,.yml,.json,.zip",
+            hint=f"YAML or JSON, up to {_MAX_SIZE}; or a zip archive with its meshes.",
         )
-        self.save = gui.add_button("Save this scene", hint="Downloads scene.yaml.")
+        self.save = gui.add_button(
+            "Save this scene", hint="Downloads scene.yaml; with meshes, scene.zip has them, too."
+        )
         self.reset = gui.add_button("Back to the scene as loaded")
         self._loaded, self._chosen = scene, name
         self._uploaded: object = self.upload.value
@@ -98,11 +101,14 @@ class FilesPanel:
             return
         self.save.value = False
         try:
-            text = dump(scene.to_dict(), "scene.yaml")
+            if scene.meshes.files:
+                name, content = "scene.zip", scene.pack()
+            else:
+                name, content = "scene.yaml", dump(scene.to_dict(), "scene.yaml").encode()
         except SceneError as error:
             page.notify_refusal(self._client, "Not saved", error.message)
         else:
-            self._client.send_file_download("scene.yaml", text.encode(), save_immediately=True)
+            self._client.send_file_download(name, content, save_immediately=True)
 
 
 def _printable(name: str) -> str:
@@ -111,6 +117,9 @@ def _printable(name: str) -> str:
 
 
 def _parse(file: viser.UploadedFile, name: str, meshes: MeshSource) -> Scene:
+    if name.lower().endswith(scene_archive.SUFFIX):
+        data, files = scene_archive.unpack(file.content, name)
+        return Scene.from_dict(data, MeshSource({**meshes.files, **files}, meshes.folder))
     if len(file.content) > MAX_BYTES:
         raise SceneError("scene", name, f"a file of at most {_MAX_SIZE}")
     return Scene.from_dict(parse_bytes(file.content, name), meshes)

@@ -16,9 +16,9 @@ from tests.browser.page import Page
 ADD = "Add a mesh…"
 # What is dragged, the note it comes with, and whether its middle is inside.
 KINDS = {
-    "soup": (meshes.soup(150, seed=3, size=0.9), "It is not closed", False),
+    "soup": (meshes.soup(150, seed=3, size=0.9), "The surface has holes", False),
     "bunny-like": (meshes.bumpy(6), "81,920 triangles", True),
-    "flipped": (meshes.inverted(meshes.bumpy(4)), "1 of 1 shells faced inward", True),
+    "flipped": (meshes.inverted(meshes.bumpy(4)), "The surface was inside out", True),
 }
 
 

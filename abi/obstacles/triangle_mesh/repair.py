@@ -52,16 +52,16 @@ def clean(vertices: FloatArray, faces: IntArray, name: str = "mesh") -> Surface:
         retried = _shells(welded, welded_faces) if len(welded_faces) else shells
         if retried.closed.all():
             vertices, shells = welded, retried
-            notes.append("Corners that nearly met were joined, which closed the surface.")
+            notes.append("Small gaps between its triangles were closed.")
     notes += shells.notes
     faces, closed = shells.faces, bool(shells.closed.all())
     if closed and len(shells.closed) > 1:
         merged = united(vertices, faces, shells.label)
         if merged is not None:
             vertices, faces = merged
-            notes.append(f"Its {len(shells.closed)} shells count as one solid.")
+            notes.append(f"Its {len(shells.closed)} parts count as one solid.")
     if not closed:
-        notes.append("It is not closed: nothing passes through it, but it has no inside.")
+        notes.append("The surface has holes: it is treated as a thin shell, without an inside.")
     vertices, faces = _compact(vertices, faces[_areas(vertices, faces) > 0])
     return Surface(read_only(vertices), read_only(faces), closed, tuple(notes))
 
@@ -84,7 +84,7 @@ def _shells(vertices: FloatArray, faces: IntArray) -> _Shells:
     if flipped.any():
         faces[flipped] = faces[flipped, ::-1]
         edges = _Edges.of(faces)
-        notes.append(f"{flipped.sum()} triangles faced the other way than their neighbours.")
+        notes.append(f"{flipped.sum()} triangles were inside out and have been turned.")
     paired = np.flatnonzero(edges.edge[1:] == edges.edge[:-1])
     count, label = _components(edges.face[paired], edges.face[paired + 1], len(faces))
     # a shell without a boundary winds a whole number of times around every point
@@ -99,9 +99,8 @@ def _shells(vertices: FloatArray, faces: IntArray) -> _Shells:
     if inward.any():
         turned = inward[label]
         faces[turned] = faces[turned, ::-1]
-        notes.append(
-            f"{inward.sum()} of {count} shells faced inward and were turned; cavities are solid."
-        )
+        what = "The surface was" if count == 1 else f"{inward.sum()} of its {count} parts were"
+        notes.append(f"{what} inside out and turned. Hollows inside count as solid.")
     return _Shells(faces, label.astype(np.int32), closed, tuple(notes))
 
 
@@ -183,7 +182,7 @@ def _without_duplicates(faces: IntArray, notes: list[str]) -> IntArray:
     """Each triangle once, whichever way it faces, in the order of the file."""
     _, first = np.unique(np.sort(faces, axis=1), axis=0, return_index=True)
     if len(first) < len(faces):
-        notes.append(f"{len(faces) - len(first)} triangles were there more than once.")
+        notes.append(f"{len(faces) - len(first)} triangles were there twice and count once.")
     return faces[np.sort(first)]
 
 

@@ -1,4 +1,4 @@
-"""Triangle meshes from the bytes of a file: STL, OBJ and GLB, read strictly.
+"""Triangle meshes from the bytes of a file: STL, OBJ, GLB and others, read strictly.
 
 Common loaders turn a file that is cut off or not a mesh at all into an empty mesh, and a missing
 obstacle is the worst mistake a planner can make. So here lengths must fit to the byte,
@@ -9,6 +9,8 @@ are not looked for.
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
+from functools import partial
 from itertools import pairwise
 from pathlib import PurePosixPath
 
@@ -17,11 +19,11 @@ import numpy as np
 from abi.arrays import FloatArray, IntArray
 from abi.errors import SceneError
 from abi.obstacles.pose import LARGEST
-from abi.obstacles.triangle_mesh import glb
+from abi.obstacles.triangle_mesh import glb, trimesh_formats
 
 MAX_BYTES = 50_000_000
 MAX_FACES = 500_000
-SUFFIXES = (".stl", ".obj", ".glb")
+SUFFIXES = (".stl", ".obj", ".glb", *trimesh_formats.SUFFIXES)
 
 _OTHER_FORMATS = (
     (b"version https://git-lfs", "the mesh itself, this is its Git LFS pointer (git lfs pull)"),
@@ -32,8 +34,10 @@ _OTHER_FORMATS = (
     (b"%PDF", "a mesh, this is a PDF document"),
     (b"<", "a mesh, this is a web page or XML"),
     (b"{", "a mesh in one file, this is text in JSON (save glTF as .glb)"),
-    (b"ply", "an STL, OBJ or GLB file, this is a PLY file"),
+    (b"ply", "another ending, this is a PLY file"),
 )
+_OWN = {b"PK\x03\x04": ".3mf", b"<": ".dae", b"ply": ".ply"}
+"""Endings of files that may begin so."""
 
 _TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 _FACET = b"facet normal _ _ _ outer loop vertex _ _ _ vertex _ _ _ vertex _ _ _ endloop endfacet"
@@ -54,12 +58,13 @@ def read(data: bytes, name: str) -> tuple[FloatArray, IntArray]:
     if not data.strip(b"\0 \t\r\n"):
         raise SceneError("file", name, "a mesh, the file is empty")
     start = data[:64].lstrip(b"\xef\xbb\xbf \t\r\n")
+    suffix = PurePosixPath(name).suffix.lower()
     for signature, expected in _OTHER_FORMATS:
-        if start.startswith(signature):
+        if start.startswith(signature) and suffix != _OWN.get(signature):
             raise SceneError("file", name, expected)
     try:
         with np.errstate(invalid="ignore", over="ignore"):  # NaN and inf are looked for below
-            vertices, faces = _READERS[PurePosixPath(name).suffix.lower()](data)
+            vertices, faces = _READERS[suffix](data)
     except ValueError as error:
         raise SceneError("file", name, str(error)) from None
     if not np.isfinite(vertices).all():
@@ -170,6 +175,12 @@ def _read_glb(data: bytes) -> tuple[FloatArray, IntArray]:
     return glb.read(data, MAX_FACES)
 
 
+def _read_other(data: bytes, suffix: str) -> tuple[FloatArray, IntArray]:
+    vertices, faces = trimesh_formats.read(data, suffix)
+    _refuse_count(len(faces))
+    return vertices, faces
+
+
 def _refuse_count(faces: int) -> None:
     if faces == 0:
         raise ValueError("a mesh, the file has no triangles")
@@ -177,4 +188,9 @@ def _refuse_count(faces: int) -> None:
         raise ValueError(f"at most {MAX_FACES:,} triangles, simplify the mesh first")
 
 
-_READERS = {".stl": _read_stl, ".obj": _read_obj, ".glb": _read_glb}
+_READERS: dict[str, Callable[[bytes], tuple[FloatArray, IntArray]]] = {
+    ".stl": _read_stl,
+    ".obj": _read_obj,
+    ".glb": _read_glb,
+    **{suffix: partial(_read_other, suffix=suffix) for suffix in trimesh_formats.SUFFIXES},
+}

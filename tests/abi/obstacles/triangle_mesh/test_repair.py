@@ -43,15 +43,15 @@ HALF_FLIPPED = (BOX[0], np.concatenate([BOX[1][:5, ::-1], BOX[1][5:]]))
     [
         (BOX, [(2, 0)], None),
         (SOUP_OF_BOX, [(2, 0)], None),
-        (meshes.inverted(BOX), [(2, 0)], "faced inward"),
-        (HALF_FLIPPED, [(2, 0)], "5 triangles faced the other way"),
-        (meshes.joined(BOX, BOX), [(2, 0)], "12 triangles were there more than once"),
-        (meshes.joined(BOX, meshes.inverted(BOX)), [(2, 0)], "more than once"),
-        (meshes.joined(BOX, meshes.box((2, 2, 2), (0.7, 0, 0))), [(2, 0), (2, 0.7)], "2 shells"),
+        (meshes.inverted(BOX), [(2, 0)], "was inside out"),
+        (HALF_FLIPPED, [(2, 0)], "5 triangles were inside out"),
+        (meshes.joined(BOX, BOX), [(2, 0)], "12 triangles were there twice"),
+        (meshes.joined(BOX, meshes.inverted(BOX)), [(2, 0)], "there twice"),
+        (meshes.joined(BOX, meshes.box((2, 2, 2), (0.7, 0, 0))), [(2, 0), (2, 0.7)], "2 parts"),
         (meshes.joined(BOX, meshes.box((1, 1, 1))), [(2, 0)], "one solid"),
-        (meshes.joined(BOX, meshes.inverted(meshes.box((1, 1, 1)))), [(2, 0)], "cavities"),
-        (meshes.joined(BOX, meshes.box((1, 1, 1), (-1.8, 0, 0))), [(2, 0), (1, -1.8)], "2 shells"),
-        (meshes.joined(meshes.box(), meshes.box(at=(2, 0, 0))), [(1, 0), (1, 2)], "2 shells"),
+        (meshes.joined(BOX, meshes.inverted(meshes.box((1, 1, 1)))), [(2, 0)], "Hollows"),
+        (meshes.joined(BOX, meshes.box((1, 1, 1), (-1.8, 0, 0))), [(2, 0), (1, -1.8)], "2 parts"),
+        (meshes.joined(meshes.box(), meshes.box(at=(2, 0, 0))), [(1, 0), (1, 2)], "2 parts"),
     ],
     ids=[
         "box", "as-in-stl", "inside-out", "half-flipped", "twice", "twice-inverted", "overlapping",
@@ -97,7 +97,7 @@ def test_an_open_surface_has_no_inside_and_says_so(mesh: Mesh) -> None:
     surface = clean(*mesh)
 
     assert not surface.closed
-    assert any("no inside" in note for note in surface.notes)
+    assert any("without an inside" in note for note in surface.notes)
     assert not inside(surface).any()
     # nothing of it is lost
     corners = mesh[0][mesh[1]].mean(axis=1)

@@ -1,0 +1,101 @@
+"""Triangle meshes in PLY, OFF, 3MF and DAE, read by trimesh, with what it does not look at checked.
+
+It gets the bytes alone, so it opens no other file. Archives are measured before they are unpacked,
+XML may declare no entities, and as many faces must come out as the file announces.
+"""
+
+from __future__ import annotations
+
+import io
+import re
+import zipfile
+
+import numpy as np
+
+from abi.arrays import FloatArray, IntArray
+
+_MOST_UNPACKED = 200_000_000
+_MOST_FACES = 2_000_000
+"""Faces announced above which a file is not looked at further."""
+_ENTITIES = re.compile(rb"<!(?:DOCTYPE|ENTITY)", re.IGNORECASE)
+_PLY_COUNT = re.compile(rb"element[ \t]+(vertex|face)[ \t]+([0-9]{1,9})[ \t]*\r?\n")
+
+
+def read(data: bytes, suffix: str) -> tuple[FloatArray, IntArray]:
+    """Vertices (n, 3) and triangles (m, 3) of a file, in its units, all its parts in their places.
+
+    Args:
+        data: content.
+        suffix: of the file's name, such as ".ply".
+
+    Raises:
+        ValueError: damaged or not of that kind; says what is expected instead.
+    """
+    kind = suffix.removeprefix(".")
+    announced = _CHECKS[suffix](data)
+    import trimesh  # here, since it takes long to import
+
+    try:
+        scene = trimesh.load_scene(io.BytesIO(data), file_type=kind, process=False)
+        mesh = scene.to_mesh()
+        vertices = np.asarray(mesh.vertices, dtype=np.float64)
+        faces = np.asarray(mesh.faces, dtype=np.int64)
+    except Exception as error:  # its readers raise whatever goes wrong in them
+        reason = " ".join(str(error).split())[:80] or type(error).__name__
+        raise ValueError(f"a whole {kind.upper()} file, this cannot be read ({reason})") from None
+    if len(faces) < max(announced, 1):
+        raise ValueError(
+            f"a whole {kind.upper()} file, {len(faces):,} of {announced:,} faces are there"
+            if announced
+            else "a mesh, the file has no triangles"
+        )
+    if faces.min() < 0 or faces.max() >= len(vertices):
+        raise ValueError(f"a {kind.upper()} file whose faces have vertices")
+    return vertices, faces.astype(np.int32)
+
+
+def _ply_faces(data: bytes) -> int:
+    header = data[: data.find(b"end_header") + 1]
+    counts = dict(_PLY_COUNT.findall(header))
+    if not data.startswith(b"ply") or b"vertex" not in counts or b"face" not in counts:
+        raise ValueError("a PLY file with vertices and faces")
+    return _modest(int(counts[b"face"]))
+
+
+def _off_faces(data: bytes) -> int:
+    lines = (line.partition(b"#")[0].split() for line in data[:4096].splitlines())
+    words = [word for line in lines for word in line]
+    if not words or words[0] != b"OFF" or not all(word.isdigit() for word in words[1:3]):
+        raise ValueError("an OFF text that begins with OFF and its counts")
+    return _modest(int(words[2])) if len(words) > 2 else 0
+
+
+def _no_entities(data: bytes) -> int:
+    if _ENTITIES.search(data):
+        raise ValueError("an XML file without a document type")
+    return 0
+
+
+def _archive(data: bytes) -> int:
+    try:
+        with zipfile.ZipFile(io.BytesIO(data)) as archive:
+            entries = archive.infolist()
+            if sum(entry.file_size for entry in entries) > _MOST_UNPACKED or len(entries) > 1000:
+                raise ValueError(f"an archive of at most {_MOST_UNPACKED // 1_000_000} MB unpacked")
+            for entry in entries:
+                content = archive.read(entry)
+                if entry.filename.lower().endswith((".model", ".rels", ".xml")):
+                    _no_entities(content)
+    except (zipfile.BadZipFile, RuntimeError, NotImplementedError, EOFError):
+        raise ValueError("a whole 3MF file, which is a zip archive") from None
+    return 0
+
+
+def _modest(faces: int) -> int:
+    if faces > _MOST_FACES:
+        raise ValueError("fewer triangles, simplify the mesh first")
+    return faces
+
+
+_CHECKS = {".ply": _ply_faces, ".off": _off_faces, ".3mf": _archive, ".dae": _no_entities}
+SUFFIXES = tuple(_CHECKS)

@@ -1,0 +1,96 @@
+"""A scene and its mesh files as one file: a zip archive with ``scene.yaml`` and the meshes.
+
+Meshes are stored repaired, as OBJ texts with all digits. What is opened may come from anyone:
+sizes and names are checked before anything is unpacked.
+"""
+
+from __future__ import annotations
+
+import io
+import zipfile
+from collections.abc import Mapping
+from pathlib import PurePosixPath
+from typing import Any
+
+from abi.errors import SceneError
+from abi.obstacles.triangle_mesh.stl_obj import SUFFIXES
+from abi.obstacles.triangle_mesh.surface import Surface
+from abi.scene.scene_file import dump, parse_bytes
+
+SUFFIX = ".zip"
+MAX_BYTES = 50_000_000
+_MOST_UNPACKED = 200_000_000
+_MOST_FILES = 200
+_SCENES = ("scene.yaml", "scene.yml", "scene.json")
+_FIELD = "scene"
+
+
+def pack(data: Mapping[str, Any], surfaces: Mapping[str, Surface]) -> bytes:
+    """An archive of a scene.
+
+    Args:
+        data: as a scene file holds it.
+        surfaces: of its mesh files, by name.
+
+    Raises:
+        SceneError: it is too large to be read again.
+    """
+    names: dict[str, str] = {}
+    for file in surfaces:
+        stem = PurePosixPath(file).stem
+        choices = [f"{stem}.obj", *(f"{stem}-{k}.obj" for k in range(2, len(surfaces) + 2))]
+        names[file] = next(name for name in choices if name not in names.values())
+    obstacles = [
+        {**one, "file": names[one["file"]]} if "file" in one else one for one in data["obstacles"]
+    ]
+    packed = io.BytesIO()
+    with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED, compresslevel=6) as archive:
+        archive.writestr(_SCENES[0], dump({**data, "obstacles": obstacles}, _SCENES[0]))
+        for file, surface in surfaces.items():
+            archive.writestr(names[file], _obj(surface))
+    content = packed.getvalue()
+    if len(content) > MAX_BYTES:
+        raise SceneError(
+            _FIELD, f"{len(content) // 1_000_000} MB", "at most 50 MB, with fewer or smaller meshes"
+        )
+    return content
+
+
+def unpack(content: bytes, name: str) -> tuple[object, dict[str, bytes]]:
+    """Plain data of a scene, and the content of its mesh files by name.
+
+    Args:
+        content: of an archive.
+        name: the archive's, for errors.
+
+    Raises:
+        SceneError: damaged, too large, or without a scene.
+    """
+    if len(content) > MAX_BYTES:
+        raise SceneError(_FIELD, name, f"a file of at most {MAX_BYTES // 1_000_000} MB")
+    try:
+        with zipfile.ZipFile(io.BytesIO(content)) as archive:
+            entries = [entry for entry in archive.infolist() if not entry.is_dir()]
+            size = sum(entry.file_size for entry in entries)
+            if size > _MOST_UNPACKED or len(entries) > _MOST_FILES:
+                limit = f"{_MOST_FILES} files of {_MOST_UNPACKED // 1_000_000} MB in all"
+                raise SceneError(_FIELD, name, f"an archive of at most {limit}")
+            files = {entry.filename: entry for entry in entries}
+            scene = next((file for file in _SCENES if file in files), None)
+            if scene is None:
+                raise SceneError(_FIELD, name, "an archive with a scene.yaml in it")
+            data = parse_bytes(archive.read(files[scene]), scene)
+            meshes = {
+                file: archive.read(entry)
+                for file, entry in files.items()
+                if PurePosixPath(file).suffix.lower() in SUFFIXES
+            }
+    except (zipfile.BadZipFile, RuntimeError, NotImplementedError, EOFError, OSError):
+        raise SceneError(_FIELD, name, "a whole zip archive, this is damaged") from None
+    return data, meshes
+
+
+def _obj(surface: Surface) -> str:
+    vertices = [f"v {x!r} {y!r} {z!r}" for x, y, z in surface.vertices.tolist()]
+    faces = [f"f {a} {b} {c}" for a, b, c in (surface.faces + 1).tolist()]
+    return "\n".join([*vertices, *faces, ""])

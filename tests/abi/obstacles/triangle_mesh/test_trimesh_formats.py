@@ -1,0 +1,75 @@
+"""PLY, OFF, 3MF and DAE: as exported, cut off at any place, and made to harm."""
+
+from __future__ import annotations
+
+import io
+import zipfile
+
+import numpy as np
+import pytest
+import trimesh
+
+from abi.errors import SceneError
+from abi.obstacles.triangle_mesh.repair import clean
+from abi.obstacles.triangle_mesh.stl_obj import read
+from abi.obstacles.triangle_mesh.trimesh_formats import SUFFIXES
+
+ENTITY = b'<?xml version="1.0"?><!DOCTYPE a [<!ENTITY b SYSTEM "file:///etc/passwd">]><a>&b;</a>'
+
+
+def exported(suffix: str) -> bytes:
+    mesh = trimesh.creation.icosphere(subdivisions=1, radius=0.5)
+    mesh.apply_translation((1, 2, 3))
+    content = mesh.export(file_type=suffix.removeprefix("."))
+    return content if isinstance(content, bytes) else bytes(content, "utf-8")
+
+
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_a_mesh_is_read_as_it_was_written(suffix: str) -> None:
+    surface = clean(*read(exported(suffix), f"ball{suffix}"))
+
+    assert surface.closed
+    assert len(surface.faces) == 80
+    middle = (surface.vertices.min(axis=0) + surface.vertices.max(axis=0)) / 2
+    np.testing.assert_allclose(middle, (1, 2, 3), atol=1e-6)
+
+
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_no_part_of_a_file_passes_for_the_whole(suffix: str) -> None:
+    content = exported(suffix)
+    for share in (0.0, 0.1, 0.5, 0.9, 0.98):
+        with pytest.raises(SceneError, match="file is"):
+            read(content[: int(share * len(content))], f"ball{suffix}")
+
+
+def bomb() -> bytes:
+    packed = io.BytesIO()
+    with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("3D/3dmodel.model", bytes(300_000_000))
+    return packed.getvalue()
+
+
+def with_entity() -> bytes:
+    packed = io.BytesIO()
+    with zipfile.ZipFile(packed, "w") as archive:
+        archive.writestr("3D/3dmodel.model", ENTITY)
+    return packed.getvalue()
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "expected"),
+    [
+        ("a.dae", ENTITY, "without a document type"),
+        ("a.3mf", with_entity(), "without a document type"),
+        ("a.3mf", bomb(), "200 MB"),
+        ("a.ply", b"ply\nformat ascii 1.0\nelement vertex 3\nend_header\n", "vertices and faces"),
+        ("a.off", b"OFF\n3 999999999 0\n0 0 0\n", "simplify"),
+        ("a.off", b"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 7\n", "OFF file"),
+        ("a.stl", b"ply\n", "a PLY file"),
+    ],
+)
+def test_what_is_damaged_or_meant_to_harm_is_refused(
+    name: str, content: bytes, expected: str
+) -> None:
+    with pytest.raises(SceneError, match=expected):
+        read(content, name)

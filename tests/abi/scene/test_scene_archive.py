@@ -1,0 +1,78 @@
+"""Scenes and their meshes in one file."""
+
+from __future__ import annotations
+
+import io
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from abi.errors import SceneError
+from abi.obstacles.mesh_shape import MeshShape
+from abi.scene.scene import MOST_OBSTACLES, Scene, load_scene
+from tests.abi import meshes
+
+
+def with_meshes() -> Scene:
+    files = {
+        "parts/nut.stl": meshes.stl(meshes.bumpy(2)),
+        "nut.stl": meshes.stl(meshes.soup(20, seed=1, size=0.5)),
+    }
+    obstacles = [
+        {"shape": "mesh", "file": "parts/nut.stl", "position": [3, 3, 3], "scale": 0.7},
+        {"shape": "box", "size": [1, 1, 1], "position": [1, 4, 1]},
+        {"shape": "mesh", "file": "nut.stl", "position": [4, 2, 1], "wxyz": [1, 1, 0, 0]},
+    ]
+    return Scene.from_dict({"version": 1, "obstacles": obstacles}, files)
+
+
+def archive(**files: str) -> bytes:
+    packed = io.BytesIO()
+    with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as into:
+        for name, content in files.items():
+            into.writestr(name.replace("__", "."), content)
+    return packed.getvalue()
+
+
+def test_a_scene_comes_back_with_its_meshes(tmp_path: Path) -> None:
+    scene = with_meshes()
+    path = tmp_path / "mine.zip"
+    path.write_bytes(scene.pack())
+    again = load_scene(path)
+
+    assert again.obstacles[1] == scene.obstacles[1]
+    assert again.replace(obstacles=[]) == scene.replace(obstacles=[])
+    for k in (0, 2):
+        one, other = scene.obstacles[k], again.obstacles[k]
+        assert isinstance(one, MeshShape)
+        assert isinstance(other, MeshShape)
+        assert one.closed == other.closed
+        points = np.random.default_rng(k).uniform(0, 6, (200, 3))
+        np.testing.assert_allclose(one.signed_distance(points), other.signed_distance(points))
+
+
+@pytest.mark.parametrize(
+    ("content", "expected"),
+    [
+        (b"PK\x03\x04 cut off", "damaged"),
+        (with_meshes().pack()[:-30], "damaged"),
+        (archive(mesh__obj="v 0 0 0"), "scene.yaml in it"),
+        (archive(scene__yaml="version: 2"), "version"),
+        (archive(scene__json="0" * 300_000_000), "200 MB"),
+    ],
+)
+def test_what_is_no_archive_of_a_scene_is_refused(
+    tmp_path: Path, content: bytes, expected: str
+) -> None:
+    path = tmp_path / "scene.zip"
+    path.write_bytes(content)
+    with pytest.raises(SceneError, match=expected):
+        load_scene(path)
+
+
+def test_more_obstacles_than_can_be_planned_are_refused_at_once() -> None:
+    ball = {"shape": "sphere", "radius": 0.01}
+    with pytest.raises(SceneError, match="obstacles is 5001; expected at most 5,000"):
+        Scene.from_dict({"version": 1, "obstacles": [ball] * (MOST_OBSTACLES + 1)})
