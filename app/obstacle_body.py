@@ -11,23 +11,32 @@ from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import Obstacle
 from abi.obstacles.primitives import Box, Cylinder, Sphere
 from app import style
+from app.mesh_picture import drawn_triangles
 
 Body = viser.BoxHandle | viser.IcosphereHandle | viser.MeshHandle
 
-_OPACITY = 0.62
+_OPACITY, _LEAST_OPACITY = 0.62, 0.25
 _SUBDIVISIONS = 8
 
 
-def add_body(scene: viser.SceneApi, name: str, obstacle: Obstacle) -> Body:
-    """Add the obstacle's surface, in its own frame."""
-    look: dict[str, Any] = {"color": style.OBSTACLE, "opacity": _OPACITY, "side": "double"}
+def add_body(scene: viser.SceneApi, name: str, obstacle: Obstacle, share: float = 0.0) -> Body:
+    """Add the obstacle's surface, in its own frame.
+
+    Args:
+        scene: to draw in.
+        name: of the node.
+        obstacle: its shape and size count.
+        share: its size as a part of the workspace's: what fills it does not hide the path.
+    """
+    opacity = _OPACITY - (_OPACITY - _LEAST_OPACITY) * min(max(1.5 * share - 0.5, 0.0), 1.0)
+    look: dict[str, Any] = {"color": style.OBSTACLE, "opacity": opacity, "side": "double"}
     if isinstance(obstacle, Box):
         return scene.add_box(name, dimensions=obstacle.size, **look)
     if isinstance(obstacle, Sphere):
         return scene.add_icosphere(name, radius=obstacle.radius, subdivisions=_SUBDIVISIONS, **look)
     if isinstance(obstacle, MeshShape):
-        vertices = (obstacle.surface.vertices * obstacle.factor).astype(np.float32)
-        faces = obstacle.surface.faces.astype(np.uint32)
+        vertices, faces = drawn_triangles(obstacle.surface)
+        vertices = vertices * np.float32(obstacle.factor)
         return scene.add_mesh_simple(name, vertices, faces, flat_shading=True, **look)
     from trimesh import creation  # here, since it takes long to import
 
@@ -38,3 +47,11 @@ def add_body(scene: viser.SceneApi, name: str, obstacle: Obstacle) -> Body:
         mesh.apply_translation((0, 0, -mesh.bounds.mean(axis=0)[2]))
     vertices, faces = mesh.vertices.astype(np.float32), mesh.faces.astype(np.uint32)
     return scene.add_mesh_simple(name, vertices, faces, **look)
+
+
+def add_edges(scene: viser.SceneApi, name: str, mesh: MeshShape) -> viser.MeshHandle:
+    """Add the edges of a mesh's triangles, in its own frame."""
+    vertices, faces = drawn_triangles(mesh.surface)
+    vertices = vertices * np.float32(mesh.factor)
+    colour = style.EXCLUDED
+    return scene.add_mesh_simple(name, vertices, faces, color=colour, wireframe=True, opacity=0.6)

@@ -1,4 +1,4 @@
-"""Note on the chosen mesh: its size, its repairs, and a better unit where it is out of scale."""
+"""Note on the chosen mesh: its file, size and repairs, and buttons for another size."""
 
 from __future__ import annotations
 
@@ -7,19 +7,39 @@ import html
 import viser
 
 from abi.obstacles.mesh_shape import MeshShape, suggest_unit
+from abi.obstacles.pose import METRES
+from abi.obstacles.triangle_mesh.surface import Surface
 from abi.scene.scene import Scene
+from app.mesh_picture import MOST_DRAWN
 from app.numbers import format_setting
 from app.panels.widgets import Wake
 
+_FITTED = 1 / 3
+_LEAST, _MOST = 1 / 12, 3 / 4
+"""Sizes, as parts of the workspace's longest side: when fitted, and between which none is."""
+
+
+def fitted_scale(surface: Surface, scene: Scene) -> float:
+    """Scale that makes a mesh a third of the workspace; 1 where its size will do as it is."""
+    largest = max(scene.workspace.size)
+    if _LEAST <= surface.extent / largest <= _MOST:
+        return 1.0
+    return max(float(f"{_FITTED * largest / surface.extent:.3g}"), 1e-6)
+
 
 class MeshNote:
-    """A paragraph, and a button that takes over the suggested unit."""
+    """A paragraph, and buttons for the size of the file, a size that fits and a likely unit."""
 
     def __init__(self, gui: viser.GuiApi, wake: Wake) -> None:
         self._text = gui.add_html("", visible=False)
+        self._resize = gui.add_button("Original size", visible=False)
         self._button = gui.add_button("", visible=False)
+        self._edges = gui.add_checkbox("show edges", False, visible=False)
+        self._edges.on_update(wake)
+        self._resize.on_click(wake)
         self._button.on_click(wake)
         self._suggested = ""
+        self._other_scale = 1.0
 
     def accepted(self) -> str | None:
         """The suggested unit if the button was pressed since the last call."""
@@ -28,16 +48,33 @@ class MeshNote:
         self._button.value = False
         return self._suggested or None
 
+    def resized(self) -> float | None:
+        """The scale that the button beside the size stands for, if it was pressed."""
+        if not self._resize.value:
+            return None
+        self._resize.value = False
+        return self._other_scale
+
+    @property
+    def edges(self) -> bool:
+        """Whether the edges of meshes are to be seen."""
+        return self._edges.value is True
+
     def write(self, mesh: MeshShape | None, scene: Scene) -> None:
         """Describe ``mesh``, an obstacle of ``scene``; None hides the note."""
         self._suggested, notes = "", []
+        self._resize.visible = False
+        self._edges.visible = mesh is not None
         if mesh is not None:
             extent = mesh.surface.extent * mesh.factor
             unit = mesh.unit or scene.unit
             self._suggested = suggest_unit(extent, scene.workspace.size, unit) or ""
-            width = f"{format_setting(extent)} {scene.unit}"
-            notes = [f"{len(mesh.surface.faces):,} triangles, {width} wide."]
+            count = len(mesh.surface.faces)
+            notes = [f"{mesh.file}: {count:,} triangles, {_length(extent, scene)} wide."]
             notes += mesh.surface.notes
+            if count > MOST_DRAWN:
+                notes.append("It is planned with all of them and drawn with fewer.")
+            notes += self._offer_size(mesh, scene)
         if self._suggested:
             notes.append(
                 f"That is far from the workspace's size: is the file in {self._suggested}?"
@@ -47,3 +84,25 @@ class MeshNote:
         self._text.visible = bool(notes)
         text = html.escape(" ".join(notes))
         self._text.content = f'<div style="margin:0 10px;font-size:12.5px">{text}</div>'
+
+    def _offer_size(self, mesh: MeshShape, scene: Scene) -> list[str]:
+        """Offer the size of the file where the mesh was fitted, and one that fits elsewhere."""
+        own = mesh.surface.extent * (METRES[mesh.unit] / METRES[scene.unit] if mesh.unit else 1.0)
+        fitting = fitted_scale(mesh.surface, scene)
+        if mesh.scale == fitting != 1:
+            self._other_scale = 1.0
+            self._resize.label = f"Original size: {_length(own, scene)}"
+            self._resize.visible = True
+            return ["It was fitted to the workspace."]
+        largest = max(scene.workspace.size)
+        if not _LEAST <= mesh.surface.extent * mesh.factor / largest <= _MOST:
+            per_scale = mesh.factor / mesh.scale
+            self._other_scale = float(f"{_FITTED * largest / mesh.surface.extent / per_scale:.3g}")
+            self._resize.label = "Fit to the workspace"
+            self._resize.visible = True
+        return []
+
+
+def _length(length: float, scene: Scene) -> str:
+    digits = f"{length:,.0f}" if length >= 1000 else format_setting(length)
+    return f"{digits} {scene.unit}"

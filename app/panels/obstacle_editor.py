@@ -24,14 +24,16 @@ from app import page
 from app.frame import Frame
 from app.labels import sentence
 from app.panels.end_gizmos import EndGizmos
-from app.panels.mesh_note import MeshNote
+from app.panels.free_place import Bounds, free_place
+from app.panels.mesh_note import MeshNote, fitted_scale
+from app.panels.mesh_uploads import MeshUploads
 from app.panels.obstacle_gizmos import ObstacleGizmos
 from app.panels.obstacle_sizes import ObstacleSizes
 from app.panels.widgets import Vec3, VectorBox, Wake
 
 _NONE = "none"
-_FIELDS = ("obstacles", "start", "goal", "file")
-"""Fields of a scene that are typed here, or uploaded."""
+_FIELDS = ("obstacles", "start", "goal")
+"""Fields of a scene that are typed here."""
 
 
 class ObstacleEditor:
@@ -64,18 +66,15 @@ class ObstacleEditor:
         self._angles = VectorBox(gui, "turned [°]", 5.0, "About x, then y, then z.", wake)
         self.kind = gui.add_dropdown("new shape", ("box", "sphere", "cylinder", "capsule"))
         self.buttons = gui.add_button_group("change", ("Add", "Duplicate", "Delete"))
-        self.upload = gui.add_upload_button(
-            "Add a mesh…", mime_type=".stl,.obj,.glb", hint="STL, OBJ or GLB, up to 50 MB."
-        )
-        self._uploaded: object = self.upload.value
+        self.uploads = MeshUploads(gui, wake)
         self.surfaces: dict[str, Surface] = {}
         self._noted: tuple[Scene, int] | None = None
         self._refused = ""
         self._shown: dict[str, Any] = {}
         self._listed = -1
         self._pressed = False
+        self._added: list[Bounds] = []
         self.choice.on_update(wake)
-        self.upload.on_upload(wake)
         self._wake = wake
         self.buttons.on_click(self._note_press)
 
@@ -83,11 +82,16 @@ class ObstacleEditor:
         """Apply what was typed, pressed or dragged; ``scene`` is the last valid one.
 
         Raises:
-            SceneError: a typed number is not finite, or an uploaded file is not a mesh.
+            SceneError: a typed number is not finite.
         """
-        if self.upload.value is not self._uploaded:
-            self._uploaded = self.upload.value
-            self._add_mesh(self.upload.value, scene)
+        for prepared in self.uploads.finished():
+            if isinstance(prepared.result, Surface):
+                self._add_mesh(prepared.name, prepared.result, scene)
+            else:
+                message = prepared.result.message
+                page.notify_refusal(self._client, f"{prepared.name} is not added", message)
+        if (scale := self._mesh_note.resized()) is not None:
+            self.sizes.scale.value = scale
         if (unit := self._mesh_note.accepted()) is not None:
             self.sizes.choose_unit(unit)
         if self._pressed:
@@ -119,22 +123,25 @@ class ObstacleEditor:
         """Surfaces that obstacles can name: those of ``scene`` and the uploaded ones."""
         return MeshSource({**scene.meshes.files, **self.surfaces})
 
-    def _add_mesh(self, file: viser.UploadedFile, scene: Scene) -> None:
-        """Add an uploaded mesh in the middle of the workspace.
-
-        Raises:
-            SceneError: not a mesh; nothing is added.
-        """
-        name = _safe_name(file.name)
-        surface = MeshSource({name: file.content}).surface(name)
+    def _add_mesh(self, name: str, surface: Surface, scene: Scene) -> None:
+        """Add an uploaded mesh at the next free place, at a size that can be seen."""
+        known = self.meshes(scene).files
+        while known.get(name, surface) != surface:  # another file of the same name
+            name = f"_{name}"
         self.surfaces[name] = surface
-        middle = np.add(scene.workspace.min, scene.workspace.max) / 2
-        position = tuple(map(float, middle - _middle(surface)))
-        mesh = MeshShape.of(surface, file=name, position=position)
-        mesh.prepare()
-        self._obstacles.add(mesh)
+        scale = fitted_scale(surface, scene)
+        half = scale * np.ptp(surface.vertices, axis=0) / 2
+        wanted = np.add(scene.workspace.min, scene.workspace.max) / 2
+        place = free_place(half, wanted, scene, self._taken(scene))
+        self._added.append((place - half, place + half))
+        x, y, z = (place - scale * _middle(surface)).tolist()
+        self._obstacles.add(MeshShape.of(surface, file=name, position=(x, y, z), scale=scale))
         self._obstacles.choose(len(self._obstacles.gizmos) - 1)
         self._forget()
+
+    def _taken(self, scene: Scene) -> list[Bounds]:
+        """Bounds of the obstacles of the last valid scene, and of those added since."""
+        return [*(obstacle.bounds() for obstacle in scene.obstacles), *self._added]
 
     def draw(self, frame: Frame) -> None:
         """Describe the chosen mesh, and notify once of an error in what was typed here.
@@ -146,6 +153,8 @@ class ObstacleEditor:
             self._refused = str(error or "")
             if error is not None and getattr(error, "field", "").startswith(_FIELDS):
                 page.notify_refusal(self._client, "Not changed", sentence(error))
+        self._added.clear()
+        self._obstacles.show_edges(self._mesh_note.edges)
         scene, number = frame.plan.scene, self._obstacles.chosen
         if frame.current and (scene, number) != self._noted:
             self._noted = scene, number
@@ -163,20 +172,29 @@ class ObstacleEditor:
         """Add, duplicate or delete."""
         obstacles = self._obstacles
         if action == "Add":
-            obstacles.add(_new_obstacle(self.kind.value, scene))
+            self._add_apart(_new_obstacle(self.kind.value, scene), scene)
         elif action == "Duplicate" and obstacles.gizmos:
-            twin = scene.obstacles[min(obstacles.chosen, len(scene.obstacles) - 1)]
-            position = np.array(twin.position) + 0.1 * np.array(scene.workspace.size)
-            obstacles.add(twin.model_copy(update={"position": tuple(map(float, position))}))
+            self._add_apart(scene.obstacles[min(obstacles.chosen, len(scene.obstacles) - 1)], scene)
         elif action == "Delete" and obstacles.gizmos:
             obstacles.remove(obstacles.chosen)
         obstacles.choose(max(len(obstacles.gizmos) - 1, 0))
         self._forget()
 
+    def _add_apart(self, obstacle: Obstacle, scene: Scene) -> None:
+        """Add an obstacle at the free place nearest to its own."""
+        low, high = obstacle.bounds()
+        middle, half = (low + high) / 2, (high - low) / 2
+        place = free_place(half, middle, scene, self._taken(scene))
+        self._added.append((place - half, place + half))
+        x, y, z = (np.array(obstacle.position) + place - middle).tolist()
+        self._obstacles.add(obstacle.model_copy(update={"position": (x, y, z)}))
+
     def _follow_choice(self) -> None:
         """Choose the same obstacle in the list and in the scene: the newer choice."""
         obstacles = self._obstacles
-        names = tuple(f"{i + 1} · {data['shape']}" for i, data in enumerate(obstacles.data))
+        names = tuple(
+            f"{i + 1} · {data.get('file', data['shape'])}" for i, data in enumerate(obstacles.data)
+        )
         if tuple(self.choice.options) != (names or (_NONE,)):
             self.choice.options = names or (_NONE,)
             self._listed = -1
@@ -250,13 +268,6 @@ def _factor(data: dict[str, Any], scene: Scene) -> float:
     """Lengths of the scene, [unit], per length of a mesh file."""
     unit = data["unit"]
     return float(data["scale"] * (METRES[unit] / METRES[scene.unit] if unit else 1.0))
-
-
-def _safe_name(name: str) -> str:
-    """File name for the scene from an uploaded one, which may have any characters."""
-    stem, dot, ending = name.rpartition(".")
-    kept = "".join(c if c.isalnum() or c in "-_" else "_" for c in stem)[:60] or "mesh"
-    return f"{kept}{dot}{ending.lower()}"
 
 
 def _new_obstacle(kind: str, scene: Scene) -> Obstacle:

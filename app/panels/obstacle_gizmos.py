@@ -12,11 +12,13 @@ import numpy as np
 import viser
 
 from abi.arrays import FloatArray
+from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import Obstacle
+from abi.obstacles.triangle_mesh.surface import Surface
 from abi.scene.scene import Scene
 from app import style
 from app.frame import Frame, Switch
-from app.obstacle_body import Body, add_body
+from app.obstacle_body import Body, add_body, add_edges
 from app.panels.widgets import Wake
 
 _POSE = {"position", "wxyz"}
@@ -41,6 +43,7 @@ class ObstacleGizmos:
         self.gizmos: list[viser.TransformControlsHandle] = []
         self._bodies: list[Body] = []
         self._drawn: list[dict[str, Any]] = []
+        self._edges: dict[str, tuple[viser.MeshHandle, tuple[Surface, float]]] = {}
         self._added = 0
         self._visible = True
         self._embodied: Sequence[Obstacle] | None = None
@@ -91,9 +94,25 @@ class ObstacleGizmos:
             gizmo.scale = (
                 min(1.35 * _radius(obstacle), 0.4 * self._scene_size) + 0.03 * self._scene_size
             )
-            self._bodies[number] = body = add_body(self._scene, f"{gizmo.name}/body", obstacle)
+            share = 2 * _radius(obstacle) / (3**0.5 * self._scene_size)
+            body = add_body(self._scene, f"{gizmo.name}/body", obstacle, share)
+            self._bodies[number] = body
             body.on_click(self._choose_clicked)
             body.on_drag(self._drag)
+
+    def show_edges(self, shown: bool) -> None:
+        """Show or hide the edges of the meshes' triangles."""
+        meshes = [
+            (f"{gizmo.name}/edges", obstacle)
+            for gizmo, obstacle in zip(self.gizmos, self._embodied or (), strict=False)
+            if shown and isinstance(obstacle, MeshShape)
+        ]
+        wanted = {name: (mesh.surface, mesh.factor) for name, mesh in meshes}
+        for name in [name for name in self._edges if name not in wanted]:
+            self._edges.pop(name)[0].remove()
+        for name, mesh in meshes:
+            if name not in self._edges or self._edges[name][1] != wanted[name]:
+                self._edges[name] = (add_edges(self._scene, name, mesh), wanted[name])
 
     def add(self, obstacle: Obstacle) -> None:
         """Add an obstacle's gizmo; the next frame gives it a body."""
@@ -119,7 +138,9 @@ class ObstacleGizmos:
 
     def remove(self, number: int) -> None:
         """Remove obstacle ``number``, from 0."""
-        self.gizmos.pop(number).remove()
+        gizmo = self.gizmos.pop(number)
+        self._edges.pop(f"{gizmo.name}/edges", None)  # it goes with the gizmo
+        gizmo.remove()
         for column in (self.data, self._drawn, self._bodies, self._validated):
             column.pop(number)
         self._with_handles = -2

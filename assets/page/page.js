@@ -133,3 +133,32 @@ document.head.insertAdjacentHTML("beforeend", `<style id="abi-style">
 /* the line that only spans a plot's scale */
 .u-legend .u-series:last-child { display: none; }
 </style>`);
+
+// Several files at once: viser takes one of each choice, so they are handed over one by one.
+window.abi.MESHES = 'input[type=file][accept*=".stl"]';
+window.abi.choose = (input, files) => {
+  for (const file of [...files].slice(0, 8)) {
+    const one = new DataTransfer();
+    one.items.add(file);
+    input.files = one.files;
+    input.dispatchEvent(new Event("change", {bubbles: true}));
+  }
+};
+document.abiFiles ??= (() => {
+  document.addEventListener("click", event => {
+    if (event.target.matches?.(window.abi.MESHES)) event.target.multiple = true;
+  }, true);
+  document.addEventListener("change", event => {
+    const input = event.target;
+    if (!input.matches?.(window.abi.MESHES) || input.files.length < 2) return;
+    event.stopImmediatePropagation();
+    window.abi.choose(input, input.files);
+  }, true);
+  document.addEventListener("dragover", event => event.preventDefault());
+  document.addEventListener("drop", event => {
+    event.preventDefault();
+    const input = document.querySelector(window.abi.MESHES);
+    if (input) window.abi.choose(input, event.dataTransfer.files);
+  });
+  return true;
+})();

@@ -1,0 +1,140 @@
+"""Mesh files on their way into the scene: read and prepared beside the planning, one at a time.
+
+The tab's worker asks what is finished. A thread of its own reads, repairs and prepares, so that
+obstacles can be moved meanwhile, and it can be told to let a file be.
+"""
+
+from __future__ import annotations
+
+import html
+import queue
+import threading
+from dataclasses import dataclass
+from typing import Any
+
+import viser
+
+from abi.errors import SceneError
+from abi.obstacles.mesh_shape import MeshShape
+from abi.obstacles.triangle_mesh.repair import clean
+from abi.obstacles.triangle_mesh.stl_obj import SUFFIXES, read
+from abi.obstacles.triangle_mesh.surface import Surface
+from app.panels.widgets import Wake
+
+_STEPS = ("reading", "repairing", "preparing")
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """A file that was dealt with.
+
+    Attributes:
+        name: of the file, as the scene names it.
+        result: its surface, or why there is none.
+    """
+
+    name: str
+    result: Surface | SceneError
+
+
+class MeshUploads:
+    """A button for files, and a line with what becomes of them and a button to stop it.
+
+    Attributes:
+        button: takes one file after the other; the page lets several be chosen at once.
+    """
+
+    def __init__(self, gui: viser.GuiApi, wake: Wake) -> None:
+        kinds = ", ".join(suffix[1:].upper() for suffix in SUFFIXES)
+        self.button = gui.add_upload_button(
+            "Add a mesh…", mime_type=",".join(SUFFIXES), hint=f"{kinds}, up to 50 MB."
+        )
+        self._line = gui.add_html("", visible=False)
+        self._bar = gui.add_progress_bar(0.0, visible=False)
+        self._stop = gui.add_button("Stop reading", visible=False)
+        self._wake = wake
+        self._waiting: queue.SimpleQueue[tuple[viser.UploadedFile, Any]] = queue.SimpleQueue()
+        self._finished: queue.SimpleQueue[Prepared] = queue.SimpleQueue()
+        self._stopped = threading.Event()
+        self._lock = threading.Lock()
+        self._pending = 0
+        self.button.on_upload(self._receive)
+        self._stop.on_click(self._cancel)
+
+    @property
+    def busy(self) -> bool:
+        """Whether a file is still being dealt with."""
+        return self._pending > 0
+
+    def finished(self) -> list[Prepared]:
+        """The files that were finished since the last call."""
+        found = []
+        while not self._finished.empty():
+            found.append(self._finished.get())
+        return found
+
+    def _receive(self, event: viser.GuiEvent[viser.GuiUploadButtonHandle]) -> None:
+        with self._lock:
+            self._waiting.put((event.target.value, event))
+            self._pending += 1
+            if self._pending == 1:
+                self._stopped.clear()
+                threading.Thread(target=self._work, name="meshes", daemon=True).start()
+
+    def _cancel(self, _: object) -> None:
+        self._stopped.set()
+
+    def _work(self) -> None:
+        """Deal with files until none is left: the thread."""
+        while True:
+            file, event = self._waiting.get()
+            prepared = None if self._stopped.is_set() else self._prepare(file)
+            with self._lock:
+                self._pending -= 1
+                last = self._pending == 0
+            if prepared is not None and not self._stopped.is_set():
+                self._finished.put(prepared)
+            if last:
+                self._show(None, 0.0)
+            self._wake(event)
+            if last:
+                return
+
+    def _prepare(self, file: viser.UploadedFile) -> Prepared | None:
+        """Read, repair and prepare one file; None where it was stopped."""
+        name = safe_name(file.name)
+        try:
+            self._step(name, 0)
+            parts = read(file.content, name)
+            self._step(name, 1)
+            surface = clean(*parts, name)
+            self._step(name, 2)
+            MeshShape.of(surface, file=name).prepare()
+        except SceneError as error:
+            return Prepared(name, error)
+        except _StoppedError:
+            return None
+        return Prepared(name, surface)
+
+    def _step(self, name: str, step: int) -> None:
+        if self._stopped.is_set():
+            raise _StoppedError
+        more = f", {self._pending - 1} more to come" if self._pending > 1 else ""
+        self._show(f"{name}: {_STEPS[step]}{more}…", (step + 0.5) / len(_STEPS))
+
+    def _show(self, line: str | None, share: float) -> None:
+        visible = line is not None
+        self._line.content = f'<div style="margin:0 10px">{html.escape(line or "")}</div>'
+        self._bar.value = 100 * share
+        self._line.visible = self._bar.visible = self._stop.visible = visible
+
+
+class _StoppedError(Exception):
+    """Raised between two steps when the user has stopped the reading."""
+
+
+def safe_name(name: str) -> str:
+    """File name for the scene from an uploaded one, which may have any characters."""
+    stem, dot, ending = name.rpartition(".")
+    kept = "".join(c if c.isalnum() or c in "-_" else "_" for c in stem)[:60] or "mesh"
+    return f"{kept}{dot}{ending.lower()}"
