@@ -56,6 +56,11 @@ def set_clock(client: viser.ClientHandle, time: float, end: float, playing: bool
     _run(client, f"abi.clock({time}, {end}, {json.dumps(playing)})")
 
 
+def next_file(client: viser.ClientHandle) -> None:
+    """Have the tab send the next of several files that were chosen at once."""
+    _run(client, "abi.next()")
+
+
 def notify_refusal(client: viser.ClientHandle, title: str, reason: str) -> None:
     """Notify the user of what was not done, and why."""
     client.add_notification(title, reason, color="red", auto_close_seconds=12)

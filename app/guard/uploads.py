@@ -7,7 +7,7 @@ from typing import Any
 
 from app.guard.messages import UploadPart, UploadStart
 
-MAX_TRANSFERS = 8
+MAX_TRANSFERS = 2
 """Files that one tab sends at once."""
 
 

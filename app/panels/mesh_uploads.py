@@ -19,6 +19,7 @@ from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.triangle_mesh.repair import clean
 from abi.obstacles.triangle_mesh.stl_obj import SUFFIXES, read
 from abi.obstacles.triangle_mesh.surface import Surface
+from app import page
 from app.panels.widgets import Wake
 
 _STEPS = ("reading", "repairing", "preparing")
@@ -74,8 +75,11 @@ class MeshUploads:
         return found
 
     def _receive(self, event: viser.GuiEvent[viser.GuiUploadButtonHandle]) -> None:
+        file = event.target.value
+        if event.client is not None:
+            page.next_file(event.client)
         with self._lock:
-            self._waiting.put((event.target.value, event))
+            self._waiting.put((file, event))
             self._pending += 1
             if self._pending == 1:
                 self._stopped.clear()

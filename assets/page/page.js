@@ -134,15 +134,21 @@ document.head.insertAdjacentHTML("beforeend", `<style id="abi-style">
 .u-legend .u-series:last-child { display: none; }
 </style>`);
 
-// Several files at once: viser takes one of each choice, so they are handed over one by one.
+// Several files at once: viser takes one of each choice, so they are handed over one by one, the
+// next once the server has the last.
 window.abi.MESHES = 'input[type=file][accept*=".stl"]';
+window.abi.waiting = [];
 window.abi.choose = (input, files) => {
-  for (const file of [...files].slice(0, 8)) {
-    const one = new DataTransfer();
-    one.items.add(file);
-    input.files = one.files;
-    input.dispatchEvent(new Event("change", {bubbles: true}));
-  }
+  window.abi.waiting = [...files].map(file => [input, file]);
+  window.abi.next();
+};
+window.abi.next = () => {
+  const [input, file] = window.abi.waiting.shift() ?? [];
+  if (!input) return;
+  const one = new DataTransfer();
+  one.items.add(file);
+  input.files = one.files;
+  input.dispatchEvent(new Event("change", {bubbles: true}));
 };
 document.abiFiles ??= (() => {
   document.addEventListener("click", event => {

@@ -363,14 +363,17 @@ class Page:
 
     def upload(self, button: str, name: str, content: bytes) -> None:
         """Click an upload button and choose a file."""
+        self.upload_all(button, {name: content})
+
+    def upload_all(self, button: str, files: dict[str, bytes]) -> None:
+        """Click an upload button and choose files, by their names."""
         with self.tab.expect_file_chooser() as chooser:
             self.click(button)
-        file: FilePayload = {
-            "name": name,
-            "mimeType": "application/octet-stream",
-            "buffer": content,
-        }
-        chooser.value.set_files(file)
+        chosen: list[FilePayload] = [
+            {"name": name, "mimeType": "application/octet-stream", "buffer": content}
+            for name, content in files.items()
+        ]
+        chooser.value.set_files(chosen)
 
     def text(self) -> str:
         """Everything that can be read on the page."""

@@ -119,13 +119,53 @@ def test_what_is_no_mesh_is_refused_and_one_in_millimetres_is_asked_about(
     page.click("Scene")
     whole = meshes.stl(meshes.box((30, 30, 30)))
     page.upload(ADD, "cut off.stl", whole[:-10])
-    page.reads("Not changed")
-    assert page.complaints() == []
+    page.reads("cut_off.stl is not added")
     assert session.plan is good
     assert len(drawn.obstacles(page)) == 1
 
     _delete(page, session)
     page.upload(ADD, "far too large.stl", meshes.stl(meshes.box((200, 200, 200))))
+    page.reads("It was fitted to the workspace.")
+    page.click("Original size: 200 cm")
     page.reads("is the file in mm?")
     page.click("Yes, read it in mm")
     page.until(lambda: session.plan.scene.obstacles[0].unit == "mm", "the unit")  # type: ignore[union-attr]
+
+
+def test_several_files_are_added_apart_and_saved_with_the_scene(
+    page: Page, session: Session
+) -> None:
+    page.click("Scene")
+    vertices, faces = meshes.bumpy(2)
+    files = {
+        "gear.stl": meshes.stl((0.6 * vertices, faces)),
+        "letter.stl": b"Dear student,",
+        "speck.stl": meshes.stl(meshes.box((0.02, 0.01, 0.01))),
+    }
+    page.upload_all(ADD, files)
+    page.reads("letter.stl is not added")
+    page.until(lambda: len(session.plan.scene.obstacles) == 3, "both meshes")  # type: ignore[union-attr]
+    assert session.plan is not None
+    scene = session.plan.scene
+    corners = [obstacle.bounds() for obstacle in scene.obstacles]
+    for i, (low, high) in enumerate(corners):
+        assert (high - low).max() > 0.3
+        for below, above in corners[:i]:
+            assert ((low > above) | (high < below)).any()
+    names = session.panels.editor.choice.options
+    assert sorted(name.partition(" · ")[2] for name in names) == ["box", "gear.stl", "speck.stl"]
+    page.tick("show edges", True)
+    page.until(lambda: len(drawn.obstacles(page)) == 3, "all gizmos")
+    page.node(f"{drawn.obstacles(page)[-1]}/edges")
+
+    with page.tab.expect_download() as download:
+        page.click("Save this scene")
+    name = download.value.suggested_filename
+    content = download.value.path().read_bytes()
+    assert name == "scene.zip"
+    page.choose("change", "Delete")
+    page.until(lambda: len(session.plan.scene.obstacles) == 2, "one less")  # type: ignore[union-attr]
+    page.upload("Open a scene file…", name, content)
+    page.until(lambda: len(session.plan.scene.obstacles) == 3, "all again")  # type: ignore[union-attr]
+    for one, other in zip(session.plan.scene.obstacles, scene.obstacles, strict=True):
+        assert one.position == other.position
