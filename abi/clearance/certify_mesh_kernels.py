@@ -29,8 +29,8 @@ from abi.clearance.separation_kernels import (
     least_product,
     table_of,
 )
-from abi.compiled import FLOATS, IDS, NEW_FLOATS, compiled
-from abi.obstacles.triangle_mesh.bvh import TriangleTree
+from abi.compiled import NEW_FLOATS, compiled
+from abi.obstacles.triangle_mesh.bvh import NO_TREE, TriangleTree, box_of
 from abi.obstacles.vector_kernels import Vec3, axpy, dot, norm, sub, vec3_at
 
 _KEPT = 4  # directions of a piece that are tried again on the next node
@@ -101,7 +101,8 @@ def _support(direction: Vec3, tree: TriangleTree, node: int) -> float:
     """Support of a box of the tree, or of a triangle, along a direction."""
     nodes = 2 * len(tree.leaves) - 3
     if node < nodes:
-        return _box_support(direction, vec3_at(tree.low, 3 * node), vec3_at(tree.high, 3 * node))
+        low, high = box_of(tree, node)
+        return _box_support(direction, low, high)
     return _triangle_support(direction, _triangle_at(tree.corners, 9 * (node - nodes)))
 
 
@@ -164,7 +165,7 @@ def _open(tree: TriangleTree, node: int, work: list[int]) -> None:
 
 @compiled(
     example=(
-        *(NEW_FLOATS, NEW_FLOATS, 1, TriangleTree(FLOATS, FLOATS, IDS, FLOATS, 1.0)),
+        *(NEW_FLOATS, NEW_FLOATS, 1, NO_TREE),
         *(1.0, 0.0, 9),
     ),
     fallback=False,
@@ -223,7 +224,7 @@ def separate_from_mesh(
             if _separated_again(planes, first_plane, tree, node, need):
                 continue
             if node < nodes:
-                low, high = vec3_at(tree.low, 3 * node), vec3_at(tree.high, 3 * node)
+                low, high = box_of(tree, node)
                 direction = _from_box(low, high, extent, middle, need)
                 wide = 2 * max(high[0] - low[0], high[1] - low[1], high[2] - low[2]) > size
             else:

@@ -15,12 +15,14 @@ import numpy as np
 from pydantic import PrivateAttr, StringConstraints, ValidationInfo, model_validator
 from pydantic_core import PydanticCustomError
 
-from abi.arrays import BoolArray, FloatArray, read_only
+from abi.arrays import BoolArray, FloatArray, flat, read_only
 from abi.errors import SceneError
 from abi.obstacles.pose import LARGEST, METRES, Length, Posed, rotation
+from abi.obstacles.triangle_mesh import surface_kernels as kernels
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
-from abi.obstacles.triangle_mesh.signed_distance import SurfaceDistance, surface_distance
+from abi.obstacles.triangle_mesh.signed_distance import body_frame, placement
 from abi.obstacles.triangle_mesh.surface import Surface
+from abi.obstacles.triangle_mesh.surface_kernels import Placement, SurfaceTables
 
 TOO_LARGE = 20.0
 TOO_SMALL = 1 / 500
@@ -108,7 +110,7 @@ class MeshShape(Posed):
 
         Otherwise the first distance waits for it.
         """
-        self._distances.prepare()
+        body_frame(self.surface)
 
     def bounds(self) -> tuple[FloatArray, FloatArray]:
         """Low and high corner, each (3,), of the tightest axis-parallel box, [unit], world."""
@@ -124,7 +126,9 @@ class MeshShape(Posed):
         Up to rounding, and by less than 1e-7 of the mesh's size where it has triangles without a
         width, it is exact or less. Inside a shell that crosses itself, the surface is all of it.
         """
-        return self._distances.signed_distance(self._to_file(points)) * self._factor
+        distances = np.empty(len(points))
+        kernels.signed_distances(*self.placed, flat(points), distances)
+        return distances
 
     def gradient(self, points: FloatArray) -> FloatArray:
         """Unit vectors (n, 3) along which the signed distance of points (n, 3) grows fastest.
@@ -132,7 +136,13 @@ class MeshShape(Posed):
         Where that direction is not unique it is one of those towards the nearest points, on the
         surface itself the normal of a triangle there. A mesh is not convex: no subgradient.
         """
-        return self._distances.gradient(self._to_file(points)) @ rotation(self.wxyz).T
+        return self.signed_distance_gradient(points)[1]
+
+    def signed_distance_gradient(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Signed distance (n,) of points (n, 3), [unit], and its gradient (n, 3), world."""
+        distances, gradients = np.empty(len(points)), np.empty(3 * len(points))
+        kernels.signed_distance_gradients(*self.placed, flat(points), distances, gradients)
+        return distances, gradients.reshape(-1, 3)
 
     def segment_distance(self, p: FloatArray, q: FloatArray) -> FloatArray:
         """Least signed distance (n,) along the segments from p (n, 3) to q (n, 3), [unit].
@@ -142,27 +152,44 @@ class MeshShape(Posed):
         enters a closed mesh, the value is a bound from below, under the true one by at most 1/64 of
         its length.
         """
-        return self._distances.segment_distance(self._to_file(p), self._to_file(q)) * self._factor
+        distances = np.full(len(p), np.inf)
+        kernels.least_distances(*self.placed, flat(p), flat(q), distances)
+        return distances
+
+    def nearest_segment(
+        self, p: FloatArray, q: FloatArray, most: float, legs: int = 1
+    ) -> tuple[float, int]:
+        """Least of these distances, [unit], and which segment has it; ``most`` and -1 above it.
+
+        They are those of polylines of so many legs, one after the other.
+        """
+        points = flat(p), flat(q)
+        nearest: tuple[float, int] = kernels.nearest_segment(*self.placed, *points, legs, most)
+        return nearest
 
     def distance_bounds(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
         """A bound from below and one from above (n,) of the signed distance, [unit].
 
         They cost next to nothing, and are apart by some hundredths of the mesh's size.
         """
-        lower, upper = self._distances.distance_bounds(self._to_file(points))
-        return lower * self._factor, upper * self._factor
-
-    def within(self, points: FloatArray, margin: float) -> BoolArray:
-        """Mask (n,) of the points (n, 3) with a signed distance under ``margin``, [unit]."""
-        return self._distances.within(self._to_file(points), margin / self._factor)
+        lower, upper = np.empty(len(points)), np.empty(len(points))
+        kernels.bounds_of_distances(*self.placed, flat(points), lower, upper)
+        return lower, upper
 
     def blocks(self, p: FloatArray, q: FloatArray, margins: FloatArray) -> BoolArray:
         """Mask (n,) of the segments from p (n, 3) to q (n, 3) nearer than ``margins`` (n,), [unit].
 
         Touching the surface blocks even where the margin is not above 0.
         """
-        a, b = self._to_file(p), self._to_file(q)
-        return self._distances.blocks(a, b, margins / self._factor)
+        blocked = np.empty(len(p), dtype=np.bool_)
+        kernels.blocked_segments(*self.placed, flat(p), flat(q), flat(margins), blocked)
+        return blocked
+
+    @property
+    def placed(self) -> tuple[SurfaceTables, Placement]:
+        """The mesh as the kernels take it."""
+        frame = body_frame(self.surface)
+        return frame.tables, placement(frame, self.position, self.wxyz, self.factor)
 
     def _refuse_far(self) -> None:
         """Raise a SceneError where the bounds are beyond what any other obstacle may have."""
@@ -181,13 +208,6 @@ class MeshShape(Posed):
             example = "({:g}, {:g}, {:g})".format(*centred.round(6) + 0.0)  # 0, not -0
             raise SceneError("position", self.position, f"one like {example}: {limit}")
         raise SceneError("file", self.file, f"a mesh nearer to 0, or in a smaller unit: {limit}")
-
-    @property
-    def _distances(self) -> SurfaceDistance:
-        return surface_distance(self.surface)
-
-    def _to_file(self, points: FloatArray) -> FloatArray:
-        return self._to_body(points) / self._factor
 
 
 @lru_cache(maxsize=256)

@@ -158,10 +158,11 @@ class ObstacleSet:
         gradient = np.zeros((len(points), 3))
         kernels.gradients(flat(points), self.packed, row, gradient.ravel())
         for _, mesh, rows in self._near_meshes(points, points, distance):
-            to_mesh = mesh.signed_distance(points[rows])
-            nearer = rows[to_mesh < distance[rows]]
-            distance[nearer] = to_mesh[to_mesh < distance[rows]]
-            gradient[nearer] = mesh.gradient(points[nearer])
+            to_mesh, of_mesh = mesh.signed_distance_gradient(points[rows])
+            is_nearer = to_mesh < distance[rows]
+            nearer = rows[is_nearer]
+            distance[nearer] = to_mesh[is_nearer]
+            gradient[nearer] = of_mesh[is_nearer]
         return distance, gradient
 
     def blocked(
@@ -208,6 +209,10 @@ class ObstacleSet:
         starts, ends = _segments(polylines)
         of_polyline = np.repeat(np.arange(count), size - 1)
         for _, mesh, rows in self._near_meshes(starts, ends, clearances[of_polyline]):
+            if count == 1:
+                most = float(clearances[0])
+                clearances[0] = mesh.nearest_segment(starts[rows], ends[rows], most)[0]
+                continue
             legs = mesh.segment_distance(starts[rows], ends[rows])
             np.minimum.at(clearances, of_polyline[rows], legs)
         return clearances
@@ -235,18 +240,9 @@ class ObstacleSet:
             obstacle = int(self.primitive_numbers[primitive])
         starts, ends = _segments(polylines)
         for number, mesh in zip(self.mesh_numbers.tolist(), self.meshes, strict=True):
-            lower, upper = mesh.distance_bounds(polylines.reshape(-1, 3))
-            lower = lower.reshape(-1, size)
-            lengths = np.linalg.norm(ends - starts, axis=1)
-            # The distance is 1-Lipschitz: only segments that could be nearest are measured.
-            bound = (lower[:, :-1].ravel() + lower[:, 1:].ravel() - lengths) / 2
-            near = np.flatnonzero(bound <= min(best, float(upper.min())))
-            if not len(near):
-                continue
-            distance = mesh.segment_distance(starts[near], ends[near])
-            k = int(distance.argmin())
-            if distance[k] < best:
-                best, polyline, obstacle = float(distance[k]), int(near[k]) // (size - 1), number
+            distance, segment = mesh.nearest_segment(starts, ends, best, size - 1)
+            if segment >= 0:
+                best, polyline, obstacle = distance, segment // (size - 1), number
         return best, polyline, obstacle
 
     def _numbers(self, convex: bool) -> IntArray:

@@ -18,6 +18,7 @@ from abi.obstacles.obstacle_set import Obstacle, ObstacleSet
 from abi.obstacles.packing import pack
 from abi.tet_mesh import exclusion_kernels as kernels
 from abi.tet_mesh import lattice
+from abi.tet_mesh.mesh_exclusion_kernels import exclusion_near_mesh
 from abi.tet_mesh.tet_mesh import TetMesh
 
 
@@ -106,48 +107,13 @@ def exclusion(mesh: TetMesh, obstacle: Obstacle, margin: float) -> Exclusion:
     An edge is lost if an end of it is excluded, or if it comes too near between its ends.
     """
     if isinstance(obstacle, MeshShape):
-        parts = _excluded_by_mesh(mesh, obstacle, margin)
+        parts = exclusion_near_mesh(
+            mesh.net, mesh.exits, *obstacle.placed, margin, mesh.longest_edge
+        )
     else:
         row, reach = pack((obstacle,)), mesh.longest_edge
         parts = kernels.exclusion(mesh.net, mesh.exits, row, margin, reach)
     return Exclusion(*(read_only(part) for part in parts))
-
-
-def _excluded_by_mesh(
-    mesh: TetMesh, surface: MeshShape, margin: float
-) -> tuple[IntArray, IntArray, IntArray, IntArray]:
-    reach = margin + mesh.longest_edge
-    low, high = surface.bounds()
-    near = within(mesh.points, low - reach, high + reach)
-    near = near[surface.distance_bounds(mesh.points[near])[0] < reach]
-    gone = surface.within(mesh.points[near], margin)
-    is_near = np.zeros(len(mesh.points), dtype=np.bool_)
-    is_gone = is_near.copy()
-    is_near[near], is_gone[near[gone]] = True, True
-    left = near[~gone]
-    if mesh.stencil is None:
-        indptr, indices = mesh.net.indptr, mesh.net.indices
-        counts = np.diff(indptr)[left]
-        begin = np.cumsum(counts) - counts
-        place = np.arange(counts.sum()) + np.repeat(indptr[left] - begin, counts)
-        tail, head = np.repeat(left, counts), indices[place]
-    else:
-        directions = np.arange(len(mesh.stencil.lengths))
-        exist = ((mesh.exits[left, None] >> directions) & 1 == 1).ravel()
-        place = np.tile(directions, len(left))[exist]
-        tail = np.repeat(left, len(directions))[exist]
-        head = mesh.stencil.heads(left).ravel()[exist]
-    lost = is_gone[head]
-    # an edge in the way has both ends near; from the same end both times, for rounding
-    open_ = np.flatnonzero(~lost & is_near[head])
-    first, second = np.minimum(tail[open_], head[open_]), np.maximum(tail[open_], head[open_])
-    alone = ObstacleSet((surface,))
-    lost[open_] = alone.blocked(mesh.points[first], mesh.points[second], margin)
-    losers, losses = tail[lost], (1 << place[lost]).astype(np.int32)
-    if mesh.stencil is None:
-        losers, losses = place[lost].astype(np.int32), np.zeros(np.count_nonzero(lost), np.int32)
-    starts = near[gone]
-    return starts, np.ones_like(starts), losers, losses
 
 
 def within(points: FloatArray, low: FloatArray, high: FloatArray) -> IntArray:

@@ -6,29 +6,40 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
+from numba.extending import register_jitable
 
 from abi.arrays import FloatArray, IntArray, read_only
+from abi.compiled import FLOATS, IDS
+from abi.obstacles.vector_kernels import Vec3, vec3_at
 
-_LEAF = 4  # triangles a leaf has, about: fewer cost memory, more cost tests
+_LEAF = 8  # triangles a leaf has, about: fewer cost memory, more cost tests
 
 
 class TriangleTree(NamedTuple):
     """A complete binary tree of boxes: node k has the children 2 k + 1 and 2 k + 2.
 
     Attributes:
-        low: lowest corners of the nodes' boxes, flat (3 n,).
-        high: highest corners, flat (3 n,).
+        boxes: lowest and highest corner of each node's box, flat (6 n,).
         leaves: leaf i, which is node (n - 1) / 2 + i, holds the triangles from ``leaves[i]`` up to
             ``leaves[i + 1]``.
         corners: corners of the triangles, in the order of the leaves, flat (9 m,).
         size: largest coordinate, without its sign.
     """
 
-    low: FloatArray
-    high: FloatArray
+    boxes: FloatArray
     leaves: IntArray
     corners: FloatArray
     size: float
+
+
+NO_TREE = TriangleTree(FLOATS, IDS, FLOATS, 1.0)
+"""In an example: a tree."""
+
+
+@register_jitable
+def box_of(tree: TriangleTree, node: int) -> tuple[Vec3, Vec3]:
+    """Lowest and highest corner of a node's box."""
+    return vec3_at(tree.boxes, 6 * node), vec3_at(tree.boxes, 6 * node + 3)
 
 
 def build_tree(triangles: FloatArray) -> TriangleTree:
@@ -48,9 +59,9 @@ def build_tree(triangles: FloatArray) -> TriangleTree:
     sorted_ = triangles[order]
     low = np.minimum.reduceat(sorted_.min(axis=1), leaves[:-1])
     high = np.maximum.reduceat(sorted_.max(axis=1), leaves[:-1])
+    boxes = np.concatenate([_of_all_nodes(low, np.min), _of_all_nodes(high, np.max)], axis=1)
     return TriangleTree(
-        read_only(_of_all_nodes(low, np.min).ravel()),
-        read_only(_of_all_nodes(high, np.max).ravel()),
+        read_only(boxes.ravel()),
         read_only(leaves.astype(np.int32)),
         read_only(sorted_.ravel()),
         float(np.abs(triangles).max()),
@@ -73,6 +84,10 @@ class Dipoles(NamedTuple):
     areas: FloatArray
 
 
+NO_DIPOLES = Dipoles(FLOATS, FLOATS, FLOATS, FLOATS)
+"""In an example: dipoles."""
+
+
 def dipoles(tree: TriangleTree) -> Dipoles:
     """Dipoles of all nodes of a tree."""
     a, b, c = tree.corners.reshape(-1, 3, 3).transpose(1, 0, 2)
@@ -80,7 +95,7 @@ def dipoles(tree: TriangleTree) -> Dipoles:
     areas = np.linalg.norm(normals, axis=1)[:, None]
     columns = np.concatenate([normals, areas * (a + b + c) / 3, areas], axis=1)
     sums = _of_all_nodes(np.add.reduceat(columns, tree.leaves[:-1]), np.sum)
-    low, high = tree.low.reshape(-1, 3), tree.high.reshape(-1, 3)
+    low, high = np.split(tree.boxes.reshape(-1, 6), 2, axis=1)
     area = sums[:, 6:]
     middle = (low + high) / 2
     centres = np.divide(sums[:, 3:6], area, out=middle, where=area > 0)

@@ -1,162 +1,216 @@
-"""Distances of segments to triangles, by a bounding volume hierarchy.
+"""Distances of segments to the triangles of a tree.
 
-The formulas are Ericson's (Real-Time Collision Detection, 2005, sections 5.1.9 and 5.1.10).
+Plain Python that numba compiles with its caller.
 """
 
 from __future__ import annotations
 
 import math
 
-import numpy as np
 from numba.extending import register_jitable
 
-from abi.arrays import FloatArray
-from abi.compiled import FLOATS, IDS, NEW_FLOATS, POINTS, compiled
-from abi.obstacles.triangle_mesh.bvh import TriangleTree
-from abi.obstacles.vector_kernels import Vec3, axpy, cross, dot, norm, sub, vec3_at
+from abi.arrays import FloatArray, IntArray
+from abi.obstacles.triangle_mesh.bvh import TriangleTree, box_of
+from abi.obstacles.triangle_mesh.closest_point_kernels import nearest_triangle
+from abi.obstacles.triangle_mesh.triangle_kernels import (
+    closest_point,
+    segment_to_triangle,
+    triangle_at,
+)
+from abi.obstacles.vector_kernels import Vec3, axpy, distance, dot, norm, sub
 
 
 @register_jitable
-def _clamp(t: float) -> float:
-    return min(max(t, 0.0), 1.0)
-
-
-@register_jitable
-def _between_segments(p: Vec3, d: Vec3, a: Vec3, e: Vec3) -> float:
-    """Squared distance of the segments p + s d and a + t e, s and t in [0, 1]."""
-    r = sub(p, a)
-    dd, ee, er = dot(d, d), dot(e, e), dot(e, r)
-    s, t = 0.0, 0.0
-    if dd > 0.0:
-        dr = dot(d, r)
-        if ee > 0.0:
-            de = dot(d, e)
-            determinant = dd * ee - de * de
-            if determinant > 0.0:
-                s = _clamp((de * er - dr * ee) / determinant)
-            t = (de * s + er) / ee
-            if t < 0.0:
-                t = 0.0
-                s = _clamp(-dr / dd)
-            elif t > 1.0:
-                t = 1.0
-                s = _clamp((de - dr) / dd)
-        else:
-            s = _clamp(-dr / dd)
-    elif ee > 0.0:
-        t = _clamp(er / ee)
-    gap = sub(axpy(s, d, p), axpy(t, e, a))
-    return dot(gap, gap)
-
-
-@register_jitable
-def _projects_into(x: Vec3, a: Vec3, b: Vec3, c: Vec3, n: Vec3) -> bool:
-    """Whether the projection of x along the normal n lies in the triangle."""
+def _inverse(d: Vec3) -> Vec3:
+    """1 over each component; a component that is 0 counts as next to nothing."""
+    x, y, z = d
+    tiny = 1e-300
     return (
-        dot(cross(sub(b, a), sub(x, a)), n) >= 0.0
-        and dot(cross(sub(c, b), sub(x, b)), n) >= 0.0
-        and dot(cross(sub(a, c), sub(x, c)), n) >= 0.0
+        1.0 / (x if x != 0.0 else tiny),
+        1.0 / (y if y != 0.0 else tiny),
+        1.0 / (z if z != 0.0 else tiny),
     )
 
 
 @register_jitable
-def _to_triangle(p: Vec3, q: Vec3, a: Vec3, b: Vec3, c: Vec3) -> float:
-    """Squared distance of the segment from p to q and a triangle, which may be degenerate.
+def _stretch_in(p: Vec3, inverse: Vec3, low: Vec3, high: Vec3, limit: float) -> float:
+    """Part of a segment in a box that is widened by a limit; below 0 where it passes by.
 
-    0 where it passes through; else the closest point is at an end of it or on a side.
+    The slab method (Kay and Kajiya, 1986).
+
+    Args:
+        p: first end.
+        inverse: 1 over the components of the second end less the first.
+        low, high: corners of the box.
+        limit: distance.
     """
-    d = sub(q, p)
-    n = cross(sub(b, a), sub(c, a))
-    nn = dot(n, n)
-    best = math.inf
-    if nn > 0.0:
-        at_p, at_q = dot(n, sub(p, a)), dot(n, sub(q, a))
-        through = at_p * at_q <= 0.0 and at_p != at_q
-        if through and _projects_into(axpy(at_p / (at_p - at_q), d, p), a, b, c, n):
-            return 0.0
-        if _projects_into(p, a, b, c, n):
-            best = at_p * at_p / nn
-        if _projects_into(q, a, b, c, n):
-            best = min(best, at_q * at_q / nn)
-    best = min(best, _between_segments(p, d, a, sub(b, a)))
-    best = min(best, _between_segments(p, d, b, sub(c, b)))
-    return min(best, _between_segments(p, d, c, sub(a, c)))
+    first, last = 0.0, 1.0
+    for k in range(3):
+        s = (low[k] - limit - p[k]) * inverse[k]
+        t = (high[k] + limit - p[k]) * inverse[k]
+        first = max(first, min(s, t))
+        last = min(last, max(s, t))
+    return last - first
 
 
 @register_jitable
-def _box_bound(p: Vec3, q: Vec3, low: Vec3, high: Vec3) -> float:
-    """Lower bound of the squared distance of the segment from p to q and a box.
+def comes_near(
+    tree: TriangleTree, p: Vec3, q: Vec3, limit: float, normal: Vec3, waiting: IntArray
+) -> bool:
+    """Whether the segment from p to q is nowhere farther from some triangle than a limit.
 
-    The greater of two: of the box around the segment, and of the ball around the box.
-    """
-    apart, radius = 0.0, 0.0
-    for k in range(3):
-        gap = max(low[k] - max(p[k], q[k]), min(p[k], q[k]) - high[k], 0.0)
-        apart += gap * gap
-        radius += (high[k] - low[k]) * (high[k] - low[k]) / 4
-    centre = ((low[0] + high[0]) / 2, (low[1] + high[1]) / 2, (low[2] + high[2]) / 2)
-    d, to_centre = sub(q, p), sub(centre, p)
-    dd = dot(d, d)
-    nearest = axpy(_clamp(dot(to_centre, d) / dd) if dd > 0.0 else 0.0, d, (0.0, 0.0, 0.0))
-    ball = max(norm(sub(to_centre, nearest)) - math.sqrt(radius), 0.0)
-    return max(apart, ball * ball)
-
-
-@compiled(
-    example=(
-        *(TriangleTree(FLOATS, FLOATS, IDS, FLOATS, 1.0), POINTS, POINTS),
-        *(NEW_FLOATS, NEW_FLOATS),
-    ),
-    fallback=False,
-)
-def segment_distances(
-    tree: TriangleTree,
-    starts: FloatArray,
-    ends: FloatArray,
-    enough: FloatArray,
-    most: FloatArray,
-) -> FloatArray:
-    """Distance (n,) of segments to the nearest of all triangles in a tree.
+    A node is passed over where the segment passes by its box, widened by the limit, or is higher
+    above it than the limit, and so is a triangle. The child with more of the segment comes first,
+    for the first triangle found ends the descent.
 
     Args:
         tree: over the triangles.
-        starts: (n, 3) first ends.
-        ends: (n, 3) second ends, which may be the same.
-        enough: (n,) a distance at or below which the search ends: the result is then the distance
-            of some triangle, not of the nearest.
-        most: (n,) a distance past which the outcome may be any greater one, inf too.
+        p, q: ends of the segment, which may be the same.
+        limit: distance, at least 0.
+        normal: about the way from the triangles to the segment, or 0; of a length up to 1.
+        waiting: room for ``DEPTH`` nodes.
     """
-    low, high, leaves, corners, _ = tree
-    distances = np.empty(len(starts))
+    _, leaves, corners, _ = tree
     inner = len(leaves) - 2
-    stack = np.empty(128, np.int64)
-    bounds = np.empty(128)
-    for i in range(len(starts)):
-        p, q = vec3_at(starts[i], 0), vec3_at(ends[i], 0)
-        best = math.inf
-        limit = most[i] * most[i]
-        stop = enough[i] * enough[i]
-        stack[0] = 0
-        bounds[0] = _box_bound(p, q, vec3_at(low, 0), vec3_at(high, 0))
-        waiting = 1
-        while waiting > 0 and best > stop:
-            waiting -= 1
-            box = stack[waiting]
-            if bounds[waiting] >= best or bounds[waiting] > limit:
+    inverse = _inverse(sub(q, p))
+    level = min(dot(normal, p), dot(normal, q)) - limit
+    middle = axpy(0.5, sub(q, p), p)
+    waiting[0] = 0
+    count = 1
+    while count > 0:
+        count -= 1
+        node = waiting[count]
+        while 0 <= node < inner:
+            near, far = 2 * node + 1, 2 * node + 2
+            in_near = _stretch_near(tree, near, p, inverse, limit, normal, level)
+            in_far = _stretch_near(tree, far, p, inverse, limit, normal, level)
+            if in_far > in_near:
+                near, far, in_near, in_far = far, near, in_far, in_near
+            if in_far >= 0.0:
+                waiting[count] = far
+                count += 1
+            node = near if in_near >= 0.0 else -1
+        if node < 0:
+            continue
+        for number in range(leaves[node - inner], leaves[node - inner + 1]):
+            a, b, c = triangle = triangle_at(corners, number)
+            if max(dot(normal, a), dot(normal, b), dot(normal, c)) < level:
                 continue
-            if box >= inner:
-                for t in range(9 * leaves[box - inner], 9 * leaves[box - inner + 1], 9):
-                    a, b, c = vec3_at(corners, t), vec3_at(corners, t + 3), vec3_at(corners, t + 6)
-                    best = min(best, _to_triangle(p, q, a, b, c))
+            low = (min(a[0], b[0], c[0]), min(a[1], b[1], c[1]), min(a[2], b[2], c[2]))
+            high = (max(a[0], b[0], c[0]), max(a[1], b[1], c[1]), max(a[2], b[2], c[2]))
+            if _stretch_in(p, inverse, low, high, limit) < 0.0:
                 continue
-            near, far = 2 * box + 1, 2 * box + 2
-            to_near = _box_bound(p, q, vec3_at(low, 3 * near), vec3_at(high, 3 * near))
-            to_far = _box_bound(p, q, vec3_at(low, 3 * far), vec3_at(high, 3 * far))
+            if segment_to_triangle(p, q, triangle) <= limit * limit:
+                return True
+            # its neighbours are mostly as far along the way from it
+            away = sub(middle, closest_point(middle, triangle))
+            size = norm(away) * (1.0 + 1e-12)
+            if size > 0.0:
+                normal = (away[0] / size, away[1] / size, away[2] / size)
+                level = min(dot(normal, p), dot(normal, q)) - limit
+    return False
+
+
+@register_jitable
+def _stretch_near(
+    tree: TriangleTree,
+    node: int,
+    p: Vec3,
+    inverse: Vec3,
+    limit: float,
+    normal: Vec3,
+    level: float,
+) -> float:
+    """Part of a segment that may be near to the box of a node; below 0 where none is."""
+    low, high = box_of(tree, node)
+    if _top(normal, low, high) < level:
+        return -1.0
+    return _stretch_in(p, inverse, low, high, limit)
+
+
+@register_jitable
+def _top(normal: Vec3, low: Vec3, high: Vec3) -> float:
+    """Largest product of a direction with the points of a box."""
+    x, y, z = normal
+    return (
+        x * (high[0] if x > 0.0 else low[0])
+        + y * (high[1] if y > 0.0 else low[1])
+        + z * (high[2] if z > 0.0 else low[2])
+    )
+
+
+@register_jitable
+def _box_to_box(low: Vec3, high: Vec3, boxes: FloatArray, node: int) -> float:
+    """Squared distance of the box low..high and that of a node of a tree."""
+    k = 6 * node
+    a: float = max(boxes[k] - high[0], low[0] - boxes[k + 3], 0.0)
+    b: float = max(boxes[k + 1] - high[1], low[1] - boxes[k + 4], 0.0)
+    c: float = max(boxes[k + 2] - high[2], low[2] - boxes[k + 5], 0.0)
+    return a * a + b * b + c * c
+
+
+@register_jitable
+def segment_distance(
+    tree: TriangleTree,
+    p: Vec3,
+    q: Vec3,
+    most: float,
+    slack: float,
+    waiting: IntArray,
+    squares: FloatArray,
+) -> float:
+    """Distance of the segment from p to q to the nearest triangle; ``most`` where that is less.
+
+    A box is passed over where the box around the segment is too far, or where the segment is too
+    far above it along the way from the triangle nearest to its middle: boxes are convex, and so
+    are triangles.
+
+    Args:
+        tree: over the triangles.
+        p, q: ends of the segment, which may be the same; the shorter, the quicker.
+        most: a distance.
+        slack: how much farther the triangle that is taken for the nearest to the middle may be.
+        waiting, squares: room for ``DEPTH`` nodes and their squared distances.
+    """
+    boxes, leaves, corners, _ = tree
+    inner = len(leaves) - 2
+    middle = axpy(0.5, sub(q, p), p)
+    most_there = most + distance(p, q) / 2
+    _, found = nearest_triangle(tree, middle, most_there, slack, waiting, squares)
+    if found < 0:
+        return most
+    triangle = triangle_at(corners, found)
+    best: float = min(most, math.sqrt(segment_to_triangle(p, q, triangle)))
+    normal = sub(middle, closest_point(middle, triangle))
+    size = norm(normal)
+    if size > 0.0:
+        normal = (normal[0] / size, normal[1] / size, normal[2] / size)
+    low = (min(p[0], q[0]), min(p[1], q[1]), min(p[2], q[2]))
+    high = (max(p[0], q[0]), max(p[1], q[1]), max(p[2], q[2]))
+    waiting[0] = 0
+    squares[0] = _box_to_box(low, high, boxes, 0)
+    count = 1
+    while count > 0:
+        count -= 1
+        node = waiting[count]
+        if squares[count] >= best * best:
+            continue
+        below, above = box_of(tree, node)
+        if min(dot(normal, p), dot(normal, q)) - _top(normal, below, above) >= best:
+            continue
+        if node < inner:
+            near, far = 2 * node + 1, 2 * node + 2
+            to_near = _box_to_box(low, high, boxes, near)
+            to_far = _box_to_box(low, high, boxes, far)
             if to_far < to_near:
-                near, far = far, near
-                to_near, to_far = to_far, to_near
-            stack[waiting], bounds[waiting] = far, to_far
-            stack[waiting + 1], bounds[waiting + 1] = near, to_near
-            waiting += 2
-        distances[i] = math.sqrt(best)
-    return distances
+                near, far, to_near, to_far = far, near, to_far, to_near
+            waiting[count], squares[count] = far, to_far
+            waiting[count + 1], squares[count + 1] = near, to_near
+            count += 2
+            continue
+        level = min(dot(normal, p), dot(normal, q)) - best
+        for number in range(leaves[node - inner], leaves[node - inner + 1]):
+            a, b, c = triangle = triangle_at(corners, number)
+            if max(dot(normal, a), dot(normal, b), dot(normal, c)) > level:
+                best = min(best, math.sqrt(segment_to_triangle(p, q, triangle)))
+    return best

@@ -2,19 +2,22 @@
 
 From far a group of triangles looks like one dipole: its summed normals at its centre (Barill and
 others, Fast winding numbers for soups and clouds, 2018). Near ones are taken one by one, with their
-exact solid angles (Van Oosterom and Strackee, The solid angle of a plane triangle, 1983).
+exact solid angles (Van Oosterom and Strackee, The solid angle of a plane triangle, 1983). Plain
+Python that numba compiles with its caller.
 """
 
 from __future__ import annotations
 
 import math
 
-import numpy as np
 from numba.extending import register_jitable
 
-from abi.arrays import BoolArray, FloatArray, IntArray
-from abi.compiled import FLOATS, IDS, NEW_FLOATS, POINTS, compiled
-from abi.obstacles.triangle_mesh.bvh import Dipoles, TriangleTree
+from abi.arrays import IntArray
+from abi.obstacles.triangle_mesh.bvh import (
+    Dipoles,
+    TriangleTree,
+    box_of,
+)
 from abi.obstacles.vector_kernels import Vec3, cross, dot, sub, vec3_at
 
 OPENING = 2.5
@@ -87,57 +90,25 @@ def winding_number(
     return halves / (2 * math.pi) + far_field / (4 * math.pi), strain / (4 * math.pi)
 
 
-@compiled(
-    example=(
-        TriangleTree(FLOATS, FLOATS, IDS, FLOATS, 1.0),
-        Dipoles(FLOATS, FLOATS, FLOATS, FLOATS),
-        *(POINTS, NEW_FLOATS, 0.0),
-    ),
-    fallback=False,
-)
-def inside(
-    tree: TriangleTree,
-    dipoles: Dipoles,
-    points: FloatArray,
-    distances: FloatArray,
-    doubt: float,
-) -> BoolArray:
-    """Mask (n,) of the points (n, 3) inside a closed surface; in doubt they count as inside.
-
-    A point that is nearer to the one before it than the surface is on the same side: order helps.
+@register_jitable
+def is_inside(tree: TriangleTree, dipoles: Dipoles, x: Vec3, stack: IntArray) -> bool:
+    """Whether a closed surface winds around x; in doubt it does.
 
     Args:
         tree: over the triangles of the surface.
         dipoles: of the nodes of the tree.
-        points: (n, 3).
-        distances: (n,) to the surface, or less.
-        doubt: a distance up to which rounding may hide the side.
+        x: a point.
+        stack: room for 128 nodes.
     """
-    result = np.empty(len(points), np.bool_)
-    stack = np.empty(128, np.int32)
-    low, high = vec3_at(tree.low, 0), vec3_at(tree.high, 0)
-    last = (math.inf, math.inf, math.inf)
-    for i in range(len(points)):
-        x = vec3_at(points[i], 0)
-        step = sub(x, last)
-        last = x
-        if not (
-            low[0] <= x[0] <= high[0] and low[1] <= x[1] <= high[1] and low[2] <= x[2] <= high[2]
-        ):
-            result[i] = False
-        elif distances[i] <= doubt:
-            result[i] = True
-        elif math.sqrt(dot(step, step)) + doubt < distances[i - 1]:
-            result[i] = result[i - 1]
-        else:
-            result[i] = True
-            opening, most = OPENING, _STRAIN
-            for attempt in range(_DOUBLINGS + 2):
-                if attempt > _DOUBLINGS:
-                    opening = math.inf
-                number, strain = winding_number(x, tree, dipoles, opening, stack)
-                if strain <= most and abs(number - round(number)) <= _FRACTION:
-                    result[i] = abs(number) > 0.5
-                    break
-                opening, most = 2.0 * opening, 4.0 * most
-    return result
+    low, high = box_of(tree, 0)
+    if not (low[0] <= x[0] <= high[0] and low[1] <= x[1] <= high[1] and low[2] <= x[2] <= high[2]):
+        return False
+    opening, most = OPENING, _STRAIN
+    for attempt in range(_DOUBLINGS + 2):
+        if attempt > _DOUBLINGS:
+            opening = math.inf
+        number, strain = winding_number(x, tree, dipoles, opening, stack)
+        if strain <= most and abs(number - round(number)) <= _FRACTION:
+            return abs(number) > 0.5
+        opening, most = 2.0 * opening, 4.0 * most
+    return True

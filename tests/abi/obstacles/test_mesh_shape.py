@@ -101,8 +101,6 @@ def test_a_mesh_of_a_box_is_the_box(seed: int) -> None:
         sure = np.abs(least - margin) > 1e-7 * size(mesh)
         blocked = ObstacleSet((mesh,)).blocked(p, q, margin)
         np.testing.assert_array_equal(blocked[sure], (least < margin)[sure])
-        sure = np.abs(expected - margin) > tolerance
-        np.testing.assert_array_equal(mesh.within(points, margin)[sure], (expected < margin)[sure])
 
 
 def test_a_mesh_of_a_sphere_is_the_sphere_but_for_its_facets() -> None:
@@ -151,8 +149,7 @@ def test_bounds_of_the_grid_hold_the_distance(name: str, seed: int) -> None:
     rng = np.random.default_rng(seed)
     shape = MeshShape.of(SURFACES[name])
     points = around(shape, rng, 200)
-    distances = shape._distances
-    lower, upper = distances.grid.bounds(points - distances._centre)
+    lower, upper = shape.distance_bounds(points)
     exact = shape.signed_distance(points)
     assert (lower <= exact).all()
     assert (exact <= upper).all()
@@ -256,7 +253,6 @@ def test_no_points_and_no_segments() -> None:
             shape.signed_distance(none),
             shape.gradient(none),
             shape.segment_distance(none, none),
-            shape.within(none, 0.1),
             shape.blocks(none, none, np.empty(0)),
         ):
             assert len(found) == 0

@@ -5,8 +5,8 @@ import pytest
 
 from abi.arrays import FloatArray
 from abi.errors import SceneError
+from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.triangle_mesh.repair import clean
-from abi.obstacles.triangle_mesh.signed_distance import surface_distance
 from abi.obstacles.triangle_mesh.surface import Surface
 from tests.abi import meshes
 from tests.abi.meshes import Mesh
@@ -20,7 +20,7 @@ def in_box(points: FloatArray, size: float, x: float = 0.0) -> np.ndarray:
 
 
 def inside(surface: Surface, points: FloatArray = PROBES) -> np.ndarray:
-    return np.asarray(surface_distance(surface).signed_distance(points) < 0)
+    return np.asarray(MeshShape.of(surface).signed_distance(points) < 0)
 
 
 def volume(surface: Surface) -> float:
@@ -76,7 +76,7 @@ def test_the_union_has_no_faces_inside() -> None:
     surface = clean(*meshes.joined(BOX, meshes.box((2, 2, 2), (0.7, 0, 0))))
     assert volume(surface) == pytest.approx(2.7 * 4)
     centre = np.array([[0.35, 0.1, 0.0]])
-    assert surface_distance(surface).signed_distance(centre)[0] == pytest.approx(-0.9)
+    assert MeshShape.of(surface).signed_distance(centre)[0] == pytest.approx(-0.9)
 
 
 @pytest.mark.parametrize(
@@ -101,7 +101,7 @@ def test_an_open_surface_has_no_inside_and_says_so(mesh: Mesh) -> None:
     assert not inside(surface).any()
     # nothing of it is lost
     corners = mesh[0][mesh[1]].mean(axis=1)
-    np.testing.assert_allclose(surface_distance(surface).signed_distance(corners), 0, atol=1e-12)
+    np.testing.assert_allclose(MeshShape.of(surface).signed_distance(corners), 0, atol=1e-12)
 
 
 def test_a_moebius_strip_is_left_open() -> None:
@@ -122,9 +122,7 @@ def test_a_flat_shell_is_a_surface_not_a_solid_of_nothing() -> None:
     vertices, faces = meshes.box((2, 2, 2))
     surface = clean(vertices * (1, 1, 0), faces)
     assert not surface.closed
-    assert surface_distance(surface).signed_distance(np.zeros((1, 3)))[0] == pytest.approx(
-        0, abs=1e-12
-    )
+    assert MeshShape.of(surface).signed_distance(np.zeros((1, 3)))[0] == pytest.approx(0, abs=1e-12)
 
 
 @pytest.mark.parametrize("width", [1e-3, 1e-8, 1e-15])
@@ -137,9 +135,7 @@ def test_needles_keep_what_touches_them_away(width: float) -> None:
     assert not surface.closed
     assert len(surface.faces) == 2
     beside = np.array([[1.0, 0.5, 0.25], [0, 0, 2]])
-    np.testing.assert_allclose(
-        surface_distance(surface).signed_distance(beside), [0.25, 1], atol=1e-6
-    )
+    np.testing.assert_allclose(MeshShape.of(surface).signed_distance(beside), [0.25, 1], atol=1e-6)
 
 
 def test_corners_that_nearly_meet_are_joined_where_that_closes_it() -> None:

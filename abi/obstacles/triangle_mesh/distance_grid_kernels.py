@@ -1,0 +1,144 @@
+"""A signed distance at the nodes of a grid around a surface, and the bounds that it gives."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numba.extending import register_jitable
+
+from abi.arrays import FloatArray
+from abi.compiled import FLOATS, compiled
+from abi.obstacles.triangle_mesh.bvh import NO_DIPOLES, NO_TREE, Dipoles, TriangleTree
+from abi.obstacles.triangle_mesh.closest_point_kernels import DEPTH, nearest_triangle
+from abi.obstacles.triangle_mesh.winding_kernels import is_inside
+from abi.obstacles.vector_kernels import Vec3
+
+
+class DistanceGrid(NamedTuple):
+    """A signed distance s at the nodes of a grid around a surface.
+
+    s is 1-Lipschitz, so between its value at any node g and at a point x
+
+        s(g) - |x - g| <= s(x) <= s(g) + |x - g|.
+
+    Attributes:
+        values: signed distances, flat, those along z one after the other.
+        counts: numbers of nodes along x, y and z, each at least 2.
+        low: first node.
+        step: distance between neighbouring nodes, the same along each axis.
+        box: low and high corner of the surface; outside, s is at least the distance to the box.
+        slack: bound of the error of the values.
+    """
+
+    values: FloatArray
+    counts: tuple[int, int, int]
+    low: Vec3
+    step: float
+    box: tuple[Vec3, Vec3]
+    slack: float
+
+
+NO_GRID = DistanceGrid(
+    FLOATS, (2, 2, 2), (0.0, 0.0, 0.0), 1.0, ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0)), 0.0
+)
+"""In an example: a grid."""
+
+
+@register_jitable
+def distance_bounds(grid: DistanceGrid, x: Vec3) -> tuple[float, float]:
+    """Lower and upper bound of the signed distance at a point, from the eight nodes around it."""
+    values, (nx, ny, nz), low, step, (inner, outer), slack = grid
+    a = max(inner[0] - x[0], x[0] - outer[0], 0.0)
+    b = max(inner[1] - x[1], x[1] - outer[1], 0.0)
+    c = max(inner[2] - x[2], x[2] - outer[2], 0.0)
+    beyond = a * a + b * b + c * c
+    lower = math.sqrt(beyond) if beyond > 0.0 else -math.inf
+    upper = math.inf
+    u, v, w = (x[0] - low[0]) / step, (x[1] - low[1]) / step, (x[2] - low[2]) / step
+    i = int(min(max(u, 0.0), nx - 2.0))
+    j = int(min(max(v, 0.0), ny - 2.0))
+    k = int(min(max(w, 0.0), nz - 2.0))
+    u, v, w = u - i, v - j, w - k
+    node = (i * ny + j) * nz + k
+    for p in range(2):
+        for q in range(2):
+            aside = (u - p) * (u - p) + (v - q) * (v - q)
+            at = node + (p * ny + q) * nz
+            for r in range(2):
+                away = step * math.sqrt(aside + (w - r) * (w - r))
+                lower = max(lower, values[at + r] - away)
+                upper = min(upper, values[at + r] + away)
+    return lower - slack, upper + slack
+
+
+@register_jitable
+def steepest(grid: DistanceGrid, x: Vec3) -> Vec3:
+    """About the direction in which the signed distance grows fastest at a point, a unit vector.
+
+    0 where the nodes around it do not tell.
+    """
+    values, (nx, ny, nz), low, step, _, _ = grid
+    i = int(min(max((x[0] - low[0]) / step, 0.0), nx - 2.0))
+    j = int(min(max((x[1] - low[1]) / step, 0.0), ny - 2.0))
+    k = int(min(max((x[2] - low[2]) / step, 0.0), nz - 2.0))
+    a = (i * ny + j) * nz + k
+    b, c, d = a + nz, a + ny * nz, a + ny * nz + nz
+    u = values[c] + values[c + 1] + values[d] + values[d + 1]
+    u -= values[a] + values[a + 1] + values[b] + values[b + 1]
+    v = values[b] + values[b + 1] + values[d] + values[d + 1]
+    v -= values[a] + values[a + 1] + values[c] + values[c + 1]
+    w = values[a + 1] + values[b + 1] + values[c + 1] + values[d + 1]
+    w -= values[a] + values[b] + values[c] + values[d]
+    size = math.sqrt(u * u + v * v + w * w) * (1.0 + 1e-12)
+    return (u / size, v / size, w / size) if size > 0.0 else (0.0, 0.0, 0.0)
+
+
+@compiled(example=(NO_TREE, NO_DIPOLES, True, (2, 2, 2), (0.0, 0.0, 0.0), 1.0, 0.0), fallback=False)
+def grid_values(
+    tree: TriangleTree,
+    dipoles: Dipoles,
+    closed: bool,
+    counts: tuple[int, int, int],
+    low: Vec3,
+    step: float,
+    slack: float,
+) -> FloatArray:
+    """Signed distances at the nodes of a grid, off by up to ``slack``.
+
+    Each search begins with the bound from the node before, which is on the same side where that is
+    farther from the surface than the step.
+
+    Args:
+        tree: over the triangles.
+        dipoles: of the nodes of the tree.
+        closed: whether the surface has an inside.
+        counts, low, step: see :class:`DistanceGrid`.
+        slack: see above.
+    """
+    nx, ny, nz = counts
+    values = np.empty(nx * ny * nz)
+    waiting, squares = np.empty(DEPTH, np.int32), np.empty(DEPTH)
+    stack = np.empty(128, np.int32)
+    before = math.inf
+    at = 0
+    for i in range(nx):
+        for j in range(ny):
+            for n in range(nz):
+                # to and fro along z, for a neighbour to go by
+                k = n if j & 1 == 0 else nz - 1 - n
+                x = (low[0] + i * step, low[1] + j * step, low[2] + k * step)
+                most = abs(before) + step + 2 * slack
+                distance, _ = nearest_triangle(tree, x, most, slack, waiting, squares)
+                at = (i * ny + j) * nz + k
+                inside = False
+                if closed:
+                    inside = before < 0.0
+                    if abs(before) <= step + slack or distance <= slack or before == math.inf:
+                        inside = is_inside(tree, dipoles, x, stack)
+                before = -distance if inside else distance
+                values[at] = before
+            # the next column begins beside the end of this one
+        before = math.inf
+    return values

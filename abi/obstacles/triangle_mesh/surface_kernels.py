@@ -1,0 +1,365 @@
+"""Signed distances to a surface that is placed in the world, of points and of segments.
+
+What is asked in the world is answered in the surface's body frame: centred on its bounding box, in
+the unit of its file. Bounds by the grid answer most questions, the tree the others.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numba.extending import register_jitable
+
+from abi.arrays import BoolArray, FloatArray, IntArray
+from abi.compiled import FLOATS, NEW_FLAGS, NEW_FLOATS, compiled
+from abi.obstacles.primitive_kernels import Axes, in_body, in_world
+from abi.obstacles.triangle_mesh.bvh import NO_DIPOLES, NO_TREE, Dipoles, TriangleTree
+from abi.obstacles.triangle_mesh.closest_point_kernels import DEPTH, nearest_triangle
+from abi.obstacles.triangle_mesh.distance_grid_kernels import (
+    NO_GRID,
+    DistanceGrid,
+    distance_bounds,
+    steepest,
+)
+from abi.obstacles.triangle_mesh.segment_kernels import comes_near, segment_distance
+from abi.obstacles.triangle_mesh.triangle_kernels import closest_point, triangle_at
+from abi.obstacles.triangle_mesh.winding_kernels import is_inside
+from abi.obstacles.vector_kernels import Vec3, axpy, cross, distance, norm, sub, vec3_at
+
+SAMPLES = 32
+"""Parts into which a segment that enters a solid is cut to bound its depth."""
+
+_PARALLEL = 1e-8
+"""Part of a segment's length: error of its distance to a nearly parallel edge."""
+
+_TOUCHING = 1e-12
+"""Part of the surface's size that counts as touching it."""
+
+_IN_DOUBT = 1e-14
+"""Part of the surface's size: nearer points may be on either side, by rounding."""
+
+
+class SurfaceTables(NamedTuple):
+    """A surface as the kernels take it, in its body frame.
+
+    Attributes:
+        tree: over its triangles.
+        dipoles: of the nodes of the tree.
+        grid: signed distances around it.
+        closed: whether it has an inside.
+        extent: longest side of its bounding box.
+        error: bound of the error of a point's distance where that is 0, and of what it grows by
+            with the distance.
+    """
+
+    tree: TriangleTree
+    dipoles: Dipoles
+    grid: DistanceGrid
+    closed: bool
+    extent: float
+    error: tuple[float, float]
+
+
+class Placement(NamedTuple):
+    """Where the body frame is in the world.
+
+    Attributes:
+        origin: its origin, [unit], world.
+        axes: its axes, in the world.
+        factor: scene's [unit] per unit of the body frame.
+    """
+
+    origin: Vec3
+    axes: Axes
+    factor: float
+
+
+class Room(NamedTuple):
+    """Room for descents of a tree.
+
+    Attributes:
+        waiting: (``DEPTH``,) nodes.
+        squares: (``DEPTH``,) their squared distances.
+        stack: (128,) nodes of a tree of dipoles.
+    """
+
+    waiting: IntArray
+    squares: FloatArray
+    stack: IntArray
+
+
+NO_TABLES = SurfaceTables(NO_TREE, NO_DIPOLES, NO_GRID, True, 1.0, (0.0, 0.0))
+"""In an example: a surface."""
+
+NO_PLACEMENT = Placement((0.0, 0.0, 0.0), ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)), 1.0)
+"""In an example: a placement."""
+
+
+@register_jitable
+def new_room() -> Room:
+    """Room for descents."""
+    return Room(np.empty(DEPTH, np.int32), np.empty(DEPTH), np.empty(128, np.int32))
+
+
+@register_jitable
+def to_surface(placement: Placement, p: Vec3) -> Vec3:
+    """A point of the world in the body frame."""
+    x, y, z = in_body(placement.axes, sub(p, placement.origin))
+    return x / placement.factor, y / placement.factor, z / placement.factor
+
+
+@register_jitable
+def signed_distance_at(tables: SurfaceTables, x: Vec3, room: Room) -> tuple[float, int]:
+    """Signed distance of a point in the body frame, or less by rounding; and the nearest triangle.
+
+    The triangle is its place in the tree.
+    """
+    tree, dipoles, grid, closed, extent, error = tables
+    lower, upper = distance_bounds(grid, x)
+    most = max(-lower, upper) * (1.0 + 1e-9) + _TOUCHING * extent
+    away, number = nearest_triangle(tree, x, most, 0.0, room.waiting, room.squares)
+    doubt = error[0] + error[1] * away
+    if not closed:
+        return max(away - doubt, 0.0), number
+    inside = upper < 0.0
+    if lower <= 0.0 <= upper:
+        inside = away - doubt <= _IN_DOUBT * extent or is_inside(tree, dipoles, x, room.stack)
+    return (-away if inside else away) - doubt, number
+
+
+@register_jitable
+def distance_along(tables: SurfaceTables, p: Vec3, q: Vec3, most: float, room: Room) -> float:
+    """Distance of a segment of the body frame to the surface; ``most`` where that is less.
+
+    Walks along the segment as far as the grid's bounds leave nothing nearer (Hart, Sphere tracing,
+    1996); where that is less than half a step of the grid, the next step is measured.
+    """
+    grid = tables.grid
+    d = sub(q, p)
+    length = norm(d)
+    inverse = 1.0 / length if length > 0.0 else 0.0
+    lower, upper = distance_bounds(grid, axpy(0.5, d, p))
+    pad = _TOUCHING * tables.extent
+    best = min(most, max(-lower, upper) * (1.0 + 1e-9) + pad)
+    at = 0.0
+    while at <= length:
+        x = axpy(at * inverse, d, p)
+        lower, upper = distance_bounds(grid, x)
+        best = min(best, max(-lower, upper) * (1.0 + 1e-9) + pad)
+        far = max(lower, -upper) - best
+        if far < grid.step / 2:
+            far = min(grid.step, length - at)
+            y = axpy((at + far) * inverse, d, p)
+            best = segment_distance(
+                tables.tree, x, y, best, grid.step / 8, room.waiting, room.squares
+            )
+        if at + far >= length:
+            break
+        at += far
+    return best
+
+
+@register_jitable
+def least_distance(tables: SurfaceTables, p: Vec3, q: Vec3, most: float, room: Room) -> float:
+    """Least signed distance along a segment of the body frame; ``most`` where that is less.
+
+    Below 0 it is a lower bound. Between two samples s and t at a distance l, the signed distance is
+    at least (s + t - l) / 2 and the least at most s and t: so it is off by at most 1/64 of the
+    length.
+    """
+    away = distance_along(tables, p, q, most, room)
+    if not tables.closed or (away > 0.0 and not _inside(tables, p, room)):
+        return away
+    d = sub(q, p)
+    step = norm(d) / SAMPLES
+    least = most
+    before, _ = signed_distance_at(tables, p, room)
+    for k in range(1, SAMPLES + 1):
+        here, _ = signed_distance_at(tables, axpy(k / SAMPLES, d, p), room)
+        least = min(least, (before + here - step) / 2)
+        before = here
+    return least
+
+
+@register_jitable
+def _inside(tables: SurfaceTables, x: Vec3, room: Room) -> bool:
+    """Whether a point of the body frame is inside a closed surface."""
+    lower, upper = distance_bounds(tables.grid, x)
+    if lower > 0.0 or upper < 0.0:
+        return upper < 0.0
+    return is_inside(tables.tree, tables.dipoles, x, room.stack)
+
+
+@register_jitable
+def limit_of(tables: SurfaceTables, margin: float, length: float) -> float:
+    """Distance at which a segment of some length counts as nearer than a margin, by rounding."""
+    return max(margin, _TOUCHING * tables.extent) + _PARALLEL * length
+
+
+@register_jitable
+def is_blocked(tables: SurfaceTables, p: Vec3, q: Vec3, margin: float, room: Room) -> bool:
+    """Whether a segment of the body frame comes nearer to the surface than a margin, or touches it.
+
+    Walks along the segment as far as the grid's bounds allow at each place (Hart, Sphere tracing,
+    1996); where that is less than half a step of the grid, the next step is tested against the
+    triangles.
+    """
+    tree, _, grid, closed, _, _ = tables
+    length = distance(p, q)
+    limit = limit_of(tables, margin, length)
+    d = sub(q, p)
+    inverse = 1.0 / length if length > 0.0 else 0.0
+    at, outside = 0.0, not closed
+    while at <= length:
+        x = axpy(at * inverse, d, p)
+        lower, upper = distance_bounds(grid, x)
+        if upper < margin:
+            return True
+        outside = outside or lower > 0.0
+        far = lower - limit
+        if far < grid.step / 2:
+            far = min(grid.step, length - at)
+            y = axpy((at + far) * inverse, d, p)
+            normal = steepest(grid, axpy(0.5, sub(y, x), x))
+            if comes_near(tree, x, y, limit, normal, room.waiting):
+                return True
+        if at + far >= length:
+            break
+        at += far
+    # a segment that nothing touches is inside or outside as a whole
+    return not outside and is_inside(tree, tables.dipoles, p, room.stack)
+
+
+@compiled(example=(NO_TABLES, NO_PLACEMENT, FLOATS, NEW_FLOATS), fallback=False)
+def signed_distances(
+    tables: SurfaceTables, placement: Placement, points: FloatArray, distances: FloatArray
+) -> None:
+    """Signed distances (n,) of points (3 n,), [unit], world; written."""
+    room = new_room()
+    for i in range(len(points) // 3):
+        x = to_surface(placement, vec3_at(points, 3 * i))
+        away, _ = signed_distance_at(tables, x, room)
+        distances[i] = away * placement.factor
+
+
+@compiled(example=(NO_TABLES, NO_PLACEMENT, FLOATS, NEW_FLOATS, NEW_FLOATS), fallback=False)
+def signed_distance_gradients(
+    tables: SurfaceTables,
+    placement: Placement,
+    points: FloatArray,
+    distances: FloatArray,
+    gradients: FloatArray,
+) -> None:
+    """Signed distances (n,) of points (3 n,), [unit], world, and their gradients (3 n,); written.
+
+    A gradient is a unit vector away from the closest point, towards it inside a solid; on the
+    surface itself the normal of a triangle there.
+    """
+    tree = tables.tree
+    room = new_room()
+    for i in range(len(points) // 3):
+        x = to_surface(placement, vec3_at(points, 3 * i))
+        away, number = signed_distance_at(tables, x, room)
+        distances[i] = away * placement.factor
+        a, b, c = triangle = triangle_at(tree.corners, number)
+        offset = sub(x, closest_point(x, triangle))
+        size = norm(offset)
+        if size <= _TOUCHING * tables.extent:
+            offset = cross(sub(b, a), sub(c, a))
+            size = norm(offset)
+        elif tables.closed and away + tables.error[0] + tables.error[1] * size < 0.0:
+            size = -size
+        gradient = in_world(placement.axes, offset)
+        for k in range(3):
+            gradients[3 * i + k] = gradient[k] / size
+
+
+@compiled(example=(NO_TABLES, NO_PLACEMENT, FLOATS, FLOATS, NEW_FLOATS), fallback=False)
+def least_distances(
+    tables: SurfaceTables,
+    placement: Placement,
+    starts: FloatArray,
+    ends: FloatArray,
+    distances: FloatArray,
+) -> None:
+    """Least signed distances (n,) along segments (3 n,), [unit], world, where less; written."""
+    room = new_room()
+    factor = placement.factor
+    for i in range(len(distances)):
+        p = to_surface(placement, vec3_at(starts, 3 * i))
+        q = to_surface(placement, vec3_at(ends, 3 * i))
+        distances[i] = least_distance(tables, p, q, distances[i] / factor, room) * factor
+
+
+@compiled(example=(NO_TABLES, NO_PLACEMENT, FLOATS, FLOATS, 1, 0.0), fallback=False)
+def nearest_segment(
+    tables: SurfaceTables,
+    placement: Placement,
+    starts: FloatArray,
+    ends: FloatArray,
+    legs: int,
+    most: float,
+) -> tuple[float, int]:
+    """Least signed distance of all segments (3 n,), [unit], world, and the number of the nearest.
+
+    ``most`` and -1 where none is nearer. A segment that is where the one ``legs`` before it is, as
+    a link of an arm that stands still, is passed over.
+    """
+    room = new_room()
+    count = len(starts) // 3
+    bounds = np.empty(count)
+    nearest, found = most / placement.factor, -1
+    limit = nearest
+    for i in range(count):
+        a, b = vec3_at(starts, 3 * i), vec3_at(ends, 3 * i)
+        k = 3 * (i - legs)
+        if k >= 0 and a == vec3_at(starts, k) and b == vec3_at(ends, k):
+            bounds[i] = math.inf
+            continue
+        p, q = to_surface(placement, a), to_surface(placement, b)
+        lower, upper = distance_bounds(tables.grid, axpy(0.5, sub(q, p), p))
+        bounds[i] = lower - distance(p, q) / 2
+        limit = min(limit, upper)
+    limit += _TOUCHING * tables.extent
+    for i in range(count):
+        if bounds[i] > min(limit, nearest):
+            continue
+        p = to_surface(placement, vec3_at(starts, 3 * i))
+        q = to_surface(placement, vec3_at(ends, 3 * i))
+        away = least_distance(tables, p, q, nearest, room)
+        if away < nearest:
+            nearest, found = away, i
+    return (nearest * placement.factor if found >= 0 else most), found
+
+
+@compiled(example=(NO_TABLES, NO_PLACEMENT, FLOATS, FLOATS, FLOATS, NEW_FLAGS), fallback=False)
+def blocked_segments(
+    tables: SurfaceTables,
+    placement: Placement,
+    starts: FloatArray,
+    ends: FloatArray,
+    margins: FloatArray,
+    blocked: BoolArray,
+) -> None:
+    """Flags (n,) of the segments (3 n,) nearer than margins (n,), [unit], world; written."""
+    room = new_room()
+    for i in range(len(starts) // 3):
+        p = to_surface(placement, vec3_at(starts, 3 * i))
+        q = to_surface(placement, vec3_at(ends, 3 * i))
+        blocked[i] = is_blocked(tables, p, q, margins[i] / placement.factor, room)
+
+
+@compiled(example=(NO_TABLES, NO_PLACEMENT, FLOATS, NEW_FLOATS, NEW_FLOATS), fallback=False)
+def bounds_of_distances(
+    tables: SurfaceTables,
+    placement: Placement,
+    points: FloatArray,
+    lower: FloatArray,
+    upper: FloatArray,
+) -> None:
+    """Bounds (n,) of the signed distances of points (3 n,), [unit], world; written."""
+    for i in range(len(points) // 3):
+        least, most = distance_bounds(tables.grid, to_surface(placement, vec3_at(points, 3 * i)))
+        lower[i], upper[i] = least * placement.factor, most * placement.factor

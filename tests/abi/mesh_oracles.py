@@ -1,0 +1,75 @@
+"""Distances to triangle meshes by means that share nothing with the package's own."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from abi.arrays import FloatArray
+from tests.abi.meshes import Mesh
+
+
+def distances(mesh: Mesh, points: FloatArray) -> FloatArray:
+    """Distances (n,) of points (n, 3) to the triangles, by VTK's grid of cells."""
+    from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray
+    from vtkmodules.vtkCommonCore import reference, vtkPoints
+    from vtkmodules.vtkCommonDataModel import (
+        vtkCellArray,
+        vtkGenericCell,
+        vtkPolyData,
+        vtkStaticCellLocator,
+    )
+
+    vertices, faces = mesh
+    corners, cells = vtkPoints(), vtkCellArray()
+    corners.SetDataTypeToDouble()
+    corners.SetData(numpy_to_vtk(np.ascontiguousarray(vertices), deep=True))
+    offsets = 3 * np.arange(len(faces) + 1, dtype=np.int64)
+    cells.SetData(
+        numpy_to_vtkIdTypeArray(offsets, deep=True),
+        numpy_to_vtkIdTypeArray(faces.astype(np.int64).ravel(), deep=True),
+    )
+    surface, locator = vtkPolyData(), vtkStaticCellLocator()
+    surface.SetPoints(corners)
+    surface.SetPolys(cells)
+    locator.SetDataSet(surface)
+    locator.BuildLocator()
+    find: Any = locator.FindClosestPoint
+    cell, number, part, square = vtkGenericCell(), reference(0), reference(0), reference(0.0)
+    closest = np.empty_like(points)
+    for point, there in zip(points, closest, strict=True):
+        find(point, there, cell, number, part, square)
+    return np.asarray(np.linalg.norm(points - closest, axis=1))
+
+
+def winding_numbers(triangles: FloatArray, points: FloatArray) -> FloatArray:
+    """Winding numbers from the angles of spherical triangles: the excess over pi, by L'Huilier."""
+    numbers = np.empty(len(points))
+    for i, x in enumerate(points):
+        way = triangles - x
+        a, b, c = (way / np.linalg.norm(way, axis=2, keepdims=True)).transpose(1, 0, 2)
+        sides = [
+            2 * np.arcsin(np.clip(_chord(p, q) / 2, 0, 1)) for p, q in ((b, c), (c, a), (a, b))
+        ]
+        half = sum(sides) / 2
+        tangents = np.tan(half / 2)
+        for side in sides:
+            tangents = tangents * np.tan(np.maximum(half - side, 0) / 2)
+        sign = np.sign(np.einsum("ij,ij->i", way[:, 0], np.cross(way[:, 1], way[:, 2])))
+        numbers[i] = (sign * 4 * np.arctan(np.sqrt(np.abs(tangents)))).sum() / (4 * np.pi)
+    return numbers
+
+
+def signed_distances(mesh: Mesh, closed: bool, points: FloatArray) -> FloatArray:
+    """Signed distances (n,) of points (n, 3)."""
+    away = distances(mesh, points)
+    if not closed:
+        return away
+    vertices, faces = mesh
+    inside = np.abs(winding_numbers(vertices[faces], points)) > 0.5
+    return np.where(inside, -away, away)
+
+
+def _chord(p: FloatArray, q: FloatArray) -> FloatArray:
+    return np.asarray(np.linalg.norm(p - q, axis=1))
