@@ -145,7 +145,7 @@ def _boxes_of(surface: Surface) -> _Boxes:
     """
     triangles = surface.vertices[surface.faces]
     tree = build_tree(triangles)
-    low, high = tree.low.reshape(-1, 3), tree.high.reshape(-1, 3)
+    low, high = np.split(tree.boxes.reshape(-1, 6), 2, axis=1)
     nodes = len(low)
     inner = nodes // 2
     inside = np.zeros((nodes, 2), dtype=np.int32)

@@ -12,7 +12,7 @@ from abi.arrays import FloatArray, IntArray, read_only
 from abi.compiled import FLOATS, IDS
 from abi.obstacles.vector_kernels import Vec3, vec3_at
 
-_LEAF = 8  # triangles a leaf has, about: fewer cost memory, more cost tests
+_LEAF = 4  # triangles a leaf has, about: fewer cost memory, more cost tests
 
 
 class TriangleTree(NamedTuple):
@@ -42,10 +42,13 @@ def box_of(tree: TriangleTree, node: int) -> tuple[Vec3, Vec3]:
     return vec3_at(tree.boxes, 6 * node), vec3_at(tree.boxes, 6 * node + 3)
 
 
-def build_tree(triangles: FloatArray) -> TriangleTree:
-    """Build the tree over triangles (m, 3, 3): halve each box at the median of its widest axis."""
+def build_tree(triangles: FloatArray, leaf: int = _LEAF) -> TriangleTree:
+    """Build the tree over triangles (m, 3, 3): halve each box at the median of its widest axis.
+
+    A leaf has about ``leaf`` triangles.
+    """
     count = len(triangles)
-    depth = max(0, int(np.log2(max(count / _LEAF, 1))))
+    depth = max(0, int(np.log2(max(count / leaf, 1))))
     centres = triangles.mean(axis=1)
     order = np.arange(count)
     for level in range(depth):

@@ -23,6 +23,9 @@ _NODES = 60_000
 _BORDER = 0.1
 """Grid around the surface on each side, as a part of its longest side."""
 
+_LEAF = 8
+"""Triangles in a leaf, about: searches for the nearest triangle are quickest."""
+
 _COARSE = 1 / 16
 """Error of the grid's distances, in steps."""
 
@@ -44,7 +47,7 @@ class BodyFrame:
         self.centre: FloatArray = read_only((low + high) / 2)
         self.scale = float(2.0 ** -np.round(np.log2(surface.extent)))
         triangles = ((surface.vertices - self.centre) * self.scale)[surface.faces]
-        tree = build_tree(triangles)
+        tree = build_tree(triangles, _LEAF)
         far_field = dipoles(tree)
         error = error_of_distances(triangles)
         extent = surface.extent * self.scale
