@@ -130,6 +130,25 @@ def signed_distance_at(tables: SurfaceTables, x: Vec3, room: Room) -> tuple[floa
 
 
 @register_jitable
+def gradient_at(tables: SurfaceTables, x: Vec3, room: Room) -> tuple[float, Vec3]:
+    """Signed distance of a point in the body frame, and its gradient, a unit vector.
+
+    That leads away from the closest point, towards it inside a solid; on the surface itself it is
+    the normal of a triangle there.
+    """
+    away, number = signed_distance_at(tables, x, room)
+    a, b, c = triangle = triangle_at(tables.tree.corners, number)
+    offset = sub(x, closest_point(x, triangle))
+    size = norm(offset)
+    if size <= _TOUCHING * tables.extent:
+        offset = cross(sub(b, a), sub(c, a))
+        size = norm(offset)
+    elif tables.closed and away + tables.error[0] + tables.error[1] * size < 0.0:
+        size = -size
+    return away, (offset[0] / size, offset[1] / size, offset[2] / size)
+
+
+@register_jitable
 def distance_along(tables: SurfaceTables, p: Vec3, q: Vec3, most: float, room: Room) -> float:
     """Distance of a segment of the body frame to the surface; ``most`` where that is less.
 
@@ -252,28 +271,15 @@ def signed_distance_gradients(
     distances: FloatArray,
     gradients: FloatArray,
 ) -> None:
-    """Signed distances (n,) of points (3 n,), [unit], world, and their gradients (3 n,); written.
-
-    A gradient is a unit vector away from the closest point, towards it inside a solid; on the
-    surface itself the normal of a triangle there.
-    """
-    tree = tables.tree
+    """Signed distances (n,) of points (3 n,), [unit], world, and gradients (3 n,); written."""
     room = new_room()
     for i in range(len(points) // 3):
         x = to_surface(placement, vec3_at(points, 3 * i))
-        away, number = signed_distance_at(tables, x, room)
+        away, gradient = gradient_at(tables, x, room)
         distances[i] = away * placement.factor
-        a, b, c = triangle = triangle_at(tree.corners, number)
-        offset = sub(x, closest_point(x, triangle))
-        size = norm(offset)
-        if size <= _TOUCHING * tables.extent:
-            offset = cross(sub(b, a), sub(c, a))
-            size = norm(offset)
-        elif tables.closed and away + tables.error[0] + tables.error[1] * size < 0.0:
-            size = -size
-        gradient = in_world(placement.axes, offset)
+        gradient = in_world(placement.axes, gradient)
         for k in range(3):
-            gradients[3 * i + k] = gradient[k] / size
+            gradients[3 * i + k] = gradient[k]
 
 
 @compiled(example=(NO_TABLES, NO_PLACEMENT, FLOATS, FLOATS, NEW_FLOATS), fallback=False)

@@ -1,0 +1,131 @@
+"""Triangle meshes as one, for kernels that take all of a scene's meshes.
+
+Numba compiles a kernel for one number of arrays, so those of several surfaces lie one after the
+other. A surface that several meshes share is there once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba.extending import register_jitable
+from numpy.typing import NDArray
+
+from abi.arrays import FloatArray, IntArray, read_only
+from abi.compiled import FLOATS, IDS
+from abi.obstacles.mesh_shape import MeshShape
+from abi.obstacles.triangle_mesh.bvh import Dipoles, TriangleTree
+from abi.obstacles.triangle_mesh.distance_grid_kernels import DistanceGrid
+from abi.obstacles.triangle_mesh.signed_distance import body_frame
+from abi.obstacles.triangle_mesh.surface import Surface
+from abi.obstacles.triangle_mesh.surface_kernels import Placement, SurfaceTables
+from abi.obstacles.vector_kernels import vec3_at
+
+_IDS, _NUMBERS, _POSE = 8, 15, 13
+
+
+class SurfaceSet(NamedTuple):
+    """Surfaces and where they are.
+
+    Attributes:
+        boxes, leaves, corners: of the trees, see ``TriangleTree``.
+        centres, radii, normals, areas: of their far fields, see ``Dipoles``.
+        values: of the grids, see ``DistanceGrid``.
+        begins: (s ``_IDS``,) of each surface where its nodes, leaves, triangles and values begin;
+            the counts of its grid, and whether it is closed. One row more ends the last surface.
+        numbers: (s ``_NUMBERS``,) the other fields of its tables, one after the other.
+        whose: (m,) surface of each mesh.
+        poses: (m ``_POSE``,) origin, axes and factor of its placement.
+    """
+
+    boxes: FloatArray
+    leaves: IntArray
+    corners: FloatArray
+    centres: FloatArray
+    radii: FloatArray
+    normals: FloatArray
+    areas: FloatArray
+    values: FloatArray
+    begins: IntArray
+    numbers: FloatArray
+    whose: IntArray
+    poses: FloatArray
+
+
+NO_SURFACES = SurfaceSet(*(FLOATS, IDS, *6 * (FLOATS,), IDS, FLOATS, IDS[:0], FLOATS))
+"""In an example, and where a scene has no meshes."""
+
+
+@register_jitable
+def surface_at(surfaces: SurfaceSet, mesh: int) -> tuple[SurfaceTables, Placement]:
+    """A mesh of the set, and where it is."""
+    boxes, leaves, corners, centres, radii, normals, areas, values, begins, _, _, _ = surfaces
+    numbers, poses = surfaces.numbers, surfaces.poses
+    k = _IDS * surfaces.whose[mesh]
+    a, b, c, d = begins[k], begins[k + 1], begins[k + 2], begins[k + 3]
+    e, f = begins[k + _IDS], begins[k + _IDS + 1]
+    g, h = begins[k + _IDS + 2], begins[k + _IDS + 3]
+    n = _NUMBERS * surfaces.whose[mesh]
+    tree = TriangleTree(boxes[6 * a : 6 * e], leaves[b:f], corners[9 * c : 9 * g], numbers[n])
+    far_field = Dipoles(centres[3 * a : 3 * e], radii[a:e], normals[3 * a : 3 * e], areas[a:e])
+    counts = (begins[k + 4] + 0, begins[k + 5] + 0, begins[k + 6] + 0)
+    box = (vec3_at(numbers, n + 5), vec3_at(numbers, n + 8))
+    grid = DistanceGrid(
+        values[d:h], counts, vec3_at(numbers, n + 1), numbers[n + 4], box, numbers[n + 11]
+    )
+    error = (numbers[n + 13], numbers[n + 14])
+    closed = begins[k + 7] == 1
+    tables = SurfaceTables(tree, far_field, grid, closed, numbers[n + 12], error)
+    p = _POSE * mesh
+    axes = (vec3_at(poses, p + 3), vec3_at(poses, p + 6), vec3_at(poses, p + 9))
+    return tables, Placement(vec3_at(poses, p), axes, poses[p + 12])
+
+
+def surface_set(meshes: Sequence[MeshShape]) -> SurfaceSet:
+    """The meshes as one."""
+    if not meshes:
+        return NO_SURFACES
+    surfaces = tuple(dict.fromkeys(mesh.surface for mesh in meshes))
+    number = {surface: k for k, surface in enumerate(surfaces)}
+    whose = np.array([number[mesh.surface] for mesh in meshes], dtype=np.int32)
+    poses = []
+    for mesh in meshes:
+        origin, axes, factor = mesh.placed[1]
+        poses.append([*origin, *axes[0], *axes[1], *axes[2], factor])
+    return _joined(surfaces)._replace(
+        whose=read_only(whose), poses=read_only(np.array(poses).ravel())
+    )
+
+
+@lru_cache(maxsize=2)
+def _joined(surfaces: tuple[Surface, ...]) -> SurfaceSet:
+    """Tables of the surfaces, of no mesh yet."""
+    all_tables = [body_frame(surface).tables for surface in surfaces]
+    at = np.zeros(4, dtype=np.int64)
+    begins, numbers = [], []
+    for tree, far_field, grid, closed, extent, error in all_tables:
+        begins.append([*at, *grid.counts, int(closed)])
+        at += len(far_field.radii), len(tree.leaves), len(tree.corners) // 9, len(grid.values)
+        (low, high), slack = grid.box, grid.slack
+        numbers.append([tree.size, *grid.low, grid.step, *low, *high, slack, extent, *error])
+    begins.append([*at, 0, 0, 0, 0])
+    columns = zip(
+        *((*tables.tree[:3], *tables.dipoles, tables.grid.values) for tables in all_tables),
+        strict=True,
+    )
+    boxes, leaves, corners, centres, radii, normals, areas, values = map(
+        _one_after_another, columns
+    )
+    return SurfaceSet(
+        *(boxes, leaves, corners, centres, radii, normals, areas, values),
+        read_only(np.array(begins, dtype=np.int32).ravel()),
+        read_only(np.array(numbers, dtype=float).ravel()),
+        *(IDS[:0], FLOATS),
+    )
+
+
+def _one_after_another(arrays: tuple[NDArray[Any], ...]) -> NDArray[Any]:
+    return arrays[0] if len(arrays) == 1 else read_only(np.concatenate(arrays))

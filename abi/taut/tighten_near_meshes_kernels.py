@@ -1,0 +1,212 @@
+"""Tightening of a path among obstacles of any shape.
+
+Unlike convex solids, of which it is known where a segment touches them, meshes are asked for the
+distance and its gradient alone. A path is a list of points, [unit], world.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numba.extending import register_jitable
+
+from abi.arrays import FloatArray
+from abi.compiled import FLOATS, compiled
+from abi.obstacles.obstacle_set_kernels import nearest_to_segment
+from abi.obstacles.primitive_kernels import (
+    WIDTH,
+    axes_of,
+    centre_of,
+    core_of,
+    in_body,
+    in_world,
+    signed_distance_gradient,
+)
+from abi.obstacles.primitive_tree_kernels import blocked
+from abi.obstacles.triangle_mesh.distance_grid_kernels import distance_bounds
+from abi.obstacles.triangle_mesh.surface_kernels import (
+    Room,
+    gradient_at,
+    is_blocked,
+    new_room,
+    to_surface,
+)
+from abi.obstacles.triangle_mesh.surface_set import NO_SURFACES, SurfaceSet, surface_at
+from abi.obstacles.vector_kernels import Vec3, axpy, distance, dot, sub, vec3_at
+from abi.taut.free_space_kernels import kind_of
+
+_LOOK_BACK = 32  # points to which one may be joined
+_CUTS = 6
+_SWEEPS = 12
+_MOST_POINTS = 64
+_HALVINGS = 9
+_SETTLED = 1e-4  # part of the length that a sweep must gain to be followed by another
+
+
+class Surroundings(NamedTuple):
+    """What a path keeps clear of.
+
+    Attributes:
+        solids: rows of the primitives.
+        margins: (4 k,) distance from each of them that a segment keeps, see ``FreeSpace``.
+        surfaces: the meshes.
+        limits: (4,) distance from each mesh that a segment keeps.
+    """
+
+    solids: FloatArray
+    margins: FloatArray
+    surfaces: SurfaceSet
+    limits: FloatArray
+
+
+@register_jitable
+def _is_clear(around: Surroundings, kind: int, a: Vec3, b: Vec3, room: Room) -> bool:
+    """Whether the segment a..b keeps the distance of its kind from all obstacles."""
+    solids, margins, surfaces, limits = around
+    if blocked(solids, margins, kind * (len(solids) // WIDTH), a, b):
+        return False
+    for mesh in range(len(surfaces.whose)):
+        tables, placement = surface_at(surfaces, mesh)
+        p, q = to_surface(placement, a), to_surface(placement, b)
+        if is_blocked(tables, p, q, limits[kind] / placement.factor, room):
+            return False
+    return True
+
+
+@register_jitable
+def _outward(around: Surroundings, x: Vec3, room: Room) -> Vec3:
+    """Gradient of the distance to the nearest obstacle, a unit vector; 0 without obstacles."""
+    solids, _, surfaces, _ = around
+    normal = (0.0, 0.0, 0.0)
+    nearest, s = nearest_to_segment(solids, math.inf, x, x)
+    if s >= 0:
+        axes = axes_of(solids, s)
+        p = in_body(axes, sub(x, centre_of(solids, s)))
+        normal = in_world(axes, signed_distance_gradient(core_of(solids, s), p)[1])
+    for mesh in range(len(surfaces.whose)):
+        tables, placement = surface_at(surfaces, mesh)
+        p = to_surface(placement, x)
+        if distance_bounds(tables.grid, p)[0] * placement.factor >= nearest:
+            continue
+        away, gradient = gradient_at(tables, p, room)
+        if away * placement.factor < nearest:
+            nearest, normal = away * placement.factor, in_world(placement.axes, gradient)
+    return normal
+
+
+@register_jitable
+def _length(path: list[Vec3]) -> float:
+    """Length of a path."""
+    total = 0.0
+    for i in range(1, len(path)):
+        total += distance(path[i - 1], path[i])
+    return total
+
+
+@register_jitable
+def _shortcut(path: list[Vec3], around: Surroundings, room: Room) -> list[Vec3]:
+    """A short path from first to last by vertices of the path that see each other.
+
+    Each vertex is joined to that from which the way from the start is shortest; what comes first is
+    tried first, for it mostly is.
+    """
+    count = len(path)
+    cost, parent = np.zeros(count), np.zeros(count, np.int64)
+    for j in range(1, count):
+        cost[j], parent[j] = cost[j - 1] + distance(path[j - 1], path[j]), j - 1
+        for i in range(max(j - _LOOK_BACK, 0), j - 1):
+            through = cost[i] + distance(path[i], path[j])
+            if through < cost[j] and _is_clear(
+                around, kind_of(i, j, count - 1), path[i], path[j], room
+            ):
+                cost[j], parent[j] = through, i
+    chain = [count - 1]
+    while chain[-1] > 0:
+        chain.append(parent[chain[-1]])
+    kept = [path[0]]
+    for k in range(len(chain) - 2, -1, -1):
+        kept.append(path[chain[k]])
+    return kept
+
+
+@register_jitable
+def _move(path: list[Vec3], i: int, around: Surroundings, room: Room) -> None:
+    """Move a vertex to where its legs are shortest, of the places tried.
+
+    Towards the chord of its neighbours, straight and in the plane across the gradient of the
+    distance, as far as the legs stay clear.
+    """
+    last = len(path) - 1
+    a, here, b = path[i - 1], path[i], path[i + 1]
+    before, best = distance(a, here), distance(a, here) + distance(here, b)
+    if best == 0.0:
+        return
+    pull = sub(axpy(before / best, sub(b, a), a), here)
+    normal = _outward(around, here, room)
+    across = axpy(-dot(pull, normal), normal, pull)
+    best *= 1.0 - 1e-12
+    for direction in (pull, across):
+        step = 1.0
+        for _ in range(_HALVINGS):
+            trial = axpy(step, direction, here)
+            length = distance(a, trial) + distance(trial, b)
+            step /= 2
+            if length >= best:
+                continue
+            if _is_clear(around, kind_of(i - 1, i, last), a, trial, room) and _is_clear(
+                around, kind_of(i, i + 1, last), trial, b, room
+            ):
+                best, path[i] = length, trial
+                break
+
+
+@register_jitable
+def _cut_corners(path: list[Vec3], around: Surroundings, room: Room) -> list[Vec3]:
+    """Replace each corner that can be cut by two vertices."""
+    cut = [path[0]]
+    least = _SETTLED / 4 * _length(path)
+    for i in range(1, len(path) - 1):
+        here = path[i]
+        to_a, to_b = sub(path[i - 1], here), sub(path[i + 1], here)
+        a, b = distance(path[i - 1], here), distance(path[i + 1], here)
+        step = min(a, b) / 2
+        found = False
+        while step > 0.0 and not found:
+            p, q = axpy(step / a, to_a, here), axpy(step / b, to_b, here)
+            if 2 * step - distance(p, q) <= least:
+                break
+            if _is_clear(around, 0, p, q, room):
+                cut.append(p)
+                cut.append(q)
+                found = True
+            step /= 2
+        if not found:
+            cut.append(here)
+    cut.append(path[-1])
+    return cut
+
+
+@compiled(example=(FLOATS, Surroundings(FLOATS, FLOATS, NO_SURFACES, FLOATS)), fallback=False)
+def tightened(points: FloatArray, around: Surroundings) -> FloatArray:
+    """Pull a path (3 k,) taut, see :func:`abi.taut.tighten_near_meshes.tighten_near_meshes`."""
+    room = new_room()
+    path = [vec3_at(points, 3 * i) for i in range(len(points) // 3)]
+    path = _shortcut(path, around, room)
+    for _ in range(_CUTS):
+        for _ in range(_SWEEPS):
+            before = _length(path)
+            for i in range(1, len(path) - 1):
+                _move(path, i, around, room)
+            path = _shortcut(path, around, room)
+            if before - _length(path) <= _SETTLED * before:
+                break
+        cut = _cut_corners(path, around, room)
+        if len(cut) == len(path) or len(cut) > _MOST_POINTS:
+            break
+        path = cut
+    taut = np.empty(3 * len(path))
+    for i in range(len(path)):
+        taut[3 * i], taut[3 * i + 1], taut[3 * i + 2] = path[i]
+    return taut
