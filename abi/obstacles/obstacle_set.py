@@ -208,7 +208,9 @@ class ObstacleSet:
             return clearances
         starts, ends = _segments(polylines)
         of_polyline = np.repeat(np.arange(count), size - 1)
-        for _, mesh, rows in self._near_meshes(starts, ends, clearances[of_polyline]):
+        # how deep a segment is in a mesh is a bound from below: each that may be in one counts
+        limits = np.maximum(clearances[of_polyline], 0)
+        for _, mesh, rows in self._near_meshes(starts, ends, limits):
             if count == 1:
                 most = float(clearances[0])
                 clearances[0] = mesh.nearest_segment(starts[rows], ends[rows], most)[0]

@@ -330,7 +330,8 @@ def nearest_segment(
         limit = min(limit, upper)
     limit += _TOUCHING * tables.extent
     for i in range(count):
-        if bounds[i] > min(limit, nearest):
+        # how deep a segment is inside is a bound from below: each that may be inside counts
+        if bounds[i] > max(min(limit, nearest), 0.0):
             continue
         p = to_surface(placement, vec3_at(starts, 3 * i))
         q = to_surface(placement, vec3_at(ends, 3 * i))
