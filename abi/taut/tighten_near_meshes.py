@@ -6,7 +6,7 @@ import numpy as np
 
 from abi.arrays import FloatArray, flat
 from abi.obstacles.obstacle_set import ObstacleSet
-from abi.obstacles.triangle_mesh.surface_set import surface_set
+from abi.obstacles.surface_set import surface_set
 from abi.taut.tighten_near_meshes_kernels import Surroundings, tightened
 
 

@@ -25,6 +25,7 @@ from abi.obstacles.primitive_kernels import (
     signed_distance_gradient,
 )
 from abi.obstacles.primitive_tree_kernels import blocked
+from abi.obstacles.surface_set import NO_SURFACES, SurfaceSet, surface_at
 from abi.obstacles.triangle_mesh.distance_grid_kernels import distance_bounds
 from abi.obstacles.triangle_mesh.surface_kernels import (
     Room,
@@ -33,7 +34,6 @@ from abi.obstacles.triangle_mesh.surface_kernels import (
     new_room,
     to_surface,
 )
-from abi.obstacles.triangle_mesh.surface_set import NO_SURFACES, SurfaceSet, surface_at
 from abi.obstacles.vector_kernels import Vec3, axpy, distance, dot, sub, vec3_at
 from abi.taut.free_space_kernels import kind_of
 

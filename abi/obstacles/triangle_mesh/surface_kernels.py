@@ -188,9 +188,10 @@ def least_distance(tables: SurfaceTables, p: Vec3, q: Vec3, most: float, room: R
     at least (s + t - l) / 2 and the least at most s and t: so it is off by at most 1/64 of the
     length.
     """
-    away = distance_along(tables, p, q, most, room)
+    # whether it touches counts whatever the most is
+    away = distance_along(tables, p, q, max(most, _TOUCHING * tables.extent), room)
     if not tables.closed or (away > 0.0 and not _inside(tables, p, room)):
-        return away
+        return min(away, most)
     d = sub(q, p)
     step = norm(d) / SAMPLES
     least = most
