@@ -9,7 +9,7 @@ import viser
 
 from app import page
 
-Part = Literal["message", "tools", "tour", "numbers", "player", "marks"]
+Part = Literal["message", "tools", "tour", "numbers", "player", "marks", "challenge"]
 
 
 class Overlay:

@@ -227,6 +227,7 @@ class Session:
             else:
                 self._show(self.frame.plan, interactive=True)
         self.panels.files.save_if_requested(self._scene)
+        self.panels.share.share(self._state(), self.frame)
         if self.panels.exports.requested:
             self._export()
         if self.panels.bug_report.requested:
@@ -298,6 +299,7 @@ class Session:
             shown=self.panels.layer_switches.shown(),
             dark=bool(self.panels.layer_switches.dark.value),
             lessons=self.panels.lessons.progress,
+            challenge=self.panels.share.kept,
         )
 
     def _replan(self, scene: Scene) -> Plan:

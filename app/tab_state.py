@@ -6,7 +6,7 @@ import base64
 import json
 import math
 import zlib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from abi.errors import SceneError
@@ -35,6 +35,7 @@ class TabState:
         playing: whether it advances by itself.
         shown: names of the switches that are on; None for those of a new tab.
         dark: whether the page is dark; None for as the system has it.
+        challenge: what is to be reached, as JSON; empty for nothing.
         lessons: where the student is in which lesson, as the player writes it; empty for nowhere.
     """
 
@@ -46,6 +47,11 @@ class TabState:
     shown: frozenset[str] | None = None
     dark: bool | None = None
     lessons: str = ""
+    challenge: str = ""
+
+    def with_challenge(self, challenge: str) -> TabState:
+        """The state with a challenge, for a link to it."""
+        return replace(self, challenge=challenge)
 
     def encode(self) -> str:
         """The state in letters that an address takes as they are."""
@@ -59,6 +65,7 @@ class TabState:
             "shown": None if self.shown is None else sorted(self.shown),
             "dark": self.dark,
             "lessons": self.lessons,
+            "challenge": self.challenge,
         }
         packed = zlib.compress(json.dumps(data, separators=(",", ":")).encode(), 9)
         return base64.urlsafe_b64encode(packed).decode().rstrip("=")
@@ -87,6 +94,7 @@ class TabState:
             shown=frozenset(map(str, shown)) if isinstance(shown, list) else None,
             dark=dark if isinstance(dark, bool) else None,
             lessons=str(data.get("lessons", ""))[:MAX_PROGRESS],
+            challenge=str(data.get("challenge", ""))[:MAX_PROGRESS],
         )
 
 

@@ -13,6 +13,7 @@ from abi.arrays import FloatArray
 from abi.planner.plan import Plan
 from app import style
 from app.frame import Frame, Switch
+from app.layers.motion_curves import acceleration, joint_speeds, tool_clearance
 from app.layout import Layout
 
 _GREY = "rgba(128,128,128,0.25)"
@@ -42,10 +43,18 @@ class PlotsLayer:
             self._angles = _plot(gui, "joint angles [rad]", angles, 250)
             self._slide = _plot(gui, _slide_title(unit), ((_JOINTS[4], style.JOINTS[4]),), 170)
             clear = (("links to obstacles", style.MARK),)
+            rates = tuple((f"{name}′", colour) for name, colour in angles)
+            pulls = (("acceleration", style.MARK), *zip("xyz", style.AXES, strict=True))
+            tool = (("tool to obstacles", style.BSPLINE),)
             self._clearance = _plot(gui, _clearance_title(unit), clear, 170)
+            self._tool = _plot(gui, _tool_title(unit), tool, 170)
+            self._pull = _plot(gui, _pull_title(unit), pulls, 190)
+            self._rates = _plot(gui, "joint speeds [rad/s]", rates, 230)
         self._unit = unit
-        self._plots = (self._speed, self._angles, self._slide, self._clearance)
+        self._quick = (self._speed, self._angles, self._slide, self._clearance)
+        self._plots = (*self._quick, self._tool, self._pull, self._rates)
         self._motion: object = None
+        self._resting: object = None
         self._marked: tuple[object, float] = (None, -1.0)
         self._next_mark = 0.0
         self._data: tuple[tuple[viser.GuiUplotHandle, tuple[FloatArray, ...]], ...] = ()
@@ -54,6 +63,8 @@ class PlotsLayer:
         """Plot the plan's motion with a line at "now"; nothing where there is none."""
         if frame.plan.motion is not self._motion:
             self._replace(frame.plan)
+        if not frame.interactive and self._resting is not self._motion:
+            self._add_slow(frame.plan)
         if (self._motion, frame.time) != self._marked:
             self._mark(frame.time, frame.playing)
 
@@ -78,6 +89,8 @@ class PlotsLayer:
             self._speed.title = _speed_title(self._unit)
             self._slide.title = _slide_title(self._unit)
             self._clearance.title = _clearance_title(self._unit)
+            self._tool.title = _tool_title(self._unit)
+            self._pull.title = _pull_title(self._unit)
         self._data = (
             (self._speed, (time, speed, *velocity.T)),
             (self._angles, (time, *positions[:, [0, 1, 2, 3, 5]].T)),
@@ -88,6 +101,26 @@ class PlotsLayer:
             self._data += ((self._clearance, (time, clearance.distances[samples])),)
         else:
             self._clearance.visible = False
+
+    def _add_slow(self, plan: Plan) -> None:
+        """Add what is plotted once the hand rests."""
+        self._resting, self._marked = self._motion, (None, -1.0)
+        self._next_mark = 0.0
+        motion = plan.motion
+        if motion is None:
+            return
+        samples = slice(None, None, max(1, len(motion.time) // 100))
+        time = motion.time[samples]
+        rates = joint_speeds(motion)[samples][:, [0, 1, 2, 3, 5]]
+        self._data += (
+            (self._pull, (time, *acceleration(motion)[samples].T)),
+            (self._rates, (time, *rates.T)),
+        )
+        distances = tool_clearance(plan)
+        if distances is None:
+            self._tool.visible = False
+        else:
+            self._data += ((self._tool, (time, distances[samples])),)
 
     def _mark(self, time: float, playing: bool) -> None:
         """Draw the line at ``time`` [s]; while ``playing`` not at every frame."""
@@ -123,6 +156,14 @@ def _speed_title(unit: str) -> str:
 
 def _slide_title(unit: str) -> str:
     return f"slide [{unit}]"
+
+
+def _tool_title(unit: str) -> str:
+    return f"clearance of the tool [{unit}]"
+
+
+def _pull_title(unit: str) -> str:
+    return f"acceleration of the tool [{unit}/s²]"
 
 
 def _clearance_title(unit: str) -> str:

@@ -45,6 +45,11 @@ def _clearance(plan: Plan, name: str) -> float | None:
     return distance_to_show(fit.clearance)
 
 
+def _followed_length(plan: Plan) -> float | None:
+    arc = {"bspline": plan.bspline_arc, "quadratic": plan.quadratic_arc}.get(plan.followed or "")
+    return None if arc is None else arc.length
+
+
 def _axis_speed(plan: Plan, place: float) -> float | None:
     """Size of the quadratic's derivative in t, of its own parameter, at a share of its interval."""
     if plan.quadratic is None:
@@ -98,6 +103,7 @@ MEASURES: Mapping[str, Measure] = MappingProxyType(
         "quadratic.speed_first": lambda f: _axis_speed(f.plan, 0.0),
         "quadratic.speed_middle": lambda f: _axis_speed(f.plan, 0.5),
         "quadratic.speed_last": lambda f: _axis_speed(f.plan, 1.0),
+        "curve.length": lambda f: _followed_length(f.plan),
         "motion.speed": lambda f: f.plan.scene.motion.speed,
         "motion.a1": lambda f: f.plan.scene.motion.acceleration,
         "motion.a3": lambda f: f.plan.scene.motion.deceleration,

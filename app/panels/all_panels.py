@@ -7,6 +7,7 @@ from dataclasses import replace
 import viser
 
 from abi.scene.scene import Scene
+from app.challenge import parsed
 from app.frame import Drawable, Frame, Switch
 from app.layout import Layout
 from app.lessons.cue import Cue
@@ -18,11 +19,13 @@ from app.panels.exports import ExportPanel
 from app.panels.figures import FiguresPanel
 from app.panels.files import FilesPanel
 from app.panels.history import History
+from app.panels.keys import KeysPanel
 from app.panels.layer_switches import LayerSwitches
 from app.panels.lessons import LessonPanel
 from app.panels.messages import Messages
 from app.panels.obstacle_editor import ObstacleEditor
 from app.panels.obstacle_gizmos import ObstacleGizmos
+from app.panels.share import SharePanel
 from app.panels.stage_headers import StageHeaders
 from app.panels.stages import StagePanels
 from app.panels.theatre import TheatrePanel
@@ -62,6 +65,7 @@ class AllPanels:
         with self.layout.scene:
             self.files = FilesPanel(client, name, scene, wake)
             self.exports = ExportPanel(client, wake)
+            self.share = SharePanel(client, self.layout.overlay, wake)
             self.editor = ObstacleEditor(client, self.obstacles, self.ends, wake)
             self.bug_report = BugReportButton(client, wake)
         self.messages = Messages(self.layout, wake)
@@ -69,6 +73,7 @@ class AllPanels:
         with self.layout.paper:
             self.lessons = LessonPanel(client, library, wake)
             self.figures = FiguresPanel(client.gui, wake)
+        self.keys = KeysPanel(client.gui, wake)
         self._inputs = (self.stages, self.obstacles, self.ends)
         self.drawn: tuple[Drawable, ...] = (
             self.messages,
@@ -82,6 +87,8 @@ class AllPanels:
             self.comparison,
             self.lessons,
             self.figures,
+            self.share,
+            self.keys,
         )
 
     def read(self, scene: Scene) -> Scene:
@@ -124,6 +131,7 @@ class AllPanels:
         self.files.restore(state.name, state.scene)
         self.layer_switches.restore(state.shown, state.dark)
         self.lessons.restore(state.lessons)
+        self.share.challenge = parsed(state.challenge)
         self._write(state.scene)
 
     def apply_switches(self, frame: Frame) -> Frame:

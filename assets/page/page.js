@@ -52,7 +52,8 @@ window.abi = {
     root = document.createElement("div");
     root.id = "abi-overlay";
     root.innerHTML = `<div class="abi-top"><div data-part="message"></div>
-      <div data-part="tools"></div><div data-part="tour"></div></div>
+      <div data-part="tools"></div><div data-part="tour"></div>
+      <div data-part="challenge"></div></div>
       <div class="abi-bottom"><div data-part="numbers"></div><div data-part="player"></div>
       <div data-part="marks"></div></div>`;
     for (const [part, html] of Object.entries(this.parts)) {
@@ -78,6 +79,21 @@ window.abi = {
     document.getElementById("abi-overlay")?.remove();
   },
 
+  // A click into a plot over time goes to that time; a drag stays uplot's.
+  pressed: null,
+  plotPressed(event) {
+    this.pressed = event.target.closest(".u-over") ? event.clientX : null;
+  },
+  plotClicked(event) {
+    const over = event.target.closest(".u-over"), slider = document.querySelector("#abi-overlay input[type=range]");
+    if (!over || !slider || this.pressed === null || Math.abs(event.clientX - this.pressed) > 3) return;
+    const box = over.getBoundingClientRect(), left = event.clientX - box.left;
+    const plots = Object.values(window.__viserTestpoints?.uplots ?? {});
+    const chart = plots.find(plot => plot.chart?.over === over)?.chart;
+    const time = chart ? chart.posToVal(left, "x") : left / box.width * Number(slider.max);
+    this.send(slider.dataset.set, Math.min(Math.max(time, 0), Number(slider.max)));
+  },
+
   // The time of the motion and its end, [s]; a slider that is held stays with the hand.
   clock(time, end, playing) {
     const root = this.overlay(), slider = root.querySelector("input[type=range]");
@@ -90,6 +106,12 @@ window.abi = {
   },
 };
 
+window.abiListeners?.abort();
+window.abiListeners = new AbortController();
+for (const [name, call] of [["pointerdown", "plotPressed"], ["click", "plotClicked"]]) {
+  const options = {capture: true, signal: window.abiListeners.signal};
+  document.addEventListener(name, event => window.abi[call](event), options);
+}
 document.getElementById("abi-style")?.remove();
 document.head.insertAdjacentHTML("beforeend", `<style id="abi-style">
 #abi-overlay {

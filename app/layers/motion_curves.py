@@ -1,0 +1,32 @@
+"""Curves over the time of a motion that are plotted while nothing moves: they take a while."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from abi.arm.trajectory import ArmMotion
+from abi.arrays import FloatArray
+from abi.obstacles.obstacle_set import ObstacleSet
+from abi.planner.plan import Plan
+
+
+def acceleration(motion: ArmMotion) -> FloatArray:
+    """Of the tool: size and components, (m, 4), [unit/s²], by differences of its velocity.
+
+    It jumps where the three phases meet. Within them it is what the curve's bends ask for, which
+    shows the steps of a B-spline's second derivative.
+    """
+    along = np.gradient(motion.velocity, motion.time, axis=0)
+    return np.column_stack([np.linalg.norm(along, axis=1), along])
+
+
+def joint_speeds(motion: ArmMotion) -> FloatArray:
+    """Of the joints (m, 6), [rad/s], q5 [unit/s], by differences of their positions."""
+    return np.asarray(np.gradient(motion.positions, motion.time, axis=0))
+
+
+def tool_clearance(plan: Plan) -> FloatArray | None:
+    """Distance of the tool to the obstacles (m,), [unit]; None without obstacles."""
+    if plan.motion is None or not plan.scene.obstacles:
+        return None
+    return ObstacleSet(plan.scene.obstacles).nearest(plan.motion.tool)[0]

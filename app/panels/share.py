@@ -1,0 +1,106 @@
+"""Links to what a tab shows, alone or with a challenge, and pictures of it."""
+
+from __future__ import annotations
+
+import struct
+import zlib
+from typing import Any
+
+import numpy as np
+import viser
+from numpy.typing import NDArray
+
+from app import page
+from app.challenge import GOALS, Challenge, challenge_of
+from app.frame import Frame
+from app.overlay import Overlay
+from app.panels.widgets import Wake
+from app.tab_state import LONGEST_LINK, TabState
+
+_WIDTH = 2560
+"""Of a picture, [px]."""
+_PATIENCE = 20.0
+"""Seconds that a page has to draw it."""
+
+
+class SharePanel:
+    """Buttons, and the challenge of the link that opened the tab."""
+
+    def __init__(self, client: viser.ClientHandle, overlay: Overlay, wake: Wake) -> None:
+        gui, self._client, self._overlay = client.gui, client, overlay
+        # Any, since viser declares a button's value read-only
+        self.link: Any = gui.add_button(
+            "Copy link", hint="Opens this scene, camera, layers, time and lesson anywhere."
+        )
+        self.goal = gui.add_dropdown(
+            "challenge", tuple(GOALS), hint="What the one who opens the link is to reach."
+        )
+        self.challenge_link: Any = gui.add_button("Copy challenge link")
+        self.picture: Any = gui.add_button("Save picture", hint=f"A PNG {_WIDTH} pixels wide.")
+        for button in (self.link, self.challenge_link, self.picture):
+            button.on_click(wake)
+        self.challenge: Challenge | None = None
+
+    @property
+    def kept(self) -> str:
+        """The challenge as a text to keep; empty for none."""
+        return "" if self.challenge is None else self.challenge.model_dump_json()
+
+    def share(self, state: TabState, frame: Frame) -> None:
+        """Do what was asked for since the last call."""
+        if self.link.value:
+            self.link.value = False
+            self._copy(state)
+        if self.challenge_link.value:
+            self.challenge_link.value = False
+            challenge = challenge_of(self.goal.value, frame)
+            if challenge is None:
+                page.notify_refusal(self._client, "No challenge", "There is no plan to start from.")
+            else:
+                self._copy(state.with_challenge(challenge.model_dump_json()))
+        if self.picture.value:
+            self.picture.value = False
+            self._take_picture()
+
+    def draw(self, frame: Frame) -> None:
+        """Show the challenge, and whether it is met."""
+        text = ""
+        if self.challenge is not None:
+            resting = not (frame.interactive or frame.partial)
+            met = resting and self.challenge.is_met(frame)
+            text = self.challenge.html(met, frame)
+        self._overlay.show("challenge", text)
+
+    def _copy(self, state: TabState) -> None:
+        text = state.encode()
+        if len(text) > LONGEST_LINK:
+            page.notify_refusal(
+                self._client, "Too much for a link", "Save the scene as a file instead."
+            )
+        else:
+            page.copy_link(self._client, text)
+
+    def _take_picture(self) -> None:
+        height = round(_WIDTH / max(self._client.camera.aspect, 0.2))
+        try:
+            picture = self._client.get_render(
+                height, _WIDTH, transport_format="png", timeout=_PATIENCE
+            )
+        except Exception as error:  # viser raises a plain Exception where the page is gone
+            page.notify_refusal(self._client, "No picture", f"The page did not draw it ({error}).")
+        else:
+            self._client.send_file_download("abi.png", png(picture), save_immediately=True)
+
+
+def png(picture: NDArray[np.uint8]) -> bytes:
+    """A picture (h, w, 3 or 4) as a PNG file (ISO/IEC 15948): one filtered block of scan lines."""
+    height, width, channels = picture.shape
+    lines = np.zeros((height, 1 + width * channels), np.uint8)
+    lines[:, 1:] = picture.reshape(height, -1)
+    colour = {3: 2, 4: 6}[channels]
+    header = struct.pack(">IIBBBBB", width, height, 8, colour, 0, 0, 0)
+    parts = ((b"IHDR", header), (b"IDAT", zlib.compress(lines.tobytes(), 6)), (b"IEND", b""))
+    return b"\x89PNG\r\n\x1a\n" + b"".join(
+        struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+        for kind, data in parts
+    )

@@ -1,0 +1,116 @@
+from __future__ import annotations
+
+import io
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from abi import load_scene, plan
+from abi.obstacles.triangle_mesh.mesh_source import MeshSource
+from abi.scene.scene import Scene
+from app import page
+from app.challenge import GOALS, Challenge, challenge_of, parsed
+from app.frame import Frame
+from app.layers.motion_curves import acceleration, joint_speeds, tool_clearance
+from app.panels.share import png
+from app.session import Session
+from app.tab_state import TabState
+from tests.app.fake_tab import FakeTab, until
+
+PAPER = load_scene("paper")
+
+
+def frame_of(scene: Scene) -> Frame:
+    return Frame(plan(scene))
+
+
+@pytest.mark.parametrize("goal", [goal for goal in GOALS if goal != "find a plan"])
+def test_a_challenge_is_not_met_by_the_scene_that_it_starts_from(goal: str) -> None:
+    frame = frame_of(PAPER)
+    challenge = challenge_of(goal, frame)
+    assert challenge is not None
+    assert not challenge.is_met(frame)
+    assert "Challenge" in challenge.html(False, frame)
+    assert parsed(challenge.model_dump_json()) == challenge
+
+
+def test_a_challenge_can_be_met() -> None:
+    shorter = challenge_of("make it 3 % shorter", frame_of(PAPER))
+    assert shorter is not None
+    assert shorter.is_met(frame_of(PAPER.replace(search={"taut": True}, obstacles=[])))
+    found = challenge_of("find a plan", frame_of(load_scene("no-way")))
+    assert found is not None
+    assert not found.is_met(frame_of(load_scene("no-way")))
+    assert found.is_met(frame_of(PAPER))
+    assert challenge_of("make it 3 % shorter", frame_of(load_scene("no-way"))) is None
+    assert challenge_of("anything", frame_of(PAPER)) is None
+
+
+@pytest.mark.parametrize("data", ["", "{", "[]", '{"text": "a", "until": []}', '{"text": 1}'])
+def test_a_link_with_a_wrong_challenge_has_none(data: str) -> None:
+    assert parsed(data) is None
+
+
+def test_what_somebody_wrote_into_a_challenge_is_no_html() -> None:
+    condition = {"measure": "plan.complete", "at_least": 1}
+    challenge = Challenge.model_validate({"text": "<img onerror=x>", "until": [condition]})
+    assert "<img" not in challenge.html(True, frame_of(PAPER))
+
+
+def test_a_picture_is_a_png() -> None:
+    rng = np.random.default_rng(1)
+    for channels in (3, 4):
+        picture = rng.integers(0, 256, (7, 5, channels), dtype=np.uint8)
+        with Image.open(io.BytesIO(png(picture))) as read:
+            assert np.array_equal(np.asarray(read), picture)
+
+
+def test_a_link_opens_with_its_challenge(
+    tab: tuple[FakeTab, Session], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    fake, session = tab
+    links: list[str] = []
+    monkeypatch.setattr(page, "copy_link", lambda client, text: links.append(text))
+    until(lambda: session.resting)
+    fake.set(session.panels.share.goal, "keep the quadratic clear")
+    fake.set(session.panels.share.challenge_link, True)
+    until(lambda: len(links) == 1)
+    state = TabState.decode(links[0], MeshSource({}, None))
+    assert state.scene == session.frame.plan.scene
+    challenge = parsed(state.challenge)
+    assert challenge is not None
+    session.panels.restore(replace(state, lessons=""))
+    assert session.panels.share.challenge == challenge
+    session.panels.share.draw(session.frame)
+    assert "Challenge" in session.panels.layout.overlay.shown["challenge"]
+    fake.set(session.panels.share.link, True)
+    until(lambda: len(links) == 2)
+    assert parsed(TabState.decode(links[1], MeshSource({}, None)).challenge) == challenge
+
+
+def test_curves_over_time_are_derivatives_and_distances() -> None:
+    result = plan(PAPER)
+    motion = result.motion
+    assert motion is not None
+    pull = acceleration(motion)
+    middle = slice(5, 40)
+    # in the first phase the tool's speed grows by a1
+    along = motion.velocity / np.linalg.norm(motion.velocity, axis=1, keepdims=True).clip(1e-9)
+    tangential = (pull[:, 1:] * along).sum(axis=1)
+    assert np.allclose(tangential[middle], PAPER.motion.acceleration, rtol=0.02)
+    speeds = joint_speeds(motion)
+    change = np.trapezoid(speeds, motion.time, axis=0)
+    assert np.allclose(change, motion.positions[-1] - motion.positions[0], atol=1e-2)
+    distances = tool_clearance(result)
+    assert distances is not None
+    assert distances.min() >= PAPER.spline.clearance - 1e-6
+    assert tool_clearance(plan(PAPER.replace(obstacles=[]))) is None
+
+
+def test_h_shows_the_keys(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    command = session.panels.keys.command
+    fake.send({"type": "CommandTriggerMessage", "uuid": command._impl.uuid})
+    until(lambda: session.panels.keys.sheet is not None)
