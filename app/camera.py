@@ -8,11 +8,17 @@ import numpy as np
 import viser
 
 from abi.arrays import FloatArray
+from abi.obstacles.obstacle_set import ObstacleSet
+from abi.obstacles.primitives import Cylinder
 from abi.scene.scene import Scene
 
+_DIRECTION = np.array([0.82, -0.42, 0.38])
+"""From the scene's middle to the camera, in sizes of the scene."""
 _ASPECT = 0.8
 """Width over height of the picture; from a narrower one the camera steps back."""
 _MAX_DISTANCE_FACTOR = 2.5
+_TURNING = 1.0
+"""Part of a curve that is worth a quarter turn away from the usual direction."""
 _TOLERANCE = 1e-3
 """Part of the scene's size by which the page's camera, unmoved, may differ from ours."""
 
@@ -49,12 +55,40 @@ class Viewpoint:
     def __init__(self, camera: viser.CameraHandle, scene: Scene) -> None:
         self._camera = camera
         self._distance_factor = 1.0
+        self._direction: FloatArray = _DIRECTION
         self.show(scene)
 
     def show(self, scene: Scene) -> None:
         """Put the camera in front of ``scene``."""
-        self._scene = scene
+        self._scene, self._direction = scene, _DIRECTION
         look_at(self._camera, scene, self._distance_factor)
+
+    def face(self, curve: FloatArray) -> None:
+        """Turn around the scene to where most of a curve (n, 3) is seen past the obstacles.
+
+        Not where the user has moved the camera.
+        """
+        position, target, size = _view(self._scene, self._distance_factor, self._direction)
+        if np.linalg.norm(self._camera.position - position) >= _TOLERANCE * size:
+            return
+        obstacles = ObstacleSet((*self._scene.obstacles, _column(self._scene, size)))
+        scores = []
+        for direction in _directions():
+            eye = target + self._distance_factor * size * direction
+            hidden = obstacles.blocked(curve, np.broadcast_to(eye, curve.shape), 0.0).mean()
+            cosine = direction @ _DIRECTION / (_DIRECTION @ _DIRECTION)
+            scores.append(hidden + _TURNING * (1 - cosine))
+        self._direction = _directions()[int(np.argmin(scores))]
+        look_at(self._camera, self._scene, self._distance_factor, self._direction)
+
+    def look_from(self, direction: tuple[float, float, float]) -> None:
+        """Look at the whole scene from a direction, which need not be of length 1."""
+        _, centre, size = _view(self._scene, 1.0)
+        distance = float(np.linalg.norm(_DIRECTION)) * self._distance_factor * size
+        away = np.array(direction) / np.linalg.norm(direction)
+        self._camera.up_direction = np.array([0.0, 0.0, 1.0])
+        self._camera.position = centre + distance * away
+        self._camera.look_at = centre
 
     def now(self) -> View | None:
         """The page's camera; None where it reports none."""
@@ -72,19 +106,20 @@ class Viewpoint:
         factor = min(max(_ASPECT / self._camera.aspect, 1.0), _MAX_DISTANCE_FACTOR)
         if factor == self._distance_factor:
             return
-        position, _, size = _view(self._scene, self._distance_factor)
+        position, _, size = _view(self._scene, self._distance_factor, self._direction)
         self._distance_factor = factor
         if np.linalg.norm(self._camera.position - position) < _TOLERANCE * size:
-            look_at(self._camera, self._scene, factor)
+            look_at(self._camera, self._scene, factor, self._direction)
 
 
 def look_at(
     camera: viser.CameraHandle | viser.InitialCameraConfig,
     scene: Scene,
     distance_factor: float = 1.0,
+    direction: FloatArray = _DIRECTION,
 ) -> None:
     """Turn ``camera`` to workspace and arm, ``distance_factor`` times as far as fills a picture."""
-    camera.position, camera.look_at, size = _view(scene, distance_factor)
+    camera.position, camera.look_at, size = _view(scene, distance_factor, direction)
     camera.near, camera.far = size / 500, size * 50
 
 
@@ -92,11 +127,34 @@ def _rounded(vector: FloatArray) -> tuple[float, ...]:
     return tuple(float(f"{number:.6g}") for number in vector)
 
 
-def _view(scene: Scene, distance_factor: float) -> tuple[FloatArray, FloatArray, float]:
+def _column(scene: Scene, size: float) -> Cylinder:
+    """Cylinder about where the arm stands."""
+    x, y, z = scene.arm.base
+    height = 0.5 * size
+    return Cylinder(
+        shape="cylinder", radius=0.07 * size, height=height, position=(x, y, z + height / 2)
+    )
+
+
+def _directions() -> list[FloatArray]:
+    """Directions to the camera to choose from: to the sides, and from above."""
+    length = np.linalg.norm(_DIRECTION)
+    azimuth = np.arctan2(_DIRECTION[1], _DIRECTION[0])
+    found = [_DIRECTION]
+    for turn in np.radians([-60, -40, -20, 0, 20, 40, 60]):
+        for height in np.radians([15, 25, 38, 52]):
+            a, c = azimuth + turn, np.cos(height)
+            found.append(length * np.array([c * np.cos(a), c * np.sin(a), np.sin(height)]))
+    return found
+
+
+def _view(
+    scene: Scene, distance_factor: float, direction: FloatArray = _DIRECTION
+) -> tuple[FloatArray, FloatArray, float]:
     """Camera position (3,) and target (3,), [unit], world, and the scene's size, [unit]."""
     low, high = np.array(scene.workspace.min), np.array(scene.workspace.max)
     corners = np.array([low, high, scene.arm.base])
     low, high = corners.min(axis=0), corners.max(axis=0)
     centre = (low + high) / 2
     size = float(np.linalg.norm(high - low))
-    return centre + distance_factor * size * np.array([0.82, -0.42, 0.38]), centre, size
+    return centre + distance_factor * size * direction, centre, size

@@ -47,6 +47,7 @@ class Frame:
         theatre: the search that is stepped through; None while none is.
         time: since the begin of the motion, [s].
         playing: whether it advances by itself.
+        lecture: whether labels are to be read from afar.
     """
 
     plan: Plan
@@ -62,6 +63,7 @@ class Frame:
     theatre: Theatre | None = None
     time: float = 0.0
     playing: bool = False
+    lecture: bool = False
 
     @property
     def current(self) -> bool:

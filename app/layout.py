@@ -26,6 +26,7 @@ class Layout:
         layers: the legend.
         paper: lessons, the paper's figures, and its text.
         overlay: text and controls over the scene.
+        right: the right panel.
     """
 
     client: viser.ClientHandle
@@ -38,6 +39,7 @@ class Layout:
     layers: viser.GuiTabHandle
     paper: viser.GuiTabHandle
     overlay: Overlay
+    right: viser.PanelHandle
 
     @classmethod
     def of(
@@ -55,6 +57,15 @@ class Layout:
         right.dock_right()
         right.set_width(style.RIGHT_WIDTH)
         result, search, plots, scene, layers, paper = tabs
+        overlay = Overlay(client)
         return cls(
-            client, unit, folders, result, search, plots, scene, layers, paper, Overlay(client)
+            client, unit, folders, result, search, plots, scene, layers, paper, overlay, right
         )
+
+    def fold(self, on: bool) -> None:
+        """Fold both panels away, or unfold them."""
+        for panel in (self.client.gui.main_panel, self.right):
+            if on:
+                panel.minimize()
+            else:
+                panel.expand()

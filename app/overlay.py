@@ -9,7 +9,7 @@ import viser
 
 from app import page
 
-Part = Literal["message", "tools", "tour", "numbers", "player", "marks", "challenge"]
+Part = Literal["message", "tools", "tour", "challenge", "lecture", "numbers", "player", "marks"]
 
 
 class Overlay:

@@ -51,6 +51,11 @@ def show_part(client: viser.ClientHandle, part: str, content: str) -> None:
     _run(client, f"abi.show({json.dumps(part)}, {json.dumps(content)})")
 
 
+def set_lecture(client: viser.ClientHandle, on: bool) -> None:
+    """Write in large letters over the scene, or as usual."""
+    _run(client, f"abi.lecture({json.dumps(on)})")
+
+
 def set_clock(client: viser.ClientHandle, time: float, end: float, playing: bool) -> None:
     """Show the motion's time and end, [s], in the layer over the scene."""
     _run(client, f"abi.clock({time}, {end}, {json.dumps(playing)})")
@@ -92,7 +97,7 @@ def player_style(stretches: Iterable[tuple[float, float]], end: float) -> str:
         return ""
     stops.append(f"transparent {reached:.2f}% 100%")
     fill = f"linear-gradient(90deg,{','.join(stops)})"
-    return f"<style>#abi-overlay .abi-track{{background:{fill}}}</style>"
+    return f"<style>#abi-overlay .abi-track{{background:{fill} 0 100%/100% 4px no-repeat}}</style>"
 
 
 def disable_sharing(server: viser.ViserServer) -> None:

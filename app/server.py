@@ -11,6 +11,7 @@ import sys
 import threading
 import warnings
 from collections.abc import Callable
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import viser
@@ -20,6 +21,7 @@ from app.address import ensure_port, listening_url, usable_address
 from app.guard import guarded_server, token
 from app.guard.guard import Guard
 from app.guard.policy import Policy, policy_for
+from app.look import Look
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -34,6 +36,10 @@ _FAREWELL = 0.2
 """Seconds in which the tabs are told that the server stops."""
 
 
+_DEMOS = 3
+"""Tabs at once; one more begins without the demonstration, in which each plans all the time."""
+
+
 class Server:
     """The page at ``host``, and the tabs' sessions once it has a scene.
 
@@ -45,9 +51,13 @@ class Server:
     """
 
     def __init__(
-        self, host: str, port: int, plain: bool, dark: bool, policy: Policy | None = None
+        self,
+        host: str,
+        port: int,
+        look: Look,
+        policy: Policy | None = None,
     ) -> None:
-        self._plain, self._dark = plain, dark
+        self._look = look
         self._lock = threading.Lock()
         self.sessions: dict[int, Session] = {}
         self.guard = Guard(policy or policy_for(host))
@@ -55,7 +65,9 @@ class Server:
         self.viser = guarded_server.build(self.guard, address, port, "ABI visualiser")
         ensure_port(self.viser, port)
         page.disable_sharing(self.viser)
-        self.viser.gui.configure_theme(dark_mode=dark, show_logo=False, show_share_button=False)
+        self.viser.gui.configure_theme(
+            dark_mode=bool(look.dark), show_logo=False, show_share_button=False
+        )
         # shadows and surroundings take a weak machine seconds: each tab has them after its plan
         self.viser.scene.configure_default_lights(cast_shadow=False)
         self.viser.scene.configure_environment_map(hdri=None)
@@ -97,7 +109,9 @@ class Server:
     ) -> None:
         from app.session import Session
 
-        session = Session(client, name, scene, self._plain, self._dark, warm_up.planned, library)
+        alone = len(self.sessions) < _DEMOS
+        look = replace(self._look, demo=self._look.demo and alone)
+        session = Session(client, name, scene, look, warm_up.planned, library)
         warm_up.add(client)
         with self._lock:
             if client.client_id in self.viser.get_clients():
@@ -117,7 +131,8 @@ def start(
     port: int = 8080,
     scene: str = PAPER,
     plain: bool = False,
-    dark: bool = False,
+    dark: bool | None = None,
+    demo: bool = False,
     announce: Callable[[str], object] = lambda url: None,
     policy: Policy | None = None,
     lessons: Path | None = None,
@@ -129,7 +144,8 @@ def start(
         port: 0 takes any free one.
         scene: a shipped scene's name or a scene file.
         plain: no shadows and no environment map, for slow graphics and tests.
-        dark: whether a new tab begins dark.
+        dark: whether a new tab begins dark; None for as the system has it.
+        demo: whether the obstacle of a new tab moves by itself until the first touch.
         announce: called with the link as soon as there is a page to load.
         lessons: a folder with lessons of one's own, besides the shipped ones.
         policy: rules for visitors; by default those of :func:`app.guard.policy.policy_for`.
@@ -145,7 +161,7 @@ def start(
     # a file that may be wrong is read before there is a page
     loaded = None if scene == PAPER else _load(scene)
     lesson_library = _library(lessons)
-    server = Server(host, port, plain, dark, policy)
+    server = Server(host, port, Look(plain, dark, demo), policy)
     announce(server.link)
     server.show(scene, loaded or _load(scene), lesson_library)
     return server

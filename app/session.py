@@ -11,6 +11,7 @@ import threading
 import time
 from dataclasses import replace
 
+import numpy as np
 import viser
 
 from abi import assets, compiling
@@ -23,11 +24,13 @@ from abi.scene.scene import Scene
 from app import metrics, page
 from app.bug_report import bug_report, describe_fault
 from app.camera import View, Viewpoint
+from app.demo import FRAME, Demo
 from app.frame import Drawable, Frame, Switchable
 from app.labels import sentence
 from app.layers.catalogue import LAYERS, SLOW_LAYERS
 from app.lessons.cue import Cue
 from app.lessons.lesson import Library
+from app.look import Look
 from app.panels.all_panels import AllPanels
 from app.panels.obstacle_gizmos import ObstacleGizmos
 from app.panels.playback import PlaybackPanel
@@ -40,10 +43,14 @@ SLOW_MS = 120.0
 """Where the last plan took longer, it is drawn in grey while the next is made."""
 LOGGED_MS = 1000.0
 """A plan that takes longer has a line in the log."""
+_FACED = 40
+"""Points of the curve that the camera looks for."""
 REST = 0.3
 """Seconds without input that make a pause: time to plan in full, and to diagnose."""
 IDLE = 1.0
 """Seconds after which an idle tab looks whether the hand has moved its camera."""
+NARROW = 600
+"""Width of a page, [px], below which the panels would hide the scene: they begin folded."""
 LIGHTS_DELAY = 1.5
 """Seconds in which even weak graphics have drawn the first plan."""
 _SWITCHABLE: tuple[type[Switchable], ...] = (*LAYERS, ObstacleGizmos, *SLOW_LAYERS)
@@ -65,8 +72,7 @@ class Session:
         client: viser.ClientHandle,
         name: str,
         scene: Scene,
-        plain: bool,
-        dark: bool,
+        look: Look,
         planned: threading.Event,
         library: Library,
     ) -> None:
@@ -83,13 +89,16 @@ class Session:
         self._changed = threading.Event()
         self._planned = planned
         self._closing = False
-        self._has_lights = plain
+        self._has_lights = look.plain
         self._viewpoint = Viewpoint(client.camera, scene)
+        self._to_face = True
         self._compiled = compiling.is_done()
         page.install(client)
         self._memory = TabMemory(client, self.wake)
+        self._look = look
         with client.atomic():
-            self._build(name, scene, dark, library)
+            self._build(name, scene, bool(look.dark), library)
+        self._demo = Demo(self.panels.obstacles)
         self._changed.set()
         self._worker = threading.Thread(
             target=self._work, name=f"tab-{client.client_id}", daemon=True
@@ -174,14 +183,20 @@ class Session:
         """Do what there is to do: on input, in a pause, and for the playback."""
         self._viewpoint.fit()
         if woken:
+            self._demo.end()
             self._broken = False
+            self._last_input = time.monotonic()
+            self._update()
+        elif self._demo.running:
+            self._demo.step()
             self._last_input = time.monotonic()
             self._update()
         elif not self._broken:
             if time.monotonic() - self._last_input >= REST:
                 self._use_pause()
             self._draw(self.frame)
-        self._memory.keep(self._state())
+        if not self._demo.running:
+            self._memory.keep(self._state())
 
     def _recover(self, error: Exception) -> None:
         """Go back to the last plan after a fault of our own, and say so, until there is input."""
@@ -201,10 +216,11 @@ class Session:
         """Time to wait for input, [s]."""
         if self._broken:
             return IDLE
-        clocks = (self.playback.timeout(), self.panels.theatre.timeout())
+        demo = FRAME if self._demo.running else None
+        clocks = (self.playback.timeout(), self.panels.theatre.timeout(), demo)
         playing = min((seconds for seconds in clocks if seconds is not None), default=None)
         incomplete = self.frame.interactive or self.frame.partial or self._undiagnosed()
-        idle = self._has_lights and self._compiled and not incomplete
+        idle = self._has_lights and self._compiled and not incomplete and not self._demo.wanted
         if playing is not None:
             return playing
         return IDLE if idle else REST
@@ -215,6 +231,8 @@ class Session:
         restored = report is not None and self._restore(report)
         if (cue := self.panels.cue(self._scene)) is not None:
             restored |= self._follow(cue)
+        if (direction := self.panels.lecture.requested_view()) is not None:
+            self._viewpoint.look_from(direction)
         try:
             scene = self._read()
         except AbiError as error:
@@ -254,7 +272,12 @@ class Session:
 
     def _restore(self, report: Report) -> bool:
         """Bring back what the page or a link remembers; False where that is nothing."""
+        if self._look.dark is None:
+            self.panels.layer_switches.restore(None, report.dark)
+        if report.width < NARROW:
+            self.panels.layout.fold(True)
         if not report.state:
+            self._demo.wanted = self._look.demo and report.query.get("demo") != "0"
             return False
         meshes = MeshSource(self._scene.meshes.files, assets.path("scenes"))
         try:
@@ -265,6 +288,7 @@ class Session:
         self.panels.restore(state)
         self._viewpoint.show(state.scene)
         if state.view is not None:
+            self._to_face = False
             self._viewpoint.restore(state.view)
         self.playback.restore(state.time, state.playing)
         self._scene = state.scene
@@ -278,6 +302,7 @@ class Session:
         self._scene = cue.scene
         if setting.scene is not None:
             self._viewpoint.show(cue.scene)
+            self._to_face = setting.camera is None
         if setting.camera is not None:
             camera = setting.camera
             view = View.of([camera.position, camera.target, (0.0, 0.0, 1.0)])
@@ -304,8 +329,9 @@ class Session:
 
     def _replan(self, scene: Scene) -> Plan:
         """Plan another scene, with the last plan in grey where that may take long."""
-        if scene.workspace != self._scene.workspace:
+        if scene.workspace != self._scene.workspace or self.panels.files.loaded is scene:
             self._viewpoint.show(scene)
+            self._to_face = True
         self._scene = scene
         if self.frame.plan.total_ms > SLOW_MS:
             self._draw(replace(self.frame, outdated=True))
@@ -328,6 +354,10 @@ class Session:
         if plan is not frame.plan:
             frame = replace(frame, plan=plan, reason=None)
         coarse, partial = self._planner.coarse, self._planner.partial
+        if self._to_face and plan.bspline is not None:
+            self._to_face = False
+            interval = plan.bspline.curve.interval
+            self._viewpoint.face(plan.bspline.curve(np.linspace(*interval, _FACED)))
         frame = replace(frame, coarse=coarse, partial=partial, interactive=interactive)
         self._draw(replace(frame, outdated=False))
         if interactive and self.plans:
@@ -369,6 +399,8 @@ class Session:
             if self.plans and self.frame.plan.error is None:
                 self._planner = LivePlanner(compile=False)  # for the times of compiled code
                 self._show(self._observed(self._planner.finish(self._scene)))
+        elif self._demo.wanted and self._compiled:
+            self._demo.begin(self._scene)
 
     def _undiagnosed(self) -> bool:
         return self.frame.plan.error is not None and self.frame.plan is not self._diagnosed

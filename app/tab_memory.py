@@ -28,11 +28,13 @@ class Report:
         state: a :class:`TabState` as text; empty for none.
         query: parameters of its address.
         dark: whether the system prefers dark pages.
+        width: of the page, [px].
     """
 
     state: str = ""
     query: dict[str, str] = field(default_factory=dict)
     dark: bool = False
+    width: float = 1280.0
 
 
 class TabMemory:
@@ -84,6 +86,7 @@ def _parse(text: object) -> Report:
             state=str(data["state"]),
             query={str(name): str(value) for name, value in query.items()},
             dark=data["dark"] is True,
+            width=float(data.get("width", Report.width)),
         )
     except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
         return Report()

@@ -23,7 +23,10 @@ from app.logs import LEVELS, configure
     "--port", default=8080, show_default=True, type=click.IntRange(0, 65535), help="0: any free."
 )
 @click.option("--open/--no-open", "open_tab", default=True, help="Open a browser tab.")
-@click.option("--dark/--light", default=False, help="How a new tab looks.")
+@click.option("--dark/--light", default=None, help="How a new tab looks.  [default: as the system]")
+@click.option(
+    "--demo/--no-demo", default=True, help="Move a new tab's obstacle until the first touch."
+)
 @click.option(
     "--lessons",
     type=click.Path(file_okay=False, exists=True, path_type=Path),
@@ -48,7 +51,8 @@ def serve(
     host: str,
     port: int,
     open_tab: bool,
-    dark: bool,
+    dark: bool | None,
+    demo: bool,
     lessons: Path | None,
     log_level: str,
     **visitors: Any,
@@ -69,6 +73,7 @@ def serve(
         port=port,
         scene=scene,
         dark=dark,
+        demo=demo,
         announce=announce,
         policy=policy,
         lessons=lessons,

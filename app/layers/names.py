@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import ClassVar
+from typing import ClassVar, Literal
 
 import numpy as np
-import viser
 
 from abi.arrays import FloatArray
 from abi.obstacles.obstacle_set import ObstacleSet
@@ -17,8 +16,16 @@ from app.layers.lines import add_line, segments
 from app.layout import Layout
 from app.numbers import distance_to_show, format_lower_bound
 
-_NAMED = ("path", "bspline", "quadratic")
-_PLACES = np.linspace(0.12, 0.88, 20)
+_ANCHORS: dict[str, Literal["bottom-center", "top-center"]] = {
+    "path": "bottom-center",
+    "bspline": "bottom-center",
+    "quadratic": "top-center",
+}
+_PLACES = {
+    "path": np.linspace(0.15, 0.35, 7),
+    "bspline": np.linspace(0.62, 0.85, 7),
+    "quadratic": np.linspace(0.4, 0.62, 7),
+}
 """Parts of a line's length at which its name may stand."""
 
 
@@ -29,8 +36,14 @@ class NamesLayer:
 
     def __init__(self, layout: Layout) -> None:
         scene = layout.client.scene
-        self._labels = {name: _add_label(scene, f"/name/{name}") for name in _NAMED}
-        self._distance = _add_label(scene, "/name/distance")
+        # one below its line, the others above
+        self._labels = {
+            name: scene.add_label(f"/name/{name}", "", anchor=anchor, visible=False)
+            for name, anchor in _ANCHORS.items()
+        }
+        self._distance = scene.add_label(
+            "/name/distance", "", anchor="bottom-center", visible=False
+        )
         self._line = add_line(scene, "/name/line", style.POINT, 2.0)
         self._drawn: tuple[object, ...] = ()
         self._places: dict[str, float] = {}
@@ -44,6 +57,8 @@ class NamesLayer:
             self._drawn = state
             self._draw(plan, frame.interactive)
         on = "names" in frame.shown
+        for label in (*self._labels.values(), self._distance):
+            label.font_screen_scale = style.LABEL_SCALES[frame.lecture]
         for name, label in self._labels.items():
             label.visible = on and name in self._places and _switch(plan, name) in frame.shown
         self._line.visible = self._distance.visible = on and self._measured
@@ -66,10 +81,6 @@ class NamesLayer:
         distance = format_lower_bound(distance_to_show(plan.followed_curve.clearance))
         self._distance.text = f"{distance} {plan.scene.unit}"
         self._distance.position = nearest.mean(axis=0)
-
-
-def _add_label(scene: viser.SceneApi, name: str) -> viser.LabelHandle:
-    return scene.add_label(name, "", anchor="bottom-center", visible=False)
 
 
 def _switch(plan: Plan, name: str) -> str:
@@ -113,10 +124,10 @@ def _apart(
     others = [np.array(plan.scene.start), np.array(plan.scene.goal), *taken]
     places = {}
     for name, points in lines.items():
-        candidates = [_point_at(points, place) for place in _PLACES]
+        candidates = [_point_at(points, place) for place in _PLACES[name]]
         room = [min(float(np.linalg.norm(c - other)) for other in others) for c in candidates]
         best = int(np.argmax(room))
-        places[name] = float(_PLACES[best])
+        places[name] = float(_PLACES[name][best])
         others.append(candidates[best])
     return places
 

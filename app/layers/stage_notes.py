@@ -36,6 +36,8 @@ class StageNotesLayer:
         for stage in ("bspline", "quadratic", "arm"):
             with layout.folders[stage]:
                 self._notes[stage] = layout.client.gui.add_html("")
+        with layout.result:
+            self._phases = layout.client.gui.add_html("")
         self._drawn: Plan | None = None
 
     def draw(self, frame: Frame) -> None:
@@ -45,9 +47,8 @@ class StageNotesLayer:
             return
         self._drawn = plan
         self._notes["bspline"].content = _clearance(plan, plan.bspline) + _control_points(plan)
-        self._notes["quadratic"].content = (
-            _clearance(plan, plan.quadratic) + _coefficients(plan) + _motion(plan)
-        )
+        self._notes["quadratic"].content = _clearance(plan, plan.quadratic) + _coefficients(plan)
+        self._phases.content = _motion(plan)
         self._notes["arm"].content = _arm(plan)
 
 
@@ -69,9 +70,10 @@ def _control_points(plan: Plan) -> str:
     spline = None if plan.bspline is None else plan.bspline.curve
     if spline is None or not (spline.inserted or spline.moved):
         return ""
+    moved = f", {spline.moved} moved" if spline.moved else ""
     return (
-        f"{style.BOX}To stay clear, {spline.inserted} control points were added and "
-        f"{spline.moved or 'none'} moved ({len(spline.control_points)} now).</div>"
+        f"{style.BOX}{spline.inserted} control points added{moved} to stay clear "
+        f"({len(spline.control_points)} now).</div>"
     )
 
 

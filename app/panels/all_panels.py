@@ -21,6 +21,7 @@ from app.panels.files import FilesPanel
 from app.panels.history import History
 from app.panels.keys import KeysPanel
 from app.panels.layer_switches import LayerSwitches
+from app.panels.lecture import Lecture
 from app.panels.lessons import LessonPanel
 from app.panels.messages import Messages
 from app.panels.obstacle_editor import ObstacleEditor
@@ -30,6 +31,7 @@ from app.panels.stage_headers import StageHeaders
 from app.panels.stages import StagePanels
 from app.panels.theatre import TheatrePanel
 from app.panels.toolbar import Toolbar
+from app.panels.tour import Tour
 from app.panels.widgets import Wake
 from app.tab_state import TabState
 
@@ -74,10 +76,14 @@ class AllPanels:
             self.lessons = LessonPanel(client, library, wake)
             self.figures = FiguresPanel(client.gui, wake)
         self.keys = KeysPanel(client.gui, wake)
+        self.tour = Tour(self.layout, wake)
+        self.lecture = Lecture(self.layout, wake)
         self._inputs = (self.stages, self.obstacles, self.ends)
         self.drawn: tuple[Drawable, ...] = (
             self.messages,
-            Toolbar(self.layout, self.history),
+            Toolbar(self.layout, self.history, self.tour, self.lecture),
+            self.tour,
+            self.lecture,
             self.stage_headers,
             self.stages.mesh,
             self.ends,
@@ -138,7 +144,8 @@ class AllPanels:
         """The frame as the switches have it."""
         return replace(
             frame,
-            shown=self.layer_switches.shown(),
+            shown=self.lecture.shown(self.layer_switches.shown()),
+            lecture=self.lecture.on,
             mesh_view=self.layer_switches.chosen_mesh_view(),
             expanded_share=self.stages.search.expanded_share(),
         )

@@ -103,6 +103,8 @@ class EndGizmos:
             self._with_handles = self._chosen
             for name, gizmo in self.gizmos.items():
                 gizmo.disable_axes = name != self._chosen
+        for label in self._labels.values():
+            label.font_screen_scale = style.LABEL_SCALES[frame.lecture]
         if frame.current and frame.plan.scene is not self._labelled:
             self._label(frame.plan.scene)
 

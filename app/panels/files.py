@@ -51,6 +51,11 @@ class FilesPanel:
         """Name of the scene loaded last."""
         return self._chosen
 
+    @property
+    def loaded(self) -> Scene:
+        """The scene as it was loaded last."""
+        return self._loaded
+
     def restore(self, name: str, scene: Scene) -> None:
         """Take the scene of that name for the one loaded; ``scene`` where none is listed."""
         if name not in (*self._opened, *scene_names()):

@@ -21,6 +21,8 @@ from app.frame import Frame, Switch
 from app.obstacle_body import Body, add_body, add_edges
 from app.panels.widgets import Wake
 
+_MOST_NUMBERED = 40
+"""Obstacles that are numbered in the scene: more numbers would hide it."""
 _POSE = {"position", "wxyz"}
 
 
@@ -41,6 +43,7 @@ class ObstacleGizmos:
         self._scene_size = 1.0
         self.data: list[dict[str, Any]] = []
         self.gizmos: list[viser.TransformControlsHandle] = []
+        self._labels: list[viser.LabelHandle] = []
         self._bodies: list[Body] = []
         self._drawn: list[dict[str, Any]] = []
         self._edges: dict[str, tuple[viser.MeshHandle, tuple[Surface, float]]] = {}
@@ -79,9 +82,17 @@ class ObstacleGizmos:
             self._visible = visible
             for gizmo in self.gizmos:
                 gizmo.visible = visible
+        self._number(frame.lecture)
         if frame.current and frame.plan.scene.obstacles is not self._embodied:
             self._update_bodies(frame.plan.scene.obstacles)
             self._validated = list(zip(self._last_read, frame.plan.scene.obstacles, strict=True))
+
+    def _number(self, lecture: bool) -> None:
+        """Write on each obstacle the number by which messages call it, where there are several."""
+        for index, label in enumerate(self._labels):
+            label.text = str(index + 1)
+            label.visible = 1 < len(self._labels) <= _MOST_NUMBERED
+            label.font_screen_scale = style.LABEL_SCALES[lecture]
 
     def _update_bodies(self, obstacles: Sequence[Obstacle]) -> None:
         """Draw the bodies anew whose obstacles have another shape or size."""
@@ -129,6 +140,9 @@ class ObstacleGizmos:
         )
         gizmo.on_update(self._wake)
         self.gizmos.append(gizmo)
+        self._labels.append(
+            self._scene.add_label(f"{gizmo.name}/number", "", anchor="center-center", visible=False)
+        )
         self.data.append(obstacle.model_dump(mode="json", exclude=_POSE))
         self._validated.append((_with_pose(self.data[-1], gizmo), obstacle))
         self._drawn.append({})
@@ -141,7 +155,7 @@ class ObstacleGizmos:
         gizmo = self.gizmos.pop(number)
         self._edges.pop(f"{gizmo.name}/edges", None)  # it goes with the gizmo
         gizmo.remove()
-        for column in (self.data, self._drawn, self._bodies, self._validated):
+        for column in (self.data, self._drawn, self._bodies, self._validated, self._labels):
             column.pop(number)
         self._with_handles = -2
 

@@ -1,4 +1,4 @@
-"""Buttons over the scene."""
+"""Buttons over the scene: undo and redo, the tour, and lecture mode."""
 
 from __future__ import annotations
 
@@ -6,12 +6,15 @@ from app.frame import Frame
 from app.layout import Layout
 from app.overlay import button
 from app.panels.history import History
+from app.panels.lecture import Lecture
+from app.panels.tour import Tour
 
 
 class Toolbar:
-    """Undo and redo."""
+    """One row of buttons, which press hidden ones."""
 
-    def __init__(self, layout: Layout, history: History) -> None:
+    def __init__(self, layout: Layout, history: History, tour: Tour, lecture: Lecture) -> None:
+        self._tour, self._lecture = tour, lecture
         self._overlay = layout.overlay
         self._history = history
 
@@ -21,4 +24,8 @@ class Toolbar:
         changed = frame.plan.scene != history.noted
         undo = button(history.undo, "Undo", history.can_undo or changed, hint="Ctrl+Z")
         redo = button(history.redo, "Redo", history.can_redo, hint="Ctrl+Shift+Z or Ctrl+Y")
-        self._overlay.show("tools", f'<div class="abi-buttons">{undo}{redo}</div>')
+        tour = button(self._tour.begin, "Tour", hint="Five steps through the page")
+        hint = "Large letters, folded panels (L)"
+        lecture = "" if self._lecture.on else button(self._lecture.toggle, "Lecture", hint=hint)
+        content = f'<div class="abi-buttons">{undo}{redo}{tour}{lecture}</div>'
+        self._overlay.show("tools", content)

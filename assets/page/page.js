@@ -23,6 +23,7 @@ window.abi = {
       state: link ?? state ?? "",
       query: Object.fromEntries(url.searchParams),
       dark: matchMedia("(prefers-color-scheme: dark)").matches,
+      width: innerWidth,
     }));
   },
 
@@ -54,7 +55,8 @@ window.abi = {
     root.innerHTML = `<div class="abi-top"><div data-part="message"></div>
       <div data-part="tools"></div><div data-part="tour"></div>
       <div data-part="challenge"></div></div>
-      <div class="abi-bottom"><div data-part="numbers"></div><div data-part="player"></div>
+      <div class="abi-bottom"><div data-part="lecture"></div>
+      <div data-part="numbers"></div><div data-part="player"></div>
       <div data-part="marks"></div></div>`;
     for (const [part, html] of Object.entries(this.parts)) {
       root.querySelector(`[data-part=${part}]`).innerHTML = html;
@@ -94,6 +96,16 @@ window.abi = {
     this.send(slider.dataset.set, Math.min(Math.max(time, 0), Number(slider.max)));
   },
 
+  // A chart that viser makes anew in a bad moment has its data but no scale, and shows nothing.
+  mendCharts() {
+    for (const {chart} of Object.values(window.__viserTestpoints?.uplots ?? {})) {
+      if (chart.scales.x.min == null && chart.data[0]?.length) chart.setData(chart.data);
+    }
+  },
+
+  // Large letters for the last row of a hall.
+  lecture(on) { this.overlay().classList.toggle("abi-lecture", on); },
+
   // The time of the motion and its end, [s]; a slider that is held stays with the hand.
   clock(time, end, playing) {
     const root = this.overlay(), slider = root.querySelector("input[type=range]");
@@ -112,6 +124,9 @@ for (const [name, call] of [["pointerdown", "plotPressed"], ["click", "plotClick
   const options = {capture: true, signal: window.abiListeners.signal};
   document.addEventListener(name, event => window.abi[call](event), options);
 }
+clearInterval(window.abiMending);
+window.abiMending = setInterval(() => abi.mendCharts(), 400);
+
 document.getElementById("abi-style")?.remove();
 document.head.insertAdjacentHTML("beforeend", `<style id="abi-style">
 #abi-overlay {
@@ -145,9 +160,15 @@ document.head.insertAdjacentHTML("beforeend", `<style id="abi-style">
 #abi-overlay .abi-numbers span { font-size: clamp(11px, 2.3cqw, 16px); }
 #abi-overlay [data-part=numbers] { align-self: flex-start; }
 #abi-overlay .abi-player { display: flex; align-items: center; gap: 8px; }
-#abi-overlay .abi-track { flex: 1 1 60px; min-width: 0; border-radius: 4px; padding: 3px 0; }
+#abi-overlay .abi-track { flex: 1 1 60px; min-width: 0; padding: 6px 0; }
 #abi-overlay .abi-track input { display: block; width: 100%; margin: 0; accent-color: #1f84d6; }
 #abi-overlay [data-part=tour], #abi-overlay [data-part=tour]:empty { flex: 1 0 100%; }
+#abi-overlay.abi-lecture { font-size: 20px; }
+#abi-overlay.abi-lecture .abi-numbers b { font-size: clamp(26px, 4.4cqw, 60px); }
+#abi-overlay.abi-lecture .abi-numbers span { font-size: clamp(16px, 2.2cqw, 26px); }
+#abi-overlay [data-part=lecture] .abi-buttons { display: inline-flex; align-items: center; }
+#abi-overlay [data-part=lecture] b { min-width: 7.5em; text-align: center; }
+#abi-overlay [data-part=lecture] span { width: 12px; }
 #abi-overlay [data-part=marks] { display: none; }
 #abi-overlay .abi-tour { max-width: 34em; border-left: 4px solid #1f84d6; }
 #abi-overlay .abi-player output { white-space: nowrap; font-variant-numeric: tabular-nums; }

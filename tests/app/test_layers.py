@@ -18,7 +18,6 @@ from app.layers.arm import ArmLayer
 from app.layers.mesh import MeshLayer
 from app.layers.plots import PlotsLayer
 from app.layers.workspace import WorkspaceLayer
-from app.layout import Layout
 from app.server import Server, start
 from app.session import SWITCHES, Session
 from tests.app.fake_tab import FakeTab, layer, until
@@ -114,8 +113,8 @@ def test_a_plot_has_its_data_before_it_is_shown(tab: tuple[FakeTab, Session]) ->
     _, session = tab
     tabs = session.client.gui.add_tab_group()
     one = tabs.add_tab("all of it")
-    overlay = session.panels.layout.overlay
-    layer = PlotsLayer(Layout(session.client, "cm", {}, one, one, one, one, one, one, overlay))
+    layout = replace(session.panels.layout, result=one, joints=one)
+    layer = PlotsLayer(layout)
     updates: list[tuple[object, str]] = []
     for plot in layer._plots:
         object.__setattr__(

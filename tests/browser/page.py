@@ -147,7 +147,8 @@ class Page:
         self.tab.set_default_timeout(1000 * PATIENCE)
         self.tab.on("console", self._hear)
         self.tab.on("pageerror", lambda error: self.errors.append(str(error)))
-        self.tab.goto(url + ("&" if "?" in url else "?") + f"fixedDpr={_RATIO}")
+        demo = "" if "demo=" in url else "&demo=0"
+        self.tab.goto(url + ("&" if "?" in url else "?") + f"fixedDpr={_RATIO}{demo}")
         self._connect()
 
     def reload(self) -> None:

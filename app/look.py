@@ -1,0 +1,20 @@
+"""Looks of a new tab."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Look:
+    """How a new tab looks.
+
+    Attributes:
+        plain: whether without shadows and environment map, for slow graphics and tests.
+        dark: whether it is dark; None for as the system has it.
+        demo: whether its first obstacle moves by itself until the first touch.
+    """
+
+    plain: bool = False
+    dark: bool | None = None
+    demo: bool = False

@@ -1,0 +1,109 @@
+"""Lecture mode: the scene alone, in large letters, with stages and views to step through."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from app import page
+from app.frame import Frame
+from app.layout import Layout
+from app.overlay import button
+from app.panels.widgets import Wake
+
+_ALWAYS = frozenset({"workspace", "obstacles"})
+STAGES: tuple[tuple[str, frozenset[str]], ...] = (
+    ("1 · Mesh", _ALWAYS | {"edges", "nodes", "excluded"}),
+    ("2 · Graph", _ALWAYS | {"edges", "nodes"}),
+    ("3 · Search", _ALWAYS | {"a_star", "dijkstra", "bellman_ford", "taut", "names"}),
+    ("4 · B-spline", _ALWAYS | {"a_star", "taut", "bspline", "control", "names"}),
+    ("5 · Quadratic", _ALWAYS | {"bspline", "quadratic", "names"}),
+    ("6 · Arm", _ALWAYS | {"bspline", "quadratic", "arm", "trace", "names"}),
+)
+"""What each stage shows."""
+VIEWS = {
+    "Whole": (0.82, -0.42, 0.38),
+    "Front": (0.0, -1.0, 0.12),
+    "Side": (1.0, 0.0, 0.12),
+    "Top": (0.0, -0.02, 1.0),
+}
+"""Directions to the camera."""
+
+
+class Lecture:
+    """Switch of the mode, and the strip over the scene.
+
+    Attributes:
+        toggle: button of the toolbar that begins and ends it; hidden itself.
+        on: whether it is on.
+    """
+
+    def __init__(self, layout: Layout, wake: Wake) -> None:
+        self._layout = layout
+        self._wake = wake
+        gui = layout.client.gui
+        # Any, since viser declares a button's value read-only
+        self.toggle: Any = gui.add_button("Lecture", visible=False)
+        self._back: Any = gui.add_button("Stage before", visible=False)
+        self._forward: Any = gui.add_button("Next stage", visible=False)
+        self._views: dict[str, Any] = {
+            name: gui.add_button(f"View: {name}", visible=False) for name in VIEWS
+        }
+        self.on = False
+        self._switch = False
+        self._stage: int | None = None
+        self._drawn: tuple[bool, int | None] = (False, None)
+        for widget in (self._back, self._forward, *self._views.values()):
+            widget.on_click(wake)
+        self.toggle.on_click(self._press)
+        command = gui.add_command("Lecture mode", hotkey="L")
+        command.on_trigger(self._press)
+
+    def shown(self, switches: frozenset[str]) -> frozenset[str]:
+        """Names of what the chosen stage shows; those that are switched on where none is."""
+        if self._switch:
+            self._switch, self.on, self._stage = False, not self.on, None
+        steps = _pressed(self._forward) - _pressed(self._back)
+        if self.on and steps:
+            # all stages together are a step before the first and after the last
+            place = (0 if self._stage is None else self._stage + 1) + steps
+            place %= len(STAGES) + 1
+            self._stage = None if place == 0 else place - 1
+        return switches if self._stage is None else STAGES[self._stage][1]
+
+    def requested_view(self) -> tuple[float, float, float] | None:
+        """Direction to the camera that was asked for since the last call."""
+        for name, widget in self._views.items():
+            if _pressed(widget):
+                return VIEWS[name]
+        return None
+
+    def draw(self, frame: Frame) -> None:
+        """Fold the panels and show the strip, or unfold them; no frame changes it."""
+        state = self.on, self._stage
+        if state == self._drawn:
+            return
+        if self.on != self._drawn[0]:
+            self._layout.fold(self.on)
+            page.set_lecture(self._layout.client, self.on)
+        self._drawn = state
+        self._layout.overlay.show("lecture", self._strip() if self.on else "")
+
+    def _strip(self) -> str:
+        title = "All stages" if self._stage is None else STAGES[self._stage][0]
+        views = "".join(button(widget, name) for name, widget in self._views.items())
+        return (
+            '<div class="abi-card abi-buttons">'
+            f"{button(self._back, '<', hint='Stage before')}<b>{title}</b>"
+            f"{button(self._forward, '>', hint='Next stage')}<span></span>{views}"
+            f"{button(self.toggle, 'End', hint='L')}</div>"
+        )
+
+    def _press(self, event: object) -> None:
+        self._switch = True
+        self._wake(event)
+
+
+def _pressed(widget: Any) -> int:
+    """1 where a button was pressed since the last call, else 0."""
+    pressed, widget.value = bool(widget.value), False
+    return int(pressed)

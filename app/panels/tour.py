@@ -1,0 +1,68 @@
+"""Five steps through the page, on demand."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from app.frame import Frame
+from app.layout import Layout
+from app.overlay import button
+from app.panels.widgets import Wake
+
+STEPS = (
+    "<b>Drag the orange obstacle</b>, or the black balls at start and goal. Everything follows: "
+    "grid, searches, curves and arm.",
+    "<b>On the left</b> are the six stages in order; each heading tells the stage's result. "
+    "Try another spacing of the nodes.",
+    "<b>On the right</b> is what came out: the searches side by side, and how much longer each "
+    "stage's path is than the best possible.",
+    "<b>Below</b> is the player. Press Space, or move the slider, and watch the arm follow the "
+    "curve; <i>Joints</i> plots it.",
+    "<b>In <i>Scene</i></b> you add obstacles, also an STL of your own, and save. "
+    "<i>Undo</i> takes back anything.",
+)
+
+
+class Tour:
+    """A card with the step, and buttons to go on or to end it.
+
+    Attributes:
+        begin: button of the toolbar that begins it; hidden itself.
+    """
+
+    def __init__(self, layout: Layout, wake: Wake) -> None:
+        self._overlay = layout.overlay
+        gui = layout.client.gui
+        # Any, since viser declares a button's value read-only
+        self.begin: Any = gui.add_button("Tour", visible=False)
+        self._next: Any = gui.add_button("Next", visible=False)
+        self._end: Any = gui.add_button("End", visible=False)
+        self._step: int | None = None
+        for widget in (self.begin, self._next, self._end):
+            widget.on_click(wake)
+
+    def draw(self, frame: Frame) -> None:
+        """Show the step that the buttons lead to; no frame changes it."""
+        if _pressed(self.begin):
+            self._step = 0
+        if _pressed(self._next) and self._step is not None:
+            self._step = self._step + 1 if self._step + 1 < len(STEPS) else None
+        if _pressed(self._end):
+            self._step = None
+        self._overlay.show("tour", "" if self._step is None else self._card(self._step))
+
+    def _card(self, step: int) -> str:
+        last = step == len(STEPS) - 1
+        buttons = button(self._next, "Done" if last else "Next")
+        if not last:
+            buttons += button(self._end, "End")
+        return (
+            f'<div class="abi-card abi-tour">{step + 1} of {len(STEPS)}. {STEPS[step]}'
+            f'<div class="abi-buttons" style="margin-top:5px">{buttons}</div></div>'
+        )
+
+
+def _pressed(widget: Any) -> bool:
+    """Whether a button was pressed since the last call."""
+    pressed, widget.value = bool(widget.value), False
+    return pressed

@@ -1,0 +1,84 @@
+"""What lies over the scene: the tour, lecture mode, and the demonstration of a new tab."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from playwright.sync_api import Browser
+
+import abi
+from app.panels.lecture import STAGES
+from app.panels.tour import STEPS
+from app.server import start
+from app.session import Session
+from tests.browser import drawn
+from tests.browser.page import Page
+
+_LETTERS = "parseFloat(getComputedStyle(document.querySelector('.abi-numbers b')).fontSize)"
+_WIDTH = "window.__viserMutable.canvas.getBoundingClientRect().width"
+
+
+def test_the_tour_goes_through_five_steps(page: Page) -> None:
+    page.click("Tour")
+    for number in range(len(STEPS)):
+        page.reads(f"{number + 1} of {len(STEPS)}.")
+        page.click("Done" if number == len(STEPS) - 1 else "Next")
+    page.until(lambda: "of 5." not in page.text(), "the tour's end")
+    page.click("Tour")
+    page.reads("1 of 5.")
+    page.click("End")
+    page.until(lambda: "of 5." not in page.text(), "the tour's end")
+
+
+def test_in_a_lecture_the_scene_is_alone_and_in_large_letters(page: Page, session: Session) -> None:
+    before, letters = page.shown(), page.tab.evaluate(_LETTERS)
+    width = page.tab.evaluate(_WIDTH)
+    page.click("Lecture")
+    page.until(lambda: page.tab.evaluate(_WIDTH) > 1.8 * width, "the panels to fold")
+    assert page.tab.evaluate(_LETTERS) > 1.5 * letters
+    page.until(lambda: page.props("/goal/label")["font_screen_scale"] > 1.5, "large labels")
+    for title, _ in STAGES:
+        page.click(">")
+        page.reads(title)
+        if title.startswith("3"):
+            page.until(lambda: "/curve/bspline" not in page.shown(), "no curve")
+            assert "/path/a_star" in page.shown()
+    page.click(">")
+    page.until(lambda: page.shown() == before, "all stages again")
+    page.click("Top")
+    page.until(lambda: session.client.camera.position[2] > 8, "the view from above")
+    page.click("End")
+    page.until(lambda: page.tab.evaluate(_WIDTH) == pytest.approx(width, abs=2), "the panels")
+    assert page.tab.evaluate(_LETTERS) == letters
+
+
+@pytest.mark.parametrize("touched", ["a button", "the obstacle"])
+def test_the_demonstration_ends_at_the_first_touch(chromium: Browser, touched: str) -> None:
+    paper = abi.load_scene("paper")
+    server = start(port=0, plain=True, demo=True)
+    page = Page(chromium, server.url + "/?demo=1")
+    try:
+        page.until(lambda: bool(server.sessions), "a session")
+        (session,) = server.sessions.values()
+
+        def scene() -> abi.Scene:
+            return session.frame.plan.scene
+
+        page.until(lambda: session._demo.running and scene() != paper, "the demonstration")
+        if touched == "a button":
+            page.click("Pause")
+            page.until(lambda: scene() == paper, "the scene as it was")
+        else:
+            (gizmo,) = drawn.obstacles(page)
+            x, y = page.pixel(gizmo)
+            page.drag((x, y), (x + 50, y + 40))
+            page.until(lambda: session.resting and not session._demo.running, "rest")
+            page.until(lambda: drawn.shows(page, session.plan), "the plan")
+            assert scene() != paper
+            np.testing.assert_allclose(
+                scene().obstacles[0].position, page.position(gizmo), atol=1e-5
+            )
+        assert not page.errors
+    finally:
+        page.close()
+        server.stop()
