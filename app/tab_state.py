@@ -12,7 +12,7 @@ from typing import Any
 from abi.errors import SceneError
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.scene.scene import Scene
-from abi.scene.scene_file import MAX_BYTES
+from abi.scene.scene_file import MAX_JSON_BYTES
 from app.camera import View
 
 LONGEST_LINK = 6000
@@ -102,7 +102,7 @@ def _unpack(text: str) -> object:
     """Plain data of an encoded text, of no more than a scene file may have."""
     try:
         packed = base64.urlsafe_b64decode(text + "=" * (-len(text) % 4))
-        unpacked = zlib.decompressobj().decompress(packed, MAX_BYTES)
+        unpacked = zlib.decompressobj().decompress(packed, MAX_JSON_BYTES)
         return json.loads(unpacked, parse_constant=_refuse_constant)
     except (ValueError, zlib.error, RecursionError):
         raise SceneError(_FIELD, _shortened(text), "a whole one: it is damaged") from None

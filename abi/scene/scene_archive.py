@@ -15,7 +15,7 @@ from typing import Any
 from abi.errors import SceneError
 from abi.obstacles.triangle_mesh.stl_obj import SUFFIXES
 from abi.obstacles.triangle_mesh.surface import Surface
-from abi.scene.scene_file import dump, parse_bytes
+from abi.scene.scene_file import parse_bytes, text_of
 
 SUFFIX = ".zip"
 MAX_BYTES = 50_000_000
@@ -45,7 +45,7 @@ def pack(data: Mapping[str, Any], surfaces: Mapping[str, Surface]) -> bytes:
     ]
     packed = io.BytesIO()
     with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED, compresslevel=6) as archive:
-        archive.writestr(_SCENES[0], dump({**data, "obstacles": obstacles}, _SCENES[0]))
+        archive.writestr(*text_of({**data, "obstacles": obstacles}))
         for file, surface in surfaces.items():
             archive.writestr(names[file], _obj(surface))
     content = packed.getvalue()

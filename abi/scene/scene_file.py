@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import io
 import json
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -19,20 +20,23 @@ from abi.atomic_file import replace_file
 from abi.errors import SceneError
 
 MAX_BYTES = 400_000
-"""Largest scene file: some 3,000 obstacles, and a few seconds to read as YAML."""
+"""Largest scene file in YAML: some 1,000 obstacles, and a few seconds to read."""
+MAX_JSON_BYTES = 2_000_000
+"""Largest in JSON: some 5,000 obstacles."""
 _MAX_DEPTH = 16
+_MANY = 1_000  # obstacles that are not tried to be written as YAML
 
 _ENDINGS = (".yaml", ".yml", ".json")
 
 
 def parse(path: Path) -> object:
-    """Plain data of the scene file at ``path``, at most ``MAX_BYTES`` long.
+    """Plain data of the scene file at ``path``, at most ``MAX_BYTES`` long, in JSON more.
 
     Raises:
         SceneError: missing, unreadable, too large, or not YAML or JSON; names the file and line.
     """
     _refuse_ending(path)
-    return parse_bytes(read_file(path, MAX_BYTES), path.name)
+    return parse_bytes(read_file(path, _most(path.name)), path.name)
 
 
 def read_file(path: Path, most: int) -> bytes:
@@ -51,11 +55,11 @@ def read_file(path: Path, most: int) -> bytes:
 
 def parse_bytes(content: bytes, name: str) -> object:
     """Plain data of a scene file's content; the ending of ``name`` gives the format."""
-    if len(content) > MAX_BYTES:
-        raise SceneError("scene", name, f"a file of at most {MAX_BYTES // 1000} kB")
+    if len(content) > _most(name):
+        raise SceneError("scene", name, f"a file of at most {_most(name) // 1000} kB")
     try:
         text = content.decode("utf-8-sig")
-        if name.lower().endswith(".json"):
+        if is_json(name):
             return json.loads(text, object_pairs_hook=_unique, parse_constant=_refuse_constant)
         _refuse_traps(text)
         return YAML(typ="safe", pure=True).load(text)
@@ -97,8 +101,8 @@ def dump(data: dict[str, Any], name: str) -> str:
     Raises:
         SceneError: it is too long to be read again.
     """
-    if name.lower().endswith(".json"):
-        text = json.dumps(data, indent=2) + "\n"
+    if is_json(name):
+        text = json.dumps(data, indent=2 if len(data.get("obstacles", ())) < _MANY else None) + "\n"
     else:
         stream = io.StringIO()
         yaml = YAML(typ="safe", pure=True)
@@ -106,12 +110,20 @@ def dump(data: dict[str, Any], name: str) -> str:
         yaml.sort_base_mapping_type_on_output = False  # type: ignore[assignment]
         yaml.dump(data, stream)
         text = stream.getvalue()
-    if len(text.encode()) > MAX_BYTES:
+    if len(text.encode()) > _most(name):
         kilobytes = f"{len(text.encode()) // 1000} kB"
-        raise SceneError(
-            "scene", kilobytes, f"at most {MAX_BYTES // 1000} kB, with fewer obstacles"
-        )
+        limit = f"at most {_most(name) // 1000} kB, with fewer obstacles"
+        raise SceneError("scene", kilobytes, limit if is_json(name) else f"{limit} or as JSON")
     return text
+
+
+def is_json(name: str) -> bool:
+    """Whether a file of that name holds JSON."""
+    return name.lower().endswith(".json")
+
+
+def _most(name: str) -> int:
+    return MAX_JSON_BYTES if is_json(name) else MAX_BYTES
 
 
 def _refuse_ending(path: Path) -> None:
@@ -133,6 +145,18 @@ def _refuse_traps(text: str) -> None:
             depth -= 1
         if depth > _MAX_DEPTH:
             raise SceneError("scene", "", f"at most {_MAX_DEPTH} levels")
+
+
+def text_of(data: dict[str, Any]) -> tuple[str, str]:
+    """A file's name and its text: ``scene.yaml``, and where that is too long ``scene.json``.
+
+    Raises:
+        SceneError: that is too long, too.
+    """
+    if len(data.get("obstacles", ())) < _MANY:
+        with suppress(SceneError):
+            return "scene.yaml", dump(data, "scene.yaml")
+    return "scene.json", dump(data, "scene.json")
 
 
 def _unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:

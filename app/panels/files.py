@@ -8,11 +8,10 @@ from abi.errors import SceneError
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.scene import scene_archive
 from abi.scene.scene import Scene, load_scene, scene_names
-from abi.scene.scene_file import MAX_BYTES, dump, parse_bytes
+from abi.scene.scene_file import MAX_BYTES, MAX_JSON_BYTES, parse_bytes, text_of
 from app import page
 from app.panels.widgets import Wake
 
-_MAX_SIZE = f"{MAX_BYTES // 1000} kB"
 _NAME_LENGTH = 40
 """Letters of a file's name that are shown."""
 
@@ -33,7 +32,8 @@ class FilesPanel:
         self.upload = gui.add_upload_button(
             "Open a scene file…",
             mime_type=".yaml,.yml,.json,.zip",
-            hint=f"YAML or JSON, up to {_MAX_SIZE}; or a zip archive with its meshes.",
+            hint=f"YAML up to {MAX_BYTES // 1000} kB, JSON up to {MAX_JSON_BYTES // 1000} kB; or a "
+            "zip archive with its meshes.",
         )
         self.save = gui.add_button(
             "Save this scene", hint="Downloads scene.yaml; with meshes, scene.zip has them, too."
@@ -109,7 +109,8 @@ class FilesPanel:
             if scene.meshes.files:
                 name, content = "scene.zip", scene.pack()
             else:
-                name, content = "scene.yaml", dump(scene.to_dict(), "scene.yaml").encode()
+                name, text = text_of(scene.to_dict())
+                content = text.encode()
         except SceneError as error:
             page.notify_refusal(self._client, "Not saved", error.message)
         else:
@@ -125,6 +126,4 @@ def _parse(file: viser.UploadedFile, name: str, meshes: MeshSource) -> Scene:
     if name.lower().endswith(scene_archive.SUFFIX):
         data, files = scene_archive.unpack(file.content, name)
         return Scene.from_dict(data, MeshSource({**meshes.files, **files}, meshes.folder))
-    if len(file.content) > MAX_BYTES:
-        raise SceneError("scene", name, f"a file of at most {_MAX_SIZE}")
     return Scene.from_dict(parse_bytes(file.content, name), meshes)
