@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Any
 
 import numpy as np
 import viser
 
+from abi.arrays import FloatArray, IntArray
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import Obstacle
-from abi.obstacles.primitives import Box, Cylinder, Sphere
+from abi.obstacles.primitives import Box, Capsule, Cylinder, Sphere
 from app import style
 from app.mesh_picture import drawn_triangles
 
@@ -38,15 +40,38 @@ def add_body(scene: viser.SceneApi, name: str, obstacle: Obstacle, share: float 
         vertices, faces = drawn_triangles(obstacle.surface)
         vertices = vertices * np.float32(obstacle.factor)
         return scene.add_mesh_simple(name, vertices, faces, flat_shading=True, **look)
+    vertices, faces = _round_body(obstacle)
+    return scene.add_mesh_simple(name, vertices, faces, **look)
+
+
+def _round_body(obstacle: Cylinder | Capsule) -> tuple[FloatArray, IntArray]:
+    """Vertices and triangles of a cylinder or a capsule along z, from one of radius 1."""
+    half = obstacle.height / 2
+    if isinstance(obstacle, Cylinder):
+        vertices, faces = _unit_cylinder()
+        return vertices * np.array([obstacle.radius, obstacle.radius, half], np.float32), faces
+    vertices, faces = _unit_capsule()
+    away = np.sign(vertices[:, 2:]) * np.array([0, 0, half - obstacle.radius], np.float32)
+    return vertices * np.float32(obstacle.radius) + away, faces
+
+
+@cache
+def _unit_cylinder() -> tuple[FloatArray, IntArray]:
+    """Of radius 1 and from -1 to 1 along z."""
     from trimesh import creation  # here, since it takes long to import
 
-    if isinstance(obstacle, Cylinder):
-        mesh = creation.cylinder(radius=obstacle.radius, height=obstacle.height, sections=48)
-    else:
-        mesh = creation.capsule(radius=obstacle.radius, height=obstacle.height, count=(24, 24))
-        mesh.apply_translation((0, 0, -mesh.bounds.mean(axis=0)[2]))
-    vertices, faces = mesh.vertices.astype(np.float32), mesh.faces.astype(np.uint32)
-    return scene.add_mesh_simple(name, vertices, faces, **look)
+    mesh = creation.cylinder(radius=1, height=2, sections=48)
+    return mesh.vertices.astype(np.float32), mesh.faces.astype(np.uint32)
+
+
+@cache
+def _unit_capsule() -> tuple[FloatArray, IntArray]:
+    """Of radius 1 with the centres of its caps at -1 and 1 along z."""
+    from trimesh import creation  # here, since it takes long to import
+
+    mesh = creation.capsule(radius=1, height=2, count=(24, 24))
+    mesh.apply_translation((0, 0, -mesh.bounds.mean(axis=0)[2]))
+    return mesh.vertices.astype(np.float32), mesh.faces.astype(np.uint32)
 
 
 def add_edges(scene: viser.SceneApi, name: str, mesh: MeshShape) -> viser.MeshHandle:

@@ -8,12 +8,16 @@ from collections.abc import Callable, Iterable
 from typing import Any
 
 import viser
-from viser import _messages
+from viser import _assignable_props_api, _messages
 
 from abi import assets
 from app.style import VIOLATION, Colour, css
 
 assert viser.__version__ == "1.1.1", "app/page.py uses private names of viser 1.1.1"
+
+# viser looks up the types of a handle's fields anew for each handle, most of the time that it takes
+_props: Any = _assignable_props_api
+_props.get_type_hints = functools.cache(_props.get_type_hints)
 
 
 def set_title(client: viser.ClientHandle, title: str) -> None:

@@ -9,7 +9,7 @@ import scipy
 from numpy.typing import NDArray
 
 from abi.arrays import BoolArray, FloatArray, IntArray, read_only
-from abi.obstacles.obstacle_set import Obstacles
+from abi.obstacles.obstacle_set import Obstacles, ObstacleSet
 from abi.search.graph import Graph
 from abi.tet_mesh.exclusion import FreeMesh
 
@@ -111,10 +111,7 @@ def _near(
     cell = np.ravel_multi_index(tuple(place.T), tuple(counts))
     centres = low + side * (np.indices(tuple(counts)).reshape(3, -1).T + 0.5)
     away = scipy.spatial.cKDTree(_along(path_points, side)).query(centres)[0]
-    for obstacle in obstacles:
-        a, b = obstacle.bounds()
-        beyond = np.linalg.norm(np.maximum(np.maximum(a - centres, centres - b), 0), axis=1)
-        np.minimum(away, beyond, out=away)
+    np.minimum(away, ObstacleSet(obstacles).boxed.signed_distance(centres).clip(0), out=away)
     order = away.argsort(kind="stable")
     filled = np.cumsum(np.bincount(cell[seen], minlength=len(centres))[order])
     chosen = np.zeros(len(centres), dtype=np.bool_)

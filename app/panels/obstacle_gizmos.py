@@ -137,6 +137,9 @@ class ObstacleGizmos:
             depth_test=False,
             opacity=0.9,
             visible=self._visible,
+            disable_axes=True,
+            disable_sliders=True,
+            disable_rotations=True,
         )
         gizmo.on_update(self._wake)
         self.gizmos.append(gizmo)
@@ -174,6 +177,8 @@ class ObstacleGizmos:
         self._with_handles = handles
         for index, gizmo in enumerate(self.gizmos):
             hidden = index != handles
+            if gizmo.disable_axes == hidden:
+                continue
             gizmo.disable_axes = gizmo.disable_sliders = gizmo.disable_rotations = hidden
 
     def _choose_clicked(self, event: viser.SceneNodePointerEvent[Any]) -> None:
