@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from abi.scene.scene import Scene
+    from app.classroom import Classroom
     from app.lessons.lesson import Lessons, Library
     from app.session import Session
     from app.warm_up import WarmUp
@@ -60,6 +61,7 @@ class Server:
         self._look = look
         self._lock = threading.Lock()
         self.sessions: dict[int, Session] = {}
+        self.classroom: Classroom | None = None
         self.guard = Guard(policy or policy_for(host))
         address = usable_address(host, port)
         self.viser = guarded_server.build(self.guard, address, port, "ABI visualiser")
@@ -111,7 +113,7 @@ class Server:
 
         alone = len(self.sessions) < _DEMOS
         look = replace(self._look, demo=self._look.demo and alone)
-        session = Session(client, name, scene, look, warm_up.planned, library)
+        session = Session(client, name, scene, look, warm_up.planned, library, self.classroom)
         warm_up.add(client)
         with self._lock:
             if client.client_id in self.viser.get_clients():
@@ -136,6 +138,7 @@ def start(
     announce: Callable[[str], object] = lambda url: None,
     policy: Policy | None = None,
     lessons: Path | None = None,
+    classroom: Classroom | None = None,
 ) -> Server:
     """Start serving and return at once.
 
@@ -148,6 +151,7 @@ def start(
         demo: whether the obstacle of a new tab moves by itself until the first touch.
         announce: called with the link as soon as there is a page to load.
         lessons: a folder with lessons of one's own, besides the shipped ones.
+        classroom: the class that its tabs join; None for tabs that know nothing of each other.
         policy: rules for visitors; by default those of :func:`app.guard.policy.policy_for`.
 
     Raises:
@@ -162,6 +166,7 @@ def start(
     loaded = None if scene == PAPER else _load(scene)
     lesson_library = _library(lessons)
     server = Server(host, port, Look(plain, dark, demo), policy)
+    server.classroom = classroom
     announce(server.link)
     server.show(scene, loaded or _load(scene), lesson_library)
     return server

@@ -24,6 +24,7 @@ from abi.scene.scene import Scene
 from app import metrics, page
 from app.bug_report import bug_report, describe_fault
 from app.camera import View, Viewpoint
+from app.classroom import Classroom
 from app.demo import FRAME, Demo
 from app.frame import Drawable, Frame, Switchable
 from app.labels import sentence
@@ -32,6 +33,7 @@ from app.lessons.cue import Cue
 from app.lessons.lesson import Library
 from app.look import Look
 from app.panels.all_panels import AllPanels
+from app.panels.classroom import ClassroomPanel
 from app.panels.obstacle_gizmos import ObstacleGizmos
 from app.panels.playback import PlaybackPanel
 from app.tab_memory import Report, TabMemory
@@ -75,6 +77,7 @@ class Session:
         look: Look,
         planned: threading.Event,
         library: Library,
+        classroom: Classroom | None = None,
     ) -> None:
         """Build the tab and start its worker; sets ``planned`` whenever a plan has been drawn."""
         self.client = client
@@ -98,6 +101,7 @@ class Session:
         self._look = look
         with client.atomic():
             self._build(name, scene, bool(look.dark), library)
+            self._class = self._join(classroom)
         self._demo = Demo(self.panels.obstacles)
         self._changed.set()
         self._worker = threading.Thread(
@@ -114,6 +118,8 @@ class Session:
         if self._closing:
             return
         self._closing = True
+        if self._class is not None:
+            self._class.close()
         self._changed.set()
         if threading.current_thread() is not self._worker:
             self._worker.join(timeout=5)
@@ -164,6 +170,15 @@ class Session:
         self.layers = (*layers, *slow_layers)
         self._groups = ((*self.panels.drawn, *layers), slow_layers)
 
+    def _join(self, classroom: Classroom | None) -> ClassroomPanel | None:
+        """Add the class's panel where there is a class."""
+        if classroom is None:
+            return None
+        with self.panels.layout.paper:
+            panel = ClassroomPanel(self.client, classroom, self.wake, self._changed.set)
+        self._groups = ((*self._groups[0], panel), self._groups[1])
+        return panel
+
     def _work(self) -> None:
         """Plan and draw until the tab is closed: the worker's thread."""
         self._memory.wait()
@@ -196,7 +211,10 @@ class Session:
                 self._use_pause()
             self._draw(self.frame)
         if not self._demo.running:
-            self._memory.keep(self._state())
+            state = self._state()
+            self._memory.keep(state)
+            if self._class is not None:
+                self._class.publish(state)
 
     def _recover(self, error: Exception) -> None:
         """Go back to the last plan after a fault of our own, and say so, until there is input."""
@@ -229,6 +247,11 @@ class Session:
         """Plan and draw what the panels show."""
         report = self._memory.report()
         restored = report is not None and self._restore(report)
+        if self._class is not None:
+            if report is not None:
+                self._class.recognise(report.query.get("teach", ""))
+            if view := self._class.view():
+                restored |= self._restore(Report(state=view))
         if (cue := self.panels.cue(self._scene)) is not None:
             restored |= self._follow(cue)
         if (direction := self.panels.lecture.requested_view()) is not None:

@@ -65,7 +65,16 @@ class TabMemory:
 
     def keep(self, state: TabState, now: bool = False) -> None:
         """Have the page keep ``state`` unless it does; not too often, but for ``now``."""
-        kept = (state.name, state.scene, state.view, state.time, state.shown, state.dark)
+        kept = (
+            state.name,
+            state.scene,
+            state.view,
+            state.time,
+            state.shown,
+            state.dark,
+            state.lessons,
+            state.challenge,
+        )
         due = now or time.monotonic() - self._sent >= _PERIOD
         if kept == self._kept or not due:
             return

@@ -12,6 +12,7 @@ from typing import Any
 
 import click
 
+from app.classroom import Classroom
 from app.guard.policy import MAX_TABS, Policy, policy_for
 from app.logs import LEVELS, configure
 
@@ -31,6 +32,9 @@ from app.logs import LEVELS, configure
     "--lessons",
     type=click.Path(file_okay=False, exists=True, path_type=Path),
     help="Folder with lessons of your own, besides the shipped ones.",
+)
+@click.option(
+    "--classroom", is_flag=True, help="Tabs follow the one with the teacher's link, and answer it."
 )
 @click.option(
     "--log-level", default="info", show_default=True, type=click.Choice(LEVELS), help="Of the log."
@@ -54,6 +58,7 @@ def serve(
     dark: bool | None,
     demo: bool,
     lessons: Path | None,
+    classroom: bool,
     log_level: str,
     **visitors: Any,
 ) -> None:
@@ -67,7 +72,8 @@ def serve(
     signal.signal(signal.SIGTERM, _interrupt)
     configure(log_level)
     policy = _policy(host, **visitors)
-    announce = functools.partial(_announce, open_tab)
+    room = Classroom() if classroom else None
+    announce = functools.partial(_announce, open_tab, room)
     server = start(
         host=host,
         port=port,
@@ -77,6 +83,7 @@ def serve(
         announce=announce,
         policy=policy,
         lessons=lessons,
+        classroom=room,
     )
     try:
         threading.Event().wait()
@@ -106,7 +113,10 @@ def _policy(
     return policy_for(host, token, not no_token, origin, embed_in, max_tabs)
 
 
-def _announce(open_tab: bool, link: str) -> None:
+def _announce(open_tab: bool, room: Classroom | None, link: str) -> None:
     click.echo(f"The ABI visualiser is at {link} (Ctrl+C ends it)")
+    if room is not None:
+        link += f"{'&' if '?' in link else '?'}teach={room.secret}"
+        click.echo(f"The teacher's link, for you alone: {link}")
     if open_tab:
         webbrowser.open(link)

@@ -117,6 +117,11 @@ class LessonPanel:
             and all(condition.holds(frame) for condition in step.task.until)
         ):
             self._pass(step)
+        if step is None:
+            if self._drawn:
+                self._drawn = ()
+                self._write(frame)
+            return
         state = (frame.plan, frame.theatre, self._name, self._number, self._answer, self._is_passed)
         if state != self._drawn:
             self._drawn = state

@@ -77,6 +77,7 @@ class TheatrePanel:
         self._answer: tuple[int, str] = (-1, "")
         self._refused: object = None
         self._last: Theatre | None = None
+        self._seen: tuple[object, ...] = ()
         for widget in (self.on, self.algorithm, self.weight, self.edges, self.step):
             widget.on_update(wake)
         for widget in (self.speed, self.ask, self.race):
@@ -138,6 +139,10 @@ class TheatrePanel:
     def _show_widgets(self) -> None:
         """Show the widgets that count now."""
         on = bool(self.on.value)
+        seen = (on, self.race.value, self.algorithm.value, self.edges.value, self.playing)
+        if seen == self._seen:
+            return
+        self._seen = seen
         for widget in (self.algorithm, self.edges, self.step, self.play, self.one, self.speed):
             widget.visible = on
         self.ask.visible = on and not self.race.value

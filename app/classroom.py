@@ -1,0 +1,128 @@
+"""A class: what its teacher shows to all tabs, and what they answer."""
+
+from __future__ import annotations
+
+import secrets
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass
+
+MAX_CHOICES = 4
+_MAX_TEXT = 300
+"""Letters of a question and of an answer."""
+
+
+@dataclass(frozen=True)
+class Poll:
+    """A question to all.
+
+    Attributes:
+        number: from 1 on, another for each question.
+        text: the question.
+        choices: answers to choose from; 2 to ``MAX_CHOICES``.
+        open: whether answers still count.
+    """
+
+    number: int
+    text: str
+    choices: tuple[str, ...]
+    open: bool = True
+
+
+class Classroom:
+    """State that the sessions of a server share; every method may be called from any thread.
+
+    Attributes:
+        secret: what a teacher's address has and no other: ``?teach=…``.
+    """
+
+    def __init__(self) -> None:
+        self.secret = secrets.token_urlsafe(16)
+        self._lock = threading.Lock()
+        self._wakes: dict[int, Callable[[], None]] = {}
+        self._view: tuple[int, str] = (0, "")
+        self._poll: Poll | None = None
+        self._answers: dict[int, int] = {}
+        self._teachers: set[int] = set()
+
+    @property
+    def view(self) -> tuple[int, str]:
+        """Number of the view sent last, 0 for none, and the view as :mod:`app.tab_state` has it."""
+        return self._view
+
+    @property
+    def poll(self) -> Poll | None:
+        """The question asked last; None before the first."""
+        return self._poll
+
+    def is_teacher(self, secret: str) -> bool:
+        """Whether that is the teacher's secret; takes the same time for every wrong one."""
+        return secrets.compare_digest(secret.encode(), self.secret.encode())
+
+    def join(self, tab: int, wake: Callable[[], None]) -> None:
+        """Have ``wake`` called whenever there is something new."""
+        with self._lock:
+            self._wakes[tab] = wake
+
+    def teach(self, tab: int) -> None:
+        """Count a tab among the teacher's: answers wake it."""
+        with self._lock:
+            self._teachers.add(tab)
+
+    def leave(self, tab: int) -> None:
+        """Forget a tab and its answer."""
+        with self._lock:
+            self._wakes.pop(tab, None)
+            self._teachers.discard(tab)
+            self._answers.pop(tab, None)
+
+    def show(self, view: str) -> None:
+        """Send a view to all tabs."""
+        with self._lock:
+            self._view = (self._view[0] + 1, view)
+        self._wake_all()
+
+    def ask(self, text: str, choices: tuple[str, ...]) -> bool:
+        """Ask all tabs; False where that is no question with two answers or more."""
+        kept = tuple(choice[:_MAX_TEXT] for choice in choices if choice.strip())[:MAX_CHOICES]
+        if not text.strip() or len(kept) < 2:
+            return False
+        with self._lock:
+            number = 1 if self._poll is None else self._poll.number + 1
+            self._poll, self._answers = Poll(number, text[:_MAX_TEXT], kept), {}
+        self._wake_all()
+        return True
+
+    def answer(self, tab: int, number: int, choice: int) -> None:
+        """Count a tab's answer, its last one, if the question is still the one asked."""
+        with self._lock:
+            poll = self._poll
+            if poll is None or poll.number != number or not 0 <= choice < len(poll.choices):
+                return
+            self._answers[tab] = choice
+            wakes = [wake for other, wake in self._wakes.items() if other in self._teachers]
+        for wake in wakes:
+            wake()
+
+    def answer_of(self, tab: int) -> int:
+        """What a tab has answered; -1 for nothing."""
+        return self._answers.get(tab, -1)
+
+    def counts(self) -> tuple[int, ...]:
+        """Number of tabs for each answer of the present question."""
+        with self._lock:
+            if self._poll is None:
+                return ()
+            given = list(self._answers.values())
+            return tuple(given.count(choice) for choice in range(len(self._poll.choices)))
+
+    @property
+    def tabs(self) -> int:
+        """Number of tabs, the teacher's included."""
+        return len(self._wakes)
+
+    def _wake_all(self) -> None:
+        with self._lock:
+            wakes = list(self._wakes.values())
+        for wake in wakes:
+            wake()

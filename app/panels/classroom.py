@@ -1,0 +1,148 @@
+"""The teacher's controls of a class, and the students' side of it."""
+
+from __future__ import annotations
+
+import html
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+import viser
+
+from app import style
+from app.classroom import MAX_CHOICES, Classroom
+from app.frame import Frame
+from app.panels.widgets import Wake
+from app.tab_state import TabState
+
+_PERIOD = 0.3
+"""Seconds between two views sent while the others follow."""
+
+
+class ClassroomPanel:
+    """Widgets of one tab; which are seen depends on whether it is the teacher's."""
+
+    def __init__(
+        self,
+        client: viser.ClientHandle,
+        classroom: Classroom,
+        wake: Wake,
+        nudge: Callable[[], None],
+    ) -> None:
+        gui, self._classroom, self._tab = client.gui, classroom, client.client_id
+        self._wake = wake
+        self.teaches = False
+        self._seen = 0
+        self._drawn: tuple[object, ...] = ()
+        self._chosen: list[int] = []
+        self._published, self._published_at = "", 0.0
+        self._folder = gui.add_folder("Class")
+        with self._folder:
+            self.follow = gui.add_checkbox("follow the teacher", True)
+            self.lead = gui.add_checkbox(
+                "all follow me", False, visible=False, hint="What you show, the others see."
+            )
+            # Any, since viser declares a button's value read-only
+            self.send: Any = gui.add_button("Show this to all once", visible=False)
+            self.question = gui.add_text("question", "", visible=False)
+            self.choices = [
+                gui.add_text(f"answer {number + 1}", "", visible=False)
+                for number in range(MAX_CHOICES)
+            ]
+            self.ask: Any = gui.add_button("Ask all", visible=False)
+            self._text = gui.add_html("", visible=False)
+            self.answers = [
+                gui.add_button("", visible=False, color="gray") for _ in range(MAX_CHOICES)
+            ]
+        for widget in (self.follow, self.lead):
+            widget.on_update(wake)
+        for button in (self.send, self.ask):
+            button.on_click(wake)
+        for number, button in enumerate(self.answers):
+            button.on_click(partial(self._answer, number))
+        classroom.join(self._tab, nudge)
+
+    def close(self) -> None:
+        """Leave the class."""
+        self._classroom.leave(self._tab)
+
+    def recognise(self, secret: str) -> None:
+        """Give the tab the teacher's controls if its address has the secret."""
+        if secret and self._classroom.is_teacher(secret):
+            self.teaches = True
+            self._classroom.teach(self._tab)
+            self.follow.visible = False
+            for widget in (self.lead, self.question, *self.choices):
+                widget.visible = True
+            self.send.visible = self.ask.visible = True
+
+    def view(self) -> str:
+        """A view that the teacher has sent since the last call; empty for none."""
+        number, view = self._classroom.view
+        if self.teaches or not self.follow.value or number == self._seen:
+            return ""
+        self._seen = number
+        return view
+
+    def publish(self, state: TabState) -> None:
+        """Send what the teacher asked to send, or all that changes while the others follow."""
+        if not self.teaches:
+            return
+        if self.ask.value:
+            self.ask.value = False
+            self._classroom.ask(self.question.value, tuple(box.value for box in self.choices))
+        once = bool(self.send.value)
+        if once:
+            self.send.value = False
+        now = time.monotonic()
+        due = bool(self.lead.value) and now - self._published_at >= _PERIOD
+        if once or due:
+            self._published_at = now
+            view = replace(
+                state, dark=None, challenge="", time=0.0 if state.playing else state.time
+            )
+            text = view.encode()
+            if once or text != self._published:
+                self._published = text
+                self._classroom.show(text)
+
+    def draw(self, frame: Frame) -> None:
+        """Show the question with its answers, and the counts to the teacher; no frame counts."""
+        poll, counts = self._classroom.poll, self._classroom.counts()
+        while self._chosen and poll is not None:
+            self._classroom.answer(self._tab, poll.number, self._chosen.pop(0))
+            counts = self._classroom.counts()
+        own = self._classroom.answer_of(self._tab)
+        state = (poll, counts if self.teaches else (), own, self._classroom.tabs, self.teaches)
+        if state == self._drawn:
+            return
+        self._drawn = state
+        self._text.visible = poll is not None
+        if poll is None:
+            return
+        text = f"{style.BOX}<b>{html.escape(poll.text)}</b></div>"
+        if self.teaches:
+            text += bars(poll.choices, counts, self._classroom.tabs - 1)
+        self._text.content = text
+        for number, button in enumerate(self.answers):
+            button.visible = not self.teaches and number < len(poll.choices)
+            if button.visible:
+                mark = "✓ " if number == own else ""
+                button.label = f"{mark}{poll.choices[number]}"
+
+    def _answer(self, number: int, event: Any) -> None:
+        self._chosen.append(number)
+        self._wake(event)
+
+
+def bars(choices: tuple[str, ...], counts: tuple[int, ...], students: int) -> str:
+    """Bar plot of the answers, as HTML."""
+    most = max(*counts, 1)
+    rows = "".join(
+        f'<div>{html.escape(choice)}: <b>{count}</b><div style="height:8px;border-radius:3px;'
+        f'background:{style.css(style.A_STAR)};width:{100 * count / most:.0f}%"></div></div>'
+        for choice, count in zip(choices, counts, strict=True)
+    )
+    return f"{style.BOX}{rows}{sum(counts)} of {students} have answered.</div>"

@@ -1,0 +1,115 @@
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+
+import pytest
+
+from app.classroom import MAX_CHOICES, Classroom
+from app.panels.classroom import ClassroomPanel, bars
+from app.server import Server, start
+from app.session import Session
+from tests.app.fake_tab import FakeTab, until
+
+
+@pytest.fixture(scope="module")
+def room() -> Iterator[tuple[Server, Classroom]]:
+    classroom = Classroom()
+    running = start(port=0, plain=True, classroom=classroom)
+    yield running, classroom
+    running.stop()
+
+
+def open_tab(server: Server, teach: str = "") -> tuple[FakeTab, Session]:
+    known = set(server.sessions)
+    fake = FakeTab(server.url)
+    until(lambda: bool(set(server.sessions) - known))
+    session = server.sessions[next(iter(set(server.sessions) - known))]
+    query = {"teach": teach} if teach else {}
+    report = json.dumps({"state": "", "query": query, "dark": False})
+    fake.set(session._memory._box, report)
+    until(lambda: session.plan is not None)
+    return fake, session
+
+
+def panel(session: Session) -> ClassroomPanel:
+    assert session._class is not None
+    return session._class
+
+
+def test_a_class_follows_works_alone_and_answers(room: tuple[Server, Classroom]) -> None:
+    server, classroom = room
+    teacher, taught = open_tab(server, classroom.secret)
+    students = [open_tab(server) for _ in range(3)]
+    until(lambda: panel(taught).teaches)
+    assert not any(panel(session).teaches for _, session in students)
+    assert classroom.tabs == 4
+
+    # followed, unless a student works on his own
+    alone, free = students[2]
+    alone.set(panel(free).follow, False)
+    until(lambda: not panel(free).follow.value)
+    teacher.set(panel(taught).lead, True)
+    teacher.set(taught.panels.stages.mesh.pitch, 1.1)
+    for _, session in students[:2]:
+        until(lambda session=session: session.frame.plan.scene.mesh.pitch == 1.1)  # type: ignore[misc]
+    teacher.set(panel(taught).lead, False)
+    until(lambda: taught.resting)
+    assert free.frame.plan.scene.mesh.pitch == 1.3
+
+    # asked and counted, the last answer of each
+    teacher.set(panel(taught).question, "Which <b>?")
+    for box, text in zip(panel(taught).choices, ("one", "two"), strict=False):
+        teacher.set(box, text)
+    teacher.set(panel(taught).ask, True)
+    for _, session in students:
+        until(lambda session=session: panel(session).answers[1].visible)  # type: ignore[misc]
+    for (fake, session), choice in zip(students, (0, 1, 1), strict=True):
+        fake.set(panel(session).answers[choice], True)
+    until(lambda: classroom.counts() == (1, 2))
+    students[0][0].set(panel(students[0][1]).answers[1], True)
+    until(lambda: classroom.counts() == (0, 3))
+    until(lambda: "3 of 3 have answered" in panel(taught)._text.content)
+    assert "<b>?" not in panel(taught)._text.content
+
+    for fake, _ in (*students, (teacher, taught)):
+        fake.close()
+    until(lambda: classroom.tabs == 0)
+    assert classroom.counts() == (0, 0)
+
+
+def test_only_the_secret_makes_a_teacher(room: tuple[Server, Classroom]) -> None:
+    server, classroom = room
+    fake, session = open_tab(server, "guess")
+    assert not panel(session).teaches
+    fake.set(panel(session).send, True)
+    until(lambda: session.resting)
+    assert classroom.view[1] == "" or not panel(session).teaches
+    fake.close()
+    assert not classroom.is_teacher("")
+    assert not classroom.is_teacher("ä")
+    assert classroom.is_teacher(classroom.secret)
+
+
+def test_a_question_needs_two_answers_and_counts_its_own() -> None:
+    classroom = Classroom()
+    woken: list[int] = []
+    classroom.join(1, lambda: woken.append(1))
+    assert not classroom.ask("Why?", ("one", " ", "", ""))
+    assert not classroom.ask(" ", ("one", "two"))
+    assert classroom.poll is None
+    assert classroom.counts() == ()
+    assert classroom.ask("Why?", ("one", "two", "three", "four", "five"))
+    assert classroom.poll is not None
+    assert len(classroom.poll.choices) == MAX_CHOICES
+    classroom.answer(1, classroom.poll.number, 9)
+    classroom.answer(1, classroom.poll.number + 1, 1)
+    assert classroom.counts() == (0, 0, 0, 0)
+    classroom.answer(1, classroom.poll.number, 2)
+    assert classroom.counts() == (0, 0, 1, 0)
+    assert classroom.answer_of(1) == 2
+    assert classroom.ask("And now?", ("a", "b"))
+    assert classroom.counts() == (0, 0)
+    # students need not know how the others answer
+    assert len(woken) == 2
+    assert "width:100%" in bars(("a", "b"), (0, 2), 2)
