@@ -7,6 +7,8 @@ A new layer is a file beside this one and a line here. Its class takes the :clas
 from __future__ import annotations
 
 from app.layers.arm import ArmLayer
+from app.layers.arm_ghosts import ArmGhostsLayer
+from app.layers.arm_regions import ArmRegionsLayer
 from app.layers.curves import CurvesLayer
 from app.layers.ghost import GhostLayer
 from app.layers.headline import HeadlineLayer
@@ -39,5 +41,5 @@ LAYERS = (
     GhostLayer,
     NamesLayer,
 )
-SLOW_LAYERS = (ArmLayer, LessonLayer)
+SLOW_LAYERS = (ArmLayer, ArmGhostsLayer, ArmRegionsLayer, LessonLayer)
 """Sent in a message of their own: the page takes longer to show them than all the others."""

@@ -1,0 +1,71 @@
+"""The surfaces of the arm's shadow and reach part the places as the arm's own tests do."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import trimesh
+
+from abi.arm.arm import Arm
+from abi.arm.arm_sight import ArmSight
+from abi.arm.regions import reachable, shadow
+from abi.arm.surroundings import surroundings
+from abi.arrays import FloatArray
+from abi.obstacles.obstacle_set import ObstacleSet
+from abi.scene.scene import Elbow, Scene
+
+
+def solid(triangles: FloatArray) -> trimesh.Trimesh:
+    mesh = trimesh.Trimesh(**trimesh.triangles.to_kwargs(triangles))
+    mesh.merge_vertices()
+    return mesh
+
+
+@pytest.mark.parametrize("elbow", ["up", "down"])
+def test_the_shadow_is_where_the_arm_touches_an_obstacle(elbow: Elbow) -> None:
+    box = {"shape": "box", "size": [1.5, 1, 1], "position": [3, 2, 3.5]}
+    ball = {"shape": "sphere", "radius": 0.6, "position": [1.5, 4, 2]}
+    scene = Scene.from_dict({"version": 1, "obstacles": [box, ball]})
+    arm, obstacles = Arm.from_settings(scene.arm), ObstacleSet(scene.obstacles)
+    around = surroundings(arm, obstacles, 0.0)
+    triangles = shadow(arm, elbow, 0.0, around, (scene.workspace.min, scene.workspace.max))
+    assert len(triangles) > 100
+    mesh = solid(triangles)
+    assert mesh.is_watertight
+    free = around.only(around.numbers >= 0)
+    sight = ArmSight(arm, elbow, free, (0.0, 0.0), 0.0, 0.0)
+    points = np.random.default_rng(0).uniform(0.1, 5.9, (300, 3))
+    touching = np.zeros(len(points), dtype=bool)
+    for obstacle in obstacles:
+        touching |= sight.touching(points, obstacle, 0.0, np.ones(len(points), dtype=bool))
+    reached = sight.reached(points)
+    near = np.abs(trimesh.proximity.ProximityQuery(mesh).on_surface(points)[1]) < 0.12
+    inside = _winding(triangles, points) > 0.5
+    compared = reached & ~near
+    assert compared.sum() > 80
+    assert (inside == touching)[compared].mean() > 0.98
+
+
+def test_the_reach_is_where_inverse_kinematics_keeps_the_limits() -> None:
+    arm = Arm.from_settings(Scene.from_dict({"version": 1}).arm)
+    triangles = reachable(arm, "up", 0.0, 0.0)
+    around = surroundings(arm, ObstacleSet(()), -100.0)
+    sight = ArmSight(arm, "up", around.only(around.numbers > 0), (0.0, 0.0), 0.0, 0.0)
+    points = np.random.default_rng(1).uniform((-10, -16, 0.5), (16, 10, 15), (300, 3))
+    near = np.abs(solid(triangles).nearest.on_surface(points)[1]) < 0.6
+    inside = _winding(triangles, points) > 0.5
+    assert (inside == sight.reached(points))[~near].mean() > 0.98
+
+
+def _winding(triangles: FloatArray, points: FloatArray) -> FloatArray:
+    """How often closed triangles of any orientation hide the way along x, modulo 2, (n,)."""
+    found = np.zeros(len(points))
+    for k, point in enumerate(points + np.array([0.0, 1.23e-7, 2.34e-7])):
+        a, b, c = (triangles[:, i] - point for i in range(3))
+        signs = [p[:, 1] * q[:, 2] - p[:, 2] * q[:, 1] for p, q in ((a, b), (b, c), (c, a))]
+        hit = (signs[0] > 0) == (signs[1] > 0)
+        hit &= (signs[1] > 0) == (signs[2] > 0)
+        area = signs[0] + signs[1] + signs[2]
+        ahead = a[:, 0] * signs[1] + b[:, 0] * signs[2] + c[:, 0] * signs[0]
+        found[k] = np.count_nonzero(hit & (ahead / np.where(area == 0, 1, area) > 0)) % 2
+    return found
