@@ -76,6 +76,12 @@ def _crowds(sizes: Sequence[int], scenes: int) -> list[Row]:
     return crowds.measure(crowds.COUNTS) + crowds.measure(crowds.COUNTS[:3], meshes=0.2)
 
 
+def _arm(sizes: Sequence[int], scenes: int) -> list[Row]:
+    from benchmarks import arm
+
+    return arm.measure(scenes)
+
+
 PARTS: dict[str, Callable[[Sequence[int], int], list[Row]]] = {
     "frames": _frames,
     "quality": _quality,

@@ -11,14 +11,18 @@ import numpy as np
 from abi.arm import mask_kernels
 from abi.arm.arm import Arm
 from abi.arm.arm_certificate import ArmCertificate, ArmRefutation, certify_arm
-from abi.arm.separate_arm_kernels import Slide
+from abi.arm.separate_arm_kernels import UNREACHED, Obstacles, Slide, separate_arm
 from abi.arm.surroundings import Surroundings, surroundings
 from abi.arrays import BoolArray, FloatArray, flat, read_only
-from abi.clearance.bezier import Bezier, PolynomialCurve
+from abi.clearance.bezier import PolynomialCurve
+from abi.clearance.separation_kernels import CERTIFIED, MOST_HALVINGS, REFUTED
 from abi.obstacles.obstacle_set import Obstacle, ObstacleSet
 
 _SPARE = 0.01
 """Distance that legs and places keep from the limits of q2 and q3, for curves to round, [rad]."""
+
+
+_TRIES = 20_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,15 +48,34 @@ class ArmSight:
 
     def refutation(self, curve: PolynomialCurve) -> ArmRefutation | None:
         """Place of a curve at which the arm is not proven clear; None for a clear curve."""
-        return self._refutation(curve, self.clearance, 0.0)
+        result = certify_arm(
+            *(curve, self._slide(curve), self.arm, self.elbow, self.around, self.clearance)
+        )
+        return None if isinstance(result, ArmCertificate) else result
 
     def leg_refutation(self, points: FloatArray) -> ArmRefutation | None:
         """The same of a polyline (k, 3), k >= 1, [unit], world; parameter k is its vertex k."""
         vertices = points if len(points) > 1 else np.repeat(points, 2, axis=0)
-        breaks = np.arange(len(vertices), dtype=float)
+        count = len(vertices) - 1
         legs = np.stack([vertices[:-1], vertices[1:]], axis=1)
-        size = float(np.abs(vertices).max())
-        return self._refutation(Bezier(breaks, legs, size), self.clearance + self.slack, _SPARE)
+        breaks = read_only(np.arange(count + 1, dtype=float))
+        room = np.zeros(6 * (count + 2 * MOST_HALVINGS + 2))
+        slide = Slide(read_only(np.array([0.0, count])), *self._extensions)
+        status, at, pair, _, _ = separate_arm(
+            flat(legs),
+            breaks,
+            room,
+            self._numbers,
+            self.arm.capsule_rows,
+            self._beyond,
+            slide,
+            _TRIES,
+        )
+        if status == CERTIFIED:
+            return None
+        capsule, row = divmod(pair, len(self.around.numbers)) if pair >= 0 else (-1, -1)
+        decided = status in (REFUTED, UNREACHED)
+        return ArmRefutation(at, capsule, int(self.around.numbers[row]), decided)
 
     def sees(self, a: FloatArray, b: FloatArray) -> bool:
         """Whether the arm is clear while the tool runs straight from a (3,) to b (3,)."""
@@ -61,8 +84,7 @@ class ArmSight:
     def reached(self, points: FloatArray) -> BoolArray:
         """Places (n, 3) that the arm reaches, clear of floor and column, (n,)."""
         reached = np.zeros(len(points), dtype=np.bool_)
-        numbers, forearm = self.arm.numbers(self.elbow, _SPARE), self._forearm
-        mask_kernels.reached_places(flat(points), numbers, *forearm, reached)
+        mask_kernels.reached_places(flat(points), self._numbers, *self._forearm, reached)
         return reached & ~self._touching(points, self.around.only(self.around.numbers < 0), reached)
 
     def touching(
@@ -85,18 +107,22 @@ class ArmSight:
         )
         return touching
 
-    def _refutation(
-        self, curve: PolynomialCurve, margin: float, spare: float
-    ) -> ArmRefutation | None:
-        result = certify_arm(
-            curve, self._slide(curve), self.arm, self.elbow, self.around, margin, spare
-        )
-        return None if isinstance(result, ArmCertificate) else result
-
     def _slide(self, curve: PolynomialCurve) -> Slide:
+        return Slide(flat(curve.bezier().breaks[[0, -1]]), *self._extensions)
+
+    @cached_property
+    def _extensions(self) -> tuple[FloatArray, FloatArray]:
+        """Bounds of q5 at both ends of any way, (2,) each, [unit]."""
         low, high = self.extensions
-        breaks = flat(curve.bezier().breaks[[0, -1]])
-        return Slide(breaks, read_only(np.full(2, low)), read_only(np.full(2, high)))
+        return read_only(np.full(2, low)), read_only(np.full(2, high))
+
+    @cached_property
+    def _numbers(self) -> FloatArray:
+        return self.arm.numbers(self.elbow, _SPARE)
+
+    @cached_property
+    def _beyond(self) -> Obstacles:
+        return self.around.beyond(self.clearance + self.slack)
 
     @cached_property
     def _forearm(self) -> tuple[float, float]:

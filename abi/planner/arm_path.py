@@ -20,8 +20,8 @@ from abi.search.without_edges import without_edges
 from abi.taut.taut_path import TautPath, taut
 
 _MOST_REPAIRS = 12
-_ROUNDS = 4
-_STEPS = (0.9, 0.5, 0.2, 0.06)
+_ROUNDS = 3
+_STEPS = (0.8, 0.3, 0.08)
 _REFINEMENTS = 30
 _SETTLED = 1e-3
 _CUT = (0.45, 0.2)
