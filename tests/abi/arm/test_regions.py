@@ -16,9 +16,8 @@ from abi.scene.scene import Elbow, Scene
 
 
 def solid(triangles: FloatArray) -> trimesh.Trimesh:
-    mesh = trimesh.Trimesh(**trimesh.triangles.to_kwargs(triangles))
-    mesh.merge_vertices()
-    return mesh
+    corners = triangles.reshape(-1, 3)
+    return trimesh.Trimesh(corners, np.arange(len(corners)).reshape(-1, 3), process=True)
 
 
 @pytest.mark.parametrize("elbow", ["up", "down"])
@@ -39,7 +38,7 @@ def test_the_shadow_is_where_the_arm_touches_an_obstacle(elbow: Elbow) -> None:
     for obstacle in obstacles:
         touching |= sight.touching(points, obstacle, 0.0, np.ones(len(points), dtype=bool))
     reached = sight.reached(points)
-    near = np.abs(trimesh.proximity.ProximityQuery(mesh).on_surface(points)[1]) < 0.12
+    near = np.abs(mesh.nearest.on_surface(points)[1]) < 0.12
     inside = _winding(triangles, points) > 0.5
     compared = reached & ~near
     assert compared.sum() > 80
