@@ -48,6 +48,7 @@ class Frame:
         time: since the begin of the motion, [s].
         playing: whether it advances by itself.
         lecture: whether labels are to be read from afar.
+        rate: seconds of the motion for one of the clock, while it does.
     """
 
     plan: Plan
@@ -64,6 +65,7 @@ class Frame:
     time: float = 0.0
     playing: bool = False
     lecture: bool = False
+    rate: float = 1.0
 
     @property
     def current(self) -> bool:

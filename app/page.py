@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import json
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 import viser
@@ -68,6 +68,16 @@ def set_clock(client: viser.ClientHandle, time: float, end: float, playing: bool
 def next_file(client: viser.ClientHandle) -> None:
     """Have the tab send the next of several files that were chosen at once."""
     _run(client, "abi.next()")
+
+
+def play(client: viser.ClientHandle, motion: Mapping[str, object]) -> None:
+    """Have the tab play a motion by its own clock: see ``assets/page/page.js`` for its fields."""
+    _run(client, f"abi.play({json.dumps(motion)})")
+
+
+def stand(client: viser.ClientHandle, time: float) -> None:
+    """Have the tab stand still at ``time`` [s] of the motion that it plays."""
+    _run(client, f"abi.stand({json.dumps(time)})")
 
 
 def notify_refusal(client: viser.ClientHandle, title: str, reason: str) -> None:

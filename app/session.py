@@ -393,7 +393,8 @@ class Session:
         with self.client.atomic():
             now = self.playback.advance(frame.duration)
             self.playback.mark(frame.plan.arm_clearance, frame.duration)
-            frame = replace(frame, time=now, playing=self.playback.playing)
+            playing, rate = self.playback.playing, self.playback.rate
+            frame = replace(frame, time=now, playing=playing, rate=rate)
             self.frame = replace(frame, theatre=self.panels.theatre.advance(frame))
             for part in self._groups[0]:
                 part.draw(self.frame)

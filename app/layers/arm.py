@@ -16,12 +16,13 @@ import viser.transforms
 
 from abi import assets
 from abi.arm.arm import JOINTS, Arm, urdf
-from abi.arm.trajectory import rest_pose
+from abi.arm.trajectory import ArmMotion, rest_pose
 from abi.arrays import FloatArray
 from abi.planner.plan import Plan
 from app import style
 from app.frame import Frame, Switch
-from app.layers.lines import NO_SEGMENTS, add_line, segments
+from app.layers.arm_playback import ArmPlayback, JointPose, samples_of
+from app.layers.lines import NO_SEGMENTS, Segments, add_line, segments
 from app.layout import Layout
 
 if TYPE_CHECKING:
@@ -51,6 +52,21 @@ class _JointNode:
     axis: FloatArray
     origin: viser.transforms.SE3
 
+    @property
+    def pose(self) -> JointPose | None:
+        """How the node follows its joint; None where it is fixed."""
+        if self.column is None:
+            return None
+        rotation = self.origin.rotation()
+        return JointPose(
+            name=self.frame.name,
+            column=self.column,
+            wxyz=np.asarray(rotation.wxyz, float),
+            position=np.asarray(self.origin.translation(), float),
+            axis=np.asarray(rotation @ self.axis if self.prismatic else self.axis, float),
+            prismatic=self.prismatic,
+        )
+
     def move(self, positions: FloatArray) -> None:
         """Pose the node at joint positions (6,), [rad] and [unit]."""
         if self.column is None:
@@ -73,6 +89,7 @@ class ArmLayer:
 
     def __init__(self, layout: Layout) -> None:
         self._scene = layout.client.scene
+        self._playback = ArmPlayback(layout.client)
         self._base = self._scene.add_frame("/arm", show_axes=False)
         self._joint_nodes: list[_JointNode] = []
         self._arm: Arm | None = None
@@ -90,7 +107,12 @@ class ArmLayer:
         """Draw the arm at the frame's time, and the trace up to then."""
         if frame.plan.arm is not None and frame.plan.arm is not self._arm:
             self._place(frame.plan.arm)
-        self._pose(frame.plan, frame.time)
+        if frame.playing and frame.plan.motion is not None:
+            self._play(frame, frame.plan.motion)
+        else:
+            if self._playback.stop(frame.time):
+                self._posed, self._traced = None, (None, -1)
+            self._pose(frame.plan, frame.time)
         clearance = frame.plan.arm_clearance
         self._redden(frozenset() if clearance is None else clearance.touching(frame.time))
         self._base.visible = "arm" in frame.shown
@@ -107,6 +129,12 @@ class ArmLayer:
             self._build(_load(text), scale)
             self._built = text, scale
         self._arm = arm
+
+    def _play(self, frame: Frame, motion: ArmMotion) -> None:
+        """Have the page move the arm, and lengthen a trace of the whole motion."""
+        joints = [pose for node in self._joint_nodes if (pose := node.pose) is not None]
+        if self._playback.play(motion, joints, self._trace.name, frame.time, frame.rate):
+            self._trace.points = self._trace_of(frame.plan, motion.tool[samples_of(motion)])
 
     def _pose(self, plan: Plan, time: float) -> None:
         """Move the arm to its pose at ``time`` [s], and draw the trace up to then."""
@@ -125,9 +153,12 @@ class ArmLayer:
         if self._traced != (motion, count):
             self._traced = (motion, count)
             samples = np.linspace(0, count - 1, min(count, _TRACE_SAMPLES)).astype(int)
-            # just above the curve, so that neither hides the other
-            height = 0.008 * max(plan.scene.workspace.size)
-            self._trace.points = segments(motion.tool[samples] + np.array([0.0, 0.0, height]))
+            self._trace.points = self._trace_of(plan, motion.tool[samples])
+
+    def _trace_of(self, plan: Plan, points: FloatArray) -> Segments:
+        """Trace through points (n, 3) of the tool, just above them, so that the curve is seen."""
+        height = 0.008 * max(plan.scene.workspace.size)
+        return segments(points + np.array([0.0, 0.0, height]))
 
     def _redden(self, links: frozenset[str]) -> None:
         """Draw links in red, and the others in their own colours."""

@@ -13,7 +13,8 @@ from app.overlay import Overlay, button, slider
 from app.panels.widgets import Wake
 
 SPEEDS = {"¼ ×": 0.25, "½ ×": 0.5, "real time": 1.0, "2 ×": 2.0}
-FRAME = 1 / 30  # [s]
+TICK = 0.25
+"""Seconds after which slider and plots follow; the arm itself moves by the page's clock."""
 _PAUSE_AT_END = 0.8
 _LATENCY = 3.0
 """Seconds that a frame may take to a page on a weak machine."""
@@ -50,9 +51,14 @@ class PlaybackPanel:
         self.playing = playing
         self._time = time
 
+    @property
+    def rate(self) -> float:
+        """Seconds of the motion for one of the clock."""
+        return SPEEDS.get(self.speed.value, 1.0)
+
     def timeout(self) -> float | None:
         """Time until the next frame, [s]; None while paused."""
-        return FRAME if self.playing else None
+        return TICK if self.playing else None
 
     def advance(self, duration: float) -> float:
         """Advance to now; the time to show, [s], which begins anew a moment after the end."""
@@ -72,10 +78,9 @@ class PlaybackPanel:
                 self.slider.value = scrubbed
             self._time, self._written, self.playing = scrubbed, scrubbed, False
         elif self.playing:
-            rate = SPEEDS.get(self.speed.value, 1.0)
-            self._time += elapsed * rate
-            if self._time > duration + _PAUSE_AT_END * rate:
-                self._time = 0.0
+            self._time += elapsed * self.rate
+            if self._time > duration + _PAUSE_AT_END * self.rate:
+                self._time = math.fmod(self._time, duration + _PAUSE_AT_END * self.rate)
         shown = min(max(self._time, 0.0), duration)
         if abs(shown - self._written) >= 0.05 or (shown < self._written and self.playing):
             self._written = round(shown, 2)

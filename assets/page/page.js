@@ -1,5 +1,6 @@
 // What the server asks of a page and viser has no message for; app/page.py sends it to every tab.
 window.abi?.clear?.();
+if (window.abi) window.abi.motion = null;  // of the server before
 window.abi = {
   KEY: "abi-tab",
 
@@ -115,6 +116,80 @@ window.abi = {
     if (!slider.matches(":active")) slider.value = time;
     root.querySelector("output").textContent = `${time.toFixed(2)} of ${end.toFixed(2)} s`;
     root.querySelector(".abi-play").textContent = playing ? "Pause" : "Play";
+  },
+
+  // Play a motion by this page's clock, again and again, until it is to stand.
+  play(motion) {
+    const bytes = Uint8Array.from(atob(motion.samples), letter => letter.charCodeAt(0));
+    motion.samples = new Float32Array(bytes.buffer);
+    motion.begin = performance.now() - 1000 * motion.time / motion.rate;
+    const idle = !this.motion;
+    this.motion = motion;
+    if (idle) this.tick();
+  },
+
+  // Stand still at a time [s] of the motion that plays.
+  stand(time) {
+    const motion = this.motion;
+    this.motion = null;
+    if (!motion) return;
+    this.pose(motion, time);
+    this.cut(motion.trace, Infinity);
+  },
+
+  PAUSE: 0.8,  // [s] of real time at the end of a motion
+
+  tick() {
+    const motion = this.motion;
+    if (!motion) return;
+    const {samples, columns, rate} = motion;
+    const duration = samples[samples.length - columns];
+    const played = rate * (performance.now() - motion.begin) / 1000;
+    const time = Math.min(played % (duration + this.PAUSE * rate), duration);
+    this.cut(motion.trace, this.pose(motion, time));
+    if (Math.abs(time - (this.shown ?? -1)) >= 0.05) {
+      this.shown = time;
+      this.clock(time, duration, true);
+    }
+    requestAnimationFrame(() => this.tick());
+  },
+
+  // Pose every joint at a time; the number of whole steps between samples up to then.
+  pose({samples, columns, joints}, time) {
+    const last = samples.length / columns - 1;
+    let row = 0;
+    while (row < last - 1 && samples[(row + 1) * columns] <= time) row++;
+    const [low, high] = [row * columns, Math.min(row + 1, last) * columns];
+    const step = samples[high] - samples[low];
+    const part = step > 0 ? Math.min(Math.max((time - samples[low]) / step, 0), 1) : 0;
+    const viser = window.__viserMutable;
+    for (const {name, column, wxyz: [a, b, c, d], position, axis: [x, y, z], prismatic} of joints) {
+      const node = viser.nodePoseData[name];
+      if (!node) continue;
+      const value = samples[low + column] + part * (samples[high + column] - samples[low + column]);
+      if (prismatic) {
+        node.position = [position[0] + value * x, position[1] + value * y, position[2] + value * z];
+      } else {
+        const [w, s] = [Math.cos(value / 2), Math.sin(value / 2)];
+        const [i, j, k] = [s * x, s * y, s * z];
+        node.wxyz = [
+          a * w - b * i - c * j - d * k, a * i + b * w + c * k - d * j,
+          a * j - b * k + c * w + d * i, a * k + b * j - c * i + d * w,
+        ];
+      }
+      node.poseUpdateState = "needsUpdate";
+    }
+    viser.requestRender();
+    return time >= samples[last * columns] ? last : row;
+  },
+
+  // Draw only the first segments of a line.
+  cut(name, count) {
+    window.__viserMutable.nodeRefFromName[name]?.traverse(part => {
+      const line = part.geometry;
+      const segments = line?.isInstancedBufferGeometry && line.attributes.instanceStart?.count;
+      if (segments) line.instanceCount = Math.min(count, segments);
+    });
   },
 };
 

@@ -1,0 +1,99 @@
+"""The motion as the page plays it, by its own clock: without a message for each frame.
+
+The page interpolates joint positions between samples and turns each joint's node by them, as
+:class:`app.layers.arm.ArmLayer` does for one moment. ``assets/page/page.js`` has its part.
+"""
+
+from __future__ import annotations
+
+import base64
+from dataclasses import dataclass
+
+import numpy as np
+import viser
+
+from abi.arm.trajectory import ArmMotion
+from abi.arrays import FloatArray
+from app import page
+
+SAMPLES = 101
+
+
+@dataclass(frozen=True)
+class JointPose:
+    """How a joint's node follows its position.
+
+    Attributes:
+        name: of the node.
+        column: of the joint's position among all.
+        wxyz: orientation at position 0, (4,), in the parent node.
+        position: place at position 0, (3,), [unit].
+        axis: (3,), to turn about, in the node; or to slide along, in the parent node.
+        prismatic: whether it slides.
+    """
+
+    name: str
+    column: int
+    wxyz: FloatArray
+    position: FloatArray
+    axis: FloatArray
+    prismatic: bool
+
+
+class ArmPlayback:
+    """Tells the page what to play, when that changes."""
+
+    def __init__(self, client: viser.ClientHandle) -> None:
+        self._client = client
+        self._playing: tuple[object, ...] | None = None
+
+    def play(
+        self, motion: ArmMotion, joints: list[JointPose], trace: str, time: float, rate: float
+    ) -> bool:
+        """Have the page play ``motion`` from ``time`` [s] on, at ``rate`` times real time.
+
+        Returns:
+            Whether this is new: the line named ``trace`` is then to have a segment between each
+            two of :func:`samples_of`.
+        """
+        key = (motion, rate, len(joints))
+        if key == self._playing:
+            return False
+        self._playing = key
+        rows = samples_of(motion)
+        table = np.column_stack((motion.time[rows], motion.positions[rows])).astype("<f4")
+        page.play(
+            self._client,
+            {
+                "samples": base64.b64encode(table.tobytes()).decode(),
+                "columns": table.shape[1],
+                "joints": [
+                    {
+                        "name": joint.name,
+                        "column": joint.column + 1,
+                        "wxyz": joint.wxyz.tolist(),
+                        "position": joint.position.tolist(),
+                        "axis": joint.axis.tolist(),
+                        "prismatic": joint.prismatic,
+                    }
+                    for joint in joints
+                ],
+                "trace": trace,
+                "time": time,
+                "rate": rate,
+            },
+        )
+        return True
+
+    def stop(self, time: float) -> bool:
+        """Have the page stand still at ``time`` [s]; whether it played."""
+        if self._playing is None:
+            return False
+        self._playing = None
+        page.stand(self._client, time)
+        return True
+
+
+def samples_of(motion: ArmMotion) -> np.ndarray[tuple[int], np.dtype[np.int64]]:
+    """Numbers of the samples that the page gets, the first and the last among them."""
+    return np.unique(np.linspace(0, len(motion.time) - 1, SAMPLES).astype(np.int64))
