@@ -19,7 +19,8 @@ USER abi
 WORKDIR /home/abi
 RUN python -c "import abi; abi.compile()"
 EXPOSE 8080
-# The server answers GET only.
+STOPSIGNAL SIGTERM
+# 200 once plans can be made; needs no token.
 HEALTHCHECK --interval=30s --timeout=5s --start-period=30s \
-    CMD ["python", "-c", "import urllib.request as r; r.urlopen('http://127.0.0.1:8080/', timeout=4)"]
+    CMD ["python", "-c", "import urllib.request as r; r.urlopen('http://127.0.0.1:8080/healthz', timeout=4)"]
 CMD ["abi", "serve", "--host", "0.0.0.0", "--port", "8080", "--no-open"]

@@ -22,7 +22,7 @@ class Overlay:
     def __init__(self, client: viser.ClientHandle) -> None:
         self._client = client
         self.shown: dict[str, str] = {}
-        self._clock: tuple[float, float, bool] | None = None
+        self._clock = (-1.0, 0.0, False)
 
     def show(self, part: Part, content: str) -> None:
         """Show HTML in a part; what a user may have typed must be escaped in it."""
@@ -33,7 +33,8 @@ class Overlay:
     def set_clock(self, time: float, end: float, playing: bool) -> None:
         """Show the motion's time and end, [s], in the player."""
         clock = round(time, 2), round(end, 2), playing
-        if clock != self._clock:
+        # while it plays the page counts by itself
+        if clock != self._clock and not (playing and clock[1:] == self._clock[1:]):
             self._clock = clock
             page.set_clock(self._client, *clock)
 

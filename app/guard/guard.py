@@ -97,7 +97,11 @@ class Guard:
         path = request.path.partition("?")[0]
         if path == "/healthz":
             return self._health()
-        if not is_known_host(self.policy, request.headers):
+        # a proxy that knows the token has its own ways to tell its users from others
+        trusted = self.policy.token is not None and token.is_bearer(
+            request.headers, self.policy.token
+        )
+        if not trusted and not is_known_host(self.policy, request.headers):
             return _unknown_host(single(request.headers, "Host"))
         if (response := self._check_token(connection, request, path in _PAGES)) is not None:
             return response
@@ -106,7 +110,7 @@ class Guard:
 
             return responses.text(http.HTTPStatus.OK, *metrics.text())
         if (request.headers.get("Upgrade") or "").lower() == "websocket":
-            if not is_own_origin(self.policy, request.headers):
+            if not trusted and not is_own_origin(self.policy, request.headers):
                 sentence = "Only this server's own page may open a connection here.\n"
                 return responses.text(http.HTTPStatus.FORBIDDEN, sentence)
             return responses.full(self.policy.max_tabs) if self.is_full else None

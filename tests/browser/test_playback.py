@@ -98,3 +98,24 @@ def test_space_toggles_from_canvas_and_button(page: Page, session: Session) -> N
     page.until(lambda: _label(page) == "Pause", "Space to play")
     here = _tool(page)
     page.until(lambda: not np.allclose(_tool(page), here, atol=0.02), "the arm to move")
+
+
+def test_the_page_plays_what_was_planned(page: Page, session: Session) -> None:
+    _plays(page)
+    assert session.plan is not None
+    page.until(lambda: page.tab.evaluate("abi.motion !== null"), "the page to play")
+    for time in (0.4, 1.25, 2.9):
+        steps = page.tab.evaluate(
+            "time => (abi.held ??= abi.motion, abi.motion = null, abi.pose(abi.held, time))",
+            time,
+        )
+        expected = drawn.tool_at(session.plan, time)
+        page.until(
+            lambda expected=expected: bool(np.allclose(_tool(page), expected, atol=0.01)),  # type: ignore[misc]
+            f"the tool at {time:g} s",
+        )
+        trace = page.points("/trace")[steps - 1, 1]
+        assert np.linalg.norm(trace - expected) < 0.2
+    page.tab.evaluate("abi.motion = abi.held, abi.held = undefined, abi.tick()")
+    page.click("Pause")
+    _stands(page, session)

@@ -21,7 +21,7 @@ from app.server import Server, start
 from app.session import Session
 from tests.app.fake_tab import FakeTab, until
 
-TOKEN = "a secret/ü"
+TOKEN = "a secret/?&"
 HEADERS = (
     "content-security-policy",
     "x-content-type-options",
@@ -133,6 +133,13 @@ def test_odd_requests_get_a_clean_answer(
     assert answer.startswith(b"HTTP/1.1 %d " % status)
     assert b"\r\nContent-Security-Policy: " in answer
     assert not any(record.exc_info for record in caplog.records)
+
+
+def test_a_proxy_that_knows_the_token_may_use_any_name(locked: Server) -> None:
+    bearer = {"Authorization": f"Bearer {TOKEN}".encode().decode("latin-1")}
+    assert ask(locked, "/metrics", Host="hub.example.org")[0] == 403
+    assert ask(locked, "/metrics", Host="hub.example.org", Authorization="Bearer x")[0] == 403
+    assert ask(locked, "/metrics", Host="hub.example.org", **bearer)[0] == 200
 
 
 def test_health_is_told_without_a_token(locked: Server) -> None:

@@ -40,6 +40,8 @@ def test_a_program_says_bearer() -> None:
     assert token.in_headers(Headers(Authorization="Bearer abc"), "abc", 1)
     assert not token.in_headers(Headers(Authorization="Basic abc"), "abc", 1)
     assert not token.in_headers(Headers(Authorization="abc"), "abc", 1)
+    twice = [("Authorization", "Bearer abc")] * 2
+    assert not token.in_headers(Headers(twice), "abc", 1)
 
 
 def test_a_token_given_twice_is_none() -> None:

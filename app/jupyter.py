@@ -1,0 +1,22 @@
+"""The visualiser in JupyterLab and JupyterHub, by jupyter-server-proxy: a tile in the launcher."""
+
+from __future__ import annotations
+
+import secrets
+import sys
+
+
+def server() -> dict[str, object]:
+    """How jupyter-server-proxy starts the visualiser, and asks it for pages.
+
+    Jupyter knows who its users are. The token keeps others on the same machine out: it goes from
+    the proxy to the visualiser with every request, and never to a browser.
+    """
+    token = secrets.token_urlsafe(24)
+    return {
+        "command": [sys.executable, "-m", "app", "serve", "--no-open", "--port", "{port}"],
+        "environment": {"ABI_TOKEN": token},
+        "request_headers_override": {"Authorization": f"Bearer {token}"},
+        "timeout": 60,
+        "launcher_entry": {"title": "ABI visualiser"},
+    }
