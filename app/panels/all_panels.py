@@ -26,6 +26,7 @@ from app.panels.lessons import LessonPanel
 from app.panels.messages import Messages
 from app.panels.obstacle_editor import ObstacleEditor
 from app.panels.obstacle_gizmos import ObstacleGizmos
+from app.panels.pitch_study import PitchStudyPanel
 from app.panels.share import SharePanel
 from app.panels.stage_headers import StageHeaders
 from app.panels.stages import StagePanels
@@ -64,6 +65,7 @@ class AllPanels:
         with self.layout.search:
             self.theatre = TheatrePanel(client, wake)
             self.comparison = ComparisonPanel(client.gui, wake)
+            self.pitch_study = PitchStudyPanel(client.gui, wake)
         with self.layout.scene:
             self.files = FilesPanel(client, name, scene, wake)
             self.exports = ExportPanel(client, wake)
@@ -91,6 +93,7 @@ class AllPanels:
             self.editor,
             self.layer_switches,
             self.comparison,
+            self.pitch_study,
             self.lessons,
             self.figures,
             self.share,

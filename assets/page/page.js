@@ -93,6 +93,7 @@ window.abi = {
     const box = over.getBoundingClientRect(), left = event.clientX - box.left;
     const plots = Object.values(window.__viserTestpoints?.uplots ?? {});
     const chart = plots.find(plot => plot.chart?.over === over)?.chart;
+    if (chart && chart.series[0].label !== "t") return;
     const time = chart ? chart.posToVal(left, "x") : left / box.width * Number(slider.max);
     this.send(slider.dataset.set, Math.min(Math.max(time, 0), Number(slider.max)));
   },

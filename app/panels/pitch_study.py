@@ -1,0 +1,91 @@
+"""Path length and expanded nodes against the pitch, on the present scene, when asked."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import viser
+from viser import uplot
+
+from abi.arrays import FloatArray
+from abi.planner.plan import Plan
+from abi.planner.planner import Planner
+from abi.scene.scene import Scene
+from app import style
+from app.frame import Frame
+from app.panels.widgets import Wake
+
+STEPS = 8
+"""Pitches that are tried."""
+_FINEST, _COARSEST = 0.45, 1.5
+"""Of the scene's pitch."""
+_MOST_NODES = 40_000
+_LAST = 1e9 + 10
+"""Place in the tab: behind the table of searches."""
+
+
+class PitchStudyPanel:
+    """A button, and the two plots that it fills."""
+
+    def __init__(self, gui: viser.GuiApi, wake: Wake) -> None:
+        # Any, since viser declares a button's value read-only
+        self.button: Any = gui.add_button(
+            "Plot against the pitch",
+            order=_LAST,
+            hint=f"Plans with {STEPS} pitches around the present one.",
+        )
+        self.length = _plot(gui, "path length", style.A_STAR, _LAST + 1)
+        self.expanded = _plot(gui, "nodes visited", style.DIJKSTRA, _LAST + 2)
+        self._scene: Scene | None = None
+        self.button.on_click(wake)
+
+    def draw(self, frame: Frame) -> None:
+        """Plan and plot if the button was pressed; hide what is of another scene."""
+        scene = frame.plan.scene
+        if self._scene is not None and scene != self._scene:
+            self._scene = None
+            self.length.visible = self.expanded.visible = False
+        if not self.button.value:
+            return
+        self.button.value = False
+        pitches, lengths, expanded = study(scene)
+        if len(pitches) < 2:
+            return
+        self._scene = scene
+        for plot, line in ((self.length, lengths), (self.expanded, expanded)):
+            plot.data = (pitches, line)
+            plot.visible = True
+
+
+def study(scene: Scene) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Real pitches, ascending, path lengths, [unit], and nodes expanded, of those with a path."""
+    planner, rows = Planner(compile=False), {}
+    for factor in np.geomspace(_COARSEST, _FINEST, STEPS):
+        mesh = scene.mesh.model_copy(update={"pitch": scene.mesh.pitch * float(factor)})
+        if mesh.node_count(scene.workspace) > _MOST_NODES:
+            break
+        plan: Plan = planner(scene.model_copy(update={"mesh": mesh}), chosen_only=True)
+        if plan.path is not None and plan.mesh is not None:
+            rows[plan.mesh.pitch] = (plan.path.length, float(plan.path.expanded))
+    pitches = sorted(rows)
+    values = np.array([rows[pitch] for pitch in pitches]).reshape(-1, 2)
+    return np.array(pitches), values[:, 0], values[:, 1]
+
+
+def _plot(
+    gui: viser.GuiApi, title: str, colour: style.Colour, order: float
+) -> viser.GuiUplotHandle:
+    axis = uplot.Axis(stroke="#868e96", size=46, font="11px sans-serif")
+    empty = np.array([0.0, 1.0])
+    return gui.add_uplot(
+        (empty, np.zeros(2)),
+        # by its label the page knows that this is no plot over time
+        (uplot.Series(label="pitch"), uplot.Series(label=title, stroke=style.css(colour), width=2)),
+        title=f"{title} against the pitch",
+        scales={"x": uplot.Scale(time=False)},
+        axes=(axis, axis),
+        height=170,
+        order=order,
+        visible=False,
+    )
