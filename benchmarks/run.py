@@ -82,6 +82,12 @@ def _arm(sizes: Sequence[int], scenes: int) -> list[Row]:
     return arm.measure(scenes)
 
 
+def _shapes(sizes: Sequence[int], scenes: int) -> list[Row]:
+    from benchmarks import shapes
+
+    return shapes.measure([nodes for nodes in sizes if nodes <= _MAX_TAB_NODES])
+
+
 PARTS: dict[str, Callable[[Sequence[int], int], list[Row]]] = {
     "frames": _frames,
     "quality": _quality,
@@ -89,9 +95,10 @@ PARTS: dict[str, Callable[[Sequence[int], int], list[Row]]] = {
     "start": _start,
     "tab": _tab,
     "crowds": _crowds,
+    "shapes": _shapes,
 }
 """Costs of a drag, lengths over the optimum, latency in the browser, start, cost of a tab,
-drags among many obstacles."""
+drags among many obstacles, and of triangle meshes beside libraries."""
 
 _NEEDS: dict[str, tuple[str, ...]] = {
     "frames": (),
@@ -100,4 +107,5 @@ _NEEDS: dict[str, tuple[str, ...]] = {
     "start": ("playwright",),
     "tab": ("playwright",),
     "crowds": (),
+    "shapes": (),
 }

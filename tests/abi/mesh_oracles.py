@@ -10,37 +10,45 @@ from abi.arrays import FloatArray
 from tests.abi.meshes import Mesh
 
 
-def distances(mesh: Mesh, points: FloatArray) -> FloatArray:
-    """Distances (n,) of points (n, 3) to the triangles, by VTK's grid of cells."""
-    from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray
-    from vtkmodules.vtkCommonCore import reference, vtkPoints
-    from vtkmodules.vtkCommonDataModel import (
-        vtkCellArray,
-        vtkGenericCell,
-        vtkPolyData,
-        vtkStaticCellLocator,
-    )
+class Distances:
+    """Distances of points to triangles, by VTK's grid of cells."""
 
-    vertices, faces = mesh
-    corners, cells = vtkPoints(), vtkCellArray()
-    corners.SetDataTypeToDouble()
-    corners.SetData(numpy_to_vtk(np.ascontiguousarray(vertices), deep=True))
-    offsets = 3 * np.arange(len(faces) + 1, dtype=np.int64)
-    cells.SetData(
-        numpy_to_vtkIdTypeArray(offsets, deep=True),
-        numpy_to_vtkIdTypeArray(faces.astype(np.int64).ravel(), deep=True),
-    )
-    surface, locator = vtkPolyData(), vtkStaticCellLocator()
-    surface.SetPoints(corners)
-    surface.SetPolys(cells)
-    locator.SetDataSet(surface)
-    locator.BuildLocator()
-    find: Any = locator.FindClosestPoint
-    cell, number, part, square = vtkGenericCell(), reference(0), reference(0), reference(0.0)
-    closest = np.empty_like(points)
-    for point, there in zip(points, closest, strict=True):
-        find(point, there, cell, number, part, square)
-    return np.asarray(np.linalg.norm(points - closest, axis=1))
+    def __init__(self, mesh: Mesh) -> None:
+        from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray
+        from vtkmodules.vtkCommonCore import vtkPoints
+        from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData, vtkStaticCellLocator
+
+        vertices, faces = mesh
+        corners, cells = vtkPoints(), vtkCellArray()
+        corners.SetDataTypeToDouble()
+        corners.SetData(numpy_to_vtk(np.ascontiguousarray(vertices), deep=True))
+        offsets = 3 * np.arange(len(faces) + 1, dtype=np.int64)
+        cells.SetData(
+            numpy_to_vtkIdTypeArray(offsets, deep=True),
+            numpy_to_vtkIdTypeArray(faces.astype(np.int64).ravel(), deep=True),
+        )
+        surface = vtkPolyData()
+        surface.SetPoints(corners)
+        surface.SetPolys(cells)
+        self._locator: Any = vtkStaticCellLocator()
+        self._locator.SetDataSet(surface)
+        self._locator.BuildLocator()
+
+    def __call__(self, points: FloatArray) -> FloatArray:
+        """Distances (n,) of points (n, 3)."""
+        from vtkmodules.vtkCommonCore import reference
+        from vtkmodules.vtkCommonDataModel import vtkGenericCell
+
+        cell, number, part, square = vtkGenericCell(), reference(0), reference(0), reference(0.0)
+        closest = np.empty_like(points)
+        for point, there in zip(points, closest, strict=True):
+            self._locator.FindClosestPoint(point, there, cell, number, part, square)
+        return np.asarray(np.linalg.norm(points - closest, axis=1))
+
+
+def distances(mesh: Mesh, points: FloatArray) -> FloatArray:
+    """Distances (n,) of points (n, 3) to the triangles of a mesh."""
+    return Distances(mesh)(points)
 
 
 def winding_numbers(triangles: FloatArray, points: FloatArray) -> FloatArray:
