@@ -264,6 +264,12 @@ window.abi.choose = (input, files) => {
 window.abi.next = () => {
   const [input, file] = window.abi.waiting.shift() ?? [];
   if (!input) return;
+  // while its button is shut the last file's notice is not done, and would stay for ever
+  const button = document.getElementById(input.id.replace("file_upload_", ""));
+  const give = () => button?.disabled ? setTimeout(give, 100) : window.abi.give(input, file);
+  setTimeout(give, 200);
+};
+window.abi.give = (input, file) => {
   const one = new DataTransfer();
   one.items.add(file);
   input.files = one.files;
