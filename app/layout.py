@@ -10,6 +10,8 @@ import viser
 from app import page, style
 from app.overlay import Overlay
 
+TITLE = "ABI path planning"
+
 
 @dataclass(frozen=True, eq=False)
 class Layout:
@@ -48,7 +50,7 @@ class Layout:
         """Dock the two panels and add the right one's tabs."""
         gui = client.gui
         page.set_title(client, "ABI visualiser")
-        gui.set_panel_label("ABI path planning")
+        gui.set_panel_label(TITLE)
         gui.main_panel.dock_left()
         gui.main_panel.set_width(style.LEFT_WIDTH)
         right = gui.add_panel()

@@ -55,6 +55,11 @@ def show_part(client: viser.ClientHandle, part: str, content: str) -> None:
     _run(client, f"abi.show({json.dumps(part)}, {json.dumps(content)})")
 
 
+def fold_sheet(client: viser.ClientHandle, label: str) -> None:
+    """Fold the sheet that holds the panels on a phone, which viser has no command for."""
+    _run(client, f"setTimeout(() => abi.foldSheet({json.dumps(label)}), 300)")
+
+
 def set_lecture(client: viser.ClientHandle, on: bool) -> None:
     """Write in large letters over the scene, or as usual."""
     _run(client, f"abi.lecture({json.dumps(on)})")

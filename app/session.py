@@ -29,6 +29,7 @@ from app.demo import FRAME, Demo
 from app.frame import Drawable, Frame, Switchable
 from app.labels import sentence
 from app.layers.catalogue import LAYERS, SLOW_LAYERS
+from app.layout import TITLE
 from app.lessons.cue import Cue
 from app.lessons.lesson import Library
 from app.look import Look
@@ -298,7 +299,7 @@ class Session:
         if self._look.dark is None:
             self.panels.layer_switches.restore(None, report.dark)
         if report.width < NARROW:
-            self.panels.layout.fold(True)
+            page.fold_sheet(self.client, TITLE)
         if not report.state:
             self._demo.wanted = self._look.demo and report.query.get("demo") != "0"
             return False

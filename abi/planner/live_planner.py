@@ -46,6 +46,7 @@ class LivePlanner:
     def finish(self, scene: Scene) -> Plan:
         """Plan in full, however long it takes."""
         self.coarse = self.partial = False
+        self.budget.release()
         self._last_settings = _path_settings(scene)
         return self._planner(scene)
 

@@ -11,6 +11,7 @@ LEAST_NODES = 5_000
 _COARSER = 2 ** (1 / 3)  # a pitch so much coarser has half the nodes
 _MOST_HALVINGS = 40
 _FIRST_GUESS = 20_000
+_FAR_TOO_MANY = 2.5
 _ALL_SEARCHES = 5  # ratio of time of all three searches to that of one and all later stages
 
 
@@ -24,22 +25,33 @@ class NodeBudget:
     def __init__(self) -> None:
         self.nodes = float(_FIRST_GUESS)
         self._halvings = 0
+        self._held = False
 
     def coarser(self, scene: Scene) -> Scene | None:
         """``scene`` with a pitch whose mesh is planned within a frame; None when its own is.
 
-        The pitch changes in steps, with hysteresis, for each change builds a new mesh.
+        The pitch changes in steps, with hysteresis, for each change builds a new mesh; until
+        :meth:`release` only to a coarser one, and where this one takes far too long.
         """
-        if scene.mesh.node_count(scene.workspace) <= self.nodes:
+        held = self._held and self._halvings > 0
+        if scene.mesh.node_count(scene.workspace) <= self.nodes and not held:
             self._halvings = 0
             return None
         meshes = [_halved(scene.mesh, times) for times in range(_MOST_HALVINGS)]
         counts = [mesh.node_count(scene.workspace) for mesh in meshes]
         last = _MOST_HALVINGS - 1
         fits = next((k for k, count in enumerate(counts) if count <= self.nodes), last)
-        if fits != self._halvings and not self._still_fits(counts):
+        if held:
+            if counts[self._halvings] > _FAR_TOO_MANY * self.nodes:
+                self._halvings = fits
+        elif fits != self._halvings and not self._still_fits(counts):
             self._halvings = fits
+        self._held = True
         return scene.model_copy(update={"mesh": meshes[max(self._halvings, 1)]})
+
+    def release(self) -> None:
+        """Let the next pitch be any: what was moved has come to rest."""
+        self._held = False
 
     def fits_all_searches(self, scene: Scene) -> bool:
         """Whether there is time for all three searches in its mesh; two visit all nodes."""

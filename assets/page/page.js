@@ -105,6 +105,14 @@ window.abi = {
     }
   },
 
+  // On a phone the panels are one sheet over the scene: fold it, unless it is.
+  foldSheet(label) {
+    const parts = [...document.querySelectorAll("div, span, p")];
+    const open = [...document.querySelectorAll(".mantine-ScrollArea-viewport")];
+    if (!open.some(part => part.clientHeight > 60)) return;
+    parts.find(part => part.childElementCount === 0 && part.textContent === label)?.click();
+  },
+
   // Large letters for the last row of a hall.
   lecture(on) { this.overlay().classList.toggle("abi-lecture", on); },
 
@@ -235,8 +243,8 @@ document.head.insertAdjacentHTML("beforeend", `<style id="abi-style">
 }
 #abi-overlay .abi-numbers span { font-size: clamp(11px, 2.3cqw, 16px); }
 #abi-overlay [data-part=numbers] { align-self: flex-start; }
-#abi-overlay .abi-player { display: flex; align-items: center; gap: 8px; }
-#abi-overlay .abi-track { flex: 1 1 60px; min-width: 0; padding: 6px 0; }
+#abi-overlay .abi-player { display: flex; flex-wrap: wrap; align-items: center; gap: 4px 8px; }
+#abi-overlay .abi-track { flex: 1 1 90px; min-width: 0; padding: 6px 0; }
 #abi-overlay .abi-track input { display: block; width: 100%; margin: 0; accent-color: #1f84d6; }
 #abi-overlay [data-part=tour], #abi-overlay [data-part=tour]:empty { flex: 1 0 100%; }
 #abi-overlay.abi-lecture { font-size: 20px; }
@@ -249,6 +257,7 @@ document.head.insertAdjacentHTML("beforeend", `<style id="abi-style">
 #abi-overlay .abi-tour { max-width: 34em; border-left: 4px solid #1f84d6; }
 #abi-overlay .abi-player output { white-space: nowrap; font-variant-numeric: tabular-nums; }
 #abi-overlay .abi-play { min-width: 4.6em; }
+@media (max-width: 600px) { #abi-overlay .abi-bottom { padding-bottom: 56px; } }
 /* the line that only spans a plot's scale */
 .u-legend .u-series:last-child { display: none; }
 </style>`);

@@ -15,6 +15,17 @@ _WIDTHS = """() => [...document.querySelectorAll(".mantine-ScrollArea-viewport, 
   .map(part => part.matches("table")
     ? [part.offsetWidth, part.parentElement.clientWidth] : [part.scrollWidth, part.clientWidth])"""
 
+# Boxes of what is written over the scene, and of the scene: left, top, right, bottom, [px].
+_OVERLAY = """() => {
+  const box = part => {
+    const {left, top, right, bottom} = part.getBoundingClientRect();
+    return [left, top, right, bottom];
+  };
+  const parts = [...document.querySelectorAll("#abi-overlay [data-part] > *")];
+  return [box(window.__viserMutable.canvas),
+    parts.map(box).filter(([left, top, right, bottom]) => right > left && bottom > top)];
+}"""
+
 # Contrast of each ✓ and ✗ in the tables with the panel behind it (WCAG 2.1, 1.4.3).
 _CONTRASTS = """() => {
   const numbers = colour => colour.match(/[\\d.]+/g).map(Number);
@@ -41,6 +52,13 @@ def test_no_panel_is_wider_than_its_frame(page: Page, size: tuple[int, int]) -> 
         widths = page.tab.evaluate(_WIDTHS)
         assert widths
         assert all(content <= frame for content, frame in widths), widths
+        scene, boxes = page.tab.evaluate(_OVERLAY)
+        assert len(boxes) >= 4
+        for number, (left, top, right, bottom) in enumerate(boxes):
+            assert scene[0] <= left < right <= scene[2] + 1
+            assert scene[1] <= top < bottom <= scene[3] + 1
+            for a, b, c, d in boxes[:number]:
+                assert right <= a or c <= left or bottom <= b or d <= top, "two texts overlap"
     finally:
         page.tab.set_viewport_size({"width": 1280, "height": 720})
 

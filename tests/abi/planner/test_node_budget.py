@@ -47,10 +47,26 @@ def test_it_learns_how_many_nodes_fit_a_frame_and_stays_there(rate: float, pitch
         made = budget.coarser(scene) or scene
         pitches.append(made.mesh.pitch)
         budget.learn(nodes(made), nodes(made) / rate)
+        budget.release()
     # a steady hand sees a steady mesh
     assert len(set(pitches[-10:])) == 1
     assert nodes(made) <= max(2 * rate * FRAME_MS, LEAST_NODES)
     assert nodes(made) >= min(nodes(scene), rate * FRAME_MS / 4)
+
+
+@settings(max_examples=30, deadline=None)
+@given(rate=st.floats(300, 60_000), pitch=st.floats(0.07, 0.2))
+def test_during_one_drag_the_mesh_gets_no_finer(rate: float, pitch: float) -> None:
+    budget, scene = NodeBudget(), scene_of(pitch)
+    pitches = []
+    for _ in range(20):
+        made = budget.coarser(scene) or scene
+        pitches.append(made.mesh.pitch)
+        budget.learn(nodes(made), nodes(made) / rate)
+    if pitches[0] > pitch:
+        assert pitches == sorted(pitches)
+    if rate * FRAME_MS >= 20_000:  # as fast as was guessed, or faster
+        assert len(set(pitches)) == 1
 
 
 def test_a_small_mesh_says_nothing_of_large_ones() -> None:
