@@ -10,6 +10,7 @@
 #   make docs                                the documentation, into docs/_build/html
 #   make pictures                            take the pictures of README and documentation anew
 #   make bench ARGS="quality --scenes 10"    measure speed and quality, beside peers where installed
+#   make attack ARGS="--messages 10000"      malformed messages to one tab while another works on
 #   make format                              format the code and mend what the linter can mend
 #   make lock                                lock the dependencies (ARGS=--upgrade: the newest)
 #   make clean                               remove what make made
@@ -23,7 +24,7 @@ PYTEST := $(BIN)/pytest $(PARALLEL)
 COMPILE := $(BIN)/uv pip compile pyproject.toml --no-config --no-header --quiet \
 	--universal --python-version 3.11 --fork-strategy fewest --generate-hashes
 
-.PHONY: run test check quick coverage test-wheel lint docs pictures bench format lock clean
+.PHONY: run test check quick coverage test-wheel lint docs pictures bench attack format lock clean
 .DEFAULT_GOAL := run
 
 $(RUN): requirements.lock pyproject.toml tools/install
@@ -75,6 +76,9 @@ lint: $(DEV)
 
 bench: $(DEV)
 	@$(BIN)/python -m app bench $(ARGS)
+
+attack: $(DEV)
+	@$(BIN)/python -m benchmarks.attack $(ARGS)
 
 format: $(DEV)
 	$(BIN)/ruff format

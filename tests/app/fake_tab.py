@@ -17,7 +17,7 @@ from app.session import Session
 
 _Layer = TypeVar("_Layer")
 
-_CAMERA = {
+CAMERA = {
     "type": "ViewerCameraMessage",
     "wxyz": [1.0, 0.0, 0.0, 0.0],
     "position": [3.0, 3.0, 3.0],
@@ -53,7 +53,7 @@ def layer(session: Session, kind: type[_Layer]) -> _Layer:
 class FakeTab:
     """Client that sends a page's messages, and counts and drops what it receives."""
 
-    def __init__(self, url: str, headers: dict[str, str] | None = None) -> None:
+    def __init__(self, url: str, headers: dict[str, str] | None = None, greet: bool = True) -> None:
         self._socket: ClientConnection = connect(
             url.replace("http", "ws", 1),
             subprotocols=[f"viser-v{viser.__version__}"],  # type: ignore[list-item]
@@ -61,7 +61,8 @@ class FakeTab:
             max_size=None,
             compression=None,
         )
-        self.send(_CAMERA)
+        if greet:
+            self.send(CAMERA)
         self.received = 0
         self._reader = threading.Thread(target=self._read, daemon=True)
         self._reader.start()
@@ -99,7 +100,7 @@ class FakeTab:
             "look_at": [float(x) for x in camera.look_at],
             "image_width": width,
         }
-        self.send({**_CAMERA, **view})
+        self.send({**CAMERA, **view})
 
     def close(self) -> None:
         """Disconnect."""

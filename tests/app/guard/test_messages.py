@@ -12,10 +12,10 @@ from viser import _messages
 from viser.infra import _messages as infra
 
 from app.guard import messages
-from tests.app.fake_tab import _CAMERA
+from tests.app.fake_tab import CAMERA
 
 EXAMPLES: tuple[dict[str, Any], ...] = (
-    _CAMERA,
+    CAMERA,
     {"type": "GuiUpdateMessage", "uuid": "a", "updates": {"value": [1, 2]}},
     {
         "type": "TransformControlsUpdateMessage",

@@ -1,0 +1,113 @@
+"""Malformed messages from hostile tabs, while another tab works on.
+
+python -m benchmarks.attack --messages 1000000
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import json
+import random
+import threading
+import time
+from collections.abc import Iterator
+from typing import Any
+
+import msgspec
+import numpy as np
+from websockets.exceptions import WebSocketException
+
+from app.guard.connection import MAX_REFUSED
+from app.server import start
+from app.session import Session
+from tests.app.fake_tab import CAMERA, FakeTab, until
+
+_TYPES = ("GuiUpdateMessage", "GuiFormDirtyMessage", "ShareUrlRequest", "FileTransferPart", "", 7)
+
+
+def attack(messages: int, seed: int = 0) -> dict[str, Any]:
+    """Send ``messages`` malformed messages, and work in another tab until they are sent.
+
+    Returns:
+        ``messages``; ``connections`` that it took; ``seconds``; of the other tab: ``updates``, and
+        the ``median_ms`` and ``worst_ms`` from an input to its plan; ``faults`` that it met.
+    """
+    server = start(port=0, plain=True)
+    worker = FakeTab(server.url)
+    until(lambda: bool(server.sessions))
+    (session,) = server.sessions.values()
+    until(lambda: session.resting)
+    sent = [0, 0]
+    begin = time.monotonic()
+    hostile = threading.Thread(target=_attack, args=(server.url, messages, seed, sent))
+    hostile.start()
+    delays = list(_work(worker, session, hostile))
+    hostile.join()
+    seconds = time.monotonic() - begin
+    fault = session._fault
+    worker.close()
+    server.stop()
+    return {
+        "messages": sent[0],
+        "connections": sent[1],
+        "seconds": seconds,
+        "updates": len(delays),
+        "median_ms": 1e3 * float(np.median(delays)),
+        "worst_ms": 1e3 * max(delays),
+        "faults": int(fault is not None),
+    }
+
+
+def _work(tab: FakeTab, session: Session, hostile: threading.Thread) -> Iterator[float]:
+    """Time that each change of the speed takes, [s]: as long as the attack lasts, at least once."""
+    step = 0
+    while step == 0 or hostile.is_alive():
+        step += 1
+        speed = 3.0 + 0.001 * step
+        begin = time.monotonic()
+        tab.set(session.panels.stages.motion.speed, speed)
+        until(lambda speed=speed: session.frame.plan.scene.motion.speed == speed)  # type: ignore[misc]
+        yield time.monotonic() - begin
+
+
+def _attack(url: str, messages: int, seed: int, sent: list[int]) -> None:
+    chance = random.Random(seed)
+    while sent[0] < messages:
+        sent[1] += 1
+        with contextlib.suppress(WebSocketException, OSError):
+            tab = FakeTab(url, greet=False)
+            for _ in range(min(MAX_REFUSED + 1, messages - sent[0])):
+                sent[0] += 1
+                tab.send_raw(malformed(chance))
+            tab.close()
+
+
+def malformed(chance: random.Random) -> bytes | str:
+    """A message that no page sends: noise, a damaged one, or one with wrong fields."""
+    kind = chance.randrange(5)
+    if kind == 0:
+        return chance.randbytes(chance.randrange(200))
+    if kind == 1:
+        return "text" * chance.randrange(50)
+    whole = msgspec.msgpack.encode(CAMERA)
+    if kind == 2:
+        return whole[: chance.randrange(len(whole))]
+    if kind == 3:
+        field = chance.choice(sorted(CAMERA))
+        return msgspec.msgpack.encode({**CAMERA, field: {"a": [None] * chance.randrange(50)}})
+    fields = {chance.choice("abcdef"): chance.random() for _ in range(chance.randrange(9))}
+    return msgspec.msgpack.encode({"type": chance.choice(_TYPES), **fields})
+
+
+def main() -> None:
+    """Attack and print."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--messages", type=int, default=1_000_000)
+    parser.add_argument("--seed", type=int, default=0)
+    options = parser.parse_args()
+    print(json.dumps(attack(options.messages, options.seed)), flush=True)
+
+
+if __name__ == "__main__":
+    main()
