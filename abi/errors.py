@@ -10,7 +10,8 @@
         ├── NoPath            no path joins start and goal on this mesh
         ├── ClearanceNotHeld  a curve could not be kept clear of the obstacles
         ├── OutOfReach        the arm cannot follow the curve all the way
-        └── ArmNotClear       no motion was found whose whole arm keeps clear
+        ├── ArmNotClear       no motion was found whose whole arm keeps clear
+        └── NotFollowed       the same of an arm that a URDF describes
 """
 
 from __future__ import annotations
@@ -252,6 +253,28 @@ class ArmNotClear(StageError):
         first = faults[0]
         text = " ".join(fault.message for fault in faults)
         return cls(first.elbow, first.where, first.link, first.obstacle, text)
+
+
+class NotFollowed(StageError):
+    """A stretch of the curve that an arm of a URDF cannot follow.
+
+    Args:
+        first: time of the first point it misses, [s].
+        last: time of the last point it misses, [s].
+        shortfall: the largest distance by which it misses the curve, [unit].
+    """
+
+    def __init__(self, first: float, last: float, shortfall: float) -> None:
+        super().__init__(
+            "arm",
+            "out_of_reach",
+            f"From t = {first:.2f} s to {last:.2f} s the arm cannot follow the curve: out of reach "
+            f"or past a joint's limit by up to {format_length(shortfall)}.",
+            "Move the base nearer, or leave the direction of the tool free.",
+        )
+        self.first = first
+        self.last = last
+        self.shortfall = shortfall
 
 
 def format_length(length: float) -> str:

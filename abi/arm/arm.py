@@ -27,6 +27,9 @@ from abi.scene.scene import ArmSettings
 JOINTS = ("q1", "q2", "q3", "q4", "q5", "q6")
 """Names of the joints, in the order of every array of positions."""
 
+SLIDES = tuple(name == "q5" for name in JOINTS)
+"""Which joints slide."""
+
 STROKE = 0.8
 """Longest extension q5, as a part of a4: the rest of the rod stays in its sleeve."""
 

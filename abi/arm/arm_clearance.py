@@ -12,6 +12,7 @@ import numpy as np
 from abi.arm import capsule_kernels
 from abi.arm.arm import Arm, place
 from abi.arm.arm_certificate import ArmCertificate, certify_arm
+from abi.arm.joint_path_clearance import JointPathProof
 from abi.arm.surroundings import FLOOR, Surroundings
 from abi.arm.trajectory import ArmMotion
 from abi.arrays import FloatArray, IntArray, flat, read_only
@@ -68,7 +69,7 @@ class ArmClearance:
     link: str
     obstacle: int
     contacts: tuple[Contact, ...]
-    certificate: ArmCertificate | None
+    certificate: ArmCertificate | JointPathProof | None
 
     @property
     def certified(self) -> bool:

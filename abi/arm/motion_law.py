@@ -9,6 +9,7 @@ import numpy as np
 
 from abi.arm.arm import Arm
 from abi.arm.inverse_kinematics import solve
+from abi.arm.joint_course import JointCourse
 from abi.arrays import FloatArray, flat, read_only
 from abi.curves.curve import ArcLength, Curve
 from abi.curves.speed_profile import three_phase
@@ -46,6 +47,16 @@ class JointPath(NamedTuple):
     arm: Arm
     settings: ArmSettings
 
+    @property
+    def speeds(self) -> FloatArray:
+        """Largest speed of each joint, nominal, (3,), [rad/s]."""
+        return np.full(_MOVED, JOINT_SPEED)
+
+    @property
+    def scales(self) -> FloatArray:
+        """A limit of [rad/s²] in that unit, (3,)."""
+        return np.ones(_MOVED)
+
     def at(self, distances: FloatArray) -> FloatArray:
         """Positions of q1 to q3 at distances (k,) in their order, (k, 3), [rad]."""
         parameters = self.arc.parameter(distances)
@@ -57,36 +68,30 @@ class JointPath(NamedTuple):
         return np.stack([found.q1, found.q2, found.q3], axis=1)
 
 
-def motion_law(
-    curve: Curve, arc: ArcLength, settings: MotionSettings, arm: Arm, arm_settings: ArmSettings
-) -> PathProfile:
+def motion_law(path: JointPath | JointCourse, settings: MotionSettings) -> PathProfile:
     """Motion from rest to rest along a curve by a law other than the paper's three phases.
 
-    It keeps the speeds and accelerations of the joints that the inverse kinematics moves, q1 to
-    q3, with q5 as at first.
+    It keeps the speeds and accelerations of the joints that the inverse kinematics moves: of the
+    paper's arm q1 to q3, with q5 as at first.
 
     Args:
-        curve: path of the tool.
-        arc: its arc length.
+        path: joints along the curve.
         settings: law, speeds and accelerations.
-        arm: the arm.
-        arm_settings: its branch.
     """
-    rates = settings.speed, settings.acceleration, settings.deceleration
-    phases = three_phase(arc.length, *rates)
-    path = JointPath(curve, arc, arm, arm_settings)
-    limits = JointLimits(np.full(_MOVED, JOINT_SPEED), np.full(_MOVED, settings.joint_acceleration))
+    length = path.arc.length
+    limits = JointLimits(path.speeds, settings.joint_acceleration * path.scales)
     if settings.law == "time_optimal":
         profile = _time_optimal(path, limits)
         return profile.stretched(_excess(profile, path, limits))
     if settings.law == "jerk_limited":
         gentle = min(settings.acceleration, settings.deceleration)
-        profile = jerk_limited(arc.length, settings.speed, gentle, settings.jerk)
+        profile = jerk_limited(length, settings.speed, gentle, settings.jerk)
         return profile.stretched(_excess(profile, path, limits))
-    factor = _excess(phases, path, limits)
+    rates = settings.speed, settings.acceleration, settings.deceleration
+    factor = _excess(three_phase(length, *rates), path, limits)
     # a triangle's peak scales by itself: its speed is not reached
     speed, faster, slower = rates[0] / factor, rates[1] / factor**2, rates[2] / factor**2
-    return three_phase(arc.length, speed, faster, slower)
+    return three_phase(length, speed, faster, slower)
 
 
 def joint_accelerations(time: FloatArray, positions: FloatArray) -> FloatArray:
@@ -108,7 +113,7 @@ def _derivatives(length: float, joints: FloatArray) -> tuple[FloatArray, FloatAr
     return first, second
 
 
-def _excess(profile: PathProfile, path: JointPath, limits: JointLimits) -> float:
+def _excess(profile: PathProfile, path: JointPath | JointCourse, limits: JointLimits) -> float:
     """Factor, at least 1, by which a motion is to be slowed so that the limits hold.
 
     The speeds and accelerations are differences of many samples.
@@ -122,7 +127,7 @@ def _excess(profile: PathProfile, path: JointPath, limits: JointLimits) -> float
     return max(1.0, faster * _ROOM, math.sqrt(harder * _ROOM))
 
 
-def _time_optimal(path: JointPath, limits: JointLimits) -> TimedProfile:
+def _time_optimal(path: JointPath | JointCourse, limits: JointLimits) -> TimedProfile:
     """Fastest motion along the curve under the joints' limits."""
     length = path.arc.length
     distances = np.linspace(0.0, length, _GRID)

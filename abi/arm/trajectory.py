@@ -13,7 +13,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from abi.arm.arm import JOINTS, Arm, skeleton
+from abi.arm.arm import JOINTS, SLIDES, Arm, skeleton
 from abi.arm.arm_certificate import slide_bounds
 from abi.arm.inverse_kinematics import solve
 from abi.arm.separate_arm_kernels import Slide
@@ -21,7 +21,7 @@ from abi.arm.wrist_drives import wrist_positions
 from abi.arrays import FloatArray, read_only
 from abi.curves.curve import ArcLength, Curve
 from abi.curves.timed_profile import PathProfile
-from abi.errors import OutOfReach
+from abi.errors import NotFollowed, OutOfReach
 from abi.obstacles.pose import Vec3
 from abi.scene.scene import ArmSettings
 
@@ -146,6 +146,8 @@ class ArmMotion:
         unreachable: the stretches out of reach; empty when the arm follows the whole curve.
         limit_violations: one for each joint that passes a limit, where it is farthest past it.
         peak_joint_speed: largest mean speed between two samples, shape (6,), [rad/s], q5 [unit/s].
+        joints: names of the joints.
+        slides: which of them slide, so that their positions are lengths.
     """
 
     curve: Curve
@@ -159,6 +161,8 @@ class ArmMotion:
     unreachable: tuple[Stretch, ...]
     limit_violations: tuple[Violation, ...]
     peak_joint_speed: FloatArray
+    joints: tuple[str, ...] = JOINTS
+    slides: tuple[bool, ...] = SLIDES
 
     @property
     def reachable(self) -> bool:
@@ -171,11 +175,13 @@ class ArmMotion:
         return not self.limit_violations
 
     @property
-    def error(self) -> OutOfReach | None:
+    def error(self) -> OutOfReach | NotFollowed | None:
         """The worst stretch out of reach as an error to raise; None when there is none."""
         if not self.unreachable:
             return None
         worst = max(self.unreachable, key=lambda stretch: abs(stretch.shortfall))
+        if self.joints != JOINTS:
+            return NotFollowed(worst.first, worst.last, worst.shortfall)
         slide = next(
             (
                 (violation.value, violation.limit)
@@ -227,7 +233,7 @@ def follow(
         target=read_only(target),
         tool=read_only(points[:, 3].copy()),
         velocity=read_only(velocity),
-        unreachable=_stretches(time, angles.shortfall),
+        unreachable=stretches(time, angles.shortfall),
         limit_violations=_violations(time, joints, arm.limits),
         peak_joint_speed=read_only(largest / step if step > 0 else np.zeros(6)),
     )
@@ -248,7 +254,7 @@ def _lengths(vectors: FloatArray) -> FloatArray:
     return np.asarray(np.sqrt(np.einsum("ni,ni->n", vectors, vectors)))
 
 
-def _stretches(time: FloatArray, shortfall: FloatArray) -> tuple[Stretch, ...]:
+def stretches(time: FloatArray, shortfall: FloatArray) -> tuple[Stretch, ...]:
     """Runs of samples out of reach on the same side."""
     if not shortfall.any():
         return ()

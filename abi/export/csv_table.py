@@ -7,7 +7,6 @@ import io
 
 import numpy as np
 
-from abi.arm.arm import JOINTS
 from abi.export.joint_trajectory import motion_of
 from abi.planner.plan import Plan
 
@@ -19,7 +18,8 @@ def write(plan: Plan, name: str) -> bytes:
         ExportError: there is no motion.
     """
     motion, unit = motion_of(plan), plan.scene.unit
-    joints = [f"{joint} [{unit if joint == 'q5' else 'rad'}]" for joint in JOINTS]
+    named = zip(motion.joints, motion.slides, strict=True)
+    joints = [f"{joint} [{unit if slides else 'rad'}]" for joint, slides in named]
     places = [f"{axis} [{unit}]" for axis in "xyz"]
     speeds = [f"v{axis} [{unit}/s]" for axis in "xyz"]
     text = io.StringIO(newline="")

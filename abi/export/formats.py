@@ -21,6 +21,7 @@ from abi.export import (
     robot_description,
     ros_trajectory,
     spline_curves,
+    urscript,
 )
 from abi.planner.plan import Plan
 
@@ -59,6 +60,9 @@ FORMATS: dict[str, Format] = {
         "recording for Foxglove (MCAP)", "motion.mcap", (".mcap",), mcap_recording.write
     ),
     "html": Format("page that plays by itself (HTML)", "plan.html", (".html",), html_page.write),
+    "urscript": Format(
+        "program for a UR (URScript)", "motion.script", (".script",), urscript.write
+    ),
     "urdf": Format("arm (URDF)", "arm.urdf", (".urdf",), robot_description.write),
 }
 """Formats by the names that ``abi export --format`` takes."""

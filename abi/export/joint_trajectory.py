@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from abi.arm.arm import JOINTS
 from abi.arm.trajectory import ArmMotion
 from abi.arrays import FloatArray, read_only
 from abi.errors import ExportError
+from abi.obstacles.pose import METRES
 from abi.planner.plan import Plan
 
 
@@ -63,14 +63,14 @@ def joint_trajectory(plan: Plan) -> JointTrajectory:
             f"{joint.limit:.4g} at {joint.since:.2f} s.",
             "Move the base, or change the elbow or the forces of the drives.",
         )
-    assert plan.arm is not None
-    scale = np.array([plan.arm.metres if name == "q5" else 1.0 for name in JOINTS])
+    metres = METRES[plan.scene.unit]
+    scale = np.array([metres if slides else 1.0 for slides in motion.slides])
     positions = motion.positions * scale
     velocities = np.gradient(positions, motion.time, axis=0, edge_order=2)
     accelerations = np.gradient(velocities, motion.time, axis=0, edge_order=2)
     velocities[[0, -1]] = 0.0
     return JointTrajectory(
-        names=JOINTS,
+        names=motion.joints,
         time=motion.time,
         positions=read_only(positions),
         velocities=read_only(velocities),

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from abi.arm.arm import urdf
+from abi.arm.any_arm import description as describe
 from abi.arrays import FloatArray
 from abi.export.joint_trajectory import joint_trajectory, motion_of
 from abi.export.mcap_schemas import SCHEMAS
@@ -41,7 +41,7 @@ def write(plan: Plan, name: str) -> bytes:
 
     motion_of(plan)
     assert plan.arm is not None
-    description = urdf(plan.arm)
+    description = describe(plan.arm)
     file = io.BytesIO()
     writer = Writer(file)
     writer.start(profile="", library="abi-visualiser")

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from abi.arm.arm import urdf
+from abi.arm.any_arm import description
 from abi.errors import ExportError
 from abi.planner.plan import Plan
 
 
 def write(plan: Plan, name: str) -> bytes:
-    """The arm with the plan's link lengths, at the origin of its root link.
+    """The arm at the origin of its root link: the paper's with the plan's lengths, or its URDF.
 
     Raises:
         ExportError: the plan has no arm.
     """
     if plan.arm is None:
         raise ExportError("There is no arm to export: the scene was not planned.")
-    return urdf(plan.arm).encode()
+    return description(plan.arm).encode()

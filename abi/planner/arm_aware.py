@@ -20,7 +20,7 @@ from abi.arm.arm_certificate import ArmRefutation
 from abi.arm.arm_clearance import arm_clearance, named
 from abi.arm.arm_sight import ArmSight
 from abi.arm.liquid import largest_tilt
-from abi.arm.motion_law import motion_law
+from abi.arm.motion_law import JointPath, motion_law
 from abi.arm.surroundings import Surroundings
 from abi.arm.wrist_drives import wrist_positions
 from abi.curves import fit_quadratic, speed_profile
@@ -185,7 +185,7 @@ def _motion(task: ArmTask, elbow: Elbow, curve: Curve, arc: ArcLength) -> dict[s
             arc.length, asked.speed, asked.acceleration, asked.deceleration
         )
     else:
-        profile = motion_law(curve, arc, asked, arm, settings)
+        profile = motion_law(JointPath(curve, arc, arm, settings), asked)
     motion = trajectory.follow(curve, arc, profile, arm, settings, task.samples)
     clearance = arm_clearance(motion, arm, task.obstacles, task.around, settings.clearance)
     if not (motion.reachable and motion.within_limits and clearance.certified):

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from abi.arm.arm import Arm
+from abi.arm.any_arm import AnyArm
 from abi.arm.arm_clearance import ArmClearance
 from abi.arm.trajectory import ArmMotion
 from abi.curves.bspline import BSpline
@@ -53,7 +53,7 @@ class Plan:
     followed: str | None = None
     profile: PathProfile | None = None
     liquid_tilt: float | None = None
-    arm: Arm | None = None
+    arm: AnyArm | None = None
     motion: ArmMotion | None = None
     arm_clearance: ArmClearance | None = None
     tool_only: Fit[BSpline] | Fit[Quadratic] | None = None

@@ -11,8 +11,10 @@ from typing import Any
 
 import numpy as np
 
-from abi.arm.arm import JOINTS, Arm, place
+from abi.arm.any_arm import AnyArm, placed_capsules
+from abi.arm.arm import Arm
 from abi.arm.arm_clearance import ArmClearance, named
+from abi.arm.joint_path_clearance import JointPathProof
 from abi.arm.link_capsules import BODIES
 from abi.arm.trajectory import ArmMotion
 from abi.clearance.certificate import Certificate
@@ -187,7 +189,7 @@ def timing(
 
 
 def arm(
-    model: Arm | None,
+    model: AnyArm | None,
     motion: ArmMotion | None,
     clearance: ArmClearance | None,
     ms: Times,
@@ -201,11 +203,11 @@ def arm(
     has_obstacles = clearance.obstacle >= 0
     nearest = {"link": clearance.link, "obstacle": clearance.obstacle, "time": clearance.time}
     section = {
-        "joints": list(JOINTS),
+        "joints": list(motion.joints),
         "time": motion.time[keep].tolist(),
         "positions": motion.positions[keep].tolist(),
         "tool": motion.tool[keep].tolist(),
-        "elbow": motion.elbow,
+        "elbow": motion.elbow if isinstance(model, Arm) else None,
         "reachable": motion.reachable,
         "clearance": _finite(clearance.distance),
         "certified": clearance.certified,
@@ -220,15 +222,14 @@ def arm(
         "ms": ms["arm"],
     }
     if full:
-        ends = place(model, motion.positions[keep])
         section["capsules"] = [
             {
-                "link": capsule.link,
-                "radius": capsule.radius,
-                "from": ends[:, k, 0].tolist(),
-                "to": ends[:, k, 1].tolist(),
+                "link": link,
+                "radius": radius,
+                "from": ends[:, 0].tolist(),
+                "to": ends[:, 1].tolist(),
             }
-            for k, capsule in enumerate(model.capsules)
+            for link, radius, ends in placed_capsules(model, motion.positions[keep])
         ]
     return section
 
@@ -269,10 +270,12 @@ def _certificate(proof: Certificate) -> dict[str, Any]:
     }
 
 
-def _arm_certificate(arm: Arm, clearance: ArmClearance) -> Section:
+def _arm_certificate(arm: AnyArm, clearance: ArmClearance) -> Section:
     proof = clearance.certificate
     if proof is None:
         return None
+    if isinstance(proof, JointPathProof) or not isinstance(arm, Arm):
+        return {"margin": _finite(proof.margin)}
     columns = (
         *(proof.pieces.tolist(), proof.poses.tolist(), proof.capsule.tolist()),
         *(proof.obstacle.tolist(), proof.directions.tolist()),

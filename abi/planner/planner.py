@@ -12,12 +12,15 @@ from typing import Any
 
 from abi import compiling
 from abi.arm import trajectory
-from abi.arm.arm import Arm
+from abi.arm.any_arm import arm_of
 from abi.arm.arm_clearance import ArmClearance, arm_clearance
+from abi.arm.joint_course import JointCourse, joint_course
 from abi.arm.liquid import largest_tilt
-from abi.arm.motion_law import motion_law
+from abi.arm.motion_law import JointPath, motion_law
 from abi.arm.surroundings import surroundings
 from abi.arm.trajectory import ArmMotion
+from abi.arm.urdf_arm import UrdfArm
+from abi.arm.urdf_motion import course_clearance, follow_course
 from abi.curves import fit_bspline, fit_quadratic, speed_profile
 from abi.curves.bspline import BSpline
 from abi.curves.curve import ArcLength, Curve, arc_length
@@ -30,7 +33,7 @@ from abi.planner.arm_aware import ArmAware, ArmTask
 from abi.planner.exclusion_cache import ExclusionCache
 from abi.planner.plan import Plan
 from abi.planner.stage import Stage
-from abi.scene.scene import ArmSettings, MotionSettings, Scene
+from abi.scene.scene import MotionSettings, Scene
 from abi.search.graph import build as build_graph
 from abi.search.search import SEARCHES
 from abi.taut.lower_bound import lower_bound
@@ -80,11 +83,14 @@ class Planner:
         self._profile = Stage(speed_profile.three_phase)
         self._law = Stage(motion_law)
         self._tilt = Stage(largest_tilt)
-        self._arm = Stage(Arm.from_settings)
+        self._arm = Stage(arm_of)
         self._surroundings = Stage(surroundings)
         self._motion = {elbow: Stage(trajectory.follow) for elbow in ("up", "down")}
         self._arm_clearance = {elbow: Stage(arm_clearance) for elbow in ("up", "down")}
         self._arm_aware, self._arm_aware_ms = ArmAware(), 0.0
+        self._course = Stage(joint_course)
+        self._course_motion = Stage(follow_course)
+        self._course_clearance = Stage(course_clearance)
 
     def __call__(self, scene: Scene, chosen_only: bool = False) -> Plan:
         """Plan ``scene``; a scene without a plan returns a plan whose ``error`` is set.
@@ -147,7 +153,7 @@ class Planner:
         )
         results["bspline_arc"] = bspline_arc = self._bspline_arc(bspline.curve)
 
-        # 5 quadratic curve with exact ends, and a motion along one of the curves
+        # 5 quadratic curve with exact ends
         results["quadratic"] = quadratic = self._quadratic(
             bspline, bspline_arc, obstacles, clearance, scene.quadratic.mode
         )
@@ -158,9 +164,13 @@ class Planner:
         arc = bspline_arc if is_bspline else quadratic_arc
 
         # 6 inverse kinematics of the arm along that motion
+        if isinstance(arm, UrdfArm):
+            self._follow_by_urdf(scene, curve, arc, arm, obstacles, results)
+            return
         around = self._surroundings(arm, obstacles, workspace.min[2])
         for k, elbow in enumerate(scene.arm.branches):
-            profile = self._timed(curve, arc, scene.motion, arm, scene.arm.on(elbow))
+            along = JointPath(curve, arc, arm, scene.arm.on(elbow))
+            profile = self._timed(along, scene.motion)
             joints = self._motion[elbow](curve, arc, profile, arm, scene.arm.on(elbow), SAMPLES)
             clear = self._arm_clearance[elbow](joints, arm, obstacles, around, scene.arm.clearance)
             if k == 0 or _is_clear(joints, clear):
@@ -174,13 +184,33 @@ class Planner:
         if joints.error is not None and results["motion"] is joints:
             raise joints.error
 
-    def _timed(
-        self, curve: Curve, arc: ArcLength, asked: MotionSettings, arm: Arm, settings: ArmSettings
-    ) -> PathProfile:
+    def _follow_by_urdf(
+        self,
+        scene: Scene,
+        curve: Curve,
+        arc: ArcLength,
+        arm: UrdfArm,
+        obstacles: ObstacleSet,
+        results: dict[str, Any],
+    ) -> None:
+        """Stage 6 of an arm that a URDF describes: its first pose is chosen, the curve stays."""
+        floor = min(float(arm.base[2]), scene.workspace.min[2])
+        course = self._course(curve, arc, arm, obstacles, floor)
+        results["profile"] = profile = self._timed(course, scene.motion)
+        results["liquid_tilt"] = self._tilt(curve, arc, profile, scene.unit)
+        results["motion"] = joints = self._course_motion(course, profile, SAMPLES)
+        results["arm_clearance"] = self._course_clearance(
+            joints, arm, obstacles, floor, scene.arm.clearance
+        )
+        if joints.error is not None:
+            raise joints.error
+
+    def _timed(self, path: JointPath | JointCourse, asked: MotionSettings) -> PathProfile:
         """Motion along a curve by the law that is asked for."""
         if asked.law == "three_phase":
-            return self._profile(arc.length, asked.speed, asked.acceleration, asked.deceleration)
-        return self._law(curve, arc, asked, arm, settings)
+            rates = asked.speed, asked.acceleration, asked.deceleration
+            return self._profile(path.arc.length, *rates)
+        return self._law(path, asked)
 
     def _avoid(self, task: ArmTask, names: list[str], results: dict[str, Any]) -> None:
         """Replace results by those of a motion whose whole arm is clear, or raise."""
@@ -211,7 +241,10 @@ class Planner:
             "arm": self._arm.ms
             + self._surroundings.ms
             + sum(stage.ms for stage in self._motion.values())
-            + sum(stage.ms for stage in self._arm_clearance.values()),
+            + sum(stage.ms for stage in self._arm_clearance.values())
+            + self._course.ms
+            + self._course_motion.ms
+            + self._course_clearance.ms,
             "arm_aware": self._arm_aware_ms,
         }
 

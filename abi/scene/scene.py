@@ -14,6 +14,7 @@ from pydantic import (
     BaseModel,
     ConfigDict,
     Field,
+    PrivateAttr,
     Strict,
     ValidationError,
     ValidationInfo,
@@ -28,6 +29,8 @@ from abi.obstacles.obstacle_set import Obstacles
 from abi.obstacles.pose import LARGEST, Length, Vec3
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.obstacles.triangle_mesh.surface import Surface
+from abi.robot.robot import Robot, joints_to, usual_tip
+from abi.robot.robot_files import SHIPPED, load_robot
 from abi.scene import scene_archive
 from abi.scene.field_errors import first_error
 from abi.scene.scene_changes import changed_value, without_stale_meshes
@@ -156,13 +159,19 @@ class MotionSettings(_Settings):
 class ArmSettings(_Settings):
     """Stage 6. Link lengths and base position in [unit]; ``q5`` is the initial extension, [unit].
 
+    ``model`` is the paper's ``abi``, or ``urdf``: a shipped arm's name, or a ``.urdf`` or ``.zip``
+    file. Of that, ``tip`` is the link whose origin is the tool, and ``axis`` the direction that
+    the tip's z axis is held to, None for any; what else there is but ``base`` is the paper's.
     With ``avoid`` the plan keeps the whole arm clear, its links ``clearance`` [unit] from every
     obstacle; ``elbow`` auto takes the branch with the shorter path.
     ``forces``, ``masses`` and ``radii`` are the paper's Q4..Q6, m4..m6 and i4..i6: the generalised
     forces [kg·unit²/s² for q4 and q6, kg·unit/s² for q5], masses [kg] and radii of inertia [unit].
     """
 
-    model: Literal["abi"] = "abi"
+    model: Literal["abi", "urdf"] = "abi"
+    urdf: Annotated[str, Strict(), Field(min_length=1, max_length=200)] = "ur5e"
+    tip: Annotated[str, Strict(), Field(max_length=100)] | None = None
+    axis: Vec3 | None = None
     base: Vec3 = (3.0, -3.0, 0.0)
     a1: Length = 1.0
     a2: Length = 2.0
@@ -177,6 +186,29 @@ class ArmSettings(_Settings):
     masses: Rates = (1.0, 1.0, 1.0)
     radii: Rates = (1.0, 1.0, 1.0)
     dynamics: Literal["corrected", "as_printed"] = "corrected"
+
+    _robot: Robot | None = PrivateAttr(None)
+
+    @model_validator(mode="after")
+    def _load(self, info: ValidationInfo) -> Self:
+        if self.axis is not None and not any(self.axis):
+            raise SceneError("arm.axis", self.axis, "a direction, or none for any")
+        if self.model == "urdf":
+            meshes = (info.context or {}).get("meshes", MeshSource())
+            self._robot = load_robot(self.urdf, meshes)
+            joints_to(self._robot, self.tool)
+        return self
+
+    @property
+    def robot(self) -> Robot:
+        """The arm that ``urdf`` names, where that is the model."""
+        assert self._robot is not None
+        return self._robot
+
+    @property
+    def tool(self) -> str:
+        """Name of the link whose origin is the tool: ``tip``, or what is usual for the arm."""
+        return self.tip or SHIPPED.get(self.urdf) or usual_tip(self.robot)
 
     @property
     def branches(self) -> tuple[Elbow, ...]:
@@ -281,9 +313,12 @@ class Scene(_Settings):
 
     @property
     def meshes(self) -> MeshSource:
-        """Surfaces of its meshes by file name."""
+        """Surfaces of its meshes, and its arm as an archive, by file name."""
         shapes = [shape for shape in self.obstacles if isinstance(shape, MeshShape)]
-        return MeshSource({shape.file: shape.surface for shape in shapes})
+        files: dict[str, bytes | Surface] = {shape.file: shape.surface for shape in shapes}
+        if self.arm.model == "urdf" and self.arm.urdf not in SHIPPED:
+            files[self.arm.urdf] = self.arm.robot.archive
+        return MeshSource(files)
 
     def replace(self, files: Mapping[str, bytes | Surface] | None = None, **changes: Any) -> Self:
         """The scene with changed fields; itself where they equal its own.

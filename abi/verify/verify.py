@@ -119,6 +119,11 @@ def _arm_verdict(
 ) -> Verdict:
     if plan["arm"] is None:
         return Verdict("arm", False, "the plan has no motion")
+    if scene.arm.model != "abi":
+        reason = (
+            "its proof is in floating point, and what is exact here knows the paper's arm alone"
+        )
+        return Verdict("arm", False, reason)
     section, timing = mapping("arm", plan["arm"]), mapping("timing", plan.get("timing"))
     if section.get("certificate") is None:
         claim = "it claims to be certified but" if section.get("certified") else "it"

@@ -1,4 +1,4 @@
-"""The arm, drawn from its URDF, and the trace its tool leaves.
+"""The paper's arm, drawn from its URDF, and the trace that the tool of any arm leaves.
 
 What reads a URDF takes long to import; it is imported when there is an arm to draw.
 """
@@ -17,6 +17,7 @@ import viser.transforms
 from abi import assets
 from abi.arm.arm import JOINTS, Arm, urdf
 from abi.arm.trajectory import ArmMotion, rest_pose
+from abi.arm.urdf_arm import UrdfArm
 from abi.arrays import FloatArray
 from abi.planner.plan import Plan
 from app import style
@@ -105,9 +106,10 @@ class ArmLayer:
 
     def draw(self, frame: Frame) -> None:
         """Draw the arm at the frame's time, and the trace up to then."""
-        if frame.plan.arm is not None and frame.plan.arm is not self._arm:
-            self._place(frame.plan.arm)
-        if frame.playing and frame.plan.motion is not None:
+        arm = frame.plan.arm
+        if isinstance(arm, Arm) and arm is not self._arm:
+            self._place(arm)
+        if frame.playing and frame.plan.motion is not None and not isinstance(arm, UrdfArm):
             self._play(frame, frame.plan.motion)
         else:
             if self._playback.stop(frame.time):
@@ -115,7 +117,7 @@ class ArmLayer:
             self._pose(frame.plan, frame.time)
         clearance = frame.plan.arm_clearance
         self._redden(frozenset() if clearance is None else clearance.touching(frame.time))
-        self._base.visible = "arm" in frame.shown
+        self._base.visible = "arm" in frame.shown and not isinstance(arm, UrdfArm)
         self._trace.visible = "trace" in frame.shown
 
     def _place(self, arm: Arm) -> None:
@@ -145,10 +147,11 @@ class ArmLayer:
         self._posed = moment
         if motion is None:
             self._trace.points = NO_SEGMENTS
-            if plan.arm is not None:
+            if isinstance(plan.arm, Arm):
                 self._move(rest_pose(plan.arm, plan.scene.arm, plan.scene.start))
             return
-        self._move(np.array([np.interp(time, motion.time, q) for q in motion.positions.T]))
+        if isinstance(plan.arm, Arm):
+            self._move(np.array([np.interp(time, motion.time, q) for q in motion.positions.T]))
         count = int(np.searchsorted(motion.time, time, side="right"))
         if self._traced != (motion, count):
             self._traced = (motion, count)

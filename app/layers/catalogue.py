@@ -23,6 +23,7 @@ from app.layers.search_order import SearchOrderLayer
 from app.layers.stage_notes import StageNotesLayer
 from app.layers.tables import TablesLayer
 from app.layers.theatre import TheatreLayer
+from app.layers.urdf_arm import UrdfArmLayer
 from app.layers.workspace import WorkspaceLayer
 
 LAYERS = (
@@ -41,5 +42,5 @@ LAYERS = (
     GhostLayer,
     NamesLayer,
 )
-SLOW_LAYERS = (ArmLayer, ArmGhostsLayer, ArmRegionsLayer, LessonLayer)
+SLOW_LAYERS = (ArmLayer, UrdfArmLayer, ArmGhostsLayer, ArmRegionsLayer, LessonLayer)
 """Sent in a message of their own: the page takes longer to show them than all the others."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import time as clock
 from typing import ClassVar
 
@@ -9,6 +10,7 @@ import numpy as np
 import viser
 from viser import uplot
 
+from abi.arm.arm import JOINTS
 from abi.arrays import FloatArray
 from abi.planner.plan import Plan
 from app import style
@@ -53,6 +55,9 @@ class PlotsLayer:
         self._unit = unit
         self._quick = (self._speed, self._angles, self._slide, self._clearance)
         self._plots = (*self._quick, self._tool, self._pull, self._rates)
+        self._layout = layout
+        self._named: tuple[str, ...] = ()
+        self._other: viser.GuiUplotHandle | None = None
         self._motion: object = None
         self._resting: object = None
         self._marked: tuple[object, float] = (None, -1.0)
@@ -71,6 +76,8 @@ class PlotsLayer:
     def _replace(self, plan: Plan) -> None:
         """Keep the plan's motion, to be sent with the line."""
         self._motion = plan.motion
+        if self._other is not None and (plan.motion is None or plan.motion.joints == JOINTS):
+            self._other.visible = False
         self._next_mark = 0.0
         self._no_motion.visible = plan.motion is None
         if plan.motion is None:
@@ -91,11 +98,15 @@ class PlotsLayer:
             self._clearance.title = _clearance_title(self._unit)
             self._tool.title = _tool_title(self._unit)
             self._pull.title = _pull_title(self._unit)
-        self._data = (
-            (self._speed, (time, speed, *velocity.T)),
-            (self._angles, (time, *positions[:, [0, 1, 2, 3, 5]].T)),
-            (self._slide, (time, positions[:, 4])),
-        )
+        self._data = ((self._speed, (time, speed, *velocity.T)),)
+        if motion.joints == JOINTS:
+            self._data += (
+                (self._angles, (time, *positions[:, [0, 1, 2, 3, 5]].T)),
+                (self._slide, (time, positions[:, 4])),
+            )
+        else:
+            self._angles.visible = self._slide.visible = False
+            self._data += ((self._others(motion.joints), (time, *positions.T)),)
         clearance = plan.arm_clearance
         if clearance is not None and clearance.obstacle >= 0:
             self._data += ((self._clearance, (time, clearance.distances[samples])),)
@@ -111,16 +122,29 @@ class PlotsLayer:
             return
         samples = slice(None, None, max(1, len(motion.time) // 100))
         time = motion.time[samples]
-        rates = joint_speeds(motion)[samples][:, [0, 1, 2, 3, 5]]
-        self._data += (
-            (self._pull, (time, *acceleration(motion)[samples].T)),
-            (self._rates, (time, *rates.T)),
-        )
+        self._data += ((self._pull, (time, *acceleration(motion)[samples].T)),)
+        if motion.joints == JOINTS:
+            rates = joint_speeds(motion)[samples][:, [0, 1, 2, 3, 5]]
+            self._data += ((self._rates, (time, *rates.T)),)
+        else:
+            self._rates.visible = False
         distances = tool_clearance(plan)
         if distances is None:
             self._tool.visible = False
         else:
             self._data += ((self._tool, (time, distances[samples])),)
+
+    def _others(self, joints: tuple[str, ...]) -> viser.GuiUplotHandle:
+        """The plot of joints with these names, made anew where they are others."""
+        if joints != self._named or self._other is None:
+            if self._other is not None:
+                self._other.remove()
+            lines = zip(joints, itertools.cycle(style.JOINTS), strict=False)
+            with self._layout.joints:
+                title = "joint positions [rad, m]"
+                self._other = _plot(self._layout.client.gui, title, tuple(lines), 250)
+            self._named = joints
+        return self._other
 
     def _mark(self, time: float, playing: bool) -> None:
         """Draw the line at ``time`` [s]; while ``playing`` not at every frame."""

@@ -20,6 +20,8 @@ from app.numbers import distance_to_show, format_length, format_lower_bound, for
 
 _PIECES_SHOWN = 2
 _CONTACTS_SHOWN = 3
+_SPILLS = 60
+"""Tilt of a liquid's level at which no cup holds it, [°]."""
 _LAWS = {
     "time_optimal": "As fast as the joints may",
     "jerk_limited": "Of limited jerk",
@@ -126,7 +128,10 @@ def _motion(plan: Plan) -> str:
 def _tilt(plan: Plan) -> str:
     if plan.liquid_tilt is None:
         return ""
-    return f" Liquid in a cup would tilt by up to {math.degrees(plan.liquid_tilt):.2g}°."
+    tilt = math.degrees(plan.liquid_tilt)
+    if tilt > _SPILLS:
+        return " A cup of liquid would be spilt."
+    return f" Liquid in a cup would tilt by up to {tilt:.{0 if tilt >= 10 else 1}f}°."
 
 
 def _arm(plan: Plan) -> str:

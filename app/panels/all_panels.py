@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import viser
 
+from abi.obstacles.triangle_mesh.surface import Surface
 from abi.scene.scene import Scene
 from app.challenge import parsed
 from app.frame import Drawable, Frame, Switch
@@ -121,7 +122,8 @@ class AllPanels:
             self.obstacles.point_out(number)
         self.editor.apply(scene)
         sections = {name: part for panel in self._inputs for name, part in panel.read().items()}
-        return scene.replace(self.editor.surfaces, **sections)
+        files: dict[str, bytes | Surface] = {**self.editor.surfaces, **self.stages.arm.model.files}
+        return scene.replace(files, **sections)
 
     def cue(self, scene: Scene) -> Cue | None:
         """What a lesson or a figure sets now, starting from ``scene``; None for nothing."""

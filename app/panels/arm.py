@@ -7,6 +7,7 @@ from typing import Any
 import viser
 
 from abi.scene.scene import Scene
+from app.panels.arm_model import ArmModelPanel
 from app.panels.widgets import DIGITS, Choice, Wake
 
 DYNAMICS = {"physics (½·t²)": "corrected", "as printed in the paper": "as_printed"}
@@ -15,8 +16,9 @@ DYNAMICS = {"physics (½·t²)": "corrected", "as printed in the paper": "as_pri
 class ArmPanel:
     """The ``arm`` section of a scene."""
 
-    def __init__(self, gui: viser.GuiApi, scene: Scene, wake: Wake) -> None:
-        arm = scene.arm
+    def __init__(self, client: viser.ClientHandle, scene: Scene, wake: Wake) -> None:
+        arm, gui = scene.arm, client.gui
+        self.model = ArmModelPanel(client, wake)
         self.avoid = gui.add_checkbox(
             "avoid with the whole arm",
             arm.avoid,
@@ -63,18 +65,11 @@ class ArmPanel:
         self.radii = gui.add_vector3(
             "radii of gyration", arm.radii, step=0.1, hint="Of wrist, slide and gripper."
         )
-        for box in (
-            self.clearance,
-            self.base,
-            self.columns,
-            self.links,
-            self.extension,
-            self.forces,
-            self.masses,
-            self.radii,
-        ):
+        boxes = self.columns, self.links, self.extension, self.forces, self.masses, self.radii
+        for box in (self.base, self.clearance, *boxes):
             box.precision = DIGITS
             box.on_update(wake)
+        self._papers = (self.avoid, self.elbow, self.dynamics.handle, *boxes)
         self.elbow.on_update(wake)
         self.avoid.on_update(wake)
         self.write(scene)
@@ -83,8 +78,11 @@ class ArmPanel:
         """Read the section as typed."""
         a1, a2 = self.columns.value
         a3, a4, a5 = self.links.value
+        model = self.model.read()
+        self._show_papers()
         return {
             "arm": {
+                **model,
                 "avoid": self.avoid.value,
                 "elbow": self.elbow.value,
                 "clearance": self.clearance.value,
@@ -114,6 +112,8 @@ class ArmPanel:
             (self.radii, "radii of gyration"),
         ):
             handle.label = f"{name} [{scene.unit}]"
+        self.model.write(scene)
+        self._show_papers()
         self.elbow.value = arm.elbow
         self.avoid.value = arm.avoid
         self.clearance.value = arm.clearance
@@ -125,3 +125,8 @@ class ArmPanel:
         self.forces.value = arm.forces
         self.masses.value = arm.masses
         self.radii.value = arm.radii
+
+    def _show_papers(self) -> None:
+        """Show what only the paper's arm has where that is chosen."""
+        for handle in self._papers:
+            handle.visible = self.model.is_paper

@@ -32,7 +32,7 @@ class StagePanels:
         with folders["quadratic"]:
             self.motion = MotionPanel(gui, scene, wake)
         with folders["arm"]:
-            self.arm = ArmPanel(gui, scene, wake)
+            self.arm = ArmPanel(layout.client, scene, wake)
         self._panels = (self.mesh, self.search, self.spline, self.motion, self.arm)
 
     def read(self) -> dict[str, Any]:

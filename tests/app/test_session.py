@@ -234,7 +234,7 @@ def test_a_plan_is_downloaded_in_the_format_chosen(
         session.client, "add_notification", lambda title, body, **_: refused.append(body)
     )
     panel = session.panels.exports
-    for row in FORMATS.values():
+    for row in (row for name, row in FORMATS.items() if name != "urscript"):
         fake.set(panel.format, row.label)
         until(lambda label=row.label: panel.format.value == label)  # type: ignore[misc]
         fake.set(panel.button, True)

@@ -42,10 +42,22 @@ class MeshSource:
             SceneError: no such name, a name outside the folder, or not a mesh.
         """
         _check_name(name)
+        if PurePosixPath(name).suffix.lower() not in SUFFIXES:
+            raise SceneError("file", name, f"a file that ends in {', '.join(SUFFIXES)}")
         content = self.files.get(name)
         if isinstance(content, Surface):
             return content
         return _surface(content if content is not None else self._content(name), name)
+
+    def content(self, name: str) -> bytes:
+        """Content of the file ``name``, at most 50 MB.
+
+        Raises:
+            SceneError: no such name, or a name outside the folder.
+        """
+        _check_name(name)
+        content = self.files.get(name)
+        return content if isinstance(content, bytes) else self._content(name)
 
     def _content(self, name: str) -> bytes:
         if self.folder is None:
@@ -73,8 +85,6 @@ def _check_name(name: str) -> None:
         raise SceneError("file", name, 'a plain name with "/" between folders')
     if name.startswith("/") or any(part in ("", ".", "..") for part in parts):
         raise SceneError("file", name, "a path inside the scene's folder, without .. or a root")
-    if PurePosixPath(name).suffix.lower() not in SUFFIXES:
-        raise SceneError("file", name, f"a file that ends in {', '.join(SUFFIXES)}")
 
 
 @lru_cache(maxsize=8)

@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from abi.arm.arm import Arm
 from abi.arm.liquid import GRAVITY, tilts
 from abi.arm.motion_law import JOINT_SPEED, JointPath, joint_accelerations
 from abi.arm.trajectory import Trajectory
@@ -37,7 +38,7 @@ def followed(plan: Plan) -> tuple[Curve, ArcLength]:
 def peaks(plan: Plan, samples: int = 3001) -> tuple[float, float]:
     """Largest joint speed and acceleration of q1 to q3, by differences."""
     assert plan.profile is not None
-    assert plan.arm is not None
+    assert isinstance(plan.arm, Arm)
     times = np.linspace(0, plan.profile.duration, samples)
     path = JointPath(*followed(plan), plan.arm, plan.scene.arm)
     positions = path.at(plan.profile(times))

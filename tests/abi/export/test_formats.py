@@ -13,7 +13,7 @@ import yourdfpy
 from mcap.reader import make_reader
 from ruamel.yaml import YAML
 
-from abi.arm.arm import JOINTS, forward
+from abi.arm.arm import JOINTS, Arm, forward
 from abi.errors import ExportError
 from abi.export import formats
 from abi.export.formats import FORMATS
@@ -107,7 +107,7 @@ def test_the_ros_message_leads_the_tool_along_the_curve(planned: Plan) -> None:
     positions = np.array([point["positions"] for point in points])
     velocities = np.array([point["velocities"] for point in points])
     arm, motion = planned.arm, planned.motion
-    assert arm is not None
+    assert isinstance(arm, Arm)
     assert motion is not None
     scene_units = positions / np.where(np.array(JOINTS) == "q5", METRES["cm"], 1.0)
 
@@ -205,7 +205,7 @@ def test_the_recording_plays_the_motion(planned: Plan) -> None:
     attached = {part.name: part.data.decode() for part in reader.iter_attachments()}
 
     arm, motion = planned.arm, planned.motion
-    assert arm is not None
+    assert isinstance(arm, Arm)
     assert motion is not None
     assert len(messages["/joint_states"]) == len(messages["/tool"]) == len(motion.time)
     stamps = [stamp for stamp, _ in messages["/tool"]]
@@ -233,7 +233,7 @@ def test_yourdfpy_moves_the_arm_to_where_the_motion_does(planned: Plan) -> None:
     robot = yourdfpy.URDF.load(io.BytesIO(content(planned, "urdf")))
     points = json.loads(content(planned, "ros", "a.json"))["points"]
     arm, motion = planned.arm, planned.motion
-    assert arm is not None
+    assert isinstance(arm, Arm)
     assert motion is not None
 
     for index in (0, 100, 400):

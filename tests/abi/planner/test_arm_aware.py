@@ -39,7 +39,7 @@ def test_a_motion_is_found_and_no_dense_sample_touches(seed: int) -> None:
         return  # the tool has none
     assert found.error is None
     assert found.motion is not None
-    assert found.arm is not None
+    assert isinstance(found.arm, Arm)
     assert found.arm_clearance is not None
     assert found.arm_clearance.certified
     assert found.motion.within_limits

@@ -58,6 +58,9 @@ def test_every_certificate_of_a_plan_is_accepted(name: str) -> None:
     data = json.loads(json.dumps(plan(scene).to_dict(), allow_nan=False))
     for one in verify(data, scene.meshes):
         section = data[one.curve]
+        if one.curve == "arm" and scene.arm.model != "abi":
+            assert not one.proven  # what is exact knows the paper's arm alone
+            continue
         assert one.proven == (section is not None and section["certificate"] is not None)
         if not one.proven:
             continue

@@ -1,0 +1,191 @@
+"""A serial chain of a robot's joints, from its base to the tip that is the tool."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+
+from abi.arm.chain_kernels import POSE, ChainTable, chain_poses, follow_path
+from abi.arrays import FloatArray, flat, read_only
+from abi.obstacles.pose import Vec3
+from abi.robot.robot import Joint, Robot, joints_to
+
+_MOST_ITERATIONS = 40
+_PULL = 3.0
+"""Part of the way back to the first pose that spare joints go while the tip travels a reach."""
+
+
+@dataclass(frozen=True, eq=False)
+class Carried:
+    """A link that a chain carries.
+
+    Attributes:
+        link: its name.
+        frame: number of the joint that moves it, -1 where it stands still.
+        pose: frame from link, shape (4, 4), [m]; world from link where it stands still.
+    """
+
+    link: str
+    frame: int
+    pose: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Chain:
+    """Joints between a base and a tip, standing in the world; lengths in [m].
+
+    Attributes:
+        robot: of which it is.
+        joints: the m joints that move it, from the base on.
+        names: names of the n coordinates.
+        table: the same as numbers.
+        limits: lowest and highest of each coordinate, shape (n, 2).
+        speeds: largest of each, (n,), [1/s]; inf where none is known.
+        efforts: largest torque or force of each, (n,); inf where none is known.
+        slides: which coordinates are lengths, (n,).
+        carried: every link that stands on the base or hangs on a joint.
+    """
+
+    robot: Robot
+    joints: tuple[Joint, ...]
+    names: tuple[str, ...]
+    table: ChainTable
+    limits: FloatArray
+    speeds: FloatArray
+    efforts: FloatArray
+    slides: tuple[bool, ...]
+    carried: tuple[Carried, ...]
+
+    @classmethod
+    def of(
+        cls, robot: Robot, tip: str, position: Vec3 = (0.0, 0.0, 0.0), axis: Vec3 | None = None
+    ) -> Self:
+        """The chain from the robot's root to a tip.
+
+        Args:
+            robot: the robot.
+            tip: name of the link whose origin is the tool.
+            position: of the root, world, [m].
+            axis: direction that the tip's z axis is held to, world; None for any.
+
+        Raises:
+            SceneError: no such tip, or nothing moves it.
+        """
+        way = joints_to(robot, tip)
+        joints = tuple(joint for joint in way if joint.kind != "fixed")
+        by_name = {joint.name: joint for joint in robot.joints}
+        names = tuple(dict.fromkeys(_coordinate(joint) for joint in joints))
+        base = np.eye(4)
+        base[:3, 3] = position
+        origins, last = _origins(way, base)
+        moving = [by_name[name] for name in names]
+        limits = np.array([(joint.low, joint.high) for joint in moving])
+        reach = sum(float(np.linalg.norm(pose[:3, 3])) for pose in [*origins[1:], last])
+        reach += sum(joint.high - joint.low for joint in joints if joint.kind == "prismatic")
+        direction = np.array(axis or (0.0, 0.0, 1.0))
+        table = ChainTable(
+            origins=flat(np.stack([_packed(pose) for pose in [*origins, last]])),
+            axes=flat(np.stack([joint.axis for joint in joints])),
+            slides=read_only(np.array([joint.kind == "prismatic" for joint in joints])),
+            source=read_only(
+                np.array([names.index(_coordinate(joint)) for joint in joints], dtype=np.int32)
+            ),
+            factor=read_only(np.array([j.mimic.factor if j.mimic else 1.0 for j in joints])),
+            offset=read_only(np.array([j.mimic.offset if j.mimic else 0.0 for j in joints])),
+            limits=flat(limits),
+            direction=read_only(direction / np.linalg.norm(direction)),
+            aims=axis is not None,
+            reach=max(reach, 1e-6),
+        )
+        return cls(
+            robot=robot,
+            joints=joints,
+            names=names,
+            table=table,
+            limits=read_only(limits),
+            speeds=read_only(np.array([joint.speed for joint in moving])),
+            efforts=read_only(np.array([joint.effort for joint in moving])),
+            slides=tuple(joint.kind == "prismatic" for joint in moving),
+            carried=tuple(_carried(robot, joints, base)),
+        )
+
+    def poses(self, positions: FloatArray) -> FloatArray:
+        """World from frame behind each joint and of the tip.
+
+        Args:
+            positions: coordinates, shape (k, n).
+
+        Returns:
+            Shape (k, m + 1, 3, 4), [m].
+        """
+        found = np.empty(len(positions) * POSE * (len(self.joints) + 1))
+        chain_poses(self.table, flat(positions), len(self.names), found)
+        packed = found.reshape(len(positions), -1, POSE)
+        turns = packed[..., :9].reshape(*packed.shape[:2], 3, 3)
+        return np.concatenate([turns, packed[..., 9:, None]], axis=-1)
+
+    def follow(self, start: FloatArray, targets: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Lead the tip along points, each from the one before.
+
+        Args:
+            start: coordinates to begin with, (n,), within the limits.
+            targets: points in the order they are passed, shape (k, 3), [m], world.
+
+        Returns:
+            Coordinates (k, n), within the limits; and what each lacks, (k,), over the reach, or in
+            [rad] where the direction of the tip lacks more.
+        """
+        count = len(self.names)
+        joints, errors = np.empty(len(targets) * count), np.empty(len(targets))
+        room = np.empty(POSE * (len(self.joints) + 1) + 8 * count + 48)
+        arguments = (self.table, flat(start), flat(targets), _PULL, _MOST_ITERATIONS)
+        follow_path(*arguments, room, joints, errors)
+        return joints.reshape(-1, count), errors
+
+
+def _coordinate(joint: Joint) -> str:
+    """Name of the coordinate that moves a joint."""
+    return joint.name if joint.mimic is None else joint.mimic.joint
+
+
+def _origins(way: tuple[Joint, ...], base: FloatArray) -> tuple[list[FloatArray], FloatArray]:
+    """Origins of the moving joints, fixed ones folded in, and that of the tip, (4, 4)."""
+    origins, pose = [], base
+    for joint in way:
+        pose = pose @ joint.origin
+        if joint.kind != "fixed":
+            origins.append(pose)
+            pose = np.eye(4)
+    return origins, pose
+
+
+def _carried(robot: Robot, joints: tuple[Joint, ...], base: FloatArray) -> Iterator[Carried]:
+    """Every link with the frame that moves it; joints beside the chain rest nearest to 0."""
+    frames = {robot.root: (-1, base)}
+    for joint in robot.joints:
+        frame, pose = frames[joint.parent]
+        if joint in joints:
+            frames[joint.child] = (joints.index(joint), np.eye(4))
+        else:
+            frames[joint.child] = (frame, pose @ joint.origin @ _at_rest(joint))
+    for link, (frame, pose) in frames.items():
+        yield Carried(link, frame, read_only(pose))
+
+
+def _at_rest(joint: Joint) -> FloatArray:
+    """Motion of a joint at its position nearest to 0, (4, 4)."""
+    pose, value = np.eye(4), min(max(0.0, joint.low), joint.high)
+    if joint.kind == "prismatic":
+        pose[:3, 3] = joint.axis * value
+    elif value:
+        x, y, z = joint.axis
+        cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+        pose[:3, :3] += np.sin(value) * cross + (1 - np.cos(value)) * cross @ cross
+    return pose
+
+
+def _packed(pose: FloatArray) -> FloatArray:
+    return np.concatenate([pose[:3, :3].ravel(), pose[:3, 3]])

@@ -1,0 +1,339 @@
+"""Kinematics of any serial chain: poses of its frames, and joints that follow a path.
+
+A chain is a row of joints, each after a fixed transform; lengths are in [m]. Poses are flat: nine
+numbers of the rotation by rows, then the origin.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numba.extending import register_jitable
+
+from abi.arrays import BoolArray, FloatArray, IntArray
+from abi.compiled import FLAGS, FLOATS, IDS, NEW_FLOATS, compiled
+
+POSE = 12
+"""Numbers of a pose."""
+
+_SMALL = 1e-12
+
+
+class ChainTable(NamedTuple):
+    """A chain of m joints with n coordinates, and the task of its tip.
+
+    Attributes:
+        origins: poses of each joint in the frame before it, then of the tip, flat (12 (m + 1),).
+        axes: unit vectors of the joints in their frames, flat (3 m,).
+        slides: whether a joint is prismatic, (m,).
+        source: coordinate that moves each joint, (m,).
+        factor: joint position for one of the coordinate, (m,); 1 but for mimic joints.
+        offset: joint position at coordinate 0, (m,).
+        limits: lowest and highest of each coordinate, flat (2 n,).
+        direction: unit vector that the tip's z axis is to point along, world, (3,).
+        aims: whether it is to.
+        reach: length that errors of place are compared with, [m].
+    """
+
+    origins: FloatArray
+    axes: FloatArray
+    slides: BoolArray
+    source: IntArray
+    factor: FloatArray
+    offset: FloatArray
+    limits: FloatArray
+    direction: FloatArray
+    aims: bool
+    reach: float
+
+
+TABLE = ChainTable(FLOATS, FLOATS, FLAGS, IDS, FLOATS, FLOATS, FLOATS, FLOATS, True, 1.0)
+"""Example of a chain."""
+
+
+@register_jitable
+def _append(poses: FloatArray, at: int, before: int, origins: FloatArray, joint: int) -> None:
+    """Pose ``at`` = pose ``before`` times an origin; with ``before`` < 0 the origin itself."""
+    to, a, b = POSE * at, POSE * before, POSE * joint
+    if before < 0:
+        for k in range(POSE):
+            poses[to + k] = origins[b + k]
+        return
+    for r in range(3):
+        x, y, z = poses[a + 3 * r], poses[a + 3 * r + 1], poses[a + 3 * r + 2]
+        for c in range(3):
+            poses[to + 3 * r + c] = (
+                x * origins[b + c] + y * origins[b + 3 + c] + z * origins[b + 6 + c]
+            )
+        poses[to + 9 + r] = (
+            poses[a + 9 + r] + x * origins[b + 9] + y * origins[b + 10] + z * origins[b + 11]
+        )
+
+
+@register_jitable
+def _turn(poses: FloatArray, at: int, axis: tuple[float, float, float], angle: float) -> None:
+    """Turn pose ``at`` about an axis of its own (Rodrigues' formula)."""
+    s, c = math.sin(angle), math.cos(angle)
+    x, y, z = axis
+    v = 1 - c
+    r = (
+        (c + x * x * v, x * y * v - z * s, x * z * v + y * s),
+        (y * x * v + z * s, c + y * y * v, y * z * v - x * s),
+        (z * x * v - y * s, z * y * v + x * s, c + z * z * v),
+    )
+    for row in range(3):
+        k = POSE * at + 3 * row
+        a, b, d = poses[k], poses[k + 1], poses[k + 2]
+        for column in range(3):
+            poses[k + column] = a * r[0][column] + b * r[1][column] + d * r[2][column]
+
+
+@register_jitable
+def place_chain(chain: ChainTable, q: FloatArray, first: int, poses: FloatArray) -> None:
+    """Write the poses behind each joint and of the tip, flat (12 (m + 1),).
+
+    Args:
+        chain: the chain.
+        q: coordinates; those of this pose begin at ``first``.
+        first: their place.
+        poses: written.
+    """
+    count = len(chain.source)
+    for joint in range(count):
+        _append(poses, joint, joint - 1, chain.origins, joint)
+        value = chain.factor[joint] * q[first + chain.source[joint]] + chain.offset[joint]
+        x, y, z = chain.axes[3 * joint], chain.axes[3 * joint + 1], chain.axes[3 * joint + 2]
+        if chain.slides[joint]:
+            for r in range(3):
+                k = POSE * joint + 3 * r
+                along = poses[k] * x + poses[k + 1] * y + poses[k + 2] * z
+                poses[POSE * joint + 9 + r] += along * value
+        else:
+            _turn(poses, joint, (x, y, z), value)
+    _append(poses, count, count - 1, chain.origins, count)
+
+
+@register_jitable
+def fill_jacobian(
+    chain: ChainTable, poses: FloatArray, rows: int, count: int, jacobian: FloatArray
+) -> None:
+    """Write the task's derivatives by the coordinates, flat (rows count,).
+
+    Rows 0 to 2 are the tip's place over the chain's reach, rows 3 to 5 the turn of its z axis; what
+    turns it about itself is left out.
+    """
+    for k in range(rows * count):
+        jacobian[k] = 0.0
+    tip = POSE * len(chain.source)
+    for joint in range(len(chain.source)):
+        k, column, factor = POSE * joint, chain.source[joint], chain.factor[joint]
+        x, y, z = chain.axes[3 * joint], chain.axes[3 * joint + 1], chain.axes[3 * joint + 2]
+        wx = poses[k] * x + poses[k + 1] * y + poses[k + 2] * z
+        wy = poses[k + 3] * x + poses[k + 4] * y + poses[k + 5] * z
+        wz = poses[k + 6] * x + poses[k + 7] * y + poses[k + 8] * z
+        scale = factor / chain.reach
+        if chain.slides[joint]:
+            jacobian[column] += scale * wx
+            jacobian[count + column] += scale * wy
+            jacobian[2 * count + column] += scale * wz
+            continue
+        a = poses[tip + 9] - poses[k + 9]
+        b = poses[tip + 10] - poses[k + 10]
+        c = poses[tip + 11] - poses[k + 11]
+        jacobian[column] += scale * (wy * c - wz * b)
+        jacobian[count + column] += scale * (wz * a - wx * c)
+        jacobian[2 * count + column] += scale * (wx * b - wy * a)
+        if rows == 6:
+            zx, zy, zz = poses[tip + 2], poses[tip + 5], poses[tip + 8]
+            own = wx * zx + wy * zy + wz * zz
+            jacobian[3 * count + column] += factor * (wx - own * zx)
+            jacobian[4 * count + column] += factor * (wy - own * zy)
+            jacobian[5 * count + column] += factor * (wz - own * zz)
+
+
+@register_jitable
+def _error(
+    chain: ChainTable, poses: FloatArray, targets: FloatArray, sample: int, error: FloatArray
+) -> float:
+    """Write what the task lacks, over the reach and in [rad]; its largest part."""
+    tip = POSE * len(chain.source)
+    size = 0.0
+    for r in range(3):
+        error[r] = (targets[3 * sample + r] - poses[tip + 9 + r]) / chain.reach
+        size += error[r] * error[r]
+    size = math.sqrt(size)
+    if not chain.aims:
+        return size
+    x, y, z = poses[tip + 2], poses[tip + 5], poses[tip + 8]
+    u, v, w = chain.direction[0], chain.direction[1], chain.direction[2]
+    a, b, c = y * w - z * v, z * u - x * w, x * v - y * u
+    sine, cosine = math.sqrt(a * a + b * b + c * c), x * u + y * v + z * w
+    angle = math.atan2(sine, cosine)
+    if sine < 1e-9 and cosine < 0:  # opposite: any way round
+        a, b, c = (0.0, z, -y) if abs(x) < 0.9 else (-z, 0.0, x)
+        sine = math.sqrt(a * a + b * b + c * c)
+    scale = angle / sine if sine > 1e-9 else 1.0
+    error[3], error[4], error[5] = a * scale, b * scale, c * scale
+    return max(size, angle)
+
+
+@register_jitable
+def _solve(matrix: FloatArray, right: FloatArray, rows: int) -> None:
+    """Replace ``right`` by the solution of a positive definite system (Cholesky), in place."""
+    for i in range(rows):
+        for j in range(i + 1):
+            total = matrix[rows * i + j]
+            for k in range(j):
+                total -= matrix[rows * i + k] * matrix[rows * j + k]
+            if i == j:
+                matrix[rows * i + i] = math.sqrt(max(total, 1e-300))
+            else:
+                matrix[rows * i + j] = total / matrix[rows * j + j]
+    for i in range(rows):
+        for k in range(i):
+            right[i] -= matrix[rows * i + k] * right[k]
+        right[i] /= matrix[rows * i + i]
+    for back in range(rows):
+        i = rows - 1 - back
+        for k in range(i + 1, rows):
+            right[i] -= matrix[rows * k + i] * right[k]
+        right[i] /= matrix[rows * i + i]
+
+
+@register_jitable
+def _step(
+    chain: ChainTable,
+    q: FloatArray,
+    jacobian: FloatArray,
+    error: FloatArray,
+    drift: FloatArray,
+    damping: float,
+    step: FloatArray,
+    matrix: FloatArray,
+    right: FloatArray,
+) -> None:
+    """Write the damped least-squares step with what of ``drift`` the task leaves free.
+
+    A joint that would leave its limits is held, and the others are asked again.
+    """
+    rows, count = (6 if chain.aims else 3), len(q)
+    for attempt in range(3):
+        scale = 0.0
+        for i in range(rows):
+            right[i] = error[i]
+            for j in range(count):
+                right[i] -= jacobian[count * i + j] * drift[j]
+            for k in range(rows):
+                total = 0.0
+                for j in range(count):
+                    total += jacobian[count * i + j] * jacobian[count * k + j]
+                matrix[rows * i + k] = total
+            scale += matrix[rows * i + i]
+        for i in range(rows):
+            # the turn of the z axis has two directions in three rows
+            matrix[rows * i + i] += (damping + (1e-9 if rows == 6 else 1e-12)) * scale + 1e-14
+        _solve(matrix, right, rows)
+        held = False
+        for j in range(count):
+            step[j] = drift[j]
+            for i in range(rows):
+                step[j] += jacobian[count * i + j] * right[i]
+            low, high = chain.limits[2 * j], chain.limits[2 * j + 1]
+            if (q[j] <= low and step[j] < 0) or (q[j] >= high and step[j] > 0):
+                step[j], drift[j] = 0.0, 0.0
+                for i in range(rows):
+                    held = held or jacobian[count * i + j] != 0
+                    jacobian[count * i + j] = 0.0
+        if not held or attempt == 2:
+            break
+
+
+@register_jitable
+def _move(chain: ChainTable, q: FloatArray, step: FloatArray, longest: float) -> None:
+    """Add the step, made shorter where a joint would move more than ``longest``, within limits."""
+    most = _SMALL
+    for j in range(len(q)):
+        most = max(most, abs(step[j]))
+    share = min(1.0, longest / most)
+    for j in range(len(q)):
+        moved = q[j] + share * step[j]
+        q[j] = min(max(moved, chain.limits[2 * j]), chain.limits[2 * j + 1])
+
+
+@compiled(
+    example=(TABLE, FLOATS, FLOATS, 0.0, 0, NEW_FLOATS, NEW_FLOATS, NEW_FLOATS),
+)
+def follow_path(
+    chain: ChainTable,
+    start: FloatArray,
+    targets: FloatArray,
+    pull: float,
+    most: int,
+    room: FloatArray,
+    joints: FloatArray,
+    errors: FloatArray,
+) -> None:
+    """Lead the tip along points by damped least squares, each from the one before.
+
+    Where the chain has joints to spare, they drift to ``start`` as the tip goes on: in the step
+    from one point to the next alone, so that the motion stays smooth.
+
+    Args:
+        chain: the chain and its task.
+        start: coordinates to begin with and to drift to, (n,).
+        targets: k points, flat (3 k,), [m], world.
+        pull: part of the way to ``start`` for each reach that the tip travels.
+        most: iterations for a point, at most.
+        room: for poses, flat (12 (m + 1) + 8 n + 54,).
+        joints: coordinates at each point, flat (k n,); written.
+        errors: what each lacks, over the reach or in [rad], (k,); written.
+    """
+    count, rows = len(start), 6 if chain.aims else 3
+    size = POSE * (len(chain.source) + 1)
+    poses, rest = room[:size], room[size:]
+    jacobian, rest = rest[: 6 * count], rest[6 * count :]
+    drift, step, rest = rest[:count], rest[count : 2 * count], rest[2 * count :]
+    error, right, matrix = rest[:6], rest[6:12], rest[12:48]
+    q = start.copy()
+    for sample in range(len(errors)):
+        damping, last = 1e-12, 1e9
+        for attempt in range(most):
+            place_chain(chain, q, 0, poses)
+            errors[sample] = _error(chain, poses, targets, sample, error)
+            predicts = attempt == 0 and sample > 0
+            if errors[sample] < 1e-11 and not predicts:
+                break
+            way = math.sqrt(error[0] ** 2 + error[1] ** 2 + error[2] ** 2)
+            for j in range(count):
+                drift[j] = min(1.0, pull * way) * (start[j] - q[j]) if predicts else 0.0
+            if attempt > 0:
+                falls = errors[sample] < last
+                damping = max(damping * 0.1, 1e-12) if falls else min(max(damping, 1e-8) * 100, 0.1)
+            last = errors[sample]
+            fill_jacobian(chain, poses, rows, count, jacobian)
+            _step(chain, q, jacobian, error, drift, damping, step, matrix, right)
+            _move(chain, q, step, 0.5)
+        place_chain(chain, q, 0, poses)
+        errors[sample] = _error(chain, poses, targets, sample, error)
+        for j in range(count):
+            joints[sample * count + j] = q[j]
+
+
+@compiled(example=(TABLE, FLOATS, 0, NEW_FLOATS))
+def chain_poses(chain: ChainTable, joints: FloatArray, count: int, poses: FloatArray) -> None:
+    """Write the poses of all frames at many joint positions.
+
+    Args:
+        chain: the chain.
+        joints: coordinates, flat (k count,).
+        count: number of coordinates n.
+        poses: behind each joint and of the tip, flat (12 k (m + 1),); written.
+    """
+    size = POSE * (len(chain.source) + 1)
+    one = np.empty(size)
+    for sample in range(len(poses) // size):
+        place_chain(chain, joints, sample * count, one)
+        for k in range(size):
+            poses[sample * size + k] = one[k]

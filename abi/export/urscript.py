@@ -1,0 +1,71 @@
+"""The motion as URScript, for the controllers of Universal Robots."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from abi.arrays import FloatArray
+from abi.errors import ExportError
+from abi.export.joint_trajectory import joint_trajectory
+from abi.planner.plan import Plan
+
+JOINTS = (
+    "shoulder_pan_joint",
+    "shoulder_lift_joint",
+    "elbow_joint",
+    "wrist_1_joint",
+    "wrist_2_joint",
+    "wrist_3_joint",
+)
+"""Joints of every arm of Universal Robots, in the controller's order."""
+
+_PERIOD = 0.008
+"""Shortest time between two poses, [s]: a controller's cycle or a few."""
+_NOTE = """\
+# SAFETY. This program moves a real arm. The plan knows the obstacles of its scene alone: no people,
+# cables, tool, payload, or limits set on the robot. Before it runs:
+#   1. Read it, and run it in the simulator (URSim) first.
+#   2. Check the mounting, the payload and the tool in the installation, and the safety limits.
+#   3. Clear the cell. First the arm moves to the first pose in a straight way of its joints,
+#      slowly; that way is NOT part of the plan and not checked against anything.
+#   4. Begin with the speed slider at 10 % and a hand on the emergency stop.
+"""
+
+
+def write(plan: Plan, name: str) -> bytes:
+    """A program that goes to the first pose slowly, and then along the motion by ``servoj``.
+
+    Raises:
+        ExportError: the arm is none of Universal Robots, or cannot execute the motion.
+    """
+    trajectory = joint_trajectory(plan)
+    if trajectory.names != JOINTS:
+        raise ExportError(
+            "URScript is for the arms of Universal Robots, and this is another.",
+            "Choose the UR5e in stage 6, or arm: {model: urdf, urdf: ur5e} in the scene.",
+        )
+    clearance = plan.arm_clearance
+    proven = clearance is not None and clearance.certified
+    state = "proven clear of the scene's obstacles" if proven else "NOT proven clear"
+    duration = float(trajectory.time[-1])
+    count = max(2, min(len(trajectory.time), int(duration / _PERIOD) + 1))
+    times = np.linspace(0.0, duration, count)
+    poses = [np.interp(times, trajectory.time, column) for column in trajectory.positions.T]
+    step = duration / (count - 1)
+    lines = [f"  servoj({_pose(pose)}, t={step:.6f})" for pose in np.array(poses).T[1:]]
+    first = _pose(trajectory.positions[0])
+    return "\n".join(
+        [
+            _NOTE + f"# The arm's whole motion of {duration:.2f} s is {state}.",
+            "def abi_motion():",
+            f"  movej({first}, a=0.5, v=0.2)",
+            *lines,
+            "  stopj(1.0)",
+            "end",
+            "",
+        ]
+    ).encode()
+
+
+def _pose(positions: FloatArray) -> str:
+    return "[" + ", ".join(f"{position:.6f}" for position in positions.tolist()) + "]"

@@ -1,0 +1,1 @@
+"""Other people's arms: URDF files with their meshes, read strictly."""

@@ -1,0 +1,147 @@
+"""Capsules that contain a link: what a robot's shapes are taken for in distances."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+import scipy
+import trimesh
+
+from abi.arrays import FloatArray, read_only
+from abi.robot.robot import Link, Shape
+
+_SECTIONS = 32
+_PARTS = 3
+"""Capsules of a link, at most."""
+_WORTH = 0.8
+"""One more capsule is taken where all together are smaller than this part of those before."""
+_STEPS = 60
+
+
+class Capsule(NamedTuple):
+    """All points within ``radius`` of a segment, [m].
+
+    Attributes:
+        low, high: ends of the segment in the link's frame, shape (3,).
+        radius: of the capsule.
+    """
+
+    low: FloatArray
+    high: FloatArray
+    radius: float
+
+    @property
+    def volume(self) -> float:
+        """Volume, [m³]."""
+        length = float(np.linalg.norm(self.high - self.low))
+        return math.pi * self.radius**2 * (length + 4 / 3 * self.radius)
+
+
+@lru_cache(maxsize=512)
+def bounding_capsules(link: Link) -> tuple[Capsule, ...]:
+    """Up to three capsules whose union contains a link's shapes; none of a frame."""
+    if not link.shapes:
+        return ()
+    triangles = np.concatenate([_triangles(shape) for shape in link.shapes])
+    best = _row(triangles, 1)
+    for count in range(2, _PARTS + 1):
+        more = _row(triangles, count)
+        if sum(part.volume for part in more) < _WORTH * sum(part.volume for part in best):
+            best = more
+    return best
+
+
+def _triangles(shape: Shape) -> FloatArray:
+    """Corners (n, 3, 3) in the link's frame of triangles around a shape."""
+    if shape.kind == "mesh":
+        corners = shape.vertices[shape.faces]
+    else:
+        corners = np.asarray(_around_solid(shape).triangles)
+    return np.asarray(corners @ shape.pose[:3, :3].T + shape.pose[:3, 3])
+
+
+def _around_solid(shape: Shape) -> trimesh.Trimesh:
+    """Triangles that contain a box, sphere or cylinder."""
+    solid: trimesh.Trimesh
+    radius, length, _ = shape.size
+    if shape.kind == "box":
+        solid = trimesh.creation.box(extents=shape.size)
+    elif shape.kind == "sphere":
+        solid = trimesh.creation.icosphere(subdivisions=2)
+        flattest = np.einsum("ij,ij->i", solid.triangles_center, solid.face_normals).min()
+        solid.apply_scale(radius / float(flattest))  # type: ignore[no-untyped-call]
+    else:
+        around = radius / math.cos(math.pi / _SECTIONS)
+        solid = trimesh.creation.cylinder(radius=around, height=length, sections=_SECTIONS)
+    return solid
+
+
+def _row(triangles: FloatArray, count: int) -> tuple[Capsule, ...]:
+    """Capsules around the parts of triangles between planes across their longest axis."""
+    points = triangles.reshape(-1, 3)
+    axis = _principal_axes(points)[0]
+    along = points @ axis
+    cuts = np.linspace(along.min(), along.max(), count + 1)
+    if count == 1:
+        return (_around(points),)
+    pad = 1e-9 * (1 + float(np.abs(points).max()))
+    parts = (_between(triangles, axis, a - pad, b + pad) for a, b in itertools.pairwise(cuts))
+    return tuple(_around(part) for part in parts if len(part))
+
+
+def _between(triangles: FloatArray, axis: FloatArray, low: float, high: float) -> FloatArray:
+    """Corners (n, 3) of what of the triangles lies between two planes across ``axis``."""
+    for sign, height in ((1.0, low), (-1.0, high)):
+        if not len(triangles):
+            break
+        vertices, faces = triangles.reshape(-1, 3), np.arange(3 * len(triangles)).reshape(-1, 3)
+        vertices, faces, _ = trimesh.intersections.slice_faces_plane(  # type: ignore[no-untyped-call]
+            vertices, faces, sign * axis, height * axis
+        )
+        triangles = np.asarray(vertices)[faces]
+    return triangles.reshape(-1, 3)
+
+
+def _around(points: FloatArray) -> Capsule:
+    """The smallest of the capsules around points along their principal axes."""
+    hull = _corners(points)
+    return min((_along(hull, axis) for axis in _principal_axes(hull)), key=_volume)
+
+
+def _volume(capsule: Capsule) -> float:
+    return capsule.volume
+
+
+def _along(points: FloatArray, axis: FloatArray) -> Capsule:
+    """Capsule along ``axis`` around points (n, 3)."""
+    across = points - np.outer(points @ axis, axis)
+    centre = across.mean(axis=0)
+    # the least circle around them, by steps towards the farthest (Bădoiu and Clarkson, 2003)
+    for step in range(1, _STEPS):
+        farthest = int(np.einsum("ij,ij->i", across - centre, across - centre).argmax())
+        centre = centre + (across[farthest] - centre) / (step + 1)
+    radial = np.linalg.norm(across - centre, axis=1)
+    radius = float(radial.max())
+    cap = np.sqrt(radius**2 - radial**2)
+    low, high = float((points @ axis + cap).min()), float((points @ axis - cap).max())
+    if low > high:
+        low = high = (low + high) / 2
+    ends = read_only(centre + low * axis), read_only(centre + high * axis)
+    return Capsule(*ends, radius * (1 + 1e-9) + 1e-12)
+
+
+def _principal_axes(points: FloatArray) -> FloatArray:
+    """Unit vectors (3, 3), the direction of the largest spread first."""
+    return np.asarray(np.linalg.svd(points - points.mean(axis=0), full_matrices=False)[2])
+
+
+def _corners(points: FloatArray) -> FloatArray:
+    """Corners of the convex hull; all points where it is flat."""
+    try:
+        return np.asarray(points[scipy.spatial.ConvexHull(points).vertices])
+    except scipy.spatial.QhullError:
+        return points

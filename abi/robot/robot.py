@@ -1,0 +1,160 @@
+"""A robot as its URDF describes it: links, joints, shapes and inertias, checked and in order.
+
+The format: http://wiki.ros.org/urdf/XML. Lengths in [m], angles in [rad], masses in [kg].
+"""
+
+from __future__ import annotations
+
+import io
+import zipfile
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal, NamedTuple
+
+from abi.arrays import FloatArray, IntArray
+from abi.errors import SceneError
+from abi.obstacles.pose import Vec3
+
+MOST_JOINTS = 16
+"""Joints between root and tip, at most."""
+
+JointKind = Literal["revolute", "continuous", "prismatic", "fixed"]
+
+
+@dataclass(frozen=True, eq=False)
+class Shape:
+    """A solid of a link.
+
+    Attributes:
+        kind: ``box``, ``sphere``, ``cylinder`` or ``mesh``.
+        size: edges of a box; radius, 0, 0 of a sphere; radius, length, 0 of a cylinder about its z;
+            scale of a mesh.
+        pose: link from shape, shape (4, 4).
+        vertices: of a mesh, scaled, shape (n, 3) in the shape's frame; empty otherwise.
+        faces: of a mesh, shape (m, 3).
+    """
+
+    kind: Literal["box", "sphere", "cylinder", "mesh"]
+    size: Vec3
+    pose: FloatArray
+    vertices: FloatArray
+    faces: IntArray
+
+
+@dataclass(frozen=True, eq=False)
+class Link:
+    """A body.
+
+    Attributes:
+        name: of the link.
+        shapes: what it is made of; none for a frame.
+        mass: 0 where the file gives none.
+        centre: centre of mass in the link's frame, shape (3,).
+        inertia: about that centre along the link's axes, shape (3, 3).
+    """
+
+    name: str
+    shapes: tuple[Shape, ...]
+    mass: float
+    centre: FloatArray
+    inertia: FloatArray
+
+
+class Mimic(NamedTuple):
+    """A joint that follows another: its position is ``factor`` times the other's + ``offset``."""
+
+    joint: str
+    factor: float
+    offset: float
+
+
+@dataclass(frozen=True, eq=False)
+class Joint:
+    """A joint between two links.
+
+    Attributes:
+        name: of the joint.
+        kind: how it moves.
+        parent, child: names of its links.
+        origin: parent link from joint, shape (4, 4).
+        axis: unit vector in the joint's frame, shape (3,).
+        low, high: limits, [rad] or [m]; those of a continuous joint are ±2π.
+        speed: largest, [rad/s] or [m/s]; inf where the file gives none.
+        effort: largest torque or force, [N·m] or [N]; inf where the file gives none.
+        mimic: the joint that it follows; None for one that moves by itself.
+    """
+
+    name: str
+    kind: JointKind
+    parent: str
+    child: str
+    origin: FloatArray
+    axis: FloatArray
+    low: float
+    high: float
+    speed: float
+    effort: float
+    mimic: Mimic | None
+
+
+@dataclass(frozen=True, eq=False)
+class Robot:
+    """Links joined into a tree; compares by the files it was read from.
+
+    Attributes:
+        name: of the robot.
+        root: name of the link that nothing carries.
+        links: by name.
+        joints: parents before children.
+        notes: sentences on what was left out.
+        archive: the URDF and its meshes, as a zip.
+    """
+
+    name: str
+    root: str
+    links: Mapping[str, Link]
+    joints: tuple[Joint, ...]
+    notes: tuple[str, ...] = ()
+    archive: bytes = b""
+
+    @property
+    def urdf(self) -> str:
+        """Text of its URDF."""
+        with zipfile.ZipFile(io.BytesIO(self.archive)) as archive:
+            (name,) = (one for one in archive.namelist() if one.lower().endswith(".urdf"))
+            return archive.read(name).decode(errors="replace")
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Robot) and self.archive == other.archive
+
+    def __hash__(self) -> int:
+        return hash(self.archive)
+
+
+def joints_to(robot: Robot, tip: str) -> tuple[Joint, ...]:
+    """Joints from the root to a link, fixed ones too.
+
+    Raises:
+        SceneError: there is no such link, nothing moves it, or too many joints do.
+    """
+    if tip not in robot.links:
+        names = ", ".join([*robot.links][-6:])
+        raise SceneError("arm.tip", tip, f"the name of a link, as {names}")
+    by_child = {joint.child: joint for joint in robot.joints}
+    way: list[Joint] = []
+    link = tip
+    while link in by_child:
+        way.append(by_child[link])
+        link = by_child[link].parent
+    if not 1 <= sum(joint.kind != "fixed" for joint in way) <= MOST_JOINTS:
+        raise SceneError("arm.tip", tip, f"a link that 1 to {MOST_JOINTS} joints move")
+    return tuple(reversed(way))
+
+
+def usual_tip(robot: Robot) -> str:
+    """The link that most joints move; of several the last."""
+    depth = {robot.root: 0}
+    for joint in robot.joints:
+        depth[joint.child] = depth[joint.parent] + (joint.kind != "fixed")
+    most = max(depth.values())
+    return [link for link, count in depth.items() if count == most][-1]

@@ -1,0 +1,214 @@
+"""Plans for arms that a URDF describes: followed, proven clear, and the same in every unit."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from abi import compiling
+from abi.arm.chain_kernels import chain_poses, follow_path
+from abi.arm.urdf_arm import UrdfArm
+from abi.arrays import FloatArray
+from abi.errors import ExportError, SceneError
+from abi.export.formats import FORMATS
+from abi.planner.plan import Plan
+from abi.planner.planner import Planner
+from abi.robot.robot_files import SHIPPED
+from abi.scene.scene import Scene, load_scene
+from abi.verify.verify import verify
+from tests.abi.robot.robots import arm, packed
+
+KITCHEN = load_scene("kitchen-ur5e")
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _compiled() -> None:
+    compiling.all_kernels()
+    for kernel in (follow_path, chain_poses):
+        kernel.compile()
+
+
+@pytest.fixture(scope="module")
+def kitchen() -> Plan:
+    return Planner()(KITCHEN)
+
+
+def link_points(one: UrdfArm, positions: FloatArray) -> FloatArray:
+    """Corners of all links that move, at joint positions (k, n), [unit], world."""
+    poses = one.chain.poses(positions / one.scales)
+    found = []
+    for carried in one.chain.carried:
+        for shape in one.chain.robot.links[carried.link].shapes:
+            if carried.frame >= 0 and shape.kind == "mesh":
+                own = shape.vertices[::7] @ shape.pose[:3, :3].T + shape.pose[:3, 3]
+                own = own @ carried.pose[:3, :3].T + carried.pose[:3, 3]
+                pose = poses[:, carried.frame]
+                found.append(np.einsum("kij,nj->kni", pose[:, :, :3], own) + pose[:, None, :, 3])
+    return np.concatenate(found, axis=1) / one.metres
+
+
+def test_the_links_keep_what_is_proven_between_the_samples_too(kitchen: Plan) -> None:
+    motion, clearance, one = kitchen.motion, kitchen.arm_clearance, kitchen.arm
+    assert kitchen.error is None
+    assert isinstance(one, UrdfArm)
+    assert motion is not None
+    assert clearance is not None
+    assert clearance.certified
+
+    random = np.random.default_rng(0)
+    times = random.uniform(0, motion.time[-1], 300)
+    positions = np.stack([np.interp(times, motion.time, q) for q in motion.positions.T], axis=1)
+    points = link_points(one, positions).reshape(-1, 3)
+    nearest = min(float(shape.signed_distance(points).min()) for shape in KITCHEN.obstacles)
+    assert nearest >= clearance.distance > 0
+    assert points[:, 2].min() >= -0.01  # only the capsules of what stands on the floor reach below
+
+
+@pytest.mark.parametrize("axis", [None, (0.0, 0.0, -1.0)])
+@pytest.mark.parametrize("name", SHIPPED)
+def test_shipped_arms_follow_the_curve(name: str, axis: tuple[float, float, float] | None) -> None:
+    scene = KITCHEN.replace(arm={"urdf": name, "axis": axis})
+    made = Planner()(scene)
+    motion, one = made.motion, made.arm
+
+    assert made.error is None
+    assert isinstance(one, UrdfArm)
+    assert motion is not None
+    assert np.abs(motion.tool - motion.target).max() < 1e-4 * one.chain.table.reach
+    assert (motion.positions >= one.limits[:, 0] - 1e-12).all()
+    assert (motion.positions <= one.limits[:, 1] + 1e-12).all()
+    if axis is not None:
+        poses = one.chain.poses(motion.positions)
+        np.testing.assert_allclose(poses[:, -1, :, 2], np.tile(axis, (len(poses), 1)), atol=1e-5)
+    data = made.to_dict(full=True)
+    assert data["arm"]["joints"] == list(one.joints)
+    assert len(data["arm"]["capsules"]) == len(one.capsules)
+    assert json.loads(json.dumps(data)) == data
+
+
+def scaled(factor: float, unit: str) -> Scene:
+    """The kitchen in another unit."""
+    data: dict[str, Any] = KITCHEN.to_dict()
+    data["unit"] = unit
+    for section, fields in (
+        ("workspace", ("min", "max")),
+        ("mesh", ("pitch",)),
+        ("spline", ("clearance",)),
+        ("motion", ("speed", "acceleration", "deceleration", "jerk")),
+        ("arm", ("base",)),
+    ):
+        for name in fields:
+            data[section][name] = (np.array(data[section][name]) * factor).tolist()
+    for name in ("start", "goal"):
+        data[name] = [x * factor for x in data[name]]
+    for obstacle in data["obstacles"]:
+        for name in {"size", "position", "radius", "height"} & obstacle.keys():
+            obstacle[name] = (np.array(obstacle[name]) * factor).tolist()
+    return Scene.from_dict(data)
+
+
+def test_metres_and_centimetres_give_the_same_motion(kitchen: Plan) -> None:
+    other = Planner()(scaled(100, "cm"))
+
+    assert other.error is None
+    assert kitchen.motion is not None
+    assert other.motion is not None
+    # roundings of the searches for path and curve are not the same
+    assert other.motion.time[-1] == pytest.approx(kitchen.motion.time[-1], rel=1e-3)
+    np.testing.assert_allclose(other.motion.positions, kitchen.motion.positions, atol=1e-3)
+    assert kitchen.arm_clearance is not None
+    assert other.arm_clearance is not None
+    # how much of it is proven depends on roundings of the search for a proof
+    assert other.arm_clearance.distance == pytest.approx(
+        100 * kitchen.arm_clearance.distance, rel=0.02
+    )
+
+
+def test_out_of_reach_is_said() -> None:
+    made = Planner()(KITCHEN.replace(arm={"base": (3.0, 0.0, 0.0)}))
+
+    assert made.error is not None
+    assert made.error.kind == "out_of_reach"
+    assert "cannot follow the curve" in made.error.message
+    assert made.motion is not None
+    assert not made.motion.reachable
+
+
+def test_exact_numbers_do_not_claim_to_know_the_arm(kitchen: Plan) -> None:
+    verdicts = {one.curve: one for one in verify(json.loads(json.dumps(kitchen.to_dict())))}
+
+    assert verdicts["bspline"].proven
+    assert not verdicts["arm"].proven
+    assert "floating point" in verdicts["arm"].reason
+
+
+def test_arms_are_found_beside_the_scene_and_stay_with_it(tmp_path: Path) -> None:
+    (tmp_path / "arms").mkdir()
+    (tmp_path / "arms" / "own.urdf").write_text(arm())
+    (tmp_path / "own.zip").write_bytes(packed({"own.urdf": arm()}))
+    data = {"version": 1, "unit": "m", "arm": {"model": "urdf", "urdf": "arms/own.urdf"}}
+    scene = Scene.from_dict(data, tmp_path)
+    zipped = Scene.from_dict({**data, "arm": {"model": "urdf", "urdf": "own.zip"}}, tmp_path)
+
+    assert scene.arm.tool == zipped.arm.tool == "d"
+    moved = scene.replace(arm={"base": (1.0, 0.0, 0.0)})
+    assert moved.arm.robot == scene.arm.robot
+    assert Scene.from_dict(scene.to_dict(), scene.meshes) == scene
+    uploaded = KITCHEN.replace({"x.zip": scene.arm.robot.archive}, arm={"urdf": "x.zip"})
+    assert uploaded.arm.robot.links.keys() == scene.arm.robot.links.keys()
+
+
+@pytest.mark.parametrize(
+    ("change", "expected"),
+    [
+        ({"urdf": "robot"}, "one of ur5e, panda, xarm7"),
+        ({"urdf": "../ur5e.urdf"}, "inside the scene's folder"),
+        ({"urdf": "none.zip"}, "file"),
+        ({"tip": "hand"}, "tool0"),
+        ({"tip": "base_link"}, "joints move"),
+        ({"axis": (0.0, 0.0, 0.0)}, "a direction"),
+    ],
+)
+def test_a_wrong_arm_is_refused_by_its_field(change: dict[str, Any], expected: str) -> None:
+    with pytest.raises(SceneError, match=expected) as refusal:
+        KITCHEN.replace(arm=change)
+    assert refusal.value.field.startswith("arm.")
+
+
+def test_a_program_for_the_ur_passes_the_poses_in_time(kitchen: Plan) -> None:
+    text = FORMATS["urscript"].write(kitchen, "motion.script").decode()
+    motion = kitchen.motion
+    assert motion is not None
+    poses = re.findall(r"servoj\(\[(.*?)\], t=([\d.]+)\)", text)
+    times = np.cumsum([float(step) for _, step in poses])
+    found = np.array([pose.split(",") for pose, _ in poses], dtype=float)
+
+    assert text.startswith("# SAFETY")
+    assert "proven clear" in text
+    assert times[-1] == pytest.approx(motion.time[-1], rel=1e-3)
+    expected = [np.interp(times, motion.time, q) for q in motion.positions.T]
+    np.testing.assert_allclose(found, np.stack(expected, axis=1), atol=1e-4)
+    (start,) = re.findall(r"movej\(\[(.*?)\]", text)
+    np.testing.assert_allclose(
+        np.array(start.split(","), dtype=float), motion.positions[0], atol=1e-6
+    )
+
+
+def test_a_program_for_the_ur_is_for_no_other_arm() -> None:
+    for scene in (load_scene("paper"), KITCHEN.replace(arm={"urdf": "panda"})):
+        with pytest.raises(ExportError, match="Universal Robots"):
+            FORMATS["urscript"].write(Planner()(scene), "motion.script")
+
+
+@pytest.mark.parametrize("name", ["csv", "json", "ros", "spline", "moveit", "mcap", "urdf"])
+def test_the_other_formats_hold_other_arms(kitchen: Plan, name: str) -> None:
+    content = FORMATS[name].write(kitchen, FORMATS[name].file)
+
+    assert content
+    if name in ("csv", "ros", "json", "urdf"):
+        assert b"shoulder_pan_joint" in content

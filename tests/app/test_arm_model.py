@@ -1,0 +1,80 @@
+"""Another arm in a tab: chosen, drawn, uploaded, refused."""
+
+from __future__ import annotations
+
+import pytest
+import viser
+
+from abi.arm.arm import Arm
+from abi.arm.urdf_arm import UrdfArm
+from abi.scene.scene import load_scene
+from app.layers.urdf_arm import UrdfArmLayer
+from app.panels.arm import ArmPanel
+from app.session import Session
+from tests.abi.robot.robots import arm, packed
+from tests.app.fake_tab import FakeTab, layer, until
+
+
+def panel(session: Session) -> ArmPanel:
+    return session.panels.stages.arm
+
+
+def planned_arm(session: Session) -> object:
+    return None if session.plan is None else session.plan.arm
+
+
+def upload(session: Session, name: str, content: bytes) -> None:
+    """What viser does with an uploaded file."""
+    panel(session).model.upload._impl.value = viser.UploadedFile(name=name, content=content)
+    session._changed.set()
+
+
+def test_an_arm_is_chosen_drawn_and_left(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    fake.set(session.panels.files.choice, "kitchen-ur5e")
+    until(lambda: isinstance(planned_arm(session), UrdfArm))
+    until(lambda: session.resting)
+    drawn = layer(session, UrdfArmLayer)
+
+    assert session.plan is not None
+    assert session.plan.scene == load_scene("kitchen-ur5e")
+    assert panel(session).model.model.value == "UR5e"
+    assert panel(session).model.tip.value == "tool0"
+    assert panel(session).model.axis.value == "down"
+    assert not panel(session).links.visible
+    assert drawn._root.visible
+    assert len(drawn._frames) == 7
+
+    fake.set(panel(session).model.model, "xArm7")
+    until(lambda: session.plan is not None and session.plan.scene.arm.urdf == "xarm7")
+    until(lambda: len(drawn._frames) == 8)
+    assert panel(session).model.tip.value == "link_eef"
+
+    fake.set(panel(session).model.model, "the paper's arm")
+    until(lambda: isinstance(planned_arm(session), Arm))
+    until(lambda: not drawn._root.visible)
+    assert panel(session).links.visible
+
+
+def test_an_upload_is_an_arm_or_a_sentence(
+    tab: tuple[FakeTab, Session], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    fake, session = tab
+    told: list[str] = []
+    monkeypatch.setattr(
+        session.client, "add_notification", lambda title, body, **_: told.append(body)
+    )
+    upload(session, "bad.zip", b"PK\x03\x04")
+    until(lambda: any("zip" in sentence for sentence in told))
+    assert isinstance(planned_arm(session), Arm)
+
+    upload(session, "own arm.zip", packed({"x/own.urdf": arm()}))
+    until(lambda: isinstance(planned_arm(session), UrdfArm))
+    assert session.plan is not None
+    assert session.plan.scene.arm.urdf == "own arm.zip"
+    assert panel(session).model.tip.value == "d"
+
+    upload(session, "plain.urdf", arm().encode())
+    until(lambda: session.plan is not None and session.plan.scene.arm.urdf == "plain.zip")
+    fake.set(panel(session).model.tip, "c")
+    until(lambda: session.plan is not None and session.plan.scene.arm.tip == "c")
