@@ -19,6 +19,7 @@ from collections import Counter
 import numpy as np
 
 from abi import compiling
+from abi.arm.arm import Arm
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner.planner import Planner
 from abi.scene.scene import Scene
@@ -62,7 +63,7 @@ def campaign(scenes: int, first: int = 0) -> Row:
         if plan.error is not None:
             counts["none found"] += 1
             continue
-        assert plan.arm is not None
+        assert isinstance(plan.arm, Arm)
         assert plan.motion is not None
         assert plan.arm_clearance is not None
         dense = dense_clearance(plan.arm, plan.motion, ObstacleSet(scene.obstacles))

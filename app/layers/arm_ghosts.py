@@ -50,8 +50,8 @@ class ArmGhostsLayer:
         }
         for switch, poses in ghosts.items():
             for name, tool, elbow in poses:
-                shown = switch in frame.shown and plan.arm is not None
-                if shown and plan.arm is not None:
+                shown = switch in frame.shown and isinstance(plan.arm, Arm)
+                if shown and isinstance(plan.arm, Arm):
                     self._pose(name, plan, plan.arm, tool, elbow)
                 if name in self._meshes:
                     self._meshes[name].visible = shown

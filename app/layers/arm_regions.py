@@ -46,8 +46,8 @@ class ArmRegionsLayer:
         """Draw what is switched on, anew where obstacles or arm have changed."""
         plan = frame.plan
         for name in _COLOURS:
-            shown = name in frame.shown and plan.arm is not None
-            if shown and plan.arm is not None:
+            shown = name in frame.shown and isinstance(plan.arm, Arm)
+            if shown and isinstance(plan.arm, Arm):
                 self._update(name, plan, plan.arm)
             if name in self._meshes:
                 self._meshes[name].visible = shown
