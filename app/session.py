@@ -15,6 +15,7 @@ import numpy as np
 import viser
 
 from abi import assets, compiling
+from abi.arm.urdf_arm import UrdfArm
 from abi.errors import AbiError, SceneError
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.planner.diagnosis import explain
@@ -236,7 +237,10 @@ class Session:
         if self._broken:
             return IDLE
         demo = FRAME if self._demo.running else None
-        clocks = (self.playback.timeout(), self.panels.theatre.timeout(), demo)
+        # the page itself moves the paper's arm alone
+        posed = self.playback.playing and isinstance(self.frame.plan.arm, UrdfArm)
+        tick = FRAME if posed else None
+        clocks = (self.playback.timeout(), self.panels.theatre.timeout(), demo, tick)
         playing = min((seconds for seconds in clocks if seconds is not None), default=None)
         incomplete = self.frame.interactive or self.frame.partial or self._undiagnosed()
         idle = self._has_lights and self._compiled and not incomplete and not self._demo.wanted
