@@ -69,4 +69,4 @@ def test_a_slide_that_ran_out_is_named() -> None:
     assert error is not None
     assert error.kind == "out_of_reach"
     assert "too near to the shoulder" in error.message
-    assert "the slide q5 to 26.4 cm, and it ends at 2.4 cm" in error.hint
+    assert "slide would run to 26.4 cm, and it ends at 2.4 cm" in error.hint
