@@ -19,7 +19,7 @@ from abi.arrays import FloatArray, IntArray, flat, read_only
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import ObstacleSet
 
-_SHARES = (0.999, 0.98, 0.9, 0.75, 0.55, 0.35, 0.2)
+_SHARES = (0.95, 0.8, 0.6, 0.4, 0.2)
 """Parts of the measured distance that are tried to prove, and at last the one asked for."""
 
 
