@@ -174,7 +174,7 @@ def questions(
     assert stencil is not None
     heads = stencil.heads(pairs[:, 0])
     direction = np.equal(heads, pairs[:, 1:]).argmax(axis=1)
-    is_open = np.equal((free.exits[pairs[:, 0]] >> direction) & 1, 1)
+    is_open = np.equal((free.open_directions[pairs[:, 0]] >> direction) & 1, 1)
     return made.points[near], free.excluded[near], made.points[pairs], np.logical_not(is_open)
 
 

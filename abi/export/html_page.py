@@ -22,7 +22,7 @@ from abi.obstacles.obstacle_set import Obstacle
 from abi.obstacles.pose import rotation
 from abi.obstacles.primitives import Box, Cylinder, Sphere
 from abi.planner.plan import Plan
-from abi.search.subset import excerpt
+from abi.search.subset import subset
 
 EDGES = 5_000
 """Edges of the mesh that are drawn at the most, those near path and obstacles."""
@@ -55,7 +55,7 @@ def _data(plan: Plan) -> dict[str, Any]:
     assert plan.free is not None
     scene = plan.scene
     near = np.array([scene.start]) if plan.path is None else plan.path.points
-    part = excerpt(plan.free, plan.graph, scene.obstacles, near, "near", EDGES)
+    part = subset(plan.free, plan.graph, scene.obstacles, near, "near", EDGES)
     order = _order(plan)
     corners = np.array([scene.workspace.min, scene.workspace.max, scene.arm.base])
     return {

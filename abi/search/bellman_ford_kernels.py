@@ -7,7 +7,15 @@ import numpy as np
 from abi.arrays import FloatArray, IntArray
 from abi.compiled import compiled
 from abi.search.search_kernels import EXAMPLE, LITTLE, Problem
-from abi.tet_mesh.adjacency_kernels import ALL_SIDES, LINKED, ROWS, SIDES, across, cell, ones
+from abi.tet_mesh.adjacency_kernels import (
+    ALL_INTERIOR,
+    INTERIOR_DIRECTIONS,
+    LINKED_BIT,
+    ROWS,
+    across,
+    cell,
+    ones,
+)
 
 
 @compiled(example=EXAMPLE, error_model="numpy")
@@ -18,9 +26,9 @@ def bellman_ford(problem: Problem) -> tuple[FloatArray, IntArray, IntArray, int]
     returns the same as ``best_first``, but needs no goal and no metric, and expands a node as often
     as its cost was lowered.
     """
-    net, opened, links, ends, largest, _ = problem
-    shape, offsets, _, _, indptr, indices = net
-    exits, weights = opened
+    adjacency, opened, links, ends, largest, _ = problem
+    shape, offsets, _, _, indptr, indices = adjacency
+    open_directions, weights = opened
     tails, heads, link_weights = links
     kind, nodes, directions, cross = shape.kind, shape.nodes, shape.directions, shape.cross
     total = nodes + ends.own
@@ -47,16 +55,16 @@ def bellman_ford(problem: Problem) -> tuple[FloatArray, IntArray, IntArray, int]
             begin, end, linked = 0, 0, True
             bits, row, other = 0, 0, 0
             if node < nodes:
-                bits = exits[node]
-                linked = (bits >> LINKED) & 1 == 1
+                bits = open_directions[node]
+                linked = (bits >> LINKED_BIT) & 1 == 1
                 if kind == ROWS:
                     begin, end = indptr[node], indptr[node + 1]
                 else:
-                    relaxed += SIDES if bits == ALL_SIDES else ones(bits)
+                    relaxed += INTERIOR_DIRECTIONS if bits == ALL_INTERIOR else ones(bits)
                     i, j, h = cell(shape, node)
                     row = (i & 1) * directions
                     other = across(shape, i, j, h)
-                    end = directions if (bits >> SIDES) & 63 else SIDES
+                    end = directions if (bits >> INTERIOR_DIRECTIONS) & 63 else INTERIOR_DIRECTIONS
             for k in range(begin, end + len(tails) if linked else end):
                 if k >= end:
                     tail, head = tails[k - end], heads[k - end]

@@ -20,11 +20,11 @@ from abi.obstacles.vector_kernels import Vec3
 from abi.search.heuristic_kernels import NONE, Metric, to_go
 from abi.search.search_kernels import EXAMPLE, LITTLE, Problem
 from abi.tet_mesh.adjacency_kernels import (
-    ALL_SIDES,
-    LINKED,
+    ALL_INTERIOR,
+    INTERIOR_DIRECTIONS,
+    LINKED_BIT,
     ROWS,
-    SIDES,
-    Net,
+    Adjacency,
     Shape,
     across,
     cell,
@@ -101,8 +101,8 @@ def best_first(problem: Problem) -> tuple[FloatArray, IntArray, IntArray, int]:
         examined.
     """
     start, goal, own = problem.ends
-    total = problem.net.shape.nodes + own
-    entries = total + problem.net.shape.most + len(problem.links.tails) + 1
+    total = problem.adjacency.shape.nodes + own
+    entries = total + problem.adjacency.shape.most + len(problem.links.tails) + 1
     cost, parent = np.full(total, np.inf), np.empty(total, np.int32)
     labels = _Labels(cost, parent, np.zeros(total, np.uint8))
     first = np.full(BUCKETS, -1, np.int32)
@@ -135,9 +135,9 @@ def _expand(
 
     With the growth of arrays in the same loop, they would be counted in and out at each turn.
     """
-    net, opened, links, (start, goal, _), largest, metric = problem
-    shape, offsets, steps, places, indptr, indices = net
-    (exits, weights), (tails, heads, link_weights) = opened, links
+    adjacency, opened, links, (start, goal, _), largest, metric = problem
+    shape, offsets, steps, places, indptr, indices = adjacency
+    (open_directions, weights), (tails, heads, link_weights) = opened, links
     (cost, parent, closed), (first, node_of, after, order) = labels, queue
     used, waiting, current, expanded, relaxed, found, done = progress
     most = shape.most + len(links.tails)
@@ -164,7 +164,7 @@ def _expand(
             continue
         if found:
             # the goal's bucket may hold what leads to it at less cost
-            left = max(_estimate(net, metric, node) - slack, 0.0)
+            left = max(_estimate(adjacency, metric, node) - slack, 0.0)
             if cost[node] + left >= cost[goal] - little:
                 continue
         order[expanded] = node
@@ -172,14 +172,14 @@ def _expand(
         enough = cost[node] + little
         count, linked, place = 0, True, (0, 0, 0)
         if node < shape.nodes:
-            bits = exits[node]
-            linked = (bits >> LINKED) & 1 == 1
+            bits = open_directions[node]
+            linked = (bits >> LINKED_BIT) & 1 == 1
             if shape.kind == ROWS:
                 row = (indptr[node], indptr[node + 1])
                 count, examined = _cheaper_in_row(row, enough, indices, weights, cost, cheaper)
                 relaxed += examined
             else:
-                relaxed += SIDES if bits == ALL_SIDES else ones(bits)
+                relaxed += INTERIOR_DIRECTIONS if bits == ALL_INTERIOR else ones(bits)
                 place = cell(shape, node)
                 count = _cheaper_in_lattice(
                     shape, (node, bits, place), enough, offsets, weights, cost, cheaper
@@ -219,38 +219,38 @@ def _expand(
 @compiled(example=EXAMPLE)
 def estimates(problem: Problem) -> FloatArray:
     """The heuristic of all nodes (n,), less by what links to the goal may be shorter."""
-    total = problem.net.shape.nodes + problem.ends.own
+    total = problem.adjacency.shape.nodes + problem.ends.own
     slack = _slack(problem)
     found = np.zeros(total)
     for node in range(total):
-        found[node] = max(_estimate(problem.net, problem.metric, node) - slack, 0.0)
+        found[node] = max(_estimate(problem.adjacency, problem.metric, node) - slack, 0.0)
     return found
 
 
 @register_jitable
 def _slack(problem: Problem) -> float:
     """By how much links to the goal may be shorter than the heuristic says."""
-    net, _, links, ends, _, metric = problem
+    adjacency, _, links, ends, _, metric = problem
     slack = 0.0
     count = len(links.tails)
     for k in range(2 * count if metric.kind != NONE else 0):
         tail, head = links.tails[k % count], links.heads[k % count]
         end = head if k < count else tail
-        if (tail if k < count else head) == ends.goal and end < net.shape.nodes:
-            slack = max(slack, _estimate(net, metric, end) - links.weights[k % count])
+        if (tail if k < count else head) == ends.goal and end < adjacency.shape.nodes:
+            slack = max(slack, _estimate(adjacency, metric, end) - links.weights[k % count])
     return slack
 
 
 @register_jitable
-def _estimate(net: Net, metric: Metric, node: int) -> float:
+def _estimate(adjacency: Adjacency, metric: Metric, node: int) -> float:
     """The heuristic of a node; 0 where there is none, and of start and goal beside the mesh."""
-    if metric.kind == NONE or node >= net.shape.nodes:
+    if metric.kind == NONE or node >= adjacency.shape.nodes:
         return 0.0
-    if net.shape.kind == ROWS:
-        place = row_place(net.places, net.shape.nodes, node)
+    if adjacency.shape.kind == ROWS:
+        place = row_place(adjacency.places, adjacency.shape.nodes, node)
     else:
-        place = cell_place(net.shape, node)
-    return to_go(net.shape, metric, place)
+        place = cell_place(adjacency.shape, node)
+    return to_go(adjacency.shape, metric, place)
 
 
 @register_jitable(forceinline=True)
@@ -311,7 +311,9 @@ def _cheaper_in_lattice(
         neighbour = other + offsets[row + k] if (bits >> k) & 1 else tail
         cheaper[count], cheaper[count + 1] = neighbour, k
         count += 2 if enough + weights[k] < cost[neighbour] else 0
-    for k in range(shape.cross, shape.directions if (bits >> SIDES) & 63 else SIDES):
+    for k in range(
+        shape.cross, shape.directions if (bits >> INTERIOR_DIRECTIONS) & 63 else INTERIOR_DIRECTIONS
+    ):
         neighbour = tail + offsets[row + k] if (bits >> k) & 1 else tail
         cheaper[count], cheaper[count + 1] = neighbour, k
         count += 2 if enough + weights[k] < cost[neighbour] else 0

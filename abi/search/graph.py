@@ -18,10 +18,9 @@ from abi.errors import PointBlocked, StageError
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.pose import Vec3
 from abi.search import graph_kernels as kernels
-from abi.tet_mesh import adjacency as net
-from abi.tet_mesh import lattice
+from abi.tet_mesh import adjacency, lattice
 from abi.tet_mesh.adjacency import NO_IDS, NO_NUMBERS
-from abi.tet_mesh.adjacency_kernels import LINKED
+from abi.tet_mesh.adjacency_kernels import LINKED_BIT
 from abi.tet_mesh.exclusion import FreeMesh, within
 from abi.tet_mesh.tet_mesh import TetMesh
 
@@ -34,7 +33,7 @@ _ROUNDING = 1e-9
 REACH = 1.6
 """Start and goal are joined to the nodes within this many longest edges."""
 
-_DIRECTIONS = (1 << LINKED) - 1
+_DIRECTIONS = (1 << LINKED_BIT) - 1
 
 _NO_PLACES = read_only(np.zeros((0, 3)))
 
@@ -50,7 +49,7 @@ class Graph:
     Attributes:
         mesh: the mesh.
         excluded: (n,) mesh nodes without edges.
-        exits: (n,) open directions of each mesh node that is not excluded, as bits.
+        open_directions: (n,) open directions of each mesh node that is not excluded, as bits.
         weights: lengths of the directions, or of the edges of the rows, inf where shut, [unit].
         tails, heads: (m,) ends of the links, which are the edges of start and goal where these are
             no mesh nodes, and the one between them.
@@ -64,7 +63,7 @@ class Graph:
 
     mesh: TetMesh
     excluded: BoolArray
-    exits: IntArray
+    open_directions: IntArray
     weights: FloatArray
     tails: IntArray
     heads: IntArray
@@ -113,7 +112,7 @@ class Graph:
         """Number of edges, each counted once."""
         if self.mesh.stencil is None:
             return int(np.count_nonzero(self._kept)) + len(self.tails)
-        bits = np.bitwise_count(self.exits & _DIRECTIONS)
+        bits = np.bitwise_count(self.open_directions & _DIRECTIONS)
         return int(bits.sum(dtype=np.int64, where=~self.excluded)) // 2 + len(self.tails)
 
     @property
@@ -164,11 +163,11 @@ class Graph:
         """Which of the mesh's edges there are (e,)."""
         mesh = self.mesh
         if mesh.stencil is None:
-            indptr, indices = mesh.net.indptr, mesh.net.indices
+            indptr, indices = mesh.adjacency.indptr, mesh.adjacency.indices
             tail = np.repeat(np.arange(len(mesh.points)), np.diff(indptr))
             kept = np.isfinite(self.weights[tail < indices])
         else:
-            bits = np.where(self.excluded, np.int32(0), self.exits)
+            bits = np.where(self.excluded, np.int32(0), self.open_directions)
             kept = np.concatenate(
                 [
                     (a.ravel() >> mesh.stencil.ends(step)[0]) & 1 == 1
@@ -180,7 +179,7 @@ class Graph:
     @cached_property
     def _rows(self) -> tuple[IntArray, IntArray, FloatArray]:
         lengths = np.concatenate([self.mesh.lengths[self._kept], self.link_lengths])
-        return net.rows(self.edges, lengths, len(self.points))
+        return adjacency.rows(self.edges, lengths, len(self.points))
 
 
 def build(
@@ -219,9 +218,9 @@ def build(
     at = [_node_at(free, end) for end in ends]
     if min(at) >= 0 and gap > reach:
         # free nodes keep the margin, and nothing needs to be joined
-        return _graph(free, free.exits, [], [], at)
+        return _graph(free, free.open_directions, [], [], at)
     room = [min(own - _ROUNDING, margin) for own in _room(free, obstacles, ends, clearance)]
-    exits, weights = free.exits.copy(), free.weights
+    open_directions, weights = free.open_directions.copy(), free.weights
     nodes = len(mesh.points)
     ids: list[int] = []
     own: list[Vec3] = []
@@ -232,26 +231,26 @@ def build(
             own.append(end)
             seen, away = _seen_from(end, free, obstacles, least, reach)
             links.append((seen, np.full_like(seen, node), away))
-            exits[seen] |= np.int32(1 << LINKED)
+            open_directions[seen] |= np.int32(1 << LINKED_BIT)
         ids.append(node)
-    if gap <= reach and not _joined(mesh, exits, weights, links, ids):
+    if gap <= reach and not _joined(mesh, open_directions, weights, links, ids):
         p, q = np.array([start]), np.array([goal])
         if not obstacles.blocked(p, q, min(room)).any():
             pair = np.array(sorted(ids), dtype=np.int32)
             links.append((pair[:1], pair[1:], np.array([gap])))
             of_mesh = pair[pair < nodes]
-            exits[of_mesh] |= np.int32(1 << LINKED)
-    return _graph(free, read_only(exits), own, links, ids)
+            open_directions[of_mesh] |= np.int32(1 << LINKED_BIT)
+    return _graph(free, read_only(open_directions), own, links, ids)
 
 
 def _graph(
     free: FreeMesh,
-    exits: IntArray,
+    open_directions: IntArray,
     own: list[Vec3],
     links: list[tuple[IntArray, IntArray, FloatArray]],
     ids: list[int],
 ) -> Graph:
-    """The graph of the free mesh with these exits, places of start and goal, and links."""
+    """The graph of the free mesh, with these open directions, places of start and goal, links."""
     tails, heads, lengths = NO_IDS, NO_IDS, NO_NUMBERS
     if links:
         tails = read_only(np.concatenate([link[0] for link in links]))
@@ -260,7 +259,7 @@ def _graph(
     return Graph(
         mesh=free.mesh,
         excluded=free.excluded,
-        exits=exits,
+        open_directions=open_directions,
         weights=free.weights,
         tails=tails,
         heads=heads,
@@ -323,7 +322,7 @@ def _seen_from(
     mesh, x, y, z = free.mesh, *map(float, point)
     for radius in (reach, 2 * reach, 4 * reach):
         ids, away = kernels.visible_nodes(
-            mesh.net, obstacles.packed, margins, free.excluded, (x, y, z), radius
+            mesh.adjacency, obstacles.packed, margins, free.excluded, (x, y, z), radius
         )
         if obstacles.meshes:
             nodes = free.mesh.points[ids]
@@ -337,7 +336,7 @@ def _seen_from(
 
 def _joined(
     mesh: TetMesh,
-    exits: IntArray,
+    open_directions: IntArray,
     weights: FloatArray,
     links: list[tuple[IntArray, IntArray, FloatArray]],
     ids: list[int],
@@ -352,8 +351,8 @@ def _joined(
     if max(ids) >= len(mesh.points):
         return False
     if mesh.stencil is None:
-        row = slice(mesh.net.indptr[a], mesh.net.indptr[a + 1])
-        return bool((np.isfinite(weights[row]) & (mesh.net.indices[row] == b)).any())
+        row = slice(mesh.adjacency.indptr[a], mesh.adjacency.indptr[a + 1])
+        return bool((np.isfinite(weights[row]) & (mesh.adjacency.indices[row] == b)).any())
     heads = mesh.stencil.heads(np.array([a], dtype=np.int32))[0]
-    is_open = (int(exits[a]) >> np.arange(len(heads))) & 1 == 1
+    is_open = (int(open_directions[a]) >> np.arange(len(heads))) & 1 == 1
     return bool((is_open & (heads == b)).any())

@@ -14,9 +14,9 @@ from abi.obstacles.primitive_tree_kernels import blocked
 from abi.obstacles.vector_kernels import Vec3, distance
 from abi.tet_mesh.adjacency_kernels import (
     BCC,
-    NO_NET,
+    NO_ADJACENCY,
     ROWS,
-    Net,
+    Adjacency,
     half_cells_within,
     node_at,
     row_place,
@@ -24,9 +24,9 @@ from abi.tet_mesh.adjacency_kernels import (
 )
 
 
-@compiled(example=(NO_NET, FLOATS, FLOATS, FLAGS, (0.0, 0.0, 0.0), 0.0))
+@compiled(example=(NO_ADJACENCY, FLOATS, FLOATS, FLAGS, (0.0, 0.0, 0.0), 0.0))
 def visible_nodes(
-    net: Net,
+    adjacency: Adjacency,
     primitives: FloatArray,
     margins: FloatArray,
     excluded: BoolArray,
@@ -36,7 +36,7 @@ def visible_nodes(
     """The nodes that a point sees.
 
     Args:
-        net: the mesh.
+        adjacency: the mesh.
         primitives: (k WIDTH,) rows, one after the other.
         margins: (k,) distance from the primitives that a line of sight keeps, [unit].
         excluded: (n,) nodes that do not count.
@@ -46,7 +46,7 @@ def visible_nodes(
     Returns:
         Nodes (m,) and the distances to them, [unit].
     """
-    shape, _, _, places, _, _ = net
+    shape, _, _, places, _, _ = adjacency
     y0, z0 = y_and_z_origins(shape)
     rows = shape.kind == ROWS
     low = (point[0] - reach, point[1] - reach, point[2] - reach)

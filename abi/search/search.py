@@ -105,8 +105,8 @@ def problem_of(graph: Graph, weight: Weight, towards: Metric) -> Problem:
         weights = read_only(np.where(np.isfinite(weights), 1.0, np.inf))
         link_weights = read_only(np.ones(len(link_weights)))
     return Problem(
-        graph.mesh.net,
-        OpenEdges(graph.exits, weights),
+        graph.mesh.adjacency,
+        OpenEdges(graph.open_directions, weights),
         Links(graph.tails, graph.heads, link_weights),
         Ends(graph.start, graph.goal, len(graph.own)),
         largest,

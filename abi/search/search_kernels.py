@@ -9,7 +9,7 @@ import numpy as np
 from abi.arrays import IntArray
 from abi.compiled import FLOATS, IDS, NEW_IDS, compiled
 from abi.search.heuristic_kernels import NO_METRIC, Metric
-from abi.tet_mesh.adjacency_kernels import NO_NET, Links, Net, OpenEdges
+from abi.tet_mesh.adjacency_kernels import NO_ADJACENCY, Adjacency, Links, OpenEdges
 
 LITTLE = 1e-11
 """Part of the largest weight by which a cost must fall to be worth it."""
@@ -32,7 +32,7 @@ class Problem(NamedTuple):
     """A graph, and the path that is searched in it.
 
     Attributes:
-        net: the mesh.
+        adjacency: the mesh.
         opened: its open edges.
         links: the edges of start and goal.
         ends: start and goal.
@@ -41,7 +41,7 @@ class Problem(NamedTuple):
         metric: the heuristic.
     """
 
-    net: Net
+    adjacency: Adjacency
     opened: OpenEdges
     links: Links
     ends: Ends
@@ -50,7 +50,9 @@ class Problem(NamedTuple):
 
 
 EXAMPLE = (
-    Problem(NO_NET, OpenEdges(IDS, FLOATS), Links(IDS, IDS, FLOATS), Ends(0, 0, 1), 1.0, NO_METRIC),
+    Problem(
+        NO_ADJACENCY, OpenEdges(IDS, FLOATS), Links(IDS, IDS, FLOATS), Ends(0, 0, 1), 1.0, NO_METRIC
+    ),
 )
 """Example of a problem, for the compiler."""
 

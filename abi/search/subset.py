@@ -21,7 +21,7 @@ _SLICE = 0.75  # of the longest edge: half the thickness of a slice
 
 
 @dataclass(frozen=True, eq=False)
-class Excerpt:
+class Subset:
     """Nodes and edges to draw.
 
     Attributes:
@@ -42,14 +42,14 @@ def fits(free: FreeMesh, budget: int) -> bool:
     return _EDGES_A_NODE * free.nodes <= budget
 
 
-def excerpt(
+def subset(
     free: FreeMesh,
     graph: Graph | None,
     obstacles: Obstacles,
     path_points: FloatArray,
     view: str,
     budget: int,
-) -> Excerpt:
+) -> Subset:
     """Choose at most ``budget`` edges, those nearest to path and obstacles first.
 
     Args:
@@ -75,7 +75,7 @@ def excerpt(
     used = np.flatnonzero(seen & ~gone)
     place = np.zeros(len(points), dtype=np.int32)
     place[used] = np.arange(len(used))
-    return Excerpt(
+    return Subset(
         points=read_only(points[used]),
         edges=read_only(place[shown]),
         excluded=read_only(points[_evenly(np.flatnonzero(seen & gone), budget // _EDGES_A_NODE)]),

@@ -13,7 +13,7 @@ from abi.search.graph import Graph
 
 def without_edges(graph: Graph, pairs: Sequence[tuple[int, int]]) -> Graph:
     """The graph without the edges between pairs of nodes."""
-    exits, weights = graph.exits.copy(), graph.weights.copy()
+    open_directions, weights = graph.open_directions.copy(), graph.weights.copy()
     kept = np.ones(len(graph.tails), dtype=np.bool_)
     mesh, count = graph.mesh, len(graph.mesh.points)
     for a, b in pairs:
@@ -22,15 +22,15 @@ def without_edges(graph: Graph, pairs: Sequence[tuple[int, int]]) -> Graph:
             continue
         for tail, head in ((a, b), (b, a)):
             if mesh.stencil is None:
-                row = np.arange(mesh.net.indptr[tail], mesh.net.indptr[tail + 1])
-                weights[row[mesh.net.indices[row] == head]] = np.inf
+                row = np.arange(mesh.adjacency.indptr[tail], mesh.adjacency.indptr[tail + 1])
+                weights[row[mesh.adjacency.indices[row] == head]] = np.inf
             else:
                 heads = mesh.stencil.heads(np.array([tail], dtype=np.int32))[0]
                 for bit in np.flatnonzero(heads == head).tolist():
-                    exits[tail] &= ~np.int32(1 << bit)
+                    open_directions[tail] &= ~np.int32(1 << bit)
     return replace(
         graph,
-        exits=read_only(exits),
+        open_directions=read_only(open_directions),
         weights=read_only(weights) if mesh.stencil is None else graph.weights,
         tails=read_only(graph.tails[kept]),
         heads=read_only(graph.heads[kept]),

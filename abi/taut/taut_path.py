@@ -184,7 +184,7 @@ def _any_angle_path(
     stride = 1 if mesh.stencil is None else max(1, round((nodes / _SEARCHED_NODES) ** (1 / 3)))
     (a, b, c), (x, y, z) = path.points[[0, -1]].tolist()
     points = any_angle(
-        *(mesh.net, graph.excluded, stride, stride * REACH * mesh.longest_edge),
+        *(mesh.adjacency, graph.excluded, stride, stride * REACH * mesh.longest_edge),
         *(((a, b, c), (x, y, z)), (packed, margins), path.length),
     )
     return np.asarray(points).reshape(-1, 3)

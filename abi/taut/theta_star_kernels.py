@@ -22,10 +22,10 @@ from abi.obstacles.primitive_tree_kernels import blocked
 from abi.obstacles.vector_kernels import Vec3, distance
 from abi.tet_mesh.adjacency_kernels import (
     BCC,
-    NO_NET,
+    INTERIOR_DIRECTIONS,
+    NO_ADJACENCY,
     ROWS,
-    SIDES,
-    Net,
+    Adjacency,
     Shape,
     cell,
     node_at,
@@ -79,10 +79,10 @@ def _fine(shape: Shape, coarse: Shape, stride: int, node: int) -> tuple[int, int
 
 @register_jitable
 def _tree(
-    net: Net, coarse: Shape, stride: int, excluded: BoolArray, ends: tuple[Vec3, Vec3]
+    adjacency: Adjacency, coarse: Shape, stride: int, excluded: BoolArray, ends: tuple[Vec3, Vec3]
 ) -> _Tree:
     """The nodes, and nothing known of them but where the search begins."""
-    shape, _, _, places, _, _ = net
+    shape, _, _, places, _, _ = adjacency
     y0, z0 = y_and_z_origins(shape)
     first, last = coarse.nodes, coarse.nodes + 1
     x, y, z = np.empty(last + 1), np.empty(last + 1), np.empty(last + 1)
@@ -112,7 +112,7 @@ def _add_neighbours(
             near.append(int(indices[k]))
         return
     a, b, c = cell(coarse, node)
-    for k in range(SIDES):
+    for k in range(INTERIOR_DIRECTIONS):
         sign = -1 if k < coarse.cross and a & 1 else 1
         i = a + sign * steps[3 * k]
         j = b + sign * steps[3 * k + 1]
@@ -156,9 +156,9 @@ def _visible_parent(
     return origin
 
 
-@compiled(example=(NO_NET, FLAGS, 1, 1.0, (_POINT, _POINT), (FLOATS, FLOATS), 2.0))
+@compiled(example=(NO_ADJACENCY, FLAGS, 1, 1.0, (_POINT, _POINT), (FLOATS, FLOATS), 2.0))
 def any_angle(
-    net: Net,
+    adjacency: Adjacency,
     excluded: BoolArray,
     stride: int,
     reach: float,
@@ -172,7 +172,7 @@ def any_angle(
     node is expanded, and if they do not, the best expanded neighbour that it sees is its parent.
 
     Args:
-        net: the mesh.
+        adjacency: the mesh.
         excluded: (n,) nodes of it that do not count.
         stride: of a lattice every so many nodes along each direction count.
         reach: start and goal are neighbours of the nodes that are so near, [unit].
@@ -185,10 +185,10 @@ def any_angle(
     Returns:
         The points of the path, one after the other, (3m,), [unit], world; empty when there is none.
     """
-    shape, _, steps, _, indptr, indices = net
+    shape, _, steps, _, indptr, indices = adjacency
     coarse = _coarse(shape, stride)
     first, last = coarse.nodes, coarse.nodes + 1
-    tree = _tree(net, coarse, stride, excluded, ends)
+    tree = _tree(adjacency, coarse, stride, excluded, ends)
     x, y, z, closed, cost, parent = tree
     (start, goal), (primitives, margins) = ends, obstacles
     near = [0] * 0

@@ -6,7 +6,7 @@ import numpy as np
 import scipy
 
 from abi.arrays import FloatArray, IntArray, read_only
-from abi.tet_mesh.adjacency_kernels import BCC, KUHN, NO_SHAPE, Net, Shape
+from abi.tet_mesh.adjacency_kernels import BCC, KUHN, NO_SHAPE, Adjacency, Shape
 from abi.tet_mesh.stencil import Stencil
 
 NO_IDS: IntArray = read_only(np.zeros(0, dtype=np.int32))
@@ -15,8 +15,8 @@ KINDS = {"bcc": BCC, "kuhn": KUHN}
 """Lattices by name, as the kernels know them."""
 
 
-def of_lattice(stencil: Stencil, nodes: int) -> Net:
-    """The net of a lattice, without tables."""
+def of_lattice(stencil: Stencil, nodes: int) -> Adjacency:
+    """The adjacency of a lattice, without tables."""
     nx, ny, nz = stencil.cells
     directions = len(stencil.lengths)
     shape = Shape(
@@ -31,15 +31,15 @@ def of_lattice(stencil: Stencil, nodes: int) -> Net:
         most=directions,
     )
     offsets, steps = read_only(stencil.offsets.ravel()), read_only(stencil.steps.ravel())
-    return Net(shape, offsets, steps, stencil.axes, NO_IDS, NO_IDS)
+    return Adjacency(shape, offsets, steps, stencil.axes, NO_IDS, NO_IDS)
 
 
-def of_rows(points: FloatArray, indptr: IntArray, indices: IntArray) -> Net:
-    """The net of compressed rows: nodes (n, 3), [unit], world; see :func:`rows`."""
+def of_rows(points: FloatArray, indptr: IntArray, indices: IntArray) -> Adjacency:
+    """The adjacency of compressed rows: nodes (n, 3), [unit], world; see :func:`rows`."""
     most = int(np.diff(indptr).max(initial=0))
     shape = NO_SHAPE._replace(nodes=len(points), most=most)
     places = read_only(np.ascontiguousarray(points.T).ravel())
-    return Net(shape, NO_IDS, NO_IDS, places, indptr, indices)
+    return Adjacency(shape, NO_IDS, NO_IDS, places, indptr, indices)
 
 
 def rows(edges: IntArray, lengths: FloatArray, nodes: int) -> tuple[IntArray, IntArray, FloatArray]:

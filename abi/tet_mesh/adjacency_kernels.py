@@ -49,7 +49,7 @@ class Shape(NamedTuple):
     most: int
 
 
-class Net(NamedTuple):
+class Adjacency(NamedTuple):
     """The parts of a mesh that stay as they are; for a lattice see ``abi.tet_mesh.stencil``.
 
     Attributes:
@@ -74,11 +74,11 @@ class OpenEdges(NamedTuple):
     """Edges of a mesh that are open.
 
     Attributes:
-        exits: (n,) bits: the directions that are open, and ``LINKED``, the only bit of rows.
+        open_directions: (n,) as bits, and ``LINKED_BIT``, the only bit of rows.
         weights: of the directions (d,), or of the edges of the rows (2 e,), inf where shut.
     """
 
-    exits: IntArray
+    open_directions: IntArray
     weights: FloatArray
 
 
@@ -100,16 +100,16 @@ class Links(NamedTuple):
 NO_SHAPE = Shape(ROWS, 0, 0, 0, 0, 0, 0, 0, 0)
 """That of a mesh without nodes."""
 
-NO_NET = Net(NO_SHAPE, IDS, IDS, FLOATS, IDS, IDS)
+NO_ADJACENCY = Adjacency(NO_SHAPE, IDS, IDS, FLOATS, IDS, IDS)
 """In an example: a mesh."""
 
-LINKED = 30
+LINKED_BIT = 30
 """The bit of a node that has an edge to start or goal beside those of the mesh."""
 
-SIDES = 14
+INTERIOR_DIRECTIONS = 14
 """Directions of a node that is not on the box; those above are diagonals of its faces."""
 
-ALL_SIDES = (1 << SIDES) - 1
+ALL_INTERIOR = (1 << INTERIOR_DIRECTIONS) - 1
 """The bits of these directions."""
 
 
@@ -169,7 +169,7 @@ def across(shape: Shape, a: int, b: int, c: int) -> int:
 @register_jitable
 def ones(bits: int) -> int:
     """How many directions are among the bits of a node."""
-    bits &= (1 << LINKED) - 1
+    bits &= (1 << LINKED_BIT) - 1
     bits -= (bits >> 1) & 0x55555555
     bits = (bits & 0x33333333) + ((bits >> 2) & 0x33333333)
     bits = (bits + (bits >> 4)) & 0x0F0F0F0F

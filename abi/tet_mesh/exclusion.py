@@ -31,15 +31,15 @@ class Exclusion:
     Attributes:
         starts: (r,) first nodes of runs of excluded nodes.
         lengths: (r,) numbers of nodes in the runs.
-        losers: (m,) nodes that lose edges to free nodes; of ``delaunay`` places of all edges lost
-            in the rows.
-        losses: (m,) bits of the edges lost; of ``delaunay`` 0.
+        cut_nodes: (m,) nodes that lose edges to free nodes; of ``delaunay`` places in the rows of
+            all edges lost.
+        cut_bits: (m,) bits of the edges lost; of ``delaunay`` 0.
     """
 
     starts: IntArray
     lengths: IntArray
-    losers: IntArray
-    losses: IntArray
+    cut_nodes: IntArray
+    cut_bits: IntArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,21 +50,23 @@ class FreeMesh:
         mesh: the whole mesh.
         excluded: (n,) True where a node is excluded.
         nodes: number of nodes kept.
-        exits: (n,) open directions of the nodes that are not excluded, as bits; of rows 0.
+        open_directions: (n,) those of the nodes that are not excluded, as bits; of rows 0.
         weights: lengths of the directions, or of the edges of the rows, inf where shut, [unit].
     """
 
     mesh: TetMesh
     excluded: BoolArray
     nodes: int
-    exits: IntArray
+    open_directions: IntArray
     weights: FloatArray
 
     @classmethod
     def of(cls, mesh: TetMesh) -> FreeMesh:
         """The mesh with nothing excluded."""
         count = len(mesh.points)
-        return cls(mesh, read_only(np.zeros(count, np.bool_)), count, mesh.exits, mesh.weights)
+        return cls(
+            mesh, read_only(np.zeros(count, np.bool_)), count, mesh.open_directions, mesh.weights
+        )
 
     @cached_property
     def tetrahedra_kept(self) -> int:
@@ -86,19 +88,28 @@ def apply(free: FreeMesh, exclusions: Sequence[Exclusion]) -> FreeMesh:
     if not exclusions:
         return free
     mesh, nodes = free.mesh, free.nodes
-    excluded, exits, weights = free.excluded.copy(), free.exits, free.weights
+    excluded, open_directions, weights = free.excluded.copy(), free.open_directions, free.weights
     rows = mesh.stencil is None
     if rows:
         weights = weights.copy()
     else:
-        exits = exits.copy()
+        open_directions = open_directions.copy()
     for one in exclusions:
         nodes -= kernels.mark(one.starts, one.lengths, excluded)
         if rows:
-            weights[one.losers] = np.inf
+            weights[one.cut_nodes] = np.inf
         else:
-            kernels.shut(mesh.net, one.starts, one.lengths, one.losers, one.losses, exits)
-    return FreeMesh(mesh, read_only(excluded), nodes, read_only(exits), read_only(weights))
+            kernels.cut(
+                mesh.adjacency,
+                one.starts,
+                one.lengths,
+                one.cut_nodes,
+                one.cut_bits,
+                open_directions,
+            )
+    return FreeMesh(
+        mesh, read_only(excluded), nodes, read_only(open_directions), read_only(weights)
+    )
 
 
 def exclusion(mesh: TetMesh, obstacle: Obstacle, margin: float) -> Exclusion:
@@ -108,11 +119,11 @@ def exclusion(mesh: TetMesh, obstacle: Obstacle, margin: float) -> Exclusion:
     """
     if isinstance(obstacle, MeshShape):
         parts = exclusion_near_mesh(
-            mesh.net, mesh.exits, *obstacle.placed, margin, mesh.longest_edge
+            mesh.adjacency, mesh.open_directions, *obstacle.placed, margin, mesh.longest_edge
         )
     else:
         row, reach = pack((obstacle,)), mesh.longest_edge
-        parts = kernels.exclusion(mesh.net, mesh.exits, row, margin, reach)
+        parts = kernels.exclusion(mesh.adjacency, mesh.open_directions, row, margin, reach)
     return Exclusion(*(read_only(part) for part in parts))
 
 

@@ -27,10 +27,10 @@ from abi.obstacles.primitive_kernels import (
 from abi.obstacles.vector_kernels import Vec3, dot, sub
 from abi.tet_mesh.adjacency_kernels import (
     BCC,
-    NO_NET,
+    INTERIOR_DIRECTIONS,
+    NO_ADJACENCY,
     ROWS,
-    SIDES,
-    Net,
+    Adjacency,
     Shape,
     Span,
     across,
@@ -83,13 +83,15 @@ class _Node(NamedTuple):
     outward: Vec3
 
 
-@compiled(example=(NO_NET, IDS, FLOATS, 0.0, 1.0), error_model="numpy")
-def exclusion(net: Net, exits: IntArray, solid: FloatArray, margin: float, reach: float) -> Found:
+@compiled(example=(NO_ADJACENCY, IDS, FLOATS, 0.0, 1.0), error_model="numpy")
+def exclusion(
+    adjacency: Adjacency, open_directions: IntArray, solid: FloatArray, margin: float, reach: float
+) -> Found:
     """The nodes nearer to a primitive than ``margin``, and the edges of other nodes that are.
 
     Args:
-        net: the mesh.
-        exits: (n,) directions that exist.
+        adjacency: the mesh.
+        open_directions: (n,) directions that exist.
         solid: (WIDTH,) row.
         margin: [unit].
         reach: the longest edge, [unit].
@@ -100,22 +102,22 @@ def exclusion(net: Net, exits: IntArray, solid: FloatArray, margin: float, reach
         all edges that nodes lose, and 0.
     """
     body = _Body(axes_of(solid, 0), core_of(solid, 0), centre_of(solid, 0), margin)
-    if net.shape.kind == ROWS:
-        return _exclusion_of_rows(net, body, reach)
+    if adjacency.shape.kind == ROWS:
+        return _exclusion_of_rows(adjacency, body, reach)
     limit = margin + reach
     low = (solid[17] - limit, solid[18] - limit, solid[19] - limit)
     high = (solid[20] + limit, solid[21] + limit, solid[22] + limit)
     windows = (
-        half_cells_within(net.shape, net.places, low, high, 0),
-        half_cells_within(net.shape, net.places, low, high, 1),
+        half_cells_within(adjacency.shape, adjacency.places, low, high, 0),
+        half_cells_within(adjacency.shape, adjacency.places, low, high, 1),
     )
-    return _exclusion_of_lattice(net, exits, body, reach, windows)
+    return _exclusion_of_lattice(adjacency, open_directions, body, reach, windows)
 
 
 @register_jitable
-def _exclusion_of_rows(net: Net, body: _Body, reach: float) -> Found:
+def _exclusion_of_rows(adjacency: Adjacency, body: _Body, reach: float) -> Found:
     """The same for a mesh of rows, of which every node is looked at."""
-    shape, _, _, places, indptr, indices = net
+    shape, _, _, places, indptr, indices = adjacency
     axes, core, centre, margin = body
     nodes = shape.nodes
     limit = margin + reach
@@ -148,8 +150,8 @@ def _exclusion_of_rows(net: Net, body: _Body, reach: float) -> Found:
 
 @register_jitable
 def _exclusion_of_lattice(
-    net: Net,
-    exits: IntArray,
+    adjacency: Adjacency,
+    open_directions: IntArray,
     body: _Body,
     reach: float,
     windows: tuple[tuple[Span, Span, Span], tuple[Span, Span, Span]],
@@ -160,21 +162,21 @@ def _exclusion_of_lattice(
     nodes can be passed over; where the nearest place is on the face of a box, it is known how far
     that remains so.
     """
-    shape, _, steps, places, _, _ = net
+    shape, _, steps, places, _, _ = adjacency
     axes, core, centre, margin = body
     y0, z0 = y_and_z_origins(shape)
     nx, ny, nz, directions = 2 * shape.nx, 2 * shape.ny, 2 * shape.nz, shape.directions
     limit = margin + reach
     step = places[z0 + 2] - places[z0]
     r = in_body(axes, (0.0, 0.0, step))
-    edges = _edges_in_body(net, axes)
+    edges = _edges_in_body(adjacency, axes)
     far = reach + _ROUNDING * reach
     tight, loose = _reach_aside(edges, reach), (far, far, far, far, far, far)
     kinds = 2 if shape.kind == BCC else 1
     lines = _lines(windows[0]) + (_lines(windows[1]) if kinds == 2 else 0)
     starts, lengths = np.empty(2 * lines, np.int32), np.empty(2 * lines, np.int32)
     most = 2 * directions * (shape.nz + 1)
-    losers, losses = np.empty(2 * most, np.int32), np.empty(2 * most, np.int32)
+    cut_nodes, cut_bits = np.empty(2 * most, np.int32), np.empty(2 * most, np.int32)
     runs, count = 0, 0
     for odd in range(kinds):
         (a0, a1), (b0, b1), (c0, c1) = windows[odd]
@@ -186,9 +188,9 @@ def _exclusion_of_lattice(
                 on_box = a == 0 or b == 0 or a == nx or b == ny
                 c, fresh = c0, True
                 # in the loop along the line the arrays would be counted in and out at each turn
-                if count + most > len(losers):
-                    losers = np.concatenate((losers, np.empty_like(losers)))
-                    losses = np.concatenate((losses, np.empty_like(losses)))
+                if count + most > len(cut_nodes):
+                    cut_nodes = np.concatenate((cut_nodes, np.empty_like(cut_nodes)))
+                    cut_bits = np.concatenate((cut_bits, np.empty_like(cut_bits)))
                 while c <= c1:
                     p = in_body(axes, (x, y, places[z0 + c] - centre[2]))
                     away = signed_distance(core, p)
@@ -219,12 +221,12 @@ def _exclusion_of_lattice(
                             c = max(c + 2, min(c + more, nz - odd))
                             continue
                     node = line + (c >> 1)
-                    near = _Node(node, exits[node], (a, b, c), p, away, outward)
-                    count = _shut_edges(
-                        shape, body, near, steps, places, edges, losers, losses, count
+                    near = _Node(node, open_directions[node], (a, b, c), p, away, outward)
+                    count = _cut_edges(
+                        shape, body, near, steps, places, edges, cut_nodes, cut_bits, count
                     )
                     c += 2
-    return starts[:runs], lengths[:runs], losers[:count], losses[:count]
+    return starts[:runs], lengths[:runs], cut_nodes[:count], cut_bits[:count]
 
 
 @register_jitable
@@ -235,13 +237,13 @@ def _lines(window: tuple[Span, Span, Span]) -> int:
 
 
 @register_jitable
-def _edges_in_body(net: Net, axes: Axes) -> FloatArray:
+def _edges_in_body(adjacency: Adjacency, axes: Axes) -> FloatArray:
     """Edges in the directions of a lattice (3 d,), in the body's axes, [unit].
 
     Those of nodes with an even place; of each edge that is the end that comes first.
     """
-    steps, places = net.steps, net.places
-    y0, z0 = y_and_z_origins(net.shape)
+    steps, places = adjacency.steps, adjacency.places
+    y0, z0 = y_and_z_origins(adjacency.shape)
     dx, dy, dz = places[1] - places[0], places[y0 + 1] - places[y0], places[z0 + 1] - places[z0]
     edges = np.empty(len(steps))
     for k in range(0, len(steps), 3):
@@ -255,7 +257,7 @@ def _reach_aside(edges: FloatArray, reach: float) -> Aside:
     """How far edges that lead towards a face lead along it; of nodes on the box any edge may."""
     pad = _ROUNDING * reach
     xy, xz, yx, yz, zx, zy = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    for k in range(0, 3 * SIDES, 3):
+    for k in range(0, 3 * INTERIOR_DIRECTIONS, 3):
         x, y, z = abs(edges[k]), abs(edges[k + 1]), abs(edges[k + 2])
         if x > pad:
             xy, xz = max(xy, y), max(xz, z)
@@ -276,28 +278,30 @@ def _nodes_inside(body: _Body, p: Vec3, away: float, r: Vec3, step: float) -> in
 
 
 @register_jitable(forceinline=True)
-def _shut_edges(
+def _cut_edges(
     shape: Shape,
     body: _Body,
     near: _Node,
     steps: IntArray,
     places: FloatArray,
     edges: FloatArray,
-    losers: IntArray,
-    losses: IntArray,
+    cut_nodes: IntArray,
+    cut_bits: IntArray,
     count: int,
 ) -> int:
     """Note the edges of a free node of a lattice that come too near between free ends.
 
-    Each edge from that end that comes first, for rounding.
+    Each edge is looked at from that end that comes first, so that rounding decides it once.
 
     Args:
-        net: the lattice.
+        shape: sizes of the lattice.
         body: the primitive.
         near: the node.
+        steps: (3 d,) half cells of the directions.
+        places: coordinates of the half cells along x, y and z, [unit], world.
         edges: (3 d,) see ``_edges_in_body``.
-        losers: the ends of the edges; written.
-        losses: the edge at each of these ends, as a bit; written.
+        cut_nodes: the ends of the edges; written.
+        cut_bits: the edge at each of these ends, as a bit; written.
         count: how many there are.
 
     Returns:
@@ -307,7 +311,10 @@ def _shut_edges(
     node, bits, (a, b, c), p, away, outward = near
     y0, z0 = y_and_z_origins(shape)
     cross = shape.cross
-    for k in range(cross if c & 1 == 1 else 0, shape.directions if bits >> SIDES else SIDES):
+    for k in range(
+        cross if c & 1 == 1 else 0,
+        shape.directions if bits >> INTERIOR_DIRECTIONS else INTERIOR_DIRECTIONS,
+    ):
         if (bits >> k) & 1 == 0 or (k >= cross and (k & 1) == 1):
             continue
         d = (edges[3 * k], edges[3 * k + 1], edges[3 * k + 2])
@@ -321,8 +328,8 @@ def _shut_edges(
         if signed_distance(core, q) < margin:
             continue
         if segment_within(core, margin, p, d):
-            losers[count], losers[count + 1] = node, node_at(shape, i, j, h)
-            losses[count], losses[count + 1] = 1 << k, 1 << (k if k < cross else k + 1)
+            cut_nodes[count], cut_nodes[count + 1] = node, node_at(shape, i, j, h)
+            cut_bits[count], cut_bits[count + 1] = 1 << k, 1 << (k if k < cross else k + 1)
             count += 2
     return count
 
@@ -344,25 +351,25 @@ def mark(starts: IntArray, lengths: IntArray, excluded: BoolArray) -> int:
     return count
 
 
-@compiled(example=(NO_NET, IDS, IDS, IDS, IDS, NEW_IDS), error_model="numpy")
-def shut(
-    net: Net,
+@compiled(example=(NO_ADJACENCY, IDS, IDS, IDS, IDS, NEW_IDS), error_model="numpy")
+def cut(
+    adjacency: Adjacency,
     starts: IntArray,
     lengths: IntArray,
-    losers: IntArray,
-    losses: IntArray,
-    exits: IntArray,
+    cut_nodes: IntArray,
+    cut_bits: IntArray,
+    open_directions: IntArray,
 ) -> None:
     """Clear the bits of edges that lead to excluded nodes of a lattice, and of those lost.
 
     Args:
-        net: the lattice.
+        adjacency: the lattice.
         starts, lengths: (r,) runs of excluded nodes, each in one line along z.
-        losers: (m,) nodes that lose edges.
-        losses: (m,) bits of these.
-        exits: (n,) open directions, as bits.
+        cut_nodes: (m,) nodes that lose edges.
+        cut_bits: (m,) bits of these.
+        open_directions: (n,) open directions, as bits.
     """
-    shape, offsets, steps, _, _, _ = net
+    shape, offsets, steps, _, _, _ = adjacency
     directions, cross = shape.directions, shape.cross
     nx, ny, nz = 2 * shape.nx, 2 * shape.ny, 2 * shape.nz
     for run in range(len(starts)):
@@ -373,7 +380,7 @@ def shut(
         end = c + 2 * (many - 1)
         # what is no edge has no bit to clear, but nodes on the box have more edges
         inside = 0 < a < nx and 0 < b < ny and c > 0 and end < nz
-        for k in range(SIDES if inside else directions):
+        for k in range(INTERIOR_DIRECTIONS if inside else directions):
             turned = -1 if k < cross and odd == 1 else 1
             i, j, h = turned * steps[3 * k], turned * steps[3 * k + 1], turned * steps[3 * k + 2]
             if not (0 <= a + i <= nx and 0 <= b + j <= ny):
@@ -383,6 +390,6 @@ def shut(
             others = ~(1 << (k if k < cross else k ^ 1))
             head = (other if k < cross else first) + offsets[odd * directions + k]
             for n in range(head + low, head + high):
-                exits[n] &= others
-    for k in range(len(losers)):
-        exits[losers[k]] &= ~losses[k]
+                open_directions[n] &= others
+    for k in range(len(cut_nodes)):
+        open_directions[cut_nodes[k]] &= ~cut_bits[k]

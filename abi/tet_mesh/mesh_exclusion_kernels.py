@@ -34,10 +34,10 @@ from abi.obstacles.triangle_mesh.winding_kernels import is_inside
 from abi.obstacles.vector_kernels import Vec3, add, axpy, norm, sub
 from abi.tet_mesh.adjacency_kernels import (
     BCC,
-    NO_NET,
+    INTERIOR_DIRECTIONS,
+    NO_ADJACENCY,
     ROWS,
-    SIDES,
-    Net,
+    Adjacency,
     Span,
     across,
     cell,
@@ -68,10 +68,10 @@ class _Limits(NamedTuple):
     touching: float
 
 
-@compiled(example=(NO_NET, IDS, NO_TABLES, NO_PLACEMENT, 0.0, 1.0), error_model="numpy")
+@compiled(example=(NO_ADJACENCY, IDS, NO_TABLES, NO_PLACEMENT, 0.0, 1.0), error_model="numpy")
 def exclusion_near_mesh(
-    net: Net,
-    exits: IntArray,
+    adjacency: Adjacency,
+    open_directions: IntArray,
     tables: SurfaceTables,
     placement: Placement,
     margin: float,
@@ -80,8 +80,8 @@ def exclusion_near_mesh(
     """The nodes nearer to a triangle mesh than ``margin``, and the edges of other nodes that are.
 
     Args:
-        net: the tetrahedral mesh.
-        exits: (n,) directions that exist.
+        adjacency: the tetrahedral mesh.
+        open_directions: (n,) directions that exist.
         tables: the triangle mesh.
         placement: where it is.
         margin: [unit].
@@ -93,17 +93,21 @@ def exclusion_near_mesh(
     near_point = margin / placement.factor
     doubt = tables.error[0] + tables.error[1] * near_point
     limits = _Limits(near_point, (margin + longest) / placement.factor, near_point + doubt)
-    levels = np.full(net.shape.nodes, _FAR)
+    levels = np.full(adjacency.shape.nodes, _FAR)
     room = new_room()
-    if net.shape.kind == ROWS:
-        starts, lengths, near = _levels_of_rows(net, tables, placement, limits, levels, room)
-        losers, losses = _edges_of_rows(net, tables, placement, limits, levels, near, room)
-    else:
-        starts, lengths, near = _levels_of_lattice(net, tables, placement, limits, levels, room)
-        losers, losses = _edges_of_lattice(
-            net, exits, tables, placement, limits, levels, near, room
+    if adjacency.shape.kind == ROWS:
+        starts, lengths, near = _levels_of_rows(adjacency, tables, placement, limits, levels, room)
+        cut_nodes, cut_bits = _edges_of_rows(
+            adjacency, tables, placement, limits, levels, near, room
         )
-    return starts, lengths, losers, losses
+    else:
+        starts, lengths, near = _levels_of_lattice(
+            adjacency, tables, placement, limits, levels, room
+        )
+        cut_nodes, cut_bits = _edges_of_lattice(
+            adjacency, open_directions, tables, placement, limits, levels, near, room
+        )
+    return starts, lengths, cut_nodes, cut_bits
 
 
 @register_jitable
@@ -136,7 +140,7 @@ def _level(tables: SurfaceTables, limits: _Limits, x: Vec3, last: Vec3, room: Ro
 
 @register_jitable
 def _levels_of_lattice(
-    net: Net,
+    adjacency: Adjacency,
     tables: SurfaceTables,
     placement: Placement,
     limits: _Limits,
@@ -153,7 +157,7 @@ def _levels_of_lattice(
     Returns:
         First nodes and lengths of the runs; the near nodes.
     """
-    shape, places = net.shape, net.places
+    shape, places = adjacency.shape, adjacency.places
     y0, z0 = y_and_z_origins(shape)
     low, high = _reached(tables, placement, limits)
     kinds = 2 if shape.kind == BCC else 1
@@ -207,8 +211,8 @@ def _levels_of_lattice(
 
 @register_jitable
 def _edges_of_lattice(
-    net: Net,
-    exits: IntArray,
+    adjacency: Adjacency,
+    open_directions: IntArray,
     tables: SurfaceTables,
     placement: Placement,
     limits: _Limits,
@@ -221,7 +225,12 @@ def _edges_of_lattice(
     Returns:
         Nodes that lose edges, and the bits of these edges.
     """
-    shape, places, steps, offsets = net.shape, net.places, net.steps, net.offsets
+    shape, places, steps, offsets = (
+        adjacency.shape,
+        adjacency.places,
+        adjacency.steps,
+        adjacency.offsets,
+    )
     y0, z0 = y_and_z_origins(shape)
     cross, factor = shape.cross, placement.factor
     edges, sizes = np.empty((shape.directions, 3)), np.empty(shape.directions)
@@ -233,19 +242,22 @@ def _edges_of_lattice(
         )
         edges[k, 0], edges[k, 1], edges[k, 2] = in_body(placement.axes, along)
         sizes[k] = norm(along)
-    losers, losses = np.empty(256, np.int32), np.empty(256, np.int32)
+    cut_nodes, cut_bits = np.empty(256, np.int32), np.empty(256, np.int32)
     count = 0
     for i in range(len(near)):
         node = near[i]
-        bits, here = exits[node], levels[node]
+        bits, here = open_directions[node], levels[node]
         a, b, c = cell(shape, node)
         p = to_surface(placement, (places[a], places[y0 + b], places[z0 + c]))
         other = across(shape, a, b, c)
-        if count + 2 * shape.directions > len(losers):
-            losers = np.concatenate((losers, np.empty_like(losers)))
-            losses = np.concatenate((losses, np.empty_like(losses)))
+        if count + 2 * shape.directions > len(cut_nodes):
+            cut_nodes = np.concatenate((cut_nodes, np.empty_like(cut_nodes)))
+            cut_bits = np.concatenate((cut_bits, np.empty_like(cut_bits)))
         # each edge once, from the end that comes first
-        for k in range(cross if c & 1 == 1 else 0, shape.directions if bits >> SIDES else SIDES):
+        for k in range(
+            cross if c & 1 == 1 else 0,
+            shape.directions if bits >> INTERIOR_DIRECTIONS else INTERIOR_DIRECTIONS,
+        ):
             if (bits >> k) & 1 == 0 or (k >= cross and (k & 1) == 1):
                 continue
             head = (other if k < cross else node) + offsets[(c & 1) * shape.directions + k]
@@ -257,15 +269,15 @@ def _edges_of_lattice(
                 continue
             q = add(p, (edges[k, 0], edges[k, 1], edges[k, 2]))
             if _is_lost(tables, limits.margin, p, q, here, there, sizes[k], room):
-                losers[count], losers[count + 1] = node, head
-                losses[count], losses[count + 1] = 1 << k, 1 << (k if k < cross else k + 1)
+                cut_nodes[count], cut_nodes[count + 1] = node, head
+                cut_bits[count], cut_bits[count + 1] = 1 << k, 1 << (k if k < cross else k + 1)
                 count += 2
-    return losers[:count].copy(), losses[:count].copy()
+    return cut_nodes[:count].copy(), cut_bits[:count].copy()
 
 
 @register_jitable
 def _levels_of_rows(
-    net: Net,
+    adjacency: Adjacency,
     tables: SurfaceTables,
     placement: Placement,
     limits: _Limits,
@@ -273,7 +285,7 @@ def _levels_of_rows(
     room: Room,
 ) -> tuple[IntArray, IntArray, IntArray]:
     """The same as ``_levels_of_lattice`` for a mesh of rows; a run is one node."""
-    places, nodes = net.places, net.shape.nodes
+    places, nodes = adjacency.places, adjacency.shape.nodes
     low, high = _reached(tables, placement, limits)
     excluded, near = np.empty(nodes, np.int32), np.empty(nodes, np.int32)
     runs, count = 0, 0
@@ -302,7 +314,7 @@ def _levels_of_rows(
 
 @register_jitable
 def _edges_of_rows(
-    net: Net,
+    adjacency: Adjacency,
     tables: SurfaceTables,
     placement: Placement,
     limits: _Limits,
@@ -311,7 +323,12 @@ def _edges_of_rows(
     room: Room,
 ) -> tuple[IntArray, IntArray]:
     """Places in the rows of all edges that near nodes lose, and 0."""
-    places, nodes, indptr, indices = net.places, net.shape.nodes, net.indptr, net.indices
+    places, nodes, indptr, indices = (
+        adjacency.places,
+        adjacency.shape.nodes,
+        adjacency.indptr,
+        adjacency.indices,
+    )
     gone = np.empty(len(indices), np.int32)
     count = 0
     for i in range(len(near)):

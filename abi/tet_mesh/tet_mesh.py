@@ -14,9 +14,8 @@ import scipy
 
 from abi.arrays import FloatArray, IntArray, read_only
 from abi.scene.scene import MeshSettings, Workspace
-from abi.tet_mesh import adjacency as net
-from abi.tet_mesh import lattice
-from abi.tet_mesh.adjacency_kernels import Net
+from abi.tet_mesh import adjacency, lattice
+from abi.tet_mesh.adjacency_kernels import Adjacency
 from abi.tet_mesh.lattice import Cells
 from abi.tet_mesh.stencil import Stencil
 
@@ -104,22 +103,22 @@ class TetMesh:
         """Number of edges."""
         if self.stencil is None:
             return len(self.edges)
-        return int(np.bitwise_count(self.exits).sum(dtype=np.int64)) // 2
+        return int(np.bitwise_count(self.open_directions).sum(dtype=np.int64)) // 2
 
     @cached_property
-    def net(self) -> Net:
+    def adjacency(self) -> Adjacency:
         """The mesh as the kernels take it."""
         if self.stencil is not None:
-            return net.of_lattice(self.stencil, len(self.points))
+            return adjacency.of_lattice(self.stencil, len(self.points))
         indptr, indices, _ = self._rows
-        return net.of_rows(self.points, indptr, indices)
+        return adjacency.of_rows(self.points, indptr, indices)
 
     @cached_property
-    def exits(self) -> IntArray:
+    def open_directions(self) -> IntArray:
         """Directions in which each node of a lattice has a neighbour, as bits (n,); else 0."""
         if self.stencil is None:
             return read_only(np.zeros(len(self.points), dtype=np.int32))
-        return self.stencil.exits(len(self.points))
+        return self.stencil.open_directions(len(self.points))
 
     @property
     def weights(self) -> FloatArray:
@@ -128,7 +127,7 @@ class TetMesh:
 
     @cached_property
     def _rows(self) -> tuple[IntArray, IntArray, FloatArray]:
-        return net.rows(self.edges, self.lengths, len(self.points))
+        return adjacency.rows(self.edges, self.lengths, len(self.points))
 
 
 def tetrahedralise(workspace: Workspace, settings: MeshSettings) -> TetMesh:

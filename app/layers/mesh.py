@@ -10,7 +10,7 @@ import viser
 
 from abi.arrays import FloatArray, IntArray
 from abi.planner.plan import Plan
-from abi.search.subset import excerpt, fits
+from abi.search.subset import fits, subset
 from app import glb, style
 from app.frame import Frame, Switch
 from app.layers.points import add_points
@@ -83,7 +83,7 @@ class MeshLayer:
             return
         self._drawn = state
         near = plan.path.points if plan.path is not None else np.array([plan.scene.start])
-        part = excerpt(plan.free, plan.graph, plan.scene.obstacles, near, view, EDGE_BUDGET)
+        part = subset(plan.free, plan.graph, plan.scene.obstacles, near, view, EDGE_BUDGET)
         self._note = ""
         if len(part.edges) < part.edges_in_all:
             self._note = (

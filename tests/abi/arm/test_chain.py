@@ -24,7 +24,7 @@ from tests.kernel_forms import compiled, plain
 BASE: Vec3 = (0.1, -0.2, 0.3)
 DOWN: Vec3 = (0.0, 0.0, -1.0)
 # the third joint follows the first, as a parallel linkage does
-LINKED = arm(
+LINKED_BIT = arm(
     ('<joint name="s" type="prismatic">', '<joint name="s" type="continuous">'),
     ("</robot>", "</robot>"),
 ).replace(
@@ -55,7 +55,7 @@ def test_every_link_is_where_yourdfpy_has_it(name: str) -> None:
         one = chain(name)
         robot = yourdfpy.URDF.load(str(assets.path("urdf", name, f"{name}.urdf")))
     else:
-        text = LINKED if name == "linked" else arm()
+        text = LINKED_BIT if name == "linked" else arm()
         one = Chain.of(robot_from_archive(packed({"a.urdf": text})), "d", BASE)
         robot = yourdfpy.URDF.load(io.BytesIO(text.encode()))
     positions = random_positions(one, 8)
@@ -76,7 +76,7 @@ def test_the_jacobian_is_what_small_steps_do(name: str) -> None:
     if name in SHIPPED:
         one = chain(name, DOWN)
     else:
-        text = LINKED if name == "linked" else arm()
+        text = LINKED_BIT if name == "linked" else arm()
         one = Chain.of(robot_from_archive(packed({"a.urdf": text})), "d", BASE, DOWN)
     count, step = len(one.names), 1e-6
     for q in random_positions(one, 5):

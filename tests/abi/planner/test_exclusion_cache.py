@@ -34,7 +34,7 @@ def same(a: FreeMesh, b: FreeMesh) -> bool:
         a.mesh is b.mesh
         and a.nodes == b.nodes
         and np.array_equal(a.excluded, b.excluded)
-        and np.array_equal(a.exits[free], b.exits[free])
+        and np.array_equal(a.open_directions[free], b.open_directions[free])
         and np.array_equal(a.weights, b.weights)
     )
 

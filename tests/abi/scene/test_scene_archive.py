@@ -62,6 +62,7 @@ def test_a_scene_comes_back_with_its_meshes(tmp_path: Path) -> None:
         (archive(scene__yaml="version: 2"), "version"),
         (archive(scene__json="0" * 300_000_000), "200 MB"),
     ],
+    ids=["not an archive", "cut off", "no scene", "another version", "too large"],
 )
 def test_what_is_no_archive_of_a_scene_is_refused(
     tmp_path: Path, content: bytes, expected: str

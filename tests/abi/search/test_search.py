@@ -45,7 +45,7 @@ def costs_from(graph: Graph, weight: Weight, node: int) -> FloatArray:
 def promises(graph: Graph, weight: Weight) -> FloatArray:
     """A*'s heuristic (n,), 0 at start and goal where they are nodes of their own."""
     metric = heuristic.metric(graph, weight)
-    shape = graph.mesh.net.shape
+    shape = graph.mesh.adjacency.shape
     left = np.zeros(len(graph.points))
     for node in range(len(graph.mesh.points)):
         lattice = graph.mesh.stencil is not None
@@ -215,7 +215,7 @@ def test_towards_a_goal_on_a_face_one_way_is_the_shortest_of_four(weight: Weight
         graph = graph_of(workspace, settings, (), (1.0, 1.0, 1.0), goal)
         metric = heuristic.metric(graph, weight)
         assert metric.kind == ON_A_FACE
-        shape = graph.mesh.net.shape
+        shape = graph.mesh.adjacency.shape
         for node in range(len(graph.mesh.points)):
             place = cell(shape, node)
             left = to_go(shape, metric._replace(kind=INSIDE), place)
@@ -312,8 +312,11 @@ def test_bellman_ford_finds_all_costs_however_often_nodes_return(seed: int, plai
     rows = csr_array(np.minimum(weights, weights.T))
     indptr, indices = (read_only(a.astype(np.int32)) for a in (rows.indptr, rows.indices))
     table = of_rows(np.zeros((n, 3)), indptr, indices)
-    exits = read_only(np.zeros(n, dtype=np.int32))
-    opened, links = OpenEdges(exits, read_only(rows.data)), Links(NO_IDS, NO_IDS, NO_NUMBERS)
+    open_directions = read_only(np.zeros(n, dtype=np.int32))
+    opened, links = (
+        OpenEdges(open_directions, read_only(rows.data)),
+        Links(NO_IDS, NO_IDS, NO_NUMBERS),
+    )
     problem = Problem(table, opened, links, Ends(0, 1, 0), 1.0, NO_METRIC)
     with kernels_as(compiled=not plain):
         cost, parent, order, relaxed = bellman_ford_kernels.bellman_ford(problem)

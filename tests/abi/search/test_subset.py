@@ -10,7 +10,7 @@ from abi.obstacles.primitives import Box, Sphere
 from abi.planner.plan import Plan
 from abi.planner.planner import plan
 from abi.scene.scene import load_scene
-from abi.search.subset import VIEWS, excerpt, fits
+from abi.search.subset import VIEWS, fits, subset
 
 
 def planned(pitch: float, lattice: str = "bcc", name: str = "paper") -> Plan:
@@ -32,7 +32,7 @@ def test_what_is_shown_is_in_the_graph_and_keeps_the_budget(view: str, budget: i
     assert made.free is not None
     assert made.graph is not None
     assert made.path is not None
-    part = excerpt(made.free, made.graph, made.scene.obstacles, made.path.points, view, budget)
+    part = subset(made.free, made.graph, made.scene.obstacles, made.path.points, view, budget)
 
     assert len(part.edges) <= budget
     assert part.edges_in_all == len(made.graph.edges)
@@ -52,7 +52,7 @@ def test_a_mesh_that_fits_is_shown_whole(lattice: str) -> None:
     assert made.free is not None
     assert made.graph is not None
     assert fits(made.free, 30_000)
-    part = excerpt(
+    part = subset(
         made.free, made.graph, made.scene.obstacles, made.graph.points[:1], "near", 30_000
     )
 
@@ -66,7 +66,7 @@ def test_near_shows_the_path_and_leaves_out_what_is_farthest() -> None:
     assert made.graph is not None
     assert made.path is not None
     assert not fits(made.free, 30_000)
-    part = excerpt(made.free, made.graph, made.scene.obstacles, made.path.points, "near", 30_000)
+    part = subset(made.free, made.graph, made.scene.obstacles, made.path.points, "near", 30_000)
 
     assert rows(made.path.points) <= rows(part.points)
     assert 10_000 < len(part.edges) < part.edges_in_all
@@ -98,7 +98,7 @@ def test_near_shows_what_is_nearest_to_path_and_obstacles(
     )
     assert made.free is not None
     assert made.graph is not None
-    part = excerpt(made.free, made.graph, obstacles, path, "near", budget)
+    part = subset(made.free, made.graph, obstacles, path, "near", budget)
 
     samples = path[0] + np.linspace(0, 1, 200)[:, None] * (path[1] - path[0])
     free = made.graph.points[: len(made.free.excluded)][~made.free.excluded]
@@ -121,7 +121,7 @@ def test_a_slice_is_thin_and_runs_through_the_obstacle(axis: int) -> None:
     assert made.free is not None
     assert made.path is not None
     view = VIEWS[1 + axis]
-    part = excerpt(made.free, made.graph, made.scene.obstacles, made.path.points, view, 30_000)
+    part = subset(made.free, made.graph, made.scene.obstacles, made.path.points, view, 30_000)
 
     assert np.ptp(part.points[:, axis]) < 1.0
     assert abs(part.points[:, axis].mean() - 3) < 0.3
@@ -132,7 +132,7 @@ def test_a_slice_is_thin_and_runs_through_the_obstacle(axis: int) -> None:
 def test_without_a_graph_no_edge_has_an_excluded_end() -> None:
     made = planned(1.0)
     assert made.free is not None
-    part = excerpt(made.free, None, made.scene.obstacles, np.zeros((1, 3)), "near", 30_000)
+    part = subset(made.free, None, made.scene.obstacles, np.zeros((1, 3)), "near", 30_000)
 
     kept = ~made.free.excluded
     assert len(part.points) == kept.sum()

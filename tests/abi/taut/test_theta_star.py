@@ -39,7 +39,7 @@ def arguments(
     """What the kernel is given; ``margins`` (4, k) are for each kind of segment and solid."""
     free = exclude(whole, ObstacleSet(scene.obstacles), float(margins.max(initial=0)))
     return (
-        *(whole.net, free.excluded, stride, stride * REACH * whole.longest_edge),
+        *(whole.adjacency, free.excluded, stride, stride * REACH * whole.longest_edge),
         *(
             (scene.start, scene.goal),
             (pack(solids_of(scene)), read_only(margins.reshape(-1))),
@@ -274,7 +274,7 @@ def test_every_second_node_is_the_lattice_of_twice_the_cell(
     for pitch, stride in zip(pitches, (2, 1), strict=True):
         scene = box_scene(seed, pitch).replace(mesh={"lattice": lattice, "pitch": pitch})
         whole = mesh.tetrahedralise(scene.workspace, scene.mesh)
-        cells.append(whole.net.shape[1:4])
+        cells.append(whole.adjacency.shape[1:4])
         paths.append(found(whole, scene, 0.2, stride))
 
     np.testing.assert_array_equal(cells[0], 2 * np.array(cells[1]))

@@ -168,7 +168,7 @@ def test_what_is_passed_over_in_a_fine_lattice_is_clear(
                 free = exclude(made, ObstacleSet((solid,)), 0.05)
             away = solid.signed_distance(made.points)
             assert np.array_equal(free.excluded, away < 0.05) or np.abs(away - 0.05).min() < TIE
-            found = graph._graph(free, free.exits, [], [], [0, 1])
+            found = graph._graph(free, free.open_directions, [], [], [0, 1])
             expected, ties = explicit(made, ObstacleSet((solid,)), 0.05)
             assert set(map(tuple, found.edges.tolist())) ^ set(expected) <= ties
 
@@ -240,9 +240,9 @@ def test_an_edge_is_shut_at_both_its_ends() -> None:
                 wxyz=tuple(rng.normal(size=4)),
             )
             free = exclude(made, ObstacleSet((solid,)), 0.05)
-            exits = np.where(free.excluded, 0, free.exits)
-            heads = made.stencil.heads(np.arange(len(exits), dtype=np.int32))
+            open_directions = np.where(free.excluded, 0, free.open_directions)
+            heads = made.stencil.heads(np.arange(len(open_directions), dtype=np.int32))
             for k in range(heads.shape[1]):
                 back = k if k < made.stencil.cross else k ^ 1
-                here = np.flatnonzero(exits >> k & 1)
-                assert (exits[heads[here, k]] >> back & 1 == 1).all()
+                here = np.flatnonzero(open_directions >> k & 1)
+                assert (open_directions[heads[here, k]] >> back & 1 == 1).all()

@@ -53,7 +53,7 @@ def test_an_edge_is_open_where_samples_of_it_are_clear(
     chosen = MeshSettings(lattice=lattice, pitch=float(rng.uniform(0.4, 0.7)), seed=seed)
     made = tet_mesh.tetrahedralise(Workspace(max=(3.0, 2.6, 3.3)), chosen)
     free = exclude(made, ObstacleSet((solid,)), margin)
-    found = graph._graph(free, free.exits, [], [], [0, 1])
+    found = graph._graph(free, free.open_directions, [], [], [0, 1])
     is_open = {(a, b) for a, b in found.edges.tolist()}
 
     ends = made.points[made.edges]
@@ -84,7 +84,7 @@ def test_the_lattice_far_from_a_mesh_is_untouched() -> None:
     solid = MeshShape.of(clean(*meshes.box()), position=(9.0, 1.0, 1.0))
     free = exclude(made, ObstacleSet((solid,)), 0.1)
     assert free.nodes == len(made.points)
-    assert np.array_equal(free.exits, made.exits)
+    assert np.array_equal(free.open_directions, made.open_directions)
 
 
 @pytest.mark.parametrize("solid", [True, False])
