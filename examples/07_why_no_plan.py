@@ -30,9 +30,12 @@ assert plan.error is None and plan.path is not None
 print(f"with {reason.change} there is a path of {plan.path.length:.3f} cm")
 
 # %%
-# Sometimes nothing helps but to move an obstacle.
+# Sometimes nothing helps but to take an obstacle away.
 walled_in = abi.load_scene("no-way")
 reason = explain(walled_in, abi.plan(walled_in))
-assert reason is not None and reason.change is None
+assert reason is not None and reason.change is not None
 print(reason.message)
 print(reason.hint)
+plan = abi.plan(walled_in.replace(**reason.change))
+assert plan.path is not None
+print(f"with {len(plan.scene.obstacles)} obstacles there is a path of {plan.path.length:.3f} cm")

@@ -8,7 +8,7 @@ from hypothesis import settings
 import abi
 
 # how long an example takes says more of the machine than of the code
-settings.register_profile("any machine", deadline=None)
+settings.register_profile("any machine", settings(), deadline=None)
 settings.load_profile("any machine")
 
 

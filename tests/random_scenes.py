@@ -101,6 +101,8 @@ def box_scene(seed: int, pitch: float) -> Scene:
 def crowd(count: int, seed: int, nodes: int, meshes: float = 0.0, fill: float = 0.12) -> Scene:
     """So many small obstacles of all shapes, apart from start and goal, in a mesh of so many nodes.
 
+    There is room for the tool alone: the arm does not avoid them.
+
     Args:
         count: number of obstacles.
         seed: of the generator.
@@ -136,6 +138,7 @@ def crowd(count: int, seed: int, nodes: int, meshes: float = 0.0, fill: float = 
             "obstacles": obstacles,
             "mesh": {"lattice": "bcc", "pitch": pitch},
             "spline": {"clearance": clearance},
+            "arm": {"avoid": False},
         },
         _meshes(),
     )

@@ -104,9 +104,7 @@ def test_near_shows_what_is_nearest_to_path_and_obstacles(
     free = made.graph.points[: len(made.free.excluded)][~made.free.excluded]
     away = np.linalg.norm(free[:, None] - samples, axis=2).min(axis=1)
     for obstacle in obstacles:
-        low, high = obstacle.bounds()
-        beyond = np.maximum(np.maximum(low - free, free - high), 0)
-        away = np.minimum(away, np.linalg.norm(beyond, axis=1))
+        away = np.minimum(away, obstacle.signed_distance(free).clip(0))
     drawn = rows(part.points)
     shown = np.array([tuple(point) in drawn for point in free.tolist()])
     cell = 6 / 40 * np.sqrt(3)

@@ -122,7 +122,12 @@ def _bound(scene: Scene, room: Workspace | None = None, clearance: float = CLEAR
 
 def _best(scene: Scene, pitch: float = 0.4, clearance: float = CLEARANCE) -> float:
     """Length of the shortest certified way of a fine plan; inf where there is none."""
-    made = PLANNER(scene.replace(mesh={"pitch": pitch}, spline={"clearance": clearance}), True)
+    changes = {
+        "mesh": {"pitch": pitch},
+        "spline": {"clearance": clearance},
+        "arm": {"avoid": False},
+    }
+    made = PLANNER(scene.replace(**changes), True)
     lengths = [math.inf]
     for found in (made.path, made.taut):
         if found is not None:
