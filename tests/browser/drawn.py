@@ -97,7 +97,6 @@ def distance(points: Points, polyline: Points) -> Points:
 
 
 def obstacles(page: Page) -> list[str]:
-    """Names of the obstacles' gizmos."""
-    return sorted(
-        name for name in page.names() if name.startswith("/obstacle_") and name.count("/") == 1
-    )
+    """Names of the obstacles' gizmos, in the order in which they were added."""
+    names = (n for n in page.names() if n.startswith("/obstacle_") and n.count("/") == 1)
+    return sorted(names, key=lambda name: int(name.removeprefix("/obstacle_")))

@@ -28,7 +28,7 @@ def _is_planned(page: Page, session: Session, gizmo: str, field: str) -> None:
 
 def test_the_obstacle_goes_where_it_is_dragged(page: Page, session: Session) -> None:
     (gizmo,) = drawn.obstacles(page)
-    for axis, length in ((1, 1.6), (2, -1.0)):
+    for axis, length in ((0, 0.8), (2, -1.0)):
         before, old = session.plan, np.array(page.position(gizmo))
         page.drag_arrow(gizmo, axis, length)
         moved = np.array(page.position(gizmo)) - old

@@ -54,7 +54,7 @@ def test_a_walled_in_goal_says_by_what_and_draws_no_path(page: Page, session: Se
     gizmo = drawn.obstacles(page)[int(named[1]) - 1]
     page.until(lambda: not page.props(gizmo)["disable_axes"], "its arrows")
     page.click(f"Remove obstacle {named[1]}")
-    page.until(lambda: session.plan.error is None, "a plan")  # type: ignore[union-attr]
+    page.until(lambda: session.plan.path is not None, "a path")  # type: ignore[union-attr]
     page.until(lambda: len(drawn.obstacles(page)) == 5, "one obstacle less")
     page.click("Undo")
     page.until(lambda: session.plan.scene == abi.load_scene("no-way"), "the scene as it was")  # type: ignore[union-attr]
@@ -87,7 +87,7 @@ def test_the_change_that_helps_is_made_at_a_press(page: Page, session: Session) 
     np.testing.assert_allclose(page.points("/marks"), [free], atol=drawn.SINGLE)
 
     page.click(DO_THAT)
-    page.until(lambda: session.plan.error is None, "a plan")  # type: ignore[union-attr]
+    page.until(lambda: session.plan.path is not None, "a path")  # type: ignore[union-attr]
     page.until(lambda: drawn.shows(page, session.plan), "its picture")
     page.until(lambda: page.complaints() == [] and _offers(page) == 0, "no complaint, no offer")
     assert session.plan is not None

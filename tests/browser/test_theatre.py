@@ -11,6 +11,7 @@ from tests.browser.page import Page
 def test_a_search_is_stepped_guessed_and_raced(page: Page, session: Session) -> None:
     page.click("Search")
     page.tick("step through a search", True)
+    page.reads("step 0 of")
     page.set_number("step", 12)
     page.reads("step 12 of")
     page.click("1 ▶")
