@@ -122,7 +122,7 @@ def _bound(scene: Scene, room: Workspace | None = None, clearance: float = CLEAR
 
 def _best(scene: Scene, pitch: float = 0.4, clearance: float = CLEARANCE) -> float:
     """Length of the shortest certified way of a fine plan; inf where there is none."""
-    changes = {
+    changes: dict[str, Any] = {
         "mesh": {"pitch": pitch},
         "spline": {"clearance": clearance},
         "arm": {"avoid": False},
