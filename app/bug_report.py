@@ -41,10 +41,15 @@ def bug_report(frame: Frame, fault: str | None) -> str:
 def describe_fault(error: Exception) -> str:
     """Kind of a fault and where it arose; paths only below the project's folder."""
     frames = traceback.extract_tb(error.__traceback__)
-    own = [frame for frame in frames if Path(frame.filename).is_relative_to(_ROOT)]
+    own = [frame for frame in frames if _is_own(Path(frame.filename))]
     places = [
         f"{Path(frame.filename).relative_to(_ROOT)}:{frame.lineno} in {frame.name}"
         for frame in own
         if "site-packages" not in frame.filename or len(own) == len(frames)
     ]
     return "\n".join((f"{type(error).__name__}: {error}"[:500], *places[-12:]))
+
+
+def _is_own(file: Path) -> bool:
+    """Whether a file is the project's; its folder may hold the libraries, too."""
+    return file.is_relative_to(_ROOT) and "site-packages" not in file.relative_to(_ROOT).parts
