@@ -16,6 +16,7 @@ from app.commands.export import export
 from app.commands.plan import plan
 from app.commands.reproduce import reproduce
 from app.commands.serve import serve
+from app.commands.sweep import sweep
 from app.commands.verify import verify
 from app.versions import version_text
 
@@ -48,7 +49,7 @@ def cli() -> None:
     """Plan a smooth, clear path for a robot's tool, and see every stage of it."""
 
 
-for command in (serve, plan, verify, export, reproduce, bench):
+for command in (serve, plan, verify, export, sweep, reproduce, bench):
     cli.add_command(command)
 
 

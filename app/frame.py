@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import ClassVar, Protocol
 
 from abi.errors import AbiError
+from abi.planner.base_map import BaseMap
 from abi.planner.plan import Plan
 from abi.planner.reason import Reason
 from app.style import Colour
@@ -45,6 +46,7 @@ class Frame:
         mesh_view: which part of the mesh to draw, of :data:`abi.search.subset.VIEWS`.
         expanded_share: part of the chosen search's expansions to draw, 0 to 1.
         theatre: the search that is stepped through; None while none is.
+        bases: places tried for the arm's base; None while none are.
         time: since the begin of the motion, [s].
         playing: whether it advances by itself.
         lecture: whether labels are to be read from afar.
@@ -62,6 +64,7 @@ class Frame:
     mesh_view: str = "near"
     expanded_share: float = 0.0
     theatre: Theatre | None = None
+    bases: BaseMap | None = None
     time: float = 0.0
     playing: bool = False
     lecture: bool = False

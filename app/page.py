@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+import asyncio
 import functools
 import json
+import uuid as uuids
 from collections.abc import Callable, Iterable, Mapping
+from concurrent.futures import Executor, Future
+from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
+import numpy.typing as npt
 import viser
 from viser import _assignable_props_api, _messages
 
@@ -15,9 +21,45 @@ from app.style import VIOLATION, Colour, css
 
 assert viser.__version__ == "1.1.1", "app/page.py uses private names of viser 1.1.1"
 
-# viser looks up the types of a handle's fields anew for each handle, most of the time that it takes
+# viser looks up the types of a handle's fields anew for each handle, most of the time that it
+# takes, and makes three array types for each field that is set, most of the time of that
 _props: Any = _assignable_props_api
 _props.get_type_hints = functools.cache(_props.get_type_hints)
+_props.npt = SimpleNamespace(
+    NDArray={
+        np.float16: npt.NDArray[np.float16],
+        np.float32: npt.NDArray[np.float32],
+        np.float64: npt.NDArray[np.float64],
+        np.uint8: npt.NDArray[np.uint8],
+    }
+)
+
+
+class _AtOnce(Executor):
+    """Runs callbacks where they are called: ours only wake a worker, as threads of a pool take
+    longer to, and in no order.
+    """
+
+    def submit(self, call: Callable[..., Any], /, *args: Any, **named: Any) -> Future[Any]:
+        done: Future[Any] = Future()
+        try:
+            done.set_result(call(*args, **named))
+        except Exception as error:
+            done.set_exception(error)
+        return done
+
+
+class _Event(asyncio.Event):
+    """An event that any thread may set, as viser does before it has its own thread set it again.
+
+    Where that thread wakes those who wait at the same moment, asyncio's refuses.
+    """
+
+    def set(self) -> None:
+        try:
+            super().set()
+        except RuntimeError:
+            self.clear()  # or the second time would wake nobody
 
 
 def set_title(client: viser.ClientHandle, title: str) -> None:
@@ -27,6 +69,9 @@ def set_title(client: viser.ClientHandle, title: str) -> None:
 
 def install(client: viser.ClientHandle) -> None:
     """Give the tab the functions that the others here call."""
+    buffer = client._websock_connection.get_message_buffer()
+    buffer.message_event.__class__ = _Event
+    client.gui._thread_executor = client.scene._thread_executor = _AtOnce()  # type: ignore[assignment]
     _run(client, _script())
 
 
@@ -37,7 +82,12 @@ def ask(client: viser.ClientHandle, widget: viser.GuiTextHandle) -> None:
 
 def remember(client: viser.ClientHandle, text: str) -> None:
     """Have the tab keep ``text`` for its next report, past reloads and this server's end."""
-    _run(client, f"abi.remember({json.dumps(text)})")
+    _run(client, f"abi.remember({json.dumps(text)})", "remember")
+
+
+def remember_lessons(client: viser.ClientHandle, text: str) -> None:
+    """Have the browser keep the progress in lessons for every tab to come."""
+    _run(client, f"abi.rememberLessons({json.dumps(text)})")
 
 
 def copy_link(client: viser.ClientHandle, state: str) -> None:
@@ -52,7 +102,7 @@ def uuid(widget: viser.GuiInputHandle[Any] | viser.GuiButtonHandle) -> str:
 
 def show_part(client: viser.ClientHandle, part: str, content: str) -> None:
     """Show HTML in a part of the layer over the scene."""
-    _run(client, f"abi.show({json.dumps(part)}, {json.dumps(content)})")
+    _run(client, f"abi.show({json.dumps(part)}, {json.dumps(content)})", f"show {part}")
 
 
 def fold_sheet(client: viser.ClientHandle, label: str) -> None:
@@ -62,12 +112,12 @@ def fold_sheet(client: viser.ClientHandle, label: str) -> None:
 
 def set_lecture(client: viser.ClientHandle, on: bool) -> None:
     """Write in large letters over the scene, or as usual."""
-    _run(client, f"abi.lecture({json.dumps(on)})")
+    _run(client, f"abi.lecture({json.dumps(on)})", "lecture")
 
 
 def set_clock(client: viser.ClientHandle, time: float, end: float, playing: bool) -> None:
     """Show the motion's time and end, [s], in the layer over the scene."""
-    _run(client, f"abi.clock({time}, {end}, {json.dumps(playing)})")
+    _run(client, f"abi.clock({time}, {end}, {json.dumps(playing)})", "clock")
 
 
 def next_file(client: viser.ClientHandle) -> None:
@@ -77,17 +127,27 @@ def next_file(client: viser.ClientHandle) -> None:
 
 def play(client: viser.ClientHandle, motion: Mapping[str, object]) -> None:
     """Have the tab play a motion by its own clock: see ``assets/page/page.js`` for its fields."""
-    _run(client, f"abi.play({json.dumps(motion)})")
+    _run(client, f"abi.play({json.dumps(motion)})", "motion")
 
 
 def stand(client: viser.ClientHandle, time: float) -> None:
     """Have the tab stand still at ``time`` [s] of the motion that it plays."""
-    _run(client, f"abi.stand({json.dumps(time)})")
+    _run(client, f"abi.stand({json.dumps(time)})", "motion")
 
 
 def notify_refusal(client: viser.ClientHandle, title: str, reason: str) -> None:
     """Notify the user of what was not done, and why."""
     client.add_notification(title, reason, color="red", auto_close_seconds=12)
+
+
+def notify_missing(client: viser.ClientHandle, files: Iterable[str]) -> None:
+    """Notify the user of mesh files of a link that this server does not have."""
+    names = ", ".join(files)
+    reason = (
+        f"{names} was uploaded to another server, or too long ago. Everything else is here. "
+        "A scene that is saved as a file has its meshes in it."
+    )
+    client.add_notification("Without its mesh", reason, color="red", auto_close_seconds=20)
 
 
 def swatch_style(colours: Iterable[tuple[viser.GuiCheckboxHandle, Colour]]) -> str:
@@ -142,10 +202,21 @@ def widget(server: viser.ViserServer, connection: object, uuid: str) -> Any:
     return None
 
 
-def _run(client: viser.ClientHandle, script: str) -> None:
-    client._websock_connection.queue_message(_messages.RunJavascriptMessage(source=script))
+def own(gizmo: viser.TransformControlsHandle) -> None:
+    """Tell no other tab where a gizmo is: there is none that shows a tab's own gizmos."""
+    gizmo._impl_aux.sync_cb = None
+
+
+def _run(client: viser.ClientHandle, script: str, slot: str = "") -> None:
+    """Run a script in the page, instead of one that still waits in the same ``slot``."""
+    message = _messages.RunJavascriptMessage(source=script)
+    # viser asks again when it has sent the message: another answer, as its own, is kept for ever
+    key = f"run {slot or uuids.uuid4()}"
+    message.redundancy_key = functools.partial(str, key)  # type: ignore[method-assign]
+    client._websock_connection.queue_message(message)
 
 
 @functools.cache
 def _script() -> str:
-    return assets.path("page", "page.js").read_text(encoding="utf-8")
+    files = (assets.path("page", name) for name in ("page.js", "labels.js"))
+    return "\n".join(file.read_text(encoding="utf-8") for file in files)

@@ -11,11 +11,9 @@ import threading
 import time
 from dataclasses import replace
 
-import numpy as np
 import viser
 
 from abi import assets, compiling
-from abi.arm.urdf_arm import UrdfArm
 from abi.errors import AbiError, SceneError
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.planner.diagnosis import explain
@@ -24,22 +22,19 @@ from abi.planner.plan import Plan
 from abi.scene.scene import Scene
 from app import metrics, page
 from app.bug_report import bug_report, describe_fault
-from app.camera import View, Viewpoint
 from app.classroom import Classroom
 from app.demo import FRAME, Demo
-from app.frame import Drawable, Frame, Switchable
+from app.frame import Frame
 from app.labels import sentence
-from app.layers.catalogue import LAYERS, SLOW_LAYERS
 from app.layout import TITLE
 from app.lessons.cue import Cue
 from app.lessons.lesson import Library
 from app.look import Look
-from app.panels.all_panels import AllPanels
 from app.panels.classroom import ClassroomPanel
-from app.panels.obstacle_gizmos import ObstacleGizmos
-from app.panels.playback import PlaybackPanel
 from app.tab_memory import Report, TabMemory
 from app.tab_state import TabState
+from app.tab_view import TabView
+from app.turns import TURNS
 
 _log = logging.getLogger("abi.tab")
 
@@ -47,8 +42,6 @@ SLOW_MS = 120.0
 """Where the last plan took longer, it is drawn in grey while the next is made."""
 LOGGED_MS = 1000.0
 """A plan that takes longer has a line in the log."""
-_FACED = 40
-"""Points of the curve that the camera looks for."""
 REST = 0.3
 """Seconds without input that make a pause: time to plan in full, and to diagnose."""
 IDLE = 1.0
@@ -57,9 +50,6 @@ NARROW = 600
 """Width of a page, [px], below which the panels would hide the scene: they begin folded."""
 LIGHTS_DELAY = 1.5
 """Seconds in which even weak graphics have drawn the first plan."""
-_SWITCHABLE: tuple[type[Switchable], ...] = (*LAYERS, ObstacleGizmos, *SLOW_LAYERS)
-SWITCHES = tuple(switch for part in _SWITCHABLE for switch in part.switches)
-"""Entries of the legend."""
 
 
 class Session:
@@ -68,7 +58,8 @@ class Session:
     Attributes:
         frame: what is drawn.
         plans: number of plans drawn so far, counting one as often as it was drawn.
-        layers: all layers.
+        panels: the tab's.
+        playback: the tab's.
     """
 
     def __init__(
@@ -95,15 +86,16 @@ class Session:
         self._planned = planned
         self._closing = False
         self._has_lights = look.plain
-        self._viewpoint = Viewpoint(client.camera, scene)
-        self._to_face = True
         self._compiled = compiling.is_done()
         page.install(client)
         self._memory = TabMemory(client, self.wake)
         self._look = look
         with client.atomic():
-            self._build(name, scene, bool(look.dark), library)
-            self._class = self._join(classroom)
+            self._view = TabView(client, name, scene, self.wake, bool(look.dark), library)
+            self.panels, self.playback = self._view.panels, self._view.playback
+            self._class: ClassroomPanel | None = None
+            if classroom is not None:
+                self._class = self._view.join(classroom, self.wake, self._changed.set)
         self._demo = Demo(self.panels.obstacles)
         self._changed.set()
         self._worker = threading.Thread(
@@ -162,25 +154,6 @@ class Session:
                 self._woken = time.monotonic()
             self._changed.set()
 
-    def _build(self, name: str, scene: Scene, dark: bool, library: Library) -> None:
-        """Add panels and layers, in the order of the page where they share a tab or a folder."""
-        self.panels = AllPanels(self.client, name, scene, SWITCHES, self.wake, dark, library)
-        layers: list[Drawable] = [layer(self.panels.layout) for layer in LAYERS]
-        slow_layers: list[Drawable] = [layer(self.panels.layout) for layer in SLOW_LAYERS]
-        with self.panels.layout.result:
-            self.playback = PlaybackPanel(self.client.gui, self.panels.layout.overlay, self.wake)
-        self.layers = (*layers, *slow_layers)
-        self._groups = ((*self.panels.drawn, *layers), slow_layers)
-
-    def _join(self, classroom: Classroom | None) -> ClassroomPanel | None:
-        """Add the class's panel where there is a class."""
-        if classroom is None:
-            return None
-        with self.panels.layout.paper:
-            panel = ClassroomPanel(self.client, classroom, self.wake, self._changed.set)
-        self._groups = ((*self._groups[0], panel), self._groups[1])
-        return panel
-
     def _work(self) -> None:
         """Plan and draw until the tab is closed: the worker's thread."""
         self._memory.wait()
@@ -188,17 +161,18 @@ class Session:
             self._changed.wait(self._timeout())
             if self._closing:
                 return
-            # not what wait() returned: the input may have come while it gave up
-            if woken := self._changed.is_set():
-                self._changed.clear()
-            try:
-                self._step(woken)
-            except Exception as error:
-                self._recover(error)
+            with TURNS:
+                # not what wait() returned: the input may have come while it gave up
+                if woken := self._changed.is_set():
+                    self._changed.clear()
+                try:
+                    self._step(woken)
+                except Exception as error:
+                    self._recover(error)
 
     def _step(self, woken: bool) -> None:
         """Do what there is to do: on input, in a pause, and for the playback."""
-        self._viewpoint.fit()
+        self._view.viewpoint.fit()
         if woken:
             self._demo.end()
             self._broken = False
@@ -211,7 +185,8 @@ class Session:
         elif not self._broken:
             if time.monotonic() - self._last_input >= REST:
                 self._use_pause()
-            self._draw(self.frame)
+            if self._view.timeout(self.frame) is not None:
+                self._draw(self.frame)
         if not self._demo.running:
             state = self._state()
             self._memory.keep(state)
@@ -236,16 +211,13 @@ class Session:
         """Time to wait for input, [s]."""
         if self._broken:
             return IDLE
-        demo = FRAME if self._demo.running else None
-        # the page itself moves the paper's arm alone
-        posed = self.playback.playing and isinstance(self.frame.plan.arm, UrdfArm)
-        tick = FRAME if posed else None
-        clocks = (self.playback.timeout(), self.panels.theatre.timeout(), demo, tick)
-        playing = min((seconds for seconds in clocks if seconds is not None), default=None)
+        playing = FRAME if self._demo.running else self._view.timeout(self.frame)
         incomplete = self.frame.interactive or self.frame.partial or self._undiagnosed()
         idle = self._has_lights and self._compiled and not incomplete and not self._demo.wanted
         if playing is not None:
             return playing
+        if self.panels.stages.bases.running:
+            return FRAME
         return IDLE if idle else REST
 
     def _update(self) -> None:
@@ -260,7 +232,7 @@ class Session:
         if (cue := self.panels.cue(self._scene)) is not None:
             restored |= self._follow(cue)
         if (direction := self.panels.lecture.requested_view()) is not None:
-            self._viewpoint.look_from(direction)
+            self._view.viewpoint.look_from(direction)
         try:
             scene = self._read()
         except AbiError as error:
@@ -304,6 +276,7 @@ class Session:
             self.panels.layer_switches.restore(None, report.dark)
         if report.width < NARROW:
             page.fold_sheet(self.client, TITLE)
+        self.panels.lessons.recall(report.lessons)
         if not report.state:
             self._demo.wanted = self._look.demo and report.query.get("demo") != "0"
             return False
@@ -313,53 +286,26 @@ class Session:
         except SceneError as error:
             page.notify_refusal(self.client, "The link cannot be opened", error.message)
             return False
-        self.panels.restore(state)
-        self._viewpoint.show(state.scene)
-        if state.view is not None:
-            self._to_face = False
-            self._viewpoint.restore(state.view)
-        self.playback.restore(state.time, state.playing)
+        if state.missing:
+            page.notify_missing(self.client, state.missing)
+        self._view.restore(state)
         self._scene = state.scene
-        self.panels.history.begin(state.scene)
         return True
 
     def _follow(self, cue: Cue) -> bool:
         """Show what a lesson or a figure sets; whether there is another scene to plan."""
-        self.panels.follow(cue)
-        setting, before = cue.setting, self._scene
-        self._scene = cue.scene
-        if setting.scene is not None:
-            self._viewpoint.show(cue.scene)
-            self._to_face = setting.camera is None
-        if setting.camera is not None:
-            camera = setting.camera
-            view = View.of([camera.position, camera.target, (0.0, 0.0, 1.0)])
-            if view is not None:
-                self._viewpoint.restore(view)
-        if setting.time is not None or setting.play is not None:
-            self.playback.restore(setting.time or 0.0, bool(setting.play))
+        before, self._scene = self._scene, cue.scene
+        self._view.follow(cue)
         return cue.scene != before
 
     def _state(self) -> TabState:
-        """What the page is to remember; while the arm moves, not where it is."""
-        playing = self.playback.playing
-        return TabState(
-            name=self.panels.files.name,
-            scene=self._scene,
-            view=self._viewpoint.now(),
-            time=0.0 if playing else self.frame.time,
-            playing=playing,
-            shown=self.panels.layer_switches.shown(),
-            dark=bool(self.panels.layer_switches.dark.value),
-            lessons=self.panels.lessons.progress,
-            challenge=self.panels.share.kept,
-        )
+        """What the page is to remember."""
+        return self._view.state(self._scene, self.frame.time)
 
     def _replan(self, scene: Scene) -> Plan:
         """Plan another scene, with the last plan in grey where that may take long."""
         if scene.workspace != self._scene.workspace or self.panels.files.loaded is scene:
-            self._viewpoint.show(scene)
-            self._to_face = True
+            self._view.look_at(scene)
         self._scene = scene
         if self.frame.plan.total_ms > SLOW_MS:
             self._draw(replace(self.frame, outdated=True))
@@ -382,10 +328,7 @@ class Session:
         if plan is not frame.plan:
             frame = replace(frame, plan=plan, reason=None)
         coarse, partial = self._planner.coarse, self._planner.partial
-        if self._to_face and plan.bspline is not None:
-            self._to_face = False
-            interval = plan.bspline.curve.interval
-            self._viewpoint.face(plan.bspline.curve(np.linspace(*interval, _FACED)))
+        self._view.face(plan)
         frame = replace(frame, coarse=coarse, partial=partial, interactive=interactive)
         self._draw(replace(frame, outdated=False))
         if interactive and self.plans:
@@ -395,17 +338,7 @@ class Session:
 
     def _draw(self, frame: Frame) -> None:
         """Draw a frame at the time of the playback."""
-        with self.client.atomic():
-            now = self.playback.advance(frame.duration)
-            self.playback.mark(frame.plan.arm_clearance, frame.duration)
-            playing, rate = self.playback.playing, self.playback.rate
-            frame = replace(frame, time=now, playing=playing, rate=rate)
-            self.frame = replace(frame, theatre=self.panels.theatre.advance(frame))
-            for part in self._groups[0]:
-                part.draw(self.frame)
-        with self.client.atomic():
-            for part in self._groups[1]:
-                part.draw(self.frame)
+        self.frame = self._view.draw(frame)
         if self.panels.lessons.waiting:
             self._changed.set()
 
@@ -421,6 +354,8 @@ class Session:
             self._draw(replace(self.frame, interactive=False))
         if self._undiagnosed():
             self._diagnose()
+        elif self.panels.stages.bases.running:
+            self.panels.stages.bases.step(self._scene)
         elif not self._has_lights and time.monotonic() - self._last_input >= LIGHTS_DELAY:
             self._add_lights()
         elif not self._compiled and compiling.is_done():

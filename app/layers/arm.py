@@ -93,6 +93,7 @@ class ArmLayer:
         self._playback = ArmPlayback(layout.client)
         self._base = self._scene.add_frame("/arm", show_axes=False)
         self._joint_nodes: list[_JointNode] = []
+        self._joint_poses: list[JointPose] = []
         self._arm: Arm | None = None
         self._built: tuple[str, float] | None = None
         self._posed: object = None
@@ -134,8 +135,7 @@ class ArmLayer:
 
     def _play(self, frame: Frame, motion: ArmMotion) -> None:
         """Have the page move the arm, and lengthen a trace of the whole motion."""
-        joints = [pose for node in self._joint_nodes if (pose := node.pose) is not None]
-        if self._playback.play(motion, joints, self._trace.name, frame.time, frame.rate):
+        if self._playback.play(motion, self._joint_poses, self._trace.name, frame.time, frame.rate):
             self._trace.points = self._trace_of(frame.plan, motion.tool[samples_of(motion)])
 
     def _pose(self, plan: Plan, time: float) -> None:
@@ -212,6 +212,7 @@ class ArmLayer:
                     origin=origin,
                 )
             )
+        self._joint_poses = [pose for node in self._joint_nodes if (pose := node.pose) is not None]
 
     def _add_mesh(self, link: str) -> None:
         if link in self._solids:

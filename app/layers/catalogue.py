@@ -9,9 +9,11 @@ from __future__ import annotations
 from app.layers.arm import ArmLayer
 from app.layers.arm_ghosts import ArmGhostsLayer
 from app.layers.arm_regions import ArmRegionsLayer
+from app.layers.base_map import BaseMapLayer
 from app.layers.curves import CurvesLayer
 from app.layers.ghost import GhostLayer
 from app.layers.headline import HeadlineLayer
+from app.layers.joint_rates import JointRatesLayer
 from app.layers.lesson import LessonLayer
 from app.layers.markers import MarkersLayer
 from app.layers.mesh import MeshLayer
@@ -31,6 +33,7 @@ LAYERS = (
     TablesLayer,
     StageNotesLayer,
     PlotsLayer,
+    JointRatesLayer,
     WorkspaceLayer,
     MarkersLayer,
     MeshLayer,
@@ -40,6 +43,7 @@ LAYERS = (
     RaceLayer,
     CurvesLayer,
     GhostLayer,
+    BaseMapLayer,
     NamesLayer,
 )
 SLOW_LAYERS = (ArmLayer, UrdfArmLayer, ArmGhostsLayer, ArmRegionsLayer, LessonLayer)

@@ -5,14 +5,13 @@ from __future__ import annotations
 from typing import ClassVar
 
 import numpy as np
-import viser
 
 from abi.curves.curve import Curve
 from abi.planner.plan import Plan
 from app import style
 from app.frame import Frame, Switch
 from app.layers.lines import NO_SEGMENTS, add_line, recolour, segments
-from app.layers.points import add_points
+from app.layers.points import Points
 from app.layout import Layout
 
 SAMPLES = 160
@@ -28,13 +27,13 @@ class CurvesLayer:
     )
 
     def __init__(self, layout: Layout) -> None:
-        self._scene = scene = layout.client.scene
+        scene = layout.client.scene
         self._lines = {
             name: add_line(scene, f"/curve/{name}", colour, 5.0)
             for name, (_, colour) in style.CURVES.items()
         }
         self._polygon = add_line(scene, "/curve/control_polygon", style.BSPLINE, 1.0)
-        self._control: viser.PointCloudHandle | None = None
+        self._control = Points(scene, "/curve/control_points")
         self._violations = add_line(scene, "/curve/entering", style.VIOLATION, 9.0)
         self._drawn: dict[str, object] = {}
         self._faded = False
@@ -47,8 +46,7 @@ class CurvesLayer:
         self._lines["bspline"].visible = "bspline" in frame.shown
         self._lines["quadratic"].visible = self._violations.visible = "quadratic" in frame.shown
         self._polygon.visible = "control" in frame.shown
-        if self._control is not None:
-            self._control.visible = "control" in frame.shown
+        self._control.show("control" in frame.shown)
 
     def _draw_curves(self, plan: Plan) -> None:
         curves: dict[str, Curve | None] = {
@@ -90,6 +88,4 @@ class CurvesLayer:
         points = np.zeros((0, 3)) if plan.bspline is None else plan.bspline.curve.control_points
         self._polygon.points = segments(points)
         size = 0.012 * max(plan.scene.workspace.size)
-        self._control = add_points(
-            self._scene, "/curve/control_points", points, style.BSPLINE, size, visible=False
-        )
+        self._control.draw(points, style.BSPLINE, size)

@@ -41,14 +41,14 @@ def dashes(points: FloatArray, length: float) -> Segments:
     arc = np.concatenate(([0.0], np.cumsum(steps)))
     if len(points) < 2 or arc[-1] <= 0:
         return segments(points)
-    starts = np.arange(0.0, arc[-1], 1.7 * length)
+    period = 1.7 * length
+    starts = np.arange(0.0, arc[-1], period)
     ends = np.minimum(starts + length, arc[-1])
-    corners = arc[1:-1]
-    pieces = [
-        np.concatenate(([a], corners[(corners > a) & (corners < b)], [b]))
-        for a, b in zip(starts, ends, strict=True)
-    ]
-    return np.concatenate([segments(_points_at(points, arc, piece)) for piece in pieces])
+    # between two of these places next to each other is a straight piece of a dash, or of a gap
+    places = np.sort(np.concatenate((starts, ends, arc[1:-1])))
+    middles = (places[:-1] + places[1:]) / 2
+    drawn = (middles % period < length) & (np.diff(places) > 0)
+    return np.asarray(segments(_points_at(points, arc, places))[drawn])
 
 
 def _points_at(points: FloatArray, arc: FloatArray, lengths: FloatArray) -> FloatArray:

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-import viser
-
 from abi.planner.reason import Reason
 from app import style
 from app.frame import Frame, Switch
-from app.layers.points import add_points
+from app.layers.points import Points
 from app.layout import Layout
 
 
@@ -19,9 +17,8 @@ class MarkersLayer:
     switches: ClassVar[tuple[Switch, ...]] = ()
 
     def __init__(self, layout: Layout) -> None:
-        self._scene = layout.client.scene
         self._drawn: Reason | None = None
-        self._cloud: viser.PointCloudHandle | None = None
+        self._cloud = Points(layout.client.scene, "/marks")
 
     def draw(self, frame: Frame) -> None:
         """Mark the reason's points; none without a reason."""
@@ -30,8 +27,7 @@ class MarkersLayer:
             return
         self._drawn = reason
         if reason is None or len(reason.points) == 0:
-            if self._cloud is not None:
-                self._cloud.visible = False
+            self._cloud.show(False)
             return
         size = 0.03 * max(frame.plan.scene.workspace.size)
-        self._cloud = add_points(self._scene, "/marks", reason.points, style.MARK, size)
+        self._cloud.draw(reason.points, style.MARK, size, visible=True)

@@ -13,7 +13,7 @@ from abi.planner.plan import Plan
 from abi.search.subset import fits, subset
 from app import glb, style
 from app.frame import Frame, Switch
-from app.layers.points import add_points
+from app.layers.points import Points
 from app.layout import Layout
 from app.numbers import format_setting
 
@@ -44,7 +44,9 @@ class MeshLayer:
         with layout.folders["graph"]:
             self._text = layout.client.gui.add_html("")
         self._edges: viser.GlbHandle | None = None
-        self._clouds: dict[str, viser.PointCloudHandle] = {}
+        self._clouds = {
+            name: Points(self._scene, f"/mesh/{name}") for name in ("nodes", "excluded")
+        }
         self._seen: tuple[object, ...] = ()
         self._drawn: tuple[object, ...] = ()
         self._written: tuple[object, ...] = ()
@@ -63,7 +65,7 @@ class MeshLayer:
         if self._edges is not None:
             self._edges.visible = "edges" in frame.shown
         for name, cloud in self._clouds.items():
-            cloud.visible = name in frame.shown and not (self._stale and name == "excluded")
+            cloud.show(name in frame.shown and not (self._stale and name == "excluded"))
         if (state := (frame.plan, frame.partial, self._note)) != self._written:
             self._written = state
             self._text.content = (
@@ -91,8 +93,8 @@ class MeshLayer:
             )
         self._draw_edges(part.points, part.edges)
         size = min(0.05 * plan.free.mesh.pitch, 0.008 * max(plan.scene.workspace.size))
-        self._draw_cloud("nodes", part.points, style.MESH, size)
-        self._draw_cloud("excluded", part.excluded, style.EXCLUDED, 1.6 * size)
+        self._clouds["nodes"].draw(part.points, style.MESH, size)
+        self._clouds["excluded"].draw(part.excluded, style.EXCLUDED, 1.6 * size)
 
     def _draw_edges(self, points: FloatArray, edges: IntArray) -> None:
         if len(edges) == 0:
@@ -107,11 +109,6 @@ class MeshLayer:
             )
         else:
             self._edges.glb_data = data
-
-    def _draw_cloud(self, name: str, points: FloatArray, colour: style.Colour, size: float) -> None:
-        self._clouds[name] = add_points(
-            self._scene, f"/mesh/{name}", points, colour, size, visible=False
-        )
 
 
 def _opacity(edges: int) -> float:

@@ -20,11 +20,6 @@ def acceleration(motion: ArmMotion) -> FloatArray:
     return np.column_stack([np.linalg.norm(along, axis=1), along])
 
 
-def joint_speeds(motion: ArmMotion) -> FloatArray:
-    """Of the joints (m, 6), [rad/s], q5 [unit/s], by differences of their positions."""
-    return np.asarray(np.gradient(motion.positions, motion.time, axis=0))
-
-
 def tool_clearance(plan: Plan) -> FloatArray | None:
     """Distance of the tool to the obstacles (m,), [unit]; None without obstacles."""
     if plan.motion is None or not plan.scene.obstacles:

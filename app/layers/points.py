@@ -9,21 +9,48 @@ from abi.arrays import FloatArray
 from app.style import Colour
 
 
-def add_points(
-    scene: viser.SceneApi,
-    name: str,
-    points: FloatArray,
-    colour: Colour,
-    size: float,
-    visible: bool = True,
-) -> viser.PointCloudHandle:
-    """Add ``points`` (n, 3), [unit], world, as discs of diameter ``size``, [unit]."""
-    return scene.add_point_cloud(
-        name,
-        points.astype(np.float32),
-        colour,
-        point_size=size,
-        point_shape="circle",
-        precision="float32",
-        visible=visible,
-    )
+class Points:
+    """One cloud, of which only what changes is sent."""
+
+    def __init__(self, scene: viser.SceneApi, name: str) -> None:
+        self._scene, self._name = scene, name
+        self._cloud: viser.PointCloudHandle | None = None
+
+    def draw(
+        self, points: FloatArray, colour: Colour, size: float, visible: bool | None = None
+    ) -> None:
+        """Draw ``points`` (n, 3), [unit], world, as discs of diameter ``size``, [unit].
+
+        Args:
+            points: where.
+            colour: of all of them.
+            size: of a disc.
+            visible: whether they are seen; None for as before, at first for seen.
+        """
+        if self._cloud is None:
+            self._cloud = self._scene.add_point_cloud(
+                self._name,
+                points.astype(np.float32),
+                colour,
+                point_size=size,
+                point_shape="circle",
+                precision="float32",
+                visible=visible is not False,
+            )
+            return
+        self._cloud.points = points.astype(np.float32)
+        self._cloud.colors = np.array(colour, np.uint8)
+        self._cloud.point_size = size
+        if visible is not None:
+            self._cloud.visible = visible
+
+    @property
+    def points(self) -> FloatArray:
+        """The points (n, 3) as they were drawn last, [unit], world."""
+        none = np.zeros((0, 3))
+        return none if self._cloud is None else np.asarray(self._cloud.points, float)
+
+    def show(self, on: bool) -> None:
+        """Show or hide the cloud, if there is one."""
+        if self._cloud is not None:
+            self._cloud.visible = on

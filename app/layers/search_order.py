@@ -5,11 +5,10 @@ from __future__ import annotations
 from typing import ClassVar
 
 import numpy as np
-import viser
 
 from app import style
 from app.frame import Frame, Switch
-from app.layers.points import add_points
+from app.layers.points import Points
 from app.layout import Layout
 
 NODE_BUDGET = 20_000
@@ -22,8 +21,7 @@ class SearchOrderLayer:
     switches: ClassVar[tuple[Switch, ...]] = ()
 
     def __init__(self, layout: Layout) -> None:
-        self._scene = layout.client.scene
-        self._cloud: viser.PointCloudHandle | None = None
+        self._cloud = Points(layout.client.scene, "/search/reached")
         self._drawn: object = None
 
     def draw(self, frame: Frame) -> None:
@@ -44,11 +42,10 @@ class SearchOrderLayer:
             return
         self._drawn = state
         if plan.graph is None or len(order) == 0:
-            if self._cloud is not None:
-                self._cloud.visible = False
+            self._cloud.show(False)
             return
         nodes = np.unique(order)
         stride = -(-len(nodes) // NODE_BUDGET)
         points = plan.graph.points[nodes[::stride]]
         size = (0.13 if result is not None else 0.08) * plan.graph.pitch
-        self._cloud = add_points(self._scene, "/search/reached", points, colour, size)
+        self._cloud.draw(points, colour, size, visible=True)

@@ -28,6 +28,7 @@ _STYLE = (
     ".abi-table :first-child{text-align:left}"
     ".mantine-Tabs-tab{padding-left:9px;padding-right:9px}"
     ".abi-name{display:inline-block;max-width:7.6em;white-space:normal;vertical-align:middle}"
+    "@media(max-height:760px){.abi-table th,.abi-table td{padding:2px 4px}}"
     "@media(max-width:600px){.abi-table{font-size:10px}"
     ".abi-table th,.abi-table td{padding:2px}}</style>"
 )
@@ -172,7 +173,8 @@ def table(head: tuple[str, ...], rows: Iterable[tuple[str, ...]], last: str = ""
     """An HTML table of rows under a head; ``last`` is one cell over the whole width."""
     lines = [_row("th", head)] + [_row("td", row) for row in rows]
     if last:
-        lines.append(f'<tr><td colspan="{len(head)}">{last}</td></tr>')
+        cell = f'<td colspan="{len(head)}" style="white-space:normal">{last}</td>'
+        lines.append(f"<tr>{cell}</tr>")
     return (
         f'{_STYLE}<div style="margin:4px 8px 6px"><table class="abi-table">{"".join(lines)}'
         "</table></div>"

@@ -11,7 +11,6 @@ import trimesh
 import viser
 import viser.transforms
 
-from abi.arm.any_arm import waiting_pose
 from abi.arm.urdf_arm import UrdfArm
 from abi.arrays import FloatArray
 from abi.robot.robot import Link, Shape
@@ -96,7 +95,7 @@ class UrdfArmLayer:
     def _pose(self, frame: Frame, arm: UrdfArm) -> None:
         plan = frame.plan
         if plan.motion is None:
-            positions = waiting_pose(arm, plan.scene.arm, plan.scene.start)
+            positions = arm.first_poses(np.array(plan.scene.start))[0]
         else:
             rows = plan.motion.positions.T
             positions = np.array([np.interp(frame.time, plan.motion.time, row) for row in rows])

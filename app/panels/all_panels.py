@@ -89,6 +89,7 @@ class AllPanels:
             self.lecture,
             self.stage_headers,
             self.stages.mesh,
+            self.stages.bases,
             self.ends,
             self.obstacles,
             self.editor,
@@ -111,8 +112,9 @@ class AllPanels:
             SceneError: names the field.
         """
         requested = self.files.requested(self.editor.meshes(scene))
-        if requested is None and (change := self.messages.accepted_change()) is not None:
-            requested = scene.replace(**change)
+        for panel in (self.messages, self.stages.bases):
+            if requested is None and (change := panel.accepted_change()) is not None:
+                requested = scene.replace(**change)
         if requested is None:
             requested = self.history.requested(scene)
         if requested is not None:
@@ -142,6 +144,7 @@ class AllPanels:
         self.files.restore(state.name, state.scene)
         self.layer_switches.restore(state.shown, state.dark)
         self.lessons.restore(state.lessons)
+        self.theatre.restore(state.theatre)
         self.share.challenge = parsed(state.challenge)
         self._write(state.scene)
 

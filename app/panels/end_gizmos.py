@@ -10,7 +10,7 @@ import viser
 
 from abi.arrays import FloatArray
 from abi.scene.scene import Scene
-from app import style
+from app import page, style
 from app.frame import Frame
 from app.numbers import format_setting
 from app.panels.widgets import Wake
@@ -52,6 +52,7 @@ class EndGizmos:
                 opacity=0.9,
             )
             gizmo.on_update(wake)
+            page.own(gizmo)
             self.gizmos[name], self._origins[name] = gizmo, position
             self._balls[name] = ball = client.scene.add_icosphere(
                 f"/{name}/ball", radius=_RADIUS * size, color=style.POINT

@@ -16,7 +16,7 @@ from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import Obstacle
 from abi.obstacles.triangle_mesh.surface import Surface
 from abi.scene.scene import Scene
-from app import style
+from app import page, style
 from app.frame import Frame, Switch
 from app.obstacle_body import Body, add_body, add_edges
 from app.panels.widgets import Wake
@@ -142,6 +142,7 @@ class ObstacleGizmos:
             disable_rotations=True,
         )
         gizmo.on_update(self._wake)
+        page.own(gizmo)
         self.gizmos.append(gizmo)
         self._labels.append(
             self._scene.add_label(f"{gizmo.name}/number", "", anchor="center-center", visible=False)

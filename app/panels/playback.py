@@ -13,8 +13,6 @@ from app.overlay import Overlay, button, slider
 from app.panels.widgets import Wake
 
 SPEEDS = {"¼ ×": 0.25, "½ ×": 0.5, "real time": 1.0, "2 ×": 2.0}
-TICK = 0.25
-"""Seconds after which slider and plots follow; the arm itself moves by the page's clock."""
 _PAUSE_AT_END = 0.8
 _LATENCY = 3.0
 """Seconds that a frame may take to a page on a weak machine."""
@@ -39,9 +37,11 @@ class PlaybackPanel:
         self._wake = wake
         self._marked: ArmClearance | None = None
         self._written = 0.0
-        self._time = 0.0
+        self._time, self._rate = 0.0, 1.0
+        self._presses = self._taken = 0
+        self._scrubbed = False
         self._advanced = self._sent = time.monotonic()
-        self.slider.on_update(wake)
+        self.slider.on_update(self._scrub)
         self.speed.on_update(wake)
         self.button.on_click(self._toggle)
         self.command.on_trigger(self._toggle)
@@ -56,37 +56,40 @@ class PlaybackPanel:
         """Seconds of the motion for one of the clock."""
         return SPEEDS.get(self.speed.value, 1.0)
 
-    def timeout(self) -> float | None:
-        """Time until the next frame, [s]; None while paused."""
-        return TICK if self.playing else None
-
     def advance(self, duration: float) -> float:
-        """Advance to now; the time to show, [s], which begins anew a moment after the end."""
+        """Advance to now; the time to show, [s], which begins anew a moment after the end.
+
+        The page plays by its own clock: it is told the time only once it stands.
+        """
         now = time.monotonic()
-        elapsed, self._advanced = now - self._advanced, now
+        played, self._advanced = (now - self._advanced) * self._rate, now
+        self._rate = self.rate
+        if self.playing:
+            period = duration + _PAUSE_AT_END * self._rate
+            self._time = math.fmod(self._time + played, period)
+        if (presses := self._presses) != self._taken:
+            self.playing ^= bool((presses - self._taken) % 2)
+            self._taken = presses
         end = max(round(duration, 2), 0.01)
         if self.slider.max != end:
             self.slider.max = end
         if not math.isfinite(self.slider.value):
             self.slider.value = self._written
+        was_scrubbed, self._scrubbed = self._scrubbed, False
         scrubbed = self.slider.value
-        if scrubbed != self._written:
+        if was_scrubbed or scrubbed != self._written:
             if now - self._sent < _LATENCY:
                 # a frame on its way may have overwritten the number in the page: it is sent again,
                 # changed by the last bit, since an equal one is not sent
                 scrubbed = math.nextafter(scrubbed, 0.0)
                 self.slider.value = scrubbed
             self._time, self._written, self.playing = scrubbed, scrubbed, False
-        elif self.playing:
-            self._time += elapsed * self.rate
-            if self._time > duration + _PAUSE_AT_END * self.rate:
-                self._time = math.fmod(self._time, duration + _PAUSE_AT_END * self.rate)
         shown = min(max(self._time, 0.0), duration)
-        if abs(shown - self._written) >= 0.05 or (shown < self._written and self.playing):
+        if not self.playing and abs(shown - self._written) >= 0.05:
             self._written = round(shown, 2)
             self.slider.value = self._written
             self._sent = now
-        self._overlay.set_clock(self._written, end, self.playing)
+        self._overlay.set_clock(shown if self.playing else self._written, end, self.playing)
         return shown
 
     def mark(self, clearance: ArmClearance | None, duration: float) -> None:
@@ -99,6 +102,9 @@ class PlaybackPanel:
         self._overlay.show("marks", page.player_style(stretches, duration))
 
     def _toggle(self, event: object) -> None:
-        self.playing = not self.playing
-        self._advanced = time.monotonic()
+        self._presses += 1
+        self._wake(event)
+
+    def _scrub(self, event: viser.GuiEvent[viser.GuiSliderHandle[float]]) -> None:
+        self._scrubbed |= event.client is not None
         self._wake(event)

@@ -50,4 +50,4 @@ class SplinePanel:
 
 
 def _max_clearance(scene: Scene) -> float:
-    return round(max(scene.workspace.size) / 6, 6)
+    return float(f"{max(scene.workspace.size) / 6:.2g}")

@@ -11,6 +11,7 @@ from typing import Any
 from abi.scene.scene import Scene
 from app.layout import Layout
 from app.panels.arm import ArmPanel
+from app.panels.find_base import FindBasePanel
 from app.panels.mesh import MeshPanel
 from app.panels.motion import MotionPanel
 from app.panels.search import SearchPanel
@@ -33,7 +34,8 @@ class StagePanels:
             self.motion = MotionPanel(gui, scene, wake)
         with folders["arm"]:
             self.arm = ArmPanel(layout.client, scene, wake)
-        self._panels = (self.mesh, self.search, self.spline, self.motion, self.arm)
+            self.bases = FindBasePanel(layout.client, scene, wake)
+        self._panels = (self.mesh, self.search, self.spline, self.motion, self.arm, self.bases)
 
     def read(self) -> dict[str, Any]:
         """Read all sections as typed."""

@@ -46,7 +46,7 @@ def until(condition: Callable[[], bool], patience: float = WAIT) -> None:
 
 def layer(session: Session, kind: type[_Layer]) -> _Layer:
     """The session's layer of that kind."""
-    (match,) = (layer for layer in session.layers if isinstance(layer, kind))
+    (match,) = (layer for layer in session._view.layers if isinstance(layer, kind))
     return match
 
 

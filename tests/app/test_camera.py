@@ -12,6 +12,7 @@ def distance(session: Session) -> float:
     return float(np.linalg.norm(camera.position - camera.look_at))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("width", [300, 200])
 def test_in_a_narrow_picture_the_camera_steps_back_and_near_again(
     tab: tuple[FakeTab, Session], width: int
@@ -29,6 +30,6 @@ def test_a_camera_that_the_hand_has_moved_stays(tab: tuple[FakeTab, Session]) ->
     fake, session = tab
     session.playback.playing = True
     fake.look(session.client.camera, 300, position=[1.0, -9.0, 2.0])
-    until(lambda: session._viewpoint._distance_factor > 1)
+    until(lambda: session._view.viewpoint._distance_factor > 1)
 
     np.testing.assert_allclose(session.client.camera.position, [1.0, -9.0, 2.0])

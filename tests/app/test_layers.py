@@ -19,7 +19,8 @@ from app.layers.mesh import MeshLayer
 from app.layers.plots import PlotsLayer
 from app.layers.workspace import WorkspaceLayer
 from app.server import Server, start
-from app.session import SWITCHES, Session
+from app.session import Session
+from app.tab_view import SWITCHES
 from tests.app.fake_tab import FakeTab, layer, until
 
 
@@ -126,7 +127,8 @@ def test_a_plot_has_its_data_before_it_is_shown(tab: tuple[FakeTab, Session]) ->
     layer.draw(Frame(result))
     layer.draw(Frame(result, time=0.5))
     for plot in layer._plots:
-        assert [name for of, name in updates if of is plot] == ["data", "visible", "data"]
+        # the page itself marks the time
+        assert [name for of, name in updates if of is plot] == ["data", "visible"]
         assert plot.visible
         assert plot.data[0][-1] == result.motion.time[-1]
     tabs.remove()
@@ -142,11 +144,12 @@ def _still(session: Session) -> Frame:
 
 
 def _draw(session: Session, frame: Frame) -> None:
-    for group in session._groups:
+    for group in session._view.parts:
         for drawn in group:
             drawn.draw(frame)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["paper", "forest", "no-way"])
 def test_what_is_drawn_already_is_not_sent_again(
     tab: tuple[FakeTab, Session], monkeypatch: pytest.MonkeyPatch, name: str

@@ -44,6 +44,7 @@ def test_counts_are_short() -> None:
     assert format_count(13_546_274) == "13.5 M"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", scene_names())
 def test_headings_are_short_and_notes_and_tables_say_the_same(name: str) -> None:
     found = plan(load_scene(name))

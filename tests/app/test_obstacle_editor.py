@@ -206,6 +206,7 @@ def test_what_is_not_listed_is_not_opened(tab: tuple[FakeTab, Session], tmp_path
     assert session.plan.scene == load_scene("paper").replace(spline={"degree": 3})
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("widget", "value", "factor"), [("unit", "mm", 0.1), ("scale", 0.5, 0.5)])
 def test_a_mesh_shrinks_about_its_middle(
     tmp_path: Path, widget: str, value: Any, factor: float

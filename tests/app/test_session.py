@@ -60,6 +60,7 @@ def test_what_was_overtaken_is_not_planned(tab: tuple[FakeTab, Session]) -> None
     assert session.plans - before < 100
 
 
+@pytest.mark.slow
 def test_a_fine_mesh_is_coarser_while_the_hand_moves_and_whole_once_it_rests(
     tab: tuple[FakeTab, Session],
 ) -> None:
@@ -87,6 +88,7 @@ def test_a_fine_mesh_is_coarser_while_the_hand_moves_and_whole_once_it_rests(
     assert max(seen) > 15_000
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("value", [math.nan, math.inf, -1.0, 0.0, 1e-9, 1e300])
 def test_a_bad_number_keeps_the_last_plan_and_says_why(
     tab: tuple[FakeTab, Session], value: float
@@ -105,6 +107,7 @@ def test_a_bad_number_keeps_the_last_plan_and_says_why(
     until(lambda: "✗" not in shown["message"])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("value", ["junk", None, [1, 2], {"a": 1}, "B-spline"])
 def test_a_value_of_another_kind_never_ends_the_session(
     tab: tuple[FakeTab, Session], value: Any
@@ -152,8 +155,7 @@ def test_another_scene_fills_the_panels(tab: tuple[FakeTab, Session]) -> None:
 def test_play_moves_the_arm_and_pause_holds_it(tab: tuple[FakeTab, Session]) -> None:
     fake, session = tab
     slider = session.playback.slider
-    shown = slider.value
-    until(lambda: slider.value != shown)
+    until(lambda: session.frame.playing)
     fake.set(slider, 1.25)
     until(lambda: not session.playback.playing)
 
@@ -172,7 +174,11 @@ def test_play_moves_the_arm_and_pause_holds_it(tab: tuple[FakeTab, Session]) -> 
 
 def test_a_time_set_right_after_a_pause_is_said_again(tab: tuple[FakeTab, Session]) -> None:
     fake, session = tab
-    until(lambda: session.playback.slider.value > 0)
+    until(lambda: session.frame.playing)
+    fake.set(session.playback.slider, 0.5)
+    until(lambda: not session.frame.playing)
+    fake.set(session.playback.button, True)
+    until(lambda: session.frame.playing)
     fake.set(session.playback.button, True)
     until(lambda: not session.playback.playing)
     fake.set(session.playback.slider, 1.25)
@@ -219,6 +225,7 @@ def test_surroundings_come_once_after_the_first_plan(monkeypatch: pytest.MonkeyP
     assert calls == [(None, False), ("some", True)]
 
 
+@pytest.mark.slow
 def test_a_plan_is_downloaded_in_the_format_chosen(
     tab: tuple[FakeTab, Session], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -1,0 +1,162 @@
+"""What one tab shows: panels, layers, playback and viewpoint, drawn and brought back as one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import viser
+
+from abi.arm.urdf_arm import UrdfArm
+from abi.planner.plan import Plan
+from abi.scene.scene import Scene
+from app.camera import View, Viewpoint
+from app.classroom import Classroom
+from app.demo import FRAME
+from app.frame import Drawable, Frame, Switchable
+from app.layers.catalogue import LAYERS, SLOW_LAYERS
+from app.lessons.cue import Cue
+from app.lessons.lesson import Library
+from app.panels.all_panels import AllPanels
+from app.panels.classroom import ClassroomPanel
+from app.panels.obstacle_gizmos import ObstacleGizmos
+from app.panels.playback import PlaybackPanel
+from app.panels.widgets import Wake
+from app.tab_state import TabState
+
+TICK = 0.25
+"""Seconds after which links that touch are red, and the arm's ghost follows, while it plays."""
+_FACED = 40
+"""Points of the curve that the camera looks for."""
+_SWITCHABLE: tuple[type[Switchable], ...] = (*LAYERS, ObstacleGizmos, *SLOW_LAYERS)
+SWITCHES = tuple(switch for part in _SWITCHABLE for switch in part.switches)
+"""Entries of the legend."""
+
+
+class TabView:
+    """Panels, layers, playback and viewpoint of a tab.
+
+    Attributes:
+        panels: all panels but the playback.
+        layers: all layers.
+        parts: what draws a frame: at once, and after that what takes longer.
+        viewpoint: the tab's camera.
+    """
+
+    def __init__(
+        self,
+        client: viser.ClientHandle,
+        name: str,
+        scene: Scene,
+        wake: Wake,
+        dark: bool,
+        library: Library,
+    ) -> None:
+        """Add panels and layers, in the order of the page where they share a tab or a folder."""
+        self._client = client
+        self.viewpoint = Viewpoint(client.camera, scene)
+        self._to_face = True
+        self.panels = AllPanels(client, name, scene, SWITCHES, wake, dark, library)
+        layers: list[Drawable] = [layer(self.panels.layout) for layer in LAYERS]
+        slow_layers: list[Drawable] = [layer(self.panels.layout) for layer in SLOW_LAYERS]
+        with self.panels.layout.result:
+            self.playback = PlaybackPanel(client.gui, self.panels.layout.overlay, wake)
+        self.layers = (*layers, *slow_layers)
+        self.parts: tuple[tuple[Drawable, ...], ...] = (
+            (*self.panels.drawn, *layers),
+            tuple(slow_layers),
+        )
+
+    def join(self, classroom: Classroom, wake: Wake, nudge: Callable[[], None]) -> ClassroomPanel:
+        """Add the panel of the class that the tab joins."""
+        with self.panels.layout.paper:
+            panel = ClassroomPanel(self._client, classroom, wake, nudge)
+        quick, slow = self.parts
+        self.parts = ((*quick, panel), slow)
+        return panel
+
+    def draw(self, frame: Frame) -> Frame:
+        """Draw a frame at the time of the playback; the frame as it was drawn."""
+        with self._client.atomic():
+            frame = self._now(frame)
+            for part in self.parts[0]:
+                part.draw(frame)
+        with self._client.atomic():
+            for part in self.parts[1]:
+                part.draw(frame)
+        return frame
+
+    def timeout(self, frame: Frame) -> float | None:
+        """Time until the next picture, [s]; None where nothing moves but what the page plays."""
+        clearance = frame.plan.arm_clearance
+        playing: float | None = None
+        if self.playback.playing and isinstance(frame.plan.arm, UrdfArm):
+            playing = FRAME
+        elif self.playback.playing and (
+            "other_elbow" in frame.shown or (clearance is not None and clearance.contacts)
+        ):
+            playing = TICK
+        times = (playing, self.panels.theatre.timeout(), self.panels.stages.bases.timeout())
+        return min((seconds for seconds in times if seconds is not None), default=None)
+
+    def _now(self, frame: Frame) -> Frame:
+        """The frame at this moment of playback and theatre."""
+        now = self.playback.advance(frame.duration)
+        self.playback.mark(frame.plan.arm_clearance, frame.duration)
+        playing, rate = self.playback.playing, self.playback.rate
+        frame = replace(frame, time=now, playing=playing, rate=rate)
+        bases = self.panels.stages.bases.found(frame.plan.scene)
+        return replace(frame, theatre=self.panels.theatre.advance(frame), bases=bases)
+
+    def face(self, plan: Plan) -> None:
+        """Turn the camera to where the first plan of a scene is seen well."""
+        if self._to_face and plan.bspline is not None:
+            self._to_face = False
+            interval = plan.bspline.curve.interval
+            self.viewpoint.face(plan.bspline.curve(np.linspace(*interval, _FACED)))
+
+    def look_at(self, scene: Scene, face: bool = True) -> None:
+        """Put the camera before another scene; ``face`` for turning to its curve once planned."""
+        self.viewpoint.show(scene)
+        self._to_face = face
+
+    def restore(self, state: TabState) -> None:
+        """Show what a tab showed before."""
+        self.panels.restore(state)
+        self.viewpoint.show(state.scene)
+        if state.view is not None:
+            self._to_face = False
+            self.viewpoint.restore(state.view)
+        self.playback.restore(state.time, state.playing)
+        self.panels.history.begin(state.scene)
+
+    def follow(self, cue: Cue) -> None:
+        """Show what a lesson or a figure sets."""
+        self.panels.follow(cue)
+        setting = cue.setting
+        if setting.scene is not None:
+            self.look_at(cue.scene, setting.camera is None)
+        if setting.camera is not None:
+            camera = setting.camera
+            view = View.of([camera.position, camera.target, (0.0, 0.0, 1.0)])
+            if view is not None:
+                self.viewpoint.restore(view)
+        if setting.time is not None or setting.play is not None:
+            self.playback.restore(setting.time or 0.0, bool(setting.play))
+
+    def state(self, scene: Scene, time: float) -> TabState:
+        """What the page is to remember; while the arm moves, not where it is."""
+        playing = self.playback.playing
+        return TabState(
+            name=self.panels.files.name,
+            scene=scene,
+            view=self.viewpoint.now(),
+            time=0.0 if playing else time,
+            playing=playing,
+            shown=self.panels.layer_switches.shown(),
+            dark=bool(self.panels.layer_switches.dark.value),
+            lessons=self.panels.lessons.progress,
+            challenge=self.panels.share.kept,
+            theatre=self.panels.theatre.kept,
+        )

@@ -1,0 +1,50 @@
+"""What is sent to a page is not kept after that, and the newest replaces what still waits."""
+
+from __future__ import annotations
+
+import functools
+
+import viser
+from viser import _messages
+
+from app import page
+from app.server import Server
+from app.session import Session
+from tests.app.fake_tab import FakeTab, until
+
+
+def _waiting(client: viser.ClientHandle) -> list[str]:
+    messages = tuple(client._websock_connection.get_message_buffer().message_from_id.values())
+    return [m.source for m in messages if isinstance(m, _messages.RunJavascriptMessage)]
+
+
+def test_of_scripts_for_one_place_the_newest_waits(server: Server) -> None:
+    fake = FakeTab(server.url)
+    until(lambda: bool(server.viser.get_clients()))
+    client = max(server.viser.get_clients().items())[1]
+    with client.atomic():
+        # nothing is sent before the block ends
+        for number in range(100):
+            page.show_part(client, "tour", f"step {number}")
+            page.set_clock(client, float(number), 100.0, False)
+            page.next_file(client)
+        waiting = _waiting(client)
+        assert sum(source.startswith('abi.show("tour"') for source in waiting) == 1
+        assert any("step 99" in source for source in waiting)
+        assert sum(source.startswith("abi.clock") for source in waiting) == 1
+        assert sum(source.startswith("abi.next") for source in waiting) == 100
+    fake.close()
+
+
+def test_nothing_is_kept_of_a_script_that_was_sent(tab: tuple[FakeTab, Session]) -> None:
+    _, session = tab
+    buffer = session.client._websock_connection.get_message_buffer()
+    for number in range(50):
+        page.next_file(session.client)
+        page.show_part(session.client, "tour", str(number))
+    until(functools.partial(_all_sent, session))
+    until(lambda: not any("run" in str(key) for key in tuple(buffer.id_from_redundancy_key)))
+
+
+def _all_sent(session: Session) -> bool:
+    return not _waiting(session.client)
