@@ -16,10 +16,11 @@ certificates. Beside them: :mod:`abi.verify` checks certificates in exact number
 
 from abi.compiling import compile
 from abi.errors import AbiError, SceneError, StageError
+from abi.export.show import show
+from abi.planner.find_base import find_base
 from abi.planner.plan import Plan
 from abi.planner.planner import Planner, plan
 from abi.scene.scene import Scene, load_scene, scene_names
-from abi.show import show
 
 __all__ = [
     "AbiError",
@@ -29,6 +30,7 @@ __all__ = [
     "SceneError",
     "StageError",
     "compile",
+    "find_base",
     "load_scene",
     "plan",
     "scene_names",

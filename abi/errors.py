@@ -208,51 +208,60 @@ class ArmNotClear(StageError):
     """No motion was found whose whole arm is proven clear; the tool alone has one.
 
     Args:
-        elbow: branch that it was sought on.
+        branch: of the arm that it was sought on, as the beginning of a sentence.
         where: ``start`` or ``goal``, where the arm is not clear at once; ``path`` where the mesh
             has none, ``curve`` where no curve near the path is clear.
         link: link that is in the way at start or goal; empty where that is out of reach.
         obstacle: index of what it touches, from 0, or its name; None where out of reach.
         sentences: other sentences than these tell.
+        has_elbow: whether the branches are the sides of an elbow.
     """
 
     def __init__(
         self,
-        elbow: str,
+        branch: str,
         where: str,
         link: str = "",
         obstacle: int | str | None = None,
         sentences: str = "",
+        has_elbow: bool = True,
     ) -> None:
         name = f"obstacle {obstacle + 1}" if isinstance(obstacle, int) else f"the {obstacle}"
         message = {
-            "path": f"With the elbow {elbow}, no path was found that keeps the whole arm clear.",
-            "curve": f"With the elbow {elbow}, the arm is clear along a path, but it is not proven "
+            "path": f"{branch}, no path was found that keeps the whole arm clear.",
+            "curve": f"{branch}, the arm is clear along a path, but it is not proven "
             "clear along any curve found near it.",
         }.get(where)
         if message is None:
             fault = "cannot take its pose within reach and limits"
             if obstacle is not None:
                 fault = f"touches {name} with its {link.replace('_', ' ')}"
-            message = f"With the elbow {elbow}, the arm {fault} at the {where}."
+            message = f"{branch}, the arm {fault} at the {where}."
+        other = "let the elbow be auto" if has_elbow else "leave the direction of the tool free"
         super().__init__(
             "arm",
             "arm_not_clear",
             sentences or message,
-            "The plan shown is for the tool alone. Move an obstacle or the arm's base, or let the "
-            "elbow be auto.",
+            "The plan shown is for the tool alone. Move an obstacle or the arm's base, or "
+            f"{other}.",
         )
-        self.elbow = elbow
+        self.branch = branch
         self.where = where
         self.link = link
         self.obstacle = obstacle
+        self.has_elbow = has_elbow
 
     @classmethod
-    def of_both(cls, faults: Sequence[ArmNotClear]) -> ArmNotClear:
-        """The faults of both branches as one."""
+    def of_all(cls, faults: Sequence[ArmNotClear]) -> ArmNotClear:
+        """The faults of all branches as one; of first poses the one that got farthest tells."""
+        order = ("start", "goal", "path", "curve")
         first = faults[0]
         text = " ".join(fault.message for fault in faults)
-        return cls(first.elbow, first.where, first.link, first.obstacle, text)
+        if not first.has_elbow:
+            first = max(faults, key=lambda fault: order.index(fault.where))
+            tried = f"{len(faults)} first poses were tried. " if len(faults) > 1 else ""
+            text = tried + first.message
+        return cls(first.branch, first.where, first.link, first.obstacle, text, first.has_elbow)
 
 
 class NotFollowed(StageError):

@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 
 from abi import assets
-from abi.arm.any_arm import placed_capsules
 from abi.arrays import FloatArray, IntArray
 from abi.curves.curve import Curve
 from abi.errors import ExportError
@@ -141,7 +140,7 @@ def _arm(plan: Plan) -> dict[str, Any]:
         return {"time": [0.0], "links": [[]], "radii": [], "tool": []}
     last = len(plan.motion.time) - 1
     chosen = np.unique(np.linspace(0, last, min(_POSES, last + 1)).round().astype(int))
-    capsules = placed_capsules(plan.arm, plan.motion.positions[chosen])
+    capsules = plan.arm.placed(plan.motion.positions[chosen])
     poses = np.stack([capsule.ends for capsule in capsules], axis=1)
     return {
         "time": _rounded(plan.motion.time[chosen]),

@@ -12,7 +12,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from abi.arm.any_arm import description as describe
 from abi.arrays import FloatArray
 from abi.export.joint_trajectory import joint_trajectory, motion_of
 from abi.export.mcap_schemas import SCHEMAS
@@ -41,7 +40,7 @@ def write(plan: Plan, name: str) -> bytes:
 
     motion_of(plan)
     assert plan.arm is not None
-    description = describe(plan.arm)
+    description = plan.arm.description()
     file = io.BytesIO()
     writer = Writer(file)
     writer.start(profile="", library="abi-visualiser")

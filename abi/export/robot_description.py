@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from abi.arm.any_arm import description
 from abi.errors import ExportError
 from abi.planner.plan import Plan
 
@@ -15,4 +14,4 @@ def write(plan: Plan, name: str) -> bytes:
     """
     if plan.arm is None:
         raise ExportError("There is no arm to export: the scene was not planned.")
-    return description(plan.arm).encode()
+    return plan.arm.description().encode()

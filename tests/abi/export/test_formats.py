@@ -79,6 +79,7 @@ def test_the_json_is_the_full_plan(planned: Plan) -> None:
     assert json.loads(content(planned, "json")) == planned.to_dict(full=True)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("file", ["a.yaml", "a.ros.json"])
 def test_the_ros_message_has_the_fields_of_its_definition(planned: Plan, file: str) -> None:
     raw = content(planned, "ros", file)

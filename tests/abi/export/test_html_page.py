@@ -69,6 +69,7 @@ def test_obstacles_are_drawn_where_they_are() -> None:
         assert np.allclose([corners.min(axis=0), corners.max(axis=0)], [low, high], atol=0.03)
 
 
+@pytest.mark.slow
 def test_a_large_mesh_stays_small() -> None:
     scene = load_scene("paper").replace(mesh={"pitch": 0.2})
     page = html_page.write(Planner(compile=False)(scene, chosen_only=True), "plan.html")
