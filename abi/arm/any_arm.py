@@ -1,38 +1,19 @@
-"""The arm of a scene: the paper's, or one that a URDF describes."""
+"""An arm as everything but the planner sees it: the paper's, or one that a URDF describes."""
 
 from __future__ import annotations
 
-from typing import Literal, NamedTuple
+from collections.abc import Sequence
+from typing import Any, Literal, NamedTuple, Protocol
 
-import numpy as np
-
-from abi.arm.arm import Arm, place, urdf
-from abi.arm.trajectory import rest_pose
-from abi.arm.urdf_arm import UrdfArm, urdf_arm
 from abi.arrays import FloatArray
-from abi.obstacles.pose import Vec3
-from abi.scene.scene import ArmSettings
-
-AnyArm = Arm | UrdfArm
 
 
-def arm_of(settings: ArmSettings, unit: Literal["m", "cm", "mm"] = "cm") -> AnyArm:
-    """The arm that a scene's settings describe; lengths in the scene's unit."""
-    if settings.model == "abi":
-        return Arm.from_settings(settings, unit)
-    return urdf_arm(settings.robot, settings.tool, settings.base, settings.axis, unit)
+class Capsule(Protocol):
+    """A capsule around a link."""
 
-
-def waiting_pose(arm: AnyArm, settings: ArmSettings, point: Vec3) -> FloatArray:
-    """Joint positions with the tool at ``point``, or as near as it can be, (n,)."""
-    if isinstance(arm, Arm):
-        return rest_pose(arm, settings, point)
-    return arm.first_poses(np.array(point))[0]
-
-
-def description(arm: AnyArm) -> str:
-    """URDF of an arm, in metres, standing at the origin of its root link."""
-    return urdf(arm) if isinstance(arm, Arm) else arm.chain.robot.urdf
+    @property
+    def link(self) -> str:
+        """Name of the link."""
 
 
 class PlacedCapsule(NamedTuple):
@@ -49,11 +30,42 @@ class PlacedCapsule(NamedTuple):
     ends: FloatArray
 
 
-def placed_capsules(arm: AnyArm, positions: FloatArray) -> list[PlacedCapsule]:
-    """Capsules of all links at joint positions (k, n)."""
-    if isinstance(arm, Arm):
-        ends, radii = place(arm, positions), [one.radius for one in arm.capsules]
-    else:
-        ends, radii = arm.place(positions), arm.radii.tolist()
-    names = [one.link for one in arm.capsules]
-    return [PlacedCapsule(*one) for one in zip(names, radii, ends.swapaxes(0, 1), strict=True)]
+class AnyArm(Protocol):
+    """An arm: its chain of joints, and the capsules around its links."""
+
+    @property
+    def base(self) -> FloatArray:
+        """Where it stands, (3,), [unit], world."""
+
+    @property
+    def unit(self) -> Literal["m", "cm", "mm"]:
+        """Unit of the scene's lengths."""
+
+    @property
+    def metres(self) -> float:
+        """One [unit] in metres."""
+
+    @property
+    def reach(self) -> float:
+        """Length of the arm stretched out, [unit]."""
+
+    @property
+    def limits(self) -> FloatArray:
+        """Lowest and highest position of each joint, (n, 2), [rad] or [unit]."""
+
+    @property
+    def capsules(self) -> Sequence[Capsule]:
+        """Capsules around the links, those that stand still first."""
+
+    @property
+    def has_elbow(self) -> bool:
+        """Whether its branches are the two sides of an elbow."""
+
+    def placed(self, positions: FloatArray) -> list[PlacedCapsule]:
+        """Capsules of all links at joint positions (k, n)."""
+
+    def description(self) -> str:
+        """URDF of the arm, in metres, standing at the origin of its root link."""
+
+    def proof_data(self) -> dict[str, Any]:
+        """What a certificate is about, as plain data: the capsules, and pairs of them."""

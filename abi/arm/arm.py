@@ -12,14 +12,15 @@ import itertools
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal, Self
+from typing import Any, Literal, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from abi.arm import arm_kernels as kernels
 from abi.arm import capsule_kernels
-from abi.arm.link_capsules import LinkCapsule, link_capsules, steepest_bend
+from abi.arm.any_arm import PlacedCapsule
+from abi.arm.link_capsules import BODIES, LinkCapsule, link_capsules, steepest_bend
 from abi.arrays import FloatArray, flat, read_only
 from abi.obstacles.pose import METRES
 from abi.scene.scene import ArmSettings
@@ -109,6 +110,37 @@ class Arm:
     def metres(self) -> float:
         """One [unit] in metres."""
         return METRES[self.unit]
+
+    @property
+    def reach(self) -> float:
+        """Length of the arm stretched out, [unit]."""
+        return self.a3 + self.a4 + self.a5
+
+    @property
+    def has_elbow(self) -> bool:
+        """True: its branches are the two sides of its elbow."""
+        return True
+
+    def placed(self, positions: FloatArray) -> list[PlacedCapsule]:
+        """Capsules of all links at joint positions (k, 6)."""
+        ends = place(self, positions).swapaxes(0, 1)
+        return [
+            PlacedCapsule(one.link, one.radius, of_one)
+            for one, of_one in zip(self.capsules, ends, strict=True)
+        ]
+
+    def description(self) -> str:
+        """URDF of the arm, in metres, standing at the origin of its root link."""
+        return urdf(self)
+
+    def proof_data(self) -> dict[str, Any]:
+        """What a certificate is about, as plain data: the capsules."""
+        capsules = [
+            {"link": one.link, "body": BODIES[one.body], "low": one.low, "high": one.high}
+            | {"radius": one.radius, "neighbour": one.neighbour, "grips": one.grips}
+            for one in self.capsules
+        ]
+        return {"capsules": capsules}
 
     def forearm(self, extension: ArrayLike) -> FloatArray:
         """Length from elbow to tool, the paper's a6 = a4 + a5 + q5, [unit]."""

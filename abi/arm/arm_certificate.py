@@ -53,6 +53,8 @@ class ArmCertificate:
         obstacle: number of its obstacle, or of what :class:`Surroundings` has besides, shape (k,).
             From a triangle mesh it separates some of the triangles.
         directions: unit vectors towards the capsule, shape (k, 3), world.
+        positions: where parameters count joint positions that the joints go straight between,
+            these, shape (m, n), [rad] or [unit]; None where they are the curve's.
     """
 
     margin: float
@@ -61,6 +63,7 @@ class ArmCertificate:
     capsule: IntArray
     obstacle: IntArray
     directions: FloatArray
+    positions: FloatArray | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,7 +90,7 @@ def certify_arm(
     elbow: Literal["up", "down"],
     around: Surroundings,
     margin: float,
-    spare: float = 0.0,
+    most_tries: int | None = None,
 ) -> ArmCertificate | ArmRefutation:
     """Prove that an arm keeps more than ``margin`` from every obstacle, or find where not.
 
@@ -98,16 +101,16 @@ def certify_arm(
         elbow: its branch.
         around: obstacles, floor and column.
         margin: distance to prove from obstacles, at least 0, [unit].
-        spare: distance that q2 and q3 are to keep from their limits, [rad].
+        most_tries: of a capsule and an obstacle; None for as many as a proof may need.
     """
     pieces = curve.bezier()
     room = np.zeros(3 * (len(pieces.points) + 2 * MOST_HALVINGS + 2) * (pieces.degree + 1))
-    tries = _MOST_TRIES + 20 * around.asked.size
+    tries = _MOST_TRIES + 20 * around.asked.size if most_tries is None else most_tries
     status, at, pair, _, planes = separate_arm(
         flat(pieces.points),
         flat(pieces.breaks),
         room,
-        arm.numbers(elbow, spare),
+        arm.numbers(elbow),
         arm.capsule_rows,
         around.beyond(margin),
         slide,

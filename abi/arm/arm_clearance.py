@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Literal, NamedTuple
 
 import numpy as np
 
 from abi.arm import capsule_kernels
+from abi.arm.any_arm import AnyArm
 from abi.arm.arm import Arm, place
-from abi.arm.arm_certificate import ArmCertificate, certify_arm
-from abi.arm.joint_path_clearance import JointPathProof
+from abi.arm.arm_certificate import ArmCertificate, ArmRefutation, certify_arm
 from abi.arm.surroundings import FLOOR, Surroundings
 from abi.arm.trajectory import ArmMotion
 from abi.arrays import FloatArray, IntArray, flat, read_only
@@ -21,6 +23,9 @@ from abi.obstacles.obstacle_set import ObstacleSet
 
 _SHARES = (0.95, 0.8, 0.6, 0.4, 0.2)
 """Parts of the measured distance that are tried to prove, and at last the one asked for."""
+
+_MANY = 20_000
+"""Directions of a certificate that takes so long that no other is tried."""
 
 
 class Contact(NamedTuple):
@@ -69,7 +74,7 @@ class ArmClearance:
     link: str
     obstacle: int
     contacts: tuple[Contact, ...]
-    certificate: ArmCertificate | JointPathProof | None
+    certificate: ArmCertificate | None
 
     @property
     def certified(self) -> bool:
@@ -113,7 +118,8 @@ def arm_clearance(
     measured = float(least[sample]) if has else math.inf
     proof = None
     if motion.reachable and not contacts:
-        proof = _proof(motion, arm, around, measured, required)
+        certify = partial(certify_arm, motion.curve, motion.slide, arm, motion.elbow, around)
+        proof = best_proof(certify, measured, required)
     return ArmClearance(
         elbow=motion.elbow,
         distances=read_only(least),
@@ -127,15 +133,29 @@ def arm_clearance(
     )
 
 
-def _proof(
-    motion: ArmMotion, arm: Arm, around: Surroundings, measured: float, required: float
+def best_proof(
+    certify: Callable[[float], ArmCertificate | ArmRefutation],
+    measured: float,
+    required: float,
 ) -> ArmCertificate | None:
-    """Proof of the largest of some distances below the measured one."""
-    tries = [0.0, required]
+    """Proof of the largest of some distances below the measured one; None where there is none.
+
+    Where the distance asked for takes very many directions, as it does near triangle meshes, no
+    more is proven.
+
+    Args:
+        certify: proves a distance.
+        measured: least distance at samples, [unit].
+        required: distance asked for, [unit].
+    """
+    tries = {0.0, required}
     if math.isfinite(measured):
-        tries += [share * measured for share in _SHARES]
-    for margin in sorted({one for one in tries if 0 <= one < measured}, reverse=True):
-        result = certify_arm(motion.curve, motion.slide, arm, motion.elbow, around, margin)
+        tries |= {share * measured for share in _SHARES}
+    asked = certify(required) if 0 <= required < measured else None
+    if isinstance(asked, ArmCertificate) and len(asked.pieces) > _MANY:
+        return asked
+    for margin in sorted((one for one in tries if 0 <= one < measured), reverse=True):
+        result = asked if asked is not None and margin == required else certify(margin)
         if isinstance(result, ArmCertificate):
             return result
         if result.capsule < 0 or (result.decided and result.obstacle < 0):
@@ -211,7 +231,7 @@ def _depth(contact: Contact) -> float:
     return contact.depth
 
 
-def named(number: int, arm: Arm) -> int | str:
+def named(number: int, arm: AnyArm) -> int | str:
     """An obstacle's number, or the name of what else is around an arm."""
     if number >= 0:
         return number

@@ -14,7 +14,7 @@ from abi.obstacles.pose import Vec3
 from abi.robot.robot import Joint, Robot, joints_to
 
 _MOST_ITERATIONS = 40
-_PULL = 3.0
+PULL = 3.0
 """Part of the way back to the first pose that spare joints go while the tip travels a reach."""
 
 
@@ -127,11 +127,14 @@ class Chain:
         turns = packed[..., :9].reshape(*packed.shape[:2], 3, 3)
         return np.concatenate([turns, packed[..., 9:, None]], axis=-1)
 
-    def follow(self, start: FloatArray, targets: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def follow(
+        self, start: FloatArray, targets: FloatArray, home: FloatArray | None = None
+    ) -> tuple[FloatArray, FloatArray]:
         """Lead the tip along points, each from the one before.
 
         Args:
             start: coordinates to begin with, (n,), within the limits.
+            home: coordinates that spare joints drift to, (n,); ``start`` where not given.
             targets: points in the order they are passed, shape (k, 3), [m], world.
 
         Returns:
@@ -140,9 +143,9 @@ class Chain:
         """
         count = len(self.names)
         joints, errors = np.empty(len(targets) * count), np.empty(len(targets))
-        room = np.empty(POSE * (len(self.joints) + 1) + 8 * count + 48)
-        arguments = (self.table, flat(start), flat(targets), _PULL, _MOST_ITERATIONS)
-        follow_path(*arguments, room, joints, errors)
+        drawn = flat(start if home is None else home)
+        arguments = (self.table, flat(start), drawn, flat(targets), PULL, _MOST_ITERATIONS)
+        follow_path(*arguments, joints, errors)
         return joints.reshape(-1, count), errors
 
 

@@ -202,23 +202,49 @@ def _solve(matrix: FloatArray, right: FloatArray, rows: int) -> None:
         right[i] /= matrix[rows * i + i]
 
 
+class Room(NamedTuple):
+    """Room for the steps of inverse kinematics.
+
+    Attributes:
+        poses: flat (12 (m + 1),).
+        jacobian: flat (6 n,).
+        drift, step: (n,).
+        error, right: (6,).
+        matrix: flat (36,).
+    """
+
+    poses: FloatArray
+    jacobian: FloatArray
+    drift: FloatArray
+    step: FloatArray
+    error: FloatArray
+    right: FloatArray
+    matrix: FloatArray
+
+
 @register_jitable
-def _step(
-    chain: ChainTable,
-    q: FloatArray,
-    jacobian: FloatArray,
-    error: FloatArray,
-    drift: FloatArray,
-    damping: float,
-    step: FloatArray,
-    matrix: FloatArray,
-    right: FloatArray,
-) -> None:
-    """Write the damped least-squares step with what of ``drift`` the task leaves free.
+def room_of(chain: ChainTable, count: int) -> Room:
+    """Room for a chain with n coordinates."""
+    return Room(
+        np.zeros(POSE * (len(chain.source) + 1)),
+        np.zeros(6 * count),
+        np.zeros(count),
+        np.zeros(count),
+        np.zeros(6),
+        np.zeros(6),
+        np.zeros(36),
+    )
+
+
+@register_jitable
+def _step(chain: ChainTable, q: FloatArray, room: Room, damping: float) -> None:
+    """Write the damped least-squares step with what of the drift the task leaves free.
 
     A joint that would leave its limits is held, and the others are asked again.
     """
     rows, count = (6 if chain.aims else 3), len(q)
+    jacobian, error, drift, step = room.jacobian, room.error, room.drift, room.step
+    matrix, right = room.matrix, room.right
     for attempt in range(3):
         scale = 0.0
         for i in range(rows):
@@ -262,61 +288,84 @@ def _move(chain: ChainTable, q: FloatArray, step: FloatArray, longest: float) ->
         q[j] = min(max(moved, chain.limits[2 * j]), chain.limits[2 * j + 1])
 
 
-@compiled(
-    example=(TABLE, FLOATS, FLOATS, 0.0, 0, NEW_FLOATS, NEW_FLOATS, NEW_FLOATS),
-)
-def follow_path(
+@register_jitable
+def reach_point(
     chain: ChainTable,
-    start: FloatArray,
+    q: FloatArray,
+    home: FloatArray,
     targets: FloatArray,
+    sample: int,
     pull: float,
     most: int,
-    room: FloatArray,
-    joints: FloatArray,
-    errors: FloatArray,
-) -> None:
-    """Lead the tip along points by damped least squares, each from the one before.
+    room: Room,
+) -> float:
+    """Move coordinates until the tip is at a point, by damped least squares; what it lacks.
 
-    Where the chain has joints to spare, they drift to ``start`` as the tip goes on: in the step
-    from one point to the next alone, so that the motion stays smooth.
+    Where the chain has joints to spare, they drift to ``home`` as the tip goes on: in the first
+    step alone, so that a motion stays smooth.
 
     Args:
         chain: the chain and its task.
-        start: coordinates to begin with and to drift to, (n,).
+        q: coordinates to begin with, (n,); written.
+        home: coordinates to drift to, (n,).
+        targets: points, flat, [m], world.
+        sample: which of them.
+        pull: part of the way to ``home`` for each reach that the tip travels; below 0 none, and
+            no step where the point is reached.
+        most: iterations, at most.
+        room: for the steps.
+    """
+    count, rows = len(q), 6 if chain.aims else 3
+    damping, last = 1e-12, 1e9
+    for attempt in range(most):
+        place_chain(chain, q, 0, room.poses)
+        lacks = _error(chain, room.poses, targets, sample, room.error)
+        predicts = attempt == 0 and pull >= 0
+        if lacks < 1e-11 and not predicts:
+            break
+        error = room.error
+        way = math.sqrt(error[0] ** 2 + error[1] ** 2 + error[2] ** 2)
+        for j in range(count):
+            room.drift[j] = min(1.0, pull * way) * (home[j] - q[j]) if predicts else 0.0
+        if attempt > 0:
+            falls = lacks < last
+            damping = max(damping * 0.1, 1e-12) if falls else min(max(damping, 1e-8) * 100, 0.1)
+        last = lacks
+        fill_jacobian(chain, room.poses, rows, count, room.jacobian)
+        _step(chain, q, room, damping)
+        _move(chain, q, room.step, 0.5)
+    place_chain(chain, q, 0, room.poses)
+    return _error(chain, room.poses, targets, sample, room.error)
+
+
+@compiled(example=(TABLE, FLOATS, FLOATS, FLOATS, 0.0, 0, NEW_FLOATS, NEW_FLOATS))
+def follow_path(
+    chain: ChainTable,
+    start: FloatArray,
+    home: FloatArray,
+    targets: FloatArray,
+    pull: float,
+    most: int,
+    joints: FloatArray,
+    errors: FloatArray,
+) -> None:
+    """Lead the tip along points, each from the one before; see :func:`reach_point`.
+
+    Args:
+        chain: the chain and its task.
+        start: coordinates to begin with, (n,).
+        home: coordinates that spare joints drift to, (n,).
         targets: k points, flat (3 k,), [m], world.
-        pull: part of the way to ``start`` for each reach that the tip travels.
+        pull: part of the way to ``home`` for each reach that the tip travels.
         most: iterations for a point, at most.
-        room: for poses, flat (12 (m + 1) + 8 n + 54,).
         joints: coordinates at each point, flat (k n,); written.
         errors: what each lacks, over the reach or in [rad], (k,); written.
     """
-    count, rows = len(start), 6 if chain.aims else 3
-    size = POSE * (len(chain.source) + 1)
-    poses, rest = room[:size], room[size:]
-    jacobian, rest = rest[: 6 * count], rest[6 * count :]
-    drift, step, rest = rest[:count], rest[count : 2 * count], rest[2 * count :]
-    error, right, matrix = rest[:6], rest[6:12], rest[12:48]
-    q = start.copy()
+    count = len(start)
+    room, q = room_of(chain, count), start.copy()
     for sample in range(len(errors)):
-        damping, last = 1e-12, 1e9
-        for attempt in range(most):
-            place_chain(chain, q, 0, poses)
-            errors[sample] = _error(chain, poses, targets, sample, error)
-            predicts = attempt == 0 and sample > 0
-            if errors[sample] < 1e-11 and not predicts:
-                break
-            way = math.sqrt(error[0] ** 2 + error[1] ** 2 + error[2] ** 2)
-            for j in range(count):
-                drift[j] = min(1.0, pull * way) * (start[j] - q[j]) if predicts else 0.0
-            if attempt > 0:
-                falls = errors[sample] < last
-                damping = max(damping * 0.1, 1e-12) if falls else min(max(damping, 1e-8) * 100, 0.1)
-            last = errors[sample]
-            fill_jacobian(chain, poses, rows, count, jacobian)
-            _step(chain, q, jacobian, error, drift, damping, step, matrix, right)
-            _move(chain, q, step, 0.5)
-        place_chain(chain, q, 0, poses)
-        errors[sample] = _error(chain, poses, targets, sample, error)
+        pulled = pull if sample > 0 else -1.0
+        errors[sample] = reach_point(chain, q, home, targets, sample, pulled, most, room)
         for j in range(count):
             joints[sample * count + j] = q[j]
 

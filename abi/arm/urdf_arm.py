@@ -6,10 +6,11 @@ import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
+from abi.arm.any_arm import PlacedCapsule
 from abi.arm.chain import Chain
 from abi.arrays import FloatArray, IntArray, read_only
 from abi.obstacles.pose import METRES, Vec3
@@ -76,6 +77,11 @@ class UrdfArm:
         """One [unit] in metres."""
         return METRES[self.unit]
 
+    @property
+    def reach(self) -> float:
+        """Length of the chain stretched out, [unit]."""
+        return self.chain.table.reach / self.metres
+
     @cached_property
     def scales(self) -> FloatArray:
         """What a position in [rad] or [m] is in [rad] or [unit], (n,)."""
@@ -89,7 +95,7 @@ class UrdfArm:
 
     @cached_property
     def levers(self) -> FloatArray:
-        """Bound of how far a capsule's points move for one of each coordinate, (c, n), [unit]."""
+        """Bound of the way of a capsule's segment for one of each coordinate, (c, n), [unit]."""
         return read_only(np.stack([self._lever(one, -1) for one in self.capsules]))
 
     @cached_property
@@ -106,13 +112,14 @@ class UrdfArm:
         """
         table, joints = self.chain.table, self.chain.joints
         found = np.zeros(len(self.joints))
-        far = float(np.linalg.norm(capsule.ends, axis=1).max()) + capsule.radius
+        far = float(np.linalg.norm(capsule.ends, axis=1).max())
         for k in range(capsule.frame, behind, -1):
             joint, coordinate = joints[k], int(table.source[k])
             slides = joint.kind == "prismatic"
             found[coordinate] += abs(float(table.factor[k])) * (1.0 if slides else far)
             far += float(np.linalg.norm(table.origins[12 * k + 9 : 12 * k + 12]))
-            far += max(-joint.low, joint.high) if slides else 0.0
+            ends = table.factor[k] * self.chain.limits[coordinate] + table.offset[k]
+            far += float(np.abs(ends).max()) if slides else 0.0
         return np.asarray(found / self.metres / self.scales)
 
     @cached_property
@@ -124,6 +131,32 @@ class UrdfArm:
         """Ends of the capsules' segments at joint positions (k, n), shape (k, c, 2, 3), [unit]."""
         poses = self.chain.poses(positions / self.scales)
         return _place(self.capsules, poses) / self.metres
+
+    @property
+    def has_elbow(self) -> bool:
+        """False: its branches are poses that put the tool on the start."""
+        return False
+
+    def placed(self, positions: FloatArray) -> list[PlacedCapsule]:
+        """Capsules of all links at joint positions (k, n)."""
+        ends = self.place(positions).swapaxes(0, 1)
+        return [
+            PlacedCapsule(one.link, radius, of_one)
+            for one, radius, of_one in zip(self.capsules, self.radii.tolist(), ends, strict=True)
+        ]
+
+    def description(self) -> str:
+        """URDF of the arm, in metres, standing at the origin of its root link."""
+        return self.chain.robot.urdf
+
+    def proof_data(self) -> dict[str, Any]:
+        """What a certificate is about, as plain data: the capsules, and pairs of them."""
+        capsules = [
+            {"link": one.link, "joint": one.frame, "radius": radius}
+            | dict(zip(("from", "to"), (one.ends / self.metres).tolist(), strict=True))
+            for one, radius in zip(self.capsules, self.radii.tolist(), strict=True)
+        ]
+        return {"capsules": capsules, "pairs": self.pairs.tolist()}
 
     def tool(self, positions: FloatArray) -> FloatArray:
         """Place of the tip at joint positions (k, n), shape (k, 3), [unit], world."""
@@ -152,19 +185,26 @@ class UrdfArm:
                 kept.append(pose)
         return tuple(read_only(pose * self.scales) for pose in kept[:_TRIED])
 
-    def follow(self, start: FloatArray, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def follow(
+        self, start: FloatArray, points: FloatArray, home: FloatArray | None = None
+    ) -> tuple[FloatArray, FloatArray]:
         """Joint positions that lead the tip along points, from a pose at the first on.
 
         Args:
             start: joint positions, (n,), [rad] or [unit].
             points: shape (k, 3), [unit], world.
+            home: joint positions that spare joints drift to, (n,); ``start`` where not given.
 
         Returns:
             Positions (k, n), and the distance by which each point is missed, (k,), [unit]; where
             the direction of the tip is missed by more, that angle times the arm's reach.
         """
-        positions, errors = self.chain.follow(start / self.scales, points * self.metres)
-        return positions * self.scales, errors * self.chain.table.reach / self.metres
+        positions, errors = self.chain.follow(
+            start / self.scales,
+            points * self.metres,
+            None if home is None else home / self.scales,
+        )
+        return positions * self.scales, errors * self.reach
 
 
 def urdf_arm(
@@ -237,7 +277,8 @@ def segment_distances(first: FloatArray, second: FloatArray) -> FloatArray:
 def _pairs(robot: Robot, tip: str) -> IntArray:
     """Pairs of capsules of links with a joint between them that do not touch in nearly all poses.
 
-    Those touch because capsules are wider than what they hold.
+    Those touch because capsules are wider than what they hold. Links that an SRDF lets touch are no
+    pair.
     """
     arm = urdf_arm(robot, tip, (0.0, 0.0, 0.0))
     chain, capsules = arm.chain, arm.capsules
@@ -245,6 +286,7 @@ def _pairs(robot: Robot, tip: str) -> IntArray:
         (i, j)
         for i, j in itertools.combinations(range(len(capsules)), 2)
         if capsules[j].frame - capsules[i].frame > 1
+        and frozenset((capsules[i].link, capsules[j].link)) not in robot.may_touch
     ]
     if not candidates:
         return read_only(np.empty((0, 2), dtype=np.int32))

@@ -2,32 +2,84 @@
 
 from __future__ import annotations
 
-import math
-from functools import partial
+from dataclasses import dataclass
+from functools import cached_property, partial
+from typing import Any
 
 import numpy as np
+import scipy
 
-from abi.arm.arm_clearance import ArmClearance, Contact
-from abi.arm.joint_course import JointCourse
-from abi.arm.joint_path_clearance import (
-    JointPathProof,
+from abi.arm.arm_clearance import ArmClearance, Contact, best_proof
+from abi.arm.chain_certificate import certify_chain
+from abi.arm.chain_distances import (
     floor_distances,
-    least_between,
     obstacle_distances,
     own_distances,
 )
 from abi.arm.separate_arm_kernels import Slide
+from abi.arm.surroundings import Surroundings
 from abi.arm.trajectory import ArmMotion, Trajectory, stretches
 from abi.arm.urdf_arm import REACHED, UrdfArm
 from abi.arrays import FloatArray, read_only
+from abi.curves.curve import ArcLength, Curve
 from abi.curves.timed_profile import PathProfile
 from abi.obstacles.obstacle_set import ObstacleSet
 
-_TOUCH = 1e-6
-"""Distance, over the arm's reach, that is proven where no more is asked than not to touch."""
+
+@dataclass(frozen=True, eq=False)
+class JointCourse:
+    """Joints as functions of the distance along a curve.
+
+    Attributes:
+        curve: path of the tool.
+        arc: its arc length.
+        arm: the arm.
+        positions: joint positions at equal distances, shape (k, n), [rad] or [unit].
+        missed: distance by which the tool misses the curve there, shape (k,), [unit].
+    """
+
+    curve: Curve
+    arc: ArcLength
+    arm: UrdfArm
+    positions: FloatArray
+    missed: FloatArray
+
+    @property
+    def speeds(self) -> FloatArray:
+        """Largest speed of each joint, (n,), [rad/s] or [unit/s]."""
+        return np.asarray(self.arm.chain.speeds * self.arm.scales)
+
+    @property
+    def scales(self) -> FloatArray:
+        """A limit of [rad/s²] or [m/s²] in [rad/s²] or [unit/s²], (n,)."""
+        return self.arm.scales
+
+    @cached_property
+    def _spline(self) -> Any:
+        distances = np.linspace(0.0, self.arc.length, len(self.positions))
+        return scipy.interpolate.CubicSpline(distances, self.positions)
+
+    def at(self, distances: FloatArray) -> FloatArray:
+        """Joint positions at distances (k,), (k, n), within the limits."""
+        limits = self.arm.limits
+        return np.asarray(np.clip(self._spline(distances), limits[:, 0], limits[:, 1]))
+
+    def motion(self, profile: PathProfile, samples: int) -> ArmMotion:
+        """As of every course."""
+        return _follow(self, profile, samples)
+
+    def is_refuted(self, profile: PathProfile, around: Surroundings, required: float) -> bool:
+        """False: it does not show without the motion."""
+        return False
+
+    def clearance(
+        self, motion: ArmMotion, obstacles: ObstacleSet, around: Surroundings, required: float
+    ) -> ArmClearance:
+        """As of every course."""
+        return _clearance(motion, self.arm, obstacles, around, required)
 
 
-def follow_course(course: JointCourse, profile: PathProfile, samples: int) -> ArmMotion:
+def _follow(course: JointCourse, profile: PathProfile, samples: int) -> ArmMotion:
     """Move an arm along its course, sampled uniformly in time.
 
     Args:
@@ -43,7 +95,7 @@ def follow_course(course: JointCourse, profile: PathProfile, samples: int) -> Ar
     step = profile.duration / (samples - 1)
     distances = np.linspace(0.0, course.arc.length, len(course.missed))
     missed = np.interp(travelled, distances, course.missed)
-    allowed = REACHED * arm.chain.table.reach / arm.metres
+    allowed = REACHED * arm.reach
     nothing = read_only(np.zeros(2))
     return ArmMotion(
         curve=course.curve,
@@ -62,8 +114,8 @@ def follow_course(course: JointCourse, profile: PathProfile, samples: int) -> Ar
     )
 
 
-def course_clearance(
-    motion: ArmMotion, arm: UrdfArm, obstacles: ObstacleSet, floor: float, required: float
+def _clearance(
+    motion: ArmMotion, arm: UrdfArm, obstacles: ObstacleSet, around: Surroundings, required: float
 ) -> ArmClearance:
     """Measure how clear an arm stays, and prove as much of it as possible.
 
@@ -71,32 +123,35 @@ def course_clearance(
         motion: its motion.
         arm: the arm.
         obstacles: the solids.
-        floor: height that the links are to stay above, [unit].
+        around: the same, with the floor.
         required: distance to keep from obstacles, at least 0, [unit].
     """
     distance, number = obstacle_distances(arm, obstacles, motion.positions)
     least = distance.min(axis=1)
     sample = int(least.argmin())
     capsule = int(distance[sample].argmin())
+    links = [one.link for one in arm.capsules]
     contacts = (
-        *_contacts(motion.time, distance, [one.link for one in arm.capsules], number),
+        *_contacts(motion.time, distance, links, number),
         *_contacts(
             motion.time,
             own_distances(arm, motion.positions),
-            [arm.capsules[j].link for _, j in arm.pairs],
-            [arm.capsules[i].link for i, _ in arm.pairs],
+            [links[j] for _, j in arm.pairs],
+            [links[i] for i, _ in arm.pairs],
         ),
         *_contacts(
             motion.time,
-            floor_distances(arm, floor, motion.positions),
-            [one.link for one in arm.capsules],
-            ["floor"] * len(arm.capsules),
+            floor_distances(arm, around.floor, motion.positions),
+            links,
+            ["floor"] * len(links),
         ),
     )
     measured = float(least[sample])
     proof = None
     if motion.reachable and not contacts:
-        proof = _proof(motion.positions, arm, obstacles, floor)
+        proof = best_proof(
+            partial(certify_chain, arm, motion.positions, around), measured, required
+        )
     has = len(obstacles) > 0
     return ArmClearance(
         elbow="up",
@@ -104,35 +159,11 @@ def course_clearance(
         required=required,
         distance=measured if proof is None else proof.margin,
         time=float(motion.time[sample]),
-        link=arm.capsules[capsule].link if has else "",
+        link=links[capsule] if has else "",
         obstacle=int(number[sample, capsule]) if has else -1,
         contacts=tuple(sorted(contacts, key=_depth, reverse=True)),
         certificate=proof,
     )
-
-
-def _proof(
-    positions: FloatArray, arm: UrdfArm, obstacles: ObstacleSet, floor: float
-) -> JointPathProof | None:
-    """Proof that nothing is touched, and of a distance to the obstacles."""
-    touch = _TOUCH * arm.chain.table.reach / arm.metres
-    apart = (
-        (partial(own_distances, arm), arm.pair_levers),
-        (partial(floor_distances, arm, floor), arm.levers),
-    )
-    for distances, levers in apart:
-        bound = least_between(distances, levers, positions, touch)
-        if bound is None or bound <= 0:
-            return None
-    if not len(obstacles):
-        return JointPathProof(math.inf)
-    to_obstacles = partial(_to_obstacles, arm, obstacles)
-    proven = least_between(to_obstacles, arm.levers, positions, math.inf)
-    return None if proven is None else JointPathProof(proven)
-
-
-def _to_obstacles(arm: UrdfArm, obstacles: ObstacleSet, positions: FloatArray) -> FloatArray:
-    return obstacle_distances(arm, obstacles, positions)[0]
 
 
 def _contacts(

@@ -10,10 +10,11 @@ cover the whole curve for every obstacle.
 from __future__ import annotations
 
 import contextlib
+from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
-from typing import Any
+from typing import Any, ParamSpec
 
 from abi import assets
 from abi.errors import SceneError
@@ -34,6 +35,9 @@ from abi.verify.exact_mesh import ExactMesh
 from abi.verify.fault import Fault
 from abi.verify.plan_fields import finite, list_of, mapping, number_of, numbers_of, vector_of
 from abi.verify.verify_arm import check_arm
+from abi.verify.verify_chain import check_chain
+
+_P = ParamSpec("_P")
 
 CURVES = ("bspline", "quadratic")
 
@@ -119,21 +123,22 @@ def _arm_verdict(
 ) -> Verdict:
     if plan["arm"] is None:
         return Verdict("arm", False, "the plan has no motion")
-    if scene.arm.model != "abi":
-        reason = (
-            "its proof is in floating point, and what is exact here knows the paper's arm alone"
-        )
-        return Verdict("arm", False, reason)
     section, timing = mapping("arm", plan["arm"]), mapping("timing", plan.get("timing"))
     if section.get("certificate") is None:
         claim = "it claims to be certified but" if section.get("certified") else "it"
         return Verdict("arm", False, f"{claim} carries no certificate")
+    if scene.arm.model == "urdf":
+        return _checked(check_chain, section, scene, obstacles)
     name = timing.get("curve")
     if name not in CURVES:
         raise SceneError("timing.curve", name, f"one of {', '.join(CURVES)}")
     curve = _curve(name, mapping(name, plan[name]))
+    return _checked(check_arm, section, timing, curve, scene, obstacles)
+
+
+def _checked(check: Callable[_P, str], *args: _P.args, **kwargs: _P.kwargs) -> Verdict:
     try:
-        return Verdict("arm", True, check_arm(section, timing, curve, scene, obstacles))
+        return Verdict("arm", True, check(*args, **kwargs))
     except Fault as fault:
         return Verdict("arm", False, f"its certificate is wrong, {fault}")
 

@@ -18,6 +18,7 @@ from abi.verify.exact_slide import ExactSlide, ExactTiming, anywhere, moving, st
 from abi.verify.fault import Fault
 from abi.verify.interval import enclose, rounded
 from abi.verify.plan_fields import finite, list_of, mapping, number_of, vector_of
+from abi.verify.sides import check_above, check_apart
 
 FIELD = "arm.certificate"
 
@@ -86,7 +87,7 @@ def check_arm(
     certificate = mapping(FIELD, section["certificate"])
     margin = certificate.get("margin")
     exact = None if margin is None else Fraction(finite(f"{FIELD}.margin", margin))
-    _check_claim(section, exact, Fraction(scene.arm.clearance), obstacles)
+    check_claim(section, exact, Fraction(scene.arm.clearance), obstacles)
     elbow = section.get("elbow")
     if elbow not in ("up", "down"):
         raise Fault("its elbow is neither up nor down")
@@ -100,16 +101,19 @@ def check_arm(
     capsules = [_capsule(one) for one in list_of(f"{FIELD}.capsules", certificate.get("capsules"))]
     planes = _planes(certificate, len(capsules))
     floor = min(arm.base[2], Fraction(scene.workspace.min[2]))
+    span = curve.spans[0][0], curve.spans[-1][1]
     for number, capsule in enumerate(capsules):
         for name, solid in _asked(capsule, capsules, obstacles, arm):
             wanted = planes.get((number, name), [])
             try:
-                if name == "floor":
-                    _check_floor(motion, capsule, wanted, floor)
+                sides = [
+                    (one.start, one.end, one.normal, _least(motion, capsule, one)) for one in wanted
+                ]
+                if solid is None:
+                    check_above(sides, span, floor)
                 else:
-                    assert solid is not None
                     keep = exact if isinstance(name, int) and exact is not None else Fraction(0)
-                    _check_solid(motion, capsule, solid, wanted, keep)
+                    check_apart(sides, span, solid, keep)
             except Fault as fault:
                 label = f"obstacle {name + 1}" if isinstance(name, int) else name
                 raise Fault(f"{capsule.link} and {label}: {fault}") from None
@@ -121,12 +125,17 @@ def check_arm(
     return f"{kept}, and clear of the floor and each other, by {count} directions"
 
 
-def _check_claim(
+def check_claim(
     section: dict[str, Any],
     margin: Fraction | None,
     required: Fraction,
     obstacles: list[ExactSolid | ExactMesh],
 ) -> None:
+    """Check what a plan says of its arm's clearance against its certificate's margin, [unit].
+
+    Raises:
+        Fault: they differ.
+    """
     stated = section.get("clearance")
     if (margin is None) != (not obstacles):
         raise Fault("a margin belongs to obstacles")
@@ -171,48 +180,6 @@ def _least(motion: _Motion, capsule: ExactCapsule, plane: _Plane) -> Fraction:
     pose = motion.near(plane)
     way = motion.arm.way(pose, capsule) + capsule.radius
     return motion.arm.least(pose, capsule, plane.normal) - times_length(way, plane.normal)
-
-
-def _check_floor(
-    motion: _Motion, capsule: ExactCapsule, planes: list[_Plane], floor: Fraction
-) -> None:
-    for plane in planes:
-        x, y, z = plane.normal
-        if x or y or z <= 0 or _least(motion, capsule, plane) <= z * floor:
-            raise Fault(f"the piece from {float(plane.start):g} is not separated")
-    _check_cover(motion.curve, planes)
-
-
-def _check_solid(
-    motion: _Motion,
-    capsule: ExactCapsule,
-    solid: ExactSolid | ExactMesh,
-    planes: list[_Plane],
-    margin: Fraction,
-) -> None:
-    sides = [
-        (plane.start, plane.end, plane.normal, _least(motion, capsule, plane)) for plane in planes
-    ]
-    if isinstance(solid, ExactMesh):
-        spans = motion.curve.spans
-        if (at := solid.uncovered(sides, spans[0][0], spans[-1][1], margin)) is not None:
-            raise Fault(f"nothing separates a triangle at {float(at):g}")
-        return
-    for start, _, normal, least in sides:
-        if not solid.separated(normal, least, margin):
-            raise Fault(f"the piece from {float(start):g} is not separated")
-    _check_cover(motion.curve, planes)
-
-
-def _check_cover(curve: ExactCurve, planes: list[_Plane]) -> None:
-    """Raise where the pieces, in order, do not cover the curve."""
-    reached, last = curve.spans[0][0], curve.spans[-1][1]
-    for plane in planes:
-        if plane.start > reached:
-            break
-        reached = max(reached, plane.end)
-    if reached < last:
-        raise Fault(f"no piece covers the curve after {float(reached):g}")
 
 
 def _point(curve: ExactCurve, at: Fraction) -> Vec3:

@@ -49,7 +49,8 @@ def solids(arm: Arm) -> list[LinkSolid]:
     return [solid for link in links.values() for solid in link]
 
 
-@settings(max_examples=12, deadline=None)
+@pytest.mark.slow
+@settings(max_examples=12)
 @given(arms(), st.integers(0, 2**32 - 1))
 def test_the_urdf_moves_as_forward_says(arm: Arm, seed: int) -> None:
     positions = random_positions(arm, 4, seed)
@@ -63,7 +64,8 @@ def test_the_urdf_moves_as_forward_says(arm: Arm, seed: int) -> None:
         np.testing.assert_allclose(found, expected, rtol=0, atol=1e-8 + 1e-9 * min(1.0, size))
 
 
-@settings(max_examples=100, deadline=None)
+@pytest.mark.slow
+@settings(max_examples=100)
 @given(arms(), st.integers(0, 2**32 - 1))
 def test_forward_is_the_printed_formula(arm: Arm, seed: int) -> None:
     positions = random_positions(arm, 10, seed)
@@ -75,7 +77,8 @@ def test_forward_is_the_printed_formula(arm: Arm, seed: int) -> None:
     np.testing.assert_allclose(forward(arm, positions) - arm.base, printed, rtol=0, atol=1e-11)
 
 
-@settings(max_examples=100, deadline=None)
+@pytest.mark.slow
+@settings(max_examples=100)
 @given(arms(), st.integers(0, 2**32 - 1))
 def test_links_keep_their_lengths_and_their_plane(arm: Arm, seed: int) -> None:
     positions = random_positions(arm, 10, seed)
@@ -89,7 +92,8 @@ def test_links_keep_their_lengths_and_their_plane(arm: Arm, seed: int) -> None:
     np.testing.assert_allclose(out_of_plane, 0, atol=1e-11)
 
 
-@settings(max_examples=12, deadline=None)
+@pytest.mark.slow
+@settings(max_examples=12)
 @given(arms())
 def test_the_urdf_is_sound(arm: Arm) -> None:
     robot = load(urdf(arm))
@@ -145,7 +149,8 @@ def test_the_text_has_no_rounding_noise() -> None:
         assert float(number) > 1e-9
 
 
-@settings(max_examples=200, deadline=None)
+@pytest.mark.slow
+@settings(max_examples=200)
 @given(arms())
 def test_every_solid_has_a_size(arm: Arm) -> None:
     for solid in solids(arm):
@@ -154,7 +159,8 @@ def test_every_solid_has_a_size(arm: Arm) -> None:
         assert solid.material in arm_links.COLOURS
 
 
-@settings(max_examples=200, deadline=None)
+@pytest.mark.slow
+@settings(max_examples=200)
 @given(arms())
 def test_solids_of_different_colours_never_share_a_face(arm: Arm) -> None:
     """Faces in one plane flicker: caps of cylinders along one axis must lie apart or inside."""
@@ -170,7 +176,8 @@ def test_solids_of_different_colours_never_share_a_face(arm: Arm) -> None:
                 assert abs(top_a - top_b) > 1e-3 * min(a.size[2], b.size[2])
 
 
-@settings(max_examples=200, deadline=None)
+@pytest.mark.slow
+@settings(max_examples=200)
 @given(arms())
 def test_the_base_stands_on_the_floor_and_the_fingers_end_at_the_tool(arm: Arm) -> None:
     links = arm_links.links(arm.a1, arm.a2, arm.a3, arm.a4, arm.a5)
@@ -181,7 +188,8 @@ def test_the_base_stands_on_the_floor_and_the_fingers_end_at_the_tool(arm: Arm) 
     assert max(highs) == pytest.approx(arm.a5 - wrist, rel=1e-9)
 
 
-@settings(max_examples=200, deadline=None)
+@pytest.mark.slow
+@settings(max_examples=200)
 @given(arms())
 def test_the_rod_never_leaves_its_sleeve(arm: Arm) -> None:
     links = arm_links.links(arm.a1, arm.a2, arm.a3, arm.a4, arm.a5)
@@ -192,7 +200,8 @@ def test_the_rod_never_leaves_its_sleeve(arm: Arm) -> None:
     assert rod.size[0] < min(solid.size[0] for solid in links["forearm"])
 
 
-@settings(max_examples=100, deadline=None)
+@pytest.mark.slow
+@settings(max_examples=100)
 @given(arms())
 def test_the_upper_arm_is_the_hull_of_its_ends(arm: Arm) -> None:
     link = arm_links.links(arm.a1, arm.a2, arm.a3, arm.a4, arm.a5)["upper_arm"]

@@ -83,7 +83,7 @@ def random_case(seed: int, samples: int = 301) -> Case:
 
 
 @pytest.mark.slow
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(SEED)
 def test_nothing_proven_is_refuted_by_dense_samples(seed: int) -> None:
     found = random_case(seed)
@@ -106,7 +106,8 @@ def test_nothing_proven_is_refuted_by_dense_samples(seed: int) -> None:
             assert np.linalg.norm(inner, axis=2).min() > capsule.radius + 1.0
 
 
-@settings(max_examples=40, deadline=None)
+@pytest.mark.slow
+@settings(max_examples=40)
 @given(SEED)
 def test_contacts_and_the_least_distance_are_those_of_dense_samples(seed: int) -> None:
     found = random_case(seed, 61)

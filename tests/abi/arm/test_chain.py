@@ -95,7 +95,7 @@ def test_the_jacobian_is_what_small_steps_do(name: str) -> None:
         np.testing.assert_allclose(np.cross(rows[3:].T, poses[-1][:, 2]), axes, atol=1e-8)
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(st.sampled_from([*SHIPPED]), st.integers(0, 2**31), st.booleans())
 def test_the_tip_stays_on_a_path_that_can_be_followed(name: str, seed: int, aims: bool) -> None:
     one = chain(name, DOWN if aims else None)

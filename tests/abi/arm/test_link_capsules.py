@@ -6,6 +6,7 @@ import io
 from collections import defaultdict
 
 import numpy as np
+import pytest
 import yourdfpy
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -32,7 +33,8 @@ def from_segment(points: FloatArray, a: FloatArray, b: FloatArray) -> FloatArray
     return np.asarray(np.linalg.norm(points - a - share[:, None] * way, axis=1))
 
 
-@settings(max_examples=25, deadline=None)
+@pytest.mark.slow
+@settings(max_examples=25)
 @given(arms(), st.integers(0, 2**32 - 1))
 def test_every_solid_drawn_is_in_a_capsule_of_its_link(arm: Arm, seed: int) -> None:
     low, high = arm.limits.T
@@ -60,7 +62,7 @@ def test_every_solid_drawn_is_in_a_capsule_of_its_link(arm: Arm, seed: int) -> N
     assert drawn > 30
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 @given(arms(), st.integers(0, 2**32 - 1))
 def test_capsules_lie_along_the_links(arm: Arm, seed: int) -> None:
     low, high = arm.limits.T
@@ -75,7 +77,7 @@ def test_capsules_lie_along_the_links(arm: Arm, seed: int) -> None:
             )
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 @given(arms(), st.floats(0, 1))
 def test_at_the_limit_of_q3_the_forearms_end_keeps_off_the_upper_arm(
     arm: Arm, share: float

@@ -42,6 +42,7 @@ def honest() -> Data:
     return written()
 
 
+@pytest.mark.slow
 def test_a_certificate_is_accepted_with_and_without_a_moving_slide(honest: Data) -> None:
     pushed = written(forces=[0.5, 0.2, 0.6])
     for data in (honest, pushed, written(forces=[0.0, -0.05, 0.0], q5=0.3)):
@@ -52,6 +53,7 @@ def test_a_certificate_is_accepted_with_and_without_a_moving_slide(honest: Data)
     assert not of_arm(pushed).proven
 
 
+@pytest.mark.slow
 def test_damage_is_refused(honest: Data) -> None:
     random = np.random.default_rng(1)
     planes = len(honest["arm"]["certificate"]["planes"])
@@ -71,6 +73,7 @@ def test_damage_is_refused(honest: Data) -> None:
             assert not of_arm(data).proven, damage
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("path", "value"),
     [

@@ -1,0 +1,139 @@
+"""The paper's arm for the planner: its joints follow from formulas, on two elbow branches."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from abi.arm import trajectory
+from abi.arm.arm import Arm
+from abi.arm.arm_certificate import ArmRefutation, certify_arm, slide_bounds
+from abi.arm.arm_clearance import ArmClearance, arm_clearance
+from abi.arm.arm_sight import ArmSight
+from abi.arm.inverse_kinematics import solve
+from abi.arm.surroundings import Surroundings, surroundings
+from abi.arm.trajectory import ArmMotion
+from abi.arm.wrist_drives import wrist_positions
+from abi.arrays import FloatArray
+from abi.curves import speed_profile
+from abi.curves.curve import ArcLength, Curve
+from abi.curves.timed_profile import PathProfile
+from abi.obstacles.obstacle_set import ObstacleSet
+from abi.scene.scene import ArmSettings, Scene
+from abi.tet_mesh.tet_mesh import TetMesh
+
+JOINT_SPEED = np.pi
+"""Largest speed of the paper's turning joints, nominal, [rad/s]."""
+
+MOVED = 3
+"""Joints that the inverse kinematics moves, q1 to q3."""
+
+_TRIES_TO_REFUTE = 5_000
+_LONGER = 1.5
+"""Longest path, as a multiple of the straight line, whose time bounds the slide beforehand."""
+
+
+@dataclass(frozen=True)
+class AbiCourse:
+    """Joints as a function of the distance along a curve, on one elbow branch."""
+
+    curve: Curve
+    arc: ArcLength
+    arm: Arm
+    settings: ArmSettings
+
+    @property
+    def speeds(self) -> FloatArray:
+        """Largest speed of each joint, nominal, (3,), [rad/s]."""
+        return np.full(MOVED, JOINT_SPEED)
+
+    @property
+    def scales(self) -> FloatArray:
+        """A limit of [rad/s²] in that unit, (3,)."""
+        return np.ones(MOVED)
+
+    def at(self, distances: FloatArray) -> FloatArray:
+        """Positions of q1 to q3 at distances (k,) in their order, (k, 3), [rad]."""
+        parameters = self.arc.parameter(distances)
+        tangents = self.curve(parameters, 1)
+        lengths = np.linalg.norm(tangents, axis=1)
+        tangents = tangents / np.where(lengths > 0, lengths, 1)[:, None]
+        q5, points = np.full(len(distances), self.settings.q5), self.curve(parameters)
+        found = solve(self.arm, points, q5, self.settings.branches[0], tangents)
+        return np.stack([found.q1, found.q2, found.q3], axis=1)
+
+    def motion(self, profile: PathProfile, samples: int) -> ArmMotion:
+        """As of every course."""
+        return trajectory.follow(self.curve, self.arc, profile, self.arm, self.settings, samples)
+
+    def is_refuted(self, profile: PathProfile, around: Surroundings, required: float) -> bool:
+        """As of every course: one try to prove it, without samples."""
+        slide = slide_bounds(self.curve, self.arc, profile, self.settings)
+        elbow = self.settings.branches[0]
+        found = certify_arm(self.curve, slide, self.arm, elbow, around, required, _TRIES_TO_REFUTE)
+        return isinstance(found, ArmRefutation) and found.decided
+
+    def clearance(
+        self, motion: ArmMotion, obstacles: ObstacleSet, around: Surroundings, required: float
+    ) -> ArmClearance:
+        """As of every course."""
+        return arm_clearance(motion, self.arm, obstacles, around, required)
+
+
+class AbiModel:
+    """The paper's arm."""
+
+    def __init__(self, settings: ArmSettings, unit: Literal["m", "cm", "mm"]) -> None:
+        self.arm = Arm.from_settings(settings, unit)
+
+    def surroundings(self, obstacles: ObstacleSet, lowest: float) -> Surroundings:
+        """Obstacles, floor and column."""
+        return surroundings(self.arm, obstacles, lowest)
+
+    def courses(
+        self,
+        curve: Curve,
+        arc: ArcLength,
+        settings: ArmSettings,
+        obstacles: ObstacleSet,
+        around: Surroundings,
+    ) -> tuple[AbiCourse, ...]:
+        """One for each elbow branch that may be taken."""
+        branches = settings.branches
+        return tuple(AbiCourse(curve, arc, self.arm, settings.on(elbow)) for elbow in branches)
+
+    def sights(
+        self, scene: Scene, mesh: TetMesh, around: Surroundings, slack: float
+    ) -> tuple[AbiSight, ...]:
+        """One for each elbow branch that may be taken."""
+        extensions, clearance = _extensions(scene), scene.arm.clearance
+        return tuple(
+            AbiSight(self.arm, elbow, around, extensions, clearance, slack, scene.arm)
+            for elbow in scene.arm.branches
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class AbiSight(ArmSight):
+    """Questions to the paper's arm, with the settings of its drives."""
+
+    settings: ArmSettings
+
+    def course(self, curve: Curve, arc: ArcLength) -> AbiCourse:
+        """As of every sight."""
+        return AbiCourse(curve, arc, self.arm, self.settings.on(self.elbow))
+
+
+def _extensions(scene: Scene) -> tuple[float, float]:
+    """Least and greatest q5 in the time that a rather long path takes, [unit]."""
+    settings, asked = scene.arm, scene.motion
+    if settings.forces[1] == 0:
+        return settings.q5, settings.q5
+    straight = float(np.linalg.norm(np.subtract(scene.goal, scene.start)))
+    longest = speed_profile.three_phase(
+        _LONGER * straight, asked.speed, asked.acceleration, asked.deceleration
+    )
+    end = float(wrist_positions(settings, [longest.duration])[0, 1])
+    return min(settings.q5, end), max(settings.q5, end)

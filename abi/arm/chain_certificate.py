@@ -1,0 +1,84 @@
+"""Proofs that an arm's links keep clear while its joints go straight from knot to knot.
+
+Theorem. Let the joints stay within w_j of a pose, each coordinate j, so that every point of a
+capsule's segment moves by at most W = sum of lever_j w_j from where it is at the pose. Let O be a
+compact convex set with the support function h, and let abs(n) = 1. If
+min(n·a, n·b) - h(n) > m + radius + W for the segment's ends a, b at the pose, then the capsule
+stays farther than m from O all along.
+
+Proof. While the joints go straight from the pose to another, a point of the segment turns about
+joint j at most at the distance lever_j: that of the chain stretched out; a slide moves it as far as
+itself. So it moves by at most W, and n·y >= min(n·a, n·b) - W - radius for every point y of the
+capsule, whereas n·z <= h(n) for z in O. Two capsules are seen from the frame that moves the first:
+there only joints behind it count.
+
+A pair that no direction separates goes on with both halves of the stretch. Rounding: 2^-40 of the
+largest coordinate is asked for on top. :mod:`abi.verify.verify_chain` checks it in exact numbers.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from abi.arm.arm_certificate import ArmCertificate, ArmRefutation
+from abi.arm.chain_surroundings import bodies_of
+from abi.arm.separate_chain_kernels import separate_chain
+from abi.arm.surroundings import OWN, Surroundings
+from abi.arm.urdf_arm import UrdfArm
+from abi.arrays import FloatArray, IntArray, flat, read_only
+from abi.clearance.separation_kernels import CERTIFIED, REFUTED
+
+MOST_TRIES = 200_000
+
+
+def certify_chain(
+    arm: UrdfArm,
+    positions: FloatArray,
+    around: Surroundings,
+    margin: float,
+    most_tries: int = MOST_TRIES,
+) -> ArmCertificate | ArmRefutation:
+    """Prove that an arm keeps more than ``margin`` from every obstacle, or find where not.
+
+    From the floor and from itself it keeps more than 0. The parameter of the k-th position is k.
+
+    Args:
+        arm: the arm.
+        positions: joint positions (k, n), k >= 2, [rad] or [unit].
+        around: what to keep clear of.
+        margin: distance to prove from obstacles, at least 0, [unit].
+        most_tries: tries it may take.
+    """
+    bodies = bodies_of(arm)
+    status, at, pair, _, planes = separate_chain(
+        *(arm.chain.table, bodies, flat(positions / arm.scales), around.beyond(margin), most_tries)
+    )
+    if status != CERTIFIED:
+        capsules, others = _pairs(arm, around, np.array([pair]))
+        return ArmRefutation(at, int(capsules[0]), int(others[0]), status == REFUTED)
+    capsules, others = _pairs(arm, around, planes[:, 2])
+    return ArmCertificate(
+        margin=margin if (around.numbers >= 0).any() else math.inf,
+        pieces=read_only(planes[:, :2].copy()),
+        poses=read_only(planes[:, 6].copy()),
+        capsule=capsules,
+        obstacle=others,
+        directions=read_only(planes[:, 3:6].copy()),
+        positions=positions,
+    )
+
+
+def _pairs(
+    arm: UrdfArm, around: Surroundings, pairs: FloatArray | IntArray
+) -> tuple[IntArray, IntArray]:
+    """Numbers of the capsules of pairs (k,), and of what each is separated from."""
+    count = len(around.numbers)
+    numbers = pairs.astype(np.int64)
+    behind = numbers - len(arm.capsules) * count
+    own = behind >= 0
+    links = arm.pairs[np.where(own, behind, 0)] if own.any() else np.zeros((len(numbers), 2))
+    capsules = np.where(own, links[:, 1], numbers // count)
+    others = np.where(own, OWN - links[:, 0], around.numbers[numbers % count])
+    return read_only(capsules.astype(np.int32)), read_only(others.astype(np.int32))

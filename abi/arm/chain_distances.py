@@ -1,0 +1,47 @@
+"""Distances of a URDF arm's links at joint positions: to obstacles, to each other, to the floor."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from abi.arm.urdf_arm import UrdfArm, segment_distances
+from abi.arrays import FloatArray, IntArray
+from abi.obstacles.obstacle_set import ObstacleSet
+
+
+def obstacle_distances(
+    arm: UrdfArm, obstacles: ObstacleSet, positions: FloatArray
+) -> tuple[FloatArray, IntArray]:
+    """Signed distances of an arm's capsules to the nearest obstacle at joint positions (k, n).
+
+    Returns:
+        Distances (k, c), [unit], inf without obstacles; and numbers of the obstacles, -1 without.
+    """
+    ends = arm.place(positions)
+    shape = ends.shape[:2]
+    p, q = ends[:, :, 0].reshape(-1, 3), ends[:, :, 1].reshape(-1, 3)
+    distance, number = np.full(shape, np.inf), np.full(shape, -1, dtype=np.int32)
+    for index, obstacle in enumerate(obstacles):
+        gap = obstacle.segment_distance(p, q).reshape(shape) - arm.radii
+        nearer = gap < distance
+        distance[nearer], number[nearer] = gap[nearer], index
+    return distance, number
+
+
+def own_distances(arm: UrdfArm, positions: FloatArray) -> FloatArray:
+    """Signed distances between the links of ``arm.pairs`` at positions (k, n), (k, p), [unit]."""
+    ends, pairs = arm.place(positions), arm.pairs
+    first, second = (ends[:, pairs[:, side]].reshape(-1, 2, 3) for side in (0, 1))
+    gaps = segment_distances(first, second).reshape(len(positions), len(pairs))
+    return np.asarray(gaps - arm.radii[pairs].sum(axis=1))
+
+
+def floor_distances(arm: UrdfArm, floor: float, positions: FloatArray) -> FloatArray:
+    """Heights of the capsules above the floor at positions (k, n), (k, c), [unit].
+
+    Inf of what stands still and of the link on it, which may touch it.
+    """
+    heights = arm.place(positions)[..., 2].min(axis=2) - arm.radii - floor
+    resting = [one.frame < 1 for one in arm.capsules]
+    heights[:, resting] = np.inf
+    return np.asarray(heights)

@@ -1,0 +1,24 @@
+"""The arms that a scene can name."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Literal
+
+from abi.arm.abi_model import AbiModel
+from abi.arm.arm_model import ArmModel
+from abi.arm.urdf_model import UrdfModel
+from abi.scene.scene import ArmSettings
+
+Unit = Literal["m", "cm", "mm"]
+
+MODELS: dict[str, Callable[[ArmSettings, Unit], ArmModel]] = {
+    "abi": AbiModel,
+    "urdf": UrdfModel,
+}
+"""Arms by the names of ``arm.model``."""
+
+
+def model_of(settings: ArmSettings, unit: Unit = "cm") -> ArmModel:
+    """The arm that a scene's settings describe; lengths in the scene's unit."""
+    return MODELS[settings.model](settings, unit)

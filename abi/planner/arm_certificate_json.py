@@ -1,0 +1,33 @@
+"""Certificate of an arm's clearance as plain data, for :mod:`abi.verify.verify_arm`."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from abi.arm.any_arm import AnyArm
+from abi.arm.arm_certificate import ArmCertificate
+from abi.arm.arm_clearance import named
+from abi.arm.surroundings import OWN
+
+
+def arm_certificate(arm: AnyArm, proof: ArmCertificate | None) -> dict[str, Any] | None:
+    """Capsules and directions, and the joints' path where that is what is proven."""
+    if proof is None:
+        return None
+    columns = (
+        *(proof.pieces.tolist(), proof.poses.tolist(), proof.capsule.tolist()),
+        *(proof.obstacle.tolist(), proof.directions.tolist()),
+    )
+    data: dict[str, Any] = {
+        "margin": float(proof.margin) if math.isfinite(proof.margin) else None,
+        "planes": [
+            {"t0": t0, "t1": t1, "at": at, "capsule": capsule}
+            | {"obstacle": named(obstacle, arm), "direction": way}
+            | ({"other": OWN - obstacle} if obstacle <= OWN else {})
+            for (t0, t1), at, capsule, obstacle, way in zip(*columns, strict=True)
+        ],
+    }
+    if proof.positions is not None:
+        data["positions"] = proof.positions.tolist()
+    return data | arm.proof_data()

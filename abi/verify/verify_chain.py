@@ -1,0 +1,289 @@
+"""Check of the certificate of an arm that a URDF describes, in exact numbers.
+
+The proof is the one in :mod:`abi.arm.chain_certificate`. Checked are the joints' positions, the
+capsules and the pairs of these that are to keep apart, as written down: that the capsules contain
+the links is for the eye, and for a test.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+from typing import Any, NamedTuple
+
+from abi.obstacles.pose import METRES
+from abi.scene.scene import Scene
+from abi.verify.exact import ExactSolid, Vec3, dot, sub, times_length, vector
+from abi.verify.exact_chain import ExactChain, ExactFrame, exact_chain
+from abi.verify.exact_mesh import ExactMesh, Side
+from abi.verify.fault import Fault
+from abi.verify.plan_fields import finite, list_of, mapping, numbers_of, vector_of
+from abi.verify.sides import check_above, check_apart, check_cover
+from abi.verify.verify_arm import FIELD, check_claim
+
+_REACHED = Fraction(1, 10**5)
+"""Error of the tool at start and goal that is let pass, over the length of the chain."""
+_PAST = Fraction(1, 10**9)
+"""What a joint may be past its limit, [rad] or [unit]."""
+
+
+class _Capsule(NamedTuple):
+    """All points within ``radius`` of a segment in the frame of a joint, -1 for the world."""
+
+    link: str
+    frame: int
+    ends: tuple[Vec3, Vec3]
+    radius: Fraction
+
+
+class _Plane(NamedTuple):
+    start: Fraction
+    end: Fraction
+    at: Fraction
+    normal: Vec3
+
+
+_Key = tuple[int, int | str]
+"""A capsule, and an obstacle, the floor, or another capsule as its number before it, negative."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Motion:
+    """Joints that go straight from row to row, and poses and ways that were asked for."""
+
+    chain: ExactChain
+    rows: list[list[Fraction]]
+    frames: dict[Fraction, list[ExactFrame]] = field(default_factory=dict)
+    ways: dict[tuple[Fraction, Fraction, Fraction], list[Fraction]] = field(default_factory=dict)
+    levers: dict[tuple[_Capsule, int], list[Fraction]] = field(default_factory=dict)
+
+    def positions(self, at: Fraction) -> list[Fraction]:
+        """Coordinates at a parameter."""
+        row = min(int(at), len(self.rows) - 2)
+        share = at - row
+        pairs = zip(self.rows[row], self.rows[row + 1], strict=True)
+        return [a + share * (b - a) for a, b in pairs]
+
+    def near(self, plane: _Plane) -> tuple[list[ExactFrame], list[Fraction]]:
+        """Frames at the pose of a plane, and how far each coordinate gets from it."""
+        start, end, at = plane.start, plane.end, plane.at
+        if not 0 <= start <= at <= end <= len(self.rows) - 1:
+            raise Fault(f"a piece from {float(start):g} is not on the motion")
+        if at not in self.frames:
+            self.frames[at] = self.chain.place(self.positions(at))
+        key = start, end, at
+        if key not in self.ways:
+            middle = self.positions(at)
+            inside = self.rows[int(start) + 1 : -int(-end // 1)]
+            others = [self.positions(start), self.positions(end), *inside]
+            columns = zip(*others, strict=True)
+            self.ways[key] = [
+                max(abs(one - here) for one in column)
+                for column, here in zip(columns, middle, strict=True)
+            ]
+        return self.frames[at], self.ways[key]
+
+    def way(self, capsule: _Capsule, behind: int, ways: list[Fraction]) -> Fraction:
+        """Bound of the way of a capsule's segment beside the frame ``behind``, [unit]."""
+        key = capsule, behind
+        if key not in self.levers:
+            self.levers[key] = self.chain.levers(capsule.ends, capsule.frame, behind)
+        pairs = zip(self.levers[key], ways, strict=True)
+        return sum((lever * way for lever, way in pairs), Fraction(0))
+
+
+def check_chain(
+    section: dict[str, Any], scene: Scene, obstacles: list[ExactSolid | ExactMesh]
+) -> str:
+    """What the certificate of a plan's arm proves, as the end of a sentence.
+
+    Raises:
+        Fault: it does not prove what the plan claims.
+        SceneError: a field of the wrong form.
+    """
+    certificate = mapping(FIELD, section["certificate"])
+    margin = certificate.get("margin")
+    exact = None if margin is None else Fraction(finite(f"{FIELD}.margin", margin))
+    check_claim(section, exact, Fraction(scene.arm.clearance), obstacles)
+    units = round(1 / METRES[scene.unit])
+    chain = exact_chain(scene.arm.robot, scene.arm.tool, scene.arm.base, units)
+    motion = _Motion(chain, _rows(certificate, section, chain))
+    _check_ends(motion, scene)
+    capsules = _capsules(certificate, chain, scene)
+    pairs = _pairs(certificate, len(capsules))
+    planes = _planes(certificate, len(capsules))
+    span = Fraction(0), Fraction(len(motion.rows) - 1)
+    floor = min(Fraction(scene.arm.base[2]), Fraction(scene.workspace.min[2]))
+    for number, capsule in enumerate(capsules):
+        asked: list[tuple[int | str, str]] = [
+            (k, f"obstacle {k + 1}") for k in range(len(obstacles))
+        ]
+        asked += [("floor", "floor")] if capsule.frame >= 1 else []
+        asked += [(-1 - i, capsules[i].link) for i, j in pairs if j == number]
+        for other, label in asked:
+            wanted = planes.get((number, other), [])
+            try:
+                if isinstance(other, str):
+                    check_above(_sides(motion, capsule, wanted), span, floor)
+                elif other < 0:
+                    check_cover(_between(motion, capsules[-1 - other], capsule, wanted), span)
+                else:
+                    keep = Fraction(0) if exact is None else exact
+                    sides = _sides(motion, capsule, wanted)
+                    check_apart(sides, span, obstacles[other], keep)
+            except Fault as fault:
+                raise Fault(f"{capsule.link} and {label}: {fault}") from None
+    _check_outside(motion, capsules, obstacles)
+    count = sum(map(len, planes.values()))
+    kept = "there is no obstacle" if exact is None else f"its links keep {float(exact):.9g}"
+    return (
+        f"{kept}, and clear of the floor and each other ({len(pairs)} pairs), by {count} directions"
+    )
+
+
+def _rows(
+    certificate: dict[str, Any], section: dict[str, Any], chain: ExactChain
+) -> list[list[Fraction]]:
+    """Joint positions between which the joints go straight; the plan's samples are among them."""
+    label = f"{FIELD}.positions"
+    rows = [numbers_of(label, row) for row in list_of(label, certificate.get("positions"))]
+    count = len(chain.coordinates)
+    if len(rows) < 2 or any(len(row) != count for row in rows):
+        raise Fault(f"its positions are not two or more of {count} joints")
+    wanted = [numbers_of("arm.positions", row) for row in section.get("positions", [])]
+    passed = iter(rows)
+    if not wanted or wanted[0] != rows[0] or wanted[-1] != rows[-1]:
+        raise Fault("its positions are not those of the motion")
+    if not all(any(row == other for other in passed) for row in wanted):
+        raise Fault("its positions are not those of the motion")
+    exact = [[Fraction(number) for number in row] for row in rows]
+    for name, column, (low, high) in zip(
+        chain.coordinates, zip(*exact, strict=True), chain.limits, strict=True
+    ):
+        if min(column) < low - _PAST or max(column) > high + _PAST:
+            raise Fault(f"{name} is past its limit")
+    return exact
+
+
+def _check_ends(motion: _Motion, scene: Scene) -> None:
+    """Raise where the tool does not go from start to goal."""
+    zero = Fraction(0), Fraction(0), Fraction(0)
+    length = sum(sum(map(abs, origin)) for _, origin in motion.chain.origins[1:])
+    for name, row, point in (
+        ("start", motion.rows[0], scene.start),
+        ("goal", motion.rows[-1], scene.goal),
+    ):
+        place, _ = motion.chain.place(row)[-1].place(zero)
+        if max(map(abs, sub(place, vector(point)))) > _REACHED * length:
+            raise Fault(f"the tool is not at the {name}")
+
+
+def _check_outside(
+    motion: _Motion, capsules: Sequence[_Capsule], obstacles: list[ExactSolid | ExactMesh]
+) -> None:
+    """Raise where a capsule, clear of all triangles, is inside a closed mesh."""
+    frames = motion.chain.place(motion.rows[0])
+    for capsule in capsules:
+        point = (
+            capsule.ends[0]
+            if capsule.frame < 0
+            else frames[capsule.frame].place(capsule.ends[0])[0]
+        )
+        for obstacle in obstacles:
+            if isinstance(obstacle, ExactMesh) and obstacle.closed and obstacle.inside(point):
+                raise Fault(f"{capsule.link} is inside a mesh")
+
+
+def _range(frames: list[ExactFrame], capsule: _Capsule, normal: Vec3) -> tuple[Fraction, Fraction]:
+    """Bounds of the products of a direction with a capsule's segment at a pose."""
+    low, high = [], []
+    for end in capsule.ends:
+        place, error = (end, Fraction(0)) if capsule.frame < 0 else frames[capsule.frame].place(end)
+        product, slack = dot(normal, place), error * sum(map(abs, normal))
+        low.append(product - slack)
+        high.append(product + slack)
+    return min(low), max(high)
+
+
+def _sides(motion: _Motion, capsule: _Capsule, planes: list[_Plane]) -> list[Side]:
+    """Pieces, directions and their least products with a capsule all along them."""
+    found = []
+    for plane in planes:
+        frames, ways = motion.near(plane)
+        least, _ = _range(frames, capsule, plane.normal)
+        way = motion.way(capsule, -1, ways) + capsule.radius
+        found.append(
+            (plane.start, plane.end, plane.normal, least - times_length(way, plane.normal))
+        )
+    return found
+
+
+def _between(
+    motion: _Motion, first: _Capsule, second: _Capsule, planes: list[_Plane]
+) -> list[Side]:
+    """The same of directions from one capsule to another, checked to keep them apart."""
+    found = []
+    for plane in planes:
+        frames, ways = motion.near(plane)
+        _, highest = _range(frames, first, plane.normal)
+        least, _ = _range(frames, second, plane.normal)
+        way = motion.way(second, first.frame, ways) + first.radius + second.radius
+        if least - highest <= times_length(way, plane.normal):
+            raise Fault(f"the piece from {float(plane.start):g} is not separated")
+        found.append((plane.start, plane.end, plane.normal, least))
+    return found
+
+
+def _capsules(certificate: dict[str, Any], chain: ExactChain, scene: Scene) -> list[_Capsule]:
+    capsules = []
+    for entry in list_of(f"{FIELD}.capsules", certificate.get("capsules")):
+        data = mapping(f"{FIELD}.capsules", entry)
+        link, radius = data.get("link"), Fraction(finite(f"{FIELD}.radius", data.get("radius")))
+        ends = tuple(vector_of(f"{FIELD}.capsules.{key}", data.get(key)) for key in ("from", "to"))
+        if not isinstance(link, str) or link not in chain.frames or radius <= 0:
+            raise Fault("a capsule has no link, or no extent")
+        if data.get("joint") != chain.frames[link]:
+            raise Fault(f"{link} is moved by another joint")
+        capsules.append(_Capsule(link, chain.frames[link], (ends[0], ends[1]), radius))
+    held = {capsule.link for capsule in capsules}
+    for name, link in scene.arm.robot.links.items():
+        if link.shapes and name not in held:
+            raise Fault(f"{name} has no capsule")
+    return capsules
+
+
+def _pairs(certificate: dict[str, Any], capsules: int) -> list[tuple[int, int]]:
+    pairs = []
+    for entry in list_of(f"{FIELD}.pairs", certificate.get("pairs")):
+        pair = list_of(f"{FIELD}.pairs", entry)
+        if len(pair) != 2 or any(type(one) is not int or not 0 <= one < capsules for one in pair):
+            raise Fault("a pair is not of two capsules")
+        pairs.append((int(pair[0]), int(pair[1])))
+    return pairs
+
+
+def _planes(certificate: dict[str, Any], capsules: int) -> dict[_Key, list[_Plane]]:
+    """Planes by capsule and what it keeps from, in the order in which their pieces begin."""
+    planes: dict[_Key, list[_Plane]] = {}
+    for entry in list_of(f"{FIELD}.planes", certificate.get("planes")):
+        data = mapping(f"{FIELD}.planes", entry)
+        capsule, obstacle, other = data.get("capsule"), data.get("obstacle"), data.get("other")
+        if type(capsule) is not int or not 0 <= capsule < capsules:
+            raise Fault("a direction belongs to no capsule")
+        if type(other) is int and 0 <= other < capsules:
+            obstacle = -1 - other
+        elif obstacle != "floor" and (type(obstacle) is not int or obstacle < 0):
+            raise Fault("a direction belongs to no obstacle")
+        start, end, at = (
+            Fraction(finite(f"{FIELD}.planes.{key}", data.get(key))) for key in ("t0", "t1", "at")
+        )
+        normal = vector_of(f"{FIELD}.planes.direction", data.get("direction"))
+        planes.setdefault((capsule, obstacle), []).append(_Plane(start, end, at, normal))
+    for group in planes.values():
+        group.sort(key=_start)
+    return planes
+
+
+def _start(plane: _Plane) -> Fraction:
+    return plane.start

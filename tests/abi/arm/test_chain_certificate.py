@@ -1,0 +1,151 @@
+"""What is proven of an arm's motion between samples, against dense sampling."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from abi.arm.arm_certificate import ArmCertificate
+from abi.arm.chain_certificate import certify_chain
+from abi.arm.chain_distances import floor_distances, obstacle_distances, own_distances
+from abi.arm.chain_surroundings import chain_surroundings
+from abi.arm.surroundings import FLOOR
+from abi.arm.urdf_arm import UrdfArm, segment_distances, urdf_arm
+from abi.arrays import FloatArray
+from abi.obstacles.mesh_shape import MeshShape
+from abi.obstacles.obstacle_set import Obstacle, ObstacleSet
+from abi.obstacles.triangle_mesh.mesh_source import MeshSource
+from abi.obstacles.triangle_mesh.repair import clean
+from abi.robot.robot_files import SHIPPED, load_robot, robot_from_archive
+from tests.abi import meshes
+from tests.abi.robot.robots import arm, packed
+from tests.random_geometry import random_obstacle
+
+seeds = st.integers(0, 2**31)
+
+
+def some_arm(name: str) -> UrdfArm:
+    if name == "sliding":
+        return urdf_arm(robot_from_archive(packed({"a.urdf": arm()})), "d", (1.0, 2.0, 3.0))
+    return urdf_arm(load_robot(name, MeshSource()), SHIPPED[name], (10.0, -20.0, 5.0), None, "cm")
+
+
+ARMS = {name: some_arm(name) for name in (*SHIPPED, "sliding")}
+
+
+def joint_path(one: UrdfArm, random: np.random.Generator, size: float = 0.3) -> FloatArray:
+    low, high = one.limits[:, 0], one.limits[:, 1]
+    start = random.uniform(low, high)
+    steps = random.uniform(-size, size, (6, len(low))) * one.scales
+    return np.clip(start + np.cumsum(steps, axis=0), low, high)
+
+
+def some_obstacles(one: UrdfArm, random: np.random.Generator) -> ObstacleSet:
+    """Two solids near the arm, one of them a mesh at times."""
+    middle = one.tool(one.limits.mean(axis=1)[None])[0] - 3 / one.metres
+    shapes: list[Obstacle] = [random_obstacle(random) for _ in range(2)]
+    if random.random() < 0.3:
+        shapes[0] = MeshShape.of(clean(*meshes.sphere(1)), position=shapes[0].position)
+    return ObstacleSet(
+        tuple(
+            one_shape.model_copy(update={"position": tuple(np.array(one_shape.position) + middle)})
+            for one_shape in shapes
+        )
+    )
+
+
+def at(positions: FloatArray, parameter: float) -> FloatArray:
+    """Joint positions at a parameter that counts rows."""
+    rows = np.arange(len(positions))
+    return np.array([np.interp(parameter, rows, column) for column in positions.T])
+
+
+def between(positions: FloatArray, parts: int = 25) -> FloatArray:
+    """Joint positions between the samples, many of them."""
+    share = np.linspace(0, 1, parts)[:, None, None]
+    return np.asarray(positions[:-1] + share * np.diff(positions, axis=0)).reshape(
+        -1, positions.shape[1]
+    )
+
+
+@settings(max_examples=60)
+@given(seeds)
+def test_segments_are_as_far_apart_as_the_best_of_their_points(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    first, second = random.normal(size=(2, 5, 2, 3))
+    if seed % 3 == 0:
+        second[0], first[1, 1] = first[0] + 0.1, first[1, 0]  # parallel, and a point
+    share = np.linspace(0, 1, 81)[:, None]
+    for a, b, found in zip(first, second, segment_distances(first, second), strict=True):
+        on_a, on_b = (one[0] + share * (one[1] - one[0]) for one in (a, b))
+        away = np.linalg.norm(on_a[:, None] - on_b[None], axis=2).min()
+        step = (np.linalg.norm(a[1] - a[0]) + np.linalg.norm(b[1] - b[0])) / 160
+        assert away - step <= found <= away + 1e-12
+
+
+@settings(max_examples=40)
+@given(st.sampled_from([*ARMS]), seeds)
+def test_no_point_moves_farther_than_the_levers_say(name: str, seed: int) -> None:
+    one, random = ARMS[name], np.random.default_rng(seed)
+    positions = joint_path(one, random)[:2]
+    ends = one.place(between(positions))
+    moved = np.linalg.norm(np.diff(ends, axis=0), axis=3).sum(axis=0).max(axis=1)
+
+    allowed = one.levers @ np.abs(positions[1] - positions[0])
+    assert (moved <= allowed + 1e-9).all()
+
+
+@settings(max_examples=30)
+@given(st.sampled_from([*ARMS]), seeds)
+def test_nothing_comes_nearer_than_what_is_proven(name: str, seed: int) -> None:
+    one, random = ARMS[name], np.random.default_rng(seed)
+    obstacles = some_obstacles(one, random)
+    around = chain_surroundings(one, obstacles, -1e3)
+    positions = joint_path(one, random, 0.05)
+    dense = between(positions)
+    measured = float(obstacle_distances(one, obstacles, dense)[0].min())
+    margin = max(float(random.uniform(0, 1.2)) * measured, 0.0)
+    found = certify_chain(one, positions, around, margin)
+
+    clear = (
+        float(own_distances(one, dense).min(initial=np.inf)) > 0
+        and float(floor_distances(one, around.floor, dense).min(initial=np.inf)) > 0
+    )
+    if isinstance(found, ArmCertificate):
+        assert measured > margin
+        assert clear
+        return
+    nearly = 1e-6 / one.metres
+    if found.obstacle >= 0 and not obstacles.obstacles[found.obstacle].convex:
+        return  # of a mesh the rectangles around triangles count
+    if found.decided:
+        place = at(positions, found.parameter)[None]
+        distances = {
+            "own": own_distances(one, place),
+            "floor": floor_distances(one, around.floor, place),
+            "solid": obstacle_distances(one, obstacles, place)[0] - margin,
+        }
+        kind = "solid" if found.obstacle >= 0 else "floor" if found.obstacle == FLOOR else "own"
+        assert float(distances[kind].min()) < nearly
+    else:
+        # given up only where something is nearly as near
+        assert not clear or measured < margin + 1e-3 / one.metres
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_first_poses_reach_the_point_in_different_ways(name: str) -> None:
+    one = ARMS[name]
+    point = one.base + np.array([35.0, 10.0, 40.0])
+    poses = one.first_poses(point)
+
+    assert len(poses) > 3
+    np.testing.assert_allclose(
+        one.tool(np.array(poses)), np.tile(point, (len(poses), 1)), atol=1e-5
+    )
+    gaps = [np.abs(a - b).max() for k, a in enumerate(poses) for b in poses[:k]]
+    assert min(gaps) > 0.3
+    far = one.first_poses(one.base + 1000.0)
+    assert len(far) == 1
+    assert np.linalg.norm(one.tool(np.array(far))[0] - one.base) > 60  # stretched out towards it

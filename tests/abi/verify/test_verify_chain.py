@@ -1,0 +1,143 @@
+"""Certificates of URDF arms are accepted in exact numbers, and what is damaged is refused."""
+
+from __future__ import annotations
+
+import copy
+import json
+import math
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from abi.arm.separate_chain_kernels import separate_chain
+from abi.arm.urdf_arm import urdf_arm
+from abi.obstacles.triangle_mesh.mesh_source import MeshSource
+from abi.planner.planner import Planner
+from abi.robot.robot import Robot
+from abi.robot.robot_files import SHIPPED, load_robot, robot_from_archive
+from abi.scene.scene import load_scene
+from abi.verify.exact import Vec3, vector
+from abi.verify.exact_chain import exact_chain, sine_and_cosine
+from abi.verify.verify import Verdict, verify
+from tests.abi.robot.robots import arm, packed
+
+Data = dict[str, Any]
+
+
+def of_arm(data: Data) -> Verdict:
+    return next(one for one in verify(data) if one.curve == "arm")
+
+
+@pytest.fixture(scope="module")
+def honest() -> Data:
+    separate_chain.compile()
+    data: Data = json.loads(json.dumps(Planner()(load_scene("kitchen-ur5e")).to_dict()))
+    assert data["arm"]["certified"], data["arm"]["contacts"]
+    return data
+
+
+@given(st.fractions(-20, 20))
+def test_sines_and_cosines_are_as_near_as_stated(angle: Fraction) -> None:
+    sine, cosine, error = sine_and_cosine(angle)
+    one = 1 << 200
+    assert error < 1 << 80
+    assert sine / one == pytest.approx(math.sin(angle), abs=1e-14)
+    assert cosine / one == pytest.approx(math.cos(angle), abs=1e-14)
+    # exactly, but for the errors of both
+    assert abs(sine**2 + cosine**2 - one**2) <= 4 * error * one
+
+
+def robot_of(name: str) -> tuple[Robot, str]:
+    if name in SHIPPED:
+        return load_robot(name, MeshSource()), SHIPPED[name]
+    return robot_from_archive(packed({"a.urdf": arm()})), "d"
+
+
+@pytest.mark.parametrize("name", [*SHIPPED, "sliding"])
+def test_frames_and_levers_are_those_of_the_chain(name: str) -> None:
+    robot, tip = robot_of(name)
+    one = urdf_arm(robot, tip, (10.0, -20.0, 5.0), None, "cm")
+    exact = exact_chain(robot, tip, (10.0, -20.0, 5.0), 100)
+    random = np.random.default_rng(2)
+    for _ in range(3):
+        positions = random.uniform(one.limits[:, 0], one.limits[:, 1])
+        poses = one.chain.poses((positions / one.scales)[None])[0]
+        frames = exact.place([Fraction(number) for number in positions.tolist()])
+        for pose, frame in zip(poses, frames, strict=True):
+            point = random.normal(size=3)
+            found, error = frame.place(vector(point.tolist()))
+            assert error < Fraction(1, 1 << 80)
+            expected = pose[:, :3] @ point + 100 * pose[:, 3]
+            np.testing.assert_allclose([float(part) for part in found], expected, atol=1e-11)
+    for capsule, levers in zip(one.capsules, one.levers, strict=True):
+        ends: list[Vec3] = [vector(end) for end in (capsule.ends * 100).tolist()]
+        of_exact = [float(lever) for lever in exact.levers(ends, capsule.frame, -1)]
+        np.testing.assert_allclose(of_exact, levers, rtol=1e-8)
+
+
+def test_a_certificate_is_accepted(honest: Data) -> None:
+    found = of_arm(honest)
+    assert found.proven, found.reason
+    assert "keep" in found.reason
+    assert "directions" in found.reason
+
+
+@pytest.mark.parametrize("damage", ["gone", "turned", "shorter", "pose"])
+def test_damaged_directions_are_refused(honest: Data, damage: str) -> None:
+    data = copy.deepcopy(honest)
+    planes = data["arm"]["certificate"]["planes"]
+    chosen = int(np.random.default_rng(len(damage)).integers(len(planes)))
+    plane = planes[chosen]
+    if damage == "gone":
+        del planes[chosen]
+    elif damage == "turned":
+        plane["direction"] = [-number for number in plane["direction"]]
+    elif damage == "shorter":
+        plane["t1"] = (plane["t0"] + plane["t1"]) / 2
+    else:
+        plane["at"] = plane["t1"] + 1.0
+    assert not of_arm(data).proven
+
+
+@pytest.mark.parametrize(
+    ("path", "value"),
+    [
+        (("arm", "clearance"), 0.5),
+        (("arm", "certificate", "margin"), -0.1),
+        (("arm", "reachable"), False),
+        (("arm", "certified"), False),
+        (("scene", "arm", "base"), [0.1, 0, 0]),
+        (("scene", "arm", "urdf"), "panda"),
+        (("scene", "obstacles", 0, "position"), [0.4, 0.3, 0.3]),
+        (("arm", "certificate", "capsules", 3, "radius"), 0.4),
+        (("arm", "certificate", "capsules", 3, "joint"), 0),
+        (("arm", "certificate", "capsules", 3, "link"), "wrist_1_link"),
+        (("arm", "certificate", "positions", 200, 1), -6.0),
+        (("arm", "certificate", "positions", 0), [0.0] * 6),
+        (("arm", "positions", 0, 0), 0.0),
+    ],
+)
+def test_a_changed_number_is_refused(honest: Data, path: tuple[Any, ...], value: Any) -> None:
+    data = copy.deepcopy(honest)
+    section = data
+    for key in path[:-1]:
+        section = section[key]
+    assert section[path[-1]] != value
+    section[path[-1]] = value
+    assert not of_arm(data).proven
+
+
+def test_links_without_a_capsule_are_refused(honest: Data) -> None:
+    data = copy.deepcopy(honest)
+    certificate = data["arm"]["certificate"]
+    certificate["capsules"].pop()
+    last = len(certificate["capsules"])
+    certificate["planes"] = [
+        one for one in certificate["planes"] if one["capsule"] < last and one.get("other") != last
+    ]
+    certificate["pairs"] = [pair for pair in certificate["pairs"] if last not in pair]
+    assert "has no capsule" in of_arm(data).reason
