@@ -8,9 +8,10 @@ from typing import Literal
 
 import numpy as np
 
-from abi.arm import mask_kernels
+from abi.arm import leg_kernels, mask_kernels
 from abi.arm.arm import Arm
 from abi.arm.arm_certificate import ArmCertificate, ArmRefutation, certify_arm
+from abi.arm.leg_kernels import ArmLegs
 from abi.arm.separate_arm_kernels import UNREACHED, Obstacles, Slide, separate_arm
 from abi.arm.surroundings import Surroundings, surroundings
 from abi.arrays import BoolArray, FloatArray, flat, read_only
@@ -46,6 +47,16 @@ class ArmSight:
     clearance: float
     slack: float
 
+    @property
+    def branch(self) -> str:
+        """The branch, as the beginning of a sentence."""
+        return f"With the elbow {self.elbow}"
+
+    @property
+    def key(self) -> tuple[object, ...]:
+        """What the places that it excludes depend on, beside the obstacles."""
+        return self.arm, self.elbow, self.extensions, self.clearance, self.slack
+
     def refutation(self, curve: PolynomialCurve) -> ArmRefutation | None:
         """Place of a curve at which the arm is not proven clear; None for a clear curve."""
         result = certify_arm(
@@ -77,9 +88,11 @@ class ArmSight:
         decided = status in (REFUTED, UNREACHED)
         return ArmRefutation(at, capsule, int(self.around.numbers[row]), decided)
 
-    def sees(self, a: FloatArray, b: FloatArray) -> bool:
-        """Whether the arm is clear while the tool runs straight from a (3,) to b (3,)."""
-        return self.leg_refutation(np.stack([a, b])) is None
+    def clear_legs(self, points: FloatArray) -> BoolArray:
+        """Legs (k - 1,) of a polyline (k, 3), k >= 2, on which the arm is proven to be clear."""
+        clear = np.zeros(len(points) - 1, dtype=np.bool_)
+        leg_kernels.clear_legs(flat(points), self.legs, clear)
+        return clear
 
     def reached(self, points: FloatArray) -> BoolArray:
         """Places (n, 3) that the arm reaches, clear of floor and column, (n,)."""
@@ -106,6 +119,13 @@ class ArmSight:
             touching,
         )
         return touching
+
+    @cached_property
+    def legs(self) -> ArmLegs:
+        """What legs of the tool keep clear of, as the kernels take it."""
+        low, high = map(float, self.extensions)
+        pairs = read_only(np.flatnonzero(self._beyond.asked).astype(np.int32))
+        return ArmLegs(self._numbers, self.arm.capsule_rows, self._beyond, pairs, (low, high))
 
     def _slide(self, curve: PolynomialCurve) -> Slide:
         return Slide(flat(curve.bezier().breaks[[0, -1]]), *self._extensions)

@@ -8,9 +8,10 @@ from __future__ import annotations
 import math
 
 from abi.arm.pose_kernels import CAPSULE, Pose, capsule_ends
-from abi.arm.separate_arm_kernels import NO_OBSTACLES, Obstacles, between_boxes, to_segment
+from abi.arm.separate_arm_kernels import NO_OBSTACLES, Obstacles, asked_rows, between_boxes
 from abi.arrays import FloatArray, IntArray
 from abi.compiled import FLOATS, NEW_FLOATS, NEW_IDS, compiled
+from abi.obstacles.obstacle_set_kernels import distance_to_segment
 from abi.obstacles.vector_kernels import vec3_at
 
 
@@ -64,7 +65,7 @@ def capsule_clearances(
         nearest: (n c,) the nearest obstacle, -1 where there is none; written.
     """
     moving, count = len(capsules) // CAPSULE, len(around.margins)
-    least = math.inf
+    rows, least = asked_rows(around, moving), math.inf
     for k in range(len(clearances)):
         c = k % moving
         if c == 0:
@@ -74,8 +75,8 @@ def capsule_clearances(
         best, whose = max(least, 0.0) + radius, -1
         # what was nearest at the pose before rules out most of the others
         guess = max(nearest[k - moving], 0) if k >= moving else 0
-        for turn in range(count + 1):
-            s = guess if turn == 0 else turn - 1
+        for turn in range(len(rows) + 1):
+            s = guess if turn == 0 else rows[turn - 1]
             if not around.asked[c * count + s] or (turn > 0 and s == guess):
                 continue
             if s == count - 1:
@@ -83,7 +84,7 @@ def capsule_clearances(
             else:
                 if between_boxes(around.primitives, s, a, b)[0] >= best:
                     continue
-                away = to_segment(around.primitives, s, a, b)[0]
+                away = distance_to_segment(around.primitives, s, best, a, b)
             if away < best:
                 best, whose = away, s
         clearances[k] = best - radius if whose >= 0 else math.inf

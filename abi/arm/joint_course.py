@@ -1,16 +1,12 @@
-"""Joints of a URDF arm along a curve: first pose chosen, joints as splines of the distance."""
+"""Joints of a URDF arm along a curve, from a first pose that is chosen or given."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import cached_property
-from typing import Any
-
 import numpy as np
-import scipy
 
-from abi.arm.joint_path_clearance import floor_distances, obstacle_distances, own_distances
+from abi.arm.chain_distances import floor_distances, obstacle_distances, own_distances
 from abi.arm.urdf_arm import REACHED, UrdfArm
+from abi.arm.urdf_motion import JointCourse
 from abi.arrays import FloatArray, read_only
 from abi.curves.curve import ArcLength, Curve
 from abi.obstacles.obstacle_set import ObstacleSet
@@ -19,45 +15,6 @@ _FEW, _GRID = 41, 1201
 """Points along the curve at which first poses are compared, and the chosen one is followed."""
 _ENOUGH = 0.03
 """Clearance, over the arm's reach, beyond which the shorter motion counts."""
-
-
-@dataclass(frozen=True, eq=False)
-class JointCourse:
-    """Joints as functions of the distance along a curve.
-
-    Attributes:
-        curve: path of the tool.
-        arc: its arc length.
-        arm: the arm.
-        positions: joint positions at equal distances, shape (k, n), [rad] or [unit].
-        missed: distance by which the tool misses the curve there, shape (k,), [unit].
-    """
-
-    curve: Curve
-    arc: ArcLength
-    arm: UrdfArm
-    positions: FloatArray
-    missed: FloatArray
-
-    @property
-    def speeds(self) -> FloatArray:
-        """Largest speed of each joint, (n,), [rad/s] or [unit/s]."""
-        return np.asarray(self.arm.chain.speeds * self.arm.scales)
-
-    @property
-    def scales(self) -> FloatArray:
-        """A limit of [rad/s²] or [m/s²] in [rad/s²] or [unit/s²], (n,)."""
-        return self.arm.scales
-
-    @cached_property
-    def _spline(self) -> Any:
-        distances = np.linspace(0.0, self.arc.length, len(self.positions))
-        return scipy.interpolate.CubicSpline(distances, self.positions)
-
-    def at(self, distances: FloatArray) -> FloatArray:
-        """Joint positions at distances (k,), (k, n), within the limits."""
-        limits = self.arm.limits
-        return np.asarray(np.clip(self._spline(distances), limits[:, 0], limits[:, 1]))
 
 
 def joint_course(
@@ -92,6 +49,11 @@ def joint_course(
         rank = (far if far > REACHED * reach else 0.0, -min(gap, _ENOUGH * reach), travel)
         if rank < least:
             chosen, least = pose, rank
+    return course_from(chosen, curve, arc, arm)
+
+
+def course_from(pose: FloatArray, curve: Curve, arc: ArcLength, arm: UrdfArm) -> JointCourse:
+    """Lead an arm's tool along a curve from a pose at its start."""
     points = curve(arc.parameter(np.linspace(0.0, arc.length, _GRID)))
-    positions, missed = arm.follow(chosen, points)
+    positions, missed = arm.follow(pose, points)
     return JointCourse(curve, arc, arm, read_only(positions), read_only(missed))

@@ -5,11 +5,14 @@ See ``abi.arm.pose_kernels`` for the numbers of an arm and its capsules.
 
 from __future__ import annotations
 
+import math
+
 from numba.extending import register_jitable
 
 from abi.arm.pose_kernels import (
     CAPSULE,
-    Pose,
+    NO_RATES,
+    UPPER_ARM,
     capsule_ends,
     capsule_rates,
     pose_of,
@@ -17,11 +20,19 @@ from abi.arm.pose_kernels import (
     reaches,
     shoulder_holds,
 )
-from abi.arm.separate_arm_kernels import NO_OBSTACLES, Obstacles, between_boxes, to_segment
+from abi.arm.separate_arm_kernels import NO_OBSTACLES, Obstacles, asked_rows, between_boxes
 from abi.arrays import BoolArray, FloatArray
 from abi.compiled import FLAGS, FLOATS, NEW_FLAGS, compiled
-from abi.obstacles.primitive_kernels import BOUNDS, WIDTH
-from abi.obstacles.vector_kernels import Vec3, vec3_at
+from abi.obstacles.primitive_kernels import (
+    BOUNDS,
+    WIDTH,
+    axes_of,
+    centre_of,
+    core_of,
+    in_body,
+    segment_within,
+)
+from abi.obstacles.vector_kernels import Vec3, axpy, dot, sub, vec3_at
 
 
 @compiled(example=(FLOATS, FLOATS, 0.0, 0.0, NEW_FLAGS))
@@ -46,12 +57,20 @@ def reached_places(
         )
 
 
-@register_jitable
-def _touches(around: Obstacles, s: int, a: Vec3, b: Vec3, need: float) -> bool:
-    """Whether a..b is nearer than ``need`` to row s, or to what is inside it."""
-    if between_boxes(around.primitives, s, a, b)[0] >= need:
+@register_jitable(forceinline=True)
+def _near(primitives: FloatArray, s: int, a: Vec3, b: Vec3, need: float) -> bool:
+    """Whether a..b is nearer than ``need`` to row s."""
+    if between_boxes(primitives, s, a, b)[0] >= need:
         return False
-    if to_segment(around.primitives, s, a, b)[0] >= need:
+    axes = axes_of(primitives, s)
+    p = in_body(axes, sub(a, centre_of(primitives, s)))
+    return segment_within(core_of(primitives, s), need, p, in_body(axes, sub(b, a)))
+
+
+@register_jitable(forceinline=True)
+def touches(around: Obstacles, s: int, a: Vec3, b: Vec3, need: float) -> bool:
+    """Whether a..b is nearer than ``need`` to row s, or to what is inside it."""
+    if not _near(around.primitives, s, a, b, need):
         return False
     if around.inside[2 * s + 1] == 0:
         return True
@@ -59,9 +78,7 @@ def _touches(around: Obstacles, s: int, a: Vec3, b: Vec3, need: float) -> bool:
     while len(work) > 0:
         box = work.pop()
         for row in range(around.inside[2 * box], around.inside[2 * box + 1]):
-            if between_boxes(around.primitives, row, a, b)[0] >= need:
-                continue
-            if to_segment(around.primitives, row, a, b)[0] >= need:
+            if not _near(around.primitives, row, a, b, need):
                 continue
             if around.inside[2 * row + 1] == 0:
                 return True
@@ -69,17 +86,36 @@ def _touches(around: Obstacles, s: int, a: Vec3, b: Vec3, need: float) -> bool:
     return False
 
 
-@register_jitable
-def _far(around: Obstacles, s: int, pose: Pose, most: float) -> bool:
-    """Whether the box around shoulder, elbow and tool is farther than ``most`` from row s."""
+@register_jitable(forceinline=True)
+def _far(primitives: FloatArray, s: int, a: Vec3, b: Vec3, most: float) -> bool:
+    """Whether a..b is farther than ``most`` from the bounds of row s, or the ball around them."""
+    if between_boxes(primitives, s, a, b)[0] >= most:
+        return True
     k = WIDTH * s + BOUNDS
-    for axis in range(3):
-        p, q, r = pose.shoulder[axis], pose.elbow[axis], pose.tool[axis]
-        low, high = min(p, q, r), max(p, q, r)
-        above, below = low - around.primitives[k + 3 + axis], around.primitives[k + axis] - high
-        if max(above, below) >= most:
-            return True
-    return False
+    low, high = vec3_at(primitives, k), vec3_at(primitives, k + 3)
+    to_low, size, way = sub(low, a), sub(high, low), sub(b, a)
+    to_centre = axpy(0.5, size, to_low)
+    square = dot(way, way)
+    t = min(max(dot(to_centre, way) / square, 0.0), 1.0) if square > 0 else 0.0
+    gap = axpy(-t, way, to_centre)
+    reach = most + 0.5 * math.sqrt(dot(size, size))
+    return dot(gap, gap) >= reach * reach
+
+
+@register_jitable(forceinline=True)
+def _beside(around: Obstacles, s: int, arm: FloatArray, tool: Vec3, widest: float) -> bool:
+    """Whether row s is too far from the upright plane of the arm to be touched."""
+    k = WIDTH * s + BOUNDS
+    primitives = around.primitives
+    x, y = tool[0] - arm[0], tool[1] - arm[1]
+    ahead = (primitives[k] + primitives[k + 3]) / 2 - arm[0]
+    side = (primitives[k + 1] + primitives[k + 4]) / 2 - arm[1]
+    wide, deep = primitives[k + 3] - primitives[k], primitives[k + 4] - primitives[k + 1]
+    # the half width of the bounds across the plane, times the tool's distance from the axis
+    reach = (abs(y) * wide + abs(x) * deep) / 2
+    away, most = abs(x * side - y * ahead) - reach, widest + around.margins[s]
+    beside: bool = away > 0 and away * away > most * most * (x * x + y * y)
+    return beside
 
 
 @compiled(example=(FLOATS, FLOATS, FLOATS, NO_OBSTACLES, 0.0, 0.0, FLAGS, NEW_FLAGS))
@@ -115,32 +151,42 @@ def touching_places(
     still = 0  # capsules of the column, which are not at shoulder, elbow and tool
     while still < moving and capsules[CAPSULE * still] == 0:
         still += 1
+    rows = asked_rows(around, moving)
     for i in range(len(reached)):
         if not reached[i]:
             continue
-        pose = pose_of(arm, vec3_at(points, 3 * i), forearm)
-        rates = rates_near(arm, pose, 0.0, slide)
-        for s in range(count):
-            margin = around.margins[s]
-            if touching[i]:
+        tool = vec3_at(points, 3 * i)
+        beside = True
+        for s in rows:
+            if s == count - 1 or not _beside(around, s, arm, tool, widest):
+                beside = False
                 break
-            most = (
-                widest + longest + margin + (rates.slide + 1) * slide
-                if slide > 0
-                else (widest + longest + margin)
-            )
-            if s < count - 1 and _far(around, s, pose, most):
-                continue
+        if beside:
+            continue
+        pose = pose_of(arm, tool, forearm)
+        rates = rates_near(arm, pose, 0.0, slide) if slide > 0 else NO_RATES
+        for s in rows:
+            most = widest + longest + around.margins[s]
+            if slide > 0:
+                most += (rates.slide + 1) * slide
+            upper, fore = False, False  # whether these are far away
+            if s < count - 1:
+                upper = _far(around.primitives, s, pose.shoulder, pose.elbow, most)
+                fore = _far(around.primitives, s, pose.elbow, pose.tool, most)
             for c in range(still, moving):
+                if upper if capsules[CAPSULE * c] == UPPER_ARM else fore:
+                    continue
                 if not around.asked[c * count + s]:
                     continue
-                need = capsules[CAPSULE * c + 3] + margin
+                need = capsules[CAPSULE * c + 3] + around.margins[s]
                 if slide > 0:
                     need += capsule_rates(arm, rates, capsules, c)[1] * slide
                 a, b = capsule_ends(arm, pose, capsules, c)
                 if s == count - 1:
                     touching[i] = min(a[2], b[2]) - around.floor < need
                 else:
-                    touching[i] = _touches(around, s, a, b, need)
+                    touching[i] = touches(around, s, a, b, need)
                 if touching[i]:
                     break
+            if touching[i]:
+                break

@@ -9,6 +9,14 @@ so the elbow moves by (u·dT - da6) / sin q3 in the plane, and by p / r of the t
 axis across it. Both are orthogonal: |dE| <= L |dT| + |da6| / |sin q3| with
 L = max(1, 1 / |sin q3|, p / r). The other points of a rigid link move as two of its points tell.
 
+Along a straight way of the tool, with a6 fixed, v = T' in the plane and E' = a3 q2' e there, once
+more differentiated,
+
+    a3 q2'' |sin q3| <= |v - E'|²/a6 + |u·v'| + |E'|²/a3,   |v'| <= 1/r,
+
+for u' = (v - E')/a6. The plane turns with abs(f') <= 1/r and abs(f'') <= 1/r², which adds
+p f'² + 2 |p'| |f'| + p |f''| to the elbow's second derivative, and q2' adds |E'|²/a3.
+
 Plain Python that numba compiles with its caller. An arm is nine numbers: the base's x, y and z, the
 shoulder's z, a3, a4 + a5, the sign of q3, and the cosines of the limits of q3 and q2. A capsule is
 four: its body as in ``abi.arm.link_capsules``, low and high end, radius.
@@ -28,7 +36,8 @@ CAPSULE = 4
 """Numbers that describe a capsule."""
 
 _LEAST_SINE = 1e-3  # of q3: nearer to stretched or folded nothing is claimed
-_COLUMN, _UPPER_ARM, _FOREARM = 0, 1, 2
+COLUMN, UPPER_ARM, FOREARM = 0, 1, 2
+"""Bodies of capsules; another one slides."""
 
 
 class Pose(NamedTuple):
@@ -66,7 +75,11 @@ class Rates(NamedTuple):
     longest: float
 
 
-@register_jitable
+NO_RATES = Rates(math.inf, math.inf, 0.0, 0.0)
+"""Where nothing is bounded."""
+
+
+@register_jitable(forceinline=True)
 def reaches(arm: FloatArray, tool: Vec3, forearm: float) -> bool:
     """Whether the tool can be there, off the axis, with the elbow bent and q3 within its limit."""
     x, y, z = tool[0] - arm[0], tool[1] - arm[1], tool[2] - arm[3]
@@ -79,14 +92,14 @@ def reaches(arm: FloatArray, tool: Vec3, forearm: float) -> bool:
     return bent
 
 
-@register_jitable
+@register_jitable(forceinline=True)
 def shoulder_holds(arm: FloatArray, pose: Pose) -> bool:
     """Whether q2 is within its limit."""
     holds: bool = pose.elbow[2] - arm[3] >= arm[4] * arm[8]
     return holds
 
 
-@register_jitable
+@register_jitable(forceinline=True)
 def pose_of(arm: FloatArray, tool: Vec3, forearm: float) -> Pose:
     """The arm with its tool at a place that it reaches."""
     x, y, z = tool[0] - arm[0], tool[1] - arm[1], tool[2] - arm[3]
@@ -101,7 +114,7 @@ def pose_of(arm: FloatArray, tool: Vec3, forearm: float) -> Pose:
     return Pose((arm[0], arm[1], arm[3]), elbow, tool, forearm, out, across, reach)
 
 
-@register_jitable
+@register_jitable(forceinline=True)
 def rates_near(arm: FloatArray, pose: Pose, tool: float, slide: float) -> Rates:
     """Rates within distances of the tool and of the slide from a pose, [unit]; inf where unbounded.
 
@@ -128,7 +141,24 @@ def rates_near(arm: FloatArray, pose: Pose, tool: float, slide: float) -> Rates:
     return Rates(rate, 1 / sine, short, long)
 
 
-@register_jitable
+@register_jitable(forceinline=True)
+def bend_near(arm: FloatArray, pose: Pose, rates: Rates, tool: float) -> float:
+    """Bound of the elbow's second derivative while the tool runs straight near a pose, [1/unit].
+
+    Args:
+        arm: its numbers.
+        pose: the middle one.
+        rates: near it, bounded, with the slide fixed.
+        tool: farthest that the tool is from the pose, [unit].
+    """
+    fast, across = rates.slide, pose.across - tool
+    out = abs(pose.out) + tool * fast
+    turn = fast * ((1 + fast) ** 2 / pose.forearm + 1 / across + fast * fast / arm[4])
+    bend: float = turn + fast * fast / arm[4] + 2 * out / (across * across) + 2 * fast / across
+    return bend
+
+
+@register_jitable(forceinline=True)
 def limits_hold_near(arm: FloatArray, pose: Pose, rates: Rates, tool: float, slide: float) -> bool:
     """Whether q2 and q3 keep their limits within distances of tool and slide from a pose."""
     near, long = pose.reach - tool, rates.longest
@@ -139,22 +169,36 @@ def limits_hold_near(arm: FloatArray, pose: Pose, rates: Rates, tool: float, sli
     return hold
 
 
-@register_jitable
+@register_jitable(forceinline=True)
 def capsule_ends(arm: FloatArray, pose: Pose, capsules: FloatArray, c: int) -> tuple[Vec3, Vec3]:
     """Both ends of capsule c's segment, [unit], world."""
     body, low, high = capsules[CAPSULE * c], capsules[CAPSULE * c + 1], capsules[CAPSULE * c + 2]
-    if body == _COLUMN:
+    if body == COLUMN:
         return (arm[0], arm[1], arm[2] + low), (arm[0], arm[1], arm[2] + high)
-    if body == _UPPER_ARM:
+    if body == UPPER_ARM:
         way = sub(pose.elbow, pose.shoulder)
         return axpy(low / arm[4], way, pose.shoulder), axpy(high / arm[4], way, pose.shoulder)
     way = sub(pose.tool, pose.elbow)
-    slide = 0.0 if body == _FOREARM else pose.forearm - arm[5]
+    slide = 0.0 if body == FOREARM else pose.forearm - arm[5]
     a, b = (low + slide) / pose.forearm, (high + slide) / pose.forearm
     return axpy(a, way, pose.elbow), axpy(b, way, pose.elbow)
 
 
-@register_jitable
+@register_jitable(forceinline=True)
+def capsule_share(arm: FloatArray, forearm: float, capsules: FloatArray, c: int) -> float:
+    """Largest part that points of capsule c's segment have in where the elbow is."""
+    body, low, high = capsules[CAPSULE * c], capsules[CAPSULE * c + 1], capsules[CAPSULE * c + 2]
+    if body == COLUMN:
+        return 0.0
+    if body == UPPER_ARM:
+        share: float = max(abs(low), abs(high)) / arm[4]
+        return share
+    slide = 0.0 if body == FOREARM else forearm - arm[5]
+    share = max(abs(1 - (low + slide) / forearm), abs(1 - (high + slide) / forearm))
+    return share
+
+
+@register_jitable(forceinline=True)
 def _along(rates: Rates, share: float, slides: bool) -> tuple[float, float]:
     """Ways of a point at a share of the forearm, per way of the tool and of the slide."""
     behind, ahead = abs(1 - share), abs(share)
@@ -163,18 +207,18 @@ def _along(rates: Rates, share: float, slides: bool) -> tuple[float, float]:
     return behind * rates.elbow + ahead, behind * rates.slide + ahead
 
 
-@register_jitable
+@register_jitable(forceinline=True)
 def capsule_rates(
     arm: FloatArray, rates: Rates, capsules: FloatArray, c: int
 ) -> tuple[float, float]:
     """Ways of every point of capsule c's segment, per way of the tool and of the slide."""
     body, low, high = capsules[CAPSULE * c], capsules[CAPSULE * c + 1], capsules[CAPSULE * c + 2]
-    if body == _COLUMN:
+    if body == COLUMN:
         return 0.0, 0.0
-    if body == _UPPER_ARM:
+    if body == UPPER_ARM:
         share = max(abs(low), abs(high)) / arm[4]
         return share * rates.elbow, share * rates.slide
-    slides = body != _FOREARM
+    slides = body != FOREARM
     most, slid = 0.0, 0.0
     for forearm in (rates.shortest, rates.longest):
         for end in (low, high):

@@ -10,9 +10,10 @@ import math
 from numba.extending import register_jitable
 
 from abi.arm.pose_kernels import CAPSULE, capsule_ends, pose_of
-from abi.arm.separate_arm_kernels import NO_OBSTACLES, Obstacles, between_boxes, to_segment
+from abi.arm.separate_arm_kernels import NO_OBSTACLES, Obstacles, asked_rows, between_boxes
 from abi.arrays import BoolArray, FloatArray
 from abi.compiled import FLAGS, FLOATS, NEW_FLOATS, compiled
+from abi.obstacles.obstacle_set_kernels import distance_to_segment
 from abi.obstacles.vector_kernels import Vec3, axpy, sub, vec3_at
 
 _TETRAHEDRA = (
@@ -72,6 +73,7 @@ def arm_gaps(
         gaps: (n,), [unit]; ``most`` where it is not reached; written.
     """
     count, moving = len(around.margins), len(capsules) // CAPSULE
+    rows = asked_rows(around, moving)
     for i in range(len(gaps)):
         best = most
         if reached[i]:
@@ -81,8 +83,8 @@ def arm_gaps(
                     continue
                 a, b = capsule_ends(arm, pose, capsules, c)
                 radius = capsules[CAPSULE * c + 3]
-                for s in range(count - 1):
-                    if around.asked[c * count + s]:
+                for s in rows:
+                    if s < count - 1 and around.asked[c * count + s]:
                         best = _gap(around, s, a, b, radius, best)
         gaps[i] = best
 
@@ -93,7 +95,7 @@ def _gap(around: Obstacles, s: int, a: Vec3, b: Vec3, radius: float, best: float
     if between_boxes(around.primitives, s, a, b)[0] - radius >= best:
         return best
     if around.inside[2 * s + 1] == 0:
-        return min(best, to_segment(around.primitives, s, a, b)[0] - radius)
+        return distance_to_segment(around.primitives, s, best + radius, a, b) - radius
     work = [s]
     while len(work) > 0:
         box = work.pop()
@@ -101,7 +103,7 @@ def _gap(around: Obstacles, s: int, a: Vec3, b: Vec3, radius: float, best: float
             if between_boxes(around.primitives, row, a, b)[0] - radius >= best:
                 continue
             if around.inside[2 * row + 1] == 0:
-                best = min(best, to_segment(around.primitives, row, a, b)[0] - radius)
+                best = distance_to_segment(around.primitives, row, best + radius, a, b) - radius
             else:
                 work.append(row)
     return best

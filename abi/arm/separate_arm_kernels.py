@@ -54,8 +54,10 @@ UNREACHED = 3
 """Outcome of a piece with a place that the arm does not reach within its limits."""
 
 _STEPS = 40
-_FINEST = 2.0**-26  # of the largest coordinate: smaller pieces are not halved
-_ALLOWANCE = 2.0**-40  # of the largest coordinate, for each place of the elbow computed
+FINEST = 2.0**-26
+"""Part of the largest coordinate: smaller pieces are not halved."""
+ALLOWANCE = 2.0**-40
+"""Part of the largest coordinate, for each place of the elbow computed."""
 
 
 class Obstacles(NamedTuple):
@@ -97,7 +99,7 @@ NO_SLIDE = Slide(FLOATS, FLOATS, FLOATS)
 """Examples."""
 
 
-@register_jitable
+@register_jitable(forceinline=True)
 def support(core: Core, direction: Vec3) -> float:
     """Greatest product of a body direction with a primitive."""
     x, y, z = abs(direction[0]), abs(direction[1]), abs(direction[2])
@@ -107,7 +109,7 @@ def support(core: Core, direction: Vec3) -> float:
     return x * core[0] + y * core[1] + z * core[2] + core[3]
 
 
-@register_jitable
+@register_jitable(forceinline=True)
 def between_boxes(primitives: FloatArray, s: int, a: Vec3, b: Vec3) -> tuple[float, Vec3]:
     """Largest gap along an axis of the world between a segment and primitive s, and its way."""
     k = WIDTH * s + BOUNDS
@@ -127,53 +129,51 @@ def between_boxes(primitives: FloatArray, s: int, a: Vec3, b: Vec3) -> tuple[flo
 
 
 @register_jitable
-def _nearest_way(core: Core, p: Vec3, d: Vec3) -> tuple[float, Vec3]:
-    """Least signed distance along p to p + d, body frame, and the gradient there.
+def judged(core: Core, p: Vec3, d: Vec3, near: float, far: float) -> tuple[int, float, Vec3]:
+    """Whether the segment from p to p + d, body frame, is separated by more than ``far``.
 
-    The slope is bisected and interpolated in turn; where it is 0 the gradient separates best.
+    A tangent bounds the distance, which is convex along the segment, from below, and its gradient
+    separates as far as that bound. The next place is where those at both ends of the bracket meet,
+    in turn with its middle.
+
+    Returns:
+        CERTIFIED with the gap and its direction; REFUTED with a distance below ``near``; else
+        UNDECIDED.
     """
     low, high = 0.0, 1.0
-    best, way = signed_distance_gradient(core, p)
-    fall = dot(way, d)
-    if fall >= 0:
-        return best, way
-    at_end, end_way = signed_distance_gradient(core, axpy(1.0, d, p))
-    rise = dot(end_way, d)
-    if at_end < best:
-        best, way = at_end, end_way
-    if rise <= 0:
-        return best, way
+    at_low, fall, at_high, rise = 0.0, 0.0, 0.0, 0.0  # distances and slopes once they are known
+    square = dot(d, d)
+    # nearest to the centre: there most segments are decided
+    t = min(max(-dot(p, d) / square, 0.0), 1.0) if square > 0 else 0.0
+    best, way = math.inf, (0.0, 0.0, 1.0)
     for step in range(_STEPS):
-        share = fall / (fall - rise)
-        if step % 3 == 2 or not 0.01 < share < 0.99:
-            share = 0.5
-        t = low + share * (high - low)
-        if not low < t < high:
-            break
-        away, gradient = signed_distance_gradient(core, axpy(t, d, p))
-        slope = dot(gradient, d)
-        if away < best:
-            best, way = away, gradient
+        away, way = signed_distance_gradient(core, axpy(t, d, p))
+        best = min(best, away)
+        if best < near:
+            return REFUTED, best, way
+        slope = dot(way, d)
+        gap = dot(way, p) + min(0.0, slope) - support(core, way)
+        if gap > far:
+            return CERTIFIED, gap, way
+        if slope == 0 or (slope < 0 and t == 1) or (slope > 0 and t == 0):
+            return UNDECIDED, best, way
         if slope < 0:
-            low, fall = t, slope
-        elif slope > 0:
-            high, rise = t, slope
+            low, at_low, fall = t, away, slope
         else:
-            return away, gradient
-        if (rise - fall) * (high - low) < 1e-12 * (abs(best) + 1e-300):
-            break
-    return best, way
-
-
-@register_jitable
-def to_segment(primitives: FloatArray, s: int, a: Vec3, b: Vec3) -> tuple[float, Vec3, float]:
-    """Least signed distance from primitive s to a..b, a unit direction to it, and its gap."""
-    axes, core = axes_of(primitives, s), core_of(primitives, s)
-    p = in_body(axes, sub(a, centre_of(primitives, s)))
-    d = in_body(axes, sub(b, a))
-    away, way = _nearest_way(core, p, d)
-    gap = dot(way, p) + min(0.0, dot(way, d)) - support(core, way)
-    return away, in_world(axes, way), gap
+            high, at_high, rise = t, away, slope
+        if fall == 0:
+            t = 0.0
+        elif rise == 0:
+            t = 1.0
+        else:
+            t = (at_low - at_high + rise * high - fall * low) / (rise - fall)
+            if best <= far and at_low + fall * (t - low) >= near:
+                return UNDECIDED, best, way
+            if step % 3 == 2 or not low < t < high:
+                t = (low + high) / 2
+            if not low < t < high:
+                return UNDECIDED, best, way
+    return UNDECIDED, best, way
 
 
 @register_jitable
@@ -198,58 +198,84 @@ def _slide_within(slide: Slide, start: float, end: float) -> tuple[float, float]
     return slide.low[first], slide.high[low]
 
 
-@register_jitable
-def _separates(
+class Moving(NamedTuple):
+    """A capsule at a pose, and how far from there it may be.
+
+    Attributes:
+        number: of the capsule.
+        first, last: ends of its segment, [unit], world.
+        radius: [unit].
+        way: of every point of it, at most, [unit].
+    """
+
+    number: int
+    first: Vec3
+    last: Vec3
+    radius: float
+    way: float
+
+
+@register_jitable(forceinline=True)
+def moving_capsule(
+    arm: FloatArray,
+    capsules: FloatArray,
+    c: int,
     pose: Pose,
     rates: Rates,
     ways: tuple[float, float],
-    arm: FloatArray,
-    capsules: FloatArray,
-    around: Obstacles,
-    pair: int,
-) -> tuple[int, float, Vec3, float]:
-    """Whether a direction keeps a capsule clear of an obstacle near a pose.
+) -> Moving:
+    """Capsule c near a pose.
 
     Args:
+        arm: its numbers.
+        capsules: theirs.
+        c: number of the capsule.
         pose: the middle one.
         rates: of the elbow.
         ways: of the tool and the slide, at most, [unit].
-        arm: its numbers.
-        capsules: theirs.
-        around: the obstacles.
-        pair: capsule times number of obstacles, plus obstacle.
-
-    Returns:
-        CERTIFIED, REFUTED at the pose or UNDECIDED; the distance there; the direction; the way of
-        the capsule at most, [unit].
     """
-    count = len(around.margins)
-    c, s = pair // count, pair % count
     a, b = capsule_ends(arm, pose, capsules, c)
     by_tool, by_slide = capsule_rates(arm, rates, capsules, c)
-    radius = capsules[CAPSULE * c + 3]
-    allowance = _ALLOWANCE * around.size * (1 + rates.slide)
-    if math.isinf(rates.slide):
-        allowance = _ALLOWANCE * around.size
-    need = radius + around.margins[s] + allowance
-    moves = by_tool * ways[0] + by_slide * ways[1]
-    if s == count - 1:
-        gap, way = min(a[2], b[2]) - around.floor, (0.0, 0.0, 1.0)
-        away = gap
-    else:
-        gap, way = between_boxes(around.primitives, s, a, b)
-        away = math.inf
-        if not gap > need + moves:
-            away, way, gap = to_segment(around.primitives, s, a, b)
-    if gap > need + moves:
-        return CERTIFIED, away, way, moves
-    if away < need - 2 * allowance:
-        return REFUTED, away - radius, way, moves
-    return UNDECIDED, away - radius, way, moves
+    way = by_tool * ways[0] + by_slide * ways[1]
+    return Moving(c, a, b, capsules[CAPSULE * c + 3], way)
 
 
 @register_jitable
-def _open(around: Obstacles, pair: int, moves: float, work: list[int]) -> bool:
+def separates(around: Obstacles, s: int, capsule: Moving, rates: Rates) -> tuple[int, float, Vec3]:
+    """Whether a direction keeps a capsule clear of an obstacle near a pose.
+
+    Args:
+        around: the obstacles.
+        s: number of the obstacle.
+        capsule: near the pose.
+        rates: of the elbow.
+
+    Returns:
+        CERTIFIED, REFUTED at the pose or UNDECIDED; the distance there; the direction.
+    """
+    a, b, radius = capsule.first, capsule.last, capsule.radius
+    allowance = ALLOWANCE * around.size * (1 + rates.slide)
+    if math.isinf(rates.slide):
+        allowance = ALLOWANCE * around.size
+    near, far = radius + around.margins[s] - allowance, radius + around.margins[s] + allowance
+    far += capsule.way
+    if s == len(around.margins) - 1:
+        gap, way = min(a[2], b[2]) - around.floor, (0.0, 0.0, 1.0)
+        if gap > far:
+            return CERTIFIED, gap, way
+        return (REFUTED if gap < near else UNDECIDED), gap - radius, way
+    gap, way = between_boxes(around.primitives, s, a, b)
+    if gap > far:
+        return CERTIFIED, math.inf, way
+    axes = axes_of(around.primitives, s)
+    p = in_body(axes, sub(a, centre_of(around.primitives, s)))
+    d = in_body(axes, sub(b, a))
+    outcome, away, way = judged(core_of(around.primitives, s), p, d, near, far)
+    return outcome, away - radius, in_world(axes, way)
+
+
+@register_jitable
+def open_box(around: Obstacles, pair: int, moves: float, work: list[int]) -> bool:
     """Add what is inside a box that is larger than a capsule's way; whether it is one."""
     count = len(around.margins)
     s = pair % count
@@ -267,7 +293,21 @@ def _open(around: Obstacles, pair: int, moves: float, work: list[int]) -> bool:
 
 
 @register_jitable
-def _solid(around: Obstacles, pair: int) -> bool:
+def asked_rows(around: Obstacles, moving: int) -> list[int]:
+    """Rows, of which the last may be the floor's, that some of so many capsules keep clear of."""
+    count = len(around.margins)
+    rows = []
+    for s in range(count):
+        asked = False
+        for c in range(moving):
+            asked = asked or around.asked[c * count + s]
+        if asked:
+            rows.append(s)
+    return rows
+
+
+@register_jitable
+def is_solid(around: Obstacles, pair: int) -> bool:
     """Whether the obstacle of a pair is solid, not a box around others."""
     count = len(around.margins)
     s = pair % count
@@ -342,25 +382,28 @@ def separate_arm(
         rates = rates_near(arm, pose, farthest, slid)
         bounded = not math.isinf(rates.elbow)
         bounded = bounded and limits_hold_near(arm, pose, rates, farthest, slid)
+        capsule = moving_capsule(arm, capsules, 0, pose, rates, (farthest, slid))
         work.clear()
         for i in range(lowest, highest):
             work.append(candidates[i])
         while len(work) > 0:
             pair = work.pop()
             tries += 1
-            outcome, away, way, moves = _separates(
-                pose, rates, (farthest, slid), arm, capsules, around, pair
-            )
-            if outcome == REFUTED and _solid(around, pair):
+            if pair // count != capsule.number:
+                capsule = moving_capsule(
+                    *(arm, capsules, pair // count), pose, rates, (farthest, slid)
+                )
+            outcome, away, way = separates(around, pair % count, capsule, rates)
+            if outcome == REFUTED and is_solid(around, pair):
                 return REFUTED, at, pair, away, table_of(planes)
             if bounded and outcome == CERTIFIED:
                 planes.append(Plane(piece.start, piece.end, pair, way, at))
-            elif not _open(around, pair, moves, work):
+            elif not open_box(around, pair, capsule.way, work):
                 candidates.append(pair)
         if len(candidates) == highest:
             continue
         run = piece.last - piece.first > width
-        final = piece.halvings == MOST_HALVINGS or farthest < _FINEST * around.size
+        final = piece.halvings == MOST_HALVINGS or farthest < FINEST * around.size
         if tries > most_tries or (not run and (final or not piece.start < at < piece.end)):
             return UNDECIDED, at, candidates[len(candidates) - 1], 0.0, table_of(planes)
         pending.append((behind, highest, len(candidates)))

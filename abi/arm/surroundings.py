@@ -73,14 +73,8 @@ def surroundings(arm: Arm, obstacles: ObstacleSet, lowest: float) -> Surrounding
         obstacles: the solids.
         lowest: height of the workspace's bottom, [unit].
     """
-    rows = [obstacles.packed]
-    numbers = [obstacles.primitive_numbers]
-    inside = [np.zeros((len(obstacles.primitives), 2), dtype=np.int32)]
-    for number, mesh in zip(obstacles.mesh_numbers.tolist(), obstacles.meshes, strict=True):
-        boxes = _boxes_of(mesh.surface).inside
-        inside.append(np.where(boxes[:, 1:] > 0, boxes + sum(map(len, numbers)), 0))
-        rows.append(_boxes(mesh))
-        numbers.append(np.full(len(boxes), number, dtype=np.int32))
+    solids = solid_rows(obstacles)
+    rows, numbers = [solids.rows], [solids.numbers]
     still = [k for k, capsule in enumerate(arm.capsules) if capsule.body == COLUMN]
     x, y, z = arm.base.tolist()
     for capsule in (arm.capsules[k] for k in still):
@@ -94,21 +88,57 @@ def surroundings(arm: Arm, obstacles: ObstacleSet, lowest: float) -> Surrounding
     grips = np.array([capsule.grips for capsule in arm.capsules])[:, None]
     asked = (number >= 0) | (moves & ~jointed & (number <= OWN))
     asked |= moves & ~grips & (number == FLOOR)
-    inside.append(np.zeros((len(still), 2), dtype=np.int32))
-    within = np.concatenate(inside).astype(np.int32)
-    steps = np.zeros(len(number) + 1, dtype=np.int32)
-    np.add.at(steps, within[:, 0], within[:, 1] > 0)
-    np.subtract.at(steps, within[:, 1], within[:, 1] > 0)
-    asked &= np.cumsum(steps)[:-1] == 0
+    within = np.concatenate([solids.inside, np.zeros((len(still), 2), dtype=np.int32)])
+    asked &= outermost(within)
     packed = np.concatenate(rows)
     reach = arm.a1 + arm.a2 + arm.a3 + 2 * arm.a4 + arm.a5
-    size = float(np.abs(arm.base).max()) + reach
-    bounds = packed.reshape(-1, WIDTH)[:, BOUNDS:TREE]
-    size += float(np.abs(bounds).max(initial=0.0))
+    size = float(np.abs(arm.base).max()) + reach + largest_coordinate(packed)
     return Surroundings(
         *(read_only(packed), read_only(within.reshape(-1)), read_only(number)),
         *(read_only(asked), min(z, lowest), size),
     )
+
+
+class SolidRows(NamedTuple):
+    """Obstacles as rows of convex primitives.
+
+    Attributes:
+        rows: flat (k WIDTH,).
+        numbers: obstacle of each, (k,).
+        inside: first and last but one of the boxes inside each, 0 and 0 without, (k, 2).
+    """
+
+    rows: FloatArray
+    numbers: IntArray
+    inside: IntArray
+
+
+def solid_rows(obstacles: ObstacleSet) -> SolidRows:
+    """Obstacles as rows: primitives as they are, meshes as trees of boxes."""
+    rows = [obstacles.packed]
+    numbers = [obstacles.primitive_numbers]
+    inside = [np.zeros((len(obstacles.primitives), 2), dtype=np.int32)]
+    for number, mesh in zip(obstacles.mesh_numbers.tolist(), obstacles.meshes, strict=True):
+        boxes = _boxes_of(mesh.surface).inside
+        inside.append(np.where(boxes[:, 1:] > 0, boxes + sum(map(len, numbers)), 0))
+        rows.append(_boxes(mesh))
+        numbers.append(np.full(len(boxes), number, dtype=np.int32))
+    within = np.concatenate(inside).astype(np.int32)
+    return SolidRows(np.concatenate(rows), np.concatenate(numbers), within)
+
+
+def outermost(inside: IntArray) -> BoolArray:
+    """Which of k rows are in no other, and that of the floor behind them, (k + 1,)."""
+    steps = np.zeros(len(inside) + 2, dtype=np.int32)
+    np.add.at(steps, inside[:, 0], inside[:, 1] > 0)
+    np.subtract.at(steps, inside[:, 1], inside[:, 1] > 0)
+    return np.asarray(np.cumsum(steps)[:-1] == 0)
+
+
+def largest_coordinate(rows: FloatArray) -> float:
+    """Largest coordinate of primitives (k WIDTH,), [unit]."""
+    bounds = rows.reshape(-1, WIDTH)[:, BOUNDS:TREE]
+    return float(np.abs(bounds).max(initial=0.0))
 
 
 def _boxes(mesh: MeshShape) -> FloatArray:
@@ -141,7 +171,8 @@ class _Boxes(NamedTuple):
 def _boxes_of(surface: Surface) -> _Boxes:
     """Boxes of a tree over the triangles, and a flat one for each triangle, in its plane.
 
-    Of a mesh of many triangles these are left out.
+    Of a mesh of many triangles these are left out. Each box holds those inside it: were a flat one
+    to stick out, an arm could be clear of the one and in the way of the other.
     """
     triangles = surface.vertices[surface.faces]
     tree = build_tree(triangles)
@@ -151,9 +182,8 @@ def _boxes_of(surface: Surface) -> _Boxes:
     inside = np.zeros((nodes, 2), dtype=np.int32)
     inside[:inner] = 2 * np.arange(inner)[:, None] + (1, 3)
     upright = np.broadcast_to(np.eye(3), (nodes, 3, 3))
-    boxes = _Boxes((low + high) / 2, (high - low) / 2, upright, inside)
     if len(triangles) > _MOST_TRIANGLES:
-        return boxes
+        return _Boxes((low + high) / 2, (high - low) / 2, upright, inside)
     inside[inner:, 0], inside[inner:, 1] = tree.leaves[:-1] + nodes, tree.leaves[1:] + nodes
     corners = tree.corners.reshape(-1, 3, 3)
     first, second = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
@@ -161,12 +191,25 @@ def _boxes_of(surface: Surface) -> _Boxes:
     axes, _ = np.linalg.qr(np.stack([first, second, np.cross(first, second)], axis=2))
     own = np.einsum("nij,nki->nkj", axes, corners)
     middles = np.einsum("nij,nj->ni", axes, (own.min(axis=1) + own.max(axis=1)) / 2)
+    halves = np.ptp(own, axis=1) / 2
+    spread = np.einsum("nij,nj->ni", np.abs(axes), halves)
+    low = _united(np.minimum, middles - spread, tree.leaves, inner)
+    high = _united(np.maximum, middles + spread, tree.leaves, inner)
     return _Boxes(
-        np.concatenate([boxes.middles, middles]),
-        np.concatenate([boxes.halves, np.ptp(own, axis=1) / 2]),
+        np.concatenate([(low + high) / 2, middles]),
+        np.concatenate([(high - low) / 2, halves]),
         np.concatenate([upright, axes]),
         np.concatenate([inside, np.zeros((len(corners), 2), dtype=np.int32)]),
     )
+
+
+def _united(outer: np.ufunc, corners: FloatArray, leaves: IntArray, inner: int) -> FloatArray:
+    """Outer corner (nodes, 3) of each box of a tree, from those of what its leaves hold."""
+    united = np.empty((2 * inner + 1, 3))
+    united[inner:] = outer.reduceat(corners, leaves[:-1])
+    for k in range(inner - 1, -1, -1):
+        united[k] = outer(united[2 * k + 1], united[2 * k + 2])
+    return united
 
 
 def _rows(centres: FloatArray, axes: FloatArray, halves: FloatArray, radius: float) -> FloatArray:

@@ -28,7 +28,7 @@ def arm_reason(scene: Scene, plan: Plan, error: ArmNotClear, what_if: WhatIf) ->
         CancelledError: the caller has cancelled the trials.
     """
     points = _places(scene, plan, error)
-    for remedy, change in _remedies(scene, error, what_if):
+    for remedy, change in _remedies(scene, plan, error, what_if):
         if what_if.plan_past("arm", **change):
             hint = f"{remedy} works: it has been tried."
             return Reason(error.message, hint, change, points)
@@ -46,17 +46,20 @@ def arm_reason(scene: Scene, plan: Plan, error: ArmNotClear, what_if: WhatIf) ->
 
 
 def _remedies(
-    scene: Scene, error: ArmNotClear, what_if: WhatIf
+    scene: Scene, plan: Plan, error: ArmNotClear, what_if: WhatIf
 ) -> list[tuple[str, dict[str, Any]]]:
     """Changes to try, and the beginnings of sentences on them."""
     remedies: list[tuple[str, dict[str, Any]]] = []
-    if scene.arm.elbow != "auto":
+    if not error.has_elbow:
+        if scene.arm.axis is not None:
+            remedies.append(("The direction of the tool left free", {"arm": {"axis": None}}))
+    elif scene.arm.elbow != "auto":
         other = "down" if scene.arm.elbow == "up" else "up"
         remedies.append((f"The elbow {other}", {"arm": {"elbow": other}}))
     if scene.arm.clearance > 0:
         text = f"Links that may be as near as 0, not {format_length(scene.arm.clearance)},"
         remedies.append((text, {"arm": {"clearance": 0.0}}))
-    for base in _bases(scene):
+    for base in _bases(scene, plan):
         place = ", ".join(f"{number:g}" for number in base)
         remedies.append((f"The base at ({place})", {"arm": {"base": base, "elbow": "auto"}}))
     if error.where in ("path", "curve"):
@@ -65,12 +68,11 @@ def _remedies(
     return remedies
 
 
-def _bases(scene: Scene) -> list[list[float]]:
+def _bases(scene: Scene, plan: Plan) -> list[list[float]]:
     """Places for the base, the nearest first."""
-    arm = scene.arm
-    step = (arm.a3 + arm.a4 + arm.a5) / 11
+    step = (1.0 if plan.arm is None else plan.arm.reach) / 11
     moves = [scale * step * np.array(way) for scale in _STEPS for way in _WAYS]
-    return [[float(f"{number:.3g}") for number in np.add(arm.base, move)] for move in moves]
+    return [[float(f"{number:.3g}") for number in np.add(scene.arm.base, move)] for move in moves]
 
 
 def _all_but(scene: Scene, left_out: int) -> list[Any]:

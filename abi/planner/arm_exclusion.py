@@ -1,10 +1,10 @@
-"""Memory of what an arm excludes from a mesh, obstacle by obstacle, on one elbow branch."""
+"""Memory of what an arm excludes from a mesh, obstacle by obstacle, on one branch."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from abi.arm.arm_sight import ArmSight
+from abi.arm.arm_model import Places
 from abi.arrays import BoolArray, IntArray, read_only
 from abi.obstacles.obstacle_set import Obstacle, ObstacleSet
 from abi.tet_mesh.exclusion import Exclusion, FreeMesh, apply
@@ -26,7 +26,7 @@ class ArmExclusionCache:
         self._exclusions: dict[Obstacle, Exclusion] = {}
 
     def __call__(
-        self, free: FreeMesh, sight: ArmSight, obstacles: ObstacleSet, lowest: float
+        self, free: FreeMesh, sight: Places, obstacles: ObstacleSet, lowest: float
     ) -> FreeMesh:
         """The mesh without the nodes that the arm excludes, too.
 
@@ -37,25 +37,29 @@ class ArmExclusionCache:
             lowest: height of the workspace's bottom, [unit].
         """
         mesh = free.mesh
-        state = (mesh, sight.arm, sight.elbow, sight.extensions, sight.clearance, sight.slack)
+        state = (mesh, *sight.key)
         if len(state) != len(self._state) or any(
             a is not b and (isinstance(a, TetMesh) or a != b)
             for a, b in zip(state, self._state, strict=True)
         ):
             self._state, self._exclusions = state, {}
             self._reached = sight.reached(mesh.points)
-            self._own = _nodes(~self._reached)
+            self._own = _nodes(~self._reached, mesh)
         exclusions = {}
         for obstacle in obstacles:
             if obstacle not in self._exclusions:
                 touching = sight.touching(mesh.points, obstacle, lowest, self._reached)
-                self._exclusions[obstacle] = _nodes(touching)
+                self._exclusions[obstacle] = _nodes(touching, mesh)
             exclusions[obstacle] = self._exclusions[obstacle]
         self._exclusions = exclusions
         return apply(free, [self._own, *exclusions.values()])
 
 
-def _nodes(excluded: BoolArray) -> Exclusion:
-    """Exclusion of nodes alone."""
+def _nodes(excluded: BoolArray, mesh: TetMesh) -> Exclusion:
+    """Exclusion of nodes alone, by runs in a line along z."""
     ids: IntArray = np.flatnonzero(excluded).astype(np.int32)
-    return Exclusion(read_only(ids), read_only(np.ones_like(ids)), _NO_IDS, _NO_IDS)
+    across = mesh.points[ids, :2]
+    same_line = (np.diff(ids) == 1) & (across[1:] == across[:-1]).all(axis=1)
+    firsts = np.flatnonzero(np.concatenate([[True], ~same_line])[: len(ids)])
+    lengths = np.diff(firsts, append=len(ids)).astype(np.int32)
+    return Exclusion(read_only(ids[firsts]), read_only(lengths), _NO_IDS, _NO_IDS)

@@ -1,4 +1,4 @@
-"""Path and curves of a tool whose whole arm keeps clear, on one elbow branch."""
+"""Path and curves of a tool whose whole arm keeps clear, on one branch."""
 
 from __future__ import annotations
 
@@ -7,24 +7,23 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from abi.arm.arm_sight import ArmSight
-from abi.arrays import FloatArray, read_only
+from abi.arm.arm_model import Sight
+from abi.arrays import FloatArray, flat, read_only
 from abi.curves.bspline import BSpline, clamped
 from abi.curves.control_points import place_control_points
 from abi.curves.fit import Fit, proven_fit
 from abi.curves.fit_bspline import fit as fit_bspline
 from abi.obstacles.obstacle_set import ObstacleSet
+from abi.planner.arm_path_kernels import pulled
+from abi.planner.pull_by_legs import pull_by_legs
 from abi.search.graph import Graph
 from abi.search.search import SearchResult
 from abi.search.without_edges import without_edges
 from abi.taut.taut_path import TautPath, taut
+from abi.taut.tighten_near_meshes import clear_of
 
-_MOST_REPAIRS = 12
-_ROUNDS = 3
-_STEPS = (0.8, 0.3, 0.08)
+_MOST_REPAIRS = 60
 _REFINEMENTS = 30
-_SETTLED = 1e-3
-_CUT = (0.45, 0.2)
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +40,7 @@ class ArmGraphPath:
 
 
 def search_clear(
-    graph: Graph, sight: ArmSight, search: Callable[[Graph], SearchResult]
+    graph: Graph, sight: Sight, search: Callable[[Graph], SearchResult]
 ) -> ArmGraphPath | None:
     """Search until all edges of the path are clear for the arm; None where it does not end.
 
@@ -53,8 +52,7 @@ def search_clear(
         vertices = path.vertices.tolist()
         shut = [
             (vertices[k], vertices[k + 1])
-            for k in range(len(vertices) - 1)
-            if sight.leg_refutation(path.points[k : k + 2]) is not None
+            for k in np.flatnonzero(~sight.clear_legs(path.points)).tolist()
         ]
         if not shut:
             return ArmGraphPath(graph, path)
@@ -63,7 +61,7 @@ def search_clear(
 
 
 def pull_clear(
-    graph: Graph, obstacles: ObstacleSet, margin: float, path: SearchResult, sight: ArmSight
+    graph: Graph, obstacles: ObstacleSet, margin: float, path: SearchResult, sight: Sight
 ) -> TautPath:
     """Pull a path taut as far as tool and arm stay clear.
 
@@ -79,16 +77,15 @@ def pull_clear(
         sight: the arm.
     """
     of_tool = taut(graph, obstacles, margin, path)
-    if sight.leg_refutation(of_tool.points) is None:
+    if sight.clear_legs(of_tool.points).all():
         return of_tool
     ends = obstacles.signed_distance(path.points[[0, -1]]).min()
-    free = _Legs(obstacles, min(margin, float(ends) - 1e-9), sight)
-    points = _shortcuts(path.points, free)
-    for _ in range(_ROUNDS):
-        before = _length(points)
-        points = _cut_corners(_moved(points, free), free)
-        if _length(points) > (1 - _SETTLED) * before:
-            break
+    margin = min(margin, float(ends) - 1e-9)
+    if sight.legs is None:
+        points = pull_by_legs(path.points, obstacles, margin, sight)
+    else:
+        points = np.asarray(pulled(flat(path.points), clear_of(obstacles, margin), sight.legs))
+        points = points.reshape(-1, 3)
     return TautPath(read_only(points), _length(points), obstacles.polyline_clearance(points))
 
 
@@ -97,7 +94,7 @@ def fit_clear(
     degree: int,
     obstacles: ObstacleSet,
     clearance: float,
-    sight: ArmSight,
+    sight: Sight,
 ) -> Fit[BSpline] | None:
     """B-spline near a path that is clear for tool and arm; None where none was found.
 
@@ -143,74 +140,6 @@ def _refined(spline: BSpline, parameter: float) -> BSpline:
         np.insert(spline.added, edges + 1, True),
         np.insert(spline.pushed, edges + 1, False),
     )
-
-
-@dataclass(frozen=True, eq=False)
-class _Legs:
-    """Legs that tool and arm may run along."""
-
-    obstacles: ObstacleSet
-    margin: float
-    sight: ArmSight
-
-    def clear(self, *points: FloatArray) -> bool:
-        """Whether the legs between points (3,) are."""
-        polyline = np.stack(points)
-        if self.obstacles.polyline_clearance(polyline) < self.margin:
-            return False
-        return self.sight.leg_refutation(polyline) is None
-
-
-def _shortcuts(points: FloatArray, free: _Legs) -> FloatArray:
-    """From each vertex straight to the farthest in sight, found by doubling, then halving."""
-    kept, i, last = [0], 0, len(points) - 1
-    while i < last:
-        near, step = i + 1, 2
-        while i + step <= last and free.clear(points[i], points[i + step]):
-            near, step = i + step, 2 * step
-        far = min(i + step, last)
-        while far > near + 1:
-            middle = (near + far) // 2
-            if free.clear(points[i], points[middle]):
-                near = middle
-            else:
-                far = middle
-        if near < last and far == last and free.clear(points[i], points[last]):
-            near = last
-        i = near
-        kept.append(i)
-    return points[kept]
-
-
-def _moved(points: FloatArray, free: _Legs) -> FloatArray:
-    """Vertices dropped, or moved towards the chord of their neighbours."""
-    kept = [points[0]]
-    for k in range(1, len(points) - 1):
-        a, vertex, b = kept[-1], points[k], points[k + 1]
-        if free.clear(a, b):
-            continue
-        chord = b - a
-        share = np.clip((vertex - a) @ chord / max(float(chord @ chord), 1e-300), 0, 1)
-        foot = a + share * chord
-        moves = (vertex + step * (foot - vertex) for step in _STEPS)
-        kept.append(next((at for at in moves if free.clear(a, at, b)), vertex))
-    return np.array([*kept, points[-1]])
-
-
-def _cut_corners(points: FloatArray, free: _Legs) -> FloatArray:
-    """Bends cut where that is clear."""
-    kept = [points[0]]
-    for k in range(1, len(points) - 1):
-        vertex = points[k]
-        back, ahead = points[k - 1] - vertex, points[k + 1] - vertex
-        for share in _CUT:
-            first, last = vertex + share * back, vertex + share * ahead
-            if free.clear(first, last):
-                kept += [first, last]
-                break
-        else:
-            kept.append(vertex)
-    return np.array([*kept, points[-1]])
 
 
 def _length(points: FloatArray) -> float:

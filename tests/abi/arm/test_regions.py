@@ -20,6 +20,7 @@ def solid(triangles: FloatArray) -> trimesh.Trimesh:
     return trimesh.Trimesh(corners, np.arange(len(corners)).reshape(-1, 3), process=True)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("elbow", ["up", "down"])
 def test_the_shadow_is_where_the_arm_touches_an_obstacle(elbow: Elbow) -> None:
     box = {"shape": "box", "size": [1.5, 1, 1], "position": [3, 2, 3.5]}
@@ -45,6 +46,7 @@ def test_the_shadow_is_where_the_arm_touches_an_obstacle(elbow: Elbow) -> None:
     assert (inside == touching)[compared].mean() > 0.98
 
 
+@pytest.mark.slow
 def test_the_reach_is_where_inverse_kinematics_keeps_the_limits() -> None:
     arm = Arm.from_settings(Scene.from_dict({"version": 1}).arm)
     triangles = reachable(arm, "up", 0.0, 0.0)

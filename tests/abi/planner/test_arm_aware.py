@@ -54,6 +54,25 @@ def test_a_motion_is_found_and_no_dense_sample_touches(seed: int) -> None:
         assert not (before.arm_clearance.certified and limits)
 
 
+@pytest.mark.parametrize("mode", ["clear", "pieces"])
+def test_a_quadratic_that_is_asked_to_be_clear_keeps_to_the_arm(mode: str) -> None:
+    followed = 0
+    for seed in (0, 4, 5, 17):
+        scene = arm_scene(seed).replace(quadratic={"mode": mode})
+        found = plan(scene)
+        assert found.tool_only is not None, "there is something to avoid"
+        assert found.quadratic is not None
+        assert found.motion is not None
+        if found.followed == "quadratic":
+            followed += 1
+            assert found.quadratic.holds
+            assert sight_of(scene, found.motion.elbow).refutation(found.quadratic.curve) is None
+        else:
+            assert found.quadratic.note
+    assert followed >= 3
+
+
+@pytest.mark.slow
 def test_the_arm_in_the_way_goes_round() -> None:
     scene = load_scene("arm-in-the-way")
     tool, whole = plan(scene.replace(arm={"avoid": False})), plan(scene)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -12,9 +13,13 @@ import pytest
 
 from abi import compiling
 from abi.arm.chain_kernels import chain_poses, follow_path
-from abi.arm.urdf_arm import UrdfArm
+from abi.arm.chain_mask_kernels import touching_stances
+from abi.arm.joint_rates import joint_rates
+from abi.arm.separate_chain_kernels import separate_chain
+from abi.arm.spread_kernels import spread
+from abi.arm.urdf_arm import UrdfArm, urdf_arm
 from abi.arrays import FloatArray
-from abi.errors import ExportError, SceneError
+from abi.errors import ArmNotClear, ExportError, SceneError
 from abi.export.formats import FORMATS
 from abi.planner.plan import Plan
 from abi.planner.planner import Planner
@@ -29,7 +34,7 @@ KITCHEN = load_scene("kitchen-ur5e")
 @pytest.fixture(scope="module", autouse=True)
 def _compiled() -> None:
     compiling.all_kernels()
-    for kernel in (follow_path, chain_poses):
+    for kernel in (follow_path, chain_poses, separate_chain, spread, touching_stances):
         kernel.compile()
 
 
@@ -52,6 +57,7 @@ def link_points(one: UrdfArm, positions: FloatArray) -> FloatArray:
     return np.concatenate(found, axis=1) / one.metres
 
 
+@pytest.mark.slow
 def test_the_links_keep_what_is_proven_between_the_samples_too(kitchen: Plan) -> None:
     motion, clearance, one = kitchen.motion, kitchen.arm_clearance, kitchen.arm
     assert kitchen.error is None
@@ -69,6 +75,93 @@ def test_the_links_keep_what_is_proven_between_the_samples_too(kitchen: Plan) ->
     assert points[:, 2].min() >= -0.01  # only the capsules of what stands on the floor reach below
 
 
+def test_torques_are_those_of_the_samples_in_any_unit(kitchen: Plan) -> None:
+    motion, rates, one = kitchen.motion, kitchen.joint_rates, kitchen.arm
+    assert isinstance(one, UrdfArm)
+    assert motion is not None
+    assert rates is not None
+    assert rates.torques is not None
+    data = kitchen.to_dict(full=True)["arm"]
+    efforts = [joint.effort for joint in one.chain.joints]
+
+    assert data["joint_torque_limits"] == efforts
+    np.testing.assert_array_equal(np.abs(data["torques"]).max(axis=0), data["peak_joint_torque"])
+    np.testing.assert_allclose(
+        data["peak_joint_speed"], np.abs(rates.speeds).max(axis=0), 0.05, 1e-9
+    )
+    # so slow that only the weight counts, which is the slope of the potential energy
+    still = joint_rates(one, replace(motion, time=motion.time * 1e4), 8.0)
+    centimetres = urdf_arm(one.chain.robot, one.tip, (0.0, 0.0, 0.0), unit="cm")
+    again = joint_rates(centimetres, replace(motion, time=motion.time * 1e4), 8.0)
+    assert still.torques is not None
+    assert again.torques is not None
+    np.testing.assert_allclose(still.torques, again.torques, atol=1e-9)
+    assert np.abs(still.torques - rates.torques).max() > 0.1
+    assert np.abs(still.torques[:, 0]).max() < 1e-6  # its axis is upright
+
+
+def boxes(*rows: tuple[float, ...]) -> list[dict[str, Any]]:
+    """Boxes by their sizes and positions."""
+    return [{"shape": "box", "size": row[:3], "position": row[3:]} for row in rows]
+
+
+PANEL = boxes((0.29, 0.18, 0.08, 0.02, 0.42, 0.23))
+THREE = boxes(
+    (0.27, 0.22, 0.11, 0.07, 0.71, 0.56),
+    (0.07, 0.26, 0.09, 0.11, 0.4, 0.57),
+    (0.09, 0.15, 0.05, -0.05, 0.44, 0.5),
+)
+TWO = boxes((0.13, 0.16, 0.26, 0.18, 0.36, 0.62), (0.24, 0.18, 0.13, -0.04, 0.55, 0.16))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "axis", "obstacles"),
+    [("ur5e", (0.0, 0.0, -1.0), THREE), ("panda", None, PANEL), ("xarm7", None, TWO)],
+)
+def test_links_that_would_touch_are_led_around(
+    name: str, axis: tuple[float, float, float] | None, obstacles: list[dict[str, Any]]
+) -> None:
+    scene = KITCHEN.replace(obstacles=obstacles, arm={"urdf": name, "axis": axis})
+    planner = Planner()
+    tool, whole = planner(scene.replace(arm={"avoid": False})), planner(scene)
+
+    assert tool.error is None
+    assert tool.arm_clearance is not None
+    assert tool.arm_clearance.contacts
+    assert whole.error is None
+    assert whole.tool_only is not None
+    assert whole.arm_clearance is not None
+    assert whole.arm_clearance.certified
+    motion, one = whole.motion, whole.arm
+    assert isinstance(one, UrdfArm)
+    assert motion is not None
+    assert np.abs(motion.tool - motion.target).max() < 1e-4 * one.reach
+    random = np.random.default_rng(0)
+    times = random.uniform(0, motion.time[-1], 300)
+    positions = np.stack([np.interp(times, motion.time, q) for q in motion.positions.T], axis=1)
+    points = link_points(one, positions).reshape(-1, 3)
+    nearest = min(float(shape.signed_distance(points).min()) for shape in scene.obstacles)
+    assert nearest >= whole.arm_clearance.distance
+    verdicts = {one.curve: one for one in verify(json.loads(json.dumps(whole.to_dict())))}
+    assert verdicts["arm"].proven, verdicts["arm"].reason
+
+
+def test_what_no_first_pose_can_pass_is_said_with_a_link() -> None:
+    lid = boxes((0.2, 0.2, 0.02, 0.42, 0.45, 0.28))
+    made = Planner()(KITCHEN.replace(obstacles=lid))
+
+    assert isinstance(made.error, ArmNotClear)
+    assert made.error.where == "goal"
+    assert "wrist" in made.error.message
+    assert "obstacle 1" in made.error.message
+    assert "elbow" not in made.error.message + made.error.hint
+    assert made.motion is not None  # the tool's own, drawn with what touches in red
+    assert made.arm_clearance is not None
+    assert made.arm_clearance.contacts
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("axis", [None, (0.0, 0.0, -1.0)])
 @pytest.mark.parametrize("name", SHIPPED)
 def test_shipped_arms_follow_the_curve(name: str, axis: tuple[float, float, float] | None) -> None:
@@ -137,14 +230,6 @@ def test_out_of_reach_is_said() -> None:
     assert "cannot follow the curve" in made.error.message
     assert made.motion is not None
     assert not made.motion.reachable
-
-
-def test_exact_numbers_do_not_claim_to_know_the_arm(kitchen: Plan) -> None:
-    verdicts = {one.curve: one for one in verify(json.loads(json.dumps(kitchen.to_dict())))}
-
-    assert verdicts["bspline"].proven
-    assert not verdicts["arm"].proven
-    assert "floating point" in verdicts["arm"].reason
 
 
 def test_arms_are_found_beside_the_scene_and_stay_with_it(tmp_path: Path) -> None:

@@ -1,0 +1,86 @@
+"""Stances of an arm at which it would touch something.
+
+See ``abi.arm.separate_chain_kernels`` for its capsules.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba.extending import register_jitable
+
+from abi.arm.chain_kernels import POSE, TABLE, ChainTable
+from abi.arm.mask_kernels import touches
+from abi.arm.separate_arm_kernels import NO_OBSTACLES, Obstacles
+from abi.arm.separate_chain_kernels import BODIES, Bodies, between_segments, place_bodies
+from abi.arrays import BoolArray, FloatArray
+from abi.compiled import FLAGS, FLOATS, NEW_FLAGS, compiled
+from abi.obstacles.vector_kernels import dot, sub, vec3_at
+
+
+@register_jitable
+def _touches_itself(bodies: Bodies, ends: FloatArray, slack: float) -> bool:
+    """Whether two capsules that are to keep apart are nearer than ``slack``."""
+    for pair in range(len(bodies.pairs) // 2):
+        i, j = bodies.pairs[2 * pair], bodies.pairs[2 * pair + 1]
+        p, q = vec3_at(ends, 6 * i), vec3_at(ends, 6 * j)
+        way = between_segments(
+            p, sub(vec3_at(ends, 6 * i + 3), p), q, sub(vec3_at(ends, 6 * j + 3), q)
+        )
+        if math.sqrt(dot(way, way)) <= bodies.radii[i] + bodies.radii[j] + slack:
+            return True
+    return False
+
+
+@register_jitable
+def _touches_solids(bodies: Bodies, ends: FloatArray, around: Obstacles) -> bool:
+    """Whether a capsule is too near to something it is to keep clear of."""
+    count = len(around.margins)
+    for c in range(len(bodies.frames)):
+        a, b = vec3_at(ends, 6 * c), vec3_at(ends, 6 * c + 3)
+        for s in range(count):
+            if not around.asked[c * count + s]:
+                continue
+            need = bodies.radii[c] + around.margins[s]
+            if s == count - 1:
+                if min(a[2], b[2]) - around.floor < need:
+                    return True
+            elif touches(around, s, a, b, need):
+                return True
+    return False
+
+
+@compiled(example=(TABLE, BODIES, FLOATS, NO_OBSTACLES, 0.0, FLAGS, NEW_FLAGS))
+def touching_stances(
+    chain: ChainTable,
+    bodies: Bodies,
+    stances: FloatArray,
+    around: Obstacles,
+    slack: float,
+    reached: BoolArray,
+    touching: BoolArray,
+) -> None:
+    """Mark the nodes at whose stance a capsule is too near to something, or to another.
+
+    Args:
+        chain: the chain.
+        bodies: its capsules.
+        stances: coordinates at the nodes, flat (k n,).
+        around: what to keep clear of.
+        slack: distance that capsules keep from each other, [unit]; below 0 they are not looked at.
+        reached: nodes to look at, (k,).
+        touching: (k,); written.
+    """
+    count = len(chain.limits) // 2
+    joints, poses = np.empty(count), np.empty(POSE * (len(chain.source) + 1))
+    ends = np.empty(6 * len(bodies.frames))
+    for node in range(len(reached)):
+        if not reached[node]:
+            continue
+        for j in range(count):
+            joints[j] = stances[node * count + j]
+        place_bodies(chain, bodies, joints, poses, ends)
+        touching[node] = _touches_solids(bodies, ends, around)
+        if slack >= 0 and not touching[node]:
+            touching[node] = _touches_itself(bodies, ends, slack)

@@ -1,0 +1,170 @@
+"""What a URDF arm may do from one of its first poses: places, legs and curves of its tool."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from abi.arm import chain_mask_kernels
+from abi.arm.arm_certificate import ArmCertificate, ArmRefutation
+from abi.arm.chain_certificate import certify_chain
+from abi.arm.chain_surroundings import bodies_of, chain_surroundings
+from abi.arm.joint_course import course_from
+from abi.arm.stances import Stances
+from abi.arm.surroundings import Surroundings
+from abi.arm.urdf_arm import REACHED, UrdfArm
+from abi.arm.urdf_motion import JointCourse
+from abi.arrays import BoolArray, FloatArray, flat
+from abi.curves.curve import ArcLength, Curve
+from abi.obstacles.obstacle_set import Obstacle, ObstacleSet
+
+_STEP = 1 / 60
+"""Way of the tool between poses of a leg, at most, over the arm's reach."""
+_SAMPLES = 241
+"""Places of a curve that is asked about."""
+_TRIES = 20_000
+
+
+@dataclass(frozen=True, eq=False)
+class ChainSight:
+    """Questions to a URDF arm that starts from one pose.
+
+    Where the arm has joints to spare it stands at a place as it does when it comes there from the
+    first pose; legs begin with the stance of the nearest node.
+
+    Attributes:
+        arm: the arm.
+        number: of the pose among those that were tried, from 0.
+        around: obstacles and floor.
+        stances: its joints all over the mesh.
+        clearance: distance that its links keep from obstacles, [unit].
+        slack: distance that legs and places keep beyond that, [unit].
+    """
+
+    arm: UrdfArm
+    number: int
+    around: Surroundings
+    stances: Stances
+    clearance: float
+    slack: float
+
+    @property
+    def branch(self) -> str:
+        """The pose, as the beginning of a sentence."""
+        return f"From first pose {self.number + 1}"
+
+    @property
+    def legs(self) -> None:
+        """None: compiled loops do not know the arm."""
+
+    @property
+    def key(self) -> tuple[object, ...]:
+        """What the places that it excludes depend on, beside the obstacles."""
+        return self.arm, self.stances, self.clearance, self.slack
+
+    def refutation(self, curve: Curve) -> ArmRefutation | None:
+        """Place of a curve at which the arm is not proven clear; None for a clear curve."""
+        parameters = np.linspace(*curve.interval, _SAMPLES)
+        joints, missed = self.arm.follow(self.stances.home, curve(parameters))
+        return self._refutation(joints, missed, parameters, self.clearance)
+
+    def leg_refutation(self, points: FloatArray) -> ArmRefutation | None:
+        """The same of a polyline (k, 3), k >= 1, [unit], world; parameter k is its vertex k."""
+        begin = self.stances.near(points[0])
+        if begin is None:
+            return ArmRefutation(0.0, -1, -1, True)
+        vertices = points if len(points) > 1 else np.repeat(points, 2, axis=0)
+        parameters, joints, missed = self._along(vertices, begin)
+        return self._refutation(joints, missed, parameters, self._beyond, _TRIES)
+
+    def clear_legs(self, points: FloatArray) -> BoolArray:
+        """Legs (k - 1,) of a polyline (k, 3), k >= 2, on which the arm is proven to be clear.
+
+        Each begins with the pose in which the one before ended; after one that is not clear, with
+        the stance of the nearest node.
+        """
+        clear = np.zeros(len(points) - 1, dtype=np.bool_)
+        pose: tuple[FloatArray, FloatArray] | None = None
+        for k in range(len(clear)):
+            begin = pose or self.stances.near(points[k])
+            if begin is None:
+                return clear
+            _, joints, missed = self._along(points[k : k + 2], begin)
+            clear[k] = (missed <= REACHED * self.arm.reach).all() and isinstance(
+                certify_chain(self.arm, joints, self.around, self._beyond, _TRIES), ArmCertificate
+            )
+            pose = (points[k + 1], joints[-1]) if clear[k] else None
+        return clear
+
+    def course(self, curve: Curve, arc: ArcLength) -> JointCourse:
+        """The joints along a curve, from that pose."""
+        return course_from(self.stances.home, curve, arc, self.arm)
+
+    def reached(self, points: FloatArray) -> BoolArray:
+        """Nodes (n, 3) of the mesh that the arm reaches, clear of the floor and itself, (n,)."""
+        reached = self.stances.reached
+        assert len(points) == len(reached)
+        around = self.around.only(self.around.numbers < 0)
+        return reached & ~self._touching(around, self.slack, reached)
+
+    def touching(
+        self, points: FloatArray, obstacle: Obstacle, lowest: float, reached: BoolArray
+    ) -> BoolArray:
+        """Nodes (n, 3) at which it touches an obstacle, or nearly, of those reached (n,)."""
+        assert len(points) == len(reached)
+        around = chain_surroundings(self.arm, ObstacleSet((obstacle,)), lowest)
+        return self._touching(around.only(around.numbers >= 0), -1.0, reached)
+
+    @property
+    def _beyond(self) -> float:
+        """Distance that legs and places keep, [unit]."""
+        return self.clearance + self.slack
+
+    def _along(
+        self, vertices: FloatArray, begin: tuple[FloatArray, FloatArray]
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Parameters (m,), joints (m, n) and errors (m,) along a polyline (k, 3), k >= 2.
+
+        Args:
+            vertices: of the polyline, [unit], world.
+            begin: place and joints to begin with; the way to the first vertex is left out.
+        """
+        lengths = np.linalg.norm(np.diff(vertices, axis=0), axis=1)
+        counts = np.ceil(lengths / (_STEP * self.arm.reach)).astype(int).clip(1)
+        parameters = np.concatenate(
+            [[0.0], *(k + np.arange(1, n + 1) / n for k, n in enumerate(counts))]
+        )
+        rows = np.arange(len(vertices))
+        targets = np.stack([np.interp(parameters, rows, part) for part in vertices.T], axis=1)
+        points = np.concatenate([[begin[0]], targets])
+        joints, missed = self.arm.follow(begin[1], points, self.stances.home)
+        return parameters, joints[1:], missed[1:]
+
+    def _touching(self, around: Surroundings, own: float, reached: BoolArray) -> BoolArray:
+        touching = np.zeros(len(reached), dtype=np.bool_)
+        stances = flat(self.stances.positions / self.arm.scales)
+        margins = around.beyond(self._beyond)
+        bodies = bodies_of(self.arm)
+        chain_mask_kernels.touching_stances(
+            self.arm.chain.table, bodies, stances, margins, own, reached, touching
+        )
+        return touching
+
+    def _refutation(
+        self,
+        joints: FloatArray,
+        missed: FloatArray,
+        parameters: FloatArray,
+        margin: float,
+        tries: int | None = None,
+    ) -> ArmRefutation | None:
+        """Place at which joint positions (k, n) miss their points, or are not proven clear."""
+        beyond = np.flatnonzero(missed > REACHED * self.arm.reach)
+        if len(beyond):
+            return ArmRefutation(float(parameters[beyond[0]]), -1, -1, True)
+        found = certify_chain(self.arm, joints, self.around, margin, *([tries] if tries else []))
+        if isinstance(found, ArmCertificate):
+            return None
+        at = float(np.interp(found.parameter, np.arange(len(parameters)), parameters))
+        return ArmRefutation(at, found.capsule, found.obstacle, found.decided)

@@ -1,0 +1,56 @@
+"""What the links of a URDF arm are to keep clear of, and its capsules, as the kernels take them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from abi.arm.separate_chain_kernels import Bodies
+from abi.arm.surroundings import (
+    FLOOR,
+    Surroundings,
+    largest_coordinate,
+    outermost,
+    solid_rows,
+)
+from abi.arm.urdf_arm import UrdfArm
+from abi.arrays import flat, read_only
+from abi.obstacles.obstacle_set import ObstacleSet
+
+
+def chain_surroundings(arm: UrdfArm, obstacles: ObstacleSet, lowest: float) -> Surroundings:
+    """Everything around an arm but itself.
+
+    The floor is level with the base or, where that is lower, the workspace. What stands still and
+    the link on it may touch it.
+
+    Args:
+        arm: the arm.
+        obstacles: the solids.
+        lowest: height of the workspace's bottom, [unit].
+    """
+    solids = solid_rows(obstacles)
+    asked = np.tile(outermost(solids.inside), (len(arm.capsules), 1))
+    asked[:, -1] = [one.frame >= 1 for one in arm.capsules]
+    size = float(np.abs(arm.base).max()) + 2 * arm.reach + largest_coordinate(solids.rows)
+    return Surroundings(
+        rows=read_only(solids.rows),
+        inside=read_only(solids.inside.reshape(-1)),
+        numbers=read_only(np.append(solids.numbers, np.int32(FLOOR)).astype(np.int32)),
+        asked=read_only(asked),
+        floor=min(float(arm.base[2]), lowest),
+        size=size,
+    )
+
+
+def bodies_of(arm: UrdfArm) -> Bodies:
+    """An arm's capsules as the kernels take them, for coordinates in [rad] and [m]."""
+    frames = np.array([one.frame for one in arm.capsules], dtype=np.int32)
+    return Bodies(
+        frames=read_only(frames),
+        ends=flat(np.stack([one.ends for one in arm.capsules])),
+        radii=arm.radii,
+        levers=flat(arm.levers * arm.scales),
+        pairs=read_only(np.ascontiguousarray(arm.pairs).reshape(-1)),
+        pair_levers=flat(arm.pair_levers * arm.scales),
+        scale=1 / arm.metres,
+    )

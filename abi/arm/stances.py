@@ -1,0 +1,76 @@
+"""Stances of a URDF arm: its joints with the tool at each node of a mesh."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import scipy
+
+from abi.arm import spread_kernels
+from abi.arm.chain import PULL
+from abi.arm.urdf_arm import REACHED, UrdfArm
+from abi.arrays import BoolArray, FloatArray, IntArray, flat, read_only
+from abi.tet_mesh.tet_mesh import TetMesh
+
+_LONGEST = 0.7
+"""Step of a joint between neighbours beyond which they are not joined, [rad] or [m]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Stances:
+    """Joints at the nodes that an arm reaches, spread from where it starts.
+
+    Attributes:
+        mesh: the mesh.
+        start: where the tool starts, shape (3,), [unit], world.
+        home: joint positions there, shape (n,), [rad] or [unit].
+        positions: joint positions at the nodes, shape (k, n), [rad] or [unit].
+        reached: nodes that have some, shape (k,).
+    """
+
+    mesh: TetMesh
+    start: FloatArray
+    home: FloatArray
+    positions: FloatArray
+    reached: BoolArray
+
+    def near(self, point: FloatArray) -> tuple[FloatArray, FloatArray] | None:
+        """The nearest place with a stance to a point (3,), and its joints; None without any."""
+        if np.array_equal(point, self.start):
+            return self.start, self.home
+        if not len(self._nodes):
+            return None
+        node = int(self._nodes[self._tree.query(point)[1]])
+        return self.mesh.points[node], self.positions[node]
+
+    @cached_property
+    def _nodes(self) -> IntArray:
+        return np.flatnonzero(self.reached).astype(np.int32)
+
+    @cached_property
+    def _tree(self) -> scipy.spatial.cKDTree:
+        return scipy.spatial.cKDTree(self.mesh.points[self._nodes])
+
+
+def spread_over(arm: UrdfArm, mesh: TetMesh, start: FloatArray, home: FloatArray) -> Stances:
+    """Spread an arm's inverse kinematics over a mesh, from a pose at the start.
+
+    Args:
+        arm: the arm.
+        mesh: the mesh.
+        start: where the tool starts, shape (3,), [unit], world.
+        home: joint positions there, shape (n,), [rad] or [unit].
+    """
+    indptr, indices = mesh.neighbours
+    stances = np.zeros((len(mesh.points), len(home)))
+    reached = np.zeros(len(mesh.points), dtype=np.bool_)
+    first = int(np.linalg.norm(mesh.points - start, axis=1).argmin())
+    spread_kernels.spread(
+        *(arm.chain.table, indptr, indices, flat(mesh.points * arm.metres), first),
+        *(flat(home / arm.scales), (PULL, REACHED, _LONGEST), stances.reshape(-1), reached),
+    )
+    return Stances(
+        mesh, read_only(start), home, read_only(stances * arm.scales), read_only(reached)
+    )

@@ -1,0 +1,127 @@
+"""Tightening of a path on which tool and arm stay clear.
+
+Both answer for a leg with yes or no; that takes most of the time. A path is a list of points,
+[unit], world.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba.extending import register_jitable
+
+from abi.arm.leg_kernels import NO_LEGS, ArmLegs, arm_is_clear
+from abi.arrays import FloatArray
+from abi.compiled import FLOATS, compiled
+from abi.obstacles.triangle_mesh.surface_kernels import Room, new_room
+from abi.obstacles.vector_kernels import Vec3, axpy, distance, dot, sub, vec3_at
+from abi.taut.tighten_near_meshes_kernels import NO_SURROUNDINGS, Surroundings, is_clear
+
+_ROUNDS = 3
+_STEPS = (0.8, 0.3, 0.08)
+_SETTLED = 1e-3
+_CUT = (0.45, 0.2)
+
+
+@register_jitable
+def _clear(around: Surroundings, legs: ArmLegs, room: Room, a: Vec3, b: Vec3) -> bool:
+    """Whether tool and arm are clear on the leg from a to b."""
+    return is_clear(around, 0, a, b, room) and arm_is_clear(legs, a, b)
+
+
+@register_jitable
+def _shortcuts(path: list[Vec3], around: Surroundings, legs: ArmLegs, room: Room) -> list[Vec3]:
+    """From each vertex straight to the farthest in sight, found by doubling, then halving."""
+    kept, i, last = [path[0]], 0, len(path) - 1
+    while i < last:
+        near, step = i + 1, 2
+        while i + step <= last and _clear(around, legs, room, path[i], path[i + step]):
+            near, step = i + step, 2 * step
+        tried = i + step <= last
+        far = min(i + step, last)
+        while far > near + 1:
+            middle = (near + far) // 2
+            if _clear(around, legs, room, path[i], path[middle]):
+                near = middle
+            else:
+                far, tried = middle, True
+        if near < far and not tried and _clear(around, legs, room, path[i], path[last]):
+            near = last
+        i = near
+        kept.append(path[i])
+    return kept
+
+
+@register_jitable
+def _moved(path: list[Vec3], around: Surroundings, legs: ArmLegs, room: Room) -> list[Vec3]:
+    """Vertices dropped, or moved towards the chord of their neighbours."""
+    kept = [path[0]]
+    for k in range(1, len(path) - 1):
+        a, vertex, b = kept[-1], path[k], path[k + 1]
+        if _clear(around, legs, room, a, b):
+            continue
+        chord = sub(b, a)
+        share = dot(sub(vertex, a), chord) / max(dot(chord, chord), 1e-300)
+        pull = sub(axpy(min(max(share, 0.0), 1.0), chord, a), vertex)
+        found = vertex
+        for step in _STEPS:
+            at = axpy(step, pull, vertex)
+            if _clear(around, legs, room, a, at) and _clear(around, legs, room, at, b):
+                found = at
+                break
+        kept.append(found)
+    kept.append(path[-1])
+    return kept
+
+
+@register_jitable
+def _cut_corners(path: list[Vec3], around: Surroundings, legs: ArmLegs, room: Room) -> list[Vec3]:
+    """Bends cut where that is clear."""
+    kept = [path[0]]
+    for k in range(1, len(path) - 1):
+        vertex = path[k]
+        back, ahead = sub(path[k - 1], vertex), sub(path[k + 1], vertex)
+        cut = False
+        for share in _CUT:
+            first, last = axpy(share, back, vertex), axpy(share, ahead, vertex)
+            if _clear(around, legs, room, first, last):
+                kept.append(first)
+                kept.append(last)
+                cut = True
+                break
+        if not cut:
+            kept.append(vertex)
+    kept.append(path[-1])
+    return kept
+
+
+@register_jitable
+def _length(path: list[Vec3]) -> float:
+    total = 0.0
+    for k in range(1, len(path)):
+        total += distance(path[k - 1], path[k])
+    return total
+
+
+@compiled(example=(FLOATS, NO_SURROUNDINGS, NO_LEGS))
+def pulled(points: FloatArray, around: Surroundings, legs: ArmLegs) -> FloatArray:
+    """Drop the vertices that a path can do without, move others, and cut corners.
+
+    Args:
+        points: flat (3 k,), clear for tool and arm, [unit], world.
+        around: what the tool keeps clear of.
+        legs: what the arm keeps clear of.
+
+    Returns:
+        The path, flat, never longer.
+    """
+    room = new_room()
+    path = _shortcuts([vec3_at(points, 3 * k) for k in range(len(points) // 3)], around, legs, room)
+    for _ in range(_ROUNDS):
+        before = _length(path)
+        path = _cut_corners(_moved(path, around, legs, room), around, legs, room)
+        if _length(path) > (1 - _SETTLED) * before:
+            break
+    taut = np.empty(3 * len(path))
+    for k in range(len(path)):
+        taut[3 * k], taut[3 * k + 1], taut[3 * k + 2] = path[k]
+    return taut
