@@ -1,0 +1,103 @@
+"""Places tried for an arm's base in a region, and what came of each."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from abi.obstacles.pose import Vec3
+from abi.scene.scene import Scene
+
+
+@dataclass(frozen=True)
+class BaseTrial:
+    """A place of the base that was tried, and the cell of the region that it stands for.
+
+    Attributes:
+        base: the place, [unit], world.
+        cell: sides of the cell around it, [unit].
+        length: of the curve that the arm follows from there, [unit]; None without a certified plan.
+        clearance: distance that the links are proven to keep from the obstacles, [unit].
+        fault: reason why there is no certified plan; empty where there is one.
+        rank: how far the plan came: the larger, the farther.
+    """
+
+    base: Vec3
+    cell: Vec3
+    length: float | None = None
+    clearance: float = 0.0
+    fault: str = ""
+    rank: int = 0
+
+    @property
+    def order(self) -> tuple[float, float]:
+        """Key that sorts the better first: by length, of equal ones the clearer."""
+        if self.length is None:
+            return float("inf"), -self.rank
+        return self.length, -self.clearance
+
+
+@dataclass(frozen=True, eq=False)
+class BaseMap:
+    """The places tried so far.
+
+    Attributes:
+        scene: the scene, with the base that it has.
+        low: low corner of the region, [unit], world.
+        high: its high corner.
+        trials: all places, in the order in which they were tried.
+        cells: those whose cells cover the region as finely as it was looked at.
+        planned: number of plans made so far, and of all that there will be, as far as is known.
+        is_done: whether it is complete.
+        fault: reason why no base helps, as a sentence: the tool itself has no plan; else empty.
+    """
+
+    scene: Scene
+    low: Vec3
+    high: Vec3
+    trials: tuple[BaseTrial, ...] = ()
+    cells: tuple[BaseTrial, ...] = ()
+    planned: tuple[int, int] = (0, 1)
+    is_done: bool = False
+    fault: str = ""
+
+    @property
+    def best(self) -> BaseTrial | None:
+        """The place of the shortest certified plan, of equal ones the clearest; None of none."""
+        found = [trial for trial in self.trials if trial.length is not None]
+        return min(found, key=lambda trial: trial.order, default=None)
+
+    @property
+    def lengths(self) -> tuple[float, float] | None:
+        """Least and greatest length that was found, [unit]; None without any."""
+        lengths = [trial.length for trial in self.trials if trial.length is not None]
+        return (min(lengths), max(lengths)) if lengths else None
+
+    @property
+    def faults(self) -> Mapping[str, int]:
+        """How often each reason stood against a certified plan, the most frequent first."""
+        counts = Counter(trial.fault for trial in self.trials if trial.length is None)
+        return dict(counts.most_common())
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain data: the region, the best base, and all trials."""
+        best = self.best
+        return {
+            "low": list(self.low),
+            "high": list(self.high),
+            "best": None if best is None else list(best.base),
+            "length": None if best is None else best.length,
+            "faults": dict(self.faults),
+            "fault": self.fault or None,
+            "trials": [
+                {
+                    "base": list(trial.base),
+                    "cell": list(trial.cell),
+                    "length": trial.length,
+                    "fault": trial.fault or None,
+                }
+                for trial in self.trials
+            ],
+        }

@@ -1,0 +1,228 @@
+"""The place for an arm's base, in a region, that gives the shortest certified plan.
+
+The region is cut into some sixty cells, and the scene is planned with the base in the middle of
+each. Then the best cells are cut in two along every side, three times. What the tool can do does
+not depend on the base, so that the planner repeats the last stage alone.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from abi.arrays import FloatArray
+from abi.errors import ArmNotClear, SceneError, StageError
+from abi.obstacles.pose import Vec3
+from abi.planner.base_map import BaseMap, BaseTrial
+from abi.planner.plan import Plan
+from abi.planner.planner import Planner
+from abi.scene.scene import Scene
+
+MOST_NODES = 8_000
+"""Nodes of the mesh that bases are tried on; the best are then planned on the scene's own."""
+
+_FIRST_CELLS = 64
+_ROUNDS = 3
+_SPLIT = 4
+"""Cells that are cut in a round."""
+_SPLIT_BLINDLY = 16
+"""The same while no base has a plan."""
+_FARTHEST = 1e6
+_RANKS = {"start": 1, "goal": 2, "path": 3, "curve": 4}
+_COARSER = 2 ** (1 / 3)
+
+
+def find_base(
+    scene: Scene,
+    low: Sequence[float],
+    high: Sequence[float],
+    cancelled: Callable[[], bool] = lambda: False,
+) -> BaseMap:
+    """Find the base in a region that gives the shortest certified plan.
+
+    A plan is certified when the arm follows its curve within reach and limits, the curve is proven
+    to keep the clearance, and all links are proven clear. Of equally short ones, the one whose
+    links keep farthest from the obstacles counts as the best.
+
+    Args:
+        scene: the scene; all but ``arm.base`` stays as it is.
+        low: low corner of the region, [unit], world.
+        high: its high corner; a side of no length is not divided.
+        cancelled: called before each plan; once it returns True the map is what is known by then.
+
+    Raises:
+        SceneError: the region is none; names the corner.
+    """
+    found = BaseMap(scene, *_region(low, high))
+    for latest in base_maps(scene, low, high):
+        found = latest
+        if cancelled():
+            break
+    return found
+
+
+def base_maps(scene: Scene, low: Sequence[float], high: Sequence[float]) -> Iterator[BaseMap]:
+    """Maps with one more plan each, the last of them complete.
+
+    The arguments are those of :func:`find_base`.
+
+    Raises:
+        SceneError: the region is none; names the corner.
+    """
+    found = BaseMap(scene, *_region(low, high))
+    coarse = _coarser(scene)
+    planner = Planner(compile=False)
+    cells = _first_cells(found.low, found.high)
+    for number in range(_ROUNDS + 1):
+        later = (_ROUNDS - number) * _SPLIT * _parts(cells[0])
+        whole = len(found.trials) + len(cells) + later
+        for cell in cells:
+            tried = _tried(planner, coarse, cell)
+            if isinstance(tried, str) and coarse is not scene:
+                coarse = scene
+                tried = _tried(planner, coarse, cell)
+            if isinstance(tried, str):
+                yield replace(found, fault=tried, is_done=True)
+                return
+            trials = (*found.trials, tried)
+            planned = len(trials), whole
+            found = replace(found, trials=trials, cells=(*found.cells, tried), planned=planned)
+            yield found
+        if _parts(cells[0]) == 1:
+            break
+        if number < _ROUNDS:
+            split = _to_split(found.cells)
+            kept = tuple(cell for cell in found.cells if cell not in split)
+            cells = [part for cell in split for part in _halves(cell)]
+            found = replace(found, cells=kept)
+    while coarse is not scene and found.best is not None:
+        found, is_confirmed = _confirmed(found, found.best, planner)
+        if is_confirmed:
+            break
+        yield found
+    yield replace(found, is_done=True)
+
+
+def default_region(scene: Scene) -> tuple[Vec3, Vec3]:
+    """Low and high corner of a region to look at first: level with the base, around the workspace.
+
+    It reaches beyond the workspace by half the arm's length, where that is the paper's, and by half
+    the workspace's longest side otherwise.
+    """
+    arm, box = scene.arm, scene.workspace
+    beyond = (arm.a3 + arm.a4 + arm.a5) / 2 if arm.model == "abi" else max(box.size) / 2
+    height = arm.base[2]
+    low = (box.min[0] - beyond, box.min[1] - beyond, height)
+    return low, (box.max[0] + beyond, box.max[1] + beyond, height)
+
+
+def _region(low: Sequence[float], high: Sequence[float]) -> tuple[Vec3, Vec3]:
+    """Both corners, checked."""
+    corners = []
+    for name, corner in (("low", low), ("high", high)):
+        numbers = [float(number) for number in corner]
+        if len(numbers) != 3 or not all(abs(number) <= _FARTHEST for number in numbers):
+            raise SceneError(f"region.{name}", list(corner), "three finite numbers")
+        corners.append((numbers[0], numbers[1], numbers[2]))
+    if any(a > b for a, b in zip(*corners, strict=True)):
+        expected = f"no number below that of region.low, {list(low)}"
+        raise SceneError("region.high", list(high), expected)
+    return corners[0], corners[1]
+
+
+def _coarser(scene: Scene) -> Scene:
+    """The scene, with a coarser pitch where its mesh is large."""
+    mesh = scene.mesh
+    while mesh.node_count(scene.workspace) > MOST_NODES:
+        mesh = mesh.model_copy(update={"pitch": mesh.pitch * _COARSER})
+    return scene if mesh is scene.mesh else scene.model_copy(update={"mesh": mesh})
+
+
+def _first_cells(low: Vec3, high: Vec3) -> list[BaseTrial]:
+    """Cells that fill the region, about as wide as long, in rows."""
+    sides = np.subtract(high, low)
+    wide = sides[sides > 0]
+    side = float(np.prod(wide) / _FIRST_CELLS) ** (1 / max(len(wide), 1))
+    counts = [max(1, min(_FIRST_CELLS, round(length / side))) for length in sides.tolist()]
+    cell = sides / counts
+    places = itertools.product(*map(range, counts))
+    return [_cell(low + (np.array(place) + 0.5) * cell, cell) for place in places]
+
+
+def _halves(cell: BaseTrial) -> list[BaseTrial]:
+    """Cells of half its sides."""
+    half = np.array(cell.cell) / 2
+    signs = itertools.product(*((-0.5, 0.5) if side > 0 else (0.0,) for side in cell.cell))
+    return [_cell(np.array(cell.base) + np.array(sign) * half, half) for sign in signs]
+
+
+def _cell(middle: FloatArray, sides: FloatArray) -> BaseTrial:
+    """Cell around a place, which is rounded to a hundredth of its shortest side."""
+    shortest = float(min(sides[sides > 0], default=1.0))
+    decimals = max(0, 2 - math.floor(math.log10(shortest)))
+    x, y, z = np.where(sides > 0, np.round(middle, decimals) + 0.0, middle).tolist()
+    a, b, c = sides.tolist()
+    return BaseTrial((x, y, z), (a, b, c))
+
+
+def _parts(cell: BaseTrial) -> int:
+    """How many cells it is cut into."""
+    return int(2 ** sum(side > 0 for side in cell.cell))
+
+
+def _to_split(cells: Sequence[BaseTrial]) -> list[BaseTrial]:
+    """The best cells; more while none has a plan."""
+    best = sorted(cells, key=lambda cell: cell.order)
+    return best[: _SPLIT if best[0].length is not None else _SPLIT_BLINDLY]
+
+
+def _tried(planner: Planner, scene: Scene, cell: BaseTrial) -> BaseTrial | str:
+    """The cell with what a plan from its middle comes to; why no base helps where that is so."""
+    arm = scene.arm.model_copy(update={"base": cell.base})
+    plan = planner(scene.model_copy(update={"arm": arm}), chosen_only=True)
+    if plan.error is not None and plan.error.stage != "arm":
+        return plan.error.message
+    fault, rank = _fault(plan)
+    arc = {"bspline": plan.bspline_arc, "quadratic": plan.quadratic_arc}.get(plan.followed or "")
+    if fault or arc is None or plan.arm_clearance is None:
+        return replace(cell, fault=fault, rank=rank)
+    return replace(cell, length=arc.length, clearance=plan.arm_clearance.distance)
+
+
+def _fault(plan: Plan) -> tuple[str, int]:
+    """Why a plan is not certified, empty where it is, and how far it came."""
+    error: StageError | None = plan.error
+    if isinstance(error, ArmNotClear):
+        rank = _RANKS[error.where]
+        if error.where in ("start", "goal"):
+            what = "out of reach" if error.obstacle is None else "a link in the way"
+            return f"{what} at the {error.where}", rank
+        return {3: "no path for the whole arm", 4: "no curve proven clear"}[rank], rank
+    if error is not None:
+        return "out of reach on the way", 0
+    assert plan.motion is not None
+    assert plan.arm_clearance is not None
+    assert plan.followed_curve is not None
+    if not plan.motion.within_limits:
+        return "a joint past its limit", 2
+    if plan.arm_clearance.contacts:
+        return "a link in the way", 3
+    if not plan.arm_clearance.certified:
+        return "the links not proven clear", 4
+    if not plan.followed_curve.holds:
+        return "the curve not proven clear", 4
+    return "", 5
+
+
+def _confirmed(found: BaseMap, best: BaseTrial, planner: Planner) -> tuple[BaseMap, bool]:
+    """The map with its best base planned anew on the scene's own mesh; whether it has a plan."""
+    anew = _tried(planner, found.scene, best)
+    if isinstance(anew, str):
+        anew = replace(best, length=None, fault="no path on the scene's own mesh")
+    trials = tuple(anew if trial is best else trial for trial in found.trials)
+    cells = tuple(anew if cell is best else cell for cell in found.cells)
+    return replace(found, trials=trials, cells=cells), anew.length is not None

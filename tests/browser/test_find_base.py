@@ -1,0 +1,42 @@
+"""The search for a base as a person uses it: found, looked at, taken, undone."""
+
+from __future__ import annotations
+
+import re
+
+import abi
+from app.session import Session
+from tests.browser.page import Page
+
+
+def test_the_arm_is_put_where_the_way_is_shortest(page: Page, session: Session) -> None:
+    page.click("Scene")
+    page.choose("scene", "find-a-base")
+    scene = abi.load_scene("find-a-base")
+    page.until(lambda: session.frame.plan.scene == scene, "the scene")
+    page.reads("touches obstacle 1 with its upper arm at the start")
+    page.tab.get_by_text("6 · Arm").first.click()
+    page.tab.get_by_text("Find a base", exact=True).first.click()
+    assert "/bases/tiles" not in page.names()
+    page.click("Find a base")
+    page.until(lambda: "/base_region/box" in page.shown(), "the region")
+    page.until(lambda: "/bases/tiles" in page.shown(), "the heat map")
+    page.reads("Put the arm here")
+    page.until(
+        lambda: session.frame.bases is not None and session.frame.bases.is_done, "its end", 150
+    )
+    found = session.frame.bases
+    assert found is not None
+    assert found.best is not None
+    page.reads(f"of {len(found.trials)} places have a certified plan")
+    counts = re.findall(r"(\d+) × ", page.text())
+    assert sum(map(int, counts)) == sum(list(found.faults.values())[:4])
+
+    page.click("Put the arm here")
+    page.until(lambda: session.frame.plan.error is None, "a plan")
+    page.reads("proven clear ✓")
+    assert session.frame.plan.scene.arm.base == found.best.base
+    assert "/bases/best" in page.shown()
+    page.click("Undo")
+    page.until(lambda: session.frame.plan.scene == scene, "the base as it was")
+    assert not page.errors
