@@ -7,11 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from abi.arm.arm import Arm
-from abi.arm.inverse_kinematics import solve
-from abi.arm.joint_course import JointCourse
+from abi.arm.arm_model import Course
 from abi.arrays import FloatArray, flat, read_only
-from abi.curves.curve import ArcLength, Curve
 from abi.curves.speed_profile import three_phase
 from abi.curves.time_optimal_kernels import fastest_speeds
 from abi.curves.timed_profile import (
@@ -20,12 +17,8 @@ from abi.curves.timed_profile import (
     from_squared_speeds,
     jerk_limited,
 )
-from abi.scene.scene import ArmSettings, MotionSettings
+from abi.scene.scene import MotionSettings
 
-JOINT_SPEED = np.pi
-"""Largest speed of the paper's turning joints, nominal, [rad/s]."""
-
-_MOVED = 3
 _GRID = 3201
 """Points along the curve at which the joints are asked."""
 _ROOM = 1.001
@@ -39,36 +32,7 @@ class JointLimits(NamedTuple):
     accelerations: FloatArray
 
 
-class JointPath(NamedTuple):
-    """Joints as a function of the distance along a curve."""
-
-    curve: Curve
-    arc: ArcLength
-    arm: Arm
-    settings: ArmSettings
-
-    @property
-    def speeds(self) -> FloatArray:
-        """Largest speed of each joint, nominal, (3,), [rad/s]."""
-        return np.full(_MOVED, JOINT_SPEED)
-
-    @property
-    def scales(self) -> FloatArray:
-        """A limit of [rad/s²] in that unit, (3,)."""
-        return np.ones(_MOVED)
-
-    def at(self, distances: FloatArray) -> FloatArray:
-        """Positions of q1 to q3 at distances (k,) in their order, (k, 3), [rad]."""
-        parameters = self.arc.parameter(distances)
-        tangents = self.curve(parameters, 1)
-        lengths = np.linalg.norm(tangents, axis=1)
-        tangents = tangents / np.where(lengths > 0, lengths, 1)[:, None]
-        q5, points = np.full(len(distances), self.settings.q5), self.curve(parameters)
-        found = solve(self.arm, points, q5, self.settings.branches[0], tangents)
-        return np.stack([found.q1, found.q2, found.q3], axis=1)
-
-
-def motion_law(path: JointPath | JointCourse, settings: MotionSettings) -> PathProfile:
+def motion_law(path: Course, settings: MotionSettings) -> PathProfile:
     """Motion from rest to rest along a curve by a law other than the paper's three phases.
 
     It keeps the speeds and accelerations of the joints that the inverse kinematics moves: of the
@@ -113,7 +77,7 @@ def _derivatives(length: float, joints: FloatArray) -> tuple[FloatArray, FloatAr
     return first, second
 
 
-def _excess(profile: PathProfile, path: JointPath | JointCourse, limits: JointLimits) -> float:
+def _excess(profile: PathProfile, path: Course, limits: JointLimits) -> float:
     """Factor, at least 1, by which a motion is to be slowed so that the limits hold.
 
     The speeds and accelerations are differences of many samples.
@@ -127,7 +91,7 @@ def _excess(profile: PathProfile, path: JointPath | JointCourse, limits: JointLi
     return max(1.0, faster * _ROOM, math.sqrt(harder * _ROOM))
 
 
-def _time_optimal(path: JointPath | JointCourse, limits: JointLimits) -> TimedProfile:
+def _time_optimal(path: Course, limits: JointLimits) -> TimedProfile:
     """Fastest motion along the curve under the joints' limits."""
     length = path.arc.length
     distances = np.linspace(0.0, length, _GRID)

@@ -39,12 +39,24 @@ class JointPose:
     axis: FloatArray
     prismatic: bool
 
+    def to_dict(self) -> dict[str, object]:
+        """The fields as the page has them, to whose samples the time comes first."""
+        return {
+            "name": self.name,
+            "column": self.column + 1,
+            "wxyz": self.wxyz.tolist(),
+            "position": self.position.tolist(),
+            "axis": self.axis.tolist(),
+            "prismatic": self.prismatic,
+        }
+
 
 class ArmPlayback:
     """Tells the page what to play, when that changes."""
 
     def __init__(self, client: viser.ClientHandle) -> None:
         self._client = client
+        self._joints: tuple[list[JointPose], list[dict[str, object]]] = ([], [])
         self._playing: tuple[object, ...] | None = None
 
     def play(
@@ -56,10 +68,12 @@ class ArmPlayback:
             Whether this is new: the line named ``trace`` is then to have a segment between each
             two of :func:`samples_of`.
         """
-        key = (motion, rate, len(joints))
+        key = (motion, rate, id(joints))
         if key == self._playing:
             return False
         self._playing = key
+        if self._joints[0] is not joints:
+            self._joints = joints, [joint.to_dict() for joint in joints]
         rows = samples_of(motion)
         table = np.column_stack((motion.time[rows], motion.positions[rows])).astype("<f4")
         page.play(
@@ -67,17 +81,7 @@ class ArmPlayback:
             {
                 "samples": base64.b64encode(table.tobytes()).decode(),
                 "columns": table.shape[1],
-                "joints": [
-                    {
-                        "name": joint.name,
-                        "column": joint.column + 1,
-                        "wxyz": joint.wxyz.tolist(),
-                        "position": joint.position.tolist(),
-                        "axis": joint.axis.tolist(),
-                        "prismatic": joint.prismatic,
-                    }
-                    for joint in joints
-                ],
+                "joints": self._joints[1],
                 "trace": trace,
                 "time": time,
                 "rate": rate,

@@ -9,9 +9,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from abi.arm.abi_model import JOINT_SPEED, AbiCourse
 from abi.arm.arm import Arm
 from abi.arm.liquid import GRAVITY, tilts
-from abi.arm.motion_law import JOINT_SPEED, JointPath, joint_accelerations
+from abi.arm.motion_law import joint_accelerations
 from abi.arm.trajectory import Trajectory
 from abi.curves.curve import ArcLength, Curve
 from abi.curves.speed_profile import SpeedProfile
@@ -40,12 +41,13 @@ def peaks(plan: Plan, samples: int = 3001) -> tuple[float, float]:
     assert plan.profile is not None
     assert isinstance(plan.arm, Arm)
     times = np.linspace(0, plan.profile.duration, samples)
-    path = JointPath(*followed(plan), plan.arm, plan.scene.arm)
+    path = AbiCourse(*followed(plan), plan.arm, plan.scene.arm)
     positions = path.at(plan.profile(times))
     speed = np.abs(np.diff(positions, axis=0)).max() / times[1]
     return float(speed), float(np.abs(joint_accelerations(times, positions)).max())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("limit", [8.0, 1.5])
 @pytest.mark.parametrize("law", LAWS[1:])
 @pytest.mark.parametrize("scene", ["paper", "two-boxes", "wall-with-window"])
@@ -89,7 +91,7 @@ def test_three_phases_know_nothing_of_joints() -> None:
     assert first.profile.duration == second.profile.duration
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(st.floats(-3, 3), st.floats(-3, 3), st.floats(-5, 5))
 def test_the_level_is_across_what_the_cup_feels(x: float, y: float, z: float) -> None:
     (tilt,) = tilts(np.array([[x, y, z]]), "m")
@@ -111,6 +113,7 @@ def test_no_moment_tilts_a_liquid_more_than_the_largest_tilt(law: str) -> None:
     assert plan.to_dict()["timing"]["liquid_tilt"] == plan.liquid_tilt
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("law", LAWS)
 def test_the_arms_proof_holds_for_every_motion(law: str) -> None:
     slides = {"forces": (0.5, 0.05, 0.6), "base": (3.0, -3.5, 0.0)}

@@ -72,7 +72,7 @@ def random_curve(seed: int) -> Polynomial:
     return Polynomial(np.array([[3.0, 1.0, 4.0], *rng.uniform(-2, 2, (3, 3))]))
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(SEED, POSITIVE, POSITIVE, POSITIVE)
 @example(11307, 1.0, 1.0, 1.0)
 def test_velocity_and_acceleration_are_the_derivatives(
@@ -138,7 +138,7 @@ def drives(draw: st.DrawFn) -> ArmSettings:
     )
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(drives())
 def test_corrected_drives_solve_the_equation_of_motion(given_settings: ArmSettings) -> None:
     """I·q'' = Q from rest, integrated numerically; the sliding joint moves the mass m5 + m6."""
@@ -159,7 +159,7 @@ def test_corrected_drives_solve_the_equation_of_motion(given_settings: ArmSettin
     np.testing.assert_allclose(found, solved.y[:3].T, rtol=1e-7, atol=1e-7)
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 @given(drives())
 def test_printed_drives_are_the_papers(corrected: ArmSettings) -> None:
     printed = corrected.model_copy(update={"dynamics": "as_printed", "q5": 0.0})

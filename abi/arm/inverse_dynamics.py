@@ -1,0 +1,139 @@
+"""Torques of a serial arm's joints along a motion, from the masses of its links.
+
+The recursive Newton-Euler equations: velocities and accelerations from the base to the tip, forces
+back (Luh, Walker and Paul, On-line computational scheme for mechanical manipulators, 1980; in the
+world's frame, Siciliano et al., Robotics, section 7.5).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from abi.arm.chain import Chain
+from abi.arrays import FloatArray
+
+GRAVITY = 9.80665
+"""Standard gravity, downwards along z, [m/s²]."""
+
+
+class _Body(NamedTuple):
+    """What a joint carries, as one rigid body in its frame.
+
+    Attributes:
+        mass: [kg].
+        centre: of mass, (3,), [m].
+        inertia: about it, (3, 3), [kg·m²].
+    """
+
+    mass: float
+    centre: FloatArray
+    inertia: FloatArray
+
+
+def has_masses(chain: Chain) -> bool:
+    """Whether the file gives a mass of anything that the chain moves."""
+    moved = [carried.link for carried in chain.carried if carried.frame >= 0]
+    return any(chain.robot.links[link].mass > 0 for link in moved)
+
+
+def joint_torques(
+    chain: Chain, positions: FloatArray, speeds: FloatArray, accelerations: FloatArray
+) -> FloatArray:
+    """Torques that the drives have to give, without friction and without a load on the tool.
+
+    Args:
+        chain: the chain; its z axis is upright.
+        positions: of the coordinates, shape (k, n), [rad] or [m].
+        speeds: shape (k, n), [rad/s] or [m/s].
+        accelerations: shape (k, n), [rad/s²] or [m/s²].
+
+    Returns:
+        Shape (k, n), [N·m], of sliding joints forces [N]; of a joint that others follow, theirs are
+        in it.
+    """
+    table, bodies = chain.table, _bodies(chain)
+    poses = chain.poses(positions)
+    turns, origins = poses[..., :3], poses[..., 3]
+    axes = np.einsum("kmij,mj->mki", turns[:, :-1], table.axes.reshape(-1, 3))
+    rates = (speeds[:, table.source] * table.factor).T[..., None]
+    growths = (accelerations[:, table.source] * table.factor).T[..., None]
+    omega, alpha = np.zeros((len(positions), 3)), np.zeros((len(positions), 3))
+    # an arm at rest that is lifted feels what one that hangs does
+    pull, place = np.full_like(omega, (0.0, 0.0, GRAVITY)), origins[:, 0]
+    forces, moments = [], []
+    for m, body in enumerate(bodies):
+        lever = origins[:, m] - place
+        pull = pull + _carried_along(omega, alpha, lever)
+        place = origins[:, m]
+        rate, growth = axes[m] * rates[m], axes[m] * growths[m]
+        if table.slides[m]:
+            pull = pull + 2 * np.cross(omega, rate) + growth
+        else:
+            alpha = alpha + growth + np.cross(omega, rate)
+            omega = omega + rate
+        turn = turns[:, m]
+        centre = turn @ body.centre
+        inertia = turn @ body.inertia @ turn.swapaxes(1, 2)
+        force = body.mass * (pull + _carried_along(omega, alpha, centre))
+        spin = _times(inertia, alpha) + np.cross(omega, _times(inertia, omega))
+        forces.append(force)
+        moments.append(spin + np.cross(centre, force))
+    return _summed(chain, axes, origins, forces, moments)
+
+
+def _carried_along(omega: FloatArray, alpha: FloatArray, lever: FloatArray) -> FloatArray:
+    """Acceleration of the end of a lever (k, 3) beside its beginning, of one rigid body."""
+    return np.cross(alpha, lever) + np.cross(omega, np.cross(omega, lever))
+
+
+def _summed(
+    chain: Chain,
+    axes: FloatArray,
+    origins: FloatArray,
+    forces: Sequence[FloatArray],
+    moments: Sequence[FloatArray],
+) -> FloatArray:
+    """Torques (k, n) from the forces and moments (k, 3) that each body needs, from the tip back."""
+    table, count = chain.table, len(chain.names)
+    torques = np.zeros((len(origins), count))
+    force, moment = np.zeros((len(origins), 3)), np.zeros((len(origins), 3))
+    last = origins[:, -1]
+    for m in reversed(range(len(forces))):
+        moment = moments[m] + moment + np.cross(last - origins[:, m], force)
+        force, last = forces[m] + force, origins[:, m]
+        own = np.einsum("ki,ki->k", force if table.slides[m] else moment, axes[m])
+        torques[:, table.source[m]] += table.factor[m] * own
+    return torques
+
+
+def _bodies(chain: Chain) -> list[_Body]:
+    """What each joint carries."""
+    bodies = []
+    for frame in range(len(chain.joints)):
+        carried = [one for one in chain.carried if one.frame == frame]
+        links = [chain.robot.links[one.link] for one in carried]
+        masses = np.array([link.mass for link in links])
+        centres = np.array(
+            [
+                one.pose[:3, :3] @ link.centre + one.pose[:3, 3]
+                for one, link in zip(carried, links, strict=True)
+            ]
+        )
+        mass = float(masses.sum())
+        centre = masses @ centres / mass if mass > 0 else np.zeros(3)
+        inertia = np.zeros((3, 3))
+        for one, link, offset in zip(carried, links, centres - centre, strict=True):
+            turn = one.pose[:3, :3]
+            inertia += turn @ link.inertia @ turn.T
+            # Steiner's theorem: the link's mass about the common centre
+            inertia += link.mass * (offset @ offset * np.eye(3) - np.outer(offset, offset))
+        bodies.append(_Body(mass, centre, inertia))
+    return bodies
+
+
+def _times(matrices: FloatArray, vectors: FloatArray) -> FloatArray:
+    """Products of matrices (k, 3, 3) and vectors (k, 3)."""
+    return np.asarray(np.einsum("kij,kj->ki", matrices, vectors))

@@ -1,0 +1,66 @@
+"""Speeds, accelerations and torques of the joints along a motion, and their limits."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from abi.arm.abi_model import JOINT_SPEED, MOVED
+from abi.arm.any_arm import AnyArm
+from abi.arm.inverse_dynamics import has_masses, joint_torques
+from abi.arm.trajectory import ArmMotion
+from abi.arm.urdf_arm import UrdfArm
+from abi.arrays import FloatArray, read_only
+
+
+class JointRates(NamedTuple):
+    """What the n joints do at the m samples of a motion.
+
+    Attributes:
+        speeds: shape (m, n), [rad/s] or [unit/s].
+        accelerations: shape (m, n), [rad/s²] or [unit/s²].
+        torques: shape (m, n), [N·m], of sliding joints forces [N]; None where no masses are known.
+        speed_limits: (n,), inf where there is none.
+        acceleration_limits: those that the scene asks for, (n,), inf where there is none.
+        torque_limits: (n,), inf where there is none.
+    """
+
+    speeds: FloatArray
+    accelerations: FloatArray
+    torques: FloatArray | None
+    speed_limits: FloatArray
+    acceleration_limits: FloatArray
+    torque_limits: FloatArray
+
+
+def joint_rates(arm: AnyArm, motion: ArmMotion, acceleration: float) -> JointRates:
+    """Speeds and accelerations by differences of the samples, and the torques that they take.
+
+    The paper's arm has no masses but those of its last three drives, so no torques; the speed limit
+    of its turning joints is nominal.
+
+    Args:
+        arm: the arm.
+        motion: its motion, at three samples or more.
+        acceleration: largest of each joint, [rad/s²], of sliding ones [m/s²].
+    """
+    step = float(motion.time[1] - motion.time[0])
+    if step > 0:
+        speeds = np.gradient(motion.positions, step, axis=0)
+        growths = np.diff(motion.positions, 2, axis=0) / step**2
+        growths = np.concatenate([growths[:1], growths, growths[-1:]])
+    else:
+        speeds = growths = np.zeros_like(motion.positions)
+    torques = None
+    if isinstance(arm, UrdfArm):
+        limits = [arm.chain.speeds * arm.scales, acceleration * arm.scales, arm.chain.efforts]
+        if has_masses(arm.chain):
+            moving = (values / arm.scales for values in (motion.positions, speeds, growths))
+            torques = read_only(joint_torques(arm.chain, *moving))
+    else:
+        solved = np.arange(len(motion.joints)) < MOVED
+        limits = [np.where(solved, most, np.inf) for most in (JOINT_SPEED, acceleration, np.inf)]
+    return JointRates(
+        read_only(speeds), read_only(growths), torques, *(read_only(one) for one in limits)
+    )

@@ -1,0 +1,150 @@
+"""Speeds, accelerations and torques of the joints, and how much of their limits they use."""
+
+from __future__ import annotations
+
+import html
+import itertools
+import math
+from typing import ClassVar
+
+import numpy as np
+import viser
+
+from abi.arm.joint_rates import JointRates
+from abi.arrays import FloatArray
+from abi.planner.plan import Plan
+from app import style
+from app.frame import Frame, Switch
+from app.layers.tables import table
+from app.layers.time_plot import Lines, TimePlots, new_plot
+from app.layout import Layout
+
+_TINY = 5e-4
+_ROUNDING = 1.001
+"""What the differences of samples may be too large by."""
+_NO_MASSES = "The paper gives no masses of the arm's links: there are no torques to show."
+_NO_INERTIAS = "The URDF gives no masses of its links: there are no torques to show."
+_USES: Lines = (
+    ("position", style.AXES[2]),
+    ("speed", style.AXES[1]),
+    ("acceleration", style.MARK),
+    ("torque", style.JOINTS[2]),
+    ("limit", style.VIOLATION),
+)
+
+
+class JointRatesLayer:
+    """Plots and a table of peaks, drawn once the hand rests."""
+
+    switches: ClassVar[tuple[Switch, ...]] = ()
+
+    def __init__(self, layout: Layout) -> None:
+        self._layout = layout
+        self._drawn: object = None
+        self._made: tuple[tuple[str, ...], str] | None = None
+        self._plots: dict[str, viser.GuiUplotHandle] = {}
+        self._shown = TimePlots()
+        with layout.joints:
+            self._peaks = layout.client.gui.add_html("", visible=False)
+
+    def draw(self, frame: Frame) -> None:
+        """Plot the plan's motion once the hand rests, with a line at "now"."""
+        if not frame.interactive and frame.plan is not self._drawn:
+            self._drawn = frame.plan
+            self._replace(frame.plan)
+        self._shown.show(frame.interactive)
+
+    def _replace(self, plan: Plan) -> None:
+        self._shown.clear()
+        rates, motion = plan.joint_rates, plan.motion
+        self._peaks.visible = rates is not None
+        if rates is None or motion is None:
+            for plot in self._plots.values():
+                plot.visible = False
+            return
+        if self._made != (motion.joints, plan.scene.unit):
+            self._make(motion.joints, motion.slides, plan.scene.unit)
+        self._peaks.content = _peaks(plan, rates)
+        samples = slice(None, None, max(1, len(motion.time) // 100))
+        time = motion.time[samples]
+        for name, values in (
+            ("speeds", rates.speeds),
+            ("accelerations", rates.accelerations),
+            ("torques", rates.torques),
+        ):
+            if values is None:
+                self._plots[name].visible = False
+            else:
+                self._shown.add(self._plots[name], time, *values[samples].T)
+        used = [100 * share[samples] for share in _shares(plan, rates)]
+        self._shown.add(self._plots["limits"], time, *used, np.full(len(time), 100.0))
+
+    def _make(self, joints: tuple[str, ...], slides: tuple[bool, ...], unit: str) -> None:
+        """Make the plots anew for joints with these names."""
+        for plot in self._plots.values():
+            plot.remove()
+        gui = self._layout.client.gui
+        names = tuple(zip(joints, itertools.cycle(style.JOINTS), strict=False))
+        also = (f", {unit}/s", f", {unit}/s²", ", N") if any(slides) else ("", "", "")
+        titles = {
+            "limits": "most that a joint uses of its limit [%]",
+            "speeds": f"joint speeds [rad/s{also[0]}]",
+            "accelerations": f"joint accelerations [rad/s²{also[1]}]",
+            "torques": f"joint torques [N·m{also[2]}]",
+        }
+        with self._layout.joints:
+            self._plots = {
+                key: new_plot(gui, title, _USES if key == "limits" else names, 250)
+                for key, title in titles.items()
+            }
+        self._made = joints, unit
+
+
+def _shares(plan: Plan, rates: JointRates) -> list[FloatArray]:
+    """Largest part of a joint's limit in use at each sample (m,): position to torque."""
+    assert plan.arm is not None
+    assert plan.motion is not None
+    low, high = plan.arm.limits.T
+    place = np.abs(plan.motion.positions - (low + high) / 2)
+    torques = np.zeros_like(place) if rates.torques is None else np.abs(rates.torques)
+    pairs = (
+        (place, np.maximum((high - low) / 2, 1e-9)),
+        (np.abs(rates.speeds), rates.speed_limits),
+        (np.abs(rates.accelerations), rates.acceleration_limits),
+        (torques, rates.torque_limits),
+    )
+    return [(values / limits).max(axis=1) for values, limits in pairs]
+
+
+def _peaks(plan: Plan, rates: JointRates) -> str:
+    """Table of each joint's peaks beside its limits."""
+    assert plan.motion is not None
+    unit = plan.scene.unit
+    peaks = (
+        (rates.speeds, rates.speed_limits, f"{unit}/s"),
+        (rates.accelerations, rates.acceleration_limits, f"{unit}/s²"),
+        (rates.torques, rates.torque_limits, "N"),
+    )
+    rows = []
+    for n, (name, slides) in enumerate(zip(plan.motion.joints, plan.motion.slides, strict=True)):
+        cells = [
+            _cell(
+                float(np.abs(values[:, n]).max()), float(limits[n]), f" {other}" if slides else ""
+            )
+            for values, limits, other in peaks
+            if values is not None
+        ]
+        rows.append((html.escape(name.removesuffix("_joint")), *cells))
+    head = ("largest, of limit", "[rad/s]", "[rad/s²]", "[N·m]")
+    if rates.torques is not None:
+        return table(head, rows)
+    return table(head[:3], rows, _NO_MASSES if plan.scene.arm.model == "abi" else _NO_INERTIAS)
+
+
+def _cell(peak: float, limit: float, unit: str) -> str:
+    """A peak of its limit, red where it is past that; ``unit`` of a joint that slides."""
+    peak = peak if peak > _TINY else 0.0
+    text = f"{peak:.3g}{unit}" if math.isinf(limit) else f"{peak:.3g} / {limit:.3g}{unit}"
+    if peak > limit * _ROUNDING:
+        return f'<span style="color:{style.readable(style.BAD)}">{text} ✗</span>'
+    return text

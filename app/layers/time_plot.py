@@ -1,0 +1,90 @@
+"""Curves over time, in which the page marks "now"."""
+
+from __future__ import annotations
+
+import itertools
+import time as clock
+
+import numpy as np
+import viser
+from viser import uplot
+
+from abi.arrays import FloatArray
+from app import style
+
+_GREY = "rgba(128,128,128,0.25)"
+_INK = "#868e96"
+_FLAT = 1e-9
+PERIOD = 0.25
+"""Seconds between two plots of changing motions while a hand drags: it looks elsewhere."""
+_DASHES: tuple[tuple[float, ...], ...] = ((), (8, 4), (2, 3), (12, 4, 2, 4), (5, 3, 1, 3))
+"""Of the lines of a plot, in turn: none is told from another by its colour alone."""
+
+Lines = tuple[tuple[str, style.Colour], ...]
+"""Name and colour of each line of a plot."""
+
+
+class TimePlots:
+    """Plots and what they show."""
+
+    def __init__(self) -> None:
+        self._next = 0.0
+        self._waiting = False
+        self._data: tuple[tuple[viser.GuiUplotHandle, tuple[FloatArray, ...]], ...] = ()
+
+    def clear(self) -> None:
+        """Show nothing of what was added."""
+        self._data, self._waiting = (), False
+
+    def add(self, handle: viser.GuiUplotHandle, times: FloatArray, *lines: FloatArray) -> None:
+        """Show lines (m,) over times (m,) from the next :meth:`show` on."""
+        self._data += ((handle, (times, *lines)),)
+        self._waiting = True
+
+    def show(self, interactive: bool) -> None:
+        """Send what is new; ``interactive``: while a hand drags, not at every frame."""
+        now = clock.monotonic()
+        if not self._waiting or (interactive and now < self._next):
+            return
+        self._next, self._waiting = now + PERIOD, False
+        for handle, (times, *series) in self._data:
+            _show(handle, times, series)
+
+
+def new_plot(gui: viser.GuiApi, title: str, lines: Lines, height: int) -> viser.GuiUplotHandle:
+    """A plot that is not to be seen yet."""
+    series = [uplot.Series(label="t")]
+    series += [
+        uplot.Series(label=name, stroke=style.css(colour), width=2, dash=dash)
+        for (name, colour), dash in zip(lines, itertools.cycle(_DASHES), strict=False)
+    ]
+    series.append(uplot.Series(label="", stroke="transparent", width=0))
+    axis = uplot.Axis(
+        stroke=_INK, grid=uplot.Axis_Grid(stroke=_GREY, width=1), size=40, font="11px sans-serif"
+    )
+    empty = np.array([0.0, 1.0])
+    return gui.add_uplot(
+        (empty, *(np.zeros(2) for _ in series[1:])),
+        tuple(series),
+        title=title,
+        scales={"x": uplot.Scale(time=False)},
+        legend=uplot.Legend(live=False),
+        axes=(axis, axis),
+        height=height,
+        visible=False,
+    )
+
+
+def _show(handle: viser.GuiUplotHandle, times: FloatArray, series: list[FloatArray]) -> None:
+    """Send lines over times."""
+    low = min(float(np.min(line)) for line in series)
+    high = max(float(np.max(line)) for line in series)
+    if high - low < _FLAT:
+        low, high = low - 1, high + 1
+    # uplot finds no scale for a constant: this line, not to be seen, spans one
+    span = np.full(len(times), high)
+    span[0] = low
+    handle.data = (times, *series, span)
+    # Never shown before it has its data: a chart that gets them before it is drawn for the
+    # first time stays without a time axis.
+    handle.visible = True
