@@ -14,24 +14,26 @@ from abi.arm.trajectory import ArmMotion
 from abi.arrays import FloatArray
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.scene.scene import Scene
+from tests.random_scenes import mesh_source
 
 _SHAPES = ("box", "sphere", "cylinder", "capsule")
 _PLACES = ([3.0, -3.0, 0.0], [3.0, 3.0, -6.5], [-2.5, -1.5, 0.0], [8.0, 2.0, -1.0])
 _TRIES = 400
 
 
-def arm_scene(seed: int, pitch: float = 0.54, boxes: bool = False) -> Scene:
+def arm_scene(seed: int, pitch: float = 0.54, boxes: bool = False, meshes: bool = False) -> Scene:
     """1 to 8 obstacles, and ends at which the arm is clear on one branch at least.
 
     Args:
         seed: the number of the scene.
         pitch: of the mesh, [unit]; 0.54 gives 2,300 nodes.
         boxes: whether all obstacles are boxes and the base is the paper's.
+        meshes: whether triangle meshes are among them: closed, turned inside out, and not closed.
     """
     random = np.random.default_rng(seed)
     for _ in range(_TRIES):
         base = _PLACES[0] if boxes else _PLACES[int(random.integers(len(_PLACES)))]
-        shapes = ("box",) if boxes else _SHAPES
+        shapes = ("box",) if boxes else (*_SHAPES, "mesh") if meshes else _SHAPES
         scene = Scene.from_dict(
             {
                 "version": 1,
@@ -42,7 +44,8 @@ def arm_scene(seed: int, pitch: float = 0.54, boxes: bool = False) -> Scene:
                 "mesh": {"lattice": "bcc", "pitch": pitch},
                 "spline": {"clearance": 0.2},
                 "arm": {"base": base, "elbow": "auto"},
-            }
+            },
+            mesh_source(),
         )
         for _ in range(20):
             ends = random.uniform(0, 6, (2, 3))
@@ -83,6 +86,9 @@ def _obstacle(random: np.random.Generator, shape: str) -> dict[str, Any]:
     }
     if shape == "box":
         return {"shape": shape, "size": random.uniform(0.5, 2.4, 3).tolist(), **pose}
+    if shape == "mesh":
+        file = str(random.choice(sorted(mesh_source().files)))
+        return {"shape": shape, "file": file, "scale": float(random.uniform(0.4, 1.2)), **pose}
     size = {"radius": float(random.uniform(0.2, 1.0))}
     if shape != "sphere":
         size["height"] = float(random.uniform(0.4, 2.4))

@@ -108,6 +108,7 @@ class Robot:
         joints: parents before children.
         notes: sentences on what was left out.
         archive: the URDF and its meshes, as a zip.
+        may_touch: pairs of links that its SRDF, where it has one, takes out of the checks.
     """
 
     name: str
@@ -116,6 +117,7 @@ class Robot:
     joints: tuple[Joint, ...]
     notes: tuple[str, ...] = ()
     archive: bytes = b""
+    may_touch: frozenset[frozenset[str]] = frozenset()
 
     @property
     def urdf(self) -> str:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import io
 import zipfile
-import zlib
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import lru_cache
 from pathlib import PurePosixPath
 
@@ -14,13 +15,16 @@ from abi.arrays import FloatArray, IntArray
 from abi.errors import SceneError
 from abi.obstacles.triangle_mesh import stl_obj
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
+from abi.obstacles.triangle_mesh.trimesh_formats import DAMAGED_ZIP
 from abi.robot.robot import Robot
-from abi.robot.urdf_reader import mesh_names, read_urdf
+from abi.robot.urdf_reader import mesh_names, read_srdf, read_urdf
 
 SHIPPED: Mapping[str, str] = {"ur5e": "tool0", "panda": "panda_hand_tcp", "xarm7": "link_eef"}
 """Usual tip of each arm that comes with the package, by its name."""
 
 _MAX_ARCHIVE, _MAX_UNPACKED, _MAX_FILES = 30_000_000, 100_000_000, 400
+_MAX_TRIANGLES = 500_000
+"""Of all shapes of a robot, one that is there twice counted twice."""
 _ZIP = b"PK\x03\x04"
 _EPOCH = (1980, 1, 1, 0, 0, 0)
 
@@ -49,7 +53,7 @@ def load_robot(name: str, source: MeshSource) -> Robot:
 
 @lru_cache(maxsize=8)
 def robot_from_archive(content: bytes) -> Robot:
-    """The robot of a zip with one URDF and its meshes.
+    """The robot of a zip with one URDF and its meshes, and an SRDF if there is one.
 
     Raises:
         SceneError: not such a file, too large packed or unpacked, or what
@@ -62,7 +66,21 @@ def robot_from_archive(content: bytes) -> Robot:
         raise SceneError("arm.urdf", names, "one file that ends in .urdf in the archive")
     lookup = _Lookup(files, PurePosixPath(found[0]).parent)
     robot = read_urdf(files[found[0]], PurePosixPath(found[0]).name, lookup)
-    return Robot(robot.name, robot.root, robot.links, robot.joints, robot.notes, content)
+    return _with_srdf(replace(robot, archive=content), files)
+
+
+def _with_srdf(robot: Robot, files: Mapping[str, bytes]) -> Robot:
+    """The robot with what the SRDF among its files says; itself where there is none."""
+    found = [name for name in files if name.lower().endswith(".srdf")]
+    if not found:
+        return robot
+    if len(found) > 1:
+        names = ", ".join(sorted(PurePosixPath(name).name for name in found)[:4])
+        raise SceneError("arm.urdf", names, "at most one file that ends in .srdf in the archive")
+    pairs = read_srdf(files[found[0]], PurePosixPath(found[0]).name)
+    known = frozenset(pair for pair in pairs if pair <= robot.links.keys())
+    note = f"{len(known)} pairs of links are not checked against each other: its SRDF says so."
+    return replace(robot, may_touch=known, notes=(*robot.notes, note))
 
 
 class _Lookup:
@@ -70,6 +88,8 @@ class _Lookup:
 
     def __init__(self, files: Mapping[str, bytes], folder: PurePosixPath) -> None:
         self._files, self._folder = files, folder
+        self._read: dict[str, tuple[FloatArray, IntArray]] = {}
+        self._triangles = 0
 
     def __call__(self, name: str) -> tuple[FloatArray, IntArray]:
         found = (self._folder / name).as_posix()
@@ -79,13 +99,24 @@ class _Lookup:
             if len(same) != 1:
                 raise SceneError("arm.urdf mesh", name, "a file that came with the URDF")
             found = same[0]
-        if PurePosixPath(name).suffix.lower() not in stl_obj.SUFFIXES:
-            expected = f"a shape to collide with that ends in {', '.join(stl_obj.SUFFIXES)}"
+        if found not in self._read:
+            self._read[found] = _mesh(self._files[found], name)
+        vertices, faces = self._read[found]
+        self._triangles += len(faces)
+        if self._triangles > _MAX_TRIANGLES:
+            expected = f"meshes of at most {_MAX_TRIANGLES:,} triangles in all"
             raise SceneError("arm.urdf mesh", name, expected)
-        try:
-            return stl_obj.read(self._files[found], PurePosixPath(name).name)
-        except SceneError as error:
-            raise SceneError("arm.urdf mesh", error.value, error.expected) from None
+        return vertices, faces
+
+
+def _mesh(content: bytes, name: str) -> tuple[FloatArray, IntArray]:
+    if PurePosixPath(name).suffix.lower() not in stl_obj.SUFFIXES:
+        expected = f"a shape to collide with that ends in {', '.join(stl_obj.SUFFIXES)}"
+        raise SceneError("arm.urdf mesh", name, expected)
+    try:
+        return stl_obj.read(content, PurePosixPath(name).name)
+    except SceneError as error:
+        raise SceneError("arm.urdf mesh", error.value, error.expected) from None
 
 
 @lru_cache(maxsize=8)
@@ -102,6 +133,9 @@ def _packed(source: MeshSource, urdf: str) -> bytes:
         archive.writestr(zipfile.ZipInfo(urdf, _EPOCH), text)
         for name in names:
             archive.writestr(zipfile.ZipInfo(name, _EPOCH), _content(source, name))
+        with contextlib.suppress(SceneError):  # one of the same name is welcome, and not needed
+            beside = PurePosixPath(urdf).with_suffix(".srdf").as_posix()
+            archive.writestr(zipfile.ZipInfo(beside, _EPOCH), source.content(beside))
     return packed.getvalue()
 
 
@@ -121,12 +155,11 @@ def _unpacked(content: bytes) -> dict[str, bytes]:
         with zipfile.ZipFile(io.BytesIO(content)) as archive:
             members = [member for member in archive.infolist() if not member.is_dir()]
             size = sum(member.file_size for member in members)
-            if len(members) > _MAX_FILES or size > _MAX_UNPACKED:
-                value = f"{len(members)} files of {size:,} bytes"
-                expected = f"at most {_MAX_FILES} files of {_MAX_UNPACKED // 10**6} MB in all"
-                raise SceneError("arm.urdf", value, expected)
-            return {member.filename: archive.read(member) for member in members}
-    except (zipfile.BadZipFile, zlib.error, NotImplementedError) as error:
-        raise SceneError("arm.urdf", str(error)[:60], "a whole zip archive") from None
-    except (RuntimeError, EOFError, OSError, ValueError) as error:
-        raise SceneError("arm.urdf", str(error)[:60], "a zip without a password") from None
+            if len(members) <= _MAX_FILES and size <= _MAX_UNPACKED:
+                return {member.filename: archive.read(member) for member in members}
+    except DAMAGED_ZIP as error:
+        expected = "a whole zip archive without a password"
+        raise SceneError("arm.urdf", str(error)[:60], expected) from None
+    value = f"{len(members)} files of {size:,} bytes"
+    expected = f"at most {_MAX_FILES} files of {_MAX_UNPACKED // 10**6} MB in all"
+    raise SceneError("arm.urdf", value, expected)

@@ -78,6 +78,23 @@ def mesh_names(content: bytes, name: str) -> tuple[str, ...]:
     return tuple(dict.fromkeys(names))
 
 
+def read_srdf(content: bytes, name: str) -> frozenset[frozenset[str]]:
+    """Pairs of links that an SRDF takes out of the checks for collisions.
+
+    The format: http://wiki.ros.org/srdf. Nothing else of it is looked at, and a link that the URDF
+    does not have counts for nothing.
+
+    Raises:
+        SceneError: it is no SRDF, or cut off.
+    """
+    root = _Element(_parse(content, name), name, "robot")
+    pairs = (
+        frozenset((pair.text("link1"), pair.text("link2")))
+        for pair in root.all("disable_collisions")
+    )
+    return frozenset(pair for pair in pairs if len(pair) == 2 and all(pair))
+
+
 class _Element:
     """An XML element, and what it is called in sentences."""
 

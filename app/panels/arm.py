@@ -69,7 +69,7 @@ class ArmPanel:
         for box in (self.base, self.clearance, *boxes):
             box.precision = DIGITS
             box.on_update(wake)
-        self._papers = (self.avoid, self.elbow, self.dynamics.handle, *boxes)
+        self._papers = (self.elbow, self.dynamics.handle, *boxes)
         self.elbow.on_update(wake)
         self.avoid.on_update(wake)
         self.write(scene)

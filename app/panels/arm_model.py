@@ -13,6 +13,7 @@ from abi.robot.robot import usual_tip
 from abi.robot.robot_files import SHIPPED, load_robot
 from abi.scene.scene import Scene
 from app import page
+from app.guard.reader import READER
 from app.panels.widgets import Wake
 
 _PAPER = "the paper's arm"
@@ -59,6 +60,7 @@ class ArmModelPanel:
         self._uploaded: object = self.upload.value
         self._scene_axis: tuple[float, float, float] | None = None
         self._tips_of: str | None = None
+        self._unnamed_tip: str | None = None
         for handle in (self.model, self.tip, self.axis):
             handle.on_update(wake)
         self.upload.on_upload(wake)
@@ -79,7 +81,9 @@ class ArmModelPanel:
             self._list_tips(name, None)
         self.tip.visible = self.axis.visible = True
         axis = _AXES.get(self.axis.value, self._scene_axis)
-        return {"model": "urdf", "urdf": name, "tip": self.tip.value, "axis": axis}
+        # what a scene leaves to be found stays so, or it would be another scene
+        tip = None if self.tip.value == self._unnamed_tip else self.tip.value
+        return {"model": "urdf", "urdf": name, "tip": tip, "axis": axis}
 
     def write(self, scene: Scene) -> None:
         """Show ``scene``."""
@@ -92,7 +96,7 @@ class ArmModelPanel:
         if arm.urdf not in SHIPPED:
             self._add(arm.urdf, arm.robot.archive)
         self.model.value = _SHIPPED.get(arm.urdf, arm.urdf)
-        self._list_tips(arm.urdf, arm.tool)
+        self._list_tips(arm.urdf, arm.tip)
         self._scene_axis = arm.axis
         known = next((label for label, axis in _AXES.items() if axis == arm.axis), None)
         if known is None and _OTHER not in self.axis.options:
@@ -112,7 +116,7 @@ class ArmModelPanel:
         self._uploaded = self.upload.value
         name = _printable(self.upload.value.name)
         try:
-            robot = load_robot(name, MeshSource({name: self.upload.value.content}))
+            robot = READER.arm(self.upload.value.content, name)
         except SceneError as error:
             page.notify_refusal(self._client, f"{name} is not added", error.message)
             return
@@ -132,7 +136,9 @@ class ArmModelPanel:
         robot = load_robot(name, MeshSource(self.files))
         moved = [joint.child for joint in robot.joints]
         self.tip.options = tuple(moved)
-        self.tip.value = tip or SHIPPED.get(name) or usual_tip(robot)
+        usual = SHIPPED.get(name) or usual_tip(robot)
+        self.tip.value = tip or usual
+        self._unnamed_tip = None if tip else usual
         self._tips_of = name
 
 

@@ -29,6 +29,7 @@ def upload(session: Session, name: str, content: bytes) -> None:
     session._changed.set()
 
 
+@pytest.mark.slow
 def test_an_arm_is_chosen_drawn_and_left(tab: tuple[FakeTab, Session]) -> None:
     fake, session = tab
     fake.set(session.panels.files.choice, "kitchen-ur5e")
@@ -38,6 +39,7 @@ def test_an_arm_is_chosen_drawn_and_left(tab: tuple[FakeTab, Session]) -> None:
 
     assert session.plan is not None
     assert session.plan.scene == load_scene("kitchen-ur5e")
+    assert session.panels.read(session.plan.scene) == session.plan.scene
     assert panel(session).model.model.value == "UR5e"
     assert panel(session).model.tip.value == "tool0"
     assert panel(session).model.axis.value == "down"
@@ -56,6 +58,7 @@ def test_an_arm_is_chosen_drawn_and_left(tab: tuple[FakeTab, Session]) -> None:
     assert panel(session).links.visible
 
 
+@pytest.mark.slow
 def test_an_upload_is_an_arm_or_a_sentence(
     tab: tuple[FakeTab, Session], monkeypatch: pytest.MonkeyPatch
 ) -> None:

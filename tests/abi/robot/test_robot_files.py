@@ -12,8 +12,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from abi.arm.urdf_arm import urdf_arm
 from abi.errors import SceneError
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
+from abi.robot.robot import Robot
 from abi.robot.robot_files import SHIPPED, load_robot, robot_from_archive
 from tests.abi.robot.robots import arm, joint, link, packed, urdf
 
@@ -148,6 +150,16 @@ def test_meshes_are_found_beside_the_urdf_or_by_their_only_name(tmp_path: Path) 
         robot_from_archive(packed({**files, "y/ball.stl": ball()}))
 
 
+def test_a_mesh_in_many_places_counts_in_each() -> None:
+    shape = '<collision><geometry><mesh filename="b.stl"/></geometry></collision>'
+    files: dict[str, str | bytes] = {
+        "a.urdf": arm(("</link>", shape * 49 + "</link>")),
+        "b.stl": ball(11_000),
+    }
+    with pytest.raises(SceneError, match="500,000 triangles in all"):
+        robot_from_archive(packed(files))
+
+
 @pytest.mark.parametrize(
     ("content", "expected"),
     [
@@ -166,6 +178,43 @@ def test_archives_that_cannot_be_meant_are_refused(content: bytes, expected: str
         robot_from_archive(content)
 
 
+SRDF = (
+    '<robot name="r"><disable_collisions link1="a" link2="c" reason="Never"/>'
+    '<disable_collisions link1="d" link2="hand"/><disable_collisions link1="b" link2="b"/></robot>'
+)
+
+
+def test_an_srdf_takes_pairs_of_links_out_of_the_checks(tmp_path: Path) -> None:
+    files: dict[str, str | bytes] = {"x/a.urdf": arm()}
+    plain = robot_from_archive(packed(files))
+    robot = robot_from_archive(packed({**files, "y/config.srdf": SRDF}))
+    (tmp_path / "a.urdf").write_text(arm())
+    (tmp_path / "a.srdf").write_text(SRDF)
+    beside = load_robot("a.urdf", MeshSource(folder=tmp_path))
+
+    assert plain.may_touch == frozenset()
+    for found in (robot, beside):
+        assert found.may_touch == {frozenset("ac")}
+        assert any("SRDF" in note for note in found.notes)
+        assert load_robot("own.zip", MeshSource({"own.zip": found.archive})).may_touch
+
+    def checked(one: Robot) -> set[frozenset[str]]:
+        placed = urdf_arm(one, "d", (0.0, 0.0, 0.0))
+        links = [capsule.link for capsule in placed.capsules]
+        return {frozenset((links[i], links[j])) for i, j in placed.pairs}
+
+    assert checked(plain) - checked(robot) == {frozenset("ac")}
+    assert checked(robot) <= checked(plain)
+
+
+@pytest.mark.parametrize("text", ["<robot", "", '<!DOCTYPE r SYSTEM "x"><robot/>', "<x/>"])
+def test_a_damaged_srdf_is_refused(text: str) -> None:
+    with pytest.raises(SceneError, match=r"r\.srdf"):
+        robot_from_archive(packed({"a.urdf": arm(), "r.srdf": text}))
+    with pytest.raises(SceneError, match="at most one"):
+        robot_from_archive(packed({"a.urdf": arm(), "r.srdf": SRDF, "s.srdf": SRDF}))
+
+
 def test_an_archive_that_lies_about_its_sizes_is_refused() -> None:
     content = bytearray(packed({"a.urdf": arm(), "b.stl": bytes(1000)}))
     with zipfile.ZipFile(io.BytesIO(content)) as archive:
@@ -177,7 +226,7 @@ def test_an_archive_that_lies_about_its_sizes_is_refused() -> None:
         robot_from_archive(bytes(content))
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 @given(st.data())
 def test_a_damaged_urdf_is_read_or_refused(data: st.DataObject) -> None:
     text = bytearray(arm().encode())
