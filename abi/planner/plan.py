@@ -5,12 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from abi.arm.any_arm import AnyArm
 from abi.arm.arm_clearance import ArmClearance
+from abi.arm.joint_rates import JointRates, joint_rates
 from abi.arm.trajectory import ArmMotion
 from abi.curves.bspline import BSpline
 from abi.curves.curve import ArcLength
@@ -66,6 +68,13 @@ class Plan:
         """The curve that the arm executes."""
         return {"bspline": self.bspline, "quadratic": self.quadratic}.get(self.followed or "")
 
+    @cached_property
+    def joint_rates(self) -> JointRates | None:
+        """Speeds, accelerations and torques of the joints, and their limits."""
+        if self.arm is None or self.motion is None:
+            return None
+        return joint_rates(self.arm, self.motion, self.scene.motion.joint_acceleration)
+
     @property
     def straight_length(self) -> float:
         """Length of the straight line from start to goal, [unit]: no curve is shorter."""
@@ -111,7 +120,9 @@ class Plan:
             ),
             "optimum": plan_json.optimum(self.optimum, self.kept_lengths, self.followed),
             "timing": plan_json.timing(self.profile, self.followed, self.liquid_tilt, self.ms),
-            "arm": plan_json.arm(self.arm, self.motion, self.arm_clearance, self.ms, full),
+            "arm": plan_json.arm(
+                self.arm, self.motion, self.arm_clearance, self.joint_rates, self.ms, full
+            ),
             "total_ms": self.total_ms,
             "error": plan_json.error(self.error),
         }

@@ -11,12 +11,11 @@ from typing import Any
 
 import numpy as np
 
-from abi.arm.any_arm import AnyArm, placed_capsules
-from abi.arm.arm import Arm
-from abi.arm.arm_clearance import ArmClearance, named
-from abi.arm.joint_path_clearance import JointPathProof
-from abi.arm.link_capsules import BODIES
+from abi.arm.any_arm import AnyArm
+from abi.arm.arm_clearance import ArmClearance
+from abi.arm.joint_rates import JointRates
 from abi.arm.trajectory import ArmMotion
+from abi.arrays import FloatArray
 from abi.clearance.certificate import Certificate
 from abi.curves.bspline import BSpline
 from abi.curves.curve import ArcLength
@@ -25,6 +24,7 @@ from abi.curves.quadratic import Quadratic
 from abi.curves.speed_profile import SpeedProfile
 from abi.curves.timed_profile import PathProfile
 from abi.errors import StageError
+from abi.planner.arm_certificate_json import arm_certificate
 from abi.search.graph import Graph
 from abi.search.search import SearchResult
 from abi.taut.lower_bound import Bound
@@ -192,11 +192,12 @@ def arm(
     model: AnyArm | None,
     motion: ArmMotion | None,
     clearance: ArmClearance | None,
+    rates: JointRates | None,
     ms: Times,
     full: bool,
 ) -> Section:
     """Stage 6; at most ``SAMPLES`` samples, or ``full`` all, with the capsules at each."""
-    if model is None or motion is None or clearance is None:
+    if model is None or motion is None or clearance is None or rates is None:
         return None
     last = len(motion.time) - 1
     keep = np.linspace(0, last, last + 1 if full else min(last + 1, SAMPLES)).round().astype(int)
@@ -207,7 +208,7 @@ def arm(
         "time": motion.time[keep].tolist(),
         "positions": motion.positions[keep].tolist(),
         "tool": motion.tool[keep].tolist(),
-        "elbow": motion.elbow if isinstance(model, Arm) else None,
+        "elbow": motion.elbow if model.has_elbow else None,
         "reachable": motion.reachable,
         "clearance": _finite(clearance.distance),
         "certified": clearance.certified,
@@ -215,8 +216,14 @@ def arm(
         "clearance_time": clearance.time if has_obstacles else None,
         "clearance_obstacle": clearance.obstacle if has_obstacles else None,
         "contacts": [contact._asdict() for contact in clearance.contacts],
-        "certificate": _arm_certificate(model, clearance),
+        "certificate": arm_certificate(model, clearance.certificate),
         "peak_joint_speed": motion.peak_joint_speed.tolist(),
+        "joint_speed_limits": _limits(rates.speed_limits),
+        "peak_joint_acceleration": _peaks(rates.accelerations),
+        "joint_acceleration_limits": _limits(rates.acceleration_limits),
+        "torques": None if rates.torques is None else rates.torques[keep].tolist(),
+        "peak_joint_torque": _peaks(rates.torques),
+        "joint_torque_limits": _limits(rates.torque_limits),
         "limits_passed": [violation._asdict() for violation in motion.limit_violations],
         "within_limits": motion.within_limits,
         "ms": ms["arm"],
@@ -229,7 +236,7 @@ def arm(
                 "from": ends[:, 0].tolist(),
                 "to": ends[:, 1].tolist(),
             }
-            for link, radius, ends in placed_capsules(model, motion.positions[keep])
+            for link, radius, ends in model.placed(motion.positions[keep])
         ]
     return section
 
@@ -270,30 +277,13 @@ def _certificate(proof: Certificate) -> dict[str, Any]:
     }
 
 
-def _arm_certificate(arm: AnyArm, clearance: ArmClearance) -> Section:
-    proof = clearance.certificate
-    if proof is None:
-        return None
-    if isinstance(proof, JointPathProof) or not isinstance(arm, Arm):
-        return {"margin": _finite(proof.margin)}
-    columns = (
-        *(proof.pieces.tolist(), proof.poses.tolist(), proof.capsule.tolist()),
-        *(proof.obstacle.tolist(), proof.directions.tolist()),
-    )
-    capsules = [
-        {"link": one.link, "body": BODIES[one.body], "low": one.low, "high": one.high}
-        | {"radius": one.radius, "neighbour": one.neighbour, "grips": one.grips}
-        for one in arm.capsules
-    ]
-    return {
-        "margin": _finite(proof.margin),
-        "capsules": capsules,
-        "planes": [
-            {"t0": t0, "t1": t1, "at": at, "capsule": capsule}
-            | {"obstacle": named(obstacle, arm), "direction": way}
-            for (t0, t1), at, capsule, obstacle, way in zip(*columns, strict=True)
-        ],
-    }
+def _peaks(values: FloatArray | None) -> list[float] | None:
+    """Largest size of each column."""
+    return None if values is None else [float(peak) for peak in np.abs(values).max(axis=0)]
+
+
+def _limits(values: FloatArray) -> list[float | None]:
+    return [_finite(value) for value in values]
 
 
 def _finite(distance: float) -> float | None:

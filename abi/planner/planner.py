@@ -7,29 +7,26 @@ downstream of it.
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from types import MappingProxyType
 from typing import Any
 
 from abi import compiling
-from abi.arm import trajectory
-from abi.arm.any_arm import arm_of
-from abi.arm.arm_clearance import ArmClearance, arm_clearance
-from abi.arm.joint_course import JointCourse, joint_course
+from abi.arm.arm_model import Course
 from abi.arm.liquid import largest_tilt
-from abi.arm.motion_law import JointPath, motion_law
-from abi.arm.surroundings import surroundings
-from abi.arm.trajectory import ArmMotion
-from abi.arm.urdf_arm import UrdfArm
-from abi.arm.urdf_motion import course_clearance, follow_course
+from abi.arm.models import model_of
+from abi.arm.motion_law import motion_law
+from abi.arm.surroundings import Surroundings
 from abi.curves import fit_bspline, fit_quadratic, speed_profile
 from abi.curves.bspline import BSpline
-from abi.curves.curve import ArcLength, Curve, arc_length
+from abi.curves.curve import Curve, arc_length
 from abi.curves.fit import Fit
 from abi.curves.quadratic import Quadratic
 from abi.curves.timed_profile import PathProfile
 from abi.errors import ArmNotClear, ClearanceNotHeld, StageError
 from abi.obstacles.obstacle_set import ObstacleSet
-from abi.planner.arm_aware import ArmAware, ArmTask
+from abi.planner.arm_aware import ArmAware, ArmTask, is_clear
+from abi.planner.arm_stages import clearance_on, courses_of, motion_on, surroundings_of
 from abi.planner.exclusion_cache import ExclusionCache
 from abi.planner.plan import Plan
 from abi.planner.stage import Stage
@@ -48,6 +45,9 @@ In it a smooth curve can round the corners of the path.
 
 SAMPLES = 401
 """Samples of the arm's motion, uniform in time."""
+
+_BRANCHES = 2
+"""Branches of an arm, at most, that follow the tool's own curve."""
 
 _MANY_NODES, _MANY_OBSTACLES = 30_000, 300
 """Sizes above which waiting for the compiler takes less time than planning without it."""
@@ -83,14 +83,12 @@ class Planner:
         self._profile = Stage(speed_profile.three_phase)
         self._law = Stage(motion_law)
         self._tilt = Stage(largest_tilt)
-        self._arm = Stage(arm_of)
-        self._surroundings = Stage(surroundings)
-        self._motion = {elbow: Stage(trajectory.follow) for elbow in ("up", "down")}
-        self._arm_clearance = {elbow: Stage(arm_clearance) for elbow in ("up", "down")}
+        self._arm = Stage(model_of)
+        self._surroundings = Stage(surroundings_of)
+        self._courses = Stage(courses_of)
+        self._motion = [Stage(motion_on) for _ in range(_BRANCHES)]
+        self._arm_clearance = [Stage(clearance_on) for _ in range(_BRANCHES)]
         self._arm_aware, self._arm_aware_ms = ArmAware(), 0.0
-        self._course = Stage(joint_course)
-        self._course_motion = Stage(follow_course)
-        self._course_clearance = Stage(course_clearance)
 
     def __call__(self, scene: Scene, chosen_only: bool = False) -> Plan:
         """Plan ``scene``; a scene without a plan returns a plan whose ``error`` is set.
@@ -122,7 +120,8 @@ class Planner:
         margin = clearance + SLACK * max(workspace.size)
         obstacles = self._obstacles(scene.obstacles)
         # the arm stands there even when no path is found
-        results["arm"] = arm = self._arm(scene.arm, scene.unit)
+        model = self._arm(scene.arm, scene.unit)
+        results["arm"] = model.arm
 
         # 1 tetrahedral mesh of the workspace without the obstacles
         results["mesh"] = mesh = self._mesh(workspace, scene.mesh)
@@ -164,48 +163,60 @@ class Planner:
         arc = bspline_arc if is_bspline else quadratic_arc
 
         # 6 inverse kinematics of the arm along that motion
-        if isinstance(arm, UrdfArm):
-            self._follow_by_urdf(scene, curve, arc, arm, obstacles, results)
-            return
-        around = self._surroundings(arm, obstacles, workspace.min[2])
-        for k, elbow in enumerate(scene.arm.branches):
-            along = JointPath(curve, arc, arm, scene.arm.on(elbow))
-            profile = self._timed(along, scene.motion)
-            joints = self._motion[elbow](curve, arc, profile, arm, scene.arm.on(elbow), SAMPLES)
-            clear = self._arm_clearance[elbow](joints, arm, obstacles, around, scene.arm.clearance)
-            if k == 0 or _is_clear(joints, clear):
-                results["profile"] = profile
-                results["motion"], results["arm_clearance"] = joints, clear
-        results["liquid_tilt"] = self._tilt(curve, arc, results["profile"], scene.unit)
-        joints, clear = results["motion"], results["arm_clearance"]
-        if scene.arm.avoid and not _is_clear(joints, clear):
-            task = ArmTask(scene, arm, obstacles, around, free, margin, SAMPLES)
-            self._avoid(task, names, results)
-        if joints.error is not None and results["motion"] is joints:
-            raise joints.error
+        around = self._surroundings(model, obstacles, workspace.min[2])
+        courses = self._courses(model, curve, arc, scene.arm, obstacles, around)
+        task = ArmTask(scene, model, obstacles, around, free, margin, SAMPLES)
+        self._move(task, courses, names, results)
 
-    def _follow_by_urdf(
-        self,
-        scene: Scene,
-        curve: Curve,
-        arc: ArcLength,
-        arm: UrdfArm,
-        obstacles: ObstacleSet,
-        results: dict[str, Any],
+    def _move(
+        self, task: ArmTask, courses: Sequence[Course], names: list[str], results: dict[str, Any]
     ) -> None:
-        """Stage 6 of an arm that a URDF describes: its first pose is chosen, the curve stays."""
-        floor = min(float(arm.base[2]), scene.workspace.min[2])
-        course = self._course(curve, arc, arm, obstacles, floor)
-        results["profile"] = profile = self._timed(course, scene.motion)
-        results["liquid_tilt"] = self._tilt(curve, arc, profile, scene.unit)
-        results["motion"] = joints = self._course_motion(course, profile, SAMPLES)
-        results["arm_clearance"] = self._course_clearance(
-            joints, arm, obstacles, floor, scene.arm.clearance
-        )
-        if joints.error is not None:
-            raise joints.error
+        """Stage 6: follow the tool alone, or a curve that the whole arm is clear along."""
+        avoid = task.scene.arm.avoid
+        refuted = avoid and self._are_refuted(courses, task.scene, task.around)
+        if not refuted:
+            self._follow(task, courses, results)
+        else:  # stages that do not run take no time
+            for stage in self._on_branches:
+                stage.ms = 0.0
+        if refuted or (avoid and not is_clear(results)):
+            try:
+                self._avoid(task, names, results)
+            except ArmNotClear as fault:
+                if refuted:
+                    self._follow(task, courses, results)
+                raise results["motion"].error or fault from None
+        elif results["motion"].error is not None:
+            raise results["motion"].error
 
-    def _timed(self, path: JointPath | JointCourse, asked: MotionSettings) -> PathProfile:
+    def _are_refuted(self, courses: Sequence[Course], scene: Scene, around: Surroundings) -> bool:
+        """Whether it shows at once that no branch of the arm is clear along the tool's own curve.
+
+        Only then need the motion along it not be sampled and measured, which takes longer.
+        """
+        if scene.motion.law != "three_phase":
+            return False
+        return all(
+            course.is_refuted(self._timed(course, scene.motion), around, scene.arm.clearance)
+            for course in courses
+        )
+
+    def _follow(self, task: ArmTask, courses: Sequence[Course], results: dict[str, Any]) -> None:
+        """Stage 6 along the tool's own curve: the first branch that is clear, or else the first."""
+        scene = task.scene
+        for k, course in enumerate(courses):
+            profile = self._timed(course, scene.motion)
+            motion = self._motion[k](course, profile, SAMPLES)
+            clear = self._arm_clearance[k](
+                course, motion, task.obstacles, task.around, scene.arm.clearance
+            )
+            found = {"profile": profile, "motion": motion, "arm_clearance": clear}
+            if k == 0 or is_clear(found):
+                results.update(found)
+        curve, arc = courses[0].curve, courses[0].arc
+        results["liquid_tilt"] = self._tilt(curve, arc, results["profile"], scene.unit)
+
+    def _timed(self, path: Course, asked: MotionSettings) -> PathProfile:
         """Motion along a curve by the law that is asked for."""
         if asked.law == "three_phase":
             rates = asked.speed, asked.acceleration, asked.deceleration
@@ -215,16 +226,17 @@ class Planner:
     def _avoid(self, task: ArmTask, names: list[str], results: dict[str, Any]) -> None:
         """Replace results by those of a motion whose whole arm is clear, or raise."""
         begin = time.perf_counter()
-        of_tool = results["followed"]
         try:
             aware = self._arm_aware(task, names)
-        except ArmNotClear as fault:
-            out_of_reach: StageError | None = results["motion"].error
-            raise out_of_reach or fault from None
         finally:
             self._arm_aware_ms = 1e3 * (time.perf_counter() - begin)
-        results["tool_only"] = results[of_tool]
+        results["tool_only"] = results[results["followed"]]
         results.update(aware)
+
+    @property
+    def _on_branches(self) -> list[Stage[..., Any]]:
+        """Stages that run once for each branch."""
+        return [*self._motion, *self._arm_clearance]
 
     def _times(self) -> dict[str, float]:
         """Time of each stage when it last ran, [ms]."""
@@ -240,18 +252,10 @@ class Planner:
             "timing": self._profile.ms + self._law.ms + self._tilt.ms,
             "arm": self._arm.ms
             + self._surroundings.ms
-            + sum(stage.ms for stage in self._motion.values())
-            + sum(stage.ms for stage in self._arm_clearance.values())
-            + self._course.ms
-            + self._course_motion.ms
-            + self._course_clearance.ms,
+            + self._courses.ms
+            + sum(stage.ms for stage in self._on_branches),
             "arm_aware": self._arm_aware_ms,
         }
-
-
-def _is_clear(motion: ArmMotion, clearance: ArmClearance) -> bool:
-    """Whether the whole arm is proven clear, within reach and limits."""
-    return motion.reachable and motion.within_limits and clearance.certified
 
 
 def _wait_for_compiler(scene: Scene) -> None:

@@ -85,7 +85,8 @@ def walls_with_a_gap(draw: st.DrawFn) -> Scene:
     )
 
 
-@settings(max_examples=15, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@pytest.mark.slow
+@settings(max_examples=15, suppress_health_check=[HealthCheck.too_slow])
 @given(walls_with_a_gap())
 def test_a_gap_that_is_too_narrow_is_explained_with_what_works(scene: Scene) -> None:
     made = plan(scene)
@@ -142,6 +143,7 @@ def test_a_window_says_whether_clearance_or_pitch_is_in_the_way(
     assert abs(found.points[0][1] - 3) <= 0.3 + 0.7
 
 
+@pytest.mark.slow
 def test_a_gap_too_narrow_for_both_gets_both() -> None:
     walls = [
         {"shape": "box", "size": [0.2, 10, 10], "position": [3.0, y, 3.0]} for y in (-1.96, 8.16)
@@ -242,7 +244,7 @@ def test_the_obstacle_that_shuts_the_way_is_named() -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=25, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=25, suppress_health_check=[HealthCheck.too_slow])
 @given(
     start=points,
     goal=points,
@@ -293,7 +295,7 @@ def test_a_blocked_end_is_told_the_nearest_free_point(
         assert np.linalg.norm(place - point) <= away + slack
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(body=obstacles, place=points, margin=st.floats(0, 0.5))
 def test_next_to_one_obstacle_no_point_is_nearer(body: Any, place: Any, margin: float) -> None:
     scene = Scene.from_dict(
@@ -317,7 +319,8 @@ def test_next_to_one_obstacle_no_point_is_nearer(body: Any, place: Any, margin: 
     assert np.linalg.norm(found - point) == pytest.approx(margin - distance, abs=1e-6)
 
 
-@settings(max_examples=60, deadline=None)
+@pytest.mark.slow
+@settings(max_examples=60)
 @given(place=points, error=st.floats(1e-6, 1))
 def test_rounding_moves_a_point_by_no_more_than_told(place: Any, error: float) -> None:
     box = load_scene("paper").workspace
@@ -400,7 +403,8 @@ def test_cancelling_ends_the_trials_at_once() -> None:
         assert asked == most + 1
 
 
-@settings(max_examples=80, deadline=None)
+@pytest.mark.slow
+@settings(max_examples=80)
 @given(asked=st.floats(1e-3, 1e3), part=st.floats(0, 0.999))
 def test_the_largest_clearance_works_and_five_per_cent_more_does_not(
     asked: float, part: float
@@ -419,7 +423,7 @@ def test_the_largest_clearance_works_and_five_per_cent_more_does_not(
     assert WhatIf(scene, never).largest_clearance(lambda value: False) is None
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 @given(st.floats(1e-6, 1e6), st.integers(1, 4))
 def test_rounding_down_loses_less_than_a_last_digit(value: float, digits: int) -> None:
     short = rounded_down(value, digits)

@@ -1,78 +1,50 @@
+"""The memory of exclusions against excluding everything anew."""
+
 from __future__ import annotations
 
-from typing import Any, Literal
-
 import numpy as np
-import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
-from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import Obstacle, ObstacleSet
-from abi.obstacles.primitives import Box
-from abi.obstacles.triangle_mesh.repair import clean
-from abi.planner import exclusion_cache
 from abi.planner.exclusion_cache import ExclusionCache
 from abi.scene.scene import MeshSettings, Workspace
-from abi.tet_mesh.exclusion import FreeMesh, exclude, exclusion
-from abi.tet_mesh.tet_mesh import TetMesh, tetrahedralise
-from tests.abi.meshes import sphere
+from abi.tet_mesh.exclusion import exclude
+from abi.tet_mesh.tet_mesh import tetrahedralise
+from tests.random_geometry import random_obstacle
 
-MARGIN = 0.05
-
-
-def mesh_of(pitch: float, lattice: Literal["bcc", "kuhn", "delaunay"]) -> TetMesh:
-    return tetrahedralise(Workspace(max=(3, 3, 3)), MeshSettings(lattice=lattice, pitch=pitch))
+MESHES = tuple(
+    tetrahedralise(Workspace(), MeshSettings(lattice=name, pitch=0.9)) for name in ("bcc", "kuhn")
+)
 
 
-def boxes(rng: np.random.Generator, count: int) -> list[Obstacle]:
-    places = rng.uniform(0.5, 2.5, (count, 3)).tolist()
-    return [Box(size=(0.8, 0.7, 0.6), position=(x, y, z)) for x, y, z in places]
-
-
-def same(a: FreeMesh, b: FreeMesh) -> bool:
-    free = ~a.excluded
-    return (
-        a.mesh is b.mesh
-        and a.nodes == b.nodes
-        and np.array_equal(a.excluded, b.excluded)
-        and np.array_equal(a.open_directions[free], b.open_directions[free])
-        and np.array_equal(a.weights, b.weights)
-    )
-
-
-@pytest.mark.parametrize("lattice", ["bcc", "kuhn", "delaunay"])
-@pytest.mark.parametrize("seed", range(6))
-def test_what_is_remembered_is_what_would_be_found_anew(lattice: Any, seed: int) -> None:
-    rng = np.random.default_rng(seed)
-    cache, meshes = ExclusionCache(), [mesh_of(0.5, lattice), mesh_of(0.7, lattice)]
-    solids = boxes(rng, 3)
-    for step in range(9):
-        k = int(rng.integers(3))
-        solids[k] = solids[k].model_copy(update={"position": tuple(rng.uniform(0.5, 2.5, 3))})
-        if step == 4:
-            solids.append(MeshShape.of(clean(*sphere(2, 0.4)), position=(1.5, 1.5, 1.5)))
-        if step == 6:
-            solids.append(solids[0])
-        if step == 7:
-            del solids[1]
-        # another mesh and another margin, and back
-        mesh, margin = meshes[step == 3], MARGIN + 0.1 * (step == 5)
-        obstacles = ObstacleSet(tuple(solids))
-        assert same(cache(mesh, obstacles, margin), exclude(mesh, obstacles, margin))
-
-
-def test_only_what_moved_is_looked_at(monkeypatch: pytest.MonkeyPatch) -> None:
-    looked: list[Obstacle] = []
-
-    def noted(mesh: TetMesh, obstacle: Obstacle, margin: float) -> Any:
-        looked.append(obstacle)
-        return exclusion(mesh, obstacle, margin)
-
-    monkeypatch.setattr(exclusion_cache, "exclusion", noted)
-    cache, mesh = ExclusionCache(), mesh_of(0.5, "bcc")
-    solids = boxes(np.random.default_rng(0), 4)
-    cache(mesh, ObstacleSet(tuple(solids)), MARGIN)
-    assert looked == solids
-    looked.clear()
-    solids[2] = solids[2].model_copy(update={"position": (1.0, 1.1, 1.2)})
-    cache(mesh, ObstacleSet(tuple(solids)), MARGIN)
-    assert looked == solids[2:3]
+@settings(max_examples=25, deadline=None)
+@given(st.integers(0, 2**32 - 1))
+def test_whatever_changes_the_exclusion_is_that_of_all_obstacles(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    cache, mesh, margin = ExclusionCache(), MESHES[0], 0.1
+    obstacles: list[Obstacle] = [random_obstacle(random) for _ in range(4)]
+    for _ in range(12):
+        k = int(random.integers(len(obstacles)))
+        match random.integers(7):
+            case 0:  # moved
+                place = tuple(random.uniform(0, 6, 3).tolist())
+                obstacles[k] = obstacles[k].model_copy(update={"position": place})
+            case 1:  # equal, but another object
+                obstacles[k] = obstacles[k].model_copy()
+            case 2:
+                obstacles.append(obstacles[k])
+            case 3 if len(obstacles) > 1:
+                obstacles.pop(k)
+            case 4:
+                obstacles.reverse()
+            case 5:
+                margin = float(random.choice([0.0, 0.1]))
+            case _:
+                mesh = MESHES[random.integers(2)]
+        found = cache(mesh, ObstacleSet(tuple(obstacles)), margin)
+        expected = exclude(mesh, ObstacleSet(tuple(obstacles)), margin)
+        assert found.nodes == expected.nodes
+        assert np.array_equal(found.excluded, expected.excluded)
+        free = ~expected.excluded
+        assert np.array_equal(found.open_directions[free], expected.open_directions[free])

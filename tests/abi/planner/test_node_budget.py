@@ -16,7 +16,8 @@ def nodes(scene: Scene) -> int:
     return scene.mesh.node_count(scene.workspace)
 
 
-@settings(max_examples=60, deadline=None)
+@pytest.mark.slow
+@settings(max_examples=60)
 @given(
     pitch=st.floats(0.07, 3),
     lattice=st.sampled_from(["bcc", "kuhn", "delaunay"]),
@@ -38,7 +39,7 @@ def test_a_mesh_that_is_too_fine_is_made_just_coarse_enough(
 
 
 @pytest.mark.slow
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(rate=st.floats(300, 60_000), pitch=st.floats(0.07, 0.2))
 def test_it_learns_how_many_nodes_fit_a_frame_and_stays_there(rate: float, pitch: float) -> None:
     budget, scene = NodeBudget(), scene_of(pitch)
@@ -54,7 +55,7 @@ def test_it_learns_how_many_nodes_fit_a_frame_and_stays_there(rate: float, pitch
     assert nodes(made) >= min(nodes(scene), rate * FRAME_MS / 4)
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(rate=st.floats(300, 60_000), pitch=st.floats(0.07, 0.2))
 def test_during_one_drag_the_mesh_gets_no_finer(rate: float, pitch: float) -> None:
     budget, scene = NodeBudget(), scene_of(pitch)

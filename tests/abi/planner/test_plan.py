@@ -74,6 +74,12 @@ TOP = {
         "clearance_time",
         "clearance_obstacle",
         "peak_joint_speed",
+        "joint_speed_limits",
+        "peak_joint_acceleration",
+        "joint_acceleration_limits",
+        "torques",
+        "peak_joint_torque",
+        "joint_torque_limits",
         "limits_passed",
         "within_limits",
         "ms",
@@ -94,6 +100,7 @@ SEARCH = {
 TAUT = {"points", "length", "clearance", "ms"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", scene_names())
 def test_every_shipped_scene_plans_as_it_says(name: str) -> None:
     made = plan(load_scene(name))
@@ -106,6 +113,10 @@ def test_every_shipped_scene_plans_as_it_says(name: str) -> None:
         assert data["error"]["hint"]
         assert data["graph"]["nodes"] > 0
         assert data["searches"] is data["path"] is data["bspline"] is data["arm"] is None
+        return
+    if name == "find-a-base":  # from where the arm stands there is no way
+        assert made.error is not None
+        assert made.error.kind == "arm_not_clear"
         return
     assert made.error is None
     if made.scene.arm.model != "abi":
@@ -258,6 +269,7 @@ def drawn(name: str, section: dict[str, Any]) -> FloatArray:
     return np.concatenate(parts)
 
 
+@pytest.mark.slow
 @variants
 def test_the_json_says_what_the_variant_is(variant: str) -> None:
     made, data = told(variant)
@@ -274,6 +286,7 @@ def test_the_json_says_what_the_variant_is(variant: str) -> None:
     assert data["total_ms"] == made.total_ms > 0
 
 
+@pytest.mark.slow
 @variants
 def test_the_json_counts_the_nodes_and_edges_that_are_left(variant: str) -> None:
     made, data = told(variant)
@@ -304,6 +317,7 @@ def test_the_json_counts_the_nodes_and_edges_that_are_left(variant: str) -> None
     assert graph["edges"] == (~shut).sum() + len(made.graph.tails) == len(made.graph.edges)
 
 
+@pytest.mark.slow
 @variants
 def test_the_json_measures_the_ways_it_tells(variant: str) -> None:
     made, data = told(variant)
@@ -397,6 +411,7 @@ def test_the_json_sets_the_lengths_beside_the_bound(variant: str) -> None:
         assert found["ratio"] is None
 
 
+@pytest.mark.slow
 @variants
 def test_the_json_tells_the_motion_along_the_curve(variant: str) -> None:
     made, data = told(variant)
@@ -432,6 +447,9 @@ def test_the_json_tells_the_motion_along_the_curve(variant: str) -> None:
         assert abs(one["value"] - one["limit"]) >= beyond.max() - 1e-9
     speeds = np.abs(np.diff(positions, axis=0)).max(axis=0) / (time[1] - time[0])
     assert (speeds <= np.array(arm["peak_joint_speed"]) * (1 + 1e-9)).all()
+    assert arm["torques"] is arm["peak_joint_torque"] is None  # the paper gives no masses
+    assert arm["joint_torque_limits"] == [None] * 6
+    assert arm["joint_speed_limits"] == [math.pi] * 3 + [None] * 3
     if not made.scene.obstacles:
         assert arm["clearance"] is arm["clearance_obstacle"] is arm["clearance_time"] is None
         return
@@ -553,7 +571,8 @@ def test_out_of_reach_is_said_with_times_and_the_arm_still_has_a_pose() -> None:
     assert np.isfinite(made.motion.positions).all()
 
 
-@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@pytest.mark.slow
+@settings(max_examples=60, suppress_health_check=[HealthCheck.too_slow])
 @given(
     start=points,
     goal=points,
