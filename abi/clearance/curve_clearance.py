@@ -8,10 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from abi.arrays import flat
-from abi.clearance import curve_clearance_kernels
 from abi.clearance.bezier import PolynomialCurve
 from abi.clearance.certificate import Certificate, certify
-from abi.clearance.mesh_clearance import measure_by_halving
+from abi.clearance.curve_clearance_kernels import measure_curve
 from abi.obstacles.obstacle_set import ObstacleSet
 
 # Distances that differ by less are the same, [unit]: rounding, not a violation.
@@ -92,14 +91,13 @@ def curve_clearance(
     tolerance = max(tolerance, ROUNDING)
     parts = -(-_FIRST_PIECES // (len(breaks) - 1))
     finest = float(breaks[-1] - breaks[0]) / _FINEST_STRETCH
-    if obstacles.all_convex:
-        measured = curve_clearance_kernels.measure_curve(
-            *(flat(pieces.points), flat(breaks), parts, obstacles.packed),
-            *(float(required), tolerance, finest),
-        )
-    else:
-        measured = measure_by_halving(pieces, parts, obstacles, required, tolerance, finest)
-    distance, at, nearest, obstacle, stretches = measured
+    if obstacles.meshes:
+        measure_curve.compile()  # as Python it would copy their triangles
+    distance, at, nearest, row, stretches = measure_curve(
+        *(flat(pieces.points), flat(breaks), parts, obstacles.packed, obstacles.surfaces),
+        (float(required), tolerance, finest),
+    )
+    obstacle = int(obstacles.rows[row])
     return Clearance(distance, at, nearest, obstacle, _joined(stretches[1:]))
 
 

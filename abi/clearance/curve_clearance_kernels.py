@@ -1,4 +1,4 @@
-"""Distance of a curve of Bézier pieces to convex primitives.
+"""Distance of a curve of Bézier pieces to obstacles.
 
 For the rows of numbers that describe primitives see ``primitive_kernels``. A point is three
 successive numbers.
@@ -13,8 +13,10 @@ from numba.extending import register_jitable
 
 from abi.arrays import FloatArray
 from abi.clearance.bezier_kernels import divide, extent_of
+from abi.clearance.mesh_clearance_kernels import ends_near_meshes, middles_near_meshes
 from abi.compiled import FLOATS, compiled
 from abi.obstacles.obstacle_set_kernels import distance_gradient, nearest_primitive
+from abi.obstacles.primitive_kernels import WIDTH
 from abi.obstacles.primitive_tree_kernels import (
     bounds_apart,
     first_row,
@@ -22,6 +24,8 @@ from abi.obstacles.primitive_tree_kernels import (
     row_below,
     tree_apart,
 )
+from abi.obstacles.surface_set import NO_SURFACES, SurfaceSet
+from abi.obstacles.triangle_mesh.surface_kernels import Room, new_room
 from abi.obstacles.vector_kernels import Vec3, vec3_at
 
 MOST_HALVINGS = 40
@@ -53,14 +57,28 @@ class _Pieces(NamedTuple):
 
 
 class _Nearest(NamedTuple):
-    """The sample nearest to a primitive: its signed distance, [unit], parameter, and whose it is.
+    """The sample nearest to an obstacle: its signed distance, [unit], parameter, and whose it is.
 
-    The primitive is -1 before there is any.
+    The obstacles are the primitives and then the meshes; it is -1 before there is any.
     """
 
     distance: float
     at: float
-    primitive: int
+    obstacle: int
+
+
+class _Around(NamedTuple):
+    """Obstacles around a curve.
+
+    Attributes:
+        primitives: rows (k WIDTH,).
+        surfaces: the meshes.
+        room: for descents of their trees.
+    """
+
+    primitives: FloatArray
+    surfaces: SurfaceSet
+    room: Room
 
 
 @register_jitable(forceinline=True)
@@ -117,8 +135,9 @@ def _first_pieces(control: FloatArray, breaks: FloatArray, parts: int) -> _Piece
 
 
 @register_jitable
-def _sample_ends(primitives: FloatArray, pieces: _Pieces, required: float) -> _Nearest:
+def _sample_ends(around: _Around, pieces: _Pieces, required: float) -> _Nearest:
     """Fill in the distances at the ends of pieces that are one curve; the nearest of them."""
+    primitives, surfaces, room = around
     points, starts, ends, at_starts, at_ends = pieces
     count = len(starts)
     size = len(points) // count
@@ -134,14 +153,22 @@ def _sample_ends(primitives: FloatArray, pieces: _Pieces, required: float) -> _N
         if primitive >= 0 and distance < nearest:
             at = ends[count - 1] if last else starts[piece]
             nearest, whose = distance, primitive
+    if len(surfaces.whose) > 0:
+        distance, piece, mesh = ends_near_meshes(
+            surfaces, points, (at_starts, at_ends), nearest, required, room
+        )
+        if distance < nearest:
+            at = ends[count - 1] if piece == count else starts[piece]
+            nearest, whose = distance, len(primitives) // WIDTH + mesh
     return _Nearest(nearest, at, whose)
 
 
 @register_jitable
 def _sample_middles(
-    primitives: FloatArray, pieces: _Pieces, required: float, before: _Nearest
+    around: _Around, pieces: _Pieces, required: float, before: _Nearest
 ) -> tuple[list[float], list[float], _Nearest]:
     """Distances at the middles of pieces and lower bounds of theirs; the nearest of all samples."""
+    primitives, surfaces, room = around
     points, starts, ends, _, _ = pieces
     count = len(starts)
     width = len(points) // (3 * count)
@@ -157,6 +184,13 @@ def _sample_middles(
         middles[piece], bounds[piece] = distance, bound
         if distance < nearest:
             nearest, at, whose = distance, (starts[piece] + ends[piece]) / 2, primitive
+    if len(surfaces.whose) > 0:
+        distance, piece, mesh = middles_near_meshes(
+            surfaces, points, (middles, bounds), nearest, required, room
+        )
+        if distance < nearest:
+            at = (starts[piece] + ends[piece]) / 2
+            nearest, whose = distance, len(primitives) // WIDTH + mesh
     return middles, bounds, _Nearest(nearest, at, whose)
 
 
@@ -214,34 +248,35 @@ def _halves(pieces: _Pieces, middles: list[float], chosen: list[int]) -> _Pieces
     return _Pieces(halves, froms, tos, at_froms, at_tos)
 
 
-@compiled(example=(FLOATS, FLOATS, 1, FLOATS, 1.0, 0.1, 0.1))
+@compiled(example=(FLOATS, FLOATS, 1, FLOATS, NO_SURFACES, (1.0, 0.1, 0.1)))
 def measure_curve(
     control: FloatArray,
     breaks: FloatArray,
     parts: int,
     primitives: FloatArray,
-    required: float,
-    tolerance: float,
-    finest: float,
+    surfaces: SurfaceSet,
+    demand: tuple[float, float, float],
 ) -> Measured:
-    """Distance of a curve of Bézier pieces to primitives; see ``curve_clearance``.
+    """Distance of a curve of Bézier pieces to obstacles; see ``curve_clearance``.
 
     Args:
         control: Bézier points of the s polynomials, flat (3 s (degree + 1),), [unit], world.
         breaks: parameters between them (s + 1,).
         parts: equal parts that each polynomial is first cut into.
-        primitives: rows (k WIDTH,), k >= 1.
-        required: distance to keep, [unit]; nearer stretches are returned.
-        tolerance: largest excess of the nearest sample over the bound, [unit].
-        finest: length of stretches, in the parameter, that are not halved for their ends alone.
+        primitives: rows (k WIDTH,).
+        surfaces: the meshes; of both at least one.
+        demand: distance to keep, [unit]: nearer stretches are returned; largest excess of the
+            nearest sample over the bound, [unit]; and the length of stretches, in the parameter,
+            that are not halved for their ends alone.
     """
+    required = demand[0]
+    around = _Around(primitives, surfaces, new_room())
     pieces = _first_pieces(control, breaks, parts)
-    nearest = _sample_ends(primitives, pieces, required)
+    nearest = _sample_ends(around, pieces, required)
     bottom = nearest.distance
     stretches = [(0.0, 0.0)]
-    demand = (required, tolerance, finest)
     for halvings in range(MOST_HALVINGS + 1):
-        middles, bounds, nearest = _sample_middles(primitives, pieces, required, nearest)
+        middles, bounds, nearest = _sample_middles(around, pieces, required, nearest)
         chosen = _undecided(pieces, middles, bounds, nearest.distance, demand)
         if halvings == MOST_HALVINGS or 2 * len(chosen) > MOST_PIECES:
             chosen.clear()
@@ -257,5 +292,5 @@ def measure_curve(
         if len(chosen) == 0:
             break
         pieces = _halves(pieces, middles, chosen)
-    distance, at, primitive = nearest
-    return min(bottom, distance), at, distance, primitive, stretches
+    distance, at, obstacle = nearest
+    return min(bottom, distance), at, distance, obstacle, stretches

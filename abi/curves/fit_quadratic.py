@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Literal
 
@@ -27,10 +28,20 @@ _RADII = np.geomspace(0.02, 4, 12)  # of the curve's extent
 _SAMPLES = 24
 _STARTS = 3
 _APART = 0.8  # cosine of the angle between two starts
+_HALVINGS = 6
+
+
+Accepts = Callable[[Quadratic], bool]
+"""Whether a curve that keeps the clearance will do for what else is asked of it."""
 
 
 def fit(
-    spline: Fit[BSpline], arc: ArcLength, obstacles: ObstacleSet, clearance: float, mode: Mode
+    spline: Fit[BSpline],
+    arc: ArcLength,
+    obstacles: ObstacleSet,
+    clearance: float,
+    mode: Mode,
+    accepts: Accepts | None = None,
 ) -> Fit[Quadratic]:
     """A curve of quadratic pieces near the B-spline and with its ends.
 
@@ -44,16 +55,18 @@ def fit(
         obstacles: to keep clear of.
         clearance: distance to keep from every obstacle, [unit].
         mode: one of the three.
+        accepts: a further condition, such as that an arm keeps clear along it; all of the modes
+            but ``least_squares`` keep to it.
 
     Returns:
         The curve. When none is found the least-squares curve, with ``holds`` False and a ``note``.
     """
     quadratic = least_squares(spline.curve, arc)
     fitted = proven_fit(quadratic, quadratic.extent, obstacles, clearance)
-    if fitted.holds or mode == "least_squares":
+    if mode == "least_squares" or (fitted.holds and (accepts is None or accepts(quadratic))):
         return fitted
     curve = ByArcLength(spline.curve, arc)
-    single = nearest_single(quadratic, curve, obstacles, clearance)
+    single = nearest_single(quadratic, curve, obstacles, clearance, accepts)
     if single is not None:
         return single
     if mode == "clear":
@@ -62,7 +75,7 @@ def fit(
             note="No single quadratic with these ends was found that keeps the clearance; "
             "mode pieces joins several.",
         )
-    several = fewest_pieces(spline.curve, curve, obstacles, clearance)
+    several = fewest_pieces(spline.curve, curve, obstacles, clearance, accepts)
     if several is not None:
         return several
     contrast = "; the B-spline does" if spline.holds else ": the B-spline does not"
@@ -72,7 +85,11 @@ def fit(
 
 
 def nearest_single(
-    quadratic: Quadratic, curve: ByArcLength, obstacles: ObstacleSet, clearance: float
+    quadratic: Quadratic,
+    curve: ByArcLength,
+    obstacles: ObstacleSet,
+    clearance: float,
+    accepts: Accepts | None = None,
 ) -> Fit[Quadratic] | None:
     """The clear quadratic nearest in L2 to ``quadratic``, with its ends, as far as searched.
 
@@ -85,15 +102,24 @@ def nearest_single(
         curve: the curve it approximates.
         obstacles: to keep clear of.
         clearance: distance to keep from every obstacle, [unit].
+        accepts: a further condition; where the nearest does not meet it, the nearest of the moved
+            ones that does is taken, brought nearer by halving its distance.
     """
     c0, c1, c2 = quadratic.coefficients[0]
     points = np.stack([c0, c0 + c1 / 2, c0 + c1 + c2])
     target = Target(quadratic.breaks, read_only(points), obstacles, clearance)
-    return _proven(nearest_clear(target, [curve, *_starts(target)]), obstacles, clearance)
+    found = _proven(nearest_clear(target, [curve, *_starts(target)]), obstacles, clearance)
+    if found is None or accepts is None or accepts(found.curve):
+        return found
+    return _nearest_accepted(target, accepts)
 
 
 def fewest_pieces(
-    spline: BSpline, curve: ByArcLength, obstacles: ObstacleSet, clearance: float
+    spline: BSpline,
+    curve: ByArcLength,
+    obstacles: ObstacleSet,
+    clearance: float,
+    accepts: Accepts | None = None,
 ) -> Fit[Quadratic] | None:
     """The clear C¹ curve of the fewest quadratic pieces found, from two up.
 
@@ -108,26 +134,34 @@ def fewest_pieces(
         curve: the same as a function of its arc length.
         obstacles: to keep clear of.
         clearance: distance to keep from every obstacle, [unit].
+        accepts: a further condition.
     """
-    last = _on_the_polygon(spline, obstacles, clearance)
+    last = _accepted(_on_the_polygon(spline, obstacles, clearance), accepts)
     most = MOST_PIECES if last is None else min(MOST_PIECES, len(last.curve.pieces) - 1)
     tried = 1
     for pieces in (count for count in _COUNTS if count <= most):
-        fitted = _in_pieces(pieces, curve, obstacles, clearance)
+        fitted = _in_pieces(pieces, curve, obstacles, clearance, accepts)
         if fitted is not None:
-            between = (_in_pieces(k, curve, obstacles, clearance) for k in range(tried + 1, pieces))
+            between = (
+                _in_pieces(k, curve, obstacles, clearance, accepts)
+                for k in range(tried + 1, pieces)
+            )
             return next((fewer for fewer in between if fewer is not None), fitted)
         tried = pieces
     return last
 
 
 def _in_pieces(
-    pieces: int, curve: ByArcLength, obstacles: ObstacleSet, clearance: float
+    pieces: int,
+    curve: ByArcLength,
+    obstacles: ObstacleSet,
+    clearance: float,
+    accepts: Accepts | None,
 ) -> Fit[Quadratic] | None:
     """Clear curve of that many pieces near ``curve``, or None."""
     for breaks in (np.linspace(0, 1, pieces + 1), _closer_where_bent(curve, pieces)):
         target = least_squares_target(curve, read_only(breaks), obstacles, clearance)
-        fitted = _proven(nearest_clear(target, [curve]), obstacles, clearance)
+        fitted = _accepted(_proven(nearest_clear(target, [curve]), obstacles, clearance), accepts)
         if fitted is not None:
             return fitted
     return None
@@ -155,8 +189,64 @@ def _proven(
     return fitted if fitted.holds else None
 
 
+def _accepted(fitted: Fit[Quadratic] | None, accepts: Accepts | None) -> Fit[Quadratic] | None:
+    """The fit where there is one, and its curve will do."""
+    return fitted if fitted is None or accepts is None or accepts(fitted.curve) else None
+
+
+def _nearest_accepted(target: Target, accepts: Accepts) -> Fit[Quadratic] | None:
+    """The nearest of the moved curves that is clear and will do, brought nearer; or None."""
+    directions, lacking = _moved(target)
+    for shell, radius in enumerate((_RADII * target.extent).tolist()):
+        for direction in directions[lacking[shell] <= 0]:
+            fitted = _accepted(_by(target, radius * direction), accepts)
+            if fitted is not None:
+                return _nearer(target, radius * direction, accepts, fitted)
+    return None
+
+
+def _nearer(
+    target: Target, move: FloatArray, accepts: Accepts, fitted: Fit[Quadratic]
+) -> Fit[Quadratic]:
+    """The curve moved less in the same direction, as far as halving finds."""
+    low, high = 0.0, 1.0
+    for _ in range(_HALVINGS):
+        middle = (low + high) / 2
+        nearer = _accepted(_by(target, middle * move), accepts)
+        if nearer is None:
+            low = middle
+        else:
+            high, fitted = middle, nearer
+    return fitted
+
+
+def _by(target: Target, move: FloatArray) -> Fit[Quadratic] | None:
+    """The target with its free control point moved (3,), [unit], if that is clear, or None."""
+    control = target.control_points.copy()
+    control[1] += move
+    curve = Quadratic.from_control_points(control, target.breaks)
+    return _proven(curve, target.obstacles, target.clearance)
+
+
 def _starts(target: Target) -> list[Quadratic]:
     """Moved curves: the nearest that are clear at samples, then the clearest; all apart."""
+    directions, lacking = _moved(target)
+    chosen: list[int] = []
+    starts = []
+    for number in lacking.argsort(axis=None, kind="stable"):
+        radius, direction = divmod(int(number), _DIRECTIONS)
+        if (directions[chosen] @ directions[direction] < _APART).all():
+            chosen.append(direction)
+            control = target.control_points.copy()
+            control[1] += _RADII[radius] * target.extent * directions[direction]
+            starts.append(Quadratic.from_control_points(control, target.breaks))
+        if len(starts) == _STARTS:
+            break
+    return starts
+
+
+def _moved(target: Target) -> tuple[FloatArray, FloatArray]:
+    """Directions (48, 3) of moves, and what each of 12 moves lacks of the clearance, (12, 48)."""
     directions = _sphere(_DIRECTIONS)
     free = target.control_points[1] + np.multiply.outer(_RADII * target.extent, directions)
     basis = target.basis(np.arange(1, _SAMPLES) / _SAMPLES)
@@ -165,18 +255,7 @@ def _starts(target: Target) -> list[Quadratic]:
     )
     distance, _ = target.obstacles.nearest(points.reshape(-1, 3))
     lacking = np.maximum(target.aim - distance.reshape(points.shape[:3]).min(axis=0), 0)
-    chosen: list[int] = []
-    starts = []
-    for number in lacking.argsort(axis=None, kind="stable"):
-        radius, direction = divmod(int(number), _DIRECTIONS)
-        if (directions[chosen] @ directions[direction] < _APART).all():
-            chosen.append(direction)
-            control = target.control_points.copy()
-            control[1] = free[radius, direction]
-            starts.append(Quadratic.from_control_points(control, target.breaks))
-        if len(starts) == _STARTS:
-            break
-    return starts
+    return directions, lacking
 
 
 def _sphere(count: int) -> FloatArray:

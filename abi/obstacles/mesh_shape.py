@@ -75,8 +75,9 @@ class MeshShape(Posed):
     @property
     def surface(self) -> Surface:
         """The cleaned surface, in the file's coordinates."""
-        assert self._surface is not None
-        return self._surface
+        surface = self._surface
+        assert surface is not None
+        return surface
 
     @property
     def factor(self) -> float:

@@ -21,8 +21,10 @@ from abi.arrays import BoolArray, FloatArray, IntArray, flat, read_only
 from abi.obstacles import obstacle_set_kernels as kernels
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.packing import pack
+from abi.obstacles.polyline_kernels import polyline_distances
 from abi.obstacles.primitive_kernels import BOUNDS, WIDTH
 from abi.obstacles.primitives import Box, Primitive
+from abi.obstacles.surface_set import SurfaceSet, surface_set
 
 Obstacle = Annotated[Primitive | MeshShape, Field(discriminator="shape")]
 Obstacles = tuple[Obstacle, ...]
@@ -76,6 +78,11 @@ class ObstacleSet:
         """Numbers of the meshes among the obstacles, ascending, (m,)."""
         return self._numbers(convex=False)
 
+    @cached_property
+    def rows(self) -> IntArray:
+        """Numbers of the obstacles in the kernels' order, primitives first, (k,)."""
+        return read_only(np.concatenate([self.primitive_numbers, self.mesh_numbers]))
+
     @property
     def all_convex(self) -> bool:
         """Whether there are no meshes: then every signed distance is a convex function."""
@@ -85,6 +92,11 @@ class ObstacleSet:
     def packed(self) -> FloatArray:
         """The primitives as the kernels take them, flat (p ``WIDTH``,)."""
         return pack(self.primitives)
+
+    @cached_property
+    def surfaces(self) -> SurfaceSet:
+        """The meshes as the kernels take them."""
+        return surface_set(self.meshes, self._packed_mesh_boxes)
 
     @cached_property
     def bounds(self) -> tuple[FloatArray, FloatArray]:
@@ -120,16 +132,22 @@ class ObstacleSet:
         number = np.full(len(points), -1, dtype=np.int32)
         of_primitive = row >= 0
         number[of_primitive] = self.primitive_numbers[row[of_primitive]]
-        for k, mesh, rows in self._near_meshes(points, points, distance):
+        for k, mesh, rows in self.near_meshes(points, points, distance):
             to_mesh = mesh.signed_distance(points[rows])
             before = distance[rows]
             nearer = (to_mesh < before) | ((to_mesh == before) & (k < number[rows]))
             distance[rows[nearer]], number[rows[nearer]] = to_mesh[nearer], k
         return distance, number
 
-    def signed_distance(self, points: FloatArray) -> FloatArray:
-        """Least signed distance (n,) of points (n, 3), [unit]; inf without obstacles."""
-        return self.nearest(points)[0]
+    def signed_distance(self, points: FloatArray, enough: float = math.inf) -> FloatArray:
+        """Least signed distance (n,) of points (n, 3), [unit]; inf without obstacles.
+
+        One of ``enough`` and more may be any from there on.
+        """
+        distance, _ = self._from_primitives(points)
+        for _, mesh, rows in self.near_meshes(points, points, np.minimum(distance, enough)):
+            distance[rows] = np.minimum(distance[rows], mesh.signed_distance(points[rows]))
+        return distance
 
     def distances_up_to(self, limit: float, points: FloatArray) -> FloatArray:
         """Signed distance (n, k) of points (n, 3) to each obstacle, [unit].
@@ -144,7 +162,7 @@ class ObstacleSet:
         )
         distances[:, self.mesh_numbers] = np.inf
         limits = np.full(len(points), limit)
-        for number, mesh, rows in self._near_meshes(points, points, limits):
+        for number, mesh, rows in self.near_meshes(points, points, limits):
             distances[rows, number] = mesh.signed_distance(points[rows])
         return distances
 
@@ -157,7 +175,7 @@ class ObstacleSet:
         distance, row = self._from_primitives(points)
         gradient = np.zeros((len(points), 3))
         kernels.gradients(flat(points), self.packed, row, gradient.ravel())
-        for _, mesh, rows in self._near_meshes(points, points, distance):
+        for _, mesh, rows in self.near_meshes(points, points, distance):
             to_mesh, of_mesh = mesh.signed_distance_gradient(points[rows])
             is_nearer = to_mesh < distance[rows]
             nearer = rows[is_nearer]
@@ -185,7 +203,7 @@ class ObstacleSet:
             return blocked
         starts, ends, margins = starts[open_], ends[open_], margins[open_]
         # touching a surface blocks even without a margin
-        for _, mesh, rows in self._near_meshes(starts, ends, np.maximum(margins, _TOUCH)):
+        for _, mesh, rows in self.near_meshes(starts, ends, np.maximum(margins, _TOUCH)):
             rows = rows[~blocked[open_[rows]]]
             blocked[open_[rows]] = mesh.blocks(starts[rows], ends[rows], margins[rows])
         return blocked
@@ -199,74 +217,31 @@ class ObstacleSet:
         vertices = points if len(points) > 1 else np.repeat(points, 2, axis=0)
         return float(self.polyline_clearances(vertices[None])[0])
 
-    def polyline_clearances(self, polylines: FloatArray) -> FloatArray:
-        """Clearances (n,) of polylines of equally many vertices (n, k, 3), k >= 2, [unit]."""
+    def polyline_clearances(self, polylines: FloatArray, enough: float = math.inf) -> FloatArray:
+        """Clearances (n,) of polylines of equally many vertices (n, k, 3), k >= 2, [unit].
+
+        Those of ``enough`` and more, but for the least of all, may be any from there on.
+        """
         count, size, _ = polylines.shape
         clearances = np.empty(count)
-        kernels.polyline_distances(flat(polylines), size, self.packed, clearances)
-        if not self.meshes:
-            return clearances
-        starts, ends = _segments(polylines)
-        of_polyline = np.repeat(np.arange(count), size - 1)
-        # how deep a segment is in a mesh is a bound from below: each that may be in one counts
-        limits = np.maximum(clearances[of_polyline], 0)
-        for _, mesh, rows in self._near_meshes(starts, ends, limits):
-            if count == 1:
-                most = float(clearances[0])
-                clearances[0] = mesh.nearest_segment(starts[rows], ends[rows], most)[0]
-                continue
-            legs = mesh.segment_distance(starts[rows], ends[rows])
-            np.minimum.at(clearances, of_polyline[rows], legs)
+        if self.meshes:
+            polyline_distances.compile()  # as Python it would copy their triangles
+        points = flat(polylines)
+        polyline_distances(points, size, self.packed, self.surfaces, enough, clearances)
         return clearances
 
-    def segment_clearances(self, points: FloatArray) -> FloatArray:
+    def segment_clearances(self, points: FloatArray, enough: float = math.inf) -> FloatArray:
         """Clearances (k - 1,) of a polyline's segments, [unit].
 
         Args:
             points: vertices (k, 3), k >= 1, [unit], world; one alone is a segment.
+            enough: as for :meth:`polyline_clearances`.
         """
         if len(points) == 1:
             points = np.concatenate([points, points])
-        return self.polyline_clearances(np.stack([points[:-1], points[1:]], axis=1))
+        return self.polyline_clearances(np.stack([points[:-1], points[1:]], axis=1), enough)
 
-    def nearest_polyline(self, polylines: FloatArray) -> tuple[float, int, int]:
-        """Least clearance of polylines (n, k, 3), k >= 2, [unit], and between which it is.
-
-        Returns:
-            The clearance, a polyline's number and an obstacle's; inf, 0 and -1 without obstacles.
-        """
-        best, polyline, obstacle = math.inf, 0, -1
-        size = polylines.shape[1]
-        if self.primitives:
-            best, polyline, primitive = kernels.nearest_polyline(flat(polylines), size, self.packed)
-            obstacle = int(self.primitive_numbers[primitive])
-        starts, ends = _segments(polylines)
-        for number, mesh in zip(self.mesh_numbers.tolist(), self.meshes, strict=True):
-            distance, segment = mesh.nearest_segment(starts, ends, best, size - 1)
-            if segment >= 0:
-                best, polyline, obstacle = distance, segment // (size - 1), number
-        return best, polyline, obstacle
-
-    def _numbers(self, convex: bool) -> IntArray:
-        chosen = [k for k, shape in enumerate(self.obstacles) if shape.convex == convex]
-        return read_only(np.array(chosen, dtype=np.int32))
-
-    @cached_property
-    def _mesh_boxes(self) -> tuple[Box, ...]:
-        """Bounding boxes of the meshes (m,)."""
-        return tuple(map(_bounding_box, self.meshes))
-
-    @cached_property
-    def _packed_mesh_boxes(self) -> FloatArray:
-        return pack(self._mesh_boxes)
-
-    def _from_primitives(self, points: FloatArray) -> tuple[FloatArray, IntArray]:
-        """Least signed distance of points to a primitive (n,), and whose it is (n,)."""
-        distance, row = np.empty(len(points)), np.empty(len(points), dtype=np.int32)
-        kernels.nearest(flat(points), self.packed, distance, row)
-        return distance, row
-
-    def _near_meshes(
+    def near_meshes(
         self, starts: FloatArray, ends: FloatArray, limits: FloatArray
     ) -> Iterator[tuple[int, MeshShape, IntArray]]:
         """Meshes with the segments that may be nearer to them than a limit.
@@ -294,6 +269,25 @@ class ObstacleSet:
             k = int(boxes[first])
             yield int(self.mesh_numbers[k]), self.meshes[k], rows[first:last]
 
+    def _numbers(self, convex: bool) -> IntArray:
+        chosen = [k for k, shape in enumerate(self.obstacles) if shape.convex == convex]
+        return read_only(np.array(chosen, dtype=np.int32))
+
+    @cached_property
+    def _mesh_boxes(self) -> tuple[Box, ...]:
+        """Bounding boxes of the meshes (m,)."""
+        return tuple(map(_bounding_box, self.meshes))
+
+    @cached_property
+    def _packed_mesh_boxes(self) -> FloatArray:
+        return pack(self._mesh_boxes)
+
+    def _from_primitives(self, points: FloatArray) -> tuple[FloatArray, IntArray]:
+        """Least signed distance of points to a primitive (n,), and whose it is (n,)."""
+        distance, row = np.empty(len(points)), np.empty(len(points), dtype=np.int32)
+        kernels.nearest(flat(points), self.packed, distance, row)
+        return distance, row
+
     def _most_to_mesh(self, points: FloatArray) -> FloatArray:
         """Upper bound (n,) of the distance of points (n, 3) to the nearest mesh, [unit]."""
         distance, row = np.empty(len(points)), np.empty(len(points), dtype=np.int32)
@@ -311,8 +305,3 @@ def _bounding_box(mesh: MeshShape) -> Box:
     x, y, z = np.maximum(high - low, 1e-9).tolist()
     a, b, c = ((low + high) / 2).tolist()
     return Box(size=(x, y, z), position=(a, b, c))
-
-
-def _segments(polylines: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Both ends (n (k - 1), 3) of the segments of polylines (n, k, 3), one after the other."""
-    return polylines[:, :-1].reshape(-1, 3), polylines[:, 1:].reshape(-1, 3)

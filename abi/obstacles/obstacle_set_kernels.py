@@ -1,4 +1,4 @@
-"""Distances of polylines and points to convex primitives.
+"""Distances of segments and points to convex primitives.
 
 For the rows of primitives see ``primitive_kernels``. A point is three
 successive numbers.
@@ -37,7 +37,6 @@ from abi.obstacles.primitive_tree_kernels import (
 from abi.obstacles.vector_kernels import Vec3, add, axpy, dot, sub, vec3_at
 
 _STEPS = 100  # far more than it takes to find a minimum to the last bit
-_STRIDE = 20
 _ROUNDING = 4 * 2.0**-52
 
 
@@ -82,7 +81,7 @@ def _least_distance(core: Core, best: float, p: Vec3, d: Vec3) -> float:
 
 
 @register_jitable
-def _to_segment(primitives: FloatArray, s: int, best: float, a: Vec3, b: Vec3) -> float:
+def distance_to_segment(primitives: FloatArray, s: int, best: float, a: Vec3, b: Vec3) -> float:
     """Least signed distance from the segment a..b, world, to primitive s; ``best`` if above."""
     axes = axes_of(primitives, s)
     p = in_body(axes, sub(a, centre_of(primitives, s)))
@@ -125,13 +124,13 @@ def nearest_to_segment(
     s = first_row(primitives)
     if s >= 0 and enough == math.inf:
         whose = _likely_nearest(primitives, axpy(0.5, sub(b, a), a))
-        best = _to_segment(primitives, whose, enough, a, b)
+        best = distance_to_segment(primitives, whose, enough, a, b)
     while s >= 0:
         if segment_apart(primitives, s, True, best, a, b):
             s = row_after(primitives, s)
             continue
         if not segment_apart(primitives, s, False, best, a, b):
-            distance = _to_segment(primitives, s, best, a, b)
+            distance = distance_to_segment(primitives, s, best, a, b)
             if distance < best:
                 best, whose = distance, s
         s = row_below(primitives, s)
@@ -171,78 +170,6 @@ def distance_gradient(primitives: FloatArray, s: int, x: Vec3) -> tuple[float, V
     p = in_body(axes, sub(x, centre_of(primitives, s)))
     distance, gradient = signed_distance_gradient(core_of(primitives, s), p)
     return distance, in_world(axes, gradient)
-
-
-@compiled(example=(FLOATS, 2, FLOATS, NEW_FLOATS))
-def polyline_distances(
-    points: FloatArray, size: int, primitives: FloatArray, distances: FloatArray
-) -> None:
-    """Least signed distances from polylines to all primitives.
-
-    Args:
-        points: of one polyline after the other, flat (3 n size,), [unit], world.
-        size: points of each polyline, at least 2.
-        primitives: rows (k WIDTH,).
-        distances: of each polyline (n,), [unit], inf without primitives; written.
-    """
-    for run in range(len(distances)):
-        best = math.inf
-        for i in range(3 * run * size, 3 * (run * size + size - 1), 3):
-            a, b = vec3_at(points, i), vec3_at(points, i + 3)
-            best = nearest_to_segment(primitives, best, a, b)[0]
-        distances[run] = best
-
-
-@compiled(example=(FLOATS, 2, FLOATS))
-def nearest_polyline(
-    points: FloatArray, size: int, primitives: FloatArray
-) -> tuple[float, int, int]:
-    """Least signed distance from polylines to primitives, and between which of them it is.
-
-    Args:
-        points: of one polyline after the other, flat (3 n size,), [unit], world.
-        size: points of each polyline, at least 2.
-        primitives: rows (k WIDTH,), k >= 1.
-    """
-    best, which, whose = math.inf, 0, -1
-    # A few first: their least distance rules out most of the others.
-    for stride in (_STRIDE, 1):
-        for run in range(0, len(points) // (3 * size), stride):
-            for i in range(3 * run * size, 3 * (run * size + size - 1), 3):
-                a, b = vec3_at(points, i), vec3_at(points, i + 3)
-                distance, s = nearest_to_segment(primitives, best, a, b)
-                if distance < best:
-                    best, which, whose = distance, run, s
-    return best, which, whose
-
-
-@compiled(example=(FLOATS, FLOATS, 1.0))
-def near_polyline(points: FloatArray, primitives: FloatArray, reach: float) -> FloatArray:
-    """Signed distances of primitives to a polyline, inf where they are not below ``reach``.
-
-    Args:
-        points: flat (3 n,), n >= 2, [unit], world.
-        primitives: rows (k WIDTH,).
-        reach: [unit].
-
-    Returns:
-        Distances (k,), [unit].
-    """
-    distances = np.full(len(primitives) // WIDTH, math.inf)
-    for i in range(0, len(points) - 3, 3):
-        a, b = vec3_at(points, i), vec3_at(points, i + 3)
-        s = first_row(primitives)
-        while s >= 0:
-            if segment_apart(primitives, s, True, reach, a, b):
-                s = row_after(primitives, s)
-                continue
-            most = min(reach, distances[s])
-            if not segment_apart(primitives, s, False, most, a, b):
-                distance = _to_segment(primitives, s, most, a, b)
-                if distance < most:
-                    distances[s] = distance
-            s = row_below(primitives, s)
-    return distances
 
 
 @compiled(example=(FLOATS, FLOATS, NEW_FLOATS, NEW_IDS))

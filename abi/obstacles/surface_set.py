@@ -39,6 +39,8 @@ class SurfaceSet(NamedTuple):
         numbers: (s ``_NUMBERS``,) the other fields of its tables, one after the other.
         whose: (m,) surface of each mesh.
         poses: (m ``_POSE``,) origin, axes and factor of its placement.
+        bounds: (m ``WIDTH``,) the meshes' bounding boxes as rows of a tree, see
+            ``primitive_tree_kernels``.
     """
 
     boxes: FloatArray
@@ -53,17 +55,18 @@ class SurfaceSet(NamedTuple):
     numbers: FloatArray
     whose: IntArray
     poses: FloatArray
+    bounds: FloatArray
 
 
-NO_SURFACES = SurfaceSet(*(FLOATS, IDS, *6 * (FLOATS,), IDS, FLOATS, IDS[:0], FLOATS))
+NO_SURFACES = SurfaceSet(*(FLOATS, IDS, *6 * (FLOATS,), IDS, FLOATS, IDS[:0], FLOATS, FLOATS[:0]))
 """In an example, and where a scene has no meshes."""
 
 
 @register_jitable
 def surface_at(surfaces: SurfaceSet, mesh: int) -> tuple[SurfaceTables, Placement]:
     """A mesh of the set, and where it is."""
-    boxes, leaves, corners, centres, radii, normals, areas, values, begins, _, _, _ = surfaces
-    numbers, poses = surfaces.numbers, surfaces.poses
+    boxes, leaves, corners, centres, radii, normals, areas, values = surfaces[:8]
+    begins, numbers, poses = surfaces.begins, surfaces.numbers, surfaces.poses
     k = _IDS * surfaces.whose[mesh]
     a, b, c, d = begins[k], begins[k + 1], begins[k + 2], begins[k + 3]
     e, f = begins[k + _IDS], begins[k + _IDS + 1]
@@ -84,8 +87,8 @@ def surface_at(surfaces: SurfaceSet, mesh: int) -> tuple[SurfaceTables, Placemen
     return tables, Placement(vec3_at(poses, p), axes, poses[p + 12])
 
 
-def surface_set(meshes: Sequence[MeshShape]) -> SurfaceSet:
-    """The meshes as one."""
+def surface_set(meshes: Sequence[MeshShape], bounds: FloatArray) -> SurfaceSet:
+    """The meshes as one, given the rows of their bounding boxes."""
     if not meshes:
         return NO_SURFACES
     surfaces = tuple(dict.fromkeys(mesh.surface for mesh in meshes))
@@ -96,7 +99,7 @@ def surface_set(meshes: Sequence[MeshShape]) -> SurfaceSet:
         origin, axes, factor = mesh.placed[1]
         poses.append([*origin, *axes[0], *axes[1], *axes[2], factor])
     return _joined(surfaces)._replace(
-        whose=read_only(whose), poses=read_only(np.array(poses).ravel())
+        whose=read_only(whose), poses=read_only(np.array(poses).ravel()), bounds=bounds
     )
 
 
@@ -123,7 +126,7 @@ def _joined(surfaces: tuple[Surface, ...]) -> SurfaceSet:
         *(boxes, leaves, corners, centres, radii, normals, areas, values),
         read_only(np.array(begins, dtype=np.int32).ravel()),
         read_only(np.array(numbers, dtype=float).ravel()),
-        *(IDS[:0], FLOATS),
+        *(IDS[:0], FLOATS, FLOATS[:0]),
     )
 
 

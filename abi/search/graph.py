@@ -219,7 +219,7 @@ def build(
     if min(at) >= 0 and gap > reach:
         # free nodes keep the margin, and nothing needs to be joined
         return _graph(free, free.open_directions, [], [], at)
-    room = [min(own - _ROUNDING, margin) for own in _room(free, obstacles, ends, clearance)]
+    room = [min(own - _ROUNDING, margin) for own in _room(free, obstacles, ends, clearance, margin)]
     open_directions, weights = free.open_directions.copy(), free.weights
     nodes = len(mesh.points)
     ids: list[int] = []
@@ -277,9 +277,11 @@ def _room(
     obstacles: ObstacleSet,
     ends: tuple[Vec3, Vec3],
     clearance: float,
+    margin: float,
 ) -> list[float]:
-    """Signed distances of start and goal, [unit]; raises PointBlocked."""
-    distances: list[float] = obstacles.signed_distance(np.array(ends, dtype=float)).tolist()
+    """Signed distances of start and goal, [unit], or more than the margin; raises PointBlocked."""
+    points, enough = np.array(ends, dtype=float), margin + 2 * _ROUNDING
+    distances: list[float] = obstacles.signed_distance(points, enough).tolist()
     for which, end, distance in zip(("start", "goal"), ends, distances, strict=True):
         if distance < clearance - _ROUNDING:
             index = int(obstacles.nearest(np.array([end]))[1][0])

@@ -63,7 +63,10 @@ def lower_bound(
     straight = _ROUND_DOWN * math.dist(start, goal)
     lengths, exact = kernels.solid_bounds(obstacles.packed, margin, *map(tuple, ends.tolist()))
     # of the primitives, then of the meshes
-    bounds = np.append(lengths, [_mesh_bound(mesh, ends, margin) for mesh in obstacles.meshes])
+    bounds = np.append(lengths, np.zeros(len(obstacles.meshes)))
+    for number, mesh, _ in obstacles.near_meshes(ends[:1], ends[1:], np.array([margin])):
+        row = len(lengths) + obstacles.mesh_numbers.searchsorted(number)
+        bounds[row] = _mesh_bound(mesh, ends, margin)
     longest = float(bounds.max(initial=0.0))
     if longest == 0:
         return Bound(straight, True)
@@ -71,8 +74,7 @@ def lower_bound(
     best = int(bounds.argmax())
     if best >= len(exact) or not exact[best]:
         return Bound(length, False)
-    order = np.concatenate([obstacles.primitive_numbers, obstacles.mesh_numbers])
-    low, high = (corners[order] for corners in obstacles.bounds)
+    low, high = (corners[obstacles.rows] for corners in obstacles.bounds)
     inside = (low[best] - margin >= workspace.min).all() and (
         high[best] + margin <= workspace.max
     ).all()
@@ -89,13 +91,18 @@ def _mesh_bound(mesh: MeshShape, ends: FloatArray, clearance: float) -> float:
 
     0 where the mesh does not block the line.
     """
-    if float(mesh.segment_distance(ends[:1], ends[1:])[0]) >= clearance:
-        return 0.0
-    if float(mesh.signed_distance(ends).min()) < clearance:
-        return math.dist(*ends)
     share = np.linspace(0, 1, _SAMPLES)[:, None]
     line = ends[:1] + share * (ends[1:] - ends[:1])
-    radius = clearance - mesh.signed_distance(line)
-    k = int(radius.argmax())
+    lower, upper = mesh.distance_bounds(line)
+    # of the others, only the deepest counts
+    exact = lower <= upper.min()
+    exact[[0, -1]] |= lower[[0, -1]] < clearance
+    distance = np.full(_SAMPLES, math.inf)
+    distance[exact] = mesh.signed_distance(line[exact])
+    k = int(distance.argmin())
+    if distance[k] >= clearance and mesh.nearest_segment(ends[:1], ends[1:], clearance)[1] < 0:
+        return 0.0
+    if distance[[0, -1]].min() < clearance:
+        return math.dist(*ends)
     (a, b, c), (d, e, f) = (ends - line[k]).tolist()
-    return float(kernels.around_ball(float(radius[k]), (a, b, c), (d, e, f)))
+    return float(kernels.around_ball(clearance - float(distance[k]), (a, b, c), (d, e, f)))

@@ -13,7 +13,7 @@ import numpy as np
 
 from abi.arrays import FloatArray, flat, read_only
 from abi.obstacles.obstacle_set import ObstacleSet
-from abi.obstacles.obstacle_set_kernels import near_polyline
+from abi.obstacles.polyline_kernels import near_polyline
 from abi.obstacles.primitives import Primitive
 from abi.search.graph import REACH, Graph
 from abi.search.search import SearchResult
@@ -206,7 +206,7 @@ def _shortest_clear(
     for points in candidates:
         if _length(points) > most:
             break
-        distance = obstacles.segment_clearances(points)
+        distance = obstacles.segment_clearances(points, float(limits.max()))
         kind = np.zeros(len(distance), dtype=int)
         kind[0] += 1
         kind[-1] += 2

@@ -6,7 +6,6 @@ import numpy as np
 
 from abi.arrays import FloatArray, flat
 from abi.obstacles.obstacle_set import ObstacleSet
-from abi.obstacles.surface_set import surface_set
 from abi.taut.tighten_near_meshes_kernels import Surroundings, tightened
 
 
@@ -27,7 +26,14 @@ def tighten_near_meshes(
     Returns:
         (m, 3) the new path; the ends stay.
     """
+    return np.asarray(tightened(flat(points), _around(obstacles, limits))).reshape(-1, 3)
+
+
+def clear_of(obstacles: ObstacleSet, margin: float) -> Surroundings:
+    """The obstacles as the kernels take them, with one margin for all segments, [unit]."""
+    return _around(obstacles, np.full(4, margin))
+
+
+def _around(obstacles: ObstacleSet, limits: FloatArray) -> Surroundings:
     margins = flat(np.repeat(limits, len(obstacles.primitives)))
-    meshes = surface_set(obstacles.meshes)
-    around = Surroundings(obstacles.packed, margins, meshes, flat(limits))
-    return np.asarray(tightened(flat(points), around)).reshape(-1, 3)
+    return Surroundings(obstacles.packed, margins, obstacles.surfaces, flat(limits))

@@ -26,14 +26,8 @@ from abi.obstacles.primitive_kernels import (
 )
 from abi.obstacles.primitive_tree_kernels import blocked
 from abi.obstacles.surface_set import NO_SURFACES, SurfaceSet, surface_at
-from abi.obstacles.triangle_mesh.distance_grid_kernels import distance_bounds
-from abi.obstacles.triangle_mesh.surface_kernels import (
-    Room,
-    gradient_at,
-    is_blocked,
-    new_room,
-    to_surface,
-)
+from abi.obstacles.surface_set_kernels import meets_mesh, nearest_mesh
+from abi.obstacles.triangle_mesh.surface_kernels import Room, gradient_at, new_room, to_surface
 from abi.obstacles.vector_kernels import Vec3, axpy, distance, dot, sub, vec3_at
 from abi.taut.free_space_kernels import kind_of
 
@@ -61,18 +55,17 @@ class Surroundings(NamedTuple):
     limits: FloatArray
 
 
+NO_SURROUNDINGS = Surroundings(FLOATS, FLOATS, NO_SURFACES, FLOATS)
+"""Example."""
+
+
 @register_jitable
-def _is_clear(around: Surroundings, kind: int, a: Vec3, b: Vec3, room: Room) -> bool:
+def is_clear(around: Surroundings, kind: int, a: Vec3, b: Vec3, room: Room) -> bool:
     """Whether the segment a..b keeps the distance of its kind from all obstacles."""
     solids, margins, surfaces, limits = around
     if blocked(solids, margins, kind * (len(solids) // WIDTH), a, b):
         return False
-    for mesh in range(len(surfaces.whose)):
-        tables, placement = surface_at(surfaces, mesh)
-        p, q = to_surface(placement, a), to_surface(placement, b)
-        if is_blocked(tables, p, q, limits[kind] / placement.factor, room):
-            return False
-    return True
+    return not meets_mesh(surfaces, limits[kind], a, b, room)
 
 
 @register_jitable
@@ -85,15 +78,11 @@ def _outward(around: Surroundings, x: Vec3, room: Room) -> Vec3:
         axes = axes_of(solids, s)
         p = in_body(axes, sub(x, centre_of(solids, s)))
         normal = in_world(axes, signed_distance_gradient(core_of(solids, s), p)[1])
-    for mesh in range(len(surfaces.whose)):
-        tables, placement = surface_at(surfaces, mesh)
-        p = to_surface(placement, x)
-        if distance_bounds(tables.grid, p)[0] * placement.factor >= nearest:
-            continue
-        away, gradient = gradient_at(tables, p, room)
-        if away * placement.factor < nearest:
-            nearest, normal = away * placement.factor, in_world(placement.axes, gradient)
-    return normal
+    mesh = nearest_mesh(surfaces, nearest, x, room)[1]
+    if mesh < 0:
+        return normal
+    tables, placement = surface_at(surfaces, mesh)
+    return in_world(placement.axes, gradient_at(tables, to_surface(placement, x), room)[1])
 
 
 @register_jitable
@@ -118,7 +107,7 @@ def _shortcut(path: list[Vec3], around: Surroundings, room: Room) -> list[Vec3]:
         cost[j], parent[j] = cost[j - 1] + distance(path[j - 1], path[j]), j - 1
         for i in range(max(j - _LOOK_BACK, 0), j - 1):
             through = cost[i] + distance(path[i], path[j])
-            if through < cost[j] and _is_clear(
+            if through < cost[j] and is_clear(
                 around, kind_of(i, j, count - 1), path[i], path[j], room
             ):
                 cost[j], parent[j] = through, i
@@ -155,7 +144,7 @@ def _move(path: list[Vec3], i: int, around: Surroundings, room: Room) -> None:
             step /= 2
             if length >= best:
                 continue
-            if _is_clear(around, kind_of(i - 1, i, last), a, trial, room) and _is_clear(
+            if is_clear(around, kind_of(i - 1, i, last), a, trial, room) and is_clear(
                 around, kind_of(i, i + 1, last), trial, b, room
             ):
                 best, path[i] = length, trial
@@ -177,7 +166,7 @@ def _cut_corners(path: list[Vec3], around: Surroundings, room: Room) -> list[Vec
             p, q = axpy(step / a, to_a, here), axpy(step / b, to_b, here)
             if 2 * step - distance(p, q) <= least:
                 break
-            if _is_clear(around, 0, p, q, room):
+            if is_clear(around, 0, p, q, room):
                 cut.append(p)
                 cut.append(q)
                 found = True
@@ -188,7 +177,7 @@ def _cut_corners(path: list[Vec3], around: Surroundings, room: Room) -> list[Vec
     return cut
 
 
-@compiled(example=(FLOATS, Surroundings(FLOATS, FLOATS, NO_SURFACES, FLOATS)), fallback=False)
+@compiled(example=(FLOATS, NO_SURROUNDINGS), fallback=False)
 def tightened(points: FloatArray, around: Surroundings) -> FloatArray:
     """Pull a path (3 k,) taut, see :func:`abi.taut.tighten_near_meshes.tighten_near_meshes`."""
     room = new_room()

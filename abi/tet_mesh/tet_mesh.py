@@ -125,6 +125,11 @@ class TetMesh:
         """Lengths of the directions (d,), or of the edges of the rows (2e,), [unit]."""
         return self._rows[2] if self.stencil is None else self.stencil.lengths
 
+    @property
+    def neighbours(self) -> tuple[IntArray, IntArray]:
+        """Compressed rows: where each node's neighbours begin (n + 1,), and the neighbours."""
+        return self._rows[:2]
+
     @cached_property
     def _rows(self) -> tuple[IntArray, IntArray, FloatArray]:
         return adjacency.rows(self.edges, self.lengths, len(self.points))

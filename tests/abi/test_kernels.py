@@ -32,7 +32,7 @@ def some_spline(random: np.random.Generator) -> BSpline:
 
 
 @pytest.mark.slow
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 @given(seeds, st.integers(2, 6), st.booleans())
 def test_polylines_are_as_near_as_their_nearest_segment(seed: int, size: int, snap: bool) -> None:
     random = np.random.default_rng(seed)
@@ -53,25 +53,8 @@ def test_polylines_are_as_near_as_their_nearest_segment(seed: int, size: int, sn
     assert obstacles.polyline_clearance(points[0]) == pytest.approx(expected[0], abs=1e-12)
 
 
-@settings(max_examples=60, deadline=None)
-@given(seeds)
-def test_links_are_as_near_as_their_nearest_segment(seed: int) -> None:
-    random = np.random.default_rng(seed)
-    obstacles = ObstacleSet(some_obstacles(random))
-    points = np.cumsum(random.normal(size=(61, 4, 3)), axis=1)
-    points += np.linspace(0, 6, 61)[:, None, None]
-    starts, ends = points[:, :-1].reshape(-1, 3), points[:, 1:].reshape(-1, 3)
-    distances = np.array([one.segment_distance(starts, ends) for one in obstacles])
-    least = float(distances.min())
-    for found in (plain(lambda: obstacles.nearest_polyline(points)),
-                  compiled(lambda: obstacles.nearest_polyline(points))):  # fmt: skip
-        distance, sample, whose = found
-        assert distance == pytest.approx(least, abs=1e-12)
-        there = float(distances[whose].reshape(61, 3)[sample].min())
-        assert there == pytest.approx(least, abs=1e-12)
-
-
-@settings(max_examples=60, deadline=None)
+@pytest.mark.slow
+@settings(max_examples=60)
 @given(seeds)
 def test_the_way_out_is_the_nearest_obstacles_gradient(seed: int) -> None:
     random = np.random.default_rng(seed)
@@ -95,7 +78,7 @@ def same(first: Clearance, second: Clearance) -> bool:
     )
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(seeds, st.sampled_from([1e-1, 1e-3, 1e-5]))
 def test_a_measurement_is_the_same_compiled_and_plain(seed: int, tolerance: float) -> None:
     random = np.random.default_rng(seed)
@@ -107,7 +90,8 @@ def test_a_measurement_is_the_same_compiled_and_plain(seed: int, tolerance: floa
     )
 
 
-@settings(max_examples=60, deadline=None)
+@pytest.mark.slow
+@settings(max_examples=60)
 @given(seeds, st.integers(0, 4))
 def test_a_spline_is_that_of_scipy(seed: int, order: int) -> None:
     spline = some_spline(np.random.default_rng(seed))
@@ -122,7 +106,7 @@ def test_a_spline_is_that_of_scipy(seed: int, order: int) -> None:
         assert np.abs(run(lambda: spline.influence(u)) - weights).max() <= 1e-13
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(seeds)
 def test_bezier_points_are_the_same_compiled_and_plain(seed: int) -> None:
     spline = some_spline(np.random.default_rng(seed))
@@ -132,7 +116,8 @@ def test_bezier_points_are_the_same_compiled_and_plain(seed: int) -> None:
     assert np.abs(first.points - second.points).max() <= 1e-14 * first.size
 
 
-@settings(max_examples=30, deadline=None)
+@pytest.mark.slow
+@settings(max_examples=30)
 @given(seeds)
 def test_arc_lengths_are_inverted_compiled_and_plain(seed: int) -> None:
     random = np.random.default_rng(seed)
@@ -149,7 +134,7 @@ def test_arc_lengths_are_inverted_compiled_and_plain(seed: int) -> None:
     assert lengths[0] == pytest.approx(lengths[1], rel=1e-13)
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(seeds, st.sampled_from(["beside", "through", "along"]))
 def test_joints_are_the_same_compiled_and_plain(seed: int, how: str) -> None:
     random = np.random.default_rng(seed)

@@ -8,12 +8,16 @@ from typing import NamedTuple
 import numpy as np
 from numba.extending import register_jitable
 
-from abi.arrays import FloatArray
+from abi.arrays import FloatArray, IntArray
 from abi.compiled import FLOATS, compiled
 from abi.obstacles.triangle_mesh.bvh import NO_DIPOLES, NO_TREE, Dipoles, TriangleTree
 from abi.obstacles.triangle_mesh.closest_point_kernels import DEPTH, nearest_triangle
+from abi.obstacles.triangle_mesh.segment_kernels import comes_near
 from abi.obstacles.triangle_mesh.winding_kernels import is_inside
 from abi.obstacles.vector_kernels import Vec3
+
+_TOUCHING = 1e-9
+"""Part of the surface's size and a step that counts as touching it."""
 
 
 class DistanceGrid(NamedTuple):
@@ -95,6 +99,48 @@ def steepest(grid: DistanceGrid, x: Vec3) -> Vec3:
     return (u / size, v / size, w / size) if size > 0.0 else (0.0, 0.0, 0.0)
 
 
+@register_jitable
+def _before(values: FloatArray, place: tuple[int, int, int], strides: tuple[int, int, int]) -> Vec3:
+    """Values at the nodes before a node along x, y and z; inf where there are none."""
+    i, j, k = place
+    at = i * strides[0] + j * strides[1] + k
+    return (
+        values[at - strides[0]] if i > 0 else math.inf,
+        values[at - strides[1]] if j > 0 else math.inf,
+        values[at - 1] if k > 0 else math.inf,
+    )
+
+
+@register_jitable
+def _side(
+    tree: TriangleTree, x: Vec3, before: Vec3, step: float, slack: float, waiting: IntArray
+) -> int:
+    """Whether a node is inside (1), outside (0), or the nodes before it do not tell (-1).
+
+    One before is on the same side where it is farther from the surface than the step, or where
+    nothing is between.
+    """
+    for value in before:
+        if step + slack < abs(value) < math.inf:
+            return 1 if value < 0.0 else 0
+    touching = _TOUCHING * (step + tree.size)
+    nowhere = (0.0, 0.0, 0.0)
+    a, b, c = before
+    if a < math.inf and not comes_near(
+        tree, (x[0] - step, x[1], x[2]), x, touching, nowhere, waiting
+    ):
+        return 1 if a < 0.0 else 0
+    if b < math.inf and not comes_near(
+        tree, (x[0], x[1] - step, x[2]), x, touching, nowhere, waiting
+    ):
+        return 1 if b < 0.0 else 0
+    if c < math.inf and not comes_near(
+        tree, (x[0], x[1], x[2] - step), x, touching, nowhere, waiting
+    ):
+        return 1 if c < 0.0 else 0
+    return -1
+
+
 @compiled(example=(NO_TREE, NO_DIPOLES, True, (2, 2, 2), (0.0, 0.0, 0.0), 1.0, 0.0), fallback=False)
 def grid_values(
     tree: TriangleTree,
@@ -107,8 +153,7 @@ def grid_values(
 ) -> FloatArray:
     """Signed distances at the nodes of a grid, off by up to ``slack``.
 
-    Each search begins with the bound from the node before, which is on the same side where that is
-    farther from the surface than the step.
+    The nodes before each bound its distance, and mostly tell its side.
 
     Args:
         tree: over the triangles.
@@ -118,27 +163,21 @@ def grid_values(
         slack: see above.
     """
     nx, ny, nz = counts
+    strides = (ny * nz, nz, 1)
     values = np.empty(nx * ny * nz)
     waiting, squares = np.empty(DEPTH, np.int32), np.empty(DEPTH)
     stack = np.empty(128, np.int32)
-    before = math.inf
-    at = 0
     for i in range(nx):
         for j in range(ny):
-            for n in range(nz):
-                # to and fro along z, for a neighbour to go by
-                k = n if j & 1 == 0 else nz - 1 - n
+            for k in range(nz):
                 x = (low[0] + i * step, low[1] + j * step, low[2] + k * step)
-                most = abs(before) + step + 2 * slack
+                before = _before(values, (i, j, k), strides)
+                most = min(abs(before[0]), abs(before[1]), abs(before[2])) + step + 2 * slack
                 distance, _ = nearest_triangle(tree, x, most, slack, waiting, squares)
-                at = (i * ny + j) * nz + k
-                inside = False
+                side = 0
                 if closed:
-                    inside = before < 0.0
-                    if abs(before) <= step + slack or distance <= slack or before == math.inf:
-                        inside = is_inside(tree, dipoles, x, stack)
-                before = -distance if inside else distance
-                values[at] = before
-            # the next column begins beside the end of this one
-        before = math.inf
+                    side = _side(tree, x, before, step, slack, waiting) if distance > slack else -1
+                    if side < 0:
+                        side = 1 if is_inside(tree, dipoles, x, stack) else 0
+                values[i * strides[0] + j * strides[1] + k] = -distance if side == 1 else distance
     return values

@@ -7,9 +7,11 @@ lightweight approach to repairing digitized polygon meshes, The Visual Computer 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import scipy
+from numpy.typing import NDArray
 
 from abi.arrays import BoolArray, FloatArray, IntArray, read_only
 from abi.errors import SceneError
@@ -171,16 +173,30 @@ def _components(a: IntArray, b: IntArray, count: int) -> tuple[int, IntArray]:
 def _weld(vertices: FloatArray, faces: IntArray, size: float) -> tuple[FloatArray, IntArray]:
     """Join equal vertices, or those in the same cube of side ``size``; drop degenerate faces."""
     keys = np.round(vertices / size) if size else vertices + 0.0  # -0.0 is 0.0
-    _, first, ids = np.unique(keys, axis=0, return_index=True, return_inverse=True)
-    welded = ids.ravel()[faces]
+    first, ids = _distinct_rows(keys)
+    welded = ids[faces]
     a, b, c = welded.T
     welded = welded[(a != b) & (b != c) & (c != a)]
     return _compact(vertices[first], welded.astype(np.int32))
 
 
+def _distinct_rows(rows: NDArray[Any]) -> tuple[IntArray, IntArray]:
+    """First places (k,) of the distinct rows (n, m), in their order, and the number (n,) of each.
+
+    As ``numpy.unique`` along an axis, which takes three times as long.
+    """
+    order = np.lexsort(rows.T[::-1])
+    in_order = rows[order]
+    is_first = np.ones(len(rows), dtype=np.bool_)
+    is_first[1:] = (in_order[1:] != in_order[:-1]).any(axis=1)
+    numbers = np.empty(len(rows), dtype=np.int32)
+    numbers[order] = np.cumsum(is_first) - 1
+    return order[is_first].astype(np.int32), numbers
+
+
 def _without_duplicates(faces: IntArray, notes: list[str]) -> IntArray:
     """Each triangle once, whichever way it faces, in the order of the file."""
-    _, first = np.unique(np.sort(faces, axis=1), axis=0, return_index=True)
+    first, _ = _distinct_rows(np.sort(faces, axis=1))
     if len(first) < len(faces):
         notes.append(f"{len(faces) - len(first)} triangles were there twice and count once.")
     return faces[np.sort(first)]

@@ -7,16 +7,25 @@ XML may declare no entities, and as many faces must come out as the file announc
 from __future__ import annotations
 
 import io
+import lzma
 import re
+import struct
 import zipfile
+import zlib
 
 import numpy as np
 
 from abi.arrays import FloatArray, IntArray
 
 _MOST_UNPACKED = 200_000_000
+_MOST_ENTRIES = 1000
 _MOST_FACES = 2_000_000
 """Faces announced above which a file is not looked at further."""
+DAMAGED_ZIP: tuple[type[Exception], ...] = (
+    *(zipfile.BadZipFile, zlib.error, lzma.LZMAError, struct.error),
+    *(RuntimeError, NotImplementedError, EOFError, OSError, ValueError),
+)
+"""What reading a zip archive raises that is damaged or needs a password."""
 _ENTITIES = re.compile(rb"<!(?:DOCTYPE|ENTITY)", re.IGNORECASE)
 _PLY_COUNT = re.compile(rb"element[ \t]+(vertex|face)[ \t]+([0-9]{1,9})[ \t]*\r?\n")
 
@@ -77,18 +86,23 @@ def _no_entities(data: bytes) -> int:
 
 
 def _archive(data: bytes) -> int:
+    for name, content in _unpacked(data):
+        if name.lower().endswith((".model", ".rels", ".xml")):
+            _no_entities(content)
+    return 0
+
+
+def _unpacked(data: bytes) -> list[tuple[str, bytes]]:
+    """Names and contents of an archive's files."""
     try:
         with zipfile.ZipFile(io.BytesIO(data)) as archive:
             entries = archive.infolist()
-            if sum(entry.file_size for entry in entries) > _MOST_UNPACKED or len(entries) > 1000:
-                raise ValueError(f"an archive of at most {_MOST_UNPACKED // 1_000_000} MB unpacked")
-            for entry in entries:
-                content = archive.read(entry)
-                if entry.filename.lower().endswith((".model", ".rels", ".xml")):
-                    _no_entities(content)
-    except (zipfile.BadZipFile, RuntimeError, NotImplementedError, EOFError):
+            small = sum(entry.file_size for entry in entries) <= _MOST_UNPACKED
+            if small and len(entries) <= _MOST_ENTRIES:
+                return [(entry.filename, archive.read(entry)) for entry in entries]
+    except DAMAGED_ZIP:
         raise ValueError("a whole 3MF file, which is a zip archive") from None
-    return 0
+    raise ValueError(f"an archive of at most {_MOST_UNPACKED // 1_000_000} MB unpacked")
 
 
 def _modest(faces: int) -> int:

@@ -63,7 +63,7 @@ def test_no_certified_curve_is_refuted_and_no_clear_one_rejected() -> None:
     assert found.checked > 10
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(seeds)
 def test_planes_separate_their_pieces_and_cover_the_curve(seed: int) -> None:
     curve, obstacles = case(seed)
@@ -81,7 +81,7 @@ def test_planes_separate_their_pieces_and_cover_the_curve(seed: int) -> None:
     assert all(covered(result, k) == [(0.0, 1.0)] for k in range(len(obstacles)))
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(seeds)
 def test_distances_from_far_away_are_those_to_the_support(seed: int) -> None:
     random = np.random.default_rng(seed)
@@ -97,7 +97,7 @@ def test_distances_from_far_away_are_those_to_the_support(seed: int) -> None:
     assert (inside @ normals.T <= support(solid, normals) + 1e-12).all()
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(seeds)
 def test_bezier_pieces_are_the_curve(seed: int) -> None:
     curve, _ = case(seed)
@@ -132,7 +132,7 @@ def test_quadratics_in_pieces_are_bezier_pieces() -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(seeds, st.booleans())
 def test_compiled_and_plain_agree(seed: int, solid: bool) -> None:
     curve, obstacles = case(seed)
@@ -154,7 +154,7 @@ def test_compiled_and_plain_agree(seed: int, solid: bool) -> None:
     assert np.allclose(plain.directions, compiled.directions, rtol=0, atol=1e-15)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(seeds, st.sampled_from([1e-4, 1e-6]))
 def test_a_polyline_is_decided_by_its_exact_distance(seed: int, part: float) -> None:
     random = np.random.default_rng(seed)
@@ -232,7 +232,7 @@ def test_a_curve_that_stays_at_one_point_is_decided() -> None:
     assert isinstance(certify(point, ObstacleSet(ball), distance + 1e-9), Refutation)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(seeds, st.sampled_from([0.0, 0.05, 0.5]), st.sampled_from([1e-3, 1e-6]))
 def test_proven_distance_is_as_large_as_measured(
     seed: int, required: float, tolerance: float

@@ -79,7 +79,7 @@ some_obstacles = st.sets(st.sampled_from(OBSTACLES), min_size=1).map(tuple)
 
 @pytest.mark.slow
 @given(curves, some_obstacles, st.floats(-0.5, 1.5), st.sampled_from([1e-1, 1e-3, 1e-5]))
-@settings(max_examples=120, deadline=None)
+@settings(max_examples=120)
 def test_no_dense_sample_contradicts_the_measurement(
     curve: Spline, obstacles: Obstacles, required: float, tolerance: float
 ) -> None:
@@ -104,8 +104,9 @@ def test_no_dense_sample_contradicts_the_measurement(
     assert found.holds == (found.violations == ()) == (found.nearest >= required - 1e-9)
 
 
+@pytest.mark.slow
 @given(curves, some_obstacles, st.floats(-0.5, 1.5))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_violations_are_in_order_apart_and_no_wider_than_needed(
     curve: Spline, obstacles: Obstacles, required: float
 ) -> None:
@@ -129,7 +130,7 @@ def test_violations_are_in_order_apart_and_no_wider_than_needed(
 
 
 @given(some_obstacles, coordinates, coordinates)
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=80)
 def test_a_straight_line_agrees_with_the_segment(
     obstacles: Obstacles,
     start: tuple[float, float, float],
@@ -144,7 +145,7 @@ def test_a_straight_line_agrees_with_the_segment(
 
 
 @given(st.lists(coordinates, min_size=2, max_size=8), some_obstacles)
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_a_polyline_is_as_near_as_its_nearest_sample(
     vertices: list[tuple[float, float, float]], obstacles: Obstacles
 ) -> None:
@@ -178,7 +179,7 @@ def test_a_parabola_over_a_ball_in_closed_form() -> None:
 
 
 @given(curves, st.floats(0, 1), st.floats(1e-4, 1e-2))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_a_ball_too_small_for_dense_samples_is_found(
     curve: Spline, where: float, radius: float
 ) -> None:
@@ -252,8 +253,9 @@ def test_a_curve_through_the_heart_of_an_obstacle_ends(tolerance: float) -> None
     assert end == pytest.approx(0.5 + 1.1 / 6, abs=1 / 400)
 
 
+@pytest.mark.slow
 @given(curves, st.floats(0.0, 1.5))
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 def test_where_a_mesh_is_too_near_is_told_as_finely_as_of_a_solid(
     curve: Spline, required: float
 ) -> None:
@@ -279,6 +281,32 @@ def test_where_a_mesh_is_too_near_is_told_as_finely_as_of_a_solid(
             # a rise so short that it fits between two samples is not told apart
             assert (distances[inner] < required + 2.1 * speed * fine).all()
         assert told[distances < required - 1e-3 - 1e-9].all()
+
+
+@given(curves, st.integers(0, 2**32 - 1))
+@settings(max_examples=40, deadline=None)
+def test_meshes_among_solids_are_measured_as_the_solids_they_are(curve: Spline, seed: int) -> None:
+    random = np.random.default_rng(seed)
+    solids: list[Obstacle] = []
+    mixed: list[Obstacle] = []
+    for k in range(8):
+        pose: Any = {
+            "position": tuple(random.uniform(-3, 3, 3)),
+            "wxyz": tuple(random.normal(size=4)),
+        }
+        size = tuple(random.uniform(0.1, 1, 3))
+        solids.append(Box(size=size, **pose))
+        is_mesh = k % 3 != 1
+        mixed.append(MeshShape.of(clean(*meshes.box(size)), **pose) if is_mesh else solids[-1])
+    expected = curve_clearance(curve, ObstacleSet(tuple(solids)), 0.3, 1e-4)
+    found = curve_clearance(curve, ObstacleSet(tuple(mixed)), 0.3, 1e-4)
+    assert found.nearest == pytest.approx(expected.nearest, abs=1e-4)
+    assert found.distance <= found.nearest <= found.distance + 1e-4 + 1e-9
+    there = np.asarray(curve(found.at))[None]
+    assert float(mixed[found.obstacle].signed_distance(there)[0]) == pytest.approx(
+        found.nearest, abs=1e-9
+    )
+    assert found.holds == expected.holds
 
 
 def test_a_needle_between_two_samples_is_found_beside_what_is_far_nearer() -> None:

@@ -77,14 +77,14 @@ def test_turning_points_inside_a_piece() -> None:
     assert back(arc_length(back).parameter(1.5)) == pytest.approx([0.5, 0, 0], abs=1e-10)
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(splines(), st.floats(0.01, 1))
 def test_distance_equals_adaptive_quadrature(curve: Curve, parameter: float) -> None:
     arc = arc_length(curve)
     assert arc.distance(parameter) == pytest.approx(integral(curve, 0, parameter), rel=1e-9)
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 @given(splines(), st.integers(1, 50))
 def test_inverse_and_forward_are_inverse(curve: Curve, count: int) -> None:
     arc = arc_length(curve)
@@ -97,7 +97,7 @@ def test_inverse_and_forward_are_inverse(curve: Curve, count: int) -> None:
     assert np.all(np.abs(back - parameter) * speed <= 1e-11 * arc.length + 1e-5 * (speed == 0))
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 @given(splines(repeated=True))
 def test_repeated_control_points_give_no_nan(curve: Curve) -> None:
     arc = arc_length(curve)
@@ -110,7 +110,7 @@ def test_repeated_control_points_give_no_nan(curve: Curve) -> None:
     assert np.all(steps <= arc.length / 59 * (1 + 1e-9))
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 @given(splines())
 def test_ends_are_exact_and_the_outside_is_clamped(curve: Curve) -> None:
     arc = arc_length(curve)
@@ -119,7 +119,7 @@ def test_ends_are_exact_and_the_outside_is_clamped(curve: Curve) -> None:
     assert arc.distance([1.0, 2.0]) == pytest.approx(arc.length, rel=1e-14)
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 @given(splines())
 def test_length_lies_between_chord_and_polygon(curve: Curve) -> None:
     length = arc_length(curve).length
@@ -131,7 +131,7 @@ def test_length_lies_between_chord_and_polygon(curve: Curve) -> None:
     assert inscribed == pytest.approx(length, rel=1e-3)
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 @given(splines())
 def test_gauss_points_integrate_along_the_curve(curve: Curve) -> None:
     arc = arc_length(curve)

@@ -36,7 +36,7 @@ def size(spline: BSpline) -> float:
     return float(np.ptp(spline.control_points, axis=0).max())
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(splines())
 def test_ends_are_those_of_the_curve(spline: BSpline) -> None:
     quadratic = fitted(spline)
@@ -45,7 +45,7 @@ def test_ends_are_those_of_the_curve(spline: BSpline) -> None:
     assert quadratic(1.0) == pytest.approx(spline.control_points[-1], abs=20 * tolerance)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(splines())
 def test_equals_numpy_least_squares_on_dense_samples(spline: BSpline) -> None:
     count = 20_000
@@ -57,7 +57,7 @@ def test_equals_numpy_least_squares_on_dense_samples(spline: BSpline) -> None:
     assert np.abs(fitted(spline).coefficients[0, 2] - bend).max() <= 1e-6 * size(spline)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(splines(), st.integers(0, 2**32 - 1))
 def test_no_other_bend_is_nearer(spline: BSpline, seed: int) -> None:
     rng = np.random.default_rng(seed)
@@ -73,7 +73,7 @@ def test_no_other_bend_is_nearer(spline: BSpline, seed: int) -> None:
         assert np.sum((other(t) - samples) ** 2) / count >= error * (1 - 1e-6)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(splines())
 def test_the_way_back_has_the_same_quadratic(spline: BSpline) -> None:
     back = clamped(spline.control_points[::-1], spline.degree)
@@ -92,7 +92,7 @@ def test_a_curve_that_stays_gives_a_point() -> None:
     assert np.array_equal(quadratic.coefficients, [[[1, 1, 1], [0, 0, 0], [0, 0, 0]]])
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(splines(), st.floats(0.01, 0.99))
 def test_derivatives_are_differences(spline: BSpline, t: float) -> None:
     quadratic = fitted(spline)

@@ -29,7 +29,7 @@ def inside(profile: SpeedProfile) -> FloatArray:
     return np.concatenate([a + (b - a) * shares for a, b in spans])
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 @given(profiles())
 def test_rests_at_start_and_end_and_travels_the_length(profile: SpeedProfile) -> None:
     assert profile(0.0) == 0
@@ -38,7 +38,7 @@ def test_rests_at_start_and_end_and_travels_the_length(profile: SpeedProfile) ->
     assert profile(profile.duration, 1) == 0
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 @given(profiles())
 def test_phases_meet(profile: SpeedProfile) -> None:
     for time in (profile.t1, profile.t1 + profile.t2):
@@ -51,7 +51,7 @@ def test_phases_meet(profile: SpeedProfile) -> None:
         assert jump <= steepest * tick + 1e-15 * profile.peak_speed
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 @given(profiles())
 def test_distance_is_monotone_and_the_speed_is_kept(profile: SpeedProfile) -> None:
     time = np.linspace(-0.1, 1.1, 500) * profile.duration
@@ -61,7 +61,7 @@ def test_distance_is_monotone_and_the_speed_is_kept(profile: SpeedProfile) -> No
     assert profile.peak_speed == pytest.approx(profile(time, 1).max(), rel=0.05)
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 @given(profiles())
 def test_accelerations_are_exact(profile: SpeedProfile) -> None:
     assert profile(profile.t1 / 2, 2) == profile.acceleration
@@ -70,7 +70,8 @@ def test_accelerations_are_exact(profile: SpeedProfile) -> None:
         assert profile(profile.t1 + profile.t2 / 2, 2) == 0
 
 
-@settings(max_examples=200, deadline=None)
+@pytest.mark.slow
+@settings(max_examples=200)
 @given(profiles())
 def test_orders_are_derivatives_of_each_other(profile: SpeedProfile) -> None:
     time = inside(profile)
@@ -87,7 +88,7 @@ def test_orders_are_derivatives_of_each_other(profile: SpeedProfile) -> None:
     assert np.all(np.abs(acceleration - wanted) <= 4 * noise + 1e-6 * np.abs(wanted))
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 @given(profiles())
 def test_distance_is_the_integral_of_the_speed(profile: SpeedProfile) -> None:
     ends = np.cumsum([0.0, profile.t1, profile.t2, profile.t3])
@@ -99,7 +100,7 @@ def test_distance_is_the_integral_of_the_speed(profile: SpeedProfile) -> None:
     assert np.abs(travelled - profile(time)).max() <= tolerance
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 @given(profiles())
 @example(three_phase(1.0, 10.0, 2.0, 3.0))
 @example(three_phase(100.0, 1.0, 2.0, 3.0))
@@ -109,7 +110,7 @@ def test_theorem_1(profile: SpeedProfile) -> None:
     assert profile.t3 * profile.deceleration == pytest.approx(profile.peak_speed, rel=1e-14)
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 @given(MAGNITUDE, MAGNITUDE, MAGNITUDE, MAGNITUDE)
 def test_no_motion_within_the_limits_is_faster(
     length: float, speed: float, acceleration: float, deceleration: float

@@ -33,7 +33,7 @@ def check_derivatives(profile: TimedProfile) -> None:
         np.testing.assert_allclose(change, (mean * step)[keep], atol=1e-7 * scale)
 
 
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=80)
 @given(lengths, rates, rates, rates)
 def test_a_jerk_limited_motion_keeps_its_limits_and_meets_one(
     length: float, speed: float, acceleration: float, jerk: float
@@ -59,7 +59,7 @@ def test_a_jerk_limited_motion_keeps_its_limits_and_meets_one(
     assert slower.duration == pytest.approx(2 * profile.duration, rel=1e-6)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(lengths, rates, st.floats(1, 9))
 def test_a_stretched_motion_is_the_same_later(length: float, speed: float, factor: float) -> None:
     profile = jerk_limited(length, speed, 3.0, 9.0)
@@ -94,7 +94,7 @@ def fastest(
     return squared
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(st.integers(0, 2**31), st.integers(1, 4))
 def test_the_fastest_speeds_are_the_optimum_of_a_linear_program(seed: int, joints: int) -> None:
     first, second, step = some_path(seed, 41, joints)

@@ -77,7 +77,7 @@ def to_triangles(points: FloatArray, triangles: FloatArray) -> FloatArray:
     return best
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(seeds)
 def test_a_mesh_of_a_box_is_the_box(seed: int) -> None:
     rng = np.random.default_rng(seed)
@@ -118,7 +118,7 @@ def test_a_mesh_of_a_sphere_is_the_sphere_but_for_its_facets() -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=12)
 @given(names, seeds)
 def test_distances_are_those_of_the_nearest_triangle(name: str, seed: int) -> None:
     rng = np.random.default_rng(seed)
@@ -131,7 +131,7 @@ def test_distances_are_those_of_the_nearest_triangle(name: str, seed: int) -> No
         assert found.min() >= 0
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(names, seeds)
 def test_the_signed_distance_is_1_lipschitz(name: str, seed: int) -> None:
     rng = np.random.default_rng(seed)
@@ -143,7 +143,7 @@ def test_the_signed_distance_is_1_lipschitz(name: str, seed: int) -> None:
     assert (change <= way + 1e-9 * size(shape)).all()
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(names, seeds)
 def test_bounds_of_the_grid_hold_the_distance(name: str, seed: int) -> None:
     rng = np.random.default_rng(seed)
@@ -155,7 +155,7 @@ def test_bounds_of_the_grid_hold_the_distance(name: str, seed: int) -> None:
     assert (exact <= upper).all()
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(names, seeds)
 def test_moving_mesh_and_points_together_changes_nothing(name: str, seed: int) -> None:
     rng = np.random.default_rng(seed)
@@ -174,7 +174,7 @@ def test_moving_mesh_and_points_together_changes_nothing(name: str, seed: int) -
 
 
 @pytest.mark.slow
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(names, seeds)
 def test_no_sample_of_a_segment_is_nearer_than_its_distance(name: str, seed: int) -> None:
     rng = np.random.default_rng(seed)
@@ -459,7 +459,7 @@ def test_a_mesh_too_large_only_as_it_is_turned_is_refused() -> None:
     assert np.ptp(scene.obstacles[0].bounds(), axis=0).max() <= 1e6
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(seeds)
 def test_what_a_scene_accepts_can_be_planned_however_far_or_large(seed: int) -> None:
     rng = np.random.default_rng(seed)

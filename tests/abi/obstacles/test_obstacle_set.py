@@ -36,7 +36,8 @@ def _mesh(random: np.random.Generator) -> Obstacle:
     return MeshShape.of(clean(*faces), **pose)
 
 
-@settings(max_examples=60, deadline=None)
+@pytest.mark.slow
+@settings(max_examples=60)
 @given(seeds)
 def test_distances_are_those_of_the_obstacles_one_by_one(seed: int) -> None:
     random = np.random.default_rng(seed)
@@ -57,7 +58,7 @@ def test_distances_are_those_of_the_obstacles_one_by_one(seed: int) -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(seeds, st.floats(0, 1))
 def test_a_segment_is_blocked_where_its_distance_is_below_the_margin(
     seed: int, margin: float
@@ -76,24 +77,7 @@ def test_a_segment_is_blocked_where_its_distance_is_below_the_margin(
 
 
 @pytest.mark.slow
-@settings(max_examples=40, deadline=None)
-@given(seeds)
-def test_the_nearest_polyline_is_the_least_clear(seed: int) -> None:
-    random = np.random.default_rng(seed)
-    obstacles = mixed(random)
-    polylines = np.cumsum(random.normal(size=(30, 4, 3)), axis=1) + random.uniform(0, 6, (30, 1, 3))
-    clearances = obstacles.polyline_clearances(polylines)
-    distance, which, whose = obstacles.nearest_polyline(polylines)
-
-    assert distance == pytest.approx(clearances.min(), abs=1e-12)
-    assert clearances[which] == pytest.approx(distance, abs=1e-12)
-    alone = ObstacleSet((obstacles[whose],)).polyline_clearance(polylines[which])
-    assert alone == pytest.approx(distance, abs=1e-12)
-    legs = obstacles.segment_clearances(polylines[which])
-    assert legs.min() == pytest.approx(distance, abs=1e-12)
-
-
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(seeds)
 def test_bounds_and_boxes_hold_the_obstacles(seed: int) -> None:
     random = np.random.default_rng(seed)
@@ -129,5 +113,4 @@ def test_nothing_is_near_an_empty_set() -> None:
     assert nothing.signed_distance(points).tolist() == [math.inf] * 3
     assert nothing.distances_up_to(1.0, points).shape == (3, 0)
     assert nothing.polyline_clearance(points) == math.inf
-    assert nothing.nearest_polyline(points[None]) == (math.inf, 0, -1)
     assert nothing.boxed is nothing

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from abi.arrays import FloatArray, flat
-from abi.obstacles import obstacle_set_kernels, primitive_tree_kernels
+from abi.obstacles import polyline_kernels, primitive_tree_kernels
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import Obstacle, Obstacles, ObstacleSet
 from abi.obstacles.primitive_kernels import WIDTH
@@ -45,7 +45,7 @@ def segments(random: np.random.Generator, count: int) -> tuple[FloatArray, Float
     return starts, ends
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(seeds)
 def test_each_primitive_is_met_once_and_lies_in_the_bounds_above_it(seed: int) -> None:
     packed: Any = ObstacleSet(crowd(np.random.default_rng(seed))).packed
@@ -64,7 +64,8 @@ def test_each_primitive_is_met_once_and_lies_in_the_bounds_above_it(seed: int) -
     assert sorted(met) == list(range(len(rows)))
 
 
-@settings(max_examples=25, deadline=None)
+@pytest.mark.slow
+@settings(max_examples=25)
 @given(seeds, st.floats(0, 0.5))
 def test_queries_find_what_the_primitives_say_one_by_one(seed: int, margin: float) -> None:
     random = np.random.default_rng(seed)
@@ -81,7 +82,7 @@ def test_queries_find_what_the_primitives_say_one_by_one(seed: int, margin: floa
     sure = np.abs(along.min(axis=1) - margin) > 1e-9
     blocked = obstacles.blocked(starts, ends, margin)
     assert np.array_equal(blocked[sure], along.min(axis=1)[sure] < margin)
-    near = obstacle_set_kernels.near_polyline(
+    near = polyline_kernels.near_polyline(
         flat(np.concatenate([starts[:1], ends[:1]])), obstacles.packed, margin
     )
     close = along[0] < margin
@@ -97,7 +98,7 @@ def test_alike_primitives_are_found_by_their_first_number() -> None:
     assert obstacles.nearest(points)[1].tolist() == [1, 1, 1]
 
 
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=10)
 @given(seeds)
 def test_both_forms_of_the_kernels_make_the_same_tree(seed: int) -> None:
     obstacles = crowd(np.random.default_rng(seed))
@@ -107,7 +108,7 @@ def test_both_forms_of_the_kernels_make_the_same_tree(seed: int) -> None:
     assert np.array_equal(as_python, as_machine)
 
 
-@settings(max_examples=8, deadline=None)
+@settings(max_examples=8)
 @given(seeds, st.booleans())
 def test_many_meshes_are_found_where_they_are_near(seed: int, mixed: bool) -> None:
     random = np.random.default_rng(seed)
@@ -132,6 +133,15 @@ def test_many_meshes_are_found_where_they_are_near(seed: int, mixed: bool) -> No
     outside = along > 0  # within, the distance along is a bound
     clearances = obstacles.polyline_clearances(polylines)
     assert clearances[outside] == pytest.approx(along[outside], abs=1e-8)
+    near = clearances < 0.5
+    up_to = obstacles.polyline_clearances(polylines, 0.5)
+    assert up_to[near] == pytest.approx(clearances[near], abs=1e-8)
+    assert (up_to[~near] >= 0.5).all()
+    assert up_to.min() == pytest.approx(clearances.min(), abs=1e-8)
+    near = distance < 0.5
+    up_to = obstacles.signed_distance(starts, 0.5)
+    assert up_to[near] == pytest.approx(distance[near], abs=1e-9)
+    assert (up_to[~near] >= 0.5).all()
     sure = np.abs(along - 0.1) > 1e-6
     assert np.array_equal(obstacles.blocked(starts, ends, 0.1)[sure], along[sure] < 0.1)
     assert math.isinf(ObstacleSet().nearest(starts)[0].max())

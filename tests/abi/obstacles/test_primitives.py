@@ -152,7 +152,7 @@ def test_bounds_are_tight(solid: Obstacle) -> None:
 
 
 @given(solids, st.lists(triples, min_size=2, max_size=8))
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 def test_distance_is_1_lipschitz_and_convex(
     solid: Obstacle, places: list[tuple[float, float, float]]
 ) -> None:
@@ -163,8 +163,9 @@ def test_distance_is_1_lipschitz_and_convex(
     assert (solid.signed_distance(0.3 * p + 0.7 * q) <= 0.3 * at_p + 0.7 * at_q + 1e-12).all()
 
 
+@pytest.mark.slow
 @given(solids, quaternions, triples, st.lists(triples, min_size=2, max_size=6))
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 def test_a_rigid_motion_of_everything_changes_nothing(
     solid: Obstacle,
     turn: tuple[float, float, float, float],
@@ -209,7 +210,7 @@ def test_gradient_agrees_with_central_differences(solid: Obstacle) -> None:
 
 @pytest.mark.slow
 @given(aligned, ends, st.lists(ends, min_size=1, max_size=8))
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=300)
 def test_gradient_is_a_unit_subgradient_everywhere(
     solid: Obstacle,
     place: tuple[float, float, float],
@@ -228,6 +229,7 @@ def test_gradient_has_length_one_next_to_the_centre(solid: Obstacle, offset: flo
     np.testing.assert_allclose(np.linalg.norm(solid.gradient(points), axis=1), 1, atol=1e-12)
 
 
+@pytest.mark.slow
 @every_solid
 def test_segment_distance_is_the_least_distance_along_the_segment(solid: Obstacle) -> None:
     rng = np.random.default_rng(8)
@@ -241,7 +243,7 @@ def test_segment_distance_is_the_least_distance_along_the_segment(solid: Obstacl
 
 @pytest.mark.slow
 @given(st.one_of(solids, aligned), st.lists(st.tuples(ends, ends), min_size=1, max_size=10))
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 def test_segment_distance_in_special_positions(
     solid: Obstacle, pairs: list[tuple[tuple[float, float, float], tuple[float, float, float]]]
 ) -> None:
@@ -252,7 +254,7 @@ def test_segment_distance_in_special_positions(
 
 
 @given(solids, ends, st.floats(0, 1e-9))
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 def test_segment_of_no_length_is_a_point(
     solid: Obstacle, place: tuple[float, float, float], length: float
 ) -> None:
@@ -264,7 +266,7 @@ def test_segment_of_no_length_is_a_point(
 
 @pytest.mark.slow
 @given(solids, triples, triples, st.floats(0.05, 3))
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 def test_a_segment_is_as_near_as_its_nearer_part(
     solid: Obstacle,
     start: tuple[float, float, float],
@@ -310,7 +312,7 @@ def test_segment_distance_keeps_its_digits_far_from_the_origin() -> None:
     st.lists(st.tuples(ends, ends), min_size=1, max_size=25),
     st.floats(-0.5, 1.5),
 )
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 def test_blocked_segments_are_those_nearer_than_the_margin(
     obstacles: list[Obstacle],
     pairs: list[tuple[tuple[float, float, float], tuple[float, float, float]]],
@@ -325,6 +327,7 @@ def test_blocked_segments_are_those_nearer_than_the_margin(
     assert (blocked == (least < margin))[decided].all()
 
 
+@pytest.mark.slow
 @every_solid
 def test_blocked_segments_with_a_margin_each(solid: Obstacle) -> None:
     rng = np.random.default_rng(7)
@@ -351,7 +354,7 @@ def test_a_segment_that_keeps_the_margin_exactly_is_free() -> None:
 
 
 @given(st.lists(solids, min_size=1, max_size=5), st.lists(triples, min_size=1, max_size=10))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_nearest_is_the_least_distance_and_its_owner(
     obstacles: list[Obstacle], places: list[tuple[float, float, float]]
 ) -> None:
@@ -386,7 +389,7 @@ def test_no_points_give_no_distances(solid: Obstacle) -> None:
 
 
 @given(solids)
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 def test_a_solid_survives_saving_and_compares_by_value(solid: Obstacle) -> None:
     again = ADAPTER.validate_json(ADAPTER.dump_json(solid))
     assert again == solid
@@ -396,7 +399,7 @@ def test_a_solid_survives_saving_and_compares_by_value(solid: Obstacle) -> None:
 
 
 @given(quaternions, st.sampled_from([5e-324, 1e-300, 1e-3, 1.0, 1e3, 1.5e308]))
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 def test_a_quaternion_of_any_length_is_the_same_rotation(
     wxyz: tuple[float, float, float, float], scale: float
 ) -> None:

@@ -138,6 +138,7 @@ def test_lazy_theta_star_in_the_open_goes_straight() -> None:
             assert trace.length == pytest.approx(straight)
 
 
+@pytest.mark.slow
 def test_lazy_theta_star_is_clear_and_no_longer_than_the_graphs_path() -> None:
     shorter = 0
     for seed in range(6):
@@ -214,6 +215,7 @@ class Reference:
                 self.closed.discard(head)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(6))
 @pytest.mark.parametrize("name", ["a_star", "dijkstra", "bellman_ford", "greedy_best_first"])
 def test_a_replay_is_what_a_plain_search_has_then(name: str, seed: int) -> None:

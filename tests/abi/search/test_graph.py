@@ -124,7 +124,7 @@ UNIT = st.floats(0, 1) | st.sampled_from([0.0, 0.2, 0.5, 1.0])
 POINT = st.tuples(UNIT, UNIT, UNIT)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(POINT, POINT, st.sampled_from(LATTICES))
 def test_start_and_goal_can_be_anywhere_in_the_box(a: Vec3, b: Vec3, lattice: Lattice) -> None:
     start, goal = np.array(a) * SIDE, np.array(b) * SIDE

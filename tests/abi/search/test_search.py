@@ -69,6 +69,7 @@ def way(request: pytest.FixtureRequest) -> Iterator[str]:
         yield request.param
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("block", range(10))
 def test_the_three_tie_and_equal_networkx_and_scipy(block: int) -> None:
     solved = 0
@@ -93,6 +94,7 @@ def test_the_three_tie_and_equal_networkx_and_scipy(block: int) -> None:
     assert solved > 20
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("weight", WEIGHTS)
 @pytest.mark.parametrize("lattice", LATTICES)
 def test_between_near_points_of_a_fine_mesh_all_cost_the_same(
@@ -257,6 +259,7 @@ def test_with_nothing_in_the_way_the_heuristic_is_almost_the_cost(
         assert -1e-9 <= over.min() <= over.max() <= 1.2 * graph.longest_edge
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("weight", WEIGHTS)
 @pytest.mark.parametrize("algorithm", SEARCHES)
 def test_compiled_and_plain_give_the_same(algorithm: str, weight: Weight) -> None:

@@ -25,7 +25,7 @@ def rows(points: np.ndarray) -> set[tuple[float, ...]]:
 
 
 @pytest.mark.slow
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(view=st.sampled_from(VIEWS), budget=st.integers(100, 60_000))
 def test_what_is_shown_is_in_the_graph_and_keeps_the_budget(view: str, budget: int) -> None:
     made = FINE

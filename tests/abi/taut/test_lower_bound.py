@@ -55,7 +55,8 @@ def _tightened(path: FloatArray, solids: tuple[Primitive, ...]) -> float:
     return float(lengths[best])
 
 
-@settings(max_examples=60, deadline=None, suppress_health_check=list(HealthCheck))
+@pytest.mark.slow
+@settings(max_examples=60, suppress_health_check=list(HealthCheck))
 @example(
     body={"shape": "sphere", "radius": 0.5, "position": [0.0, 0.75, 0.75], "wxyz": [0, 0, 0, 1]},
     start=[0.0, 0.0, 1.0],
@@ -87,7 +88,7 @@ def test_an_exact_bound_is_the_length_of_the_shortest_way_by_many_places(
         assert length <= bound.length * 1.002
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(bodies=st.lists(obstacles, max_size=3), start=points, goal=points)
 def test_compiled_and_plain_bounds_are_the_same(
     bodies: list[dict[str, Any]], start: list[float], goal: list[float]
@@ -232,6 +233,7 @@ def test_what_lies_beyond_all_ways_of_that_length_leaves_it_the_optimum() -> Non
     assert _bound(scene).exact
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(20))
 def test_a_mesh_bounds_no_more_than_the_solid_it_lies_in(seed: int) -> None:
     random = np.random.default_rng(seed)

@@ -20,6 +20,7 @@ from abi.scene.scene import Scene, load_scene
 from abi.search import graph
 from abi.search.graph import Graph
 from abi.search.search import SearchResult, a_star
+from abi.sweep.random_boxes import CLEARANCE
 from abi.taut import taut_path as stage
 from abi.taut.geodesic_kernels import around_ball
 from abi.taut.lower_bound import lower_bound
@@ -29,7 +30,7 @@ from abi.tet_mesh import tet_mesh as mesh
 from abi.tet_mesh.exclusion import exclude
 from tests.abi.scene.test_scene import obstacles, points
 from tests.kernel_forms import kernels_as
-from tests.random_scenes import CLEARANCE, box_scene
+from tests.random_scenes import box_scene
 
 CUBE = {"shape": "box", "size": [3, 3, 3], "position": [3, 3, 3]}
 
@@ -75,7 +76,7 @@ def keeps(found: TautPath, path: SearchResult, solids: Obstacles, margin: float)
 
 
 @pytest.mark.slow
-@settings(max_examples=60, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=60, suppress_health_check=list(HealthCheck))
 @given(
     bodies=st.lists(obstacles, min_size=1, max_size=6),
     start=points,
@@ -129,7 +130,7 @@ def test_past_a_cube_it_is_the_helix(
         assert found.length < 11.450764  # the optimum for the cube widened with sharp edges
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(
     radius=st.floats(0.3, 2),
     centre=st.tuples(*[st.floats(2.2, 3.8)] * 3),
@@ -149,7 +150,7 @@ def test_past_a_ball_it_is_two_tangents_and_an_arc(
     assert shortest * (1 - 1e-9) <= found.length <= shortest * (1.02 if opposite else 1.002)
 
 
-@settings(max_examples=25, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=25, suppress_health_check=list(HealthCheck))
 @given(body=obstacles, start=points, goal=points)
 def test_past_one_obstacle_it_is_the_optimum_where_that_is_known(
     body: Any, start: list[float], goal: list[float]

@@ -64,7 +64,7 @@ def length(path: FloatArray) -> float:
 
 
 @pytest.mark.slow
-@settings(max_examples=80, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=80, suppress_health_check=list(HealthCheck))
 @given(
     bodies=st.lists(obstacles, max_size=5),
     start=points,
@@ -151,7 +151,8 @@ def test_behind_a_wall_there_is_none() -> None:
     assert not len(found(whole, scene, MARGIN))
 
 
-@settings(max_examples=40, deadline=None, suppress_health_check=list(HealthCheck))
+@pytest.mark.slow
+@settings(max_examples=40, suppress_health_check=list(HealthCheck))
 @given(
     bodies=st.lists(obstacles, min_size=1, max_size=5),
     start=points,

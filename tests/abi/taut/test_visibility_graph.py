@@ -32,7 +32,7 @@ def blocked(obstacles: tuple[Primitive, ...], margin: float, p: FloatArray, q: F
 
 
 @pytest.mark.slow
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=300)
 @given(obstacles, points, points, st.floats(-0.3, 1))
 def test_a_line_of_sight_is_what_the_exact_distance_says(
     body: dict[str, Any], start: list[float], goal: list[float], margin: float
@@ -47,7 +47,7 @@ def test_a_line_of_sight_is_what_the_exact_distance_says(
             assert blocked(solids, asked, p, q) == (distance < asked)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(st.lists(obstacles, max_size=3), points, points)
 def test_sight_goes_both_ways_and_needs_all_obstacles_clear(
     bodies: list[dict[str, Any]], start: list[float], goal: list[float]
@@ -59,7 +59,7 @@ def test_sight_goes_both_ways_and_needs_all_obstacles_clear(
         assert blocked(solids, 0.1, p, q) == blocked(solids, 0.1, q, p) == (distance < 0.1)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(st.lists(obstacles, min_size=1, max_size=2), st.integers(0, 2**31))
 def test_paths_by_waypoints_are_the_shortest(bodies: list[dict[str, Any]], seed: int) -> None:
     solids: Any = pack(shapes(bodies)).tolist()
@@ -106,7 +106,8 @@ def test_paths_by_waypoints_are_the_shortest(bodies: list[dict[str, Any]], seed:
     assert len(visibility.short_paths(waypoints, labels, edges, space, shorter)) == 0
 
 
-@settings(max_examples=100, deadline=None)
+@pytest.mark.slow
+@settings(max_examples=100)
 @given(st.lists(obstacles, max_size=4), st.lists(points, min_size=2, max_size=5))
 def test_segments_are_as_near_as_the_exact_distance_says(
     bodies: list[dict[str, Any]], vertices: list[list[float]]

@@ -19,7 +19,7 @@ def table(name: str, points: int, cells: Cells) -> IntArray:
     return np.concatenate([np.stack([c.ravel() for c in four], axis=1) for four in families])
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(LATTICES, CELLS)
 def test_edges_are_the_edges_of_the_tetrahedra(name: str, cells: Cells) -> None:
     points = lattice.points(name, (0, 0, 0), cells, cells)
@@ -30,7 +30,7 @@ def test_edges_are_the_edges_of_the_tetrahedra(name: str, cells: Cells) -> None:
     assert np.array_equal(edges[np.lexsort(edges.T[::-1])], expected)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(LATTICES, CELLS)
 def test_the_step_leads_from_one_end_of_an_edge_to_the_other(name: str, cells: Cells) -> None:
     points = lattice.points(name, (0, 0, 0), cells, cells)
@@ -38,7 +38,7 @@ def test_the_step_leads_from_one_end_of_an_edge_to_the_other(name: str, cells: C
         assert np.allclose(points[b] - points[a], step, rtol=0, atol=1e-14)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(LATTICES, CELLS, st.integers(0, 2**32 - 1))
 def test_a_family_of_flags_counts_what_a_table_counts(name: str, cells: Cells, seed: int) -> None:
     points = len(lattice.points(name, (0, 0, 0), cells, cells))
@@ -69,7 +69,7 @@ def test_tetrahedra_of_cubes_are_congruent(name: str, kinds: int) -> None:
         assert np.allclose(np.unique(sides.round(9)), [0, np.sqrt(0.75), 1])
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(LATTICES, CELLS)
 def test_all_tetrahedra_have_the_same_volume(name: str, cells: Cells) -> None:
     points = lattice.points(name, (0, 0, 0), cells, cells)

@@ -32,7 +32,7 @@ CASES = {
 
 
 @pytest.mark.slow
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=12)
 @given(
     st.sampled_from(sorted(CASES)),
     st.sampled_from(["bcc", "kuhn", "delaunay"]),

@@ -39,7 +39,8 @@ def meshes(draw: st.DrawFn) -> tuple[Workspace, TetMesh]:
     )
 
 
-@settings(max_examples=150, deadline=None)
+@pytest.mark.slow
+@settings(max_examples=150)
 @given(meshes())
 def test_tetrahedra_tile_the_box(case: tuple[Workspace, TetMesh]) -> None:
     workspace, mesh = case
@@ -54,7 +55,8 @@ def test_tetrahedra_tile_the_box(case: tuple[Workspace, TetMesh]) -> None:
     assert np.array_equal(shared, np.where(low | high, 1, 2))
 
 
-@settings(max_examples=150, deadline=None)
+@pytest.mark.slow
+@settings(max_examples=150)
 @given(meshes())
 def test_edges_belong_to_tetrahedra_and_have_their_lengths(
     case: tuple[Workspace, TetMesh],
@@ -69,7 +71,8 @@ def test_edges_belong_to_tetrahedra_and_have_their_lengths(
         assert mesh.pitch == mesh.lengths.min()
 
 
-@settings(max_examples=100, deadline=None)
+@pytest.mark.slow
+@settings(max_examples=100)
 @given(boxes(), st.sampled_from(LATTICES), st.floats(0.3, 5), st.integers(0, 99))
 def test_nodes_are_as_many_as_counted_and_reach_the_corners(
     workspace: Workspace, lattice: Lattice, pitch: float, seed: int

@@ -70,7 +70,7 @@ def opened(mesh: Mesh) -> MeshShape:
 
 
 @pytest.mark.slow
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 @given(st.sampled_from(sorted(MESHES)), seeds)
 def test_distances_are_those_of_rational_numbers(name: str, seed: int) -> None:
     mesh = vertices, faces = MESHES[name]
@@ -93,7 +93,7 @@ def test_distances_are_those_of_rational_numbers(name: str, seed: int) -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=300)
 @given(st.floats(-17, 0), st.sampled_from(["needle", "cap", "lattice"]), seeds)
 def test_no_triangle_is_too_thin(power: float, kind: str, seed: int) -> None:
     """The area of some is lost to rounding."""
@@ -123,7 +123,8 @@ def test_no_triangle_is_too_thin(power: float, kind: str, seed: int) -> None:
     assert (found >= expected - 3 * errors).all()
 
 
-@settings(max_examples=40, deadline=None)
+@pytest.mark.slow
+@settings(max_examples=40)
 @given(st.sampled_from(sorted(MESHES)), seeds)
 def test_distances_are_those_of_another_library(name: str, seed: int) -> None:
     mesh = vertices, _ = MESHES[name]
@@ -135,7 +136,7 @@ def test_distances_are_those_of_another_library(name: str, seed: int) -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(st.floats(-17, -2), seeds)
 def test_slivers_shorten_a_distance_but_never_lengthen_it(power: float, seed: int) -> None:
     rng = np.random.default_rng(seed)

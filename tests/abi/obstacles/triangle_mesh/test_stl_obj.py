@@ -238,7 +238,8 @@ def test_the_limits_are_those_of_the_file_not_of_its_promises(
         read(STL, "m.stl")
 
 
-@settings(max_examples=300, deadline=None)
+@pytest.mark.slow
+@settings(max_examples=300)
 @given(
     st.sampled_from(["m.stl", "t.stl", "m.obj", "m.glb"]),
     st.data(),

@@ -24,6 +24,7 @@ def exported(suffix: str) -> bytes:
     return content if isinstance(content, bytes) else bytes(content, "utf-8")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("suffix", SUFFIXES)
 def test_a_mesh_is_read_as_it_was_written(suffix: str) -> None:
     surface = clean(*read(exported(suffix), f"ball{suffix}"))

@@ -86,7 +86,7 @@ def beside(
 
 
 @pytest.mark.slow
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(names, seeds)
 def test_the_numbers_are_the_sums_of_all_solid_angles(name: str, seed: int) -> None:
     mesh = {**CLOSED, **OPEN}[name]
@@ -152,6 +152,7 @@ def _nearest(triangles: FloatArray, x: FloatArray) -> float:
     return float(best)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", sorted(CLOSED))
 def test_numbers_round_to_the_sides(name: str) -> None:
     mesh = CLOSED[name]

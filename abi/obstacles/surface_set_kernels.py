@@ -1,0 +1,138 @@
+"""Distances of points and segments to all triangle meshes of a scene.
+
+A tree over the meshes' bounding boxes (``primitive_tree_kernels``) leaves out those that are far.
+Plain Python that numba compiles with its caller.
+"""
+
+from __future__ import annotations
+
+from numba.extending import register_jitable
+
+from abi.obstacles.primitive_tree_kernels import (
+    bounds_apart,
+    first_row,
+    row_after,
+    row_below,
+    segment_apart,
+    tree_apart,
+)
+from abi.obstacles.surface_set import SurfaceSet, surface_at
+from abi.obstacles.triangle_mesh.distance_grid_kernels import distance_bounds
+from abi.obstacles.triangle_mesh.surface_kernels import (
+    Room,
+    is_blocked,
+    least_distance,
+    signed_distance_at,
+    to_surface,
+)
+from abi.obstacles.vector_kernels import Vec3, axpy, distance, sub
+
+_WIDER = 1e-9
+"""How much farther meshes are looked for, [unit] and part, so that rounding leaves none out."""
+
+
+@register_jitable
+def widened(limit: float) -> float:
+    """Distance to a mesh's bounding box up to which the mesh may be nearer than a limit, [unit]."""
+    return limit + _WIDER * (1.0 + abs(limit))
+
+
+@register_jitable
+def nearest_mesh(surfaces: SurfaceSet, enough: float, x: Vec3, room: Room) -> tuple[float, int]:
+    """Least signed distance of a point and whose it is; ``enough`` and -1 if it is not below.
+
+    Args:
+        surfaces: the meshes.
+        enough: [unit].
+        x: a point, [unit], world.
+        room: for descents.
+    """
+    bounds = surfaces.bounds
+    best, whose = enough, -1
+    s = first_row(bounds)
+    while s >= 0:
+        wide = widened(best)
+        if tree_apart(bounds, s, wide, x, x):
+            s = row_after(bounds, s)
+            continue
+        if not bounds_apart(bounds, s, wide, x, x):
+            tables, placement = surface_at(surfaces, s)
+            p = to_surface(placement, x)
+            if distance_bounds(tables.grid, p)[0] * placement.factor < best:
+                away = signed_distance_at(tables, p, room)[0] * placement.factor
+                if away < best:
+                    best, whose = away, s
+        s = row_below(bounds, s)
+    return best, whose
+
+
+@register_jitable
+def most_to_mesh(surfaces: SurfaceSet, most: float, x: Vec3) -> float:
+    """Upper bound of a point's signed distance to the nearest mesh; ``most`` if that is less."""
+    bounds = surfaces.bounds
+    s = first_row(bounds)
+    while s >= 0:
+        if tree_apart(bounds, s, most, x, x):
+            s = row_after(bounds, s)
+            continue
+        if not bounds_apart(bounds, s, most, x, x):
+            tables, placement = surface_at(surfaces, s)
+            upper = distance_bounds(tables.grid, to_surface(placement, x))[1]
+            most = min(most, upper * placement.factor)
+        s = row_below(bounds, s)
+    return most
+
+
+@register_jitable
+def nearest_mesh_to_segment(
+    surfaces: SurfaceSet, enough: float, a: Vec3, b: Vec3, room: Room
+) -> tuple[float, int]:
+    """Least signed distance of a segment and whose it is; ``enough`` and -1 if it is not below.
+
+    Args:
+        surfaces: the meshes.
+        enough: [unit].
+        a: one end, [unit], world; it may be the other one, too.
+        b: the other end.
+        room: for descents.
+    """
+    bounds = surfaces.bounds
+    best, whose = enough, -1
+    half = distance(a, b) / 2
+    s = first_row(bounds)
+    while s >= 0:
+        # how deep a segment is inside is a bound from below: each that may be inside counts
+        wide = widened(max(best, 0.0))
+        if segment_apart(bounds, s, True, wide, a, b):
+            s = row_after(bounds, s)
+            continue
+        if not segment_apart(bounds, s, False, wide, a, b):
+            tables, placement = surface_at(surfaces, s)
+            p, q = to_surface(placement, a), to_surface(placement, b)
+            lower = distance_bounds(tables.grid, axpy(0.5, sub(q, p), p))[0]
+            if lower * placement.factor - half < wide:
+                factor = placement.factor
+                away = least_distance(tables, p, q, best / factor, room) * factor
+                if away < best:
+                    best, whose = away, s
+        s = row_below(bounds, s)
+    return best, whose
+
+
+@register_jitable
+def meets_mesh(surfaces: SurfaceSet, margin: float, a: Vec3, b: Vec3, room: Room) -> bool:
+    """Whether the segment a..b, world, comes nearer to a mesh than ``margin``, or touches it."""
+    bounds = surfaces.bounds
+    wide = widened(max(margin, 0.0))
+    s = first_row(bounds)
+    while s >= 0:
+        if segment_apart(bounds, s, True, wide, a, b):
+            s = row_after(bounds, s)
+            continue
+        if not segment_apart(bounds, s, False, wide, a, b):
+            tables, placement = surface_at(surfaces, s)
+            p, q = to_surface(placement, a), to_surface(placement, b)
+            if is_blocked(tables, p, q, margin / placement.factor, room):
+                return True
+        s = row_below(bounds, s)
+    return False
