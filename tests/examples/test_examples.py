@@ -13,6 +13,7 @@ SCRIPTS = sorted(FOLDER.glob("*.py"))
 ARGUMENTS = {"10_page_of_your_own.py": ["--once"]}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("script", SCRIPTS, ids=lambda script: script.stem)
 def test_runs_and_prints_numbers(
     script: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]

@@ -1,0 +1,146 @@
+"""Plots of a study: gaps, clearances and times against the first field that varies.
+
+The second field that varies has a line for each of its values.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from abi.sweep.row import Row
+from abi.sweep.table import quantile, share
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+_INK, _GRID = "#888888", "#88888844"
+"""Greys that show on light and on dark pages."""
+_COLOURS = ("#e0409a", "#2f7fd6", "#e08a1e", "#2aa198", "#8a63d2", "#7f7f7f")
+_DASHES = ("-", "--", "-.", ":")
+_MARKERS = "osD^v*"
+_GAP, _PART = "longer than the proven bound [%]", "share of the plans [%]"
+_FEWEST = 0.5
+"""Part of a group's plans that must have a value: the median of fewer says little."""
+
+Panel = tuple[str, str, str]
+"""Title, label of the ordinate, column."""
+
+_FIGURES: dict[str, tuple[Panel, ...]] = {
+    "gaps": (
+        ("path on the mesh", _GAP, "path_gap"),
+        ("taut path", _GAP, "taut_gap"),
+        ("B-spline", _GAP, "bspline_gap"),
+    ),
+    "clearances": (
+        ("plans that are complete", _PART, "complete"),
+        ("B-splines proven clear", _PART, "bspline_proven"),
+        ("quadratics proven clear", _PART, "quadratic_proven"),
+    ),
+    "times": (
+        ("whole plan", "time [ms]", "total_ms"),
+        ("mesh", "time [ms]", "mesh_ms"),
+        ("taut path", "time [ms]", "taut_ms"),
+    ),
+}
+_SHARES = ("complete", "bspline_proven", "quadratic_proven")
+
+
+def write_plots(rows: Sequence[Row], fields: Sequence[str], folder: Path) -> list[Path]:
+    """Write ``gaps.svg``, ``clearances.svg`` and ``times.svg``; the files written.
+
+    Args:
+        rows: of a study.
+        fields: the one on the abscissa, and the one whose values have lines, if there is one.
+        folder: where they go.
+
+    Without matplotlib nothing is written.
+    """
+    if importlib.util.find_spec("matplotlib") is None:
+        return []
+    import matplotlib
+
+    written = []
+    for name, panels in _FIGURES.items():
+        path = folder / f"{name}.svg"
+        with matplotlib.rc_context({"svg.hashsalt": name}):
+            figure = _figure(rows, fields, panels)
+            figure.savefig(path, transparent=True, metadata={"Date": None})
+        written.append(path)
+    return written
+
+
+def _figure(rows: Sequence[Row], fields: Sequence[str], panels: Sequence[Panel]) -> Figure:
+    from matplotlib.figure import Figure
+
+    across, along = fields[0], fields[1] if len(fields) > 1 else None
+    figure = Figure(figsize=(10, 3.6), layout="constrained")
+    every: Any = figure.subplots(1, len(panels))
+    for axes, (title, label, column) in zip(every, panels, strict=True):
+        for number, (name, group) in enumerate(_grouped(rows, along)):
+            _draw(axes, group, across, column, number, name)
+        axes.set_title(title, color=_INK, fontsize=11)
+        axes.set_xlabel(across, color=_INK)
+        axes.set_ylabel(label, color=_INK)
+        axes.tick_params(colors=_INK, which="both")
+        axes.grid(color=_GRID)
+        axes.spines[:].set_color(_GRID)
+        if label == _PART:
+            axes.set_ylim(-3, 103)
+        elif not any(len(line.get_xdata()) for line in axes.lines):
+            axes.text(0.5, 0.5, "none", color=_INK, ha="center", transform=axes.transAxes)
+        elif "time" in label:
+            axes.set_yscale("log")
+    if along is not None:
+        handles, names = every[0].get_legend_handles_labels()
+        figure.legend(
+            handles, names, title=along, loc="outside right center", frameon=False, labelcolor=_INK
+        ).get_title().set_color(_INK)
+    return figure
+
+
+def _draw(axes: Any, rows: Sequence[Row], across: str, column: str, number: int, name: str) -> None:
+    """A line through the medians, with a band from the first to the last tenth; or the shares."""
+    groups = [(value, group) for value, group in _grouped(rows, across) if _has(group, column)]
+    places = [_number(value) for value, _ in groups]
+    look = {
+        "color": _COLOURS[number % len(_COLOURS)],
+        "linestyle": _DASHES[number % len(_DASHES)],
+        "marker": _MARKERS[number % len(_MARKERS)],
+        "markersize": 4,
+        "label": name,
+    }
+    if column in _SHARES:
+        axes.plot(places, [share(group, column) for _, group in groups], **look)
+        return
+    factor = 100.0 if column.endswith("_gap") else 1.0
+    low, middle, high = (
+        [factor * (quantile(group, column, part) or 0.0) for _, group in groups]
+        for part in (0.1, 0.5, 0.9)
+    )
+    axes.plot(places, middle, **look)
+    if not any(isinstance(place, str) for place in places):
+        axes.fill_between(places, low, high, color=look["color"], alpha=0.12, linewidth=0)
+
+
+def _has(rows: Sequence[Row], column: str) -> bool:
+    """Whether enough rows have a value in the column; a share counts them all."""
+    found = sum(row.get(column) is not None for row in rows)
+    return column in _SHARES or found >= _FEWEST * len(rows)
+
+
+def _grouped(rows: Sequence[Row], field: str | None) -> list[tuple[str, list[Row]]]:
+    """Rows by the value of a field, in the order in which the values first occur."""
+    groups: dict[str, list[Row]] = {}
+    for row in rows:
+        groups.setdefault("" if field is None else str(row[field]), []).append(row)
+    return list(groups.items())
+
+
+def _number(value: str) -> float | str:
+    try:
+        return float(value)
+    except ValueError:
+        return value

@@ -1,0 +1,102 @@
+"""``abi sweep``: many plans, on all cores or on a cluster, as a table and plots."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+if TYPE_CHECKING:
+    from abi.sweep.row import Row
+
+
+@click.command()
+@click.argument("study", type=click.Path(path_type=Path))
+@click.option(
+    "--out",
+    type=click.Path(file_okay=False, path_type=Path),
+    help="Folder for what is found.  [default: the study's name]",
+)
+@click.option("--workers", type=click.IntRange(1, 1024), help="Processes.  [default: all cores]")
+@click.option("--scheduler", help="Address of a Dask scheduler, whose workers plan instead.")
+@click.option(
+    "--table",
+    "table_format",
+    default="csv",
+    show_default=True,
+    type=click.Choice(["csv", "parquet"]),
+    help="Format of the table.",
+)
+def sweep(
+    study: Path, out: Path | None, workers: int | None, scheduler: str | None, table_format: str
+) -> None:
+    """Plan every scene of the file STUDY under all its settings: lengths, gaps, clearances, times.
+
+    Writes a table with a row a plan, and plots. What is found is kept as it comes: the same command
+    goes on where it was stopped, and plans only what is new once the study is changed.
+
+    Exit code 0: all is planned, whether or not each scene has a plan; 2: bad input.
+    """
+    from abi.sweep import plots, table
+    from abi.sweep.study import load_study
+    from abi.sweep.sweep import sweep as plan_study
+
+    if workers is not None and scheduler is not None:
+        raise click.UsageError("--workers and --scheduler exclude each other.")
+    plan = load_study(study)
+    folder = out or Path(study.stem)
+    with _progress(folder) as told:
+        rows = plan_study(plan, folder, workers, scheduler, told)
+    fields = (plan.axes or ("scene",))[:2]
+    path = folder / f"plans.{table_format}"
+    table.write(rows, path)
+    _print(table.summary(rows, fields))
+    for written in (path, *plots.write_plots(rows, fields, folder)):
+        click.echo(f"written: {written}")
+
+
+@contextlib.contextmanager
+def _progress(folder: Path) -> Iterator[Callable[[int, int], None]]:
+    """A bar on the terminal, with the time that is left; Ctrl+C says how to go on."""
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TimeRemainingColumn
+
+    bar = Progress(
+        "plans",
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeRemainingColumn(),
+        console=Console(stderr=True),
+    )
+    line = bar.add_task("plans", total=None)
+    try:
+        with bar:
+            yield lambda done, of: bar.update(line, completed=done, total=of)
+    except KeyboardInterrupt:
+        click.echo(f"Stopped; {folder} keeps what is planned, the same command goes on.", err=True)
+        raise click.Abort from None
+
+
+def _print(rows: Sequence[Row]) -> None:
+    from rich.console import Console
+    from rich.table import Table
+
+    names = list(rows[0])
+    shown = Table(*names)
+    for row in rows:
+        shown.add_row(*(_text(row[name]) for name in names))
+    console = Console()
+    if not console.is_terminal:
+        console.width = 150
+    console.print(shown)
+
+
+def _text(value: object) -> str:
+    if value is None:
+        return "–"
+    if isinstance(value, float):
+        return f"{value:,.0f}" if value >= 1000 else f"{value:.3g}"
+    return str(value)
