@@ -10,9 +10,9 @@ from typing import Any
 
 import viser
 
-from app import page
+from app import mesh_store, page
 from app.panels.widgets import Wake
-from app.tab_state import TabState
+from app.tab_state import MAX_PROGRESS, StateEncoder, TabState
 
 TIMEOUT = 0.7
 """Seconds for which the first plan waits for the report; a later one counts when it comes."""
@@ -27,12 +27,14 @@ class Report:
     Attributes:
         state: a :class:`TabState` as text; empty for none.
         query: parameters of its address.
+        lessons: progress in the lessons that the browser keeps, whatever the tab.
         dark: whether the system prefers dark pages.
         width: of the page, [px].
     """
 
     state: str = ""
     query: dict[str, str] = field(default_factory=dict)
+    lessons: str = ""
     dark: bool = False
     width: float = 1280.0
 
@@ -47,7 +49,10 @@ class TabMemory:
         self._wake = wake
         self._read = ""
         self._kept: tuple[object, ...] = ()
+        self._encoder = StateEncoder()
         self._sent = -_PERIOD
+        self._scene: object = None
+        self._lessons = ""
         self._box.on_update(self._receive)
         page.ask(client, self._box)
 
@@ -64,7 +69,10 @@ class TabMemory:
         return _parse(text)
 
     def keep(self, state: TabState, now: bool = False) -> None:
-        """Have the page keep ``state`` unless it does; not too often, but for ``now``."""
+        """Have the page keep ``state`` unless it does; not too often, but for ``now``.
+
+        Not before the page's report has been read: until then it may remember more than is shown.
+        """
         kept = (
             state.name,
             state.scene,
@@ -74,12 +82,19 @@ class TabMemory:
             state.dark,
             state.lessons,
             state.challenge,
+            state.theatre,
         )
         due = now or time.monotonic() - self._sent >= _PERIOD
-        if kept == self._kept or not due:
+        if not self._read or kept == self._kept or not due:
             return
         self._kept, self._sent = kept, time.monotonic()
-        page.remember(self._client, state.encode())
+        if state.scene is not self._scene:
+            self._scene = state.scene
+            mesh_store.keep(state.scene.meshes.files)
+        page.remember(self._client, self._encoder.encode(state))
+        if state.lessons != self._lessons:
+            self._lessons = state.lessons
+            page.remember_lessons(self._client, state.lessons)
 
     def _receive(self, event: object) -> None:
         self._arrived.set()
@@ -94,6 +109,7 @@ def _parse(text: object) -> Report:
         return Report(
             state=str(data["state"]),
             query={str(name): str(value) for name, value in query.items()},
+            lessons=str(data.get("lessons", ""))[:MAX_PROGRESS],
             dark=data["dark"] is True,
             width=float(data.get("width", Report.width)),
         )

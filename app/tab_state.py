@@ -13,6 +13,7 @@ from abi.errors import SceneError
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.scene.scene import Scene
 from abi.scene.scene_file import MAX_JSON_BYTES
+from app import mesh_store
 from app.camera import View
 
 LONGEST_LINK = 6000
@@ -20,6 +21,7 @@ LONGEST_LINK = 6000
 MAX_PROGRESS = 10_000
 """Characters of the progress in lessons."""
 _VERSION = 1
+_ZLIB_HEADER = b"\x78\x9c"
 _FIELD = "link"
 
 
@@ -37,6 +39,8 @@ class TabState:
         dark: whether the page is dark; None for as the system has it.
         challenge: what is to be reached, as JSON; empty for nothing.
         lessons: where the student is in which lesson, as the player writes it; empty for nowhere.
+        theatre: the search that is stepped through, as its panel writes it; empty for none.
+        missing: names of mesh files that this server has not; the scene is without them.
     """
 
     name: str
@@ -48,6 +52,8 @@ class TabState:
     dark: bool | None = None
     lessons: str = ""
     challenge: str = ""
+    theatre: str = ""
+    missing: tuple[str, ...] = ()
 
     def with_challenge(self, challenge: str) -> TabState:
         """The state with a challenge, for a link to it."""
@@ -55,10 +61,13 @@ class TabState:
 
     def encode(self) -> str:
         """The state in letters that an address takes as they are."""
-        data: dict[str, Any] = {
+        return StateEncoder().encode(self)
+
+    def settings(self) -> dict[str, Any]:
+        """All but the scene, as plain data."""
+        return {
             "version": _VERSION,
             "name": self.name,
-            "scene": self.scene.to_dict(),
             "view": None if self.view is None else self.view.to_list(),
             "time": round(self.time, 3),
             "playing": self.playing,
@@ -66,9 +75,8 @@ class TabState:
             "dark": self.dark,
             "lessons": self.lessons,
             "challenge": self.challenge,
+            "theatre": self.theatre,
         }
-        packed = zlib.compress(json.dumps(data, separators=(",", ":")).encode(), 9)
-        return base64.urlsafe_b64encode(packed).decode().rstrip("=")
 
     @classmethod
     def decode(cls, text: str, meshes: MeshSource) -> TabState:
@@ -85,9 +93,11 @@ class TabState:
         if not isinstance(data, dict) or data.get("version") != _VERSION:
             raise SceneError(_FIELD, _shortened(text), "one that this version has made")
         dark, shown = data.get("dark"), data.get("shown")
+        scene, missing = _scene(data.get("scene"), data.get("files"), meshes)
         return cls(
             name=str(data.get("name", ""))[:200],
-            scene=Scene.from_dict(data.get("scene"), meshes),
+            scene=scene,
+            missing=missing,
             view=View.of(data.get("view")),
             time=_time(data.get("time")),
             playing=data.get("playing") is not False,
@@ -95,7 +105,69 @@ class TabState:
             dark=dark if isinstance(dark, bool) else None,
             lessons=str(data.get("lessons", ""))[:MAX_PROGRESS],
             challenge=str(data.get("challenge", ""))[:MAX_PROGRESS],
+            theatre=str(data.get("theatre", ""))[:MAX_PROGRESS],
         )
+
+
+class StateEncoder:
+    """Encoder of one tab's states; a scene that stays the same object is compressed once.
+
+    A scene of thousands of obstacles takes tens of milliseconds, and the camera moves more often
+    than the scene changes.
+    """
+
+    def __init__(self) -> None:
+        self._scene: Scene | None = None
+        self._text = self._packed = b""
+
+    def encode(self, state: TabState) -> str:
+        """The state in letters that an address takes as they are."""
+        if state.scene is not self._scene:
+            files = json.dumps(mesh_store.keys(state.scene.meshes.files))
+            scene = state.scene.model_dump_json()
+            self._text = f'{{"scene":{scene},"files":{files}'.encode()
+            self._packed, self._scene = _deflate(self._text, zlib.Z_FULL_FLUSH), state.scene
+        rest = json.dumps(state.settings(), separators=(",", ":")).encode()
+        rest = b"," + rest.removeprefix(b"{")
+        # a zlib stream (RFC 1950) in two stretches, neither of which looks back into the other
+        checksum = zlib.adler32(rest, zlib.adler32(self._text))
+        stream = _ZLIB_HEADER + self._packed + _deflate(rest, zlib.Z_FINISH) + checksum.to_bytes(4)
+        return base64.urlsafe_b64encode(stream).decode().rstrip("=")
+
+
+def _deflate(data: bytes, end: int) -> bytes:
+    """Stretch of a deflate stream, which goes on after it unless ``end`` is ``Z_FINISH``."""
+    packer = zlib.compressobj(wbits=-zlib.MAX_WBITS)
+    return packer.compress(data) + packer.flush(end)
+
+
+def _scene(data: object, keys: object, meshes: MeshSource) -> tuple[Scene, tuple[str, ...]]:
+    """A scene with the files that are here, and names of the meshes that are not."""
+    wanted = keys if isinstance(keys, dict) else {}
+    here = dict(meshes.files)
+    missing = []
+    for name, key in wanted.items():
+        content = mesh_store.find(str(key))
+        if content is not None:
+            here[name] = content
+        elif name not in here and not _is_shipped(name, meshes):
+            missing.append(str(name))
+    if missing and isinstance(data, dict) and isinstance(data.get("obstacles"), list):
+        left = [one for one in data["obstacles"] if not _names(one, missing)]
+        data = {**data, "obstacles": left}
+    return Scene.from_dict(data, MeshSource(here, meshes.folder)), tuple(missing)
+
+
+def _is_shipped(name: str, meshes: MeshSource) -> bool:
+    try:
+        meshes.content(name)
+    except SceneError:
+        return False
+    return True
+
+
+def _names(obstacle: object, missing: list[str]) -> bool:
+    return isinstance(obstacle, dict) and obstacle.get("file") in missing
 
 
 def _unpack(text: str) -> object:

@@ -12,10 +12,9 @@ from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.obstacles.triangle_mesh.repair import clean
 from abi.obstacles.triangle_mesh.surface import Surface
 from abi.scene.scene import Scene
+from abi.sweep.random_boxes import random_boxes
 
 SHAPES = ("box", "sphere", "cylinder", "capsule", "mesh")
-CLEARANCE = 0.2
-"""Clearance of the scenes with boxes, [unit]."""
 
 
 def random_scene(seed: int) -> Scene:
@@ -46,7 +45,7 @@ def random_scene(seed: int) -> Scene:
     }
     if random.random() < 0.5:
         data["search"]["taut"] = False
-    return Scene.from_dict(data, _meshes())
+    return Scene.from_dict(data, mesh_source())
 
 
 def scattered(rng: np.random.Generator, most: int = 4) -> Scene:
@@ -80,22 +79,7 @@ def slalom(rng: np.random.Generator) -> Scene:
 
 def box_scene(seed: int, pitch: float) -> Scene:
     """Eight boxes at random, as many as fit between the start's and the goal's corners."""
-    random = np.random.default_rng(seed)
-    boxes: list[dict[str, Any]] = []
-    while len(boxes) < 8:
-        size = random.uniform(0.9, 2.2, 3)
-        low = random.uniform(0.35, 5.65 - size)
-        if (low >= 0.1 + CLEARANCE).all() and (low + size <= 5.9 - CLEARANCE).all():
-            position = (low + size / 2).tolist()
-            boxes.append({"shape": "box", "size": size.tolist(), "position": position})
-    return Scene.from_dict(
-        {
-            "version": 1,
-            "obstacles": boxes,
-            "mesh": {"lattice": "bcc", "pitch": pitch},
-            "spline": {"clearance": CLEARANCE},
-        }
-    )
+    return random_boxes(seed).replace(mesh={"lattice": "bcc", "pitch": pitch})
 
 
 def crowd(count: int, seed: int, nodes: int, meshes: float = 0.0, fill: float = 0.12) -> Scene:
@@ -140,7 +124,7 @@ def crowd(count: int, seed: int, nodes: int, meshes: float = 0.0, fill: float = 
             "spline": {"clearance": clearance},
             "arm": {"avoid": False},
         },
-        _meshes(),
+        mesh_source(),
     )
 
 
@@ -155,7 +139,7 @@ def _wall(random: np.random.Generator) -> list[dict[str, Any]]:
 
 
 @functools.cache
-def _meshes() -> MeshSource:
+def mesh_source() -> MeshSource:
     """A closed mesh that is not convex, the same inside out, and triangles that close nothing."""
     torus = trimesh.creation.torus(0.7, 0.3, major_sections=24, minor_sections=12)
     random = np.random.default_rng(0)
@@ -183,7 +167,7 @@ def _obstacle(random: np.random.Generator, reach: float, shapes: tuple[str, ...]
     if shape == "box":
         data["size"] = (2 * sizes).tolist()
     elif shape == "mesh":
-        data["file"] = str(random.choice(list(_meshes().files)))
+        data["file"] = str(random.choice(list(mesh_source().files)))
         data["scale"] = float(sizes[0])
     else:
         data["radius"] = float(sizes[0])

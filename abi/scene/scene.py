@@ -346,13 +346,15 @@ class Scene(_Settings):
         return self.from_dict(data, MeshSource({**self.meshes.files, **(files or {})}))
 
     def pack(self) -> bytes:
-        """The scene and its meshes as one zip archive, which :func:`load_scene` reads.
+        """The scene, its meshes and its arm as one zip archive, which :func:`load_scene` reads.
 
         Raises:
             SceneError: it is too large to be read again.
         """
-        shapes = [shape for shape in self.obstacles if isinstance(shape, MeshShape)]
-        return scene_archive.pack(self.to_dict(), {shape.file: shape.surface for shape in shapes})
+        files = self.meshes.files
+        surfaces = {name: one for name, one in files.items() if isinstance(one, Surface)}
+        arms = {name: one for name, one in files.items() if isinstance(one, bytes)}
+        return scene_archive.pack(self.to_dict(), surfaces, arms)
 
     def save(self, path: str | Path) -> None:
         """Write a scene file, YAML or JSON by its ending; the old file stays whole on failure.
@@ -366,7 +368,7 @@ class Scene(_Settings):
 def load_scene(name_or_path: str | Path) -> Scene:
     """Load a shipped scene by its name, or a scene file (``.yaml``, ``.yml`` or ``.json``).
 
-    A ``.zip`` holds a scene and its meshes (:mod:`abi.scene.scene_archive`).
+    A ``.zip`` holds a scene with its meshes and its arm (:mod:`abi.scene.scene_archive`).
 
     Raises:
         SceneError: no such scene, not readable, or a field is wrong.

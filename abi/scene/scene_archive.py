@@ -1,7 +1,7 @@
-"""A scene and its mesh files as one file: a zip archive with ``scene.yaml`` and the meshes.
+"""A scene and its files as one: a zip archive with ``scene.yaml``, the meshes and the arm.
 
-Meshes are stored repaired, as OBJ texts with all digits. What is opened may come from anyone:
-sizes and names are checked before anything is unpacked.
+Meshes are stored repaired, as OBJ texts with all digits; an arm as it came. What is opened may come
+from anyone: sizes and names are checked before anything is unpacked.
 """
 
 from __future__ import annotations
@@ -15,22 +15,27 @@ from typing import Any
 from abi.errors import SceneError
 from abi.obstacles.triangle_mesh.stl_obj import SUFFIXES
 from abi.obstacles.triangle_mesh.surface import Surface
+from abi.obstacles.triangle_mesh.trimesh_formats import DAMAGED_ZIP
 from abi.scene.scene_file import parse_bytes, text_of
 
 SUFFIX = ".zip"
 MAX_BYTES = 50_000_000
 _MOST_UNPACKED = 200_000_000
 _MOST_FILES = 200
+_ARMS = (".urdf", ".zip")
 _SCENES = ("scene.yaml", "scene.yml", "scene.json")
 _FIELD = "scene"
 
 
-def pack(data: Mapping[str, Any], surfaces: Mapping[str, Surface]) -> bytes:
+def pack(
+    data: Mapping[str, Any], surfaces: Mapping[str, Surface], arms: Mapping[str, bytes]
+) -> bytes:
     """An archive of a scene.
 
     Args:
         data: as a scene file holds it.
         surfaces: of its mesh files, by name.
+        arms: the file of its arm, by name, where it does not come with the package.
 
     Raises:
         SceneError: it is too large to be read again.
@@ -48,6 +53,8 @@ def pack(data: Mapping[str, Any], surfaces: Mapping[str, Surface]) -> bytes:
         archive.writestr(*text_of({**data, "obstacles": obstacles}))
         for file, surface in surfaces.items():
             archive.writestr(names[file], _obj(surface))
+        for file, arm in arms.items():
+            archive.writestr(file, arm)
     content = packed.getvalue()
     if len(content) > MAX_BYTES:
         raise SceneError(
@@ -57,7 +64,7 @@ def pack(data: Mapping[str, Any], surfaces: Mapping[str, Surface]) -> bytes:
 
 
 def unpack(content: bytes, name: str) -> tuple[object, dict[str, bytes]]:
-    """Plain data of a scene, and the content of its mesh files by name.
+    """Plain data of a scene, and the content of its meshes and arms by name.
 
     Args:
         content: of an archive.
@@ -83,9 +90,9 @@ def unpack(content: bytes, name: str) -> tuple[object, dict[str, bytes]]:
             meshes = {
                 file: archive.read(entry)
                 for file, entry in files.items()
-                if PurePosixPath(file).suffix.lower() in SUFFIXES
+                if PurePosixPath(file).suffix.lower() in (*SUFFIXES, *_ARMS)
             }
-    except (zipfile.BadZipFile, RuntimeError, NotImplementedError, EOFError, OSError):
+    except DAMAGED_ZIP:
         raise SceneError(_FIELD, name, "a whole zip archive, this is damaged") from None
     return data, meshes
 

@@ -24,6 +24,8 @@ MAX_BYTES = 400_000
 MAX_JSON_BYTES = 2_000_000
 """Largest in JSON: some 5,000 obstacles."""
 _MAX_DEPTH = 16
+_MOST_EVENTS = 60_000
+"""Scalars, and beginnings and ends of lists, in YAML: some 2,500 obstacles."""
 _MANY = 1_000  # obstacles that are not tried to be written as YAML
 
 _ENDINGS = (".yaml", ".yml", ".json")
@@ -60,7 +62,9 @@ def parse_bytes(content: bytes, name: str) -> object:
     try:
         text = content.decode("utf-8-sig")
         if is_json(name):
-            return json.loads(text, object_pairs_hook=_unique, parse_constant=_refuse_constant)
+            data = json.loads(text, object_pairs_hook=_unique, parse_constant=_refuse_constant)
+            _refuse_depth(data)
+            return data
         _refuse_traps(text)
         return YAML(typ="safe", pure=True).load(text)
     except SceneError as error:
@@ -114,6 +118,8 @@ def dump(data: dict[str, Any], name: str) -> str:
         kilobytes = f"{len(text.encode()) // 1000} kB"
         limit = f"at most {_most(name) // 1000} kB, with fewer obstacles"
         raise SceneError("scene", kilobytes, limit if is_json(name) else f"{limit} or as JSON")
+    if not is_json(name) and len(data.get("obstacles", ())) >= _MANY:
+        _refuse_traps(text)
     return text
 
 
@@ -134,7 +140,12 @@ def _refuse_ending(path: Path) -> None:
 def _refuse_traps(text: str) -> None:
     """Refuse anchors, tags and depth, which make a small YAML text large or ambiguous."""
     depth = 0
-    for event in YAML(typ="safe", pure=True).parse(text):
+    for count, event in enumerate(YAML(typ="safe", pure=True).parse(text)):
+        if count > _MOST_EVENTS:
+            expected = (
+                "fewer entries, or the same as JSON, which is read in a hundredth of the time"
+            )
+            raise SceneError("scene", "", expected)
         if isinstance(event, AliasEvent) or getattr(event, "anchor", None):
             raise SceneError("scene", "", "no YAML anchors or aliases")
         if isinstance(event, CollectionStartEvent | ScalarEvent) and event.ctag:
@@ -145,6 +156,18 @@ def _refuse_traps(text: str) -> None:
             depth -= 1
         if depth > _MAX_DEPTH:
             raise SceneError("scene", "", f"at most {_MAX_DEPTH} levels")
+
+
+def _refuse_depth(data: object) -> None:
+    level = [data]
+    for _ in range(_MAX_DEPTH + 1):
+        inner = [one for one in level if isinstance(one, dict | list)]
+        level = [
+            one for many in inner for one in (many.values() if isinstance(many, dict) else many)
+        ]
+        if not level:
+            return
+    raise SceneError("scene", "", f"at most {_MAX_DEPTH} levels")
 
 
 def text_of(data: dict[str, Any]) -> tuple[str, str]:

@@ -6,10 +6,10 @@ import viser
 
 from abi.errors import SceneError
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
-from abi.scene import scene_archive
 from abi.scene.scene import Scene, load_scene, scene_names
-from abi.scene.scene_file import MAX_BYTES, MAX_JSON_BYTES, parse_bytes, text_of
+from abi.scene.scene_file import MAX_BYTES, MAX_JSON_BYTES, text_of
 from app import page
+from app.guard.reader import READER
 from app.panels.widgets import Wake
 
 _NAME_LENGTH = 40
@@ -123,7 +123,5 @@ def _printable(name: str) -> str:
 
 
 def _parse(file: viser.UploadedFile, name: str, meshes: MeshSource) -> Scene:
-    if name.lower().endswith(scene_archive.SUFFIX):
-        data, files = scene_archive.unpack(file.content, name)
-        return Scene.from_dict(data, MeshSource({**meshes.files, **files}, meshes.folder))
-    return Scene.from_dict(parse_bytes(file.content, name), meshes)
+    data, files = READER.scene(file.content, name)
+    return Scene.from_dict(data, MeshSource({**meshes.files, **files}, meshes.folder))

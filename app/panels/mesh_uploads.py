@@ -1,7 +1,8 @@
 """Mesh files on their way into the scene: read and prepared beside the planning, one at a time.
 
-The tab's worker asks what is finished. A thread of its own reads, repairs and prepares, so that
-obstacles can be moved meanwhile, and it can be told to let a file be.
+The tab's worker asks what is finished. A thread of its own has each file read and repaired in a
+process for files from outside, and prepares it, so that obstacles can be moved meanwhile; it can be
+told to let a file be.
 """
 
 from __future__ import annotations
@@ -16,13 +17,13 @@ import viser
 
 from abi.errors import SceneError
 from abi.obstacles.mesh_shape import MeshShape
-from abi.obstacles.triangle_mesh.repair import clean
-from abi.obstacles.triangle_mesh.stl_obj import SUFFIXES, read
+from abi.obstacles.triangle_mesh.stl_obj import SUFFIXES
 from abi.obstacles.triangle_mesh.surface import Surface
 from app import page
+from app.guard.reader import READER, StoppedError
 from app.panels.widgets import Wake
 
-_STEPS = ("reading", "repairing", "preparing")
+_STEPS = ("reading and repairing", "preparing")
 
 
 @dataclass(frozen=True)
@@ -61,11 +62,6 @@ class MeshUploads:
         self._pending = 0
         self.button.on_upload(self._receive)
         self._stop.on_click(self._cancel)
-
-    @property
-    def busy(self) -> bool:
-        """Whether a file is still being dealt with."""
-        return self._pending > 0
 
     def finished(self) -> list[Prepared]:
         """The files that were finished since the last call."""
@@ -109,20 +105,18 @@ class MeshUploads:
         name = safe_name(file.name)
         try:
             self._step(name, 0)
-            parts = read(file.content, name)
+            surface = READER.mesh(file.content, name, self._stopped)
             self._step(name, 1)
-            surface = clean(*parts, name)
-            self._step(name, 2)
             MeshShape.of(surface, file=name).prepare()
         except SceneError as error:
             return Prepared(name, error)
-        except _StoppedError:
+        except StoppedError:
             return None
         return Prepared(name, surface)
 
     def _step(self, name: str, step: int) -> None:
         if self._stopped.is_set():
-            raise _StoppedError
+            raise StoppedError
         more = f", {self._pending - 1} more to come" if self._pending > 1 else ""
         self._show(f"{name}: {_STEPS[step]}{more}…", (step + 0.5) / len(_STEPS))
 
@@ -131,10 +125,6 @@ class MeshUploads:
         self._line.content = f'<div style="margin:0 10px">{html.escape(line or "")}</div>'
         self._bar.value = 100 * share
         self._line.visible = self._bar.visible = self._stop.visible = visible
-
-
-class _StoppedError(Exception):
-    """Raised between two steps when the user has stopped the reading."""
 
 
 def safe_name(name: str) -> str:

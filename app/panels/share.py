@@ -77,8 +77,15 @@ class SharePanel:
             page.notify_refusal(
                 self._client, "Too much for a link", "Save the scene as a file instead."
             )
-        else:
-            page.copy_link(self._client, text)
+            return
+        page.copy_link(self._client, text)
+        if state.scene.meshes.files:
+            names = ", ".join(state.scene.meshes.files)
+            self._client.add_notification(
+                "Link copied",
+                f"It finds {names} on this server only. For another one, save the scene as a file.",
+                auto_close_seconds=12,
+            )
 
     def _take_picture(self) -> None:
         height = round(_WIDTH / max(self._client.camera.aspect, 0.2))

@@ -13,7 +13,7 @@ from abi.scene.scene import Scene
 from app import page
 from app.challenge import GOALS, Challenge, challenge_of, parsed
 from app.frame import Frame
-from app.layers.motion_curves import acceleration, joint_speeds, tool_clearance
+from app.layers.motion_curves import acceleration, tool_clearance
 from app.panels.share import png
 from app.session import Session
 from app.tab_state import TabState
@@ -100,8 +100,8 @@ def test_curves_over_time_are_derivatives_and_distances() -> None:
     along = motion.velocity / np.linalg.norm(motion.velocity, axis=1, keepdims=True).clip(1e-9)
     tangential = (pull[:, 1:] * along).sum(axis=1)
     assert np.allclose(tangential[middle], PAPER.motion.acceleration, rtol=0.02)
-    speeds = joint_speeds(motion)
-    change = np.trapezoid(speeds, motion.time, axis=0)
+    assert result.joint_rates is not None
+    change = np.trapezoid(result.joint_rates.speeds, motion.time, axis=0)
     assert np.allclose(change, motion.positions[-1] - motion.positions[0], atol=1e-2)
     distances = tool_clearance(result)
     assert distances is not None

@@ -15,12 +15,12 @@ from abi import assets
 from abi.errors import SceneError
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.scene.scene import load_scene, scene_names
-from app import page
+from app import page, tab_state
 from app.camera import View
 from app.server import Server
 from app.session import Session
 from app.tab_memory import TabMemory
-from app.tab_state import LONGEST_LINK, TabState
+from app.tab_state import LONGEST_LINK, StateEncoder, TabState
 from tests.app.fake_tab import FakeTab, until
 
 MESHES = MeshSource(folder=assets.path("scenes"))
@@ -43,6 +43,26 @@ def test_a_state_comes_back_as_it_was(name: str) -> None:
     assert TabState.decode(text, MESHES) == state
 
 
+def test_a_scene_that_stays_is_packed_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    packed: list[bytes] = []
+    deflate = tab_state._deflate
+
+    def noted(data: bytes, end: int) -> bytes:
+        packed.append(data)
+        return deflate(data, end)
+
+    monkeypatch.setattr(tab_state, "_deflate", noted)
+    encoder = StateEncoder()
+    forest, paper = load_scene("forest"), load_scene("paper")
+    for number, scene in enumerate((forest, forest, paper, paper, forest)):
+        state = TabState("any", scene, time=float(number))
+        text = encoder.encode(state)
+        assert TabState.decode(text, MESHES) == state
+        assert text == StateEncoder().encode(state)
+    scenes = [text for text in packed if text.startswith(b'{"scene"')]
+    assert len(scenes) == 3 + 5  # the encoder's own, and those of a new one each time
+
+
 @given(st.text(max_size=200))
 def test_no_text_is_taken_for_a_state_by_mistake(text: str) -> None:
     with pytest.raises(SceneError):
@@ -56,6 +76,7 @@ _PLAIN = st.recursive(
 )
 
 
+@pytest.mark.slow
 @given(st.fixed_dictionaries(dict.fromkeys(("name", "view", "time", "shown", "dark"), _PLAIN)))
 def test_what_is_damaged_beside_the_scene_is_left_out(parts: dict[str, Any]) -> None:
     data = {"version": 1, "scene": {"version": 1}, **parts}
@@ -107,6 +128,7 @@ def test_a_tab_shows_what_its_page_remembers(
     until(lambda: not server.sessions)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "report", ["", "{", "[]", '{"state": 3}', '{"state": "x", "query": [], "dark": 0}']
 )
@@ -128,6 +150,10 @@ def test_only_what_changed_is_kept(
     monkeypatch.setattr(page, "remember", lambda _, text: texts.append(text))
     memory = TabMemory(session.client, session.wake)
     state = TabState("paper", load_scene("paper"))
+    memory.keep(state, now=True)  # before the page has said what it remembers, which may be more
+    assert texts == []
+    memory._box.value = "{}"  # type: ignore[misc]
+    assert memory.report() is not None
     memory.keep(state)
     memory.keep(state, now=True)
     memory.keep(TabState("paper", load_scene("paper"), time=1.0))

@@ -28,7 +28,8 @@ def test_a_mesh_lands_at_a_size_that_can_be_seen(extent: float) -> None:
         assert scale * extent == pytest.approx(2, rel=5e-3)
 
 
-@settings(max_examples=20, deadline=None)
+@pytest.mark.slow
+@settings(max_examples=20)
 @given(st.integers(0, 2**32 - 1))
 def test_each_new_obstacle_finds_a_place_of_its_own(seed: int) -> None:
     random = np.random.default_rng(seed)
@@ -51,6 +52,7 @@ def test_where_nothing_is_free_the_least_overlap_is_found() -> None:
     assert np.isfinite(place).all()
 
 
+@pytest.mark.slow
 def test_a_picture_has_few_triangles_and_is_near_the_surface() -> None:
     surface = clean(*meshes.bumpy(7))
     assert len(surface.faces) > MOST_DRAWN

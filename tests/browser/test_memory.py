@@ -9,6 +9,7 @@ from playwright.sync_api import Browser
 import abi
 from app.server import Server, start
 from app.session import Session
+from tests.abi import meshes
 from tests.browser import drawn
 from tests.browser.conftest import Tabs
 from tests.browser.page import Page
@@ -88,6 +89,23 @@ def test_another_server_at_the_same_address_shows_the_same(chromium: Browser) ->
     finally:
         page.close()
         server.stop()
+
+
+def test_an_uploaded_mesh_comes_back(tabs: Tabs, server: Server) -> None:
+    page = tabs()
+    session = server.sessions[page.client]
+    page.click("Scene")
+    vertices, faces = meshes.bumpy(2)
+    page.upload("Add a mesh…", "bumpy.stl", meshes.stl((0.6 * vertices, faces)))
+    page.until(lambda: len(session.plan.scene.obstacles) == 2, "the mesh")  # type: ignore[union-attr]
+    page.until(lambda: session.resting, "the plan at rest")
+    _is_kept(page, session)
+    assert session.plan is not None
+    scene = session.plan.scene
+    tabs.reload(page)
+    session = server.sessions[page.client]
+    page.until(lambda: session.plan.scene == scene, "the scene with its mesh")  # type: ignore[union-attr]
+    page.until(lambda: len(drawn.obstacles(page)) == 2, "both obstacles")
 
 
 def test_a_damaged_link_is_told_of_and_opens_the_usual_scene(tabs: Tabs, server: Server) -> None:

@@ -54,7 +54,7 @@ scenes = st.fixed_dictionaries(
 
 
 @pytest.mark.slow
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 @given(scenes, st.sampled_from(["scene.yaml", "scene.json"]))
 def test_a_saved_scene_loads_equal_to_itself(data: dict[str, Any], name: str) -> None:
     scene = Scene.from_dict(data)
@@ -262,7 +262,7 @@ def test_replace_checks_again() -> None:
 
 
 @pytest.mark.parametrize("lattice", ["bcc", "kuhn", "delaunay"])
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(
     size=st.tuples(st.floats(0.1, 50), st.floats(0.1, 50), st.floats(0.1, 50)),
     budget=st.integers(50, 10_000_000),
@@ -294,7 +294,7 @@ def test_a_pitch_over_the_budget_is_refused_with_one_that_fits() -> None:
 
 
 @pytest.mark.parametrize("lattice", ["bcc", "kuhn", "delaunay"])
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(
     low=st.floats(-1e6, 0),
     size=st.tuples(*[st.floats(-6, 6).map(lambda power: 10.0**power)] * 3),

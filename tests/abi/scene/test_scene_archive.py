@@ -13,6 +13,7 @@ from abi.errors import SceneError
 from abi.obstacles.mesh_shape import MeshShape
 from abi.scene.scene import MOST_OBSTACLES, Scene, load_scene
 from tests.abi import meshes
+from tests.abi.robot.robots import arm, packed
 
 
 def with_meshes() -> Scene:
@@ -53,6 +54,17 @@ def test_a_scene_comes_back_with_its_meshes(tmp_path: Path) -> None:
         np.testing.assert_allclose(one.signed_distance(points), other.signed_distance(points))
 
 
+def test_a_scene_comes_back_with_its_arm(tmp_path: Path) -> None:
+    files = {"own arm.zip": packed({"x/r.urdf": arm()})}
+    settings = {"model": "urdf", "urdf": "own arm.zip", "tip": "c"}
+    scene = Scene.from_dict({"version": 1, "arm": settings}, files)
+    path = tmp_path / "mine.zip"
+    path.write_bytes(scene.pack())
+
+    assert load_scene(path) == scene
+    assert load_scene(path).arm.robot == scene.arm.robot
+
+
 @pytest.mark.parametrize(
     ("content", "expected"),
     [
@@ -77,3 +89,10 @@ def test_more_obstacles_than_can_be_planned_are_refused_at_once() -> None:
     ball = {"shape": "sphere", "radius": 0.01}
     with pytest.raises(SceneError, match="obstacles is 5001; expected at most 5,000"):
         Scene.from_dict({"version": 1, "obstacles": [ball] * (MOST_OBSTACLES + 1)})
+
+
+def test_a_text_of_too_many_entries_is_refused_before_it_is_built(tmp_path: Path) -> None:
+    path = tmp_path / "a.yaml"
+    path.write_text("{version: 1, obstacles: [" + "{a: [1]}, " * 12_000 + "]}")
+    with pytest.raises(SceneError, match="fewer entries, or the same as JSON"):
+        load_scene(path)

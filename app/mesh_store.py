@@ -1,0 +1,138 @@
+"""Uploaded meshes and arms by their content, kept past reloads and restarts of the server.
+
+A file's name here is the hash of what it holds: whoever has a link to a scene has it, nobody can
+guess it, and what two tabs upload is kept once. The folder is ``$ABI_STORE``, else one in the
+user's cache; the files used longest ago go once it is full.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import logging
+import os
+import re
+import tempfile
+import zipfile
+from collections.abc import Mapping
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+
+from abi.arrays import read_only
+from abi.obstacles.triangle_mesh.surface import Surface
+
+MAX_STORED = 500_000_000
+"""Bytes of all files."""
+
+_KEY = re.compile(r"[0-9a-f]{64}")
+_log = logging.getLogger("abi.store")
+
+
+def folder() -> Path:
+    """Where the files are."""
+    if named := os.environ.get("ABI_STORE"):
+        return Path(named)
+    cache = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
+    return Path(cache) / "abi-visualiser" / "uploads"
+
+
+def keys(files: Mapping[str, bytes | Surface]) -> dict[str, str]:
+    """Key of each of a scene's files, by its name."""
+    return {name: _key(content) for name, content in files.items()}
+
+
+def keep(files: Mapping[str, bytes | Surface]) -> None:
+    """Keep a scene's files; where the folder cannot be written, they last as long as the tab."""
+    for content in files.values():
+        path = folder() / _key(content)
+        try:
+            if path.exists():
+                path.touch()
+                continue
+            path.parent.mkdir(parents=True, exist_ok=True)
+            _write(path, content if isinstance(content, bytes) else _packed(content))
+            _make_room(path.parent)
+        except OSError as error:
+            _warn(error.strerror or type(error).__name__)
+
+
+def find(key: str) -> bytes | Surface | None:
+    """Content of a key; None where it is not here, or is no key."""
+    if not _KEY.fullmatch(key):
+        return None
+    try:
+        return _found(folder() / key)
+    except (OSError, ValueError, KeyError, zipfile.BadZipFile):
+        return None
+
+
+@lru_cache(maxsize=8)
+def _found(path: Path) -> bytes | Surface:
+    content = path.read_bytes()
+    # an arm's archive has its own hash for a key; a mesh that of its numbers
+    if hashlib.sha256(content).hexdigest() == path.name:
+        return content
+    with np.load(io.BytesIO(content), allow_pickle=False) as data:
+        surface = Surface(
+            read_only(data["vertices"]),
+            read_only(data["faces"]),
+            bool(data["closed"]),
+            tuple(map(str, data["notes"])),
+        )
+    if surface.digest != path.name:
+        raise ValueError(path.name)
+    return surface
+
+
+@lru_cache(maxsize=8)
+def _warn(reason: str) -> None:
+    """Tell the log, once, why uploads are not kept."""
+    _log.warning("uploads are not kept", extra={"folder": str(folder()), "reason": reason})
+
+
+def _key(content: bytes | Surface) -> str:
+    return content.digest if isinstance(content, Surface) else _hash(content)
+
+
+@lru_cache(maxsize=8)
+def _hash(content: bytes) -> str:
+    return hashlib.sha256(content).hexdigest()
+
+
+def _packed(surface: Surface) -> bytes:
+    packed = io.BytesIO()
+    np.savez(
+        packed,
+        vertices=surface.vertices,
+        faces=surface.faces,
+        closed=np.array(surface.closed),
+        notes=np.array(surface.notes, dtype=np.str_),
+    )
+    return packed.getvalue()
+
+
+def _write(path: Path, content: bytes) -> None:
+    """Write a file that is whole or not there."""
+    with tempfile.NamedTemporaryFile(dir=path.parent, prefix=".new-", delete=False) as file:
+        try:
+            file.write(content)
+            file.close()
+            Path(file.name).replace(path)
+        except OSError:
+            Path(file.name).unlink(missing_ok=True)
+            raise
+
+
+def _make_room(place: Path) -> None:
+    """Remove the files used longest ago, until the others fit."""
+    files = sorted(
+        ((path.stat().st_mtime, path.stat().st_size, path) for path in place.iterdir()),
+        reverse=True,
+    )
+    total = 0
+    for _, size, path in files:
+        total += size
+        if total > MAX_STORED:
+            path.unlink(missing_ok=True)
