@@ -109,7 +109,13 @@ class Guard:
             from app import metrics
 
             return responses.text(http.HTTPStatus.OK, *metrics.text())
-        if (request.headers.get("Upgrade") or "").lower() == "websocket":
+        upgrade = (request.headers.get("Upgrade") or "").lower()
+        if path == "/" and not upgrade and request.headers.get_all("X-Forwarded-Prefix"):
+            # the page opens its websocket without the last slash, and not every proxy below a path
+            # takes one there: jupyter-server-proxy does not
+            query = request.path.partition("?")[2]
+            return responses.see_other(f"./index.html?{query}" if query else "./index.html")
+        if upgrade == "websocket":
             if not trusted and not is_own_origin(self.policy, request.headers):
                 sentence = "Only this server's own page may open a connection here.\n"
                 return responses.text(http.HTTPStatus.FORBIDDEN, sentence)

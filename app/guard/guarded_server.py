@@ -58,11 +58,13 @@ _protocol_log = logging.getLogger("abi.web.protocol")
 _protocol_log.addFilter(_OneLine())
 
 
-def build(guard: Guard, host: str, port: int, label: str) -> viser.ViserServer:
-    """Open the port and serve the page, guarded."""
+def build(
+    guard: Guard, host: str, port: int, label: str, shared: bool = False
+) -> viser.ViserServer:
+    """Open the port, with other processes where it is ``shared``, and serve the page, guarded."""
     plain = websockets.asyncio.server.serve
     with _lock:
-        websockets.asyncio.server.serve = functools.partial(_serve, plain, guard)  # type: ignore[assignment, misc]
+        websockets.asyncio.server.serve = functools.partial(_serve, plain, guard, shared)  # type: ignore[assignment, misc]
         try:
             # viser prints addresses, which lack the token
             with contextlib.redirect_stdout(io.StringIO()):
@@ -76,6 +78,7 @@ def build(guard: Guard, host: str, port: int, label: str) -> viser.ViserServer:
 def _serve(
     plain: Callable[..., websockets.asyncio.server.serve],
     guard: Guard,
+    shared: bool,
     handler: _Handler,
     host: str,
     port: int,
@@ -93,6 +96,8 @@ def _serve(
         server_header=None,
         logger=_protocol_log,
     )
+    if shared:
+        options["reuse_port"] = True
     return plain(functools.partial(_handle, guard, handler), host, port, **options)
 
 

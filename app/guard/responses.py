@@ -58,11 +58,12 @@ def token_needed() -> Response:
     )
 
 
-def see_other(place: str, cookie: str) -> Response:
-    """Lead the browser on to ``place``, a cookie in its pocket."""
+def see_other(place: str, cookie: str = "") -> Response:
+    """Lead the browser on to ``place``, with a cookie in its pocket if there is one."""
     response = text(http.HTTPStatus.SEE_OTHER, "")
     response.headers["Location"] = place
-    response.headers["Set-Cookie"] = cookie
+    if cookie:
+        response.headers["Set-Cookie"] = cookie
     return response
 
 

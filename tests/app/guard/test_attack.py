@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import random
 
+import pytest
+
 from app.guard.messages import decode
 from benchmarks.attack import attack, malformed
 
@@ -13,6 +15,7 @@ def test_what_the_attack_sends_is_refused() -> None:
     assert not any(decode(malformed(chance)) for _ in range(2000))
 
 
+@pytest.mark.slow
 def test_another_tab_works_on_under_attack() -> None:
     result = attack(messages=600)
     assert result["messages"] == 600

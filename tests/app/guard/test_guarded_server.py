@@ -56,6 +56,16 @@ def say(server: Server, line: bytes) -> bytes:
         return b"".join(iter(lambda: wire.recv(65536), b""))
 
 
+def test_below_a_proxys_path_the_page_has_a_name(locked: Server) -> None:
+    """A websocket at the path without its last slash does not come through every proxy."""
+    proxy = {"Authorization": f"Bearer {TOKEN}", "X-Forwarded-Prefix": "/user/me/abi"}
+    status, headers, _ = ask(locked, "/?darkMode=1", **proxy)
+    assert (status, headers["location"]) == (303, "./index.html?darkMode=1")
+    assert ask(locked, "/", **proxy)[1]["location"] == "./index.html"
+    assert ask(locked, "/index.html", **proxy)[0] == 200
+    assert ask(locked, "/", **{**proxy, "Authorization": "Bearer x"})[0] == 401
+
+
 def test_the_link_leads_to_a_cookie_and_the_cookie_to_the_page(locked: Server) -> None:
     assert ask(locked, "/")[0] == 401
     assert ask(locked, "/?token=wrong")[0] == 401

@@ -1,0 +1,190 @@
+"""What the reader process does with a file from outside: bytes in, checked data out.
+
+Everything between the processes is plain data with a schema, so that nothing in a file can make the
+server run anything.
+"""
+
+from __future__ import annotations
+
+import json
+from typing import Any, Literal
+
+import msgspec
+import numpy as np
+
+from abi.arrays import read_only
+from abi.errors import SceneError
+from abi.obstacles.triangle_mesh import stl_obj
+from abi.obstacles.triangle_mesh.mesh_source import MeshSource
+from abi.obstacles.triangle_mesh.repair import clean
+from abi.obstacles.triangle_mesh.surface import Surface
+from abi.robot.bounding_capsules import bounding_capsules
+from abi.robot.robot import Robot
+from abi.robot.robot_files import load_robot, robot_from_archive
+from abi.scene import scene_archive
+from abi.scene.scene_file import parse_bytes
+
+Kind = Literal["mesh", "arm", "scene"]
+
+
+class Job(msgspec.Struct):
+    """A file to read.
+
+    Attributes:
+        kind: what it is to be.
+        name: its name; the ending tells the format.
+        content: its bytes.
+    """
+
+    kind: Kind
+    name: str
+    content: bytes
+
+
+class Triangles(msgspec.Struct):
+    """A surface as bytes: float64 vertices, int32 faces."""
+
+    vertices: bytes
+    faces: bytes
+    closed: bool
+    notes: tuple[str, ...]
+
+    @classmethod
+    def of(cls, surface: Surface) -> Triangles:
+        """The bytes of a surface."""
+        vertices = surface.vertices.astype("<f8").tobytes()
+        faces = surface.faces.astype("<i4").tobytes()
+        return cls(vertices, faces, surface.closed, surface.notes)
+
+    def surface(self) -> Surface:
+        """The surface of the bytes."""
+        vertices = np.frombuffer(self.vertices, "<f8").reshape(-1, 3).astype(np.float64)
+        faces = np.frombuffer(self.faces, "<i4").reshape(-1, 3).astype(np.int32)
+        return Surface(read_only(vertices), read_only(faces), self.closed, self.notes)
+
+
+class Refusal(msgspec.Struct):
+    """A :class:`SceneError` as plain data."""
+
+    field: str
+    value: Any
+    expected: str
+
+
+class Answer(msgspec.Struct):
+    """What came of a file.
+
+    Attributes:
+        refusal: why it is not taken; None where it is.
+        fault: name of an error that no reader should have raised; empty otherwise.
+        data: plain data of a scene, as JSON.
+        surfaces: repaired meshes, by their names.
+        archives: arms with their meshes as zips, by their names.
+    """
+
+    refusal: Refusal | None = None
+    fault: str = ""
+    data: bytes = b""
+    surfaces: dict[str, Triangles] = {}
+    archives: dict[str, bytes] = {}
+
+
+def read(job: Job) -> Answer:
+    """Read a file; whatever is wrong with it is in the answer."""
+    try:
+        return _READERS[job.kind](job.name, job.content)
+    except SceneError as error:
+        return Answer(_refusal(error))
+    except MemoryError:
+        return Answer(Refusal("file", job.name, "one that takes less memory to read"))
+    except Exception as error:  # it stays in this process
+        refusal = Refusal("file", job.name, "a file that can be read")
+        return Answer(refusal, f"{type(error).__name__}: {error}"[:300])
+    finally:
+        robot_from_archive.cache_clear()
+        bounding_capsules.cache_clear()
+
+
+def rehearse() -> None:
+    """Read a file of every kind, whole and cut off, so that nothing is left to be loaded."""
+    import trimesh
+
+    box, other = trimesh.creation.box(), trimesh.creation.box()
+    other.apply_translation((0.5, 0.5, 0.5))
+    pair: Any = trimesh.util.concatenate([box, other])
+    files = [Job("scene", f"a.{ending}", b'{"version": 1}') for ending in ("json", "yaml")]
+    files += [Job("arm", "a.urdf", b'<robot name="a"><link name="b"/></robot>')]
+    for suffix in stl_obj.SUFFIXES:
+        content = pair.export(file_type=suffix[1:])
+        mesh = content if isinstance(content, bytes) else content.encode()
+        files += [Job("mesh", f"a{suffix}", mesh), Job("mesh", f"a{suffix}", mesh[:200])]
+    for kind, name in (("scene", "a.zip"), ("arm", "a.zip")):
+        files.append(Job(kind, name, b"PK\x03\x04"))  # type: ignore[arg-type]
+    for job in files:
+        read(job)
+
+
+def _mesh(name: str, content: bytes) -> Answer:
+    surface = clean(*stl_obj.read(content, name), name)
+    return Answer(surfaces={name: Triangles.of(surface)})
+
+
+def _arm(name: str, content: bytes) -> Answer:
+    return Answer(archives={name: _whole(name, {name: content}).archive})
+
+
+def _scene(name: str, content: bytes) -> Answer:
+    files: dict[str, bytes] = {}
+    if name.lower().endswith(scene_archive.SUFFIX):
+        data, files = scene_archive.unpack(content, name)
+    else:
+        data = parse_bytes(content, name)
+    try:
+        text = json.dumps(data, default=str)
+    except (TypeError, ValueError):  # a key that is a list, a number of thousands of digits
+        raise SceneError("scene", name, "plain numbers, lists and mappings") from None
+    answer = Answer(data=text.encode())
+    meshes, arms = _named(data)
+    for file in meshes & files.keys():
+        answer.surfaces |= _mesh(file, files[file]).surfaces
+    for file in arms & files.keys():
+        answer.archives[file] = _whole(file, files).archive
+    return answer
+
+
+def _named(data: object) -> tuple[set[str], set[str]]:
+    """Names of the files of obstacles and of the arm in a scene that is not checked yet."""
+    fields = data if isinstance(data, dict) else {}
+    obstacles, arm = fields.get("obstacles"), fields.get("arm")
+    entries = obstacles if isinstance(obstacles, list) else []
+    meshes = [one.get("file") for one in entries if isinstance(one, dict)]
+    arms = [arm.get("urdf")] if isinstance(arm, dict) else []
+    return (
+        {name for name in meshes if isinstance(name, str)},
+        {name for name in arms if isinstance(name, str)},
+    )
+
+
+def _whole(name: str, files: dict[str, bytes]) -> Robot:
+    """An arm whose links have been put into capsules, as planning will do."""
+    robot = load_robot(name, MeshSource(files))
+    for link in robot.links.values():
+        bounding_capsules(link)
+    return robot
+
+
+def _refusal(error: SceneError) -> Refusal:
+    """The error without what the schema cannot carry."""
+    value = error.value
+    try:
+        msgspec.msgpack.encode(value)
+    except (TypeError, ValueError, OverflowError):
+        value = repr(value)[:200]
+    # half of a pair of surrogates is no text
+    field, expected = (
+        text.encode(errors="replace").decode() for text in (error.field, error.expected)
+    )
+    return Refusal(field, value, expected)
+
+
+_READERS = {"mesh": _mesh, "arm": _arm, "scene": _scene}

@@ -1,0 +1,120 @@
+"""Files from outside are read in a process that can be lost without harm."""
+
+from __future__ import annotations
+
+import resource
+import threading
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+import trimesh
+
+from abi.errors import SceneError
+from abi.obstacles.triangle_mesh.repair import clean
+from abi.obstacles.triangle_mesh.stl_obj import SUFFIXES, read
+from abi.robot.robot_files import robot_from_archive
+from abi.scene.scene import Scene
+from app.guard.reader import Limits, Reader, StoppedError
+from tests.abi import meshes
+from tests.abi.robot.robots import arm, packed
+from tests.abi.robot.test_robot_files import HOSTILE
+
+
+@pytest.fixture(scope="module")
+def reader() -> Iterator[Reader]:
+    reader = Reader()
+    yield reader
+    reader.close()
+
+
+def file_of(suffix: str) -> bytes:
+    ball = trimesh.creation.icosphere(subdivisions=2)
+    content = ball.export(file_type=suffix[1:])
+    return content if isinstance(content, bytes) else str(content).encode()
+
+
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_a_mesh_is_the_one_that_is_read_here(reader: Reader, suffix: str) -> None:
+    content, name = file_of(suffix), f"ball{suffix}"
+    assert reader.mesh(content, name) == clean(*read(content, name), name)
+
+
+def test_a_scene_comes_with_its_meshes_and_its_arm(reader: Reader) -> None:
+    files = {"a.stl": meshes.stl(meshes.bumpy(2)), "own.zip": packed({"x.urdf": arm()})}
+    data = {
+        "version": 1,
+        "obstacles": [{"shape": "mesh", "file": "a.stl", "position": [3, 3, 3]}],
+        "arm": {"model": "urdf", "urdf": "own.zip"},
+    }
+    scene = Scene.from_dict(data, files)
+    again = Scene.from_dict(*reader.scene(scene.pack(), "scene.zip"))  # type: ignore[arg-type]
+
+    assert again.arm.robot == scene.arm.robot
+    surface, other = (
+        one.meshes.surface(file) for one, file in ((scene, "a.stl"), (again, "a.obj"))
+    )
+    np.testing.assert_array_equal(surface.vertices, other.vertices)
+    assert reader.arm(arm().encode(), "plain.urdf").links.keys() == scene.arm.robot.links.keys()
+
+
+@pytest.mark.parametrize("name", HOSTILE)
+def test_a_refusal_is_the_sentence_that_it_is_here(reader: Reader, name: str) -> None:
+    content = packed({"r.urdf": HOSTILE[name]})
+    with pytest.raises(SceneError) as here:
+        robot_from_archive(content)
+    with pytest.raises(SceneError) as there:
+        reader.arm(content, "r.zip")
+
+    assert there.value.field == here.value.field
+    assert there.value.expected == here.value.expected
+    assert not reader.lost
+    assert not reader.faults
+
+
+def test_half_a_letter_and_a_huge_number_are_refused(reader: Reader) -> None:
+    for content in (b'{"\\ud800": 1, "\\ud800": 2}', b"[" * 900 + b"]" * 900):
+        with pytest.raises(SceneError):
+            reader.scene(content, "a.json")
+    for content in (b"a: 0x" + b"f" * 9999, b"? [1, 2]\n: 3"):
+        with pytest.raises(SceneError):
+            reader.scene(content, "a.yaml")
+    assert not reader.lost
+    assert not reader.faults
+
+
+@pytest.mark.parametrize("limits", [Limits(seconds=0), Limits(patience=0.0)], ids=["cpu", "time"])
+def test_a_file_that_takes_too_long_is_refused_and_the_next_is_read(limits: Limits) -> None:
+    reader = Reader(limits)
+    many = trimesh.creation.icosphere(subdivisions=7)  # over a second, the least limit there is
+    with pytest.raises(SceneError, match="less time"):
+        reader.mesh(meshes.stl((many.vertices, many.faces)), "many.stl")
+    assert len(reader.lost) == 1
+    assert reader.lost[0] < 0
+
+    reader.limits = Limits()
+    assert len(reader.mesh(file_of(".stl"), "a.stl").faces) == 320
+    reader.close()
+
+
+def test_too_much_memory_is_refused_and_the_next_file_is_read() -> None:
+    reader = Reader(Limits(memory=60_000_000))
+    many = trimesh.creation.icosphere(subdivisions=7)
+    with pytest.raises(SceneError, match="memory"):
+        reader.mesh(meshes.stl((many.vertices, many.faces)), "many.stl")
+    assert len(reader.mesh(file_of(".stl"), "a.stl").faces) == 320
+    reader.close()
+
+
+def test_what_is_not_wanted_any_more_is_not_waited_for(reader: Reader) -> None:
+    stopped = threading.Event()
+    stopped.set()
+    with pytest.raises(StoppedError):
+        reader.mesh(file_of(".stl"), "a.stl", stopped)
+
+
+def test_the_process_can_open_and_write_no_file(reader: Reader) -> None:
+    reader.mesh(file_of(".stl"), "a.stl")
+    (process,) = reader._idle
+    for limit in (resource.RLIMIT_NOFILE, resource.RLIMIT_FSIZE):
+        assert resource.prlimit(process._process.pid, limit) == (0, 0)
