@@ -3,6 +3,7 @@ window.abi?.clear?.();
 if (window.abi) window.abi.motion = null;  // of the server before
 window.abi = {
   KEY: "abi-tab",
+  LESSONS: "abi-lessons",
 
   // Set a widget as a hand would.
   send(uuid, value) {
@@ -13,8 +14,11 @@ window.abi = {
   // of the address: from then on the tab remembers it, and a reload keeps what was changed since.
   report(uuid) {
     const url = new URL(location.href), link = url.searchParams.get("state");
-    let state = null;
-    try { state = sessionStorage.getItem(this.KEY); } catch {}
+    let state = null, lessons = null;
+    try {
+      state = sessionStorage.getItem(this.KEY);
+      lessons = localStorage.getItem(this.LESSONS);
+    } catch {}
     if (link !== null) {
       url.searchParams.delete("state");
       history.replaceState(history.state, "", url);
@@ -22,6 +26,7 @@ window.abi = {
     }
     this.send(uuid, JSON.stringify({
       state: link ?? state ?? "",
+      lessons: lessons ?? "",
       query: Object.fromEntries(url.searchParams),
       dark: matchMedia("(prefers-color-scheme: dark)").matches,
       width: innerWidth,
@@ -31,6 +36,11 @@ window.abi = {
   // Keep a text for as long as the tab lives, whatever becomes of page and server.
   remember(text) {
     try { sessionStorage.setItem(this.KEY, text); } catch {}
+  },
+
+  // Keep the progress in lessons past the tab's end.
+  rememberLessons(text) {
+    try { localStorage.setItem(this.LESSONS, text); } catch {}
   },
 
   // Put a link to the page with this state on the clipboard; where that is forbidden, show it.
@@ -44,6 +54,8 @@ window.abi = {
   // The layer over the scene: text and a few controls, between which the mouse reaches the scene.
   // Made again, with all that it showed, wherever viser makes the scene's element again.
   parts: {},
+  time: 0,  // of the motion, as it is shown, [s]
+  playing: false,
   overlay() {
     let root = document.getElementById("abi-overlay");
     if (root) return root;
@@ -103,6 +115,23 @@ window.abi = {
     for (const {chart} of Object.values(window.__viserTestpoints?.uplots ?? {})) {
       if (chart.scales.x.min == null && chart.data[0]?.length) chart.setData(chart.data);
     }
+    this.mark();
+  },
+
+  // The upright line at the time shown, in every plot over time that is seen.
+  mark() {
+    for (const {chart} of Object.values(window.__viserTestpoints?.uplots ?? {})) {
+      if (chart?.series[0].label !== "t" || !chart.over.clientWidth) continue;
+      let line = chart.over.querySelector(".abi-now");
+      if (!line) {
+        line = document.createElement("div");
+        line.className = "abi-now";
+        chart.over.append(line);
+      }
+      const place = chart.valToPos(this.time, "x");
+      line.hidden = !(place >= 0 && place <= chart.over.clientWidth);
+      if (!line.hidden) line.style.transform = `translateX(${place}px)`;
+    }
   },
 
   // On a phone the panels are one sheet over the scene: fold it, unless it is.
@@ -118,13 +147,19 @@ window.abi = {
 
   // The time of the motion and its end, [s]; a slider that is held stays with the hand.
   clock(time, end, playing) {
+    this.playing = playing;
+    this.face(time, end);
+  },
+  face(time, end) {
     const root = this.overlay(), slider = root.querySelector("input[type=range]");
     if (!slider) return;
     slider.max = end;
     slider.disabled = end <= 0.01;
     if (!slider.matches(":active")) slider.value = time;
+    this.time = time;
+    this.mark();
     root.querySelector("output").textContent = `${time.toFixed(2)} of ${end.toFixed(2)} s`;
-    root.querySelector(".abi-play").textContent = playing ? "Pause" : "Play";
+    root.querySelector(".abi-play").textContent = this.playing ? "Pause" : "Play";
   },
 
   // Play a motion by this page's clock, again and again, until it is to stand.
@@ -134,6 +169,7 @@ window.abi = {
     motion.begin = performance.now() - 1000 * motion.time / motion.rate;
     const idle = !this.motion;
     this.motion = motion;
+    this.playing = true;
     if (idle) this.tick();
   },
 
@@ -156,9 +192,10 @@ window.abi = {
     const played = rate * (performance.now() - motion.begin) / 1000;
     const time = Math.min(played % (duration + this.PAUSE * rate), duration);
     this.cut(motion.trace, this.pose(motion, time));
-    if (Math.abs(time - (this.shown ?? -1)) >= 0.05) {
+    // once the server has said the time at which it stands, the motion's end is on its way
+    if (this.playing && Math.abs(time - (this.shown ?? -1)) >= 0.05) {
       this.shown = time;
-      this.clock(time, duration, true);
+      this.face(time, duration);
     }
     requestAnimationFrame(() => this.tick());
   },
@@ -208,6 +245,14 @@ for (const [name, call] of [["pointerdown", "plotPressed"], ["click", "plotClick
   const options = {capture: true, signal: window.abiListeners.signal};
   document.addEventListener(name, event => window.abi[call](event), options);
 }
+// viser says of a file that has arrived that it was "uploaded successfully", even where it is refused.
+window.abiNotices?.disconnect();
+window.abiNotices = new MutationObserver(() => {
+  for (const notice of document.querySelectorAll(".mantine-Notification-description")) {
+    if (notice.textContent === "File uploaded successfully.") notice.firstChild.data = "Sent; it is read now.";
+  }
+});
+window.abiNotices.observe(document.body, {childList: true, subtree: true, characterData: true});
 clearInterval(window.abiMending);
 window.abiMending = setInterval(() => abi.mendCharts(), 400);
 
@@ -257,7 +302,24 @@ document.head.insertAdjacentHTML("beforeend", `<style id="abi-style">
 #abi-overlay .abi-tour { max-width: 34em; border-left: 4px solid #1f84d6; }
 #abi-overlay .abi-player output { white-space: nowrap; font-variant-numeric: tabular-nums; }
 #abi-overlay .abi-play { min-width: 4.6em; }
+/* viser's grey labels, blue buttons and tabs, dark enough to be read (WCAG 2.1, 1.4.3) */
+:root[data-mantine-color-scheme] {
+  --mantine-color-dimmed: light-dark(#5c646c, #a3a3a3);
+  --mantine-color-blue-filled: #1a6fc0; --mantine-color-blue-filled-hover: #15609f;
+  --mantine-color-gray-filled: #5c646c; --mantine-color-gray-filled-hover: #495057;
+  --mantine-color-blue-outline: light-dark(#1a6fc0, #74b8f5);
+}
+[role=tab][aria-selected=true] * { color: light-dark(#1a6fc0, #74b8f5) !important; }
+.mantine-Slider-markLabel { color: var(--mantine-color-dimmed); }
+@media (max-height: 760px) {  /* nothing scrolls on a small laptop, or at 200 % on a large screen */
+  .mantine-ScrollArea-content .mantine-Paper-root:not(.mantine-Paper-root *) { margin-block: 7px; }
+  .mantine-ScrollArea-content div:has(> .mantine-Flex-root) { padding-bottom: 3.4px !important; }
+}
 @media (max-width: 600px) { #abi-overlay .abi-bottom { padding-bottom: 56px; } }
+.abi-now {
+  position: absolute; top: 0; bottom: 0; left: 0; width: 1px; background: #868e96;
+  pointer-events: none;
+}
 /* the line that only spans a plot's scale */
 .u-legend .u-series:last-child { display: none; }
 </style>`);

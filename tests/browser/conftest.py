@@ -11,7 +11,8 @@ from playwright.sync_api import Browser, sync_playwright
 import abi
 from abi.scene.scene import load_scene
 from app.server import Server, start
-from app.session import SWITCHES, Session
+from app.session import Session
+from app.tab_view import SWITCHES
 from tests.browser import drawn
 from tests.browser.page import FLAGS, Page
 

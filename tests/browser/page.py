@@ -136,12 +136,14 @@ class Page:
     """One tab with its own storage, 1280x720 unless told otherwise, connected when built.
 
     ``errors`` collects what the page threw or logged as an error; ``client`` is the id under which
-    the server knows the tab, for whoever opened it to set.
+    the server knows the tab, for whoever opened it to set; ``connections`` counts how often it has
+    connected.
     """
 
     def __init__(self, browser: Browser, url: str, width: int = 1280, height: int = 720) -> None:
         self.errors: list[str] = []
         self.client = -1
+        self.connections = 0
         self._connected = False
         self.tab: Tab = browser.new_context(viewport={"width": width, "height": height}).new_page()
         self.tab.set_default_timeout(1000 * PATIENCE)
@@ -171,6 +173,7 @@ class Page:
     def _hear(self, message: ConsoleMessage) -> None:
         if message.text.startswith("Connected!"):
             self._connected = True
+            self.connections += 1
         # the gizmo's library logs this on every press, without effect
         if message.type == "error" and "preventDefault inside passive" not in message.text:
             self.errors.append(message.text)

@@ -1,0 +1,121 @@
+// Labels in the scene keep apart on the screen, from wherever one looks: one that would lie over
+// another, or below what is written over the scene, stands a little beside its place.
+window.abiLabels = {
+  EM: 12,  // [px] of a label of scale 1, and its font: viser's
+  FONT: '16px -apple-system, BlinkMacSystemFont, "Segoe UI", "Roboto", "Helvetica Neue", Arial, sans-serif',
+  PADDING: 0.2,  // of a line's height, around the text
+  GAP: 2,  // [px] between two labels
+  STEP: [9, 6],  // [px] between two places that are tried
+  FARTHEST: 14,  // steps to each side
+
+  placed: new Map(),  // by name: position as the server gave it, as it was set here, and shift [px]
+  sizes: new Map(),
+
+  // Width and height [px] of a label's background.
+  size(text, scale) {
+    const key = `${scale} ${text}`;
+    if (!this.sizes.has(key)) {
+      if (this.sizes.size > 500) this.sizes.clear();
+      this.context ??= document.createElement("canvas").getContext("2d");
+      this.context.font = this.FONT;
+      const factor = this.EM * scale / 16, lines = text.split("\n");
+      const probe = this.context.measureText("Mgj");
+      const line = factor * (probe.fontBoundingBoxAscent + probe.fontBoundingBoxDescent);
+      const width = Math.max(...lines.map(part => factor * this.context.measureText(part).width));
+      this.sizes.set(key, [width + this.PADDING * line, line * (lines.length + this.PADDING)]);
+    }
+    return this.sizes.get(key);
+  },
+
+  // Places to try, the nearest first; sideways counts less, since text is wide.
+  get shifts() {
+    const found = [], far = this.FARTHEST, [dx, dy] = this.STEP;
+    for (let i = -far; i <= far; i++) {
+      for (let j = -far; j <= far; j++) found.push([dx * i, dy * j]);
+    }
+    const cost = ([x, y]) => Math.hypot(0.8 * x, y);
+    found.sort((a, b) => cost(a) - cost(b));
+    Object.defineProperty(this, "shifts", {value: found});
+    return found;
+  },
+
+  // What stays where it is goes first: numbers of obstacles, start and goal, then the others.
+  order(name) {
+    return name.endsWith("/number") ? 0 : /^\/(start|goal)\//.test(name) ? 1 : 2;
+  },
+
+  // The labels that are seen: name, box at the server's place, and the place in the scene.
+  seen(view) {
+    const {nodePoseData, nodeRefFromName, camera} = window.__viserMutable;
+    const found = [];
+    for (const [name, node] of Object.entries(window.__viserSceneTree.getState())) {
+      if (node?.message?.type !== "LabelMessage" || !node.effectiveVisibility) continue;
+      const {text, anchor, font_screen_scale: scale} = node.message.props;
+      const pose = nodePoseData[name], parent = nodeRefFromName[name.slice(0, name.lastIndexOf("/"))];
+      if (!text || !pose || !parent) continue;
+      const known = this.placed.get(name);
+      const base = known && known.set === pose.position ? known.base : pose.position;
+      const place = parent.localToWorld(parent.position.clone().set(...base)).project(camera);
+      if (place.z > 1) continue;
+      const [width, height] = this.size(text, scale), [vertical, horizontal] = anchor.split("-");
+      const x = view.width * (1 + place.x) / 2 - width * {left: 0, center: 0.5, right: 1}[horizontal];
+      const y = view.height * (1 - place.y) / 2 - height * {top: 0, center: 0.5, bottom: 1}[vertical];
+      if (x > view.width || y > view.height || x + width < 0 || y + height < 0) continue;
+      found.push({name, pose, parent, place, base, shift: known?.shift, box: [x, y, x + width, y + height]});
+    }
+    return found.sort((a, b) => this.order(a.name) - this.order(b.name));
+  },
+
+  // Boxes of what is written over the scene, [px] from its corner.
+  written(view) {
+    const parts = [...document.querySelectorAll("#abi-overlay [data-part] > *")];
+    return parts.map(part => part.getBoundingClientRect()).filter(box => box.width > 0)
+      .map(box => [box.left - view.left, box.top - view.top, box.right - view.left, box.bottom - view.top]);
+  },
+
+  place() {
+    const viser = window.__viserMutable;
+    if (!viser?.camera || !viser.canvas || !window.__viserSceneTree) return;
+    const view = viser.canvas.getBoundingClientRect();
+    viser.camera.updateMatrixWorld();
+    const labels = this.seen(view), taken = this.written(view);
+    let moved = false;
+    for (const label of labels) {
+      const shift = this.free(label, taken, view);
+      const [a, b, c, d] = label.box, [x, y] = shift;
+      taken.push([a + x - this.GAP, b + y - this.GAP, c + x + this.GAP, d + y + this.GAP]);
+      moved = this.move(label, shift, view) || moved;
+    }
+    if (moved) viser.requestRender();
+  },
+
+  // The least shift to where nothing is; the last one while it will do.
+  free({box: [a, b, c, d], shift}, taken, view) {
+    const fits = ([x, y]) => a + x >= 0 && c + x <= view.width && b + y >= 0 && d + y <= view.height
+      && taken.every(([e, f, g, h]) => c + x <= e || g <= a + x || d + y <= f || h <= b + y);
+    if (fits([0, 0])) return [0, 0];
+    return (shift && fits(shift)) ? shift : this.shifts.find(fits) ?? [0, 0];
+  },
+
+  // Put a label beside its place; whether that is news.
+  move({name, pose, parent, place, base, shift: before}, shift, view) {
+    const [x, y] = shift;
+    if (x === 0 && y === 0) {
+      this.placed.delete(name);
+      if (pose.position === base) return false;
+      pose.position = base;
+    } else {
+      const moved = place.clone();
+      moved.x += 2 * x / view.width;
+      moved.y -= 2 * y / view.height;
+      const set = parent.worldToLocal(moved.unproject(window.__viserMutable.camera)).toArray();
+      if (pose.position !== base && set.every((value, k) => Math.abs(value - pose.position[k]) < 1e-6)) return false;
+      pose.position = set;
+      this.placed.set(name, {base, set, shift});
+    }
+    pose.poseUpdateState = "needsUpdate";
+    return true;
+  },
+};
+clearInterval(window.abiPlacing);
+window.abiPlacing = setInterval(() => window.abiLabels.place(), 120);
