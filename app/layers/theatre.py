@@ -12,7 +12,7 @@ from abi.search.replay import SearchState
 from app import glb, style
 from app.frame import Frame, Switch
 from app.layers.lines import NO_SEGMENTS, add_line, segments
-from app.layers.points import add_points
+from app.layers.points import Points
 from app.layers.tables import table
 from app.layout import Layout
 from app.numbers import format_count, format_length
@@ -34,7 +34,7 @@ class TheatreLayer:
         self._scene = scene = layout.client.scene
         with layout.search:
             self._text = layout.client.gui.add_html("", visible=False)
-        self._clouds: dict[str, viser.PointCloudHandle] = {}
+        self._clouds: dict[str, Points] = {}
         self._tree: viser.GlbHandle | None = None
         self._path = add_line(scene, "/theatre/path", style.MARK, 5.0)
         self._negative = add_line(scene, "/theatre/negative", style.VIOLATION, 6.0)
@@ -48,7 +48,7 @@ class TheatreLayer:
             return
         alone = theatre is not None and not theatre.race
         for cloud in self._clouds.values():
-            cloud.visible = alone
+            cloud.show(alone)
         for line in (self._path, self._negative, self._cycle):
             line.visible = alone
         if self._tree is not None and not alone:
@@ -79,9 +79,9 @@ class TheatreLayer:
             ),
         }
         for name, (colour, diameter, nodes) in shown.items():
-            self._clouds[name] = add_points(
-                self._scene, f"/theatre/{name}", points[nodes % n], colour, diameter, len(nodes) > 0
-            )
+            if name not in self._clouds:
+                self._clouds[name] = Points(self._scene, f"/theatre/{name}")
+            self._clouds[name].draw(points[nodes % n], colour, diameter, len(nodes) > 0)
         self._path.points = segments(points[state.path() % n])
         arc = state.trace.arcs.negative
         self._negative.points = NO_SEGMENTS if arc is None else segments(points[list(arc)])

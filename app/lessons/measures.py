@@ -12,7 +12,7 @@ import numpy as np
 from abi.planner.plan import Plan
 from abi.search.search import SearchResult
 from app.frame import Frame
-from app.numbers import distance_to_show, format_count, format_length
+from app.numbers import distance_to_show, format_count, format_length, format_lower_bound
 
 Measure = Callable[[Frame], float | None]
 """A number of the frame; None where there is none."""
@@ -131,6 +131,7 @@ MEASURES: Mapping[str, Measure] = MappingProxyType(
 
 _COUNTS = {"nodes", "excluded", "edges", "crossing", "hops", "expanded", "relaxed", "points"}
 _COUNTS |= {"degree", "pieces", "step"}
+_LENGTHS = {"length", "clearance", "wanted", "pitch"}
 
 
 def value(name: str, frame: Frame) -> float | None:
@@ -139,14 +140,19 @@ def value(name: str, frame: Frame) -> float | None:
 
 
 def text(name: str, frame: Frame) -> str:
-    """A measure as it is read."""
+    """A measure as it is read, lengths with their unit; a distance kept is rounded down."""
     number = value(name, frame)
     if number is None or not math.isfinite(number):
         return "–"
     last = name.rsplit(".", 1)[-1]
     if last in _COUNTS:
         return format_count(int(number))
-    return f"{number:.1f}" if last == "gap" else format_length(number)
+    unit = f" {frame.plan.scene.unit}" if last in _LENGTHS else ""
+    if last == "peak":
+        unit = f" {frame.plan.scene.unit}/s"
+    if last == "gap":
+        return f"{number:.1f}"
+    return (format_lower_bound if last == "clearance" else format_length)(number) + unit
 
 
 def names_in(template: str) -> list[str]:

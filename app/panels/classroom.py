@@ -15,7 +15,7 @@ from app import style
 from app.classroom import MAX_CHOICES, Classroom
 from app.frame import Frame
 from app.panels.widgets import Wake
-from app.tab_state import TabState
+from app.tab_state import StateEncoder, TabState
 
 _PERIOD = 0.3
 """Seconds between two views sent while the others follow."""
@@ -38,6 +38,7 @@ class ClassroomPanel:
         self._drawn: tuple[object, ...] = ()
         self._chosen: list[int] = []
         self._published, self._published_at = "", 0.0
+        self._encoder = StateEncoder()
         self._folder = gui.add_folder("Class")
         with self._folder:
             self.follow = gui.add_checkbox("follow the teacher", True)
@@ -103,7 +104,7 @@ class ClassroomPanel:
             view = replace(
                 state, dark=None, challenge="", time=0.0 if state.playing else state.time
             )
-            text = view.encode()
+            text = self._encoder.encode(view)
             if once or text != self._published:
                 self._published = text
                 self._classroom.show(text)

@@ -35,6 +35,7 @@ class LessonPanel:
         self._library, self._lessons = library, NO_LESSONS
         self._name, self._number = "", 0
         self._passed: set[tuple[str, int]] = set()
+        self._left = ""
         self._answer = -1
         self._cue: Setting | None = None
         self._pressed: list[str] = []
@@ -78,16 +79,13 @@ class LessonPanel:
             return
         if self._lessons is NO_LESSONS:
             self._list()
-        try:
-            data = json.loads(text)
-            name, number = str(data["lesson"]), int(data["step"])
-            passed = {(str(a), int(b)) for a, b in data["passed"]}
-        except (ValueError, TypeError, KeyError):
-            return
-        self._passed |= {(a, b) for a, b in passed if a in self._lessons}
-        if name in self._lessons and 0 <= number < len(self._lessons[name][0].steps):
-            self._name, self._number = name, number
-            self.choice.value = self._titles()[list(self._lessons).index(name)]
+        if place := self._parse(text):
+            self._name, self._number = place
+            self.choice.value = self._titles()[list(self._lessons).index(self._name)]
+
+    def recall(self, text: str) -> None:
+        """Take over what was passed in tabs that are closed; its lesson goes on where it stood."""
+        self._left = text
 
     def cue(self, scene: Scene) -> Cue | None:
         """What the lesson sets now, starting from ``scene``; None where it sets nothing."""
@@ -139,6 +137,18 @@ class LessonPanel:
         nothing_to_do = step is not None and step.question is None and step.task is None
         return nothing_to_do or (self._name, self._number) in self._passed
 
+    def _parse(self, text: str) -> tuple[str, int] | None:
+        """Take what a kept text says was passed; lesson and page where it stands, or None."""
+        try:
+            data = json.loads(text)
+            name, number = str(data["lesson"]), int(data["step"])
+            passed = {(str(a), int(b)) for a, b in data["passed"]}
+        except (ValueError, TypeError, KeyError, RecursionError):
+            return None
+        self._passed |= {(a, b) for a, b in passed if a in self._lessons}
+        known = name in self._lessons and 0 <= number < len(self._lessons[name][0].steps)
+        return (name, number) if known else None
+
     def _list(self) -> None:
         """List the lessons, which take longer to read than a frame."""
         self._lessons = self._library()
@@ -146,7 +156,7 @@ class LessonPanel:
 
     def _titles(self) -> list[str]:
         return [
-            f"{number}. {lesson.title} ({lesson.minutes} min)"
+            f"{number}. {lesson.title}"
             for number, (lesson, _) in enumerate(self._lessons.values(), 1)
         ]
 
@@ -156,7 +166,8 @@ class LessonPanel:
         chosen = self.choice.value
         name = list(self._lessons)[titles.index(chosen)] if chosen in titles else ""
         if name != self._name:
-            self._go(name, 0)
+            place, self._left = self._parse(self._left) if name else None, ""
+            self._go(name, place[1] if place is not None and place[0] == name else 0)
         while self._pressed:
             self._take(self._pressed.pop(0))
 
@@ -207,7 +218,7 @@ class LessonPanel:
         asked = sum(one.question is not None or one.task is not None for one in lesson.steps)
         self._place.content = (
             f"{style.BOX}<b>{self._number + 1} of {len(lesson.steps)}</b>, "
-            f"{done} of {asked} answered or done</div>"
+            f"{done} of {asked} answered or done; about {lesson.minutes} minutes in all</div>"
         )
         self._show(self._text, step.text, frame)
         question, task = step.question, step.task

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import viser
+from pydantic import ValidationError
 
 from abi.arrays import FloatArray, IntArray
 from abi.errors import StageError
@@ -22,6 +23,7 @@ from abi.search.task import SearchTask
 from abi.search.trace import SearchTrace
 from app import page, style
 from app.frame import Frame
+from app.lessons.lesson import SearchCue
 from app.panels.widgets import Wake, clamp
 from app.theatre import Theatre, judge, node_at, race_of
 
@@ -95,6 +97,30 @@ class TheatrePanel:
         name = next((k for k, v in style.SEARCHES.items() if v == self.algorithm.value), "a_star")
         # of a negative cost only those that take one-way edges
         return name if not self._kind or COMPARED[name].one_way else "dijkstra"
+
+    @property
+    def kept(self) -> str:
+        """What is stepped through, and where it stands, as a text; empty while it is off."""
+        if not self.on.value:
+            return ""
+        cue = SearchCue(
+            algorithm=self.chosen,
+            step=0 if self.playing else self._written,
+            weight=clamp(self.weight.value, 0.0, 2.0),
+            edges=self.edges.value if self.edges.value in EDGES else None,
+            ask=bool(self.ask.value),
+            race=bool(self.race.value),
+        )
+        return cue.model_dump_json(exclude_none=True)
+
+    def restore(self, text: str) -> None:
+        """Show what a kept text says, which may come from anyone; nothing where it says nothing."""
+        try:
+            cue = SearchCue.model_validate_json(text) if text else SearchCue(on=False)
+        except ValidationError:
+            return
+        if cue.edges in (None, *EDGES):
+            self.set(**cue.model_dump(exclude_none=True))
 
     def timeout(self) -> float | None:
         """Time until the next picture, [s]; None while it stands still."""

@@ -37,6 +37,7 @@ def panel(session: Session) -> ClassroomPanel:
     return session._class
 
 
+@pytest.mark.slow
 def test_a_class_follows_works_alone_and_answers(room: tuple[Server, Classroom]) -> None:
     server, classroom = room
     teacher, taught = open_tab(server, classroom.secret)

@@ -23,7 +23,8 @@ from app.lessons.lesson import (
 )
 from app.lessons.measures import MEASURES, filled, text, value
 from app.panels.theatre import EDGES
-from app.session import SWITCHES, Session
+from app.session import Session
+from app.tab_view import SWITCHES
 from tests.app.fake_tab import FakeTab, until
 
 LESSONS = load_lessons()
@@ -133,6 +134,7 @@ def test_a_teacher_adds_a_folder(tmp_path: Path) -> None:
     assert lessons["own"][0].title == "Mine"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("old", "new", "named"),
     [
@@ -171,6 +173,7 @@ def test_lessons_keep_what_they_are_given() -> None:
     assert Lesson.model_validate(data).steps[0].text == "b"
 
 
+@pytest.mark.slow
 def test_a_lesson_goes_on_where_it_was_left(tab: tuple[FakeTab, Session]) -> None:
     fake, session = tab
     panel = session.panels.lessons
@@ -195,6 +198,14 @@ def test_a_lesson_goes_on_where_it_was_left(tab: tuple[FakeTab, Session]) -> Non
     assert panel._step is None
     panel.restore(kept)
     assert panel.progress == kept
+    # another tab of the same browser begins at the same page once the lesson is chosen
+    title = panel.choice.value
+    fake.set(panel.choice, panel.choice.options[0])
+    until(lambda: panel._step is None)
+    panel._passed.clear()
+    panel.recall(kept)
+    fake.set(panel.choice, title)
+    until(lambda: panel.progress == kept)
     fake.set(panel.back, True)
     until(lambda: panel._number == 0 and not panel.next.disabled)
 

@@ -95,6 +95,7 @@ def drawn(session: Session) -> list[object]:
     return [*parts, layer(session, TheatreLayer)._path.points.tobytes()]
 
 
+@pytest.mark.slow
 def test_steps_forward_and_back_show_the_same(tab: tuple[FakeTab, Session]) -> None:
     fake, session = tab
     panel = session.panels.theatre
@@ -120,12 +121,14 @@ def test_steps_forward_and_back_show_the_same(tab: tuple[FakeTab, Session]) -> N
     until(lambda: at(3))
     assert drawn(session) == pictures[3]
     fake.set(panel.race, True)
-    until(lambda: layer(session, RaceLayer)._root is not None)
+    until(lambda: bool(session.frame.theatre.race))  # type: ignore[union-attr]
+    assert layer(session, RaceLayer)._root is not None
     assert [name for name, _ in session.frame.theatre.race] == list(style.ALGORITHMS)  # type: ignore[union-attr]
     fake.set(panel.on, False)
     until(lambda: session.frame.theatre is None and layer(session, RaceLayer)._root is None)
 
 
+@pytest.mark.slow
 def test_a_search_follows_its_plan_and_takes_any_edge(tab: tuple[FakeTab, Session]) -> None:
     fake, session = tab
     panel = session.panels.theatre
@@ -154,3 +157,23 @@ def test_a_search_follows_its_plan_and_takes_any_edge(tab: tuple[FakeTab, Sessio
     until(lambda: session.panels.comparison._text.visible)
     for label in style.SEARCHES.values():
         assert label in session.panels.comparison._text.content
+
+
+def test_a_step_is_kept_and_comes_back(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    panel = session.panels.theatre
+    assert panel.kept == ""
+    panel.set(on=True, algorithm="dijkstra", step=25)
+    fake.set(panel.edges, "one")
+    until(lambda: session.frame.theatre is not None and session.frame.theatre.state.step == 25)
+    kept = session._state().theatre
+    panel.restore("")
+    assert not panel.on.value
+    for nonsense in ("{", "[]", '{"algorithm": "none"}', '{"edges": "three"}', '{"step": -1}'):
+        panel.restore(nonsense)
+        assert not panel.on.value
+    panel.restore(kept)
+    until(lambda: session._state().theatre == kept)
+    assert session.frame.theatre is not None
+    assert session.frame.theatre.name == "dijkstra"
+    assert session.frame.theatre.state.step == 25
