@@ -16,11 +16,11 @@ _ANY_ADDRESS = {"0.0.0.0": "127.0.0.1", "::": "[::1]"}
 """Addresses that stand for all of this machine's, each with one that a browser can open."""
 
 
-def usable_address(host: str, port: int) -> str:
+def usable_address(host: str, port: int, shared: bool = False) -> str:
     """An address to listen on, tried out, since viser would go on to another port.
 
     It is ``host``; of a name with addresses that are not this machine's, such as ``::1`` without
-    IPv6, the first that is.
+    IPv6, the first that is. ``shared``: another process of this server may have the port.
 
     Raises:
         AbiError: no address of ``host`` is this machine's, or the port is not to be had.
@@ -36,6 +36,8 @@ def usable_address(host: str, port: int) -> str:
             with socket.socket(family, kind, protocol) as probe:
                 if os.name == "posix":  # as asyncio does; elsewhere it would share a busy port
                     probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+                if shared:
+                    probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEPORT, 1)
                 probe.bind(address)
         except OSError as error:
             refused.append(error)

@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
 
 from prometheus_client import (
     CONTENT_TYPE_LATEST,
     REGISTRY,
+    CollectorRegistry,
     Counter,
     Gauge,
     Histogram,
     generate_latest,
+    multiprocess,
 )
 
 _SECONDS = (0.001, 0.0025, 0.005, 0.01, 0.025, 0.05, 0.1, 0.25, 0.5, 1, 2.5, 5, 10, 30)
 
-TABS = Gauge("abi_tabs", "Tabs that are open.")
+TABS = Gauge("abi_tabs", "Tabs that are open.", multiprocess_mode="livesum")
 SESSIONS = Counter("abi_sessions", "Tabs opened since the start.")
 PLANS = Histogram("abi_plan_seconds", "Time of a plan.", buckets=_SECONDS)
 STAGES = Histogram(
@@ -45,4 +48,8 @@ def observe_plan(seconds: float, before: Mapping[str, float], after: Mapping[str
 
 def text() -> tuple[str, str]:
     """All figures, and the content type that says how to read them."""
-    return generate_latest(REGISTRY).decode(), CONTENT_TYPE_LATEST
+    registry = REGISTRY
+    if "PROMETHEUS_MULTIPROC_DIR" in os.environ:
+        registry = CollectorRegistry()
+        multiprocess.MultiProcessCollector(registry)  # type: ignore[no-untyped-call]
+    return generate_latest(registry).decode(), CONTENT_TYPE_LATEST

@@ -57,14 +57,19 @@ class Server:
         port: int,
         look: Look,
         policy: Policy | None = None,
+        shared: bool = False,
+        joins: bool = False,
     ) -> None:
+        """Open the port, ``shared`` with other processes; ``joins``: one has it already."""
         self._look = look
         self._lock = threading.Lock()
         self.sessions: dict[int, Session] = {}
         self.classroom: Classroom | None = None
         self.guard = Guard(policy or policy_for(host))
-        address = usable_address(host, port)
-        self.viser = guarded_server.build(self.guard, address, port, "ABI visualiser")
+        address = usable_address(host, port, joins)
+        self.viser = guarded_server.build(
+            self.guard, address, port, "ABI visualiser", shared or joins
+        )
         ensure_port(self.viser, port)
         page.disable_sharing(self.viser)
         self.viser.gui.configure_theme(
@@ -139,6 +144,8 @@ def start(
     policy: Policy | None = None,
     lessons: Path | None = None,
     classroom: Classroom | None = None,
+    shared: bool = False,
+    joins: bool = False,
 ) -> Server:
     """Start serving and return at once.
 
@@ -152,6 +159,8 @@ def start(
         announce: called with the link as soon as there is a page to load.
         lessons: a folder with lessons of one's own, besides the shipped ones.
         classroom: the class that its tabs join; None for tabs that know nothing of each other.
+        shared: whether other processes listen on the same port.
+        joins: whether one of them does already.
         policy: rules for visitors; by default those of :func:`app.guard.policy.policy_for`.
 
     Raises:
@@ -165,7 +174,7 @@ def start(
     # a file that may be wrong is read before there is a page
     loaded = None if scene == PAPER else _load(scene)
     lesson_library = _library(lessons)
-    server = Server(host, port, Look(plain, dark, demo), policy)
+    server = Server(host, port, Look(plain, dark, demo), policy, shared, joins)
     server.classroom = classroom
     announce(server.link)
     server.show(scene, loaded or _load(scene), lesson_library)

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+import tempfile
+
 import pytest
 from hypothesis import settings
 
@@ -13,6 +16,8 @@ settings.load_profile("any machine")
 
 
 def pytest_configure(config: pytest.Config) -> None:
+    # what is uploaded goes into no user's cache
+    os.environ.setdefault("ABI_STORE", tempfile.mkdtemp(prefix="abi-store-"))
     # once, before the workers start, which then load what was kept
     if not config.option.collectonly:
         abi.compile()

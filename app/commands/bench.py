@@ -17,7 +17,8 @@ from app.commands.output import cause
 def bench(parts: tuple[str, ...], nodes: tuple[int, ...], scenes: int, out: Path) -> None:
     """Measure speed and quality beside other libraries, in one run.
 
-    PARTS: frames, quality, browser, start, tab, crowds, shapes; all when none is named.
+    PARTS: frames, quality, browser, start, tab, tabs, crowds, shapes, arm; all
+    when none is named.
     Peers that are not installed are left out: pip install '.[bench]' brings them.
     """
     try:

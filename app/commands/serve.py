@@ -15,6 +15,10 @@ import click
 from app.classroom import Classroom
 from app.guard.policy import MAX_TABS, Policy, policy_for
 from app.logs import LEVELS, configure
+from app.workers import Workers, are_possible, end_with_starter
+
+_PERIOD = 1.0
+"""Seconds after which a signal is heard that the system gave to another thread."""
 
 
 @click.command()
@@ -27,6 +31,9 @@ from app.logs import LEVELS, configure
 @click.option("--dark/--light", default=None, help="How a new tab looks.  [default: as the system]")
 @click.option(
     "--demo/--no-demo", default=True, help="Move a new tab's obstacle until the first touch."
+)
+@click.option(
+    "--plain", is_flag=True, envvar="ABI_PLAIN", help="No shadows or surroundings: weak graphics."
 )
 @click.option(
     "--lessons",
@@ -42,14 +49,32 @@ from app.logs import LEVELS, configure
 @click.option(
     "--token", envvar="ABI_TOKEN", help="Secret that visitors need.  [default: a new one]"
 )
-@click.option("--no-token", is_flag=True, help="Let in whoever can reach the server.")
 @click.option(
-    "--origin", multiple=True, help="URL under which a proxy shows the server, as browsers see it."
+    "--no-token", is_flag=True, envvar="ABI_NO_TOKEN", help="Let in whoever can reach the server."
 )
-@click.option("--embed-in", multiple=True, help="URL of a site that may show it in a frame.")
+@click.option(
+    "--origin",
+    multiple=True,
+    envvar="ABI_ORIGIN",
+    help="URL under which a proxy shows the server, as browsers see it.",
+)
+@click.option(
+    "--embed-in",
+    multiple=True,
+    envvar="ABI_EMBED_IN",
+    help="URL of a site that may show it in a frame.",
+)
 @click.option(
     "--max-tabs", default=MAX_TABS, show_default=True, type=click.IntRange(1), help="At once."
 )
+@click.option(
+    "--workers",
+    default=1,
+    show_default=True,
+    type=click.IntRange(1, 64),
+    help="Processes that share the tabs, one a core (Linux).",
+)
+@click.option("--joins", is_flag=True, hidden=True)
 def serve(
     scene: str,
     host: str,
@@ -57,9 +82,12 @@ def serve(
     open_tab: bool,
     dark: bool | None,
     demo: bool,
+    plain: bool,
     lessons: Path | None,
     classroom: bool,
     log_level: str,
+    workers: int,
+    joins: bool,
     **visitors: Any,
 ) -> None:
     """Start the visualiser on SCENE (a shipped scene's name or a file) and print its URL.
@@ -69,33 +97,69 @@ def serve(
     """
     from app.server import start
 
-    signal.signal(signal.SIGTERM, _interrupt)
+    ended = threading.Event()
+    signal.signal(signal.SIGTERM, functools.partial(_end, ended))
     configure(log_level)
+    visitors["max_tabs"] = -(-visitors["max_tabs"] // workers)
     policy = _policy(host, **visitors)
+    helpers = _workers(workers, classroom)
     room = Classroom() if classroom else None
     announce = functools.partial(_announce, open_tab, room)
     server = start(
         host=host,
         port=port,
         scene=scene,
+        plain=plain,
         dark=dark,
         demo=demo,
         announce=announce,
         policy=policy,
         lessons=lessons,
         classroom=room,
+        shared=workers > 1,
+        joins=joins,
     )
+    options = {"plain": plain, "dark": dark, "demo": demo, "lessons": lessons, **visitors}
+    place = {"host": host, "port": server.viser.get_port(), "log_level": log_level}
+    helpers.start(_arguments(scene, **place, **options), policy.token)
     try:
-        threading.Event().wait()
+        if joins:
+            end_with_starter(ended)
+        # a signal that came to another thread is heard at the next turn
+        while not ended.wait(_PERIOD):
+            pass
     except KeyboardInterrupt:
         click.echo()
     finally:
         server.stop()
+        helpers.stop()
 
 
-def _interrupt(number: int, frame: FrameType | None) -> None:
+def _end(ended: threading.Event, number: int, frame: FrameType | None) -> None:
     """End as Ctrl+C does: the tabs are told, and the exit code is 0."""
-    raise KeyboardInterrupt
+    ended.set()
+
+
+def _workers(count: int, classroom: bool) -> Workers:
+    """The other processes, not yet started."""
+    if count > 1 and classroom:
+        raise click.UsageError("--classroom needs one process: its tabs follow each other.")
+    if count > 1 and not are_possible():
+        raise click.UsageError("--workers needs Linux; elsewhere, put servers behind a proxy.")
+    return Workers(count - 1)
+
+
+def _arguments(scene: str, **options: Any) -> list[str]:
+    """Command line of another process of the same server."""
+    looks = {True: ["--dark"], False: ["--light"], None: []}
+    words = ["serve", "--joins", "--no-open", *looks[options.pop("dark")]]
+    words.append("--demo" if options.pop("demo") else "--no-demo")
+    words += [f"--{name.replace('_', '-')}" for name in ("plain", "no_token") if options.pop(name)]
+    options.pop("token")  # in its environment, where other users do not see it
+    for name, value in options.items():
+        values = value if isinstance(value, tuple) else (value,)
+        words += [f"--{name.replace('_', '-')}={one}" for one in values if one is not None]
+    return [*words, "--", scene]
 
 
 def _policy(

@@ -39,6 +39,7 @@ def _fail(error: Exception) -> Callable[..., Any]:
     return fail
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("stage", "error", "words"),
     [

@@ -1,0 +1,243 @@
+"""Many tabs at one server: what each sees of its own drag, and what they cost together.
+
+python -m benchmarks.tabs --tabs 1 5 15 30 --seconds 10
+
+Every tab plays the motion, drags an obstacle of its own around a circle, 20 messages a second as
+viser's page sends them, and counts the curves that come back. The server is a process of its own;
+the tabs share another, on the same machine, so that they take some of its time.
+"""
+
+from __future__ import annotations
+
+import argparse
+import asyncio
+import contextlib
+import json
+import os
+import re
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from abi.arrays import FloatArray
+from abi.planner.live_planner import LivePlanner
+from abi.scene.scene import load_scene
+from app.layers.curves import SAMPLES
+from app.layers.lines import segments
+from benchmarks.web_tab import WebTab
+
+SCENE = "two-boxes"
+"""Its path changes with every move."""
+COUNTS = (1, 5, 15, 30)
+_REST = 3.0
+"""Seconds after the drag in which the last curve has to come."""
+SETTLE = 5.0
+"""Seconds before the drag, in which a server that has just begun loads its kernels."""
+_TICKS = os.sysconf("SC_CLK_TCK") if hasattr(os, "sysconf") else 100
+
+
+class ServerProcess:
+    """``abi serve`` as a process of its own.
+
+    Attributes:
+        url: of the page.
+        number: of the process.
+    """
+
+    def __init__(self, *arguments: str) -> None:
+        command = [sys.executable, "-P", "-m", "app", "serve", SCENE, "--port", "0", "--no-open"]
+        options = ["--no-demo", "--log-level", "warning"]
+        self._process = subprocess.Popen(
+            [*command, *options, *arguments], stdout=subprocess.PIPE, text=True
+        )
+        assert self._process.stdout is not None
+        link = re.search(r"http://\S+", self._process.stdout.readline())
+        assert link is not None, "the server did not start"
+        self.url, self.number = link.group(), self._process.pid
+
+    def stop(self) -> int:
+        """End it as a person would; its exit code."""
+        assert self._process.stdout is not None
+        with self._process.stdout:
+            self._process.terminate()
+            return self._process.wait(60)
+
+    def usage(self) -> tuple[float, float]:
+        """Processor time [s] and resident memory [MB] of all its processes, on Linux."""
+        seconds = pages = 0
+        for number in process_family(self._process.pid):
+            with contextlib.suppress(OSError):
+                fields = Path(f"/proc/{number}/stat").read_text("ascii").rpartition(")")[2].split()
+                seconds += int(fields[11]) + int(fields[12])
+                pages += int(Path(f"/proc/{number}/statm").read_text("ascii").split()[1])
+        return seconds / _TICKS, pages * 4096 / 1e6
+
+
+@contextlib.contextmanager
+def serving(*arguments: str) -> Iterator[ServerProcess]:
+    """A server for as long as the block lasts."""
+    server = ServerProcess(*arguments)
+    try:
+        yield server
+    finally:
+        server.stop()
+
+
+async def drag(
+    server: ServerProcess, tabs: int, seconds: float, settle: float = SETTLE
+) -> dict[str, Any]:
+    """Drag in all tabs at once.
+
+    Returns:
+        ``tabs``; ``opened_s``, until all have a picture; of the drag ``updates_per_s`` of the
+        median tab and ``least`` of the slowest, ``gap_ms``, which 95 % of the gaps between two
+        updates stay under, and ``longest_ms``; ``last_ms``, how long after the hand the last curve
+        came, in the latest tab; ``cores`` and ``megabytes`` of the server, and these at its
+        ``begin_megabytes``; ``stale``, tabs whose last curve is not that of the last position.
+    """
+    begin = time.monotonic()
+    _, first = server.usage()
+    opened = await _open(server, tabs)
+    ready = time.monotonic()
+    await asyncio.sleep(settle)
+    before, begin_memory = server.usage()
+    started = time.monotonic()
+    released = await asyncio.gather(*(tab.drag(seconds, phase) for phase, tab in enumerate(opened)))
+    after, memory = server.usage()
+    elapsed = time.monotonic() - started
+    await asyncio.sleep(_REST)
+    expected = await asyncio.gather(*(asyncio.to_thread(_curve, tab) for tab in opened))
+    runs = [
+        _observe(tab, started, last, curve)
+        for tab, last, curve in zip(opened, released, expected, strict=True)
+    ]
+    await asyncio.gather(*(tab.close() for tab in opened))
+    gaps = np.concatenate([run["gaps"] for run in runs])
+    return {
+        "tabs": tabs,
+        "opened_s": ready - begin,
+        "updates_per_s": float(np.median([run["rate"] for run in runs])),
+        "least": min(run["rate"] for run in runs),
+        "gap_ms": 1e3 * float(np.percentile(gaps, 95)),
+        "worst_tab_ms": 1e3 * max(float(np.percentile(run["gaps"], 95)) for run in runs),
+        "longest_ms": 1e3 * float(gaps.max()),
+        "last_ms": 1e3 * max(run["late"] for run in runs),
+        "cores": (after - before) / elapsed,
+        "ms_per_update": 1e3 * (after - before) / max(sum(run["count"] for run in runs), 1),
+        "begin_megabytes": first,
+        "open_megabytes": begin_memory,
+        "megabytes": memory,
+        "stale": sum(not run["right"] for run in runs),
+    }
+
+
+async def play(
+    server: ServerProcess, tabs: int, seconds: float, settle: float = SETTLE
+) -> dict[str, Any]:
+    """Only watch: all tabs play, then all stand; ``cores`` of the server meanwhile."""
+    opened = await _open(server, tabs)
+    await asyncio.sleep(settle)
+    result: dict[str, Any] = {"tabs": tabs}
+    for name in ("playing", "standing"):
+        before, received = server.usage()[0], sum(tab.received for tab in opened)
+        await asyncio.sleep(seconds)
+        result[f"{name}_cores"] = (server.usage()[0] - before) / seconds
+        bytes_sent = sum(tab.received for tab in opened) - received
+        result[f"{name}_bytes_per_s"] = bytes_sent / seconds / tabs
+        await asyncio.gather(*(tab.press("Play or pause") for tab in opened))
+    await asyncio.gather(*(tab.close() for tab in opened))
+    return result
+
+
+async def _open(server: ServerProcess, tabs: int) -> list[WebTab]:
+    """Open all tabs at once, and wait for their pictures."""
+    opened = await asyncio.gather(*(WebTab.open(server.url) for _ in range(tabs)))
+    await asyncio.gather(*(tab.until(_has_picture(tab)) for tab in opened))
+    return list(opened)
+
+
+def _has_picture(tab: WebTab) -> Any:
+    return lambda: tab.drawn
+
+
+def _observe(tab: WebTab, begin: float, released: float, expected: FloatArray) -> dict[str, Any]:
+    """One tab's drag: rate, gaps [s], how late the last curve came [s], and whether it is right."""
+    during = [moment for moment, _ in tab.curves if begin <= moment <= released]
+    gaps = np.diff([begin, *during, released])
+    same = [_equal(points, expected) for _, points in tab.curves]
+    right = bool(same) and same[-1]
+    # the first of the last run of curves that are right
+    first = len(same) - (same[::-1].index(False) if False in same else len(same))
+    late = tab.curves[first][0] - released if right else np.inf
+    return {
+        "count": len(during),
+        "rate": len(during) / (released - begin),
+        "gaps": gaps,
+        "late": late,
+        "right": right,
+    }
+
+
+def _equal(points: FloatArray, expected: FloatArray) -> bool:
+    return points.shape == expected.shape and np.allclose(points, expected, atol=1e-4)
+
+
+_planning = threading.Lock()
+
+
+def _curve(tab: WebTab) -> FloatArray:
+    """The curve that a tab is to end with, as the page gets it."""
+    scene = load_scene(SCENE)
+    moved = scene.obstacles[0].model_dump(mode="json")
+    moved |= {"position": list(tab.position or ()), "wxyz": [1.0, 0.0, 0.0, 0.0]}
+    with _planning:
+        plan = LivePlanner().finish(scene.replace(obstacles=[moved, *scene.obstacles[1:]]))
+    assert plan.bspline is not None
+    curve = plan.bspline.curve
+    return segments(curve(np.linspace(*curve.interval, SAMPLES))).ravel().astype(float)
+
+
+def process_family(number: int) -> list[int]:
+    """A process, and all that it and they have started."""
+    found = [number]
+    for task in Path(f"/proc/{number}/task").glob("*/children"):
+        with contextlib.suppress(OSError):
+            for child in task.read_text("ascii").split():
+                found += process_family(int(child))
+    return found
+
+
+def measure(counts: Sequence[int], seconds: float = 10.0, *arguments: str) -> list[dict[str, Any]]:
+    """Drag with each number of tabs, each time in a new server."""
+    rows = []
+    for count in counts:
+        with serving(*arguments) as server:
+            rows.append(asyncio.run(drag(server, count, seconds)))
+    return rows
+
+
+def main() -> None:
+    """Measure and print."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--tabs", type=int, nargs="+", default=list(COUNTS))
+    parser.add_argument("--seconds", type=float, default=10.0)
+    parser.add_argument("--settle", type=float, default=SETTLE)
+    parser.add_argument("--play", action="store_true", help="only play and stand")
+    options, arguments = parser.parse_known_args()
+    for count in options.tabs:
+        with serving(*arguments) as server:
+            if options.play:
+                result = asyncio.run(play(server, count, options.seconds, options.settle))
+            else:
+                result = asyncio.run(drag(server, count, options.seconds, options.settle))
+        print(json.dumps(result), flush=True)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,180 @@
+"""A browser's tab without a browser: hundreds of them fit in one process, beside the server."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import math
+import struct
+import time
+from collections.abc import Callable
+from typing import Any
+
+import msgspec
+import numpy as np
+import viser
+import zstandard
+from websockets.asyncio.client import ClientConnection, connect
+from websockets.exceptions import ConnectionClosed
+from websockets.typing import Subprotocol
+
+from abi.arrays import FloatArray
+
+CURVE = "/curve/bspline"
+GIZMO = "/obstacle_1"
+PERIOD = 0.05
+"""Seconds between two messages of viser's page while a hand drags."""
+_CAMERA = {
+    "type": "ViewerCameraMessage",
+    "wxyz": [1.0, 0.0, 0.0, 0.0],
+    "position": [3.0, 3.0, 3.0],
+    "fov": 1.3,
+    "near": 0.01,
+    "far": 1000.0,
+    "image_height": 600,
+    "image_width": 800,
+    "look_at": [0.0, 0.0, 0.0],
+    "up_direction": [0.0, 0.0, 1.0],
+}
+_POLL = 0.02  # [s]
+
+
+class WebTab:
+    """Client that speaks viser's protocol: it drags the first obstacle, and notes each new curve.
+
+    Attributes:
+        curves: when one came, [s] of the monotonic clock, and its points as they were sent.
+        received: bytes so far.
+        labels: ids of the widgets, by their labels.
+        position: where the obstacle was dragged to last, (3,), [unit]; None before.
+        frozen: set while it reads nothing, as a page whose laptop is shut.
+    """
+
+    def __init__(self, connection: ClientConnection) -> None:
+        self._connection = connection
+        self._owner: str | None = None
+        self._reading: asyncio.Task[None] | None = None
+        self._awake = asyncio.Event()
+        self._awake.set()
+        self.curves: list[tuple[float, FloatArray]] = []
+        self.received = 0
+        self.labels: dict[str, str] = {}
+        self.position: tuple[float, float, float] | None = None
+
+    @classmethod
+    async def open(cls, url: str, headers: dict[str, str] | None = None) -> WebTab:
+        """Connect to the server at ``url``; the tab has its picture once :meth:`until` says so."""
+        connection = await connect(
+            url.replace("http", "ws", 1),
+            subprotocols=[Subprotocol(f"viser-v{viser.__version__}")],
+            additional_headers=headers,
+            max_size=None,
+            compression=None,
+            ping_interval=None,
+        )
+        tab = cls(connection)
+        await tab.send(_CAMERA)
+        tab._reading = asyncio.create_task(tab._read())
+        return tab
+
+    @property
+    def drawn(self) -> bool:
+        """Whether there is a curve, and an obstacle to drag."""
+        return self._owner is not None and bool(self.curves)
+
+    async def send(self, message: dict[str, Any]) -> None:
+        """Send one message, as the page's msgpack."""
+        await self._connection.send(msgspec.msgpack.encode(message))
+
+    async def press(self, label: str) -> None:
+        """Press the button with this label."""
+        update = {"uuid": self.labels[label], "updates": {"value": True}}
+        await self.send({"type": "GuiUpdateMessage", **update})
+
+    async def move(self, position: tuple[float, float, float]) -> None:
+        """Move the obstacle there, as one step of a drag."""
+        self.position = position
+        await self.send(
+            {
+                "type": "TransformControlsUpdateMessage",
+                "name": GIZMO,
+                "wxyz": [1.0, 0.0, 0.0, 0.0],
+                "position": list(position),
+                "owner": self._owner,
+            }
+        )
+
+    async def drag(self, seconds: float, phase: float) -> float:
+        """Drag the obstacle around a circle from ``phase`` [rad] on; when the hand let go, [s]."""
+        begin = last = time.monotonic()
+        step = 0
+        while last - begin < seconds:
+            angle = phase + 0.07 * step
+            await self.move((3 + 0.8 * math.cos(angle), 3 + 0.8 * math.sin(angle), 3.0))
+            last, step = time.monotonic(), step + 1
+            await asyncio.sleep(max(begin + step * PERIOD - last, 0.0))
+        return last
+
+    def freeze(self, on: bool) -> None:
+        """Read no more, or read again."""
+        if on:
+            self._awake.clear()
+        else:
+            self._awake.set()
+
+    async def until(self, condition: Callable[[], bool], patience: float = 120.0) -> None:
+        """Wait until ``condition()``.
+
+        Raises:
+            TimeoutError: it did not come in ``patience`` seconds.
+        """
+        async with asyncio.timeout(patience):
+            while not condition():
+                await asyncio.sleep(_POLL)
+
+    async def close(self) -> None:
+        """Disconnect."""
+        self.freeze(False)
+        await self._connection.close()
+        if self._reading is not None:
+            await self._reading
+
+    async def _read(self) -> None:
+        with contextlib.suppress(ConnectionClosed):
+            while True:
+                await self._awake.wait()
+                frame = await self._connection.recv(decode=False)
+                self.received += len(frame)
+                self._note(frame)
+
+    def _note(self, frame: bytes) -> None:
+        content, arrays = decode(frame)
+        for message in content["messages"]:
+            name = message.get("name")
+            fields = message.get("props") or message.get("updates") or {}
+            if name == CURVE and "points" in fields:
+                points = arrays(fields["points"])
+                if len(points):
+                    self.curves.append((time.monotonic(), points))
+            elif name == GIZMO and message["type"] == "TransformControlsMessage":
+                self._owner = message["owner"]
+            elif fields.get("label") and "uuid" in message:
+                self.labels[fields["label"]] = message["uuid"]
+
+
+def decode(frame: bytes) -> tuple[dict[str, Any], Callable[[dict[str, Any]], FloatArray]]:
+    """Content of a frame of viser's protocol, and what turns its placeholders into arrays."""
+    length, packed = struct.unpack_from("<QQ", frame)
+    raw = zstandard.ZstdDecompressor().decompress(frame[16 : 16 + packed], max_output_size=length)
+    content = msgspec.msgpack.decode(raw)
+    places, place = [], 16 + packed
+    for size in content["binaryBufferLengths"]:
+        place += -place % 8
+        places.append((place, size))
+        place += size
+
+    def array(placeholder: dict[str, Any]) -> FloatArray:
+        begin, size = places[placeholder["__binary_index"]]
+        return np.frombuffer(frame[begin : begin + size], placeholder["dtype"])
+
+    return content, array
