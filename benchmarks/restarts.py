@@ -1,0 +1,241 @@
+"""Nothing is lost: a real tab is edited while its server is killed, frozen or reloaded under it.
+
+    python -m benchmarks.restarts --kills 200 --reloads 50 --freezes 3
+
+The server is a process of its own, forked from one that has loaded everything, so that a restart
+takes tenths of a second. Each time a number of the scene is changed in Chromium, and soon after,
+often before the page was told to remember it, the server is killed with SIGKILL and started again,
+or the page reloaded, or the server stopped for ten seconds as by a network that is cut. Then the
+page must show what it last remembered, and every plot a curve.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import multiprocessing
+import os
+import random
+import signal
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from multiprocessing.connection import Connection
+from typing import Any
+
+from playwright.sync_api import Browser
+
+from abi.obstacles.triangle_mesh.mesh_source import MeshSource
+from app.tab_state import TabState
+from benchmarks.browser import chromium
+from tests.browser.page import Page
+from tests.ports import free_port
+
+FREEZE = 10.0
+"""Seconds for which a network is cut."""
+_LONGEST_PAUSE = 0.8
+"""Seconds between an edit and the fault, at most: twice the period at which states are kept."""
+_AGAIN = 3.0
+"""Seconds in which a server may be killed again, at most: the page is just coming back."""
+_PATIENCE = 60.0
+_BOX, _VALUES = "degree", (2, 3, 5)
+"""A number of the scene, and what it is set to: never what a new tab begins with."""
+_CHARTS = """() => {
+  const charts = Object.values(window.__viserTestpoints.uplots).map(({chart}) => chart);
+  return charts.length > 0 && charts.every(({scales, data}) =>
+    scales.x.max > scales.x.min && data[0].length > 1
+    && data.slice(1).some(line => line.some(Number.isFinite)));
+}"""
+
+
+class Killable:
+    """A server that can be killed and started again at its address.
+
+    Attributes:
+        url: of its page.
+    """
+
+    def __init__(self) -> None:
+        port = free_port()
+        self.url = f"http://127.0.0.1:{port}/"
+        context = multiprocessing.get_context("spawn")
+        self._pipe, other = context.Pipe()
+        self._origin = context.Process(target=_fork_on_request, args=(other, port), daemon=True)
+        self._origin.start()
+        self.start()
+
+    def start(self) -> None:
+        """Start it and wait until it listens."""
+        self._pipe.send("start")
+        self.pid = int(self._pipe.recv())
+
+    def kill(self) -> None:
+        """End it without a word."""
+        os.kill(self.pid, signal.SIGKILL)
+
+    def close(self) -> None:
+        """End it for good."""
+        self.kill()
+        self._pipe.send("end")
+        self._origin.join()
+
+
+def _fork_on_request(pipe: Connection, port: int) -> None:
+    """Fork a server whenever the pipe asks for one, and tell its process id."""
+    from abi import compiling
+    from app import session  # noqa: F401  loaded once for all
+
+    compiling.compile()
+    child = 0
+    while pipe.recv() == "start":
+        if child:
+            os.waitpid(child, 0)
+        ready, told = os.pipe()
+        child = os.fork()
+        if child == 0:
+            _serve(port, told)
+        os.read(ready, 1)
+        os.close(ready)
+        os.close(told)
+        pipe.send(child)
+
+
+def _serve(port: int, told: int) -> None:
+    """The forked process: serve until killed."""
+    from app.server import start
+
+    start(host="127.0.0.1", port=port, plain=True)
+    os.write(told, b"1")
+    while True:
+        signal.pause()
+
+
+def measure(
+    browser: Browser, kills: int, reloads: int, freezes: int, seed: int = 0
+) -> dict[str, Any]:
+    """Go through the faults one by one with one tab.
+
+    Returns:
+        ``kills``, ``reloads`` and ``freezes``; of those ``lost``, after which the page did not show
+        what it remembered, and ``empty_plots``; ``not_yet_kept``, edits that came so shortly before
+        that the page had not been told to remember them; and the ``median_s`` and ``worst_s`` until
+        the page was back, with an edit that came while frozen done.
+    """
+    chance = random.Random(seed)
+    faults = ["kill"] * kills + ["reload"] * reloads + ["freeze"] * freezes
+    chance.shuffle(faults)
+    counts = {"lost": 0, "empty_plots": 0, "not_yet_kept": 0}
+    times: list[float] = []
+    with _tab(browser) as (page, server):
+        for number, fault in enumerate(faults):
+            value = _VALUES[number % len(_VALUES)]
+            if fault == "freeze":
+                begin, kept = _freeze(page, server, value)
+            else:
+                _edit(page, value)
+                page.tab.wait_for_timeout(1e3 * chance.uniform(0, _LONGEST_PAUSE))
+                begin, kept = _interrupt(page, server, fault, chance)
+                counts["not_yet_kept"] += kept != value
+            back = _within(page, lambda kept=kept: _shown(page) == kept == _remembered(page))  # type: ignore[misc]
+            times.append(time.monotonic() - begin)
+            print(f"{number + 1} {fault} {times[-1]:.1f} s {back}", file=sys.stderr, flush=True)
+            counts["lost"] += not back
+            counts["empty_plots"] += not _within(page, lambda: bool(page.tab.evaluate(_CHARTS)))
+    asked = {"kills": kills, "reloads": reloads, "freezes": freezes}
+    times.sort()
+    return {**asked, **counts, "median_s": times[len(times) // 2], "worst_s": times[-1]}
+
+
+@contextmanager
+def _tab(browser: Browser) -> Iterator[tuple[Page, Killable]]:
+    """A tab whose plan is drawn, and its server."""
+    server = Killable()
+    page = Page(browser, server.url)
+    try:
+        page.node("/curve/bspline")
+        page.until(lambda: page.tab.evaluate("sessionStorage.getItem('abi-tab')"), "a memory")
+        yield page, server
+    finally:
+        page.close()
+        server.close()
+
+
+def _interrupt(
+    page: Page, server: Killable, fault: str, chance: random.Random
+) -> tuple[float, int]:
+    """Kill the server or reload the page: when, and what the page then remembers.
+
+    Every third server is killed again before the page may be whole.
+    """
+    if fault == "reload":
+        begin = time.monotonic()  # returns when the page has connected
+        page.reload()
+        return begin, _remembered(page)
+    before = page.connections
+    server.kill()
+    page.tab.wait_for_timeout(100)
+    kept, begin = _remembered(page), time.monotonic()
+    server.start()
+    if chance.random() < 1 / 3:
+        page.tab.wait_for_timeout(1e3 * chance.uniform(0, _AGAIN))
+        server.kill()
+        before = page.connections
+        server.start()
+    page.until(lambda: page.connections > before, "the page to connect", _PATIENCE)
+    return begin, kept
+
+
+def _freeze(page: Page, server: Killable, value: int) -> tuple[float, int]:
+    """Edit while the server does not answer: when it does again, and what was typed."""
+    os.kill(server.pid, signal.SIGSTOP)
+    try:
+        _edit(page, value)
+        page.tab.wait_for_timeout(1e3 * FREEZE)
+    finally:
+        os.kill(server.pid, signal.SIGCONT)
+    return time.monotonic(), value
+
+
+def _edit(page: Page, value: int) -> None:
+    box = page.row(_BOX).locator("input:visible").first
+    box.fill(str(value))
+    box.press("Tab")
+
+
+def _shown(page: Page) -> int:
+    """The number that the page's box shows; -1 while there is none."""
+    boxes = page.row(_BOX).locator("input:visible")
+    return int(boxes.first.input_value() or -1) if boxes.count() else -1
+
+
+def _remembered(page: Page) -> int:
+    """The same in the state that the page keeps."""
+    text = page.tab.evaluate("sessionStorage.getItem('abi-tab')")
+    return TabState.decode(text, MeshSource()).scene.spline.degree
+
+
+def _within(page: Page, condition: Callable[[], bool]) -> bool:
+    """Whether it comes true in time."""
+    try:
+        page.until(condition, "", _PATIENCE)
+    except AssertionError:
+        return False
+    return True
+
+
+def main() -> None:
+    """Go through all faults and print the figures."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--kills", type=int, default=200)
+    parser.add_argument("--reloads", type=int, default=50)
+    parser.add_argument("--freezes", type=int, default=3)
+    parser.add_argument("--seed", type=int, default=0)
+    options = parser.parse_args()
+    with chromium() as browser:
+        found = measure(browser, options.kills, options.reloads, options.freezes, options.seed)
+    print(json.dumps(found), flush=True)
+
+
+if __name__ == "__main__":
+    main()
