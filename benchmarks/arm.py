@@ -1,34 +1,34 @@
 """The whole arm: motions found and refuted in random scenes, and the frames of a drag.
 
-    python -m benchmarks.arm 200
+    python -m benchmarks.arm 2000 --results arm.jsonl
 
-Each scene has 1 to 8 obstacles and ends at which tool and arm are clear on one elbow at least. A
-motion called clear is compared with dense samples of its capsules, each distance measured singly;
-every tenth certificate is checked again in exact numbers. The frames are those of an obstacle that
-is dragged where the tool's own plan is not clear for the arm: with both elbows at 2,300 nodes, with
-the elbow in use at 20,000.
+The campaign is that of :mod:`benchmarks.arm_campaign`. What came of each scene is a line of the
+file, and what stands there is not done again: a run may be stopped, or split by ``--first``. The
+table is of all scenes in it. ``--drags`` adds the frames of an obstacle that is dragged where
+the tool's own plan is not clear for the arm: with both elbows at 2,300 nodes, with the elbow in use
+at 20,000; and the shadow that follows it.
 """
 
 from __future__ import annotations
 
+import argparse
 import json
-import sys
 import time
-from collections import Counter
+from pathlib import Path
 
 import numpy as np
 
 from abi import compiling
 from abi.arm.arm import Arm
+from abi.arm.regions import shadow
+from abi.arm.surroundings import surroundings
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner.planner import Planner
 from abi.scene.scene import Scene
-from abi.verify.verify import verify
+from benchmarks.arm_campaign import Record, figures, record
 from benchmarks.report import Row, table
-from tests.random_arms import arm_scene, dense_clearance
+from tests.random_arms import arm_scene
 
-_CHECK_EVERY = 10
-_ROUNDING = 1e-9
 _DRAGS = ((0.54, "auto", 2_300), (0.262, "up", 20_000))
 _STEPS = 12
 _SWING = 0.3  # of an obstacle to each side, [unit]
@@ -41,46 +41,30 @@ def measure(scenes: int) -> list[Row]:
         scenes: how many random scenes; a tenth of them is dragged in.
     """
     compiling.compile()
-    rows = [campaign(scenes)]
-    rows += [drag(*setting, max(scenes // 10, 5)) for setting in _DRAGS]
-    return rows
+    rows = figures([record(seed) for seed in range(scenes)])
+    return rows + drags(max(scenes // 10, 5))
 
 
-def campaign(scenes: int, first: int = 0) -> Row:
-    """Shares of random scenes in which the arm touches, avoids, and is proven clear."""
-    counts: Counter[str] = Counter()
-    ms: list[float] = []
-    for seed in range(first, first + scenes):
-        scene = arm_scene(seed)
-        begin = time.thread_time()
-        plan = Planner(compile=False)(scene)
-        ms.append(1e3 * (time.thread_time() - begin))
-        if plan.error is not None and plan.error.kind != "arm_not_clear":
-            counts["no path for the tool"] += 1
-            continue
-        counts["scenes"] += 1
-        counts["tool's own plan not clear"] += plan.tool_only is not None or plan.error is not None
-        if plan.error is not None:
-            counts["none found"] += 1
-            continue
-        assert isinstance(plan.arm, Arm)
-        assert plan.motion is not None
-        assert plan.arm_clearance is not None
-        dense = dense_clearance(plan.arm, plan.motion, ObstacleSet(scene.obstacles))
-        counts["refuted"] += dense < plan.arm_clearance.distance - _ROUNDING
-        if seed % _CHECK_EVERY == 0:
-            found = verify(json.loads(json.dumps(plan.to_dict())))
-            counts["checked exactly"] += 1
-            counts["of these refused"] += not next(
-                one for one in found if one.curve == "arm"
-            ).proven
-    names = ("scenes", "tool's own plan not clear", "none found", "refuted", "checked exactly")
-    return {
-        "method": "whole arm",
-        **{name: counts[name] for name in (*names, "of these refused")},
-        "ms": float(np.median(ms)),
-        "95 %": float(np.percentile(ms, 95)),
-    }
+def campaign(scenes: range, file: Path, seconds: float) -> list[Record]:
+    """Records of all scenes in a file, with those of ``scenes`` that were not there.
+
+    Args:
+        scenes: their numbers.
+        file: JSON, a line a scene; it need not be there yet.
+        seconds: after which no other scene is begun.
+    """
+    records: list[Record] = []
+    if file.exists():
+        records = [json.loads(line) for line in file.read_text(encoding="utf-8").splitlines()]
+    done = {one["seed"] for one in records}
+    end = time.monotonic() + seconds
+    with file.open("a", encoding="utf-8") as lines:
+        for seed in scenes:
+            if seed not in done and time.monotonic() < end:
+                records.append(record(seed))
+                lines.write(json.dumps(records[-1]) + "\n")
+                lines.flush()
+    return records
 
 
 def drag(pitch: float, elbow: str, nodes: int, scenes: int) -> Row:
@@ -109,6 +93,34 @@ def drag(pitch: float, elbow: str, nodes: int, scenes: int) -> Row:
     }
 
 
+def shadow_drag(pitch: float, nodes: int, scenes: int) -> Row:
+    """Times in which the shadow of an obstacle that moves is made anew, after the re-plan."""
+    times: list[float] = []
+    for seed in range(scenes):
+        scene = arm_scene(seed, pitch, boxes=True)
+        arm, box = Arm.from_settings(scene.arm), scene.workspace
+        for step in range(_STEPS):
+            moved = _moved(scene, _SWING * np.sin(2 * np.pi * step / _STEPS))
+            begin = time.thread_time()
+            around = surroundings(arm, ObstacleSet(moved.obstacles), box.min[2])
+            shadow(arm, "up", scene.arm.q5, around, (box.min, box.max))
+            times.append(1e3 * (time.thread_time() - begin))
+    return {
+        "method": "shadow",
+        "nodes": nodes,
+        "frames": len(times),
+        "ms": float(np.median(times)),
+        "95 %": float(np.percentile(times, 95)),
+    }
+
+
+def drags(scenes: int) -> list[Row]:
+    """Rows of the frames of drags in so many scenes, and of the shadow that follows."""
+    pitch, _, nodes = _DRAGS[0]
+    rows = [drag(*setting, scenes) for setting in _DRAGS]
+    return [*rows, shadow_drag(pitch, nodes, scenes)]
+
+
 def _moved(scene: Scene, by: float) -> Scene:
     """The scene with its first obstacle a little to the side."""
     obstacles = scene.to_dict()["obstacles"]
@@ -117,5 +129,22 @@ def _moved(scene: Scene, by: float) -> Scene:
     return scene.replace(obstacles=[first, *obstacles[1:]])
 
 
+def main() -> None:
+    """Run the campaign and print its tables."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("scenes", type=int, nargs="?", default=100)
+    parser.add_argument("--first", type=int, default=0, help="number of the first scene")
+    parser.add_argument("--results", type=Path, default=Path("arm.jsonl"), help="file of records")
+    parser.add_argument("--seconds", type=float, default=np.inf, help="after which it stops")
+    parser.add_argument("--drags", type=int, default=0, help="scenes that are dragged in")
+    options = parser.parse_args()
+    compiling.compile()
+    scenes = range(options.first, options.first + options.scenes)
+    found = figures(campaign(scenes, options.results, options.seconds))
+    print(table(found[:1]), table(found[1:]), sep="\n\n")
+    if options.drags:
+        print(table(drags(options.drags)))
+
+
 if __name__ == "__main__":
-    print(table(measure(int(sys.argv[1]) if len(sys.argv) > 1 else 100)))
+    main()

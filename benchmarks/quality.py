@@ -37,10 +37,11 @@ from abi.planner.planner import SLACK, Planner
 from abi.scene.scene import Scene
 from abi.search import graph
 from abi.search.search import SEARCHES
+from abi.sweep.random_boxes import CLEARANCE
 from abi.taut.taut_path import taut
 from abi.tet_mesh.tet_mesh import TetMesh, tetrahedralise
 from benchmarks.best_known import best_known
-from tests.random_scenes import CLEARANCE, box_scene
+from tests.random_scenes import box_scene
 
 _TIMES = 5
 CUBE_PITCHES = (1.3, 0.58, 0.247, 0.113, 0.0658)  # 189 to 1,005,039 nodes

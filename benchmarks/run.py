@@ -70,6 +70,12 @@ def _tab(sizes: Sequence[int], scenes: int) -> list[Row]:
     return [tab.measure(nodes) for nodes in sizes if nodes <= _MAX_TAB_NODES]
 
 
+def _tabs(sizes: Sequence[int], scenes: int) -> list[Row]:
+    from benchmarks import tabs
+
+    return tabs.measure(tabs.COUNTS)
+
+
 def _crowds(sizes: Sequence[int], scenes: int) -> list[Row]:
     from benchmarks import crowds
 
@@ -85,7 +91,8 @@ def _arm(sizes: Sequence[int], scenes: int) -> list[Row]:
 def _shapes(sizes: Sequence[int], scenes: int) -> list[Row]:
     from benchmarks import shapes
 
-    return shapes.measure([nodes for nodes in sizes if nodes <= _MAX_TAB_NODES])
+    rows = shapes.measure([nodes for nodes in sizes if nodes <= _MAX_TAB_NODES])
+    return rows + shapes.measure_rooms()
 
 
 PARTS: dict[str, Callable[[Sequence[int], int], list[Row]]] = {
@@ -94,11 +101,14 @@ PARTS: dict[str, Callable[[Sequence[int], int], list[Row]]] = {
     "browser": _browser,
     "start": _start,
     "tab": _tab,
+    "tabs": _tabs,
     "crowds": _crowds,
     "shapes": _shapes,
+    "arm": _arm,
 }
 """Costs of a drag, lengths over the optimum, latency in the browser, start, cost of a tab,
-drags among many obstacles, and of triangle meshes beside libraries."""
+many tabs that all drag, drags among many obstacles, of triangle meshes beside libraries, and
+plans of the whole arm."""
 
 _NEEDS: dict[str, tuple[str, ...]] = {
     "frames": (),
@@ -106,6 +116,8 @@ _NEEDS: dict[str, tuple[str, ...]] = {
     "browser": ("playwright",),
     "start": ("playwright",),
     "tab": ("playwright",),
+    "tabs": (),
     "crowds": (),
     "shapes": (),
+    "arm": (),
 }
