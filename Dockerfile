@@ -14,7 +14,7 @@ ENV PATH=/opt/abi/bin:$PATH \
     PYTHONUNBUFFERED=1 \
     NUMBA_CACHE_DIR=/home/abi/kernels \
     NUMBA_CPU_NAME=generic
-RUN useradd --create-home --uid 10001 abi
+RUN useradd --create-home --uid 1000 abi
 USER abi
 WORKDIR /home/abi
 RUN python -c "import abi; abi.compile()"

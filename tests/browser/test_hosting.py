@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 import http.client
+import http.server
+import os
 import shutil
 import socket
 import subprocess
-from collections.abc import Iterator
+import threading
+from collections import defaultdict
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import pytest
@@ -14,34 +19,52 @@ from playwright.sync_api import Browser
 
 from app.guard.policy import policy_for
 from app.server import Server, start
+from tests.app.fake_tab import until
 from tests.browser.page import Page
+from tests.ports import free_port
 
 SAMPLE = Path(__file__).parents[2] / "hosting" / "nginx.conf"
 TOKEN = "a secret"
 
 
-def _free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
+@contextmanager
+def _nginx(folder: Path, port: int, replicas: Sequence[int]) -> Iterator[None]:
+    """nginx with the sample's rules on ``port``, before replicas on the ports of this machine."""
+    # Debian keeps it where only root's PATH leads
+    program = shutil.which("nginx", path=f"{os.environ['PATH']}:/usr/sbin")
+    if program is None:
+        pytest.fail("No nginx: 'make test' installs Debian's; 'make check' leaves it out.", False)
+    text = SAMPLE.read_text(encoding="utf-8")
+    servers = " ".join(f"server 127.0.0.1:{replica};" for replica in replicas)
+    assert "server abi:8080;" in text
+    text = text.replace("server abi:8080;", servers)
+    text = text.replace("listen 8000;", f"listen 127.0.0.1:{port};")
+    config = folder / "nginx.conf"
+    config.write_text(text.replace("http {", "http { access_log off;", 1), encoding="utf-8")
+    rules = f"daemon off; pid {folder}/pid; error_log {folder}/errors;"
+    process = subprocess.Popen([program, "-p", folder, "-c", config, "-g", rules])
+    try:
+        until(lambda: _listens(port))
+        yield
+    finally:
+        process.terminate()
+        process.wait(timeout=30)
+
+
+def _listens(port: int) -> bool:
+    with suppress(OSError), socket.create_connection(("127.0.0.1", port), timeout=5):
+        return True
+    return False
 
 
 @pytest.fixture
 def hosted(tmp_path: Path) -> Iterator[tuple[Server, str]]:
     """A server, and its address behind nginx."""
-    port = _free_port()
+    port = free_port()
     public = f"http://127.0.0.1:{port}"
     server = start(port=0, plain=True, policy=policy_for("127.0.0.1", TOKEN, origins=(public,)))
-    text = SAMPLE.read_text(encoding="utf-8")
-    text = text.replace("server abi:8080;", f"server 127.0.0.1:{server.viser.get_port()};")
-    text = text.replace("listen 8000;", f"listen 127.0.0.1:{port};")
-    config = tmp_path / "nginx.conf"
-    config.write_text(text.replace("http {", "http { access_log off;", 1), encoding="utf-8")
-    rules = f"daemon off; pid {tmp_path}/pid; error_log {tmp_path}/errors;"
-    process = subprocess.Popen(["nginx", "-p", tmp_path, "-c", config, "-g", rules])
-    yield server, f"{public}/abi/"
-    process.terminate()
-    process.wait(timeout=30)
+    with _nginx(tmp_path, port, [server.viser.get_port()]):
+        yield server, f"{public}/abi/"
     server.stop()
 
 
@@ -53,7 +76,6 @@ def _status(url: str, path: str) -> int:
     return status
 
 
-@pytest.mark.skipif(shutil.which("nginx") is None, reason="there is no nginx on this machine")
 def test_nginx_shows_the_page_below_a_path(chromium: Browser, hosted: tuple[Server, str]) -> None:
     server, url = hosted
     page = Page(chromium, f"{url}?token={TOKEN}")
@@ -69,3 +91,65 @@ def test_nginx_shows_the_page_below_a_path(chromium: Browser, hosted: tuple[Serv
     assert _status(url, "/abi/") == 401
     assert _status(url, "/abi/metrics") == 404
     page.close()
+
+
+class _Replica(http.server.ThreadingHTTPServer):
+    """Answers every request with its port."""
+
+    def __init__(self) -> None:
+        super().__init__(("127.0.0.1", 0), _Answer)
+        threading.Thread(target=self.serve_forever, daemon=True).start()
+
+    def end(self) -> None:
+        self.shutdown()
+        self.server_close()
+
+
+class _Answer(http.server.BaseHTTPRequestHandler):
+    def do_GET(self) -> None:
+        assert isinstance(self.server, _Replica)
+        text = str(self.server.server_port).encode()
+        self.send_response(200)
+        self.send_header("Content-Length", str(len(text)))
+        self.end_headers()
+        self.wfile.write(text)
+
+    def log_message(self, *args: object) -> None:
+        """Say nothing."""
+
+
+def _visit(port: int, path: str, cookie: str, upgrade: str = "") -> tuple[int, str]:
+    """Port of the replica that answers, and the cookie that it sets."""
+    connection = http.client.HTTPConnection("127.0.0.1", port, timeout=30)
+    headers = {"Cookie": cookie} if cookie else {}
+    connection.request("GET", path, headers=headers | ({"Upgrade": upgrade} if upgrade else {}))
+    response = connection.getresponse()
+    found = int(response.read()), response.getheader("Set-Cookie", "")
+    connection.close()
+    return found
+
+
+def test_each_visitor_stays_with_one_replica_and_all_replicas_have_visitors(
+    tmp_path: Path,
+) -> None:
+    replicas = [_Replica(), _Replica()]
+    ports = [replica.server_port for replica in replicas]
+    port = free_port()
+    visitors: dict[int, list[str]] = defaultdict(list)
+    with _nginx(tmp_path, port, ports):
+        for _ in range(40):  # all from one address, as a class behind its school's router
+            first, cookie = _visit(port, "/abi/", "")
+            place = cookie.partition(";")[0]
+            assert "HttpOnly" in cookie
+            again = [_visit(port, "/abi/", place) for _ in range(3)]
+            again += [_visit(port, "/abi?x=1", place, upgrade="websocket")]
+            assert again == [(first, "")] * 4
+            visitors[first].append(place)
+        assert {*visitors} == {*ports}
+
+        # one is gone: its visitors find the other
+        gone, other = replicas
+        gone.end()
+        for place in visitors[ports[0]]:
+            assert _visit(port, "/abi/", place)[0] == ports[1]
+    other.end()
