@@ -11,6 +11,8 @@
 #   make pictures                            take the pictures of README and documentation anew
 #   make bench ARGS="quality --scenes 10"    measure speed and quality, beside peers where installed
 #   make attack ARGS="--messages 10000"      malformed messages to one tab while another works on
+#   make fuzz ARGS="--files 200"             hostile meshes, arms and scenes to the reader of files
+#   make restarts ARGS="--kills 20"          kill and start the server under a tab, lose nothing
 #   make format                              format the code and mend what the linter can mend
 #   make lock                                lock the dependencies (ARGS=--upgrade: the newest)
 #   make clean                               remove what make made
@@ -24,7 +26,7 @@ PYTEST := $(BIN)/pytest $(PARALLEL)
 COMPILE := $(BIN)/uv pip compile pyproject.toml --no-config --no-header --quiet \
 	--universal --python-version 3.11 --fork-strategy fewest --generate-hashes
 
-.PHONY: run test check quick coverage test-wheel lint docs pictures bench attack format lock clean
+.PHONY: run test check quick coverage test-wheel lint docs pictures bench attack fuzz format lock clean
 .DEFAULT_GOAL := run
 
 $(RUN): requirements.lock pyproject.toml tools/install
@@ -45,6 +47,7 @@ run: $(RUN)
 # what fails beside all the others, as a browser may on a busy machine, is tried once more alone
 test: lint
 	tools/chromium
+	tools/nginx
 	$(PYTEST) $(ARGS) || $(BIN)/pytest --last-failed --last-failed-no-failures none $(ARGS)
 
 check: lint
@@ -81,13 +84,20 @@ bench: $(DEV)
 attack: $(DEV)
 	@$(BIN)/python -m benchmarks.attack $(ARGS)
 
+fuzz: $(DEV)
+	@$(BIN)/python -m benchmarks.fuzz $(ARGS)
+
+restarts: $(DEV)
+	tools/chromium
+	@$(BIN)/python -m benchmarks.restarts $(ARGS)
+
 format: $(DEV)
 	$(BIN)/ruff format
 	$(BIN)/ruff check --fix
 
 lock: $(DEV)
 	$(COMPILE) --group build $(ARGS) --output-file requirements.lock
-	$(COMPILE) --group dev --constraint requirements.lock $(ARGS) --output-file requirements-dev.lock
+	$(COMPILE) --group dev --extra sweep --constraint requirements.lock $(ARGS) --output-file requirements-dev.lock
 	$(COMPILE) --group docs --constraint requirements-dev.lock $(ARGS) --output-file requirements-docs.lock
 	@! grep -nE '://|^ *-[^-]|^--' requirements*.lock || \
 		{ echo "A lock file names a place; it may only hold names, versions and hashes." >&2; exit 1; }
