@@ -16,22 +16,11 @@ from playwright.sync_api import Browser
 from abi.scene.scene import Scene, load_scene
 from tools.visit import Visit, visit
 
-LAYERS = (
-    "workspace",
-    "edges",
-    "obstacles",
-    "a_star",
-    "taut",
-    "bspline",
-    "quadratic",
-    "trace",
-    "arm",
-)
-DRAGGED, MOVED = 36, 44
+DRAGGED, MOVED = 28, 34
 """Frames of the drag, there and back, and of the arm's motion."""
 RISE = 1.5  # how far the obstacle is dragged along z, [unit]
 SIZE = (960, 540)
-FRAME_MS = 70
+FRAME_MS = 90
 STANDING = 0.45  # of the motion: where the arm is during the drag
 QUALITY = 62
 
@@ -53,7 +42,6 @@ _POINTER = """() => {
 def shoot(browser: Browser) -> list[Image.Image]:
     """Take the frames."""
     with visit(browser, scene()) as visited:
-        visited.show(*LAYERS)
         visited.time(STANDING)
         visited.page.tab.evaluate(_POINTER)
         return [*_drag(visited), *_move(visited)]
@@ -81,11 +69,10 @@ def write(frames: list[Image.Image], file: Path) -> None:
 
 
 def _drag(visited: Visit) -> list[Image.Image]:
-    """Pull the obstacle up and down again by an arrow of its gizmo."""
+    """Pull the obstacle up and down again."""
     page, mouse = visited.page, visited.page.tab.mouse
     gizmo = visited.session.panels.obstacles.gizmos[0].name
-    grip = 0.85 * float(page.props(gizmo)["scale"])
-    start, end = page.pixel(gizmo, (0, 0, grip)), page.pixel(gizmo, (0, 0, grip + RISE))
+    start, end = page.pixel(gizmo), page.pixel(gizmo, (0, 0, RISE))
     frames = []
     mouse.move(*start)
     page.frames(3)
@@ -96,7 +83,6 @@ def _drag(visited: Visit) -> list[Image.Image]:
         mouse.move(start[0] + part * (end[0] - start[0]), start[1] + part * (end[1] - start[1]))
         page.frames(2)
         visited.rest()
-        visited.time(STANDING)
         frames.append(visited.picture())
     mouse.up()
     visited.rest()

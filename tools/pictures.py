@@ -26,6 +26,9 @@ WIDE = 1500
 MARGIN = 60
 """What is cut off above and below, [px]."""
 
+_SKY, _FOOT = 160, 125
+"""The same of the heat map, which is small in the middle."""
+
 BASE = ("workspace", "obstacles")
 STAGES: dict[str, tuple[str, ...]] = {
     "stage-1-mesh": (*BASE, "edges", "nodes", "excluded"),
@@ -42,15 +45,17 @@ PAGES: dict[str, tuple[str, str | None]] = {
     "page": ("paper", None),
     "page-two-boxes": ("two-boxes", None),
     "page-scene-tab": ("forest", "Scene"),
-    "page-joints-tab": ("wall-with-window", "Joints"),
+    "page-plots-tab": ("wall-with-window", "Plots"),
     "page-no-way": ("no-way", None),
 }
 """Scene and tab of the pictures that show the whole page."""
+BASES = "find-a-base"
+"""The picture of the bases that were tried, and its scene."""
 
 
 def take(names: list[str], browser: Browser) -> None:
     """Take these pictures, or all; each is written into :data:`FOLDER`."""
-    wanted = names or [*STAGES, *PAGES, "film"]
+    wanted = names or [*STAGES, *PAGES, BASES, "film"]
     FOLDER.mkdir(exist_ok=True)
     if stages := [name for name in wanted if name in STAGES]:
         with visit(browser, stage_scene(), width=WIDE) as visited:
@@ -60,6 +65,8 @@ def take(names: list[str], browser: Browser) -> None:
     for name in wanted:
         if name in PAGES:
             _keep(name, _page(browser, *PAGES[name]))
+    if BASES in wanted:
+        _keep(BASES, _bases(browser))
     if "film" in wanted:
         film.write(film.shoot(browser), FOLDER / "film.webp")
         print("film", flush=True)
@@ -72,7 +79,7 @@ def stage_scene() -> Scene:
 
 def _stand(visited: Visit) -> None:
     """Stand where both boxes and the way between them are seen."""
-    visited.hide_handles()
+    visited.hide_overlay()
     visited.look((0.4, -5.6, 5.4), (3.0, 3.0, 2.6))
     visited.rest()
 
@@ -101,6 +108,28 @@ def _page(browser: Browser, scene: str, tab: str | None) -> Image.Image:
         return visited.picture()
 
 
+def _bases(browser: Browser) -> Image.Image:
+    """The heat map from above, with the arm at the best base."""
+    with visit(browser, BASES, width=WIDE) as visited:
+        session, panel = visited.session, visited.session.panels.stages.bases
+        session.panels.layer_switches.boxes["nodes"].value = False
+        panel.find.value = True
+        visited.follow()
+        visited.page.until(
+            lambda: session.frame.bases is not None and session.frame.bases.is_done, "the bases"
+        )
+        panel.put.value = True
+        visited.follow()
+        visited.page.until(lambda: session.frame.plan.error is None, "a plan")
+        panel.region.shown.value = False
+        visited.hide_overlay()
+        visited.show(*BASE, "bspline", "arm", "bases")
+        visited.look((14.0, -9.0, 19.0), (3.0, 4.0, 0.5))
+        visited.time(UNDERWAY)
+        scene = visited.picture(panels=False)
+        return scene.crop((0, _SKY, scene.width, scene.height - _FOOT))
+
+
 def _keep(name: str, image: Image.Image) -> None:
     image.save(FOLDER / f"{name}.webp", quality=88, method=6)
     print(name, flush=True)
@@ -110,10 +139,10 @@ def main() -> None:
     """Take the pictures that are named."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument(
-        "names", nargs="*", metavar="NAME", help=", ".join([*STAGES, *PAGES, "film"])
+        "names", nargs="*", metavar="NAME", help=", ".join([*STAGES, *PAGES, BASES, "film"])
     )
     names = parser.parse_args().names
-    if unknown := set(names) - {*STAGES, *PAGES, "film"}:
+    if unknown := set(names) - {*STAGES, *PAGES, BASES, "film"}:
         parser.error(f"no picture {sorted(unknown)[0]!r}")
     abi.compile()
     with chromium() as browser:

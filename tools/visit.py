@@ -57,11 +57,9 @@ class Visit:
             self.session.client.camera.position = position
             self.session.client.camera.look_at = at
 
-    def hide_handles(self) -> None:
-        """Take the gizmos away, which no stage is about."""
-        panels = self.session.panels
-        for gizmo in (*panels.obstacles.gizmos, *panels.ends.gizmos.values()):
-            gizmo.scale = 1e-3
+    def hide_overlay(self) -> None:
+        """Take away what is written over the scene, which no stage is about."""
+        self.page.tab.add_style_tag(content="#abi-overlay { display: none !important }")
 
     def follow(self) -> None:
         """Let the session see what was changed, and wait until the page shows it."""
