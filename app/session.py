@@ -216,8 +216,8 @@ class Session:
         idle = self._has_lights and self._compiled and not incomplete and not self._demo.wanted
         if playing is not None:
             return playing
-        if self.panels.stages.bases.running:
-            return FRAME
+        if (portion := self.panels.stages.bases.timeout()) is not None:
+            return portion
         return IDLE if idle else REST
 
     def _update(self) -> None:
@@ -356,6 +356,7 @@ class Session:
             self._diagnose()
         elif self.panels.stages.bases.running:
             self.panels.stages.bases.step(self._scene)
+            self._draw(self.frame)
         elif not self._has_lights and time.monotonic() - self._last_input >= LIGHTS_DELAY:
             self._add_lights()
         elif not self._compiled and compiling.is_done():

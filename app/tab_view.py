@@ -97,7 +97,7 @@ class TabView:
             "other_elbow" in frame.shown or (clearance is not None and clearance.contacts)
         ):
             playing = TICK
-        times = (playing, self.panels.theatre.timeout(), self.panels.stages.bases.timeout())
+        times = (playing, self.panels.theatre.timeout())
         return min((seconds for seconds in times if seconds is not None), default=None)
 
     def _now(self, frame: Frame) -> Frame:

@@ -22,9 +22,7 @@ def test_the_arm_is_put_where_the_way_is_shortest(page: Page, session: Session) 
     page.until(lambda: "/base_region/box" in page.shown(), "the region")
     page.until(lambda: "/bases/tiles" in page.shown(), "the heat map")
     page.reads("Put the arm here")
-    page.until(
-        lambda: session.frame.bases is not None and session.frame.bases.is_done, "its end", 150
-    )
+    page.until(lambda: session.frame.bases is not None and session.frame.bases.is_done, "its end")
     found = session.frame.bases
     assert found is not None
     assert found.best is not None
