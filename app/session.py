@@ -211,14 +211,13 @@ class Session:
         """Time to wait for input, [s]."""
         if self._broken:
             return IDLE
-        playing = FRAME if self._demo.running else self._view.timeout(self.frame)
+        if self._demo.running:
+            return FRAME
         incomplete = self.frame.interactive or self.frame.partial or self._undiagnosed()
         idle = self._has_lights and self._compiled and not incomplete and not self._demo.wanted
-        if playing is not None:
-            return playing
-        if (portion := self.panels.stages.bases.timeout()) is not None:
-            return portion
-        return IDLE if idle else REST
+        pending = (self._view.timeout(self.frame), self.panels.stages.bases.timeout())
+        due = [seconds for seconds in pending if seconds is not None]
+        return min(due, default=IDLE if idle else REST)
 
     def _update(self) -> None:
         """Plan and draw what the panels show."""
