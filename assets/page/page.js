@@ -97,31 +97,49 @@ window.abi = {
   // A click into a plot over time goes to that time; a drag stays uplot's.
   pressed: null,
   plotPressed(event) {
-    this.pressed = event.target.closest(".u-over") ? event.clientX : null;
+    const over = event.target.closest?.(".u-over");
+    this.pressed = over ? {over, x: event.clientX} : null;
   },
   plotClicked(event) {
     const over = event.target.closest(".u-over"), slider = document.querySelector("#abi-overlay input[type=range]");
-    if (!over || !slider || this.pressed === null || Math.abs(event.clientX - this.pressed) > 3) return;
+    if (!over || !slider || this.pressed === null || Math.abs(event.clientX - this.pressed.x) > 3) return;
     const box = over.getBoundingClientRect(), left = event.clientX - box.left;
-    const plots = Object.values(window.__viserTestpoints?.uplots ?? {});
-    const chart = plots.find(plot => plot.chart?.over === over)?.chart;
+    const chart = this.charts().find(chart => chart.over === over);
     if (chart && chart.series[0].label !== "t") return;
     const time = chart ? chart.posToVal(left, "x") : left / box.width * Number(slider.max);
     this.send(slider.dataset.set, Math.min(Math.max(time, 0), Number(slider.max)));
   },
 
-  // A chart that viser makes anew in a bad moment has its data but no scale, and shows nothing.
+  // viser keeps the part of a chart that was seen, also where nobody chose one: data that come twice
+  // in a moment leave a part, and a chart made anew in a bad moment has no scale at all. Here a chart
+  // shows all of its data until a hand has drawn a part of it out, and again after a double click.
+  zoomed: new WeakSet(),
+  plotReleased(event) {
+    if (this.pressed === null) return;
+    const chart = this.charts().find(({over}) => over === this.pressed.over);
+    if (chart && Math.abs(event.clientX - this.pressed.x) > 3) this.zoomed.add(chart);
+  },
+  plotReset(event) {
+    const over = event.target.closest?.(".u-over");
+    this.zoomed.delete(this.charts().find(chart => chart.over === over));
+  },
+  charts() {
+    return Object.values(window.__viserTestpoints?.uplots ?? {}).map(({chart}) => chart).filter(Boolean);
+  },
   mendCharts() {
-    for (const {chart} of Object.values(window.__viserTestpoints?.uplots ?? {})) {
-      if (chart.scales.x.min == null && chart.data[0]?.length) chart.setData(chart.data);
+    for (const chart of this.charts()) {
+      const [first, last] = [chart.data[0]?.[0], chart.data[0]?.at(-1)], {min, max} = chart.scales.x;
+      if (first === undefined || (min != null && this.zoomed.has(chart))) continue;
+      if (min == null) chart.setData(chart.data);
+      else if (last > first && (min !== first || max !== last)) chart.setScale("x", {min: first, max: last});
     }
     this.mark();
   },
 
   // The upright line at the time shown, in every plot over time that is seen.
   mark() {
-    for (const {chart} of Object.values(window.__viserTestpoints?.uplots ?? {})) {
-      if (chart?.series[0].label !== "t" || !chart.over.clientWidth) continue;
+    for (const chart of this.charts()) {
+      if (chart.series[0].label !== "t" || !chart.over.clientWidth) continue;
       let line = chart.over.querySelector(".abi-now");
       if (!line) {
         line = document.createElement("div");
@@ -241,7 +259,9 @@ window.abi = {
 
 window.abiListeners?.abort();
 window.abiListeners = new AbortController();
-for (const [name, call] of [["pointerdown", "plotPressed"], ["click", "plotClicked"]]) {
+for (const [name, call] of Object.entries({
+  pointerdown: "plotPressed", pointerup: "plotReleased", click: "plotClicked", dblclick: "plotReset",
+})) {
   const options = {capture: true, signal: window.abiListeners.signal};
   document.addEventListener(name, event => window.abi[call](event), options);
 }

@@ -1,0 +1,48 @@
+"""Plots show all of their data, whatever scene came before, and what a hand draws out of them."""
+
+from __future__ import annotations
+
+import pytest
+
+from app.session import Session
+from tests.browser.page import Page
+
+_ENDS = """() => Object.values(window.__viserTestpoints.uplots).map(({chart}) => chart)
+  .filter(chart => chart.over.clientWidth)
+  .map(({scales, data}) => [scales.x.min, scales.x.max, data[0][0], data[0].at(-1)])"""
+
+
+def _ends(page: Page) -> tuple[float, float, float, float]:
+    """What the first plot shows, and its data: from, to, from, to, [s]."""
+    page.until(lambda: bool(page.tab.evaluate(_ENDS)), "a plot")
+    low, high, first, last = page.tab.evaluate(_ENDS)[0]
+    return (low, high, first, last)
+
+
+def _is_whole(page: Page, duration: float) -> bool:
+    low, high, first, last = _ends(page)
+    return low == first == 0 and high == last == pytest.approx(duration)
+
+
+def test_the_time_axis_follows_the_motion(page: Page, session: Session) -> None:
+    for name in ("arm-in-the-way", "kitchen-ur5e", "paper"):
+        page.click("Scene")
+        page.choose("scene", name)
+        page.until(lambda: session.resting and session.panels.files.name == name, name)  # noqa: B023
+        page.click("Result")
+        page.until(lambda: _is_whole(page, session.frame.duration), "the whole motion")
+
+    box = page.tab.locator(".u-over").first.bounding_box()
+    assert box is not None
+    y = box["y"] + box["height"] / 2
+    page.tab.mouse.move(box["x"] + 0.5 * box["width"], y)
+    page.tab.mouse.down()
+    page.tab.mouse.move(box["x"] + 0.8 * box["width"], y, steps=4)
+    page.tab.mouse.up()
+    duration = session.frame.duration
+    page.until(lambda: 0.4 * duration < _ends(page)[0] < 0.6 * duration, "the part drawn out")
+    page.tab.wait_for_timeout(1000)
+    assert 0.7 * duration < _ends(page)[1] < 0.9 * duration, "it stays"
+    page.tab.mouse.dblclick(box["x"] + 0.5 * box["width"], y)
+    page.until(lambda: _is_whole(page, duration), "the whole motion again")
+    assert not page.errors
