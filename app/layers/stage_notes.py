@@ -74,7 +74,7 @@ def _control_points(plan: Plan) -> str:
         return ""
     moved = f", {spline.moved} moved" if spline.moved else ""
     return (
-        f"{style.BOX}{spline.inserted} control points added{moved} to stay clear "
+        f"{style.BOX}{spline.inserted} points added{moved} to stay clear "
         f"({len(spline.control_points)} now).</div>"
     )
 
