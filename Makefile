@@ -44,11 +44,10 @@ $(DOCS): requirements-docs.lock pyproject.toml tools/install
 run: $(RUN)
 	@$(BIN)/abi serve $(ARGS)
 
-# what fails beside all the others, as a browser may on a busy machine, is tried once more alone
 test: lint
 	tools/chromium
 	tools/nginx
-	$(PYTEST) $(ARGS) || $(BIN)/pytest --last-failed --last-failed-no-failures none $(ARGS)
+	$(PYTEST) $(ARGS)
 
 check: lint
 	$(PYTEST) -m "not browser" $(ARGS)

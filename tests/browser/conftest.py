@@ -29,6 +29,8 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
         if _HERE in item.path.parents:
             item.add_marker(pytest.mark.browser)
             item.add_marker(pytest.mark.xdist_group("browser"))
+            # beside all the others a software renderer may be slower than any patience
+            item.add_marker(pytest.mark.flaky(reruns=1))
 
 
 def _executable() -> str:
