@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import os
 import socket
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import viser
@@ -14,6 +15,23 @@ if TYPE_CHECKING:
 
 _ANY_ADDRESS = {"0.0.0.0": "127.0.0.1", "::": "[::1]"}
 """Addresses that stand for all of this machine's, each with one that a browser can open."""
+
+
+@dataclass(frozen=True)
+class Address:
+    """Where a server listens.
+
+    Attributes:
+        host: a name or an address of this machine.
+        port: 0 takes any free one.
+        shared: whether other processes listen on the same port.
+        joins: whether one of them does already.
+    """
+
+    host: str = "127.0.0.1"
+    port: int = 8080
+    shared: bool = False
+    joins: bool = False
 
 
 def usable_address(host: str, port: int, shared: bool = False) -> str:

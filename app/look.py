@@ -18,3 +18,7 @@ class Look:
     plain: bool = False
     dark: bool | None = None
     demo: bool = False
+
+
+PLAIN = Look(plain=True)
+"""For slow graphics and tests."""

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 import viser
 
 from app import page
-from app.address import ensure_port, listening_url, usable_address
+from app.address import Address, ensure_port, listening_url, usable_address
 from app.guard import guarded_server, token
 from app.guard.guard import Guard
 from app.guard.policy import Policy, policy_for
@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from app.warm_up import WarmUp
 
 PAPER = "paper"
+_ADDRESS, _AS_THE_SYSTEM = Address(), Look()
 _FAREWELL = 0.2
 """Seconds in which the tabs are told that the server stops."""
 
@@ -53,22 +54,20 @@ class Server:
 
     def __init__(
         self,
-        host: str,
-        port: int,
-        look: Look,
+        address: Address,
+        look: Look = _AS_THE_SYSTEM,
         policy: Policy | None = None,
-        shared: bool = False,
-        joins: bool = False,
     ) -> None:
-        """Open the port, ``shared`` with other processes; ``joins``: one has it already."""
+        """Open the port; ``policy`` as for :func:`start`."""
         self._look = look
         self._lock = threading.Lock()
         self.sessions: dict[int, Session] = {}
         self.classroom: Classroom | None = None
+        host, port, joins = address.host, address.port, address.joins
         self.guard = Guard(policy or policy_for(host))
-        address = usable_address(host, port, joins)
+        usable = usable_address(host, port, joins)
         self.viser = guarded_server.build(
-            self.guard, address, port, "ABI visualiser", shared or joins
+            self.guard, usable, port, "ABI visualiser", address.shared or joins
         )
         ensure_port(self.viser, port)
         page.disable_sharing(self.viser)
@@ -134,37 +133,27 @@ class Server:
 
 
 def start(
-    host: str = "127.0.0.1",
-    port: int = 8080,
+    address: Address = _ADDRESS,
     scene: str = PAPER,
-    plain: bool = False,
-    dark: bool | None = None,
-    demo: bool = False,
-    announce: Callable[[str], object] = lambda url: None,
+    look: Look = _AS_THE_SYSTEM,
     policy: Policy | None = None,
     lessons: Path | None = None,
     classroom: Classroom | None = None,
-    shared: bool = False,
-    joins: bool = False,
+    announce: Callable[[str], object] = lambda url: None,
 ) -> Server:
     """Start serving and return at once.
 
     Args:
-        host: address to listen on.
-        port: 0 takes any free one.
+        address: where to listen.
         scene: a shipped scene's name or a scene file.
-        plain: no shadows and no environment map, for slow graphics and tests.
-        dark: whether a new tab begins dark; None for as the system has it.
-        demo: whether the obstacle of a new tab moves by itself until the first touch.
-        announce: called with the link as soon as there is a page to load.
+        look: how a new tab begins.
+        policy: rules for visitors; by default those of :func:`app.guard.policy.policy_for`.
         lessons: a folder with lessons of one's own, besides the shipped ones.
         classroom: the class that its tabs join; None for tabs that know nothing of each other.
-        shared: whether other processes listen on the same port.
-        joins: whether one of them does already.
-        policy: rules for visitors; by default those of :func:`app.guard.policy.policy_for`.
+        announce: called with the link as soon as there is a page to load.
 
     Raises:
-        AbiError: the scene or a lesson cannot be read, ``host`` is no address of this machine, or
+        AbiError: the scene or a lesson cannot be read, the host is no address of this machine, or
             another program has the port.
     """
     # a tab may close in the middle of a frame; its session ends right after
@@ -174,7 +163,7 @@ def start(
     # a file that may be wrong is read before there is a page
     loaded = None if scene == PAPER else _load(scene)
     lesson_library = _library(lessons)
-    server = Server(host, port, Look(plain, dark, demo), policy, shared, joins)
+    server = Server(address, look, policy)
     server.classroom = classroom
     announce(server.link)
     server.show(scene, loaded or _load(scene), lesson_library)

@@ -18,7 +18,9 @@ import msgspec
 import numpy as np
 from websockets.exceptions import WebSocketException
 
+from app.address import Address
 from app.guard.connection import MAX_REFUSED
+from app.look import PLAIN
 from app.server import start
 from app.session import Session
 from tests.app.fake_tab import CAMERA, FakeTab, until
@@ -36,7 +38,7 @@ def attack(messages: int, seed: int = 0) -> dict[str, Any]:
         the ``median_ms``, ``p99_ms`` and ``worst_ms`` from an input to its plan, beside the
         ``calm_ms`` that is the median before the attack; ``faults`` that it met.
     """
-    server = start(port=0, plain=True)
+    server = start(Address(port=0), look=PLAIN)
     worker = FakeTab(server.url)
     until(lambda: bool(server.sessions))
     (session,) = server.sessions.values()

@@ -24,6 +24,8 @@ import numpy as np
 from playwright.sync_api import Browser, sync_playwright
 
 from abi.scene.scene import Scene, load_scene
+from app.address import Address
+from app.look import PLAIN
 from app.server import start
 from app.session import Session
 from tests.browser.page import FLAGS, Page
@@ -119,7 +121,7 @@ def _tab(scene: Scene, browser: Browser) -> Iterator[tuple[Page, Session]]:
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "scene.json"
         scene.save(file)
-        server = start(port=0, scene=str(file), plain=True)
+        server = start(Address(port=0), scene=str(file), look=PLAIN)
     page = Page(browser, server.url)
     try:
         page.until(lambda: len(server.sessions) == 1, "a session")

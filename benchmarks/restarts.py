@@ -27,6 +27,8 @@ from typing import Any
 from playwright.sync_api import Browser
 
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
+from app.address import Address
+from app.look import PLAIN
 from app.tab_state import TabState
 from benchmarks.browser import chromium
 from tests.browser.page import Page
@@ -105,7 +107,7 @@ def _serve(port: int, told: int) -> None:
     """The forked process: serve until killed."""
     from app.server import start
 
-    start(host="127.0.0.1", port=port, plain=True)
+    start(Address(port=port), look=PLAIN)
     os.write(told, b"1")
     while True:
         signal.pause()

@@ -18,6 +18,8 @@ from typing import Any
 
 import numpy as np
 
+from app.address import Address
+from app.look import PLAIN
 from app.server import start
 from benchmarks.browser import scene_with
 from tests.app.fake_tab import FakeTab
@@ -41,7 +43,7 @@ def measure(nodes: int) -> dict[str, Any]:
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "scene.json"
         scene.save(file)
-        server = start(port=0, scene=str(file), plain=True)
+        server = start(Address(port=0), scene=str(file), look=PLAIN)
     tabs: list[FakeTab] = []
 
     def open_tab() -> None:

@@ -14,6 +14,8 @@ from playwright.sync_api import Browser
 
 from abi.scene.scene import Scene
 from app import style
+from app.address import Address
+from app.look import Look
 from app.server import Server, start
 from app.session import Session
 from tests.browser.page import Page
@@ -106,8 +108,8 @@ def visit(browser: Browser, scene: Scene | str, width: int = WIDTH) -> Iterator[
 
 def _server(scene: Scene | str) -> Server:
     if isinstance(scene, str):
-        return start(port=0, scene=scene, plain=True, dark=True)
+        return start(Address(port=0), scene=scene, look=Look(plain=True, dark=True))
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "scene.json"
         scene.save(file)
-        return start(port=0, scene=str(file), plain=True, dark=True)
+        return start(Address(port=0), scene=str(file), look=Look(plain=True, dark=True))

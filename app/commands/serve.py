@@ -12,9 +12,11 @@ from typing import Any
 
 import click
 
+from app.address import Address
 from app.classroom import Classroom
 from app.guard.policy import MAX_TABS, Policy, policy_for
 from app.logs import LEVELS, configure
+from app.look import Look
 from app.workers import Workers, are_possible, end_with_starter
 
 _PERIOD = 1.0
@@ -105,20 +107,8 @@ def serve(
     helpers = _workers(workers, classroom)
     room = Classroom() if classroom else None
     announce = functools.partial(_announce, open_tab, room)
-    server = start(
-        host=host,
-        port=port,
-        scene=scene,
-        plain=plain,
-        dark=dark,
-        demo=demo,
-        announce=announce,
-        policy=policy,
-        lessons=lessons,
-        classroom=room,
-        shared=workers > 1,
-        joins=joins,
-    )
+    address = Address(host, port, workers > 1, joins)
+    server = start(address, scene, Look(plain, dark, demo), policy, lessons, room, announce)
     options = {"plain": plain, "dark": dark, "demo": demo, "lessons": lessons, **visitors}
     place = {"host": host, "port": server.viser.get_port(), "log_level": log_level}
     helpers.start(_arguments(scene, **place, **options), policy.token)

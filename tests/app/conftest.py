@@ -5,6 +5,8 @@ from collections.abc import Iterator
 import pytest
 
 from app import tab_memory
+from app.address import Address
+from app.look import PLAIN
 from app.server import Server, start
 from app.session import Session
 from tests.app.fake_tab import FakeTab, until
@@ -18,7 +20,7 @@ def no_report() -> None:
 
 @pytest.fixture(scope="module")
 def server() -> Iterator[Server]:
-    running = start(port=0, plain=True)
+    running = start(Address(port=0), look=PLAIN)
     yield running
     running.stop()
 

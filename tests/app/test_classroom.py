@@ -5,7 +5,9 @@ from collections.abc import Iterator
 
 import pytest
 
+from app.address import Address
 from app.classroom import MAX_CHOICES, Classroom
+from app.look import PLAIN
 from app.panels.classroom import ClassroomPanel, bars
 from app.server import Server, start
 from app.session import Session
@@ -15,7 +17,7 @@ from tests.app.fake_tab import FakeTab, until
 @pytest.fixture(scope="module")
 def room() -> Iterator[tuple[Server, Classroom]]:
     classroom = Classroom()
-    running = start(port=0, plain=True, classroom=classroom)
+    running = start(Address(port=0), classroom=classroom, look=PLAIN)
     yield running, classroom
     running.stop()
 

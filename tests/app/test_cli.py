@@ -15,9 +15,10 @@ from abi.scene.scene import scene_names
 from abi.search.compare import COMPARED
 from abi.search.search import SEARCHES
 from app.__main__ import main
+from app.address import Address
 from app.commands.exit_code import INCOMPLETE
 from app.guard.policy import policy_for
-from app.look import Look
+from app.look import PLAIN
 from app.server import Server
 
 
@@ -222,7 +223,7 @@ def test_verify_looks_beside_the_plan_first_and_names_the_option(
 def test_the_address_shown_is_one_that_answers(host: str, shown: str) -> None:
     try:
         policy = policy_for(host, needs_token=False)
-        server = Server(host, 0, look=Look(plain=True), policy=policy)
+        server = Server(Address(host, 0), PLAIN, policy)
     except AbiError:
         assert ":" in host, "every machine has IPv4"
         pytest.skip("no IPv6 here")
@@ -247,7 +248,7 @@ def test_a_name_with_an_address_elsewhere_is_served_on_the_one_here(
         return [(*kind, (host, port)) for host in hosts]
 
     monkeypatch.setattr(socket, "getaddrinfo", found)
-    server = Server("name.invalid", 0, look=Look(plain=True))
+    server = Server(Address("name.invalid", 0))
     try:
         assert server.viser.get_host() == listening
         assert server.url == f"http://name.invalid:{server.viser.get_port()}"

@@ -13,11 +13,13 @@ import viser
 
 from abi import load_scene, plan
 from abi.scene.scene import Scene
+from app.address import Address
 from app.frame import Frame
 from app.layers.arm import ArmLayer
 from app.layers.mesh import MeshLayer
 from app.layers.plots import PlotsLayer
 from app.layers.workspace import WorkspaceLayer
+from app.look import PLAIN
 from app.server import Server, start
 from app.session import Session
 from app.tab_view import SWITCHES
@@ -79,7 +81,7 @@ def test_an_arm_of_any_size_is_drawn_whole(tmp_path: Path, scene: dict[str, obje
     path = tmp_path / "scene.yaml"
     scene_of_arm = Scene.from_dict({"version": 1, **scene})
     scene_of_arm.save(path)
-    server = start(port=0, plain=True, scene=str(path))
+    server = start(Address(port=0), scene=str(path), look=PLAIN)
     try:
         fake = FakeTab(server.url)
         until(lambda: any(session.plans for session in list(server.sessions.values())))

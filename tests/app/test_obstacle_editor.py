@@ -14,8 +14,10 @@ import viser
 from abi import compiling
 from abi.scene.scene import Scene, load_scene
 from abi.scene.scene_file import dump
+from app.address import Address
 from app.layers.arm import ArmLayer
 from app.layers.plots import PlotsLayer
+from app.look import PLAIN
 from app.server import start
 from app.session import Session
 from tests.abi import meshes
@@ -36,7 +38,7 @@ MILLIMETRES = {
 @contextmanager
 def served(path: Path) -> Iterator[tuple[FakeTab, Session]]:
     """A tab on a scene file."""
-    running = start(port=0, plain=True, scene=str(path))
+    running = start(Address(port=0), scene=str(path), look=PLAIN)
     fake = FakeTab(running.url)
     until(lambda: bool(running.sessions))
     (session,) = running.sessions.values()

@@ -11,6 +11,7 @@ import viser
 
 from abi.export.formats import FORMATS
 from abi.scene.scene import load_scene
+from app.address import Address
 from app.layers.arm import ArmLayer
 from app.server import Server, start
 from app.session import Session
@@ -212,7 +213,7 @@ def test_surroundings_come_once_after_the_first_plan(monkeypatch: pytest.MonkeyP
         calls.append((hdri, any(session.plan is not None for session in sessions.values())))
 
     monkeypatch.setattr(viser.SceneApi, "configure_environment_map", configure)
-    running = start(port=0)
+    running = start(Address(port=0))
     sessions = running.sessions
     fake = FakeTab(running.url)
     until(lambda: len(calls) == 2)

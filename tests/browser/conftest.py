@@ -10,6 +10,8 @@ from playwright.sync_api import Browser, sync_playwright
 
 import abi
 from abi.scene.scene import load_scene
+from app.address import Address
+from app.look import PLAIN
 from app.server import Server, start
 from app.session import Session
 from app.tab_view import SWITCHES
@@ -57,7 +59,7 @@ def chromium() -> Iterator[Browser]:
 def server() -> Iterator[Server]:
     # when it is ready the tabs plan anew: in the middle of whatever a test looks at
     abi.compile()
-    server = start(host="127.0.0.1", port=0, plain=True)
+    server = start(Address(port=0), look=PLAIN)
     yield server
     server.stop()
 

@@ -7,14 +7,16 @@ from collections.abc import Iterator
 import pytest
 from playwright.sync_api import Browser
 
+from app.address import Address
 from app.guard.policy import policy_for
+from app.look import PLAIN
 from app.server import Server, start
 from tests.browser.page import Page
 
 
 @pytest.fixture
 def locked() -> Iterator[Server]:
-    running = start(port=0, plain=True, policy=policy_for("127.0.0.1", "open sesame"))
+    running = start(Address(port=0), policy=policy_for("127.0.0.1", "open sesame"), look=PLAIN)
     yield running
     running.stop()
 

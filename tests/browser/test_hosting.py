@@ -17,7 +17,9 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser
 
+from app.address import Address
 from app.guard.policy import policy_for
+from app.look import PLAIN
 from app.server import Server, start
 from tests.app.fake_tab import until
 from tests.browser.page import Page
@@ -62,7 +64,11 @@ def hosted(tmp_path: Path) -> Iterator[tuple[Server, str]]:
     """A server, and its address behind nginx."""
     port = free_port()
     public = f"http://127.0.0.1:{port}"
-    server = start(port=0, plain=True, policy=policy_for("127.0.0.1", TOKEN, origins=(public,)))
+    server = start(
+        Address(port=0),
+        policy=policy_for("127.0.0.1", TOKEN, origins=(public,)),
+        look=PLAIN,
+    )
     with _nginx(tmp_path, port, [server.viser.get_port()]):
         yield server, f"{public}/abi/"
     server.stop()

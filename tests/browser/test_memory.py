@@ -7,6 +7,8 @@ import pytest
 from playwright.sync_api import Browser
 
 import abi
+from app.address import Address
+from app.look import PLAIN
 from app.server import Server, start
 from app.session import Session
 from tests.abi import meshes
@@ -72,7 +74,7 @@ def test_reload_and_back_and_a_link_bring_everything_back(tabs: Tabs, server: Se
 
 
 def test_another_server_at_the_same_address_shows_the_same(chromium: Browser) -> None:
-    server = start(host="127.0.0.1", port=0, plain=True)
+    server = start(Address(port=0), look=PLAIN)
     page = Page(chromium, server.url + "/")
     try:
         page.until(lambda: bool(server.sessions), "a session")
@@ -82,7 +84,7 @@ def test_another_server_at_the_same_address_shows_the_same(chromium: Browser) ->
         camera = np.array(session.client.camera.position)
         port = server.viser.get_port()
         server.stop()
-        server = start(host="127.0.0.1", port=port, plain=True)
+        server = start(Address(port=port), look=PLAIN)
         page.until(lambda: bool(server.sessions), "the page to connect again")
         (session,) = server.sessions.values()
         _is_back(page, session, scene, camera)

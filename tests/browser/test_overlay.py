@@ -7,6 +7,8 @@ import pytest
 from playwright.sync_api import Browser
 
 import abi
+from app.address import Address
+from app.look import Look
 from app.panels.lecture import STAGES
 from app.panels.tour import STEPS
 from app.server import start
@@ -55,7 +57,7 @@ def test_in_a_lecture_the_scene_is_alone_and_in_large_letters(page: Page, sessio
 @pytest.mark.parametrize("touched", ["a button", "the obstacle"])
 def test_the_demonstration_ends_at_the_first_touch(chromium: Browser, touched: str) -> None:
     paper = abi.load_scene("paper")
-    server = start(port=0, plain=True, demo=True)
+    server = start(Address(port=0), look=Look(plain=True, demo=True))
     page = Page(chromium, server.url + "/?demo=1")
     try:
         page.until(lambda: bool(server.sessions), "a session")

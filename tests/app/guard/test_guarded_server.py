@@ -14,9 +14,11 @@ import pytest
 from websockets.exceptions import InvalidStatus
 
 from abi.errors import AbiError
+from app.address import Address
 from app.guard import token
 from app.guard.connection import MAX_REFUSED
 from app.guard.policy import policy_for
+from app.look import PLAIN
 from app.server import Server, start
 from app.session import Session
 from tests.app.fake_tab import FakeTab, until
@@ -34,7 +36,7 @@ HEADERS = (
 @pytest.fixture(scope="module")
 def locked() -> Iterator[Server]:
     """A server that needs a token and takes two tabs."""
-    running = start(port=0, plain=True, policy=policy_for("127.0.0.1", TOKEN, max_tabs=2))
+    running = start(Address(port=0), policy=policy_for("127.0.0.1", TOKEN, max_tabs=2), look=PLAIN)
     yield running
     running.stop()
 
@@ -211,10 +213,10 @@ def test_a_file_that_no_button_takes_is_not_stored(tab: tuple[FakeTab, Session])
 def test_a_busy_port_ends_with_a_sentence(server: Server) -> None:
     port = server.viser.get_port()
     with pytest.raises(AbiError, match=f"--port is {port}, which another program uses"):
-        start(port=port)
+        start(Address(port=port))
     with socket.socket() as busy:
         busy.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         busy.bind(("127.0.0.1", 65535))
         busy.listen()
         with pytest.raises(AbiError, match="65535"):
-            start(port=65535)
+            start(Address(port=65535))
