@@ -15,15 +15,18 @@ from app.camera import View, Viewpoint
 from app.classroom import Classroom
 from app.demo import FRAME
 from app.frame import Drawable, Frame, Switchable
-from app.layers.catalogue import LAYERS, SLOW_LAYERS
+from app.layers.catalogue import DETAILS, LAYERS, SLOW_LAYERS
+from app.layers.details import Details
 from app.lessons.cue import Cue
 from app.lessons.lesson import Library
 from app.panels.all_panels import AllPanels
 from app.panels.classroom import ClassroomPanel
 from app.panels.obstacle_gizmos import ObstacleGizmos
 from app.panels.playback import PlaybackPanel
+from app.panels.stage_headers import StageHeaders
 from app.panels.widgets import Wake
 from app.tab_state import TabState
+from app.turns import TURNS
 
 TICK = 0.25
 """Seconds after which links that touch are red, and the arm's ghost follows, while it plays."""
@@ -32,6 +35,7 @@ _FACED = 40
 _SWITCHABLE: tuple[type[Switchable], ...] = (*LAYERS, ObstacleGizmos, *SLOW_LAYERS)
 SWITCHES = tuple(switch for part in _SWITCHABLE for switch in part.switches)
 """Entries of the legend."""
+_DETAILS = (*DETAILS, StageHeaders)
 
 
 class TabView:
@@ -63,8 +67,11 @@ class TabView:
         with self.panels.layout.result:
             self.playback = PlaybackPanel(client.gui, self.panels.layout.overlay, wake)
         self.layers = (*layers, *slow_layers)
+        drawn = (*self.panels.drawn, *layers)
+        details = [part for part in drawn if isinstance(part, _DETAILS)]
+        others = [part for part in drawn if not isinstance(part, _DETAILS)]
         self.parts: tuple[tuple[Drawable, ...], ...] = (
-            (*self.panels.drawn, *layers),
+            (*others, Details(details, lambda: TURNS.waiting)),
             tuple(slow_layers),
         )
 

@@ -46,5 +46,7 @@ LAYERS = (
     BaseMapLayer,
     NamesLayer,
 )
+DETAILS = (TablesLayer, StageNotesLayer, PlotsLayer, MeshLayer, NamesLayer)
+"""Layers that a drag can do without for a moment while many tabs drag."""
 SLOW_LAYERS = (ArmLayer, UrdfArmLayer, ArmGhostsLayer, ArmRegionsLayer, LessonLayer)
 """Sent in a message of their own: the page takes longer to show them than all the others."""

@@ -1,0 +1,39 @@
+"""What may lag behind a drag while many other tabs want the processor, too."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterable
+
+from app.frame import Drawable, Frame
+
+PAUSE = 0.1
+"""Seconds between two drawings for each tab that waits."""
+LONGEST = 1.0
+"""Seconds between two drawings at the most."""
+
+
+class Details:
+    """Layers that are drawn with every frame unless a crowd waits, and always once the hand rests.
+
+    Attributes:
+        parts: the layers, in the order in which they are drawn.
+    """
+
+    def __init__(self, parts: Iterable[Drawable], waiting: Callable[[], int]) -> None:
+        """Draw ``parts``; ``waiting()`` is how many other tabs wait for their turn."""
+        self.parts = tuple(parts)
+        self._waiting = waiting
+        self._drawn = -LONGEST
+        self._shown: tuple[object, ...] = ()
+
+    def draw(self, frame: Frame) -> None:
+        """Draw all parts, or none while their last picture will do for another moment."""
+        shown = frame.shown, frame.mesh_view, frame.refused
+        pause = min(PAUSE * self._waiting(), LONGEST)
+        waits = frame.interactive and shown == self._shown
+        if waits and time.monotonic() - self._drawn < pause:
+            return
+        self._drawn, self._shown = time.monotonic(), shown
+        for part in self.parts:
+            part.draw(frame)
