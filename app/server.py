@@ -184,8 +184,17 @@ def _library(folder: Path | None) -> Library:
     return library(folder)
 
 
-@functools.cache
+_reading = threading.Lock()
+
+
 def _shipped_lessons() -> Lessons:
+    """The lessons that come along, read once: tabs that open together wait for the first."""
+    with _reading:
+        return _read_lessons()
+
+
+@functools.cache
+def _read_lessons() -> Lessons:
     from app.lessons.lesson import load_lessons
 
     return load_lessons()

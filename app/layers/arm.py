@@ -1,20 +1,14 @@
-"""The paper's arm, drawn from its URDF, and the trace that the tool of any arm leaves.
-
-What reads a URDF takes long to import; it is imported when there is an arm to draw.
-"""
+"""The paper's arm, drawn from its URDF, and the trace that the tool of any arm leaves."""
 
 from __future__ import annotations
 
-import functools
-import io
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 import viser
 import viser.transforms
 
-from abi import assets
 from abi.arm.arm import JOINTS, Arm, urdf
 from abi.arm.trajectory import ArmMotion, rest_pose
 from abi.arm.urdf_arm import UrdfArm
@@ -23,14 +17,10 @@ from abi.planner.plan import Plan
 from app import style
 from app.frame import Frame, Switch
 from app.layers.arm_playback import ArmPlayback, JointPose, samples_of
+from app.layers.arm_solids import ArmSolids, Solid, arm_solids, shipped_urdf
 from app.layers.lines import NO_SEGMENTS, Segments, add_line, segments
 from app.layout import Layout
 
-if TYPE_CHECKING:
-    import trimesh
-    import yourdfpy
-
-_SHIPPED_FILE = assets.path("urdf", "abi.urdf")
 _TRACE_SAMPLES = 100
 _REACH = 100.0  # [m], since loading drops faces as small as those of a short arm may be
 
@@ -99,7 +89,7 @@ class ArmLayer:
         self._posed: object = None
         self._meshes: dict[str, viser.GlbHandle] = {}
         self._red: dict[str, viser.GlbHandle] = {}
-        self._solids: dict[str, trimesh.Trimesh] = {}
+        self._solids: dict[str, Solid] = {}
         self._names: dict[str, str] = {}
         self._touching: frozenset[str] = frozenset()
         self._trace = add_line(self._scene, "/trace", style.TRACE, 4.0)
@@ -125,11 +115,11 @@ class ArmLayer:
         """Put the arm on its base; build it anew when its links changed."""
         self._base.position = arm.base
         text, scale = urdf(arm), 1 / arm.metres
-        if text != _shipped_urdf():
+        if text != shipped_urdf():
             factor = _REACH / (arm.a1 + arm.a2 + arm.a3 + arm.a4 + arm.a5)
             text, scale = urdf(arm, factor), 1 / factor
         if self._built != (text, scale):
-            self._build(_load(text), scale)
+            self._build(arm_solids(text, scale))
             self._built = text, scale
         self._arm = arm
 
@@ -171,8 +161,8 @@ class ArmLayer:
         for link, mesh in self._meshes.items():
             touching = link in links
             if touching and link not in self._red:
-                solid = _reddened(self._solids[link])
-                self._red[link] = self._scene.add_mesh_trimesh(f"{self._names[link]}/red", solid)
+                red = self._solids[link].red
+                self._red[link] = self._scene.add_glb(f"{self._names[link]}/red", red)
             if link in self._red:
                 self._red[link].visible = touching
             mesh.visible = not touching
@@ -181,35 +171,32 @@ class ArmLayer:
         for node in self._joint_nodes:
             node.move(positions)
 
-    def _build(self, robot: yourdfpy.URDF, scale: float) -> None:
-        """Add the nodes of ``robot``, its metres times ``scale``."""
+    def _build(self, arm: ArmSolids) -> None:
+        """Add the nodes of an arm."""
         for node in self._joint_nodes[:1]:
             node.frame.remove()
         self._joint_nodes = []
         self._posed, self._touching = None, frozenset()
         self._meshes, self._red = {}, {}
-        self._solids = _link_meshes(robot, scale)
-        self._names = names = {robot.base_link: "/arm/links"}
-        self._add_mesh(robot.base_link)
-        for joint in robot.robot.joints:
+        self._solids = arm.solids
+        self._names = names = {arm.base: "/arm/links"}
+        self._add_mesh(arm.base)
+        for joint in arm.joints:
             names[joint.child] = name = f"{names[joint.parent]}/{joint.child}"
-            matrix = np.eye(4) if joint.origin is None else np.array(joint.origin)
-            matrix[:3, 3] *= scale
-            origin = viser.transforms.SE3.from_matrix(matrix)
             frame = self._scene.add_frame(
                 name,
                 show_axes=False,
-                wxyz=origin.rotation().wxyz,
-                position=origin.translation(),
+                wxyz=joint.origin.rotation().wxyz,
+                position=joint.origin.translation(),
             )
             self._add_mesh(joint.child)
             self._joint_nodes.append(
                 _JointNode(
                     frame,
                     column=JOINTS.index(joint.name) if joint.name in JOINTS else None,
-                    prismatic=joint.type == "prismatic",
-                    axis=np.zeros(3) if joint.axis is None else np.asarray(joint.axis, dtype=float),
-                    origin=origin,
+                    prismatic=joint.prismatic,
+                    axis=joint.axis,
+                    origin=joint.origin,
                 )
             )
         self._joint_poses = [pose for node in self._joint_nodes if (pose := node.pose) is not None]
@@ -217,44 +204,4 @@ class ArmLayer:
     def _add_mesh(self, link: str) -> None:
         if link in self._solids:
             name = f"{self._names[link]}/mesh"
-            self._meshes[link] = self._scene.add_mesh_trimesh(name, self._solids[link])
-
-
-@functools.cache
-def _shipped_urdf() -> str:
-    return _SHIPPED_FILE.read_text(encoding="utf-8")
-
-
-def _load(text: str) -> yourdfpy.URDF:
-    """The robot of a URDF's text; the shipped one from its file, beside its meshes."""
-    import yourdfpy
-
-    if text == _shipped_urdf():
-        return yourdfpy.URDF.load(str(_SHIPPED_FILE))
-    return yourdfpy.URDF.load(io.BytesIO(text.encode()))
-
-
-def _reddened(solid: trimesh.Trimesh) -> trimesh.Trimesh:
-    """The same mesh in the colour of what is in the way."""
-    from trimesh.visual import ColorVisuals
-
-    red = solid.copy()
-    colours = np.tile(np.array([*style.VIOLATION, 255], dtype=np.uint8), (len(red.faces), 1))
-    red.visual = ColorVisuals(red, face_colors=colours)
-    return red
-
-
-def _link_meshes(robot: yourdfpy.URDF, scale: float) -> dict[str, trimesh.Trimesh]:
-    """One mesh a link, in the link's frame, with all its solids."""
-    import trimesh
-
-    solids: dict[str, list[Any]] = {}
-    graph = robot.scene.graph
-    for node in graph.nodes_geometry:
-        link = graph.transforms.parents[node]
-        link_from_solid, geometry = graph.get(node, link)
-        solid = robot.scene.geometry[geometry].copy()
-        solid.apply_transform(link_from_solid)
-        solid.apply_scale(scale)
-        solids.setdefault(link, []).append(solid)
-    return {link: trimesh.util.concatenate(parts) for link, parts in solids.items()}  # type: ignore[misc]
+            self._meshes[link] = self._scene.add_glb(name, self._solids[link].glb)
