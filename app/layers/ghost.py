@@ -12,6 +12,7 @@ from app.frame import Frame, Switch
 from app.layers.curves import SAMPLES
 from app.layers.lines import NO_SEGMENTS, add_line, dashes
 from app.layout import Layout
+from app.plan_before import PlanBefore
 
 
 class GhostLayer:
@@ -23,20 +24,15 @@ class GhostLayer:
 
     def __init__(self, layout: Layout) -> None:
         self._line = add_line(layout.client.scene, "/ghost", style.FADED, 3.0)
-        self._rested: Plan | None = None
+        self._before = PlanBefore()
         self._ghost: Plan | None = None
 
     def draw(self, frame: Frame) -> None:
         """Draw the plan that was at rest before this one."""
         self._line.visible = "ghost" in frame.shown
-        resting = not (frame.interactive or frame.partial or frame.outdated)
-        if not resting or frame.plan is self._rested:
-            if frame.plan is not self._rested and self._ghost is not self._rested:
-                self._show(self._rested)
-            return
-        if self._ghost is not self._rested:
-            self._show(self._rested)
-        self._rested = frame.plan
+        before = self._before.follow(frame)
+        if before is not self._ghost:
+            self._show(before)
 
     def _show(self, plan: Plan | None) -> None:
         """Draw the curve that a plan's arm follows."""

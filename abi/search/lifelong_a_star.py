@@ -1,0 +1,84 @@
+"""Lifelong Planning A* (Koenig, Likhachev and Furcy, 2004): the last search mended, not begun anew.
+
+It keeps what it knows of every node. Where the obstacle moved, nodes disagree with their
+neighbours; only these, and those that hear of it, are expanded again.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from abi.arrays import IntArray, read_only
+from abi.errors import AbiError
+from abi.search.arcs import Arcs
+from abi.search.lifelong_a_star_kernels import repair_order
+from abi.search.trace import chain
+
+
+@dataclass(frozen=True, eq=False)
+class Repair:
+    """A search that was mended after its graph changed.
+
+    Attributes:
+        arcs: as they are now.
+        vertices: (k,) the path from start to goal; empty when there is none.
+        cost: of the path; inf without one.
+        order: (m,) nodes expanded to mend the search; one may come twice.
+        relaxed: arcs looked at.
+        changed: number of nodes with other arcs than before.
+    """
+
+    arcs: Arcs
+    vertices: IntArray
+    cost: float
+    order: IntArray
+    relaxed: int
+    changed: int
+
+    @property
+    def expanded(self) -> int:
+        """Number of nodes expanded to mend the search."""
+        return len(self.order)
+
+    @property
+    def hops(self) -> int:
+        """Number of edges of the path; -1 without one."""
+        return len(self.vertices) - 1
+
+    @property
+    def length(self) -> float:
+        """Length of the path, [unit]; inf without one."""
+        if not len(self.vertices):
+            return float("inf")
+        legs = np.diff(self.arcs.points[self.vertices], axis=0)
+        return float(np.linalg.norm(legs, axis=1).sum())
+
+
+def can_repair(before: Arcs, now: Arcs) -> bool:
+    """Whether both are arcs between the same nodes, from the same start to the same goal."""
+    ends = (before.start, before.goal) == (now.start, now.goal)
+    both_ways = before.negative is None and now.negative is None
+    return ends and both_ways and np.array_equal(before.points, now.points)
+
+
+def lifelong_a_star(before: Arcs, now: Arcs) -> Repair:
+    """Search ``before``, then mend that search for ``now``.
+
+    Raises:
+        AbiError: the nodes, start or goal are others, or an arc leads one way only.
+    """
+    if not can_repair(before, now):
+        raise AbiError("The search before was on other nodes or between other ends: begin anew.")
+    ends = (now.start, now.goal)
+    order, relaxed, changed, cost, parent = repair_order(before.rows, now.rows, now.estimates, ends)
+    found = chain(parent, now.goal)[::-1] if np.isfinite(cost[now.goal]) else []
+    return Repair(
+        now,
+        read_only(np.array(found, np.int32)),
+        float(cost[now.goal]),
+        read_only(order),
+        int(relaxed),
+        int(np.count_nonzero(changed)),
+    )

@@ -1,0 +1,43 @@
+"""The comparison of searches in a tab, with the one that mends the search before."""
+
+from __future__ import annotations
+
+import re
+
+from abi.search.arcs import Arcs
+from abi.search.lifelong_a_star import lifelong_a_star
+from app.session import Session
+from tests.app.fake_tab import FakeTab, until
+
+
+def test_the_search_before_is_mended(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    panel = session.panels.comparison
+    fake.set(panel.button, True)
+    until(lambda: panel._text.visible)
+    assert "Move an obstacle and compare again" in panel._text.content
+
+    until(lambda: session.resting)
+    before = session.frame.plan
+    x, y, z = before.scene.obstacles[0].position
+    fake.drag(session.panels.obstacles.gizmos[0], [x, y + 0.4, z])
+    until(lambda: session.frame.plan is not before and session.resting)
+    assert not panel._text.visible
+    fake.set(panel.button, True)
+    until(lambda: panel._text.visible)
+    now = session.frame.plan
+    assert before.graph is not None
+    assert now.graph is not None
+    repair = lifelong_a_star(Arcs.of(before.graph, "length"), Arcs.of(now.graph, "length"))
+    assert repair.changed > 0
+    found = re.search(r"plan before, (\d+) nodes .* visits <b>(\d+)</b>", panel._text.content)
+    assert found is not None
+    assert (int(found[1]), int(found[2])) == (repair.changed, repair.expanded)
+
+    # between other ends there is nothing to mend
+    fake.set(session.panels.history.undo, True)
+    until(lambda: session.frame.plan.scene == before.scene and session.resting)
+    fake.drag(session.panels.ends.gizmos["goal"], [5.0, 6.0, 6.0])
+    until(lambda: session.frame.plan.scene.goal == (5.0, 6.0, 6.0) and session.resting)
+    fake.set(panel.button, True)
+    until(lambda: "Move an obstacle and compare again" in panel._text.content)
