@@ -25,6 +25,8 @@ from abi.scene.scene import Scene
 NODES = 100_000
 _STEP = 0.05
 """Between the poses that are tried along an edge, [unit]."""
+_TURN = 0.05
+"""The same, of q1, [rad]."""
 _MOST_REPAIRS = 400
 _FLAT = 1e-9
 _SIDES: tuple[Literal[1, -1], ...] = (1, -1)
@@ -79,11 +81,32 @@ class Poses:
 
     def edge_is_free(self, a: FloatArray, b: FloatArray, side: int) -> bool:
         """Whether the way between two places (3,) is, on one branch."""
-        count = max(2, int(np.linalg.norm(b - a) / _STEP) + 2)
-        points = a + np.linspace(0, 1, count)[:, None] * (b - a)
+        shares = self._shares(a, b)
+        if shares is None:
+            return False
+        points = a + shares[:, None] * (b - a)
         if self.obstacles.blocked(a[None], b[None], self.scene.spline.clearance)[0]:
             return False
-        return bool(self.free(points, np.full(count, float(side))).all())
+        return bool(self.free(points, np.full(len(points), float(side))).all())
+
+    def _shares(self, a: FloatArray, b: FloatArray) -> FloatArray | None:
+        """Shares of a way at which it is tried, near in place and in the angle of q1.
+
+        None where it runs through the base axis: there q1 would jump to the other side.
+        """
+        count = max(2, int(np.linalg.norm(b - a) / _STEP) + 2)
+        shares = np.linspace(0, 1, count)
+        first, way = (a - self.arm.base)[:2], (b - a)[:2]
+        square = float(way @ way)
+        if square == 0:
+            return shares
+        foot = -float(first @ way) / square
+        off = abs(first[0] * way[1] - first[1] * way[0]) / square
+        if off < _FLAT:
+            return None if 0 <= foot <= 1 else shares
+        low, high = np.arctan2([-foot, 1 - foot], off)
+        angles = np.linspace(low, high, int((high - low) / _TURN) + 2)
+        return np.union1d(shares, np.clip(foot + off * np.tan(angles), 0, 1))
 
     def turn_is_free(self, a: FloatArray) -> bool:
         """Whether the arm may stretch from a place (3,), and bend the other way."""
