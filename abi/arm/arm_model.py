@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Protocol
+from typing import Protocol, Self
 
 from abi.arm.any_arm import AnyArm
 from abi.arm.arm_certificate import ArmRefutation
@@ -93,6 +93,12 @@ class Sight(Places, Protocol):
 
     def course(self, curve: Curve, arc: ArcLength) -> Course:
         """The joints along a curve."""
+
+    def wider(self, times: float) -> Self:
+        """The same with so many times the distance that legs keep beyond the clearance."""
+
+    def patient(self, times: int) -> Self:
+        """The same with so many times the tries to prove a leg clear."""
 
 
 class ArmModel(Protocol):

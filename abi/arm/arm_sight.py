@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Literal
+from typing import Literal, Self
 
 import numpy as np
 
 from abi.arm import leg_kernels, mask_kernels
 from abi.arm.arm import Arm
 from abi.arm.arm_certificate import ArmCertificate, ArmRefutation, certify_arm
-from abi.arm.leg_kernels import ArmLegs
+from abi.arm.leg_kernels import MOST_TRIES, ArmLegs
 from abi.arm.separate_arm_kernels import UNREACHED, Obstacles, Slide, separate_arm
 from abi.arm.surroundings import Surroundings, surroundings
 from abi.arrays import BoolArray, FloatArray, flat, read_only
@@ -21,9 +21,6 @@ from abi.obstacles.obstacle_set import Obstacle, ObstacleSet
 
 _SPARE = 0.01
 """Distance that legs and places keep from the limits of q2 and q3, for curves to round, [rad]."""
-
-
-_TRIES = 20_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,6 +35,7 @@ class ArmSight:
         clearance: distance that its links keep from obstacles, [unit].
         slack: distance that legs and places keep beyond that, so that a curve may round them,
             [unit].
+        most_tries: of a capsule and an obstacle, to prove a leg or a place.
     """
 
     arm: Arm
@@ -46,6 +44,7 @@ class ArmSight:
     extensions: tuple[float, float]
     clearance: float
     slack: float
+    most_tries: int = field(default=MOST_TRIES, kw_only=True)
 
     @property
     def branch(self) -> str:
@@ -56,6 +55,14 @@ class ArmSight:
     def key(self) -> tuple[object, ...]:
         """What the places that it excludes depend on, beside the obstacles."""
         return self.arm, self.elbow, self.extensions, self.clearance, self.slack
+
+    def wider(self, times: float) -> Self:
+        """The same with so many times the slack."""
+        return replace(self, slack=times * self.slack)
+
+    def patient(self, times: int) -> Self:
+        """The same with so many times the tries."""
+        return replace(self, most_tries=times * self.most_tries)
 
     def refutation(self, curve: PolynomialCurve) -> ArmRefutation | None:
         """Place of a curve at which the arm is not proven clear; None for a clear curve."""
@@ -80,7 +87,7 @@ class ArmSight:
             self.arm.capsule_rows,
             self._beyond,
             slide,
-            _TRIES,
+            self.most_tries,
         )
         if status == CERTIFIED:
             return None
@@ -125,7 +132,10 @@ class ArmSight:
         """What legs of the tool keep clear of, as the kernels take it."""
         low, high = map(float, self.extensions)
         pairs = read_only(np.flatnonzero(self._beyond.asked).astype(np.int32))
-        return ArmLegs(self._numbers, self.arm.capsule_rows, self._beyond, pairs, (low, high))
+        return ArmLegs(
+            *(self._numbers, self.arm.capsule_rows, self._beyond),
+            *(pairs, (low, high), self.most_tries),
+        )
 
     def _slide(self, curve: PolynomialCurve) -> Slide:
         return Slide(flat(curve.bezier().breaks[[0, -1]]), *self._extensions)

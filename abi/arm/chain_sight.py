@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
+from typing import Self
 
 import numpy as np
 
@@ -11,6 +12,7 @@ from abi.arm.arm_certificate import ArmCertificate, ArmRefutation
 from abi.arm.chain_certificate import certify_chain
 from abi.arm.chain_surroundings import bodies_of, chain_surroundings
 from abi.arm.joint_course import course_from
+from abi.arm.leg_kernels import MOST_TRIES
 from abi.arm.stances import Stances
 from abi.arm.surroundings import Surroundings
 from abi.arm.urdf_arm import REACHED, UrdfArm
@@ -23,7 +25,6 @@ _STEP = 1 / 60
 """Way of the tool between poses of a leg, at most, over the arm's reach."""
 _SAMPLES = 241
 """Places of a curve that is asked about."""
-_TRIES = 20_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,6 +41,7 @@ class ChainSight:
         stances: its joints all over the mesh.
         clearance: distance that its links keep from obstacles, [unit].
         slack: distance that legs and places keep beyond that, [unit].
+        most_tries: of a capsule and an obstacle, to prove a leg or a place.
     """
 
     arm: UrdfArm
@@ -48,6 +50,7 @@ class ChainSight:
     stances: Stances
     clearance: float
     slack: float
+    most_tries: int = field(default=MOST_TRIES, kw_only=True)
 
     @property
     def branch(self) -> str:
@@ -63,6 +66,14 @@ class ChainSight:
         """What the places that it excludes depend on, beside the obstacles."""
         return self.arm, self.stances, self.clearance, self.slack
 
+    def wider(self, times: float) -> Self:
+        """The same with so many times the slack."""
+        return replace(self, slack=times * self.slack)
+
+    def patient(self, times: int) -> Self:
+        """The same with so many times the tries."""
+        return replace(self, most_tries=times * self.most_tries)
+
     def refutation(self, curve: Curve) -> ArmRefutation | None:
         """Place of a curve at which the arm is not proven clear; None for a clear curve."""
         parameters = np.linspace(*curve.interval, _SAMPLES)
@@ -76,7 +87,7 @@ class ChainSight:
             return ArmRefutation(0.0, -1, -1, True)
         vertices = points if len(points) > 1 else np.repeat(points, 2, axis=0)
         parameters, joints, missed = self._along(vertices, begin)
-        return self._refutation(joints, missed, parameters, self._beyond, _TRIES)
+        return self._refutation(joints, missed, parameters, self._beyond, self.most_tries)
 
     def clear_legs(self, points: FloatArray) -> BoolArray:
         """Legs (k - 1,) of a polyline (k, 3), k >= 2, on which the arm is proven to be clear.
@@ -92,7 +103,8 @@ class ChainSight:
                 return clear
             _, joints, missed = self._along(points[k : k + 2], begin)
             clear[k] = (missed <= REACHED * self.arm.reach).all() and isinstance(
-                certify_chain(self.arm, joints, self.around, self._beyond, _TRIES), ArmCertificate
+                certify_chain(self.arm, joints, self.around, self._beyond, self.most_tries),
+                ArmCertificate,
             )
             pose = (points[k + 1], joints[-1]) if clear[k] else None
         return clear

@@ -46,7 +46,8 @@ from abi.compiled import FLOATS, IDS, NEW_FLAGS, compiled
 from abi.obstacles.primitive_kernels import axes_of, centre_of, core_of, in_body, in_world
 from abi.obstacles.vector_kernels import Vec3, axpy, distance, dot, sub, vec3_at
 
-_MOST_TRIES = 20_000
+MOST_TRIES = 20_000
+"""To prove a leg clear, before it counts as shut."""
 
 
 class ArmLegs(NamedTuple):
@@ -58,6 +59,7 @@ class ArmLegs(NamedTuple):
         around: what to keep clear of.
         pairs: capsules times number of obstacles, plus obstacle, that ``around`` asks for (p,).
         extensions: least and greatest q5, [unit].
+        most_tries: of a capsule and an obstacle, to prove a leg.
     """
 
     arm: FloatArray
@@ -65,6 +67,7 @@ class ArmLegs(NamedTuple):
     around: Obstacles
     pairs: IntArray
     extensions: tuple[float, float]
+    most_tries: int
 
 
 class _Piece(NamedTuple):
@@ -82,7 +85,7 @@ class _Piece(NamedTuple):
     allowance: float
 
 
-NO_LEGS = ArmLegs(FLOATS, FLOATS, NO_OBSTACLES, IDS, (0.0, 0.0))
+NO_LEGS = ArmLegs(FLOATS, FLOATS, NO_OBSTACLES, IDS, (0.0, 0.0), MOST_TRIES)
 """Example."""
 
 
@@ -96,7 +99,7 @@ def _judged_on(legs: ArmLegs, s: int, capsule: Moving, piece: _Piece) -> int:
         capsule: in the middle.
         piece: the piece.
     """
-    arm, capsules, around, _, _ = legs
+    arm, capsules, around = legs.arm, legs.capsules, legs.around
     a, b = capsule.first, capsule.last
     need = capsule.radius + around.margins[s]
     near, far = need - piece.allowance, need + piece.allowance + capsule.way
@@ -128,7 +131,7 @@ def _judged_on(legs: ArmLegs, s: int, capsule: Moving, piece: _Piece) -> int:
 @register_jitable
 def arm_is_clear(legs: ArmLegs, first: Vec3, last: Vec3) -> bool:
     """Whether it is proven that the arm keeps clear from one place of the tool to another."""
-    arm, capsules, around, pairs, (low, high) = legs
+    arm, capsules, around, pairs, (low, high), most_tries = legs
     count = len(around.margins)
     forearm, slid = arm[5] + (low + high) / 2, (high - low) / 2
     length, way = distance(first, last), sub(last, first)
@@ -180,7 +183,7 @@ def arm_is_clear(legs: ArmLegs, first: Vec3, last: Vec3) -> bool:
                     candidates.append(pair)
         if len(candidates) == left:
             continue
-        if tries > _MOST_TRIES or farthest < FINEST * around.size:
+        if tries > most_tries or farthest < FINEST * around.size:
             return False
         pending.append((start, (start + end) / 2, left, len(candidates)))
         pending.append(((start + end) / 2, end, left, len(candidates)))

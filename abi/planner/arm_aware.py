@@ -24,7 +24,9 @@ from abi.arm.motion_law import motion_law
 from abi.arm.surroundings import Surroundings
 from abi.arm.trajectory import ArmMotion
 from abi.curves import fit_quadratic, speed_profile
+from abi.curves.bspline import BSpline
 from abi.curves.curve import ArcLength, Curve, arc_length
+from abi.curves.fit import Fit
 from abi.curves.timed_profile import PathProfile
 from abi.errors import ArmNotClear, NoPath
 from abi.obstacles.obstacle_set import ObstacleSet
@@ -37,6 +39,11 @@ from abi.search.search import SEARCHES, SearchResult
 from abi.tet_mesh.exclusion import FreeMesh
 
 Weight = Literal["length", "hops"]
+
+_PATIENCE = 20
+"""Times as many tries to prove a leg clear where there is no path else."""
+_ROOMS = (1.0, 4.0, 16.0)
+"""Multiples of the slack with which a path is pulled taut, until there is a curve near it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,18 +108,28 @@ class ArmAware:
             ArmNotClear: no branch has one; tells why.
         """
         faults: dict[str, ArmNotClear] = {}
-        branches: list[_Branch] = []
-        for sight in task.sights:
-            try:
-                branches.append(self._branch(task, sight))
-            except ArmNotClear as fault:
-                faults[sight.branch] = fault
+        branches = self._branches(task, task.sights, faults)
+        if not branches:  # near the base axis, and along an obstacle, a proof may take more
+            shut = [s for s in task.sights if faults[s.branch].where == "path"]
+            branches = self._branches(task, [s.patient(_PATIENCE) for s in shut], faults)
         for branch in sorted(branches, key=_cost):
             try:
                 return _finish(task, branch, names)
             except ArmNotClear as fault:
                 faults[branch.sight.branch] = fault
         raise ArmNotClear.of_all([*faults.values()])
+
+    def _branches(
+        self, task: ArmTask, sights: Sequence[Sight], faults: dict[str, ArmNotClear]
+    ) -> list[_Branch]:
+        """The branches that have a path; ``faults`` gets why the others have none."""
+        branches = []
+        for sight in sights:
+            try:
+                branches.append(self._branch(task, sight))
+            except ArmNotClear as fault:
+                faults[sight.branch] = fault
+        return branches
 
     def _branch(self, task: ArmTask, sight: Sight) -> _Branch:
         """The path on one branch."""
@@ -152,14 +169,8 @@ def _finish(task: ArmTask, branch: _Branch, names: list[str]) -> dict[str, Any]:
         "path": path,
         "path_clearance": obstacles.polyline_clearance(path.points),
     }
-    vertices = path.points
-    if chosen.taut:
-        results["taut"] = taut = pull_clear(graph, obstacles, task.margin, path, sight)
-        vertices = taut.points
-    bspline = fit_clear(vertices, scene.spline.degree, obstacles, clearance, sight)
-    if bspline is None:
-        raise _not_clear(task, sight, "curve")
-    results["bspline"] = bspline
+    results |= _fitted(task, branch)
+    bspline: Fit[BSpline] = results["bspline"]
     results["bspline_arc"] = arc = arc_length(bspline.curve)
     quadratic = fit_quadratic.fit(
         *(bspline, arc, obstacles, clearance, scene.quadratic.mode),
@@ -178,6 +189,27 @@ def _finish(task: ArmTask, branch: _Branch, names: list[str]) -> dict[str, Any]:
     curve: Curve = quadratic.curve if by_quadratic else bspline.curve
     results |= _motion(task, sight, curve, quadratic_arc if by_quadratic else arc)
     return results
+
+
+def _fitted(task: ArmTask, branch: _Branch) -> dict[str, Any]:
+    """The path pulled taut, if asked for, and a B-spline near it.
+
+    Where no curve near the taut path is proven clear, it is pulled with more room to round its
+    corners, which makes it a little longer.
+    """
+    scene, obstacles, graph = task.scene, task.obstacles, branch.found.graph
+    path, wanted = branch.found.path, scene.spline
+    for times in _ROOMS if scene.search.taut else _ROOMS[:1]:
+        found: dict[str, Any] = {}
+        vertices = path.points
+        if scene.search.taut:
+            roomy = branch.sight.wider(times)
+            found["taut"] = taut = pull_clear(graph, obstacles, task.margin, path, roomy)
+            vertices = taut.points
+        bspline = fit_clear(vertices, wanted.degree, obstacles, wanted.clearance, branch.sight)
+        if bspline is not None:
+            return found | {"bspline": bspline}
+    raise _not_clear(task, branch.sight, "curve")
 
 
 def _motion(task: ArmTask, sight: Sight, curve: Curve, arc: ArcLength) -> dict[str, Any]:

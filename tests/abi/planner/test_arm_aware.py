@@ -73,6 +73,27 @@ def test_a_quadratic_that_is_asked_to_be_clear_keeps_to_the_arm(mode: str) -> No
 
 
 @pytest.mark.slow
+def test_a_taut_path_gives_room_where_no_curve_near_it_is_proven_clear() -> None:
+    found = plan(arm_scene(125, 0.262, meshes=True))
+    assert found.error is None
+    assert found.tool_only is not None
+    assert found.arm_clearance is not None
+    assert found.arm_clearance.certified
+
+
+def test_more_tries_prove_a_leg_close_to_the_base_axis() -> None:
+    scene = arm_scene(174, meshes=True)
+    leg = np.array([[2.919, 2.919, 0.0], [2.919, 3.081, 0.0]])  # the axis is at 3, 3
+    sight = sight_of(scene, slack=0.006)
+    patient = sight.patient(20)
+    assert not sight.clear_legs(leg).any()
+    assert patient.clear_legs(leg).all()
+    assert patient.leg_refutation(leg) is None
+    points = leg[0] + np.linspace(0, 1, 400)[:, None] * (leg[1] - leg[0])
+    assert all(sight.leg_refutation(point[None]) is None for point in points)
+
+
+@pytest.mark.slow
 def test_the_arm_in_the_way_goes_round() -> None:
     scene = load_scene("arm-in-the-way")
     tool, whole = plan(scene.replace(arm={"avoid": False})), plan(scene)
