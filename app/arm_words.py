@@ -33,7 +33,7 @@ def link_label(link: str) -> str:
 
 
 def contact_sentence(contact: Contact, unit: str) -> str:
-    """What touches what, when and how deep."""
+    """Sentence on what touches what, when and how deep."""
     other = contact.obstacle
     name = f"obstacle {other + 1}" if isinstance(other, int) else f"the {link_label(other)}"
     depth = f"{format_length(contact.depth)} {unit}"
@@ -41,7 +41,7 @@ def contact_sentence(contact: Contact, unit: str) -> str:
 
 
 def clearance_sentence(plan: Plan) -> str:
-    """How far the links stay from the nearest obstacle, and what of it is proven."""
+    """Sentence on the links' distance to the nearest obstacle, and what of it is proven."""
     clearance, unit = plan.arm_clearance, plan.scene.unit
     if clearance is None or clearance.contacts:
         return ""

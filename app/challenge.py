@@ -18,7 +18,7 @@ _SHORTER, _FARTHER = 0.97, 0.2
 
 
 class Challenge(BaseModel):
-    """What is to be reached.
+    """A challenge: what is to be reached.
 
     Attributes:
         text: in words.
@@ -31,7 +31,7 @@ class Challenge(BaseModel):
     until: Annotated[tuple[Condition, ...], Field(min_length=1, max_length=3)]
 
     def is_met(self, frame: Frame) -> bool:
-        """Whether it is reached now."""
+        """Whether all conditions hold now."""
         return all(condition.holds(frame) for condition in self.until)
 
     def html(self, met: bool, frame: Frame) -> str:

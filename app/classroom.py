@@ -105,7 +105,7 @@ class Classroom:
             wake()
 
     def answer_of(self, tab: int) -> int:
-        """What a tab has answered; -1 for nothing."""
+        """Answer of a tab; -1 for none."""
         return self._answers.get(tab, -1)
 
     def counts(self) -> tuple[int, ...]:

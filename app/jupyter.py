@@ -7,7 +7,7 @@ import sys
 
 
 def server() -> dict[str, object]:
-    """How jupyter-server-proxy starts the visualiser, and asks it for pages.
+    """Entry of jupyter-server-proxy: how it starts the visualiser and asks it for pages.
 
     Jupyter knows who its users are. The token keeps others on the same machine out: it goes from
     the proxy to the visualiser with every request, and never to a browser.

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Look:
-    """How a new tab looks.
+    """Look of a new tab.
 
     Attributes:
         plain: whether without shadows and environment map, for slow graphics and tests.

@@ -298,7 +298,7 @@ class Session:
         return cue.scene != before
 
     def _state(self) -> TabState:
-        """What the page is to remember."""
+        """State that the page is to remember."""
         return self._view.state(self._scene, self.frame.time)
 
     def _replan(self, scene: Scene) -> Plan:

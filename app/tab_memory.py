@@ -22,7 +22,7 @@ _PERIOD = 0.4
 
 @dataclass(frozen=True)
 class Report:
-    """What a page says of itself.
+    """Account of a page of itself.
 
     Attributes:
         state: a :class:`TabState` as text; empty for none.

@@ -27,7 +27,7 @@ _FIELD = "link"
 
 @dataclass(frozen=True)
 class TabState:
-    """What a tab shows.
+    """State of a tab.
 
     Attributes:
         name: of the scene that was loaded, as in the list of scenes.

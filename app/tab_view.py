@@ -153,7 +153,7 @@ class TabView:
             self.playback.restore(setting.time or 0.0, bool(setting.play))
 
     def state(self, scene: Scene, time: float) -> TabState:
-        """What the page is to remember; while the arm moves, not where it is."""
+        """State that the page is to remember; while the arm moves, not where it is."""
         playing = self.playback.playing
         return TabState(
             name=self.panels.files.name,

@@ -17,7 +17,7 @@ _NEAR = 0.04
 
 @dataclass(frozen=True, eq=False)
 class Theatre:
-    """What a tab shows of one search, or of three that race.
+    """Picture of one search, or of three that race.
 
     Attributes:
         name: of the search, in :data:`abi.search.compare.COMPARED`.
@@ -92,7 +92,7 @@ def race_of(name: str) -> tuple[str, ...]:
 
 
 def _sum(state: SearchState, node: int) -> str:
-    """What is made least, of one node, as a sum."""
+    """Priority of one node, as a sum."""
     a, b = state.trace.factors
     g, h, f = labels(state, node)
     parts = [f"{_factor(k)}{x}" for k, x in ((a, g), (b, h)) if k]

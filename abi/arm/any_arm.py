@@ -68,4 +68,4 @@ class AnyArm(Protocol):
         """URDF of the arm, in metres, standing at the origin of its root link."""
 
     def proof_data(self) -> dict[str, Any]:
-        """What a certificate is about, as plain data: the capsules, and pairs of them."""
+        """Subject of a certificate as plain data: the capsules, and pairs of them."""

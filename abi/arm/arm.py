@@ -134,7 +134,7 @@ class Arm:
         return urdf(self)
 
     def proof_data(self) -> dict[str, Any]:
-        """What a certificate is about, as plain data: the capsules."""
+        """Subject of a certificate as plain data: the capsules."""
         capsules = [
             {"link": one.link, "body": BODIES[one.body], "low": one.low, "high": one.high}
             | {"radius": one.radius, "neighbour": one.neighbour, "grips": one.grips}

@@ -50,7 +50,7 @@ class Contact(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class ArmClearance:
-    """How the arm keeps clear of obstacles, of the floor and of itself.
+    """Clearance of the arm from obstacles, from the floor and from itself.
 
     Attributes:
         elbow: branch of the motion.

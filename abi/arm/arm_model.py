@@ -52,7 +52,7 @@ class Course(Protocol):
     def clearance(
         self, motion: ArmMotion, obstacles: ObstacleSet, around: Surroundings, required: float
     ) -> ArmClearance:
-        """How clear the whole arm stays in that motion, measured and proven."""
+        """Clearance of the whole arm in that motion, measured and proven."""
 
 
 class Places(Protocol):
@@ -60,7 +60,7 @@ class Places(Protocol):
 
     @property
     def key(self) -> tuple[object, ...]:
-        """What they depend on, beside the obstacles."""
+        """All that they depend on, beside the obstacles."""
 
     def reached(self, points: FloatArray) -> BoolArray:
         """Nodes (n, 3) of the mesh that the arm reaches, clear of floor and itself, (n,)."""
@@ -80,7 +80,7 @@ class Sight(Places, Protocol):
 
     @property
     def legs(self) -> ArmLegs | None:
-        """What legs keep clear of, for compiled loops; None where these do not know the arm."""
+        """Surroundings of legs for compiled loops; None where these do not know the arm."""
 
     def refutation(self, curve: BSpline | Quadratic) -> ArmRefutation | None:
         """Place of a curve at which the arm is not proven clear; None for a clear curve."""

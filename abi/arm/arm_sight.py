@@ -53,7 +53,7 @@ class ArmSight:
 
     @property
     def key(self) -> tuple[object, ...]:
-        """What the places that it excludes depend on, beside the obstacles."""
+        """All that the excluded places depend on, beside the obstacles."""
         return self.arm, self.elbow, self.extensions, self.clearance, self.slack
 
     def wider(self, times: float) -> Self:
@@ -129,7 +129,7 @@ class ArmSight:
 
     @cached_property
     def legs(self) -> ArmLegs:
-        """What legs of the tool keep clear of, as the kernels take it."""
+        """Surroundings of the tool's legs, as the kernels take them."""
         low, high = map(float, self.extensions)
         pairs = read_only(np.flatnonzero(self._beyond.asked).astype(np.int32))
         return ArmLegs(

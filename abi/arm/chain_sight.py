@@ -63,7 +63,7 @@ class ChainSight:
 
     @property
     def key(self) -> tuple[object, ...]:
-        """What the places that it excludes depend on, beside the obstacles."""
+        """All that the excluded places depend on, beside the obstacles."""
         return self.arm, self.stances, self.clearance, self.slack
 
     def wider(self, times: float) -> Self:

@@ -20,7 +20,7 @@ GRAVITY = 9.80665
 
 
 class _Body(NamedTuple):
-    """What a joint carries, as one rigid body in its frame.
+    """Load of a joint, as one rigid body in its frame.
 
     Attributes:
         mass: [kg].
@@ -110,7 +110,7 @@ def _summed(
 
 
 def _bodies(chain: Chain) -> list[_Body]:
-    """What each joint carries."""
+    """Load of each joint."""
     bodies = []
     for frame in range(len(chain.joints)):
         carried = [one for one in chain.carried if one.frame == frame]

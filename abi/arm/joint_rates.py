@@ -15,7 +15,7 @@ from abi.arrays import FloatArray, read_only
 
 
 class JointRates(NamedTuple):
-    """What the n joints do at the m samples of a motion.
+    """Motion of the n joints at its m samples.
 
     Attributes:
         speeds: shape (m, n), [rad/s] or [unit/s].

@@ -51,7 +51,7 @@ MOST_TRIES = 20_000
 
 
 class ArmLegs(NamedTuple):
-    """What an arm is to keep clear of on its legs.
+    """Arm and surroundings on the legs of its tool.
 
     Attributes:
         arm: its nine numbers.

@@ -25,7 +25,7 @@ _TETRAHEDRA = (
 
 @compiled(example=(FLOATS, FLOATS, 1.0, NEW_FLOATS))
 def reach_rooms(points: FloatArray, arm: FloatArray, forearm: float, rooms: FloatArray) -> None:
-    """How far places are within the arm's reach and limits, in its own lengths; < 0 outside.
+    """Depth of places within the arm's reach and limits, in its own lengths; < 0 outside.
 
     Args:
         points: flat (3 n,), [unit], world.

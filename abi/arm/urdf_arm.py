@@ -84,7 +84,7 @@ class UrdfArm:
 
     @cached_property
     def scales(self) -> FloatArray:
-        """What a position in [rad] or [m] is in [rad] or [unit], (n,)."""
+        """Factors from positions in [rad] or [m] to [rad] or [unit], (n,)."""
         slides = np.array(self.chain.slides)
         return read_only(np.where(slides, 1 / self.metres, 1.0))
 
@@ -150,7 +150,7 @@ class UrdfArm:
         return self.chain.robot.urdf
 
     def proof_data(self) -> dict[str, Any]:
-        """What a certificate is about, as plain data: the capsules, and pairs of them."""
+        """Subject of a certificate as plain data: the capsules, and pairs of them."""
         capsules = [
             {"link": one.link, "joint": one.frame, "radius": radius}
             | dict(zip(("from", "to"), (one.ends / self.metres).tolist(), strict=True))

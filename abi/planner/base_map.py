@@ -77,7 +77,7 @@ class BaseMap:
 
     @property
     def faults(self) -> Mapping[str, int]:
-        """How often each reason stood against a certified plan, the most frequent first."""
+        """Count of each reason against a certified plan, the most frequent first."""
         counts = Counter(trial.fault for trial in self.trials if trial.length is None)
         return dict(counts.most_common())
 

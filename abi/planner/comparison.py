@@ -52,7 +52,7 @@ class Comparison:
 
 
 def search_task(plan: Plan, heuristic_weight: float = 1.0) -> SearchTask:
-    """What is searched: the graph of a plan.
+    """Task for searches: the graph of a plan.
 
     Args:
         plan: of a scene.

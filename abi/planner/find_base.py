@@ -170,7 +170,7 @@ def _cell(middle: FloatArray, sides: FloatArray) -> BaseTrial:
 
 
 def _parts(cell: BaseTrial) -> int:
-    """How many cells it is cut into."""
+    """Number of cells that it is cut into."""
     return int(2 ** sum(side > 0 for side in cell.cell))
 
 

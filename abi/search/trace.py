@@ -76,7 +76,7 @@ class SearchTrace:
 
     @property
     def cost(self) -> float:
-        """What the search made the path cost, by the labels; inf without a path."""
+        """Cost of the path by the search's labels; inf without a path."""
         if self.sides == 2:
             n, (cost, _) = len(self.arcs.points), last_labels(self, self.steps)
             return float((cost[:n] + cost[n:]).min())

@@ -29,7 +29,7 @@ def versions() -> Mapping[str, str]:
 
 
 def plan_row(plan: Plan) -> Row:
-    """What is found: lengths and distances [unit], gaps to the proven bound, times [ms].
+    """Findings of a plan: lengths and distances [unit], gaps to the proven bound, times [ms].
 
     A value that the plan does not have is None. ``complete`` is whether the plan has no error.
     """

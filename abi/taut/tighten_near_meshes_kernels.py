@@ -40,7 +40,7 @@ _SETTLED = 1e-4  # part of the length that a sweep must gain to be followed by a
 
 
 class Surroundings(NamedTuple):
-    """What a path keeps clear of.
+    """Obstacles that a path keeps clear of.
 
     Attributes:
         solids: rows of the primitives.

@@ -168,7 +168,7 @@ def across(shape: Shape, a: int, b: int, c: int) -> int:
 
 @register_jitable
 def ones(bits: int) -> int:
-    """How many directions are among the bits of a node."""
+    """Number of directions among the bits of a node."""
     bits &= (1 << LINKED_BIT) - 1
     bits -= (bits >> 1) & 0x55555555
     bits = (bits & 0x33333333) + ((bits >> 2) & 0x33333333)

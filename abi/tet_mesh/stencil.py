@@ -119,7 +119,7 @@ class Stencil:
         return (i * (ny + 1) + j) * (nz + 1) + k
 
     def heads(self, nodes: IntArray) -> IntArray:
-        """What is in each direction of nodes (m,), shape (m, d); any id where nothing is."""
+        """Neighbours in each direction of nodes (m,), shape (m, d); any id where there is none."""
         nx, ny, nz = self.cells
         corners = (nx + 1) * (ny + 1) * (nz + 1)
         low = nodes < corners

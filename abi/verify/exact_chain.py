@@ -119,7 +119,7 @@ class ExactChain:
         return [WIDER * lever for lever in found]
 
     def _stroke(self, joint: Joint, number: int, value: Fraction) -> Fraction:
-        """How far a sliding joint is out at a value of its coordinate, [unit]."""
+        """Stroke of a sliding joint at a value of its coordinate, [unit]."""
         positions = [Fraction(0)] * len(self.coordinates)
         positions[number] = value
         return abs(self.value(joint, positions))

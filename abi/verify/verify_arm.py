@@ -78,7 +78,7 @@ def check_arm(
     scene: Scene,
     obstacles: list[ExactSolid | ExactMesh],
 ) -> str:
-    """What the certificate of a plan's arm proves, as the end of a sentence.
+    """Check the certificate of a plan's arm; what it proves, as the end of a sentence.
 
     Raises:
         Fault: it does not prove what the plan claims.

@@ -92,7 +92,7 @@ class GuardedConnection(ServerConnection):
         return self._misuse(message)
 
     def _misuse(self, message: Message) -> str | None:
-        """What a message does that its widget does not allow."""
+        """Fault of a message that its widget does not allow."""
         if isinstance(message, UploadPart):
             return None if self._uploads.continues(message) else "unannounced"
         if isinstance(message, WidgetUpdate):

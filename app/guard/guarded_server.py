@@ -84,7 +84,7 @@ def _serve(
     port: int,
     **options: Any,
 ) -> websockets.asyncio.server.serve:
-    """What ``serve`` does, with a guard at the door."""
+    """Serve as viser does, with a guard at the door."""
     options.update(
         process_request=functools.partial(guard.answer, options["process_request"]),
         process_response=functools.partial(_add_headers, guard),

@@ -141,7 +141,7 @@ class Command(_Message, frozen=True, tag="CommandTriggerMessage"):
 
 
 class StoredItem(_Message, frozen=True, tag="LocalStorageGetItemResponseMessage"):
-    """What the server asked the browser's storage for."""
+    """Item of the browser's storage that the server asked for."""
 
     value: _Text | None
     error: _Name | None

@@ -40,7 +40,7 @@ _SINGLE = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "NUMBA_NUM_THREADS")
 
 
 class Limits(NamedTuple):
-    """What a file may take to be read.
+    """Limits of the process that reads a file.
 
     Attributes:
         memory: [bytes], beside what the process itself takes.
@@ -188,7 +188,7 @@ class Reader:
             process.close()
 
     def _answer(self, job: Job, stopped: threading.Event) -> tuple[Answer | None, float]:
-        """What a process answers, None where it ended; and the seconds that it took."""
+        """Answer of a process, None where it ended; and the seconds that it took."""
         with self._lock:
             process = self._idle.pop() if self._idle else _Process(self.limits)
         done = threading.Event()

@@ -72,7 +72,7 @@ class Refusal(msgspec.Struct):
 
 
 class Answer(msgspec.Struct):
-    """What came of a file.
+    """Outcome of reading a file.
 
     Attributes:
         refusal: why it is not taken; None where it is.

@@ -13,7 +13,7 @@ _LINE = re.compile(rb"([A-Z]{1,16}) ([\x21-\x7e]+) HTTP/1\.1\r?")
 
 
 def problem(line: bytes) -> http.HTTPStatus | None:
-    """What is wrong with the line, without its end; None for nothing."""
+    """Fault of the line, without its end; None for none."""
     if len(line) > MAX_LINE:
         return http.HTTPStatus.REQUEST_URI_TOO_LONG
     match = _LINE.fullmatch(line)

@@ -45,7 +45,7 @@ class _JointNode:
 
     @property
     def pose(self) -> JointPose | None:
-        """How the node follows its joint; None where it is fixed."""
+        """Motion of the node with its joint; None where it is fixed."""
         if self.column is None:
             return None
         rotation = self.origin.rotation()

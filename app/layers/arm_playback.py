@@ -21,7 +21,7 @@ SAMPLES = 101
 
 @dataclass(frozen=True)
 class JointPose:
-    """How a joint's node follows its position.
+    """Motion of a joint's node with its position.
 
     Attributes:
         name: of the node.
@@ -52,7 +52,7 @@ class JointPose:
 
 
 class ArmPlayback:
-    """Tells the page what to play, when that changes."""
+    """Playback in the page of the arm's motion, sent anew when that changes."""
 
     def __init__(self, client: viser.ClientHandle) -> None:
         self._client = client

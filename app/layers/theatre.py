@@ -26,7 +26,7 @@ _MIX = np.uint64(2654435761)
 
 
 class TheatreLayer:
-    """What the frame's theatre shows; nothing while it has none."""
+    """Pictures of the frame's theatre; nothing while it has none."""
 
     switches: ClassVar[tuple[Switch, ...]] = ()
 
@@ -120,7 +120,7 @@ def few(nodes: IntArray, n: int) -> IntArray:
 
 
 def order_colours(state: SearchState, nodes: IntArray) -> FloatArray:
-    """How early (0) or late (1) closed nodes (k,) were expanded, of all in the whole search."""
+    """Place of closed nodes (k,) in the whole search's order, from 0 (early) to 1 (late)."""
     turn = np.zeros(len(state.cost))
     if state.trace.queue == "rounds":
         counts = np.diff(state.trace.ends[: state.step + 1], prepend=0)

@@ -66,7 +66,7 @@ class Camera(_Part):
 
 
 class SearchCue(_Part):
-    """What the search theatre shows."""
+    """State of the search theatre."""
 
     on: bool = True
     algorithm: str | None = None
@@ -84,7 +84,7 @@ class SearchCue(_Part):
 
 
 class Setting(_Part):
-    """What a step sets: each part that is given, and no other.
+    """Settings of a step: each part that is given, and no other.
 
     Attributes:
         scene: name of a shipped scene, or a scene file beside the lesson.

@@ -128,7 +128,7 @@ class AllPanels:
         return scene.replace(files, **sections)
 
     def cue(self, scene: Scene) -> Cue | None:
-        """What a lesson or a figure sets now, starting from ``scene``; None for nothing."""
+        """Setting of a lesson or a figure now, starting from ``scene``; None for none."""
         return self.lessons.cue(scene) or self.figures.cue(scene)
 
     def follow(self, cue: Cue) -> None:

@@ -91,7 +91,7 @@ class FindBasePanel:
                 self._maps = None
 
     def found(self, scene: Scene) -> BaseMap | None:
-        """What was found for ``scene``, wherever its base; forgotten once all else is another."""
+        """Findings for ``scene``, wherever its base; forgotten once all else is another."""
         found = self._found
         if (
             found is not None
@@ -127,7 +127,7 @@ def _with_base(scene: Scene, found: BaseMap) -> Scene:
 
 
 def _result(found: BaseMap) -> str:
-    """What was found, as HTML."""
+    """Findings as HTML."""
     if found.fault:
         return f"No base helps: {html.escape(found.fault)}"
     unit, best, lengths = found.scene.unit, found.best, found.lengths

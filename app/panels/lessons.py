@@ -88,7 +88,7 @@ class LessonPanel:
         self._left = text
 
     def cue(self, scene: Scene) -> Cue | None:
-        """What the lesson sets now, starting from ``scene``; None where it sets nothing."""
+        """Setting of the lesson now, starting from ``scene``; None where it sets nothing."""
         self._take_presses()
         if self._cue is None:
             return None

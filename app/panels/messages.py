@@ -77,7 +77,7 @@ class Messages:
 
 
 def _contact(plan: Plan) -> str:
-    """What the arm touches worst; the rest stands in stage 6."""
+    """Worst contact of the arm; the rest stands in stage 6."""
     contacts = () if plan.arm_clearance is None else plan.arm_clearance.contacts
     if not contacts:
         return ""
@@ -88,7 +88,7 @@ def _contact(plan: Plan) -> str:
 
 
 def _progress(frame: Frame) -> str:
-    """What to do, and what the last plan did, in numbers."""
+    """Task, and what the last plan did, in numbers."""
     plan = frame.plan
     if plan.free is None or plan.path is None:
         return ""

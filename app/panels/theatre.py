@@ -100,7 +100,7 @@ class TheatrePanel:
 
     @property
     def kept(self) -> str:
-        """What is stepped through, and where it stands, as a text; empty while it is off."""
+        """Search that is stepped through, and its step, as a text; empty while it is off."""
         if not self.on.value:
             return ""
         cue = SearchCue(
@@ -138,7 +138,7 @@ class TheatrePanel:
                 getattr(self, name).value = value
 
     def advance(self, frame: Frame) -> Theatre | None:
-        """What to show now; None while it is off, or while the plan changes under the hand."""
+        """Theatre to show now; None while it is off, or while the plan changes under the hand."""
         self._show_widgets()
         now = time.monotonic()
         elapsed, self._advanced = now - self._advanced, now
