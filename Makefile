@@ -12,6 +12,7 @@
 #   make bench ARGS="quality --scenes 10"    measure speed and quality, beside peers where installed
 #   make attack ARGS="--messages 10000"      malformed messages to one tab while another works on
 #   make fuzz ARGS="--files 200"             hostile meshes, arms and scenes to the reader of files
+#   make soak ARGS="--minutes 1"             thirty tabs that drag and play, one of them frozen
 #   make restarts ARGS="--kills 20"          kill and start the server under a tab, lose nothing
 #   make format                              format the code and mend what the linter can mend
 #   make lock                                lock the dependencies (ARGS=--upgrade: the newest)
@@ -26,7 +27,7 @@ PYTEST := $(BIN)/pytest $(PARALLEL)
 COMPILE := $(BIN)/uv pip compile pyproject.toml --no-config --no-header --quiet \
 	--universal --python-version 3.11 --fork-strategy fewest --generate-hashes
 
-.PHONY: run test check quick coverage test-wheel lint docs pictures bench attack fuzz format lock clean
+.PHONY: run test check quick coverage test-wheel lint docs pictures bench attack fuzz soak restarts format lock clean
 .DEFAULT_GOAL := run
 
 $(RUN): requirements.lock pyproject.toml tools/install
@@ -85,6 +86,9 @@ attack: $(DEV)
 
 fuzz: $(DEV)
 	@$(BIN)/python -m benchmarks.fuzz $(ARGS)
+
+soak: $(DEV)
+	@$(BIN)/python -m benchmarks.soak $(ARGS)
 
 restarts: $(DEV)
 	tools/chromium

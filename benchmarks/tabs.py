@@ -103,7 +103,7 @@ async def drag(
     """
     begin = time.monotonic()
     _, first = server.usage()
-    opened = await _open(server, tabs)
+    opened = await open_tabs(server.url, tabs)
     ready = time.monotonic()
     await asyncio.sleep(settle)
     before, begin_memory = server.usage()
@@ -112,9 +112,9 @@ async def drag(
     after, memory = server.usage()
     elapsed = time.monotonic() - started
     await asyncio.sleep(_REST)
-    expected = await asyncio.gather(*(asyncio.to_thread(_curve, tab) for tab in opened))
+    expected = await asyncio.gather(*(asyncio.to_thread(expected_curve, tab) for tab in opened))
     runs = [
-        _observe(tab, started, last, curve)
+        observe(tab, started, last, curve)
         for tab, last, curve in zip(opened, released, expected, strict=True)
     ]
     await asyncio.gather(*(tab.close() for tab in opened))
@@ -141,7 +141,7 @@ async def play(
     server: ServerProcess, tabs: int, seconds: float, settle: float = SETTLE
 ) -> dict[str, Any]:
     """Only watch: all tabs play, then all stand; ``cores`` of the server meanwhile."""
-    opened = await _open(server, tabs)
+    opened = await open_tabs(server.url, tabs)
     await asyncio.sleep(settle)
     result: dict[str, Any] = {"tabs": tabs}
     for name in ("playing", "standing"):
@@ -155,9 +155,9 @@ async def play(
     return result
 
 
-async def _open(server: ServerProcess, tabs: int) -> list[WebTab]:
+async def open_tabs(url: str, tabs: int) -> list[WebTab]:
     """Open all tabs at once, and wait for their pictures."""
-    opened = await asyncio.gather(*(WebTab.open(server.url) for _ in range(tabs)))
+    opened = await asyncio.gather(*(WebTab.open(url) for _ in range(tabs)))
     await asyncio.gather(*(tab.until(_has_picture(tab)) for tab in opened))
     return list(opened)
 
@@ -166,7 +166,7 @@ def _has_picture(tab: WebTab) -> Any:
     return lambda: tab.drawn
 
 
-def _observe(tab: WebTab, begin: float, released: float, expected: FloatArray) -> dict[str, Any]:
+def observe(tab: WebTab, begin: float, released: float, expected: FloatArray) -> dict[str, Any]:
     """One tab's drag: rate, gaps [s], how late the last curve came [s], and whether it is right."""
     during = [moment for moment, _ in tab.curves if begin <= moment <= released]
     gaps = np.diff([begin, *during, released])
@@ -191,7 +191,7 @@ def _equal(points: FloatArray, expected: FloatArray) -> bool:
 _planning = threading.Lock()
 
 
-def _curve(tab: WebTab) -> FloatArray:
+def expected_curve(tab: WebTab) -> FloatArray:
     """The curve that a tab is to end with, as the page gets it."""
     scene = load_scene(SCENE)
     moved = scene.obstacles[0].model_dump(mode="json")

@@ -1,0 +1,179 @@
+"""Many tabs for minutes: all drag and play, one reads slowly, one not at all.
+
+    python -m benchmarks.soak --tabs 30 --minutes 10 --workers 2
+
+Each tab drags for a while, lets go, presses "Play or pause", and has to show the curve of the last
+position. The slow and the frozen tab drag, too; what they have not read must neither grow in the
+server nor keep the others waiting, and once they read again they must show the last position.
+Ends with exit code 1 where a tab shows another curve in the end, or the server had a fault.
+"""
+
+from __future__ import annotations
+
+import argparse
+import asyncio
+import json
+import sys
+import time
+import urllib.request
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from benchmarks.tabs import SETTLE, ServerProcess, expected_curve, observe, open_tabs, serving
+from benchmarks.web_tab import WebTab
+
+DRAG = 20.0
+"""Seconds of one drag."""
+REST = 3.0
+"""Seconds after it in which the last curve has to come."""
+SLOW_PAUSE = 1.0
+"""Seconds between two looks of the slow tab at what it was sent."""
+_SLOW_READ = 0.1
+_PATIENCE = 60.0
+"""Seconds in which a tab that reads again catches up."""
+
+
+class Worker:
+    """A tab that drags and plays, with what it saw.
+
+    Attributes:
+        tab: the tab.
+        drags: of each drag, what :func:`benchmarks.tabs.observe` tells.
+    """
+
+    def __init__(self, tab: WebTab, phase: float) -> None:
+        self.tab = tab
+        self.drags: list[dict[str, Any]] = []
+        self._phase = phase
+
+    async def work(self, end: float, drag: float = DRAG, rest: float = REST) -> None:
+        """Drag for ``drag`` [s], let go for ``rest`` [s], and so on until ``end`` [s]."""
+        while time.monotonic() < end:
+            self.tab.curves.clear()
+            begin = time.monotonic()
+            released = await self.tab.drag(min(drag, max(end - begin, 1.0)), self._phase)
+            await asyncio.sleep(rest)
+            expected = await asyncio.to_thread(expected_curve, self.tab)
+            self.drags.append(observe(self.tab, begin, released, expected))
+            await self.tab.press("Play or pause")
+
+
+async def soak(
+    url: str,
+    tabs: int,
+    seconds: float,
+    drag: float = DRAG,
+    rest: float = REST,
+    settle: float = SETTLE,
+) -> dict[str, Any]:
+    """Drag and play in ``tabs`` tabs for so long, besides a slow and a frozen one.
+
+    Returns:
+        Of all drags: ``updates_per_s`` of the median tab, ``slowest`` of the slowest, and
+        ``fairness``, their ratio; ``gap_ms`` between two updates, 50 % and 95 % of which stay
+        under, and the longest; ``last_ms``, how long after the hand the last curve came, 95 % and
+        the longest; ``drags``, and ``stale``, those that ended with another curve, with those of
+        the slow and the frozen tab once they read again.
+    """
+    opened = await open_tabs(url, tabs + 2)
+    await asyncio.sleep(settle)
+    *tested, slow, frozen = opened
+    end = time.monotonic() + seconds
+    workers = [Worker(tab, phase) for phase, tab in enumerate(tested)]
+    dozing = asyncio.create_task(_doze(slow))
+    frozen.freeze(True)
+    await asyncio.gather(
+        *(worker.work(end, drag, rest) for worker in workers),
+        slow.drag(seconds, tabs),
+        frozen.drag(seconds, tabs + 1),
+    )
+    dozing.cancel()
+    late = sum([not await catches_up(tab) for tab in (slow, frozen)])
+    await asyncio.gather(*(tab.close() for tab in opened))
+    return summary([worker.drags for worker in workers]) | {"stale_slow_or_frozen": late}
+
+
+async def _doze(tab: WebTab) -> None:
+    """Have the tab read in short moments only."""
+    while True:
+        tab.freeze(True)
+        await asyncio.sleep(SLOW_PAUSE)
+        tab.freeze(False)
+        await asyncio.sleep(_SLOW_READ)
+
+
+async def catches_up(tab: WebTab) -> bool:
+    """Whether a tab that reads again comes to show the last position."""
+    tab.freeze(False)
+    expected = await asyncio.to_thread(expected_curve, tab)
+
+    def shown() -> bool:
+        last = tab.curves[-1][1]
+        return last.shape == expected.shape and bool(np.allclose(last, expected, atol=1e-4))
+
+    try:
+        await tab.until(shown, _PATIENCE)
+    except TimeoutError:
+        return False
+    return True
+
+
+def summary(tabs: Sequence[Sequence[dict[str, Any]]]) -> dict[str, Any]:
+    """Figures of the drags of all tabs, as :func:`soak` returns them."""
+    rates = [float(np.mean([drag["rate"] for drag in drags])) for drags in tabs]
+    drags = [drag for drags in tabs for drag in drags]
+    gaps = 1e3 * np.concatenate([drag["gaps"] for drag in drags])
+    lags = 1e3 * np.array([drag["late"] for drag in drags])
+    return {
+        "updates_per_s": float(np.median(rates)),
+        "slowest": min(rates),
+        "fairness": min(rates) / float(np.median(rates)),
+        "gap_ms": [float(np.percentile(gaps, share)) for share in (50, 95, 100)],
+        "last_ms": [float(np.percentile(lags, 95, method="nearest")), float(lags.max())],
+        "drags": len(drags),
+        "stale": sum(not drag["right"] for drag in drags),
+    }
+
+
+def faults(url: str) -> int:
+    """Number of faults that the server has counted."""
+    with urllib.request.urlopen(f"{url}/metrics", timeout=30) as answer:
+        lines = answer.read().decode().splitlines()
+    return int(
+        sum(float(line.split()[-1]) for line in lines if line.startswith("abi_faults_total "))
+    )
+
+
+async def _measure(server: ServerProcess, tabs: int, seconds: float) -> dict[str, Any]:
+    running = asyncio.create_task(soak(server.url, tabs, seconds))
+    # by then the tabs are open
+    await asyncio.sleep(min(60.0, seconds / 2))
+    begin, (used, first) = time.monotonic(), server.usage()
+    await asyncio.sleep(seconds / 4)
+    now, _ = server.usage()
+    cores = (now - used) / (time.monotonic() - begin)
+    result = await running
+    # those that are closed give their memory back
+    _, last = server.usage()
+    figures = {"cores": cores, "megabytes": [first, last], "faults": faults(server.url)}
+    return {"tabs": tabs, "seconds": seconds, **result, **figures}
+
+
+def main() -> None:
+    """Measure and print."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--tabs", type=int, default=30)
+    parser.add_argument("--minutes", type=float, default=10.0)
+    parser.add_argument("--workers", type=int, default=1)
+    options, arguments = parser.parse_known_args()
+    with serving("--workers", str(options.workers), *arguments) as server:
+        result = asyncio.run(_measure(server, options.tabs, 60 * options.minutes))
+    print(json.dumps({"workers": options.workers, **result}), flush=True)
+    if result["stale"] or result["stale_slow_or_frozen"] or result["faults"]:
+        sys.exit(1)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,72 @@
+"""Tabs that drag together end with the right curve, whatever a slow and a frozen one do."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Iterator
+
+import pytest
+
+from app import page
+from app.address import Address
+from app.look import PLAIN
+from app.server import Server, start
+from benchmarks.soak import catches_up, soak, summary
+from benchmarks.tabs import SCENE, open_tabs
+from benchmarks.web_tab import WebTab
+from tests.app.fake_tab import until
+
+FEW = 150
+"""Messages that a page can be behind with: one for each thing that a drag changes."""
+PLANS = 10
+"""Plans whose messages, about 35 each, would be far more than that."""
+
+
+@pytest.fixture
+def crowd() -> Iterator[Server]:
+    running = start(Address(port=0), scene=SCENE, look=PLAIN)
+    yield running
+    running.stop()
+
+
+@pytest.mark.slow
+def test_all_tabs_end_with_the_right_curve_beside_a_slow_and_a_frozen_one(crowd: Server) -> None:
+    result = asyncio.run(soak(crowd.url, tabs=3, seconds=2.0, drag=1.0, rest=2.5, settle=0.5))
+    assert result["drags"] >= 3
+    assert result["stale"] == result["stale_slow_or_frozen"] == 0
+    until(lambda: not crowd.sessions)
+
+
+@pytest.mark.slow
+def test_what_a_frozen_tab_has_not_read_does_not_grow(crowd: Server) -> None:
+    async def freeze(tab: WebTab) -> None:
+        (session,) = crowd.sessions.values()
+        number = session.client.client_id
+        connection = crowd.viser._websock_server._live_connections[number]
+        queue = session.client._websock_connection.get_message_buffer().message_from_id
+        # as the system does once its own buffers are full
+        page.run_on_loop(crowd.viser, connection.pause_writing)
+        enough = session.plans + PLANS
+        while session.plans < enough:
+            await tab.drag(0.5, 0.0)
+        assert 0 < len(queue) <= FEW
+        page.run_on_loop(crowd.viser, connection.resume_writing)
+        assert await catches_up(tab)
+        await tab.until(lambda: not queue)
+
+    async def run() -> None:
+        (tab,) = await open_tabs(crowd.url, 1)
+        await freeze(tab)
+        await tab.close()
+
+    asyncio.run(run())
+
+
+def test_a_summary_tells_the_slowest_tab_and_every_stale_drag() -> None:
+    fast = {"rate": 10.0, "gaps": [0.1, 0.1], "late": 0.1, "right": True}
+    slow = {"rate": 2.0, "gaps": [0.5, 0.9], "late": 0.4, "right": False}
+    result = summary([[fast], [fast], [slow]])
+    assert (result["updates_per_s"], result["slowest"], result["stale"]) == (10.0, 2.0, 1)
+    assert result["fairness"] == pytest.approx(0.2)
+    assert result["gap_ms"][2] == pytest.approx(900)
+    assert result["last_ms"][1] == pytest.approx(400)
