@@ -11,6 +11,7 @@ A d + B e of where it is at x; there n·y >= min(n·a, n·b), and for z in O n·
 
 The piece lies in the convex hull of its Bézier points, so d is the largest distance of these from
 x. A pair of capsule and obstacle that no direction separates goes on with both halves of the piece.
+Of a triangle mesh one direction separates as many triangles as lie beyond it.
 Rounding: the elbow is computed with errors of some 100 u S / sin q3, S being the largest
 coordinate; 2^-40 S (1 + 1 / sin q3) is asked for on top. :mod:`abi.verify.verify` checks the
 directions in exact numbers.

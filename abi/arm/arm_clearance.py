@@ -24,8 +24,8 @@ from abi.obstacles.obstacle_set import ObstacleSet
 _SHARES = (0.95, 0.8, 0.6, 0.4, 0.2)
 """Parts of the measured distance that are tried to prove, and at last the one asked for."""
 
-_MANY = 20_000
-"""Directions of a certificate that takes so long that no other is tried."""
+_MANY = 1_000
+"""Rows around an arm, of triangle meshes above all, among which one proof is all that is tried."""
 
 
 class Contact(NamedTuple):
@@ -119,7 +119,7 @@ def arm_clearance(
     proof = None
     if motion.reachable and not contacts:
         certify = partial(certify_arm, motion.curve, motion.slide, arm, motion.elbow, around)
-        proof = best_proof(certify, measured, required)
+        proof = best_proof(certify, measured, required, len(around.numbers))
     return ArmClearance(
         elbow=motion.elbow,
         distances=read_only(least),
@@ -137,22 +137,23 @@ def best_proof(
     certify: Callable[[float], ArmCertificate | ArmRefutation],
     measured: float,
     required: float,
+    rows: int,
 ) -> ArmCertificate | None:
     """Proof of the largest of some distances below the measured one; None where there is none.
 
-    Where the distance asked for takes very many directions, as it does near triangle meshes, no
-    more is proven.
+    Among very many rows, as near large triangle meshes, no more is proven than is asked for.
 
     Args:
         certify: proves a distance.
         measured: least distance at samples, [unit].
         required: distance asked for, [unit].
+        rows: number of rows around.
     """
     tries = {0.0, required}
     if math.isfinite(measured):
         tries |= {share * measured for share in _SHARES}
     asked = certify(required) if 0 <= required < measured else None
-    if isinstance(asked, ArmCertificate) and len(asked.pieces) > _MANY:
+    if isinstance(asked, ArmCertificate) and rows > _MANY:
         return asked
     for margin in sorted((one for one in tries if 0 <= one < measured), reverse=True):
         result = asked if asked is not None and margin == required else certify(margin)

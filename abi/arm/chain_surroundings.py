@@ -9,6 +9,7 @@ from abi.arm.surroundings import (
     FLOOR,
     Surroundings,
     largest_coordinate,
+    mesh_numbers,
     outermost,
     solid_rows,
 )
@@ -32,10 +33,12 @@ def chain_surroundings(arm: UrdfArm, obstacles: ObstacleSet, lowest: float) -> S
     asked = np.tile(outermost(solids.inside), (len(arm.capsules), 1))
     asked[:, -1] = [one.frame >= 1 for one in arm.capsules]
     size = float(np.abs(arm.base).max()) + 2 * arm.reach + largest_coordinate(solids.rows)
+    numbers = read_only(np.append(solids.numbers, np.int32(FLOOR)).astype(np.int32))
     return Surroundings(
         rows=read_only(solids.rows),
         inside=read_only(solids.inside.reshape(-1)),
-        numbers=read_only(np.append(solids.numbers, np.int32(FLOOR)).astype(np.int32)),
+        numbers=numbers,
+        meshes=mesh_numbers(obstacles, numbers),
         asked=read_only(asked),
         floor=min(float(arm.base[2]), lowest),
         size=size,

@@ -178,7 +178,7 @@ def arm_is_clear(legs: ArmLegs, first: Vec3, last: Vec3) -> bool:
                 if outcome == REFUTED and is_solid(around, pair):
                     return False
                 if not (bounded and outcome == CERTIFIED) and not open_box(
-                    around, pair, capsule.way, work
+                    around, pair, capsule.way, (capsule.first, capsule.last), work
                 ):
                     candidates.append(pair)
         if len(candidates) == left:

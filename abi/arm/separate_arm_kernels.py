@@ -54,6 +54,7 @@ UNREACHED = 3
 """Outcome of a piece with a place that the arm does not reach within its limits."""
 
 _STEPS = 40
+_LATEST = 8
 FINEST = 2.0**-26
 """Part of the largest coordinate: smaller pieces are not halved."""
 ALLOWANCE = 2.0**-40
@@ -67,6 +68,7 @@ class Obstacles(NamedTuple):
         primitives: rows (k WIDTH,).
         inside: first and last row but one of those inside a row that is a box around others; 0 and
             0 of what is itself solid (2 k,).
+        meshes: number of the triangle mesh that a row holds a part of, -1 of others (k + 1,).
         margins: distance to prove from each of them and, last, from the floor (k + 1,), [unit].
         asked: whether a capsule is to keep clear of one of them, flat (c (k + 1),).
         floor: height of the floor, [unit].
@@ -75,6 +77,7 @@ class Obstacles(NamedTuple):
 
     primitives: FloatArray
     inside: IntArray
+    meshes: IntArray
     margins: FloatArray
     asked: BoolArray
     floor: float
@@ -94,7 +97,7 @@ class Slide(NamedTuple):
     high: FloatArray
 
 
-NO_OBSTACLES = Obstacles(FLOATS, IDS, FLOATS, FLAGS, 0.0, 1.0)
+NO_OBSTACLES = Obstacles(FLOATS, IDS, IDS, FLOATS, FLAGS, 0.0, 1.0)
 NO_SLIDE = Slide(FLOATS, FLOATS, FLOATS)
 """Examples."""
 
@@ -240,6 +243,18 @@ def moving_capsule(
     return Moving(c, a, b, capsules[CAPSULE * c + 3], way)
 
 
+@register_jitable(forceinline=True)
+def _allowance(around: Obstacles, rates: Rates) -> float:
+    """Room for rounding, [unit]."""
+    return ALLOWANCE * around.size * (1.0 if math.isinf(rates.slide) else 1 + rates.slide)
+
+
+@register_jitable(forceinline=True)
+def separating_gap(around: Obstacles, capsule: Moving, rates: Rates) -> float:
+    """Gap, less a margin, between a capsule's segment and what it is clear of all the way."""
+    return capsule.radius + _allowance(around, rates) + capsule.way
+
+
 @register_jitable
 def separates(around: Obstacles, s: int, capsule: Moving, rates: Rates) -> tuple[int, float, Vec3]:
     """Whether a direction keeps a capsule clear of an obstacle near a pose.
@@ -254,11 +269,8 @@ def separates(around: Obstacles, s: int, capsule: Moving, rates: Rates) -> tuple
         CERTIFIED, REFUTED at the pose or UNDECIDED; the distance there; the direction.
     """
     a, b, radius = capsule.first, capsule.last, capsule.radius
-    allowance = ALLOWANCE * around.size * (1 + rates.slide)
-    if math.isinf(rates.slide):
-        allowance = ALLOWANCE * around.size
-    near, far = radius + around.margins[s] - allowance, radius + around.margins[s] + allowance
-    far += capsule.way
+    far = around.margins[s] + separating_gap(around, capsule, rates)
+    near = radius + around.margins[s] - _allowance(around, rates)
     if s == len(around.margins) - 1:
         gap, way = min(a[2], b[2]) - around.floor, (0.0, 0.0, 1.0)
         if gap > far:
@@ -274,9 +286,61 @@ def separates(around: Obstacles, s: int, capsule: Moving, rates: Rates) -> tuple
     return outcome, away - radius, in_world(axes, way)
 
 
+class Direction(NamedTuple):
+    """A direction that separates a capsule from parts of a mesh near a pose.
+
+    Attributes:
+        way: unit vector towards the capsule, world.
+        level: less the mesh's margin, the greatest product that such a part may have, [unit].
+        mesh: number of the mesh.
+    """
+
+    way: Vec3
+    level: float
+    mesh: int
+
+
+NO_DIRECTION = Direction((0.0, 0.0, 1.0), 0.0, -1)
+"""Example."""
+
+
 @register_jitable
-def open_box(around: Obstacles, pair: int, moves: float, work: list[int]) -> bool:
-    """Add what is inside a box that is larger than a capsule's way; whether it is one."""
+def is_separated(around: Obstacles, s: int, latest: list[Direction]) -> bool:
+    """Whether one of the latest directions keeps the part of a mesh in row s from a capsule.
+
+    Near triangles have one in common with those beside and behind them.
+    """
+    mesh = around.meshes[s]
+    if mesh < 0 or len(latest) == 0:
+        return False
+    axes, core = axes_of(around.primitives, s), core_of(around.primitives, s)
+    centre, margin = centre_of(around.primitives, s), around.margins[s]
+    for k in range(len(latest) - 1, -1, -1):
+        known = latest[k]
+        if known.mesh == mesh:
+            reached = dot(known.way, centre) + support(core, in_body(axes, known.way))
+            if reached < known.level - margin:
+                return True
+    return False
+
+
+@register_jitable
+def keep_direction(latest: list[Direction], way: Vec3, level: float, mesh: int) -> None:
+    """Add a direction, see :class:`Direction`, to the latest, of which the oldest go."""
+    if mesh >= 0:
+        if len(latest) == _LATEST:
+            latest.pop(0)
+        latest.append(Direction(way, level, mesh + 0))
+
+
+@register_jitable
+def open_box(
+    around: Obstacles, pair: int, moves: float, segment: tuple[Vec3, Vec3], work: list[int]
+) -> bool:
+    """Add what is inside a box that is larger than a capsule's way; whether it is one.
+
+    What is nearest to the capsule's segment comes last, to be tried first.
+    """
     count = len(around.margins)
     s = pair % count
     if s == count - 1 or around.inside[2 * s + 1] == 0:
@@ -287,8 +351,18 @@ def open_box(around: Obstacles, pair: int, moves: float, work: list[int]) -> boo
         size = max(size, around.primitives[k + 3 + axis] - around.primitives[k + axis])
     if size < moves:
         return False
+    a, b = segment
+    way = sub(b, a)
+    square = max(dot(way, way), 1e-300)
+    nearest, at = math.inf, 0
     for row in range(around.inside[2 * s], around.inside[2 * s + 1]):
         work.append(pair - s + row)
+        p = sub(centre_of(around.primitives, row), a)
+        p = axpy(-min(max(dot(p, way) / square, 0.0), 1.0), way, p)
+        if dot(p, p) < nearest:
+            nearest, at = dot(p, p), len(work) - 1
+    last = len(work) - 1
+    work[at], work[last] = work[last], work[at]
     return True
 
 
@@ -354,6 +428,7 @@ def separate_arm(
     for i in range(len(world)):
         points[i] = world[i]
     planes, candidates, work, tries = [NO_PLANE], [0], [0], 0
+    latest = [NO_DIRECTION]
     candidates.clear()
     for pair in range(len(capsules) // CAPSULE * count):
         if around.asked[pair]:
@@ -384,22 +459,37 @@ def separate_arm(
         bounded = bounded and limits_hold_near(arm, pose, rates, farthest, slid)
         capsule = moving_capsule(arm, capsules, 0, pose, rates, (farthest, slid))
         work.clear()
-        for i in range(lowest, highest):
+        latest.clear()
+        left = -1
+        for i in range(highest - 1, lowest - 1, -1):
             work.append(candidates[i])
         while len(work) > 0:
             pair = work.pop()
             tries += 1
+            s = pair % count
             if pair // count != capsule.number:
                 capsule = moving_capsule(
                     *(arm, capsules, pair // count), pose, rates, (farthest, slid)
                 )
-            outcome, away, way = separates(around, pair % count, capsule, rates)
+                latest.clear()
+                left = -1
+            if is_separated(around, s, latest):
+                continue
+            if left >= 0 and around.meshes[s] == left:
+                candidates.append(pair)
+                continue
+            outcome, away, way = separates(around, s, capsule, rates)
             if outcome == REFUTED and is_solid(around, pair):
                 return REFUTED, at, pair, away, table_of(planes)
             if bounded and outcome == CERTIFIED:
                 planes.append(Plane(piece.start, piece.end, pair, way, at))
-            elif not open_box(around, pair, capsule.way, work):
+                level = min(dot(way, capsule.first), dot(way, capsule.last))
+                level -= separating_gap(around, capsule, rates)
+                keep_direction(latest, way, level, around.meshes[s])
+            elif not open_box(around, pair, capsule.way, (capsule.first, capsule.last), work):
                 candidates.append(pair)
+                # the piece is halved anyhow: the rest of the mesh is as good tried on its halves
+                left = around.meshes[s] + 0
         if len(candidates) == highest:
             continue
         run = piece.last - piece.first > width

@@ -15,11 +15,14 @@ from numba.extending import register_jitable
 
 from abi.arm.chain_kernels import POSE, TABLE, ChainTable, place_chain
 from abi.arm.separate_arm_kernels import (
+    NO_DIRECTION,
     NO_OBSTACLES,
     Obstacles,
     between_boxes,
+    is_separated,
     is_solid,
     judged,
+    keep_direction,
     open_box,
 )
 from abi.arrays import FloatArray, IntArray
@@ -241,8 +244,10 @@ def separate_chain(
     joints, end, ways = np.empty(count), np.empty(count), np.empty(count)
     poses, ends = np.empty(POSE * (len(chain.source) + 1)), np.empty(6 * len(bodies.frames))
     planes, candidates, work, tries = [NO_PLANE], [0], [0], 0
+    latest = [NO_DIRECTION]
     candidates.clear()
-    solid_pairs = len(bodies.frames) * len(around.margins)
+    rows = len(around.margins)
+    solid_pairs = len(bodies.frames) * rows
     for pair in range(solid_pairs + len(bodies.pairs) // 2):
         if pair >= solid_pairs or around.asked[pair]:
             candidates.append(pair)
@@ -260,21 +265,42 @@ def separate_chain(
         _ways_of(knots, stretch, joints, end, ways)
         place_bodies(chain, bodies, joints, poses, ends)
         work.clear()
-        for i in range(lowest, highest):
+        latest.clear()
+        for i in range(highest - 1, lowest - 1, -1):
             work.append(candidates[i])
-        farthest = 0.0
+        farthest, c, left = 0.0, -1, -1
         while len(work) > 0:
             pair = work.pop()
             tries += 1
-            outcome, away, way, moves = _separates(ends, bodies, around, pair, ways)
             of_links = pair >= solid_pairs
+            if pair // rows != c:
+                c = pair // rows
+                latest.clear()
+                left = -1
+            if not of_links and is_separated(around, pair % rows, latest):
+                continue
+            if not of_links and left >= 0 and around.meshes[pair % rows] == left:
+                candidates.append(pair)
+                continue
+            outcome, away, way, moves = _separates(ends, bodies, around, pair, ways)
             if outcome == REFUTED and (of_links or is_solid(around, pair)):
                 return REFUTED, at, pair, away, table_of(planes)
             if outcome == CERTIFIED:
                 planes.append(Plane(stretch.start, stretch.end, pair, way, at))
-            elif of_links or not open_box(around, pair, moves, work):
-                candidates.append(pair)
-                farthest = max(farthest, moves)
+                if not of_links:
+                    a, b = vec3_at(ends, 6 * c), vec3_at(ends, 6 * c + 3)
+                    level = min(dot(way, a), dot(way, b)) - bodies.radii[c] - moves
+                    level -= _ALLOWANCE * around.size
+                    keep_direction(latest, way, level, around.meshes[pair % rows])
+                continue
+            if not of_links:
+                segment = (vec3_at(ends, 6 * c), vec3_at(ends, 6 * c + 3))
+                if open_box(around, pair, moves, segment, work):
+                    continue
+                # the stretch is halved anyhow: the rest of the mesh is as good tried on its halves
+                left = around.meshes[pair % rows] + 0
+            candidates.append(pair)
+            farthest = max(farthest, moves)
         if len(candidates) == highest:
             continue
         final = stretch.halvings == MOST_HALVINGS or farthest < _FINEST * around.size

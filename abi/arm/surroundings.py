@@ -39,6 +39,7 @@ class Surroundings:
         inside: rows of boxes inside each, see :class:`Obstacles`, flat (2 k,).
         numbers: obstacle of each of them, ``OWN`` minus a capsule's number, last ``FLOOR``,
             (k + 1,).
+        meshes: the same of the rows of triangle meshes, -1 of others, (k + 1,).
         asked: whether a capsule is to keep clear of it; of boxes inside others False, (c, k + 1).
         floor: height of the floor, [unit].
         size: largest coordinate of arm and obstacles, [unit].
@@ -47,6 +48,7 @@ class Surroundings:
     rows: FloatArray
     inside: IntArray
     numbers: IntArray
+    meshes: IntArray
     asked: BoolArray
     floor: float
     size: float
@@ -55,7 +57,9 @@ class Surroundings:
         """With a distance to keep from obstacles, [unit]; from floor and column it is 0."""
         margins = np.where(self.numbers >= 0, margin, 0.0)
         asked = self.asked.reshape(-1)
-        return Obstacles(self.rows, self.inside, read_only(margins), asked, self.floor, self.size)
+        return Obstacles(
+            self.rows, self.inside, self.meshes, read_only(margins), asked, self.floor, self.size
+        )
 
     def only(self, kept: BoolArray) -> Surroundings:
         """The same with some of its rows alone; ``kept`` has one mark for each number."""
@@ -95,6 +99,7 @@ def surroundings(arm: Arm, obstacles: ObstacleSet, lowest: float) -> Surrounding
     size = float(np.abs(arm.base).max()) + reach + largest_coordinate(packed)
     return Surroundings(
         *(read_only(packed), read_only(within.reshape(-1)), read_only(number)),
+        mesh_numbers(obstacles, number),
         *(read_only(asked), min(z, lowest), size),
     )
 
@@ -125,6 +130,12 @@ def solid_rows(obstacles: ObstacleSet) -> SolidRows:
         numbers.append(np.full(len(boxes), number, dtype=np.int32))
     within = np.concatenate(inside).astype(np.int32)
     return SolidRows(np.concatenate(rows), np.concatenate(numbers), within)
+
+
+def mesh_numbers(obstacles: ObstacleSet, numbers: IntArray) -> IntArray:
+    """The numbers that are of triangle meshes, -1 in the place of others."""
+    of_mesh = np.isin(numbers, obstacles.mesh_numbers)
+    return read_only(np.where(of_mesh, numbers, np.int32(-1)).astype(np.int32))
 
 
 def outermost(inside: IntArray) -> BoolArray:

@@ -150,7 +150,8 @@ def _clearance(
     proof = None
     if motion.reachable and not contacts:
         proof = best_proof(
-            partial(certify_chain, arm, motion.positions, around), measured, required
+            partial(certify_chain, arm, motion.positions, around),
+            *(measured, required, len(around.numbers)),
         )
     has = len(obstacles) > 0
     return ArmClearance(

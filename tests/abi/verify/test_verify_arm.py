@@ -10,7 +10,10 @@ import numpy as np
 import pytest
 
 from abi import Scene, plan
+from abi.obstacles.mesh_shape import MeshShape
+from abi.obstacles.triangle_mesh.repair import clean
 from abi.verify.verify import Verdict, verify
+from tests.abi import meshes
 
 Data = dict[str, Any]
 
@@ -101,3 +104,30 @@ def test_a_claim_without_a_certificate_is_refused(honest: Data) -> None:
     data = copy.deepcopy(honest)
     data["arm"]["certificate"] = None
     assert "no certificate" in of_arm(data).reason
+
+
+def test_one_direction_serves_for_many_triangles_of_a_mesh() -> None:
+    ball = MeshShape.of(clean(*meshes.sphere(4, 1.2)), "ball.stl", position=(3.0, 3.0, 3.0))
+    scene = Scene.from_dict(
+        {
+            "version": 1,
+            "start": [0.2, 0.2, 0.2],
+            "goal": [5.8, 5.8, 5.8],
+            "mesh": {"pitch": 0.8},
+            "spline": {"clearance": 0.1},
+        }
+    ).replace(obstacles=(ball,))
+    data: Data = json.loads(json.dumps(plan(scene).to_dict(full=True), allow_nan=False))
+    planes = data["arm"]["certificate"]["planes"]
+    of_ball = [k for k, one in enumerate(planes) if one["obstacle"] == 0]
+    assert len(of_ball) < len(ball.surface.faces) / 4
+
+    found = verify(data, scene.meshes)[2]
+    assert found.curve == "arm"
+    assert found.proven
+
+    lost = planes[of_ball[len(of_ball) // 2]]
+    planes[:] = [
+        one for one in planes if (one["t0"], one["capsule"]) != (lost["t0"], lost["capsule"])
+    ]
+    assert not verify(data, scene.meshes)[2].proven
