@@ -11,32 +11,18 @@ from fractions import Fraction
 from typing import Any
 
 from abi.scene.scene import Scene
+from abi.verify.arm_planes import FIELD, Plane, planes_of
 from abi.verify.exact import ExactCurve, ExactSolid, Vec3, dot, hull, sub, times_length, vector
 from abi.verify.exact_arm import ExactArm, ExactCapsule, ExactPose
 from abi.verify.exact_mesh import ExactMesh
 from abi.verify.exact_slide import ExactSlide, ExactTiming, anywhere, moving, still
 from abi.verify.fault import Fault
 from abi.verify.interval import enclose, rounded
-from abi.verify.plan_fields import finite, list_of, mapping, number_of, vector_of
+from abi.verify.plan_fields import finite, list_of, mapping, number_of
 from abi.verify.sides import check_above, check_apart
-
-FIELD = "arm.certificate"
 
 _BODIES = ("column", "upper_arm", "forearm", "slide")
 _UPRIGHT = (1.0, 0.0, 0.0, 0.0)
-
-
-@dataclass(frozen=True)
-class _Plane:
-    """A direction that keeps a capsule from something, while the tool is on a piece of the curve.
-
-    ``obstacle`` is the number of an obstacle, the name of a link, or ``floor``.
-    """
-
-    start: Fraction
-    end: Fraction
-    at: Fraction
-    normal: Vec3
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,14 +34,14 @@ class _Motion:
     slide: ExactSlide
     poses: dict[tuple[Fraction, Fraction, Fraction], ExactPose] = field(default_factory=dict)
 
-    def near(self, plane: _Plane) -> ExactPose:
+    def near(self, plane: Plane) -> ExactPose:
         """The pose of a plane, and how far the arm gets from it."""
         key = plane.start, plane.end, plane.at
         if key not in self.poses:
             self.poses[key] = self._pose(plane)
         return self.poses[key]
 
-    def _pose(self, plane: _Plane) -> ExactPose:
+    def _pose(self, plane: Plane) -> ExactPose:
         points = hull(self.curve, plane.start, plane.end) if plane.start < plane.end else []
         if not points or not plane.start <= plane.at <= plane.end:
             raise Fault(f"a piece from {float(plane.start):g} is not on the curve")
@@ -99,7 +85,7 @@ def check_arm(
     )
     motion = _Motion(arm, curve, _slide(scene, timing, curve))
     capsules = [_capsule(one) for one in list_of(f"{FIELD}.capsules", certificate.get("capsules"))]
-    planes = _planes(certificate, len(capsules))
+    planes = planes_of(certificate, len(capsules), _obstacle)
     floor = min(arm.base[2], Fraction(scene.workspace.min[2]))
     span = curve.spans[0][0], curve.spans[-1][1]
     for number, capsule in enumerate(capsules):
@@ -175,7 +161,7 @@ def _still(capsule: ExactCapsule, arm: ExactArm) -> ExactSolid:
     return ExactSolid(half, zero, capsule.radius, centre, _UPRIGHT)
 
 
-def _least(motion: _Motion, capsule: ExactCapsule, plane: _Plane) -> Fraction:
+def _least(motion: _Motion, capsule: ExactCapsule, plane: Plane) -> Fraction:
     """Lower bound of a plane's product with the capsule all along its piece."""
     pose = motion.near(plane)
     way = motion.arm.way(pose, capsule) + capsule.radius
@@ -227,27 +213,9 @@ def _capsule(entry: object) -> ExactCapsule:
     return ExactCapsule(link, body, low, high, radius, *flags)
 
 
-def _planes(
-    certificate: dict[str, Any], capsules: int
-) -> dict[tuple[int, int | str], list[_Plane]]:
-    """Planes by capsule and obstacle, in the order in which their pieces begin."""
-    planes: dict[tuple[int, int | str], list[_Plane]] = {}
-    for entry in list_of(f"{FIELD}.planes", certificate.get("planes")):
-        data = mapping(f"{FIELD}.planes", entry)
-        capsule, obstacle = data.get("capsule"), data.get("obstacle")
-        if type(capsule) is not int or not 0 <= capsule < capsules:
-            raise Fault("a direction belongs to no capsule")
-        if type(obstacle) is not int and not isinstance(obstacle, str):
-            raise Fault("a direction belongs to no obstacle")
-        start, end, at = (
-            Fraction(finite(f"{FIELD}.planes.{key}", data.get(key))) for key in ("t0", "t1", "at")
-        )
-        normal = vector_of(f"{FIELD}.planes.direction", data.get("direction"))
-        planes.setdefault((capsule, obstacle), []).append(_Plane(start, end, at, normal))
-    for group in planes.values():
-        group.sort(key=_start)
-    return planes
-
-
-def _start(plane: _Plane) -> Fraction:
-    return plane.start
+def _obstacle(data: dict[str, Any], _: int) -> int | str:
+    """Number of an obstacle, name of a link, or ``floor``."""
+    obstacle = data.get("obstacle")
+    if type(obstacle) is int or isinstance(obstacle, str):
+        return obstacle
+    raise Fault("a direction belongs to no obstacle")

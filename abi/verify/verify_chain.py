@@ -14,13 +14,14 @@ from typing import Any, NamedTuple
 
 from abi.obstacles.pose import METRES
 from abi.scene.scene import Scene
+from abi.verify.arm_planes import FIELD, Plane, planes_of
 from abi.verify.exact import ExactSolid, Vec3, dot, sub, times_length, vector
 from abi.verify.exact_chain import ExactChain, ExactFrame, exact_chain
 from abi.verify.exact_mesh import ExactMesh, Side
 from abi.verify.fault import Fault
 from abi.verify.plan_fields import finite, list_of, mapping, numbers_of, vector_of
 from abi.verify.sides import check_above, check_apart, check_cover
-from abi.verify.verify_arm import FIELD, check_claim
+from abi.verify.verify_arm import check_claim
 
 _REACHED = Fraction(1, 10**5)
 """Error of the tool at start and goal that is let pass, over the length of the chain."""
@@ -35,17 +36,6 @@ class _Capsule(NamedTuple):
     frame: int
     ends: tuple[Vec3, Vec3]
     radius: Fraction
-
-
-class _Plane(NamedTuple):
-    start: Fraction
-    end: Fraction
-    at: Fraction
-    normal: Vec3
-
-
-_Key = tuple[int, int | str]
-"""A capsule, and an obstacle, the floor, or another capsule as its number before it, negative."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +55,7 @@ class _Motion:
         pairs = zip(self.rows[row], self.rows[row + 1], strict=True)
         return [a + share * (b - a) for a, b in pairs]
 
-    def near(self, plane: _Plane) -> tuple[list[ExactFrame], list[Fraction]]:
+    def near(self, plane: Plane) -> tuple[list[ExactFrame], list[Fraction]]:
         """Frames at the pose of a plane, and how far each coordinate gets from it."""
         start, end, at = plane.start, plane.end, plane.at
         if not 0 <= start <= at <= end <= len(self.rows) - 1:
@@ -112,7 +102,7 @@ def check_chain(
     _check_ends(motion, scene)
     capsules = _capsules(certificate, chain, scene)
     pairs = _pairs(certificate, len(capsules))
-    planes = _planes(certificate, len(capsules))
+    planes = planes_of(certificate, len(capsules), _obstacle)
     span = Fraction(0), Fraction(len(motion.rows) - 1)
     floor = min(Fraction(scene.arm.base[2]), Fraction(scene.workspace.min[2]))
     for number, capsule in enumerate(capsules):
@@ -206,7 +196,7 @@ def _range(frames: list[ExactFrame], capsule: _Capsule, normal: Vec3) -> tuple[F
     return min(low), max(high)
 
 
-def _sides(motion: _Motion, capsule: _Capsule, planes: list[_Plane]) -> list[Side]:
+def _sides(motion: _Motion, capsule: _Capsule, planes: list[Plane]) -> list[Side]:
     """Pieces, directions and their least products with a capsule all along them."""
     found = []
     for plane in planes:
@@ -219,9 +209,7 @@ def _sides(motion: _Motion, capsule: _Capsule, planes: list[_Plane]) -> list[Sid
     return found
 
 
-def _between(
-    motion: _Motion, first: _Capsule, second: _Capsule, planes: list[_Plane]
-) -> list[Side]:
+def _between(motion: _Motion, first: _Capsule, second: _Capsule, planes: list[Plane]) -> list[Side]:
     """The same of directions from one capsule to another, checked to keep them apart."""
     found = []
     for plane in planes:
@@ -263,27 +251,11 @@ def _pairs(certificate: dict[str, Any], capsules: int) -> list[tuple[int, int]]:
     return pairs
 
 
-def _planes(certificate: dict[str, Any], capsules: int) -> dict[_Key, list[_Plane]]:
-    """Planes by capsule and what it keeps from, in the order in which their pieces begin."""
-    planes: dict[_Key, list[_Plane]] = {}
-    for entry in list_of(f"{FIELD}.planes", certificate.get("planes")):
-        data = mapping(f"{FIELD}.planes", entry)
-        capsule, obstacle, other = data.get("capsule"), data.get("obstacle"), data.get("other")
-        if type(capsule) is not int or not 0 <= capsule < capsules:
-            raise Fault("a direction belongs to no capsule")
-        if type(other) is int and 0 <= other < capsules:
-            obstacle = -1 - other
-        elif obstacle != "floor" and (type(obstacle) is not int or obstacle < 0):
-            raise Fault("a direction belongs to no obstacle")
-        start, end, at = (
-            Fraction(finite(f"{FIELD}.planes.{key}", data.get(key))) for key in ("t0", "t1", "at")
-        )
-        normal = vector_of(f"{FIELD}.planes.direction", data.get("direction"))
-        planes.setdefault((capsule, obstacle), []).append(_Plane(start, end, at, normal))
-    for group in planes.values():
-        group.sort(key=_start)
-    return planes
-
-
-def _start(plane: _Plane) -> Fraction:
-    return plane.start
+def _obstacle(data: dict[str, Any], capsules: int) -> int | str:
+    """Number of an obstacle, ``floor``, or another capsule: -1 less its number."""
+    obstacle, other = data.get("obstacle"), data.get("other")
+    if type(other) is int and 0 <= other < capsules:
+        return -1 - other
+    if obstacle == "floor" or (type(obstacle) is int and obstacle >= 0):
+        return obstacle
+    raise Fault("a direction belongs to no obstacle")
