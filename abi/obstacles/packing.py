@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import threading
+from collections.abc import Iterable
 from functools import lru_cache
 from typing import assert_never
 
@@ -14,16 +16,48 @@ from abi.obstacles.primitive_kernels import WIDTH
 from abi.obstacles.primitive_tree_kernels import TREE, link
 from abi.obstacles.primitives import Box, Capsule, Cylinder, Primitive, Sphere
 
+_CROWD = 64
+"""Primitives from which on the last rows are remembered."""
+
 
 def pack(primitives: tuple[Primitive, ...]) -> FloatArray:
     """Rows of k primitives and their tree, flat (k ``WIDTH``,); see ``primitive_kernels``."""
-    rows = np.zeros((len(primitives), WIDTH))
-    for row, primitive in zip(rows, primitives, strict=True):
-        row[:TREE] = _row(primitive)
+    if len(primitives) < _CROWD:
+        rows = np.zeros((len(primitives), WIDTH))
+        changed: Iterable[int] = range(len(primitives))
+    else:
+        rows, changed = _of_last(primitives)
+    for k in changed:
+        rows[k, :TREE] = _row(primitives[k])
     packed = rows.ravel()
     if len(rows):
         link(packed)
-    return read_only(packed)
+    packed = read_only(packed)
+    if len(primitives) >= _CROWD:
+        _memory.crowds = ((primitives, packed), *_memory.crowds)[:2]
+    return packed
+
+
+class _Memory(threading.local):
+    """Each thread's last two crowds, a scene's and one with boxes for meshes, and their rows."""
+
+    crowds: tuple[tuple[tuple[Primitive, ...], FloatArray], ...] = ()
+
+
+_memory = _Memory()
+
+
+def _of_last(primitives: tuple[Primitive, ...]) -> tuple[FloatArray, list[int]]:
+    """Rows (k, ``WIDTH``) as of the last crowd that had as many, and which primitives changed.
+
+    By identity: to compare by value, or to hash, takes longer than all else of a drag.
+    """
+    for before, packed in _memory.crowds:
+        if len(before) == len(primitives):
+            pairs = enumerate(zip(primitives, before, strict=True))
+            changed = [k for k, (now, then) in pairs if now is not then]
+            return packed.reshape(-1, WIDTH).copy(), changed
+    return np.zeros((len(primitives), WIDTH)), list(range(len(primitives)))
 
 
 @lru_cache(maxsize=8192)
