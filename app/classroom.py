@@ -7,6 +7,8 @@ import threading
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from app.shared_plans import SharedPlans
+
 MAX_CHOICES = 4
 _MAX_TEXT = 300
 """Letters of a question and of an answer."""
@@ -34,10 +36,12 @@ class Classroom:
 
     Attributes:
         secret: what a teacher's address has and no other: ``?teach=…``.
+        plans: of what the teacher shows; one tab makes them for all.
     """
 
     def __init__(self) -> None:
         self.secret = secrets.token_urlsafe(16)
+        self.plans = SharedPlans()
         self._lock = threading.Lock()
         self._wakes: dict[int, Callable[[], None]] = {}
         self._view: tuple[int, str] = (0, "")

@@ -31,6 +31,7 @@ from app.lessons.cue import Cue
 from app.lessons.lesson import Library
 from app.look import Look
 from app.panels.classroom import ClassroomPanel
+from app.shared_plans import SharedPlans
 from app.tab_memory import Report, TabMemory
 from app.tab_state import TabState
 from app.tab_view import TabView
@@ -223,11 +224,13 @@ class Session:
         """Plan and draw what the panels show."""
         report = self._memory.report()
         restored = report is not None and self._restore(report)
+        shared: SharedPlans | None = None
         if self._class is not None:
             if report is not None:
                 self._class.recognise(report.query.get("teach", ""))
             if view := self._class.view():
                 restored |= self._restore(Report(state=view))
+                shared = self._class.plans
         if (cue := self.panels.cue(self._scene)) is not None:
             restored |= self._follow(cue)
         if (direction := self.panels.lecture.requested_view()) is not None:
@@ -240,7 +243,7 @@ class Session:
         else:
             self.frame = replace(self.frame, refused=None)
             if self.plans == 0 or restored or scene != self._scene:
-                self._show(self._replan(scene), interactive=True)
+                self._show(self._replan(scene, shared), interactive=True)
             else:
                 self._show(self.frame.plan, interactive=True)
         self.panels.files.save_if_requested(self._scene)
@@ -301,14 +304,23 @@ class Session:
         """State that the page is to remember."""
         return self._view.state(self._scene, self.frame.time)
 
-    def _replan(self, scene: Scene) -> Plan:
-        """Plan another scene, with the last plan in grey where that may take long."""
+    def _replan(self, scene: Scene, shared: SharedPlans | None) -> Plan:
+        """Plan another scene, with the last plan in grey where that may take long.
+
+        One that a teacher shows may be among ``shared``.
+        """
         if scene.workspace != self._scene.workspace or self.panels.files.loaded is scene:
             self._view.look_at(scene)
         self._scene = scene
+        if shared is not None and (made := shared.find(scene)) is not None:
+            self._planner.adopt(scene)
+            return made
         if self.frame.plan.total_ms > SLOW_MS:
             self._draw(replace(self.frame, outdated=True))
-        return self._observed(self._planner(scene))
+        plan = self._observed(self._planner(scene))
+        if shared is not None and not self._planner.partial:
+            shared.keep(plan)
+        return plan
 
     def _observed(self, plan: Plan) -> Plan:
         """The plan, counted."""

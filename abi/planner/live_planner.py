@@ -50,6 +50,12 @@ class LivePlanner:
         self._last_settings = _path_settings(scene)
         return self._planner(scene)
 
+    def adopt(self, scene: Scene) -> None:
+        """Go on from a full plan of ``scene`` that another planner has made."""
+        self.coarse = self.partial = False
+        self.budget.release()
+        self._last_settings = _path_settings(scene)
+
 
 def _path_settings(scene: Scene) -> tuple[object, ...]:
     """Fields on which stages 1 to 3 depend; the other stages are fast on any mesh."""

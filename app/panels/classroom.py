@@ -15,6 +15,7 @@ from app import style
 from app.classroom import MAX_CHOICES, Classroom
 from app.frame import Frame
 from app.panels.widgets import Wake
+from app.shared_plans import SharedPlans
 from app.tab_state import StateEncoder, TabState
 
 _PERIOD = 0.3
@@ -86,6 +87,11 @@ class ClassroomPanel:
             return ""
         self._seen = number
         return view
+
+    @property
+    def plans(self) -> SharedPlans:
+        """Plans of what the teacher shows."""
+        return self._classroom.plans
 
     def publish(self, state: TabState) -> None:
         """Send what the teacher asked to send, or all that changes while the others follow."""
