@@ -21,7 +21,15 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.tabs import SETTLE, ServerProcess, expected_curve, observe, open_tabs, serving
+from benchmarks.tabs import (
+    SETTLE,
+    ServerProcess,
+    expected_curve,
+    observe,
+    open_tabs,
+    serving,
+    warm_up,
+)
 from benchmarks.web_tab import WebTab
 
 DRAG = 20.0
@@ -147,6 +155,7 @@ def faults(url: str) -> int:
 
 
 async def _measure(server: ServerProcess, tabs: int, seconds: float) -> dict[str, Any]:
+    await warm_up(server.url)
     running = asyncio.create_task(soak(server.url, tabs, seconds))
     # by then the tabs are open
     await asyncio.sleep(min(60.0, seconds / 2))
@@ -168,7 +177,9 @@ def main() -> None:
     parser.add_argument("--minutes", type=float, default=10.0)
     parser.add_argument("--workers", type=int, default=1)
     options, arguments = parser.parse_known_args()
-    with serving("--workers", str(options.workers), *arguments) as server:
+    # which process a tab comes to is left to chance
+    room = str(options.workers * (options.tabs + 2))
+    with serving("--workers", str(options.workers), "--max-tabs", room, *arguments) as server:
         result = asyncio.run(_measure(server, options.tabs, 60 * options.minutes))
     print(json.dumps({"workers": options.workers, **result}), flush=True)
     if result["stale"] or result["stale_slow_or_frozen"] or result["faults"]:

@@ -38,7 +38,8 @@ COUNTS = (1, 5, 15, 30)
 _REST = 3.0
 """Seconds after the drag in which the last curve has to come."""
 SETTLE = 5.0
-"""Seconds before the drag, in which a server that has just begun loads its kernels."""
+"""Seconds before the drag, in which all that a tab shows at first is sent."""
+_WARM_UP, _FIRST_TABS = 6.0, 4
 _TICKS = os.sysconf("SC_CLK_TCK") if hasattr(os, "sysconf") else 100
 
 
@@ -101,6 +102,7 @@ async def drag(
         came, in the latest tab; ``cores`` and ``megabytes`` of the server, and these at its
         ``begin_megabytes``; ``stale``, tabs whose last curve is not that of the last position.
     """
+    await warm_up(server.url)
     begin = time.monotonic()
     _, first = server.usage()
     opened = await open_tabs(server.url, tabs)
@@ -153,6 +155,17 @@ async def play(
         await asyncio.gather(*(tab.press("Play or pause") for tab in opened))
     await asyncio.gather(*(tab.close() for tab in opened))
     return result
+
+
+async def warm_up(url: str) -> None:
+    """Have a server that has just begun load its kernels, as it does with the first tabs.
+
+    Twice, as other processes of the same address begin after the first.
+    """
+    for _ in range(2):
+        opened = await open_tabs(url, _FIRST_TABS)
+        await asyncio.sleep(_WARM_UP)
+        await asyncio.gather(*(tab.close() for tab in opened))
 
 
 async def open_tabs(url: str, tabs: int) -> list[WebTab]:
