@@ -24,6 +24,10 @@ _NOTE = (
     "in edges, and their lengths differ: that is how the paper's Table I comes about."
 )
 _MENDING = "LPA* (lifelong A*) keeps its costs and mends them where edges changed."
+_NO_GRAPH = f"{style.BOX}There is no graph to search: the message over the scene says why.</div>"
+_PRESS_AGAIN = f"{style.BOX}The scene has changed: press again to compare on its new mesh.</div>"
+_LIVE = 50.0
+"""Time for all searches, [ms], within which the table follows the plan."""
 _LAST = 1e9
 """Place in the tab: behind what the layers add later."""
 
@@ -39,24 +43,37 @@ class ComparisonPanel:
         self._text = gui.add_html("", visible=False, order=_LAST + 1)
         self._plan: Plan | None = None
         self._before = PlanBefore()
+        self._ms = 0.0
         self.button.on_click(wake)
 
     def draw(self, frame: Frame) -> None:
-        """Run the searches if the button was pressed; hide what is of another plan's graph."""
+        """Run the searches if the button was pressed, or again for another plan if they are quick.
+
+        The table is never that of another plan's graph.
+        """
         before = self._before.follow(frame)
-        if self._plan is not None and frame.plan.graph is not self._plan.graph:
+        if pressed := bool(self.button.value):
+            self.button.value = False
+        changed = self._plan is not None and frame.plan.graph is not self._plan.graph
+        if changed and self._ms > _LIVE and not pressed:
             self._plan = None
-            self._text.visible = False
-        if not self.button.value:
-            return
-        self.button.value = False
-        if frame.plan.graph is None:
-            return
-        self._plan = frame.plan
-        task = search_task(frame.plan, heuristic_weight=1.5)
+            self._show(_PRESS_AGAIN)
+        elif pressed or changed:
+            self._plan = frame.plan
+            self._show(self._compare(frame.plan, before))
+
+    def _compare(self, plan: Plan, before: Plan | None) -> str:
+        """Run the searches, and tell what they found."""
+        if plan.graph is None:
+            return _NO_GRAPH
+        task = search_task(plan, heuristic_weight=1.5)
         found = compare(task)
+        self._ms = sum(one.ms for one in found)
         mended = _mended(before, task.arcs, task.weight)
-        self._text.content = _table(found, frame.plan.scene.unit) + _told(mended, found[0])
+        return _table(found, plan.scene.unit) + _told(mended, found[0])
+
+    def _show(self, text: str) -> None:
+        self._text.content = text
         self._text.visible = True
 
 

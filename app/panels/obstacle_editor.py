@@ -75,6 +75,7 @@ class ObstacleEditor:
         self._pressed = False
         self._added: list[Bounds] = []
         self.choice.on_update(wake)
+        self._unit = ""
         self._wake = wake
         self.buttons.on_click(self._note_press)
 
@@ -153,6 +154,7 @@ class ObstacleEditor:
             self._refused = str(error or "")
             if error is not None and getattr(error, "field", "").startswith(_FIELDS):
                 page.notify_refusal(self._client, "Not changed", sentence(error))
+        self._name_unit(frame.plan.scene.unit)
         self._added.clear()
         self._obstacles.show_edges(self._mesh_note.edges)
         scene, number = frame.plan.scene, self._obstacles.chosen
@@ -163,6 +165,15 @@ class ObstacleEditor:
             self._mesh_note.write(
                 chosen if current and isinstance(chosen, MeshShape) else None, scene
             )
+
+    def _name_unit(self, unit: str) -> None:
+        """Name the unit of the scene's lengths in the labels."""
+        if unit == self._unit:
+            return
+        self._unit = unit
+        for name, box in {**self._end_boxes, "position": self._position}.items():
+            box.handle.label = f"{name} [{unit}]"
+        self.sizes.name_unit(unit)
 
     def _note_press(self, event: object) -> None:
         self._pressed = True

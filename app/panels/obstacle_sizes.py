@@ -28,6 +28,11 @@ class ObstacleSizes:
             box.on_update(wake)
         self.unit.on_update(wake)
 
+    def name_unit(self, unit: str) -> None:
+        """Name the unit of the scene's lengths in the labels."""
+        for name in ("size", "radius", "height"):
+            getattr(self, name).label = f"{name} [{unit}]"
+
     def choose_unit(self, unit: str) -> None:
         """Choose the unit of a mesh file."""
         self.unit.value = label_of(_UNITS, unit)

@@ -1,4 +1,4 @@
-"""Path length and expanded nodes against the pitch, on the present scene, when asked."""
+"""Path length and expanded nodes against the spacing, on the present scene, when asked."""
 
 from __future__ import annotations
 
@@ -21,6 +21,7 @@ STEPS = 8
 _FINEST, _COARSEST = 0.45, 1.5
 """Of the scene's pitch."""
 _MOST_NODES = 40_000
+_NOTHING = f"{style.BOX}Fewer than two of {STEPS} spacings gave a path: nothing to plot.</div>"
 _LAST = 1e9 + 10
 """Place in the tab: behind the table of searches."""
 
@@ -31,12 +32,13 @@ class PitchStudyPanel:
     def __init__(self, gui: viser.GuiApi, wake: Wake) -> None:
         # Any, since viser declares a button's value read-only
         self.button: Any = gui.add_button(
-            "Plot against the pitch",
+            "Plot against the spacing",
             order=_LAST,
-            hint=f"Plans with {STEPS} pitches around the present one.",
+            hint=f"Plans with {STEPS} node spacings around the present one.",
         )
-        self.length = _plot(gui, "path length", style.A_STAR, _LAST + 1)
-        self.expanded = _plot(gui, "nodes visited", style.DIJKSTRA, _LAST + 2)
+        self._note = gui.add_html(_NOTHING, visible=False, order=_LAST)
+        self.length = _plot(gui, style.A_STAR, _LAST + 1)
+        self.expanded = _plot(gui, style.DIJKSTRA, _LAST + 2)
         self._scene: Scene | None = None
         self.button.on_click(wake)
 
@@ -45,17 +47,21 @@ class PitchStudyPanel:
         scene = frame.plan.scene
         if self._scene is not None and scene != self._scene:
             self._scene = None
-            self.length.visible = self.expanded.visible = False
+            self._note.visible = self.length.visible = self.expanded.visible = False
         if not self.button.value:
             return
         self.button.value = False
         pitches, lengths, expanded = study(scene)
-        if len(pitches) < 2:
+        self._scene, found = scene, len(pitches) >= 2
+        self._note.visible, self.length.visible, self.expanded.visible = not found, found, found
+        if not found:
             return
-        self._scene = scene
-        for plot, line in ((self.length, lengths), (self.expanded, expanded)):
+        for plot, line, what in (
+            (self.length, lengths, f"path length [{scene.unit}]"),
+            (self.expanded, expanded, "nodes visited"),
+        ):
             plot.data = (pitches, line)
-            plot.visible = True
+            plot.title = f"{what} against spacing [{scene.unit}]"
 
 
 def study(scene: Scene) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -73,17 +79,14 @@ def study(scene: Scene) -> tuple[FloatArray, FloatArray, FloatArray]:
     return np.array(pitches), values[:, 0], values[:, 1]
 
 
-def _plot(
-    gui: viser.GuiApi, title: str, colour: style.Colour, order: float
-) -> viser.GuiUplotHandle:
+def _plot(gui: viser.GuiApi, colour: style.Colour, order: float) -> viser.GuiUplotHandle:
     axis = uplot.Axis(stroke="#868e96", size=46, font="11px sans-serif")
-    empty = np.array([0.0, 1.0])
     return gui.add_uplot(
-        (empty, np.zeros(2)),
+        (np.array([0.0, 1.0]), np.zeros(2)),
         # by its label the page knows that this is no plot over time
-        (uplot.Series(label="pitch"), uplot.Series(label=title, stroke=style.css(colour), width=2)),
-        title=f"{title} against the pitch",
+        (uplot.Series(label="spacing"), uplot.Series(stroke=style.css(colour), width=2)),
         scales={"x": uplot.Scale(time=False)},
+        legend=uplot.Legend(show=False),
         axes=(axis, axis),
         height=170,
         order=order,

@@ -331,6 +331,13 @@ document.head.insertAdjacentHTML("beforeend", `<style id="abi-style">
 }
 [role=tab][aria-selected=true] * { color: light-dark(#1a6fc0, #74b8f5) !important; }
 .mantine-Slider-markLabel { color: var(--mantine-color-dimmed); }
+/* a checkbox before its label, which viser squeezes into the column of the others */
+.mantine-Flex-root:has(> div:last-child .mantine-Checkbox-root) {
+  flex-direction: row-reverse; justify-content: flex-end; gap: 8px;
+}
+.mantine-Flex-root:has(> div:last-child .mantine-Checkbox-root) > div {
+  width: auto !important; flex: 0 1 auto !important;
+}
 @media (max-height: 760px) {  /* nothing scrolls on a small laptop, or at 200 % on a large screen */
   .mantine-ScrollArea-content .mantine-Paper-root:not(.mantine-Paper-root *) { margin-block: 7px; }
   .mantine-ScrollArea-content div:has(> .mantine-Flex-root) { padding-bottom: 3.4px !important; }

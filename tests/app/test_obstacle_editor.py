@@ -165,6 +165,9 @@ def test_the_arm_is_as_large_as_the_scenes_unit_says(tmp_path: Path) -> None:
     with served(path) as (fake, session):
         until(lambda: len(layer(session, ArmLayer)._joint_nodes) > 0)
         same = size(session)
+        editor = session.panels.editor
+        lengths = (editor._position.handle, editor.sizes.radius, editor._end_boxes["goal"].handle)
+        assert {handle.label[-4:] for handle in lengths} == {"[mm]"}
         # the same arm in the same room, ten times as many of a unit a tenth as long
         for name in ("paper", str(path)):
             fake.set(session.panels.files.choice, name)

@@ -31,5 +31,17 @@ def test_the_plots_go_with_the_scene(tab: tuple[FakeTab, Session]) -> None:
     fake.set(panel.button, True)
     until(lambda: panel.length.visible and panel.expanded.visible)
     assert len(panel.length.data[0]) >= 4
+    assert panel.length.title == "path length [cm] against spacing [cm]"
     fake.drag(session.panels.ends.gizmos["start"], [0.0, 1.0, 0.0])
     until(lambda: not panel.length.visible)
+
+
+def test_a_scene_without_a_path_is_told_so(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    panel = session.panels.pitch_study
+    fake.set(session.panels.files.choice, "no-way")
+    until(lambda: session.panels.files.name == "no-way" and session.resting)
+    fake.set(panel.button, True)
+    until(lambda: panel._note.visible)
+    assert not panel.length.visible
+    assert not panel.expanded.visible

@@ -177,3 +177,32 @@ def test_a_step_is_kept_and_comes_back(tab: tuple[FakeTab, Session]) -> None:
     assert session.frame.theatre is not None
     assert session.frame.theatre.name == "dijkstra"
     assert session.frame.theatre.state.step == 25
+
+
+def test_the_comparison_follows_a_small_plan(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    panel = session.panels.comparison
+    fake.set(panel.button, True)
+    until(lambda: panel._text.visible)
+    before = panel._text.content
+    fake.set(session.panels.stages.mesh.pitch, 0.9)
+    until(lambda: session.resting and panel._text.content != before)
+    assert panel._plan is not None
+    assert panel._plan.graph is session.frame.plan.graph
+    assert "Theta" in panel._text.content
+
+    panel._ms = 1e9  # as if the searches took long
+    fake.set(session.panels.stages.mesh.pitch, 1.3)
+    until(lambda: "press again" in panel._text.content)
+    fake.set(panel.button, True)
+    until(lambda: "Theta" in panel._text.content)
+
+
+def test_the_comparison_says_when_there_is_no_graph(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    size = session.panels.editor.sizes.size
+    fake.set(session.panels.editor._position.handle, (0.0, 0.0, 0.0))
+    fake.set(size, (9.0, 9.0, 9.0))
+    until(lambda: session.resting and session.frame.plan.graph is None)
+    fake.set(session.panels.comparison.button, True)
+    until(lambda: "no graph" in session.panels.comparison._text.content)

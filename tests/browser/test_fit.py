@@ -128,3 +128,14 @@ def test_no_panel_scrolls_on_a_small_laptop(page: Page, session: Session) -> Non
         page.click("Result")
         page.settle()
         page.until(lambda: _fits(page), f"the panels of {name} not to scroll")
+
+
+def test_the_name_of_every_layer_is_on_one_line(page: Page) -> None:
+    page.click("Layers")
+    page.settle()
+    names = page.tab.locator("label").filter(visible=True)
+    heights = {row["height"] for row in (name.bounding_box() for name in names.all()) if row}
+    assert names.count() > 15
+    assert max(heights) < 1.5 * min(heights), heights
+    page.until(lambda: _fits(page), "the list not to scroll")
+    page.click("Result")

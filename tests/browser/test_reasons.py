@@ -74,7 +74,7 @@ def test_a_walled_in_goal_says_by_what_and_draws_no_path(page: Page, session: Se
 def test_the_change_that_helps_is_made_at_a_press(page: Page, session: Session) -> None:
     page.click("Scene")
     for axis, number in enumerate((2.25, 3, 3)):
-        page.set_number("start", number, axis)
+        page.set_number("start [cm]", number, axis)
     page.until(lambda: _offers(page) == 1, "the offer")
     (sentence,) = page.complaints()
     assert "The start is 0.25 cm inside obstacle 1." in sentence
