@@ -21,6 +21,7 @@ from abi.arm import arm_kernels as kernels
 from abi.arm import capsule_kernels
 from abi.arm.any_arm import PlacedCapsule
 from abi.arm.link_capsules import BODIES, LinkCapsule, link_capsules, steepest_bend
+from abi.arm.pose_kernels import ArmTable
 from abi.arrays import FloatArray, flat, read_only
 from abi.obstacles.pose import METRES
 from abi.scene.scene import ArmSettings
@@ -99,6 +100,10 @@ class Arm:
         lengths = (z + self.a1 + self.a2, self.a3, self.a4 + self.a5)
         cosines = math.cos(self.limits[2, 1] - spare), math.cos(self.limits[1, 1] - spare)
         return read_only(np.array([x, y, z, *lengths, side, *cosines]))
+
+    def table(self, elbow: Literal["up", "down"] = "up", spare: float = 0.0) -> ArmTable:
+        """The arm with its capsules as kernels take it; see :meth:`numbers`."""
+        return ArmTable(self.numbers(elbow, spare), self.capsule_rows)
 
     @cached_property
     def capsule_rows(self) -> FloatArray:

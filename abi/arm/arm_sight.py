@@ -12,6 +12,7 @@ from abi.arm import leg_kernels, mask_kernels
 from abi.arm.arm import Arm
 from abi.arm.arm_certificate import ArmCertificate, ArmRefutation, certify_arm
 from abi.arm.leg_kernels import MOST_TRIES, ArmLegs
+from abi.arm.pose_kernels import ArmTable
 from abi.arm.separate_arm_kernels import UNREACHED, Obstacles, Slide, separate_arm
 from abi.arm.surroundings import Surroundings, surroundings
 from abi.arrays import BoolArray, FloatArray, flat, read_only
@@ -83,8 +84,7 @@ class ArmSight:
             flat(legs),
             breaks,
             room,
-            self._numbers,
-            self.arm.capsule_rows,
+            self._table,
             self._beyond,
             slide,
             self.most_tries,
@@ -104,7 +104,7 @@ class ArmSight:
     def reached(self, points: FloatArray) -> BoolArray:
         """Places (n, 3) that the arm reaches, clear of floor and column, (n,)."""
         reached = np.zeros(len(points), dtype=np.bool_)
-        mask_kernels.reached_places(flat(points), self._numbers, *self._forearm, reached)
+        mask_kernels.reached_places(flat(points), self._table.numbers, *self._forearm, reached)
         return reached & ~self._touching(points, self.around.only(self.around.numbers < 0), reached)
 
     def touching(
@@ -118,8 +118,7 @@ class ArmSight:
         touching = np.zeros(len(points), dtype=np.bool_)
         mask_kernels.touching_places(
             flat(points),
-            self.arm.numbers(self.elbow),
-            self.arm.capsule_rows,
+            self.arm.table(self.elbow),
             around.beyond(self.clearance + self.slack),
             *self._forearm,
             reached,
@@ -132,10 +131,7 @@ class ArmSight:
         """Surroundings of the tool's legs, as the kernels take them."""
         low, high = map(float, self.extensions)
         pairs = read_only(np.flatnonzero(self._beyond.asked).astype(np.int32))
-        return ArmLegs(
-            *(self._numbers, self.arm.capsule_rows, self._beyond),
-            *(pairs, (low, high), self.most_tries),
-        )
+        return ArmLegs(self._table, self._beyond, pairs, (low, high), self.most_tries)
 
     def _slide(self, curve: PolynomialCurve) -> Slide:
         return Slide(flat(curve.bezier().breaks[[0, -1]]), *self._extensions)
@@ -147,8 +143,8 @@ class ArmSight:
         return read_only(np.full(2, low)), read_only(np.full(2, high))
 
     @cached_property
-    def _numbers(self) -> FloatArray:
-        return self.arm.numbers(self.elbow, _SPARE)
+    def _table(self) -> ArmTable:
+        return self.arm.table(self.elbow, _SPARE)
 
     @cached_property
     def _beyond(self) -> Obstacles:

@@ -8,7 +8,7 @@ from typing import Self
 
 import numpy as np
 
-from abi.arm.chain_kernels import POSE, ChainTable, chain_poses, follow_path
+from abi.arm.chain_kernels import POSE, ChainTable, Drift, chain_poses, follow_path
 from abi.arrays import FloatArray, flat, read_only
 from abi.obstacles.pose import Vec3
 from abi.robot.robot import Joint, Robot, joints_to
@@ -143,8 +143,8 @@ class Chain:
         """
         count = len(self.names)
         joints, errors = np.empty(len(targets) * count), np.empty(len(targets))
-        drawn = flat(start if home is None else home)
-        arguments = (self.table, flat(start), drawn, flat(targets), PULL, _MOST_ITERATIONS)
+        drift = Drift(flat(start if home is None else home), PULL)
+        arguments = (self.table, flat(start), drift, flat(targets), _MOST_ITERATIONS)
         follow_path(*arguments, joints, errors)
         return joints.reshape(-1, count), errors
 

@@ -288,34 +288,49 @@ def _move(chain: ChainTable, q: FloatArray, step: FloatArray, longest: float) ->
         q[j] = min(max(moved, chain.limits[2 * j]), chain.limits[2 * j + 1])
 
 
+class Drift(NamedTuple):
+    """How joints that the task leaves free move.
+
+    Attributes:
+        home: coordinates to drift to, (n,).
+        pull: part of the way there for each reach that the tip travels.
+    """
+
+    home: FloatArray
+    pull: float
+
+
+NO_DRIFT = Drift(FLOATS, 0.0)
+"""Example."""
+
+
 @register_jitable
 def reach_point(
     chain: ChainTable,
     q: FloatArray,
-    home: FloatArray,
+    drift: Drift,
     targets: FloatArray,
     sample: int,
-    pull: float,
     most: int,
     room: Room,
 ) -> float:
     """Move coordinates until the tip is at a point, by damped least squares; what it lacks.
 
-    Where the chain has joints to spare, they drift to ``home`` as the tip goes on: in the first
-    step alone, so that a motion stays smooth.
+    Where the chain has joints to spare, they drift home as the tip goes on: in the first step
+    alone, so that a motion stays smooth.
 
     Args:
         chain: the chain and its task.
         q: coordinates to begin with, (n,); written.
-        home: coordinates to drift to, (n,).
+        drift: of joints to spare; with a pull below 0 there is none, and no step where the point
+            is reached.
         targets: points, flat, [m], world.
         sample: which of them.
-        pull: part of the way to ``home`` for each reach that the tip travels; below 0 none, and
-            no step where the point is reached.
         most: iterations, at most.
         room: for the steps.
     """
     count, rows = len(q), 6 if chain.aims else 3
+    home, pull = drift
     damping, last = 1e-12, 1e9
     for attempt in range(most):
         place_chain(chain, q, 0, room.poses)
@@ -338,13 +353,12 @@ def reach_point(
     return _error(chain, room.poses, targets, sample, room.error)
 
 
-@compiled(example=(TABLE, FLOATS, FLOATS, FLOATS, 0.0, 0, NEW_FLOATS, NEW_FLOATS))
+@compiled(example=(TABLE, FLOATS, NO_DRIFT, FLOATS, 0, NEW_FLOATS, NEW_FLOATS))
 def follow_path(
     chain: ChainTable,
     start: FloatArray,
-    home: FloatArray,
+    drift: Drift,
     targets: FloatArray,
-    pull: float,
     most: int,
     joints: FloatArray,
     errors: FloatArray,
@@ -354,18 +368,18 @@ def follow_path(
     Args:
         chain: the chain and its task.
         start: coordinates to begin with, (n,).
-        home: coordinates that spare joints drift to, (n,).
+        drift: of joints to spare.
         targets: k points, flat (3 k,), [m], world.
-        pull: part of the way to ``home`` for each reach that the tip travels.
         most: iterations for a point, at most.
         joints: coordinates at each point, flat (k n,); written.
         errors: what each lacks, over the reach or in [rad], (k,); written.
     """
     count = len(start)
     room, q = room_of(chain, count), start.copy()
+    still = Drift(drift.home, -1.0)
     for sample in range(len(errors)):
-        pulled = pull if sample > 0 else -1.0
-        errors[sample] = reach_point(chain, q, home, targets, sample, pulled, most, room)
+        pulled = drift if sample > 0 else still
+        errors[sample] = reach_point(chain, q, pulled, targets, sample, most, room)
         for j in range(count):
             joints[sample * count + j] = q[j]
 

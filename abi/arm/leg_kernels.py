@@ -17,6 +17,8 @@ from typing import NamedTuple
 from numba.extending import register_jitable
 
 from abi.arm.pose_kernels import (
+    NO_ARM,
+    ArmTable,
     Pose,
     bend_near,
     capsule_ends,
@@ -54,16 +56,14 @@ class ArmLegs(NamedTuple):
     """Arm and surroundings on the legs of its tool.
 
     Attributes:
-        arm: its nine numbers.
-        capsules: rows (4 c,).
+        table: the arm.
         around: what to keep clear of.
         pairs: capsules times number of obstacles, plus obstacle, that ``around`` asks for (p,).
         extensions: least and greatest q5, [unit].
         most_tries: of a capsule and an obstacle, to prove a leg.
     """
 
-    arm: FloatArray
-    capsules: FloatArray
+    table: ArmTable
     around: Obstacles
     pairs: IntArray
     extensions: tuple[float, float]
@@ -85,7 +85,7 @@ class _Piece(NamedTuple):
     allowance: float
 
 
-NO_LEGS = ArmLegs(FLOATS, FLOATS, NO_OBSTACLES, IDS, (0.0, 0.0), MOST_TRIES)
+NO_LEGS = ArmLegs(NO_ARM, NO_OBSTACLES, IDS, (0.0, 0.0), MOST_TRIES)
 """Example."""
 
 
@@ -99,7 +99,7 @@ def _judged_on(legs: ArmLegs, s: int, capsule: Moving, piece: _Piece) -> int:
         capsule: in the middle.
         piece: the piece.
     """
-    arm, capsules, around = legs.arm, legs.capsules, legs.around
+    (arm, capsules), around = legs.table, legs.around
     a, b = capsule.first, capsule.last
     need = capsule.radius + around.margins[s]
     near, far = need - piece.allowance, need + piece.allowance + capsule.way
@@ -131,7 +131,7 @@ def _judged_on(legs: ArmLegs, s: int, capsule: Moving, piece: _Piece) -> int:
 @register_jitable
 def arm_is_clear(legs: ArmLegs, first: Vec3, last: Vec3) -> bool:
     """Whether it is proven that the arm keeps clear from one place of the tool to another."""
-    arm, capsules, around, pairs, (low, high), most_tries = legs
+    (arm, capsules), around, pairs, (low, high), most_tries = legs
     count = len(around.margins)
     forearm, slid = arm[5] + (low + high) / 2, (high - low) / 2
     length, way = distance(first, last), sub(last, first)

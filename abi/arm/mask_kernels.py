@@ -11,8 +11,10 @@ from numba.extending import register_jitable
 
 from abi.arm.pose_kernels import (
     CAPSULE,
+    NO_ARM,
     NO_RATES,
     UPPER_ARM,
+    ArmTable,
     capsule_ends,
     capsule_rates,
     pose_of,
@@ -118,11 +120,10 @@ def _beside(around: Obstacles, s: int, arm: FloatArray, tool: Vec3, widest: floa
     return beside
 
 
-@compiled(example=(FLOATS, FLOATS, FLOATS, NO_OBSTACLES, 0.0, 0.0, FLAGS, NEW_FLAGS))
+@compiled(example=(FLOATS, NO_ARM, NO_OBSTACLES, 0.0, 0.0, FLAGS, NEW_FLAGS))
 def touching_places(
     points: FloatArray,
-    arm: FloatArray,
-    capsules: FloatArray,
+    table: ArmTable,
     around: Obstacles,
     forearm: float,
     slide: float,
@@ -133,14 +134,14 @@ def touching_places(
 
     Args:
         points: flat (3 n,), [unit], world.
-        arm: its nine numbers.
-        capsules: rows (4 c,).
+        table: the arm.
         around: what to keep clear of.
         forearm: length a6, [unit].
         slide: how much longer or shorter it may be, [unit].
         reached: places to look at (n,).
         touching: (n,), False at first; written.
     """
+    arm, capsules = table
     count, moving = len(around.margins), len(capsules) // CAPSULE
     widest, longest = 0.0, 0.0
     for c in range(moving):

@@ -30,6 +30,7 @@ from typing import NamedTuple
 from numba.extending import register_jitable
 
 from abi.arrays import FloatArray
+from abi.compiled import FLOATS
 from abi.obstacles.vector_kernels import Vec3, axpy, sub
 
 CAPSULE = 4
@@ -38,6 +39,18 @@ CAPSULE = 4
 _LEAST_SINE = 1e-3  # of q3: nearer to stretched or folded nothing is claimed
 COLUMN, UPPER_ARM, FOREARM = 0, 1, 2
 """Bodies of capsules; another one slides."""
+
+
+class ArmTable(NamedTuple):
+    """An arm and its capsules, as kernels take them.
+
+    Attributes:
+        numbers: those of the arm, (9,).
+        capsules: rows, flat (4 c,).
+    """
+
+    numbers: FloatArray
+    capsules: FloatArray
 
 
 class Pose(NamedTuple):
@@ -75,6 +88,8 @@ class Rates(NamedTuple):
     longest: float
 
 
+NO_ARM = ArmTable(FLOATS, FLOATS)
+"""Example."""
 NO_RATES = Rates(math.inf, math.inf, 0.0, 0.0)
 """Where nothing is bounded."""
 

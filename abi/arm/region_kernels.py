@@ -9,7 +9,7 @@ import math
 
 from numba.extending import register_jitable
 
-from abi.arm.pose_kernels import CAPSULE, capsule_ends, pose_of
+from abi.arm.pose_kernels import CAPSULE, NO_ARM, ArmTable, capsule_ends, pose_of
 from abi.arm.separate_arm_kernels import NO_OBSTACLES, Obstacles, asked_rows, between_boxes
 from abi.arrays import BoolArray, FloatArray
 from abi.compiled import FLAGS, FLOATS, NEW_FLOATS, compiled
@@ -47,11 +47,10 @@ def reach_rooms(points: FloatArray, arm: FloatArray, forearm: float, rooms: Floa
         rooms[i] = room
 
 
-@compiled(example=(FLOATS, FLOATS, FLOATS, NO_OBSTACLES, 1.0, FLAGS, 1.0, NEW_FLOATS))
+@compiled(example=(FLOATS, NO_ARM, NO_OBSTACLES, 1.0, FLAGS, 1.0, NEW_FLOATS))
 def arm_gaps(
     points: FloatArray,
-    arm: FloatArray,
-    capsules: FloatArray,
+    table: ArmTable,
     around: Obstacles,
     forearm: float,
     reached: BoolArray,
@@ -64,14 +63,14 @@ def arm_gaps(
 
     Args:
         points: flat (3 n,), [unit], world.
-        arm: its nine numbers.
-        capsules: rows (4 c,).
+        table: the arm.
         around: what to keep clear of.
         forearm: length a6, [unit].
         reached: places to look at (n,).
         most: distances above count as this, [unit].
         gaps: (n,), [unit]; ``most`` where it is not reached; written.
     """
+    arm, capsules = table
     count, moving = len(around.margins), len(capsules) // CAPSULE
     rows = asked_rows(around, moving)
     for i in range(len(gaps)):

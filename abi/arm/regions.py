@@ -36,14 +36,12 @@ def shadow(
     points, shape = _grid(*box, places)
     forearm = arm.a4 + arm.a5 + extension
     reached = np.empty(len(points), dtype=np.bool_)
-    numbers = arm.numbers(elbow)
-    mask_kernels.reached_places(flat(points), numbers, forearm, 0.0, reached)
+    table = arm.table(elbow)
+    mask_kernels.reached_places(flat(points), table.numbers, forearm, 0.0, reached)
     gaps = np.empty(len(points))
     most = float(np.subtract(box[1], box[0]).max()) / places
     solids = around.only(around.numbers >= 0).beyond(0.0)
-    kernels.arm_gaps(
-        flat(points), numbers, arm.capsule_rows, solids, forearm, read_only(reached), most, gaps
-    )
+    kernels.arm_gaps(flat(points), table, solids, forearm, read_only(reached), most, gaps)
     return _surface(points, gaps, shape)
 
 

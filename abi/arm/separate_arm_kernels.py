@@ -13,6 +13,8 @@ from numba.extending import register_jitable
 
 from abi.arm.pose_kernels import (
     CAPSULE,
+    NO_ARM,
+    ArmTable,
     Pose,
     Rates,
     capsule_ends,
@@ -388,18 +390,12 @@ def is_solid(around: Obstacles, pair: int) -> bool:
     return s == count - 1 or around.inside[2 * s + 1] == 0
 
 
-@compiled(
-    example=(
-        *(FLOATS, FLOATS, NEW_FLOATS, FLOATS, FLOATS),
-        *(NO_OBSTACLES, NO_SLIDE, 9),
-    )
-)
+@compiled(example=(FLOATS, FLOATS, NEW_FLOATS, NO_ARM, NO_OBSTACLES, NO_SLIDE, 9))
 def separate_arm(
     world: FloatArray,
     breaks: FloatArray,
     points: FloatArray,
-    arm: FloatArray,
-    capsules: FloatArray,
+    table: ArmTable,
     around: Obstacles,
     slide: Slide,
     most_tries: int,
@@ -413,8 +409,7 @@ def separate_arm(
         world: Bézier points of the s polynomials, flat (3 s (degree + 1),), world frame.
         breaks: parameters between them (s + 1,).
         points: room for the same and the halves, flat (3 (s + 2 MOST_HALVINGS + 2) (degree + 1),).
-        arm: its nine numbers.
-        capsules: rows (4 c,).
+        table: the arm.
         around: what to keep clear of.
         slide: bounds of q5.
         most_tries: tries it may take.
@@ -423,6 +418,7 @@ def separate_arm(
         As for curves; a plane's obstacle is the number of its pair, and its level the parameter of
         the pose.
     """
+    arm, capsules = table
     spans, count = len(breaks) - 1, len(around.margins)
     width = len(world) // (3 * spans)
     for i in range(len(world)):

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
-from abi.arm.chain_kernels import TABLE, ChainTable, reach_point, room_of
+from abi.arm.chain_kernels import NO_DRIFT, TABLE, ChainTable, Drift, reach_point, room_of
 from abi.arrays import BoolArray, FloatArray, IntArray
 from abi.compiled import FLOATS, IDS, NEW_FLAGS, NEW_FLOATS, compiled
 
@@ -13,15 +15,42 @@ _TRIES = 3
 """Neighbours from which a node is tried."""
 
 
-@compiled(example=(TABLE, IDS, IDS, FLOATS, 0, FLOATS, (0.0, 0.0, 1.0), NEW_FLOATS, NEW_FLAGS))
+class Nodes(NamedTuple):
+    """Nodes of a mesh and their neighbours, as compressed rows.
+
+    Attributes:
+        points: the nodes, flat (3 n,), [m], world.
+        indptr: where each node's neighbours begin, (n + 1,).
+        indices: the neighbours.
+    """
+
+    points: FloatArray
+    indptr: IntArray
+    indices: IntArray
+
+
+class Limits(NamedTuple):
+    """What counts as a stance.
+
+    Attributes:
+        error: what a stance may lack, over the reach or in [rad].
+        step: the largest of a coordinate between neighbours, [rad] or [m].
+    """
+
+    error: float
+    step: float
+
+
+_NODES, _LIMITS = Nodes(FLOATS, IDS, IDS), Limits(0.0, 1.0)
+
+
+@compiled(example=(TABLE, _NODES, 0, NO_DRIFT, _LIMITS, NEW_FLOATS, NEW_FLAGS))
 def spread(
     chain: ChainTable,
-    indptr: IntArray,
-    indices: IntArray,
-    points: FloatArray,
+    nodes: Nodes,
     first: int,
-    home: FloatArray,
-    rules: tuple[float, float, float],
+    drift: Drift,
+    limits: Limits,
     stances: FloatArray,
     reached: BoolArray,
 ) -> None:
@@ -32,21 +61,20 @@ def spread(
 
     Args:
         chain: the chain and its task.
-        indptr: where each node's neighbours begin, (n + 1,).
-        indices: the neighbours.
-        points: the nodes, flat (3 n,), [m], world.
+        nodes: of the mesh.
         first: node to begin with.
-        home: coordinates to begin with, and that spare joints drift to, (m,).
-        rules: part of the way home for each reach that the tip travels, error that still counts as
-            reached, and the largest step of a coordinate between neighbours.
+        drift: of joints to spare; the first node is reached from its home.
+        limits: what counts as reached.
         stances: coordinates at each node reached, flat (n m,); written.
         reached: (n,), False at first; written.
     """
-    count, nodes = len(home), len(reached)
-    pull, allowed, longest = rules
-    room, q = room_of(chain, count), home.copy()
-    queue, tries = np.empty(nodes, np.int32), np.zeros(nodes, np.int32)
-    if reach_point(chain, q, home, points, first, -1.0, 4 * _MOST_ITERATIONS, room) > allowed:
+    points, indptr, indices = nodes
+    allowed, longest = limits
+    count, total = len(drift.home), len(reached)
+    room, q = room_of(chain, count), drift.home.copy()
+    queue, tries = np.empty(total, np.int32), np.zeros(total, np.int32)
+    still = Drift(drift.home, -1.0)
+    if reach_point(chain, q, still, points, first, 4 * _MOST_ITERATIONS, room) > allowed:
         return
     for j in range(count):
         stances[first * count + j] = q[j]
@@ -62,7 +90,7 @@ def spread(
             tries[to] += 1
             for j in range(count):
                 q[j] = stances[node * count + j]
-            if reach_point(chain, q, home, points, to, pull, _MOST_ITERATIONS, room) > allowed:
+            if reach_point(chain, q, drift, points, to, _MOST_ITERATIONS, room) > allowed:
                 continue
             jump = 0.0
             for j in range(count):

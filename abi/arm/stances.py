@@ -10,6 +10,7 @@ import scipy
 
 from abi.arm import spread_kernels
 from abi.arm.chain import PULL
+from abi.arm.chain_kernels import Drift
 from abi.arm.urdf_arm import REACHED, UrdfArm
 from abi.arrays import BoolArray, FloatArray, IntArray, flat, read_only
 from abi.tet_mesh.tet_mesh import TetMesh
@@ -68,8 +69,13 @@ def spread_over(arm: UrdfArm, mesh: TetMesh, start: FloatArray, home: FloatArray
     reached = np.zeros(len(mesh.points), dtype=np.bool_)
     first = int(np.linalg.norm(mesh.points - start, axis=1).argmin())
     spread_kernels.spread(
-        *(arm.chain.table, indptr, indices, flat(mesh.points * arm.metres), first),
-        *(flat(home / arm.scales), (PULL, REACHED, _LONGEST), stances.reshape(-1), reached),
+        arm.chain.table,
+        spread_kernels.Nodes(flat(mesh.points * arm.metres), indptr, indices),
+        first,
+        Drift(flat(home / arm.scales), PULL),
+        spread_kernels.Limits(REACHED, _LONGEST),
+        stances.reshape(-1),
+        reached,
     )
     return Stances(
         mesh, read_only(start), home, read_only(stances * arm.scales), read_only(reached)
