@@ -1,0 +1,249 @@
+"""Nodes and edges of a lattice that one primitive excludes, looked for in the window around it."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numba.extending import register_jitable
+
+from abi.arrays import FloatArray, IntArray
+from abi.obstacles.primitive_kernels import (
+    Axes,
+    Core,
+    in_body,
+    segment_within,
+    signed_distance,
+    signed_distance_gradient,
+)
+from abi.obstacles.vector_kernels import Vec3, dot, sub
+from abi.tet_mesh.adjacency_kernels import (
+    BCC,
+    INTERIOR_DIRECTIONS,
+    Adjacency,
+    Span,
+    node_at,
+    y_and_z_origins,
+)
+from abi.tet_mesh.face_kernels import LONG, Aside, beside, stretch_along, stretch_in
+
+_ROUNDING = 1e-9  # of a step: what is nearer to a limit than this is looked at
+
+Found = tuple[IntArray, IntArray, IntArray, IntArray]
+
+
+class Body(NamedTuple):
+    """A primitive.
+
+    Attributes:
+        axes: the body's axes.
+        core: half sizes, radius and kind.
+        centre: [unit], world.
+        margin: what is nearer than this is excluded, [unit].
+    """
+
+    axes: Axes
+    core: Core
+    centre: Vec3
+    margin: float
+
+
+class _Node(NamedTuple):
+    """A free node of a lattice.
+
+    Attributes:
+        node: its id.
+        bits: directions that exist.
+        place: in half cells.
+        p: in the body's axes, [unit].
+        away: signed distance, [unit].
+        outward: gradient of that, in the body's axes.
+    """
+
+    node: int
+    bits: int
+    place: tuple[int, int, int]
+    p: Vec3
+    away: float
+    outward: Vec3
+
+
+@register_jitable
+def exclusion_of_lattice(
+    adjacency: Adjacency,
+    open_directions: IntArray,
+    body: Body,
+    reach: float,
+    windows: tuple[tuple[Span, Span, Span], tuple[Span, Span, Span]],
+) -> Found:
+    """Exclusion of the nodes and edges of a lattice in the window around a primitive.
+
+    Line by line along z. The distance changes by no more than the way gone, which says how many
+    nodes can be passed over; where the nearest place is on the face of a box, it is known how far
+    that remains so.
+    """
+    shape, places = adjacency.shape, adjacency.places
+    axes, core, centre, margin = body
+    y0, z0 = y_and_z_origins(shape)
+    nx, ny, nz, directions = 2 * shape.nx, 2 * shape.ny, 2 * shape.nz, shape.directions
+    limit = margin + reach
+    step = places[z0 + 2] - places[z0]
+    r = in_body(axes, (0.0, 0.0, step))
+    edges = _edges_in_body(adjacency, axes)
+    far = reach + _ROUNDING * reach
+    tight, loose = _reach_aside(edges, reach), (far, far, far, far, far, far)
+    kinds = 2 if shape.kind == BCC else 1
+    lines = _lines(windows[0]) + (_lines(windows[1]) if kinds == 2 else 0)
+    starts, lengths = np.empty(2 * lines, np.int32), np.empty(2 * lines, np.int32)
+    most = 2 * directions * (shape.nz + 1)
+    cut_nodes, cut_bits = np.empty(2 * most, np.int32), np.empty(2 * most, np.int32)
+    runs, count = 0, 0
+    for odd in range(kinds):
+        (a0, a1), (b0, b1), (c0, c1) = windows[odd]
+        for a in range(a0, a1 + 1, 2):
+            x = places[a] - centre[0]
+            for b in range(b0, b1 + 1, 2):
+                y = places[y0 + b] - centre[1]
+                line = node_at(shape, a, b, odd)
+                on_box = a == 0 or b == 0 or a == nx or b == ny
+                c, fresh = c0, True
+                # in the loop along the line the arrays would be counted in and out at each turn
+                if count + most > len(cut_nodes):
+                    cut_nodes = np.concatenate((cut_nodes, np.empty_like(cut_nodes)))
+                    cut_bits = np.concatenate((cut_bits, np.empty_like(cut_bits)))
+                while c <= c1:
+                    p = in_body(axes, (x, y, places[z0 + c] - centre[2]))
+                    away = signed_distance(core, p)
+                    if away < margin:
+                        # the primitive is convex: one run a line
+                        if fresh:
+                            starts[runs], lengths[runs] = line + (c >> 1), 0
+                            runs += 1
+                            fresh = False
+                        more = min(_nodes_inside(body, p, away, r, step), (c1 - c) >> 1) + 1
+                        lengths[runs - 1] += more
+                        c += 2 * more
+                        continue
+                    _, outward = signed_distance_gradient(core, p)
+                    if away >= limit:
+                        # convex: along the line at least what its slope here says
+                        slope = dot(outward, r)
+                        if slope * LONG >= limit - away:
+                            break
+                        c += 2 * max(int((limit - away) / slope - _ROUNDING), 0) + 2
+                        continue
+                    if core[4] == 0:
+                        aside = loose if on_box or c == 0 or c == nz else tight
+                        many = stretch_along(core, margin, reach, aside, p, r)
+                        if many >= 0:
+                            more = 2 * max(int(many - _ROUNDING), 0) + 2
+                            # the last node of the line may be on the box
+                            c = max(c + 2, min(c + more, nz - odd))
+                            continue
+                    node = line + (c >> 1)
+                    near = _Node(node, open_directions[node], (a, b, c), p, away, outward)
+                    count = _cut_edges(adjacency, body, near, edges, cut_nodes, cut_bits, count)
+                    c += 2
+    return starts[:runs], lengths[:runs], cut_nodes[:count], cut_bits[:count]
+
+
+@register_jitable
+def _lines(window: tuple[Span, Span, Span]) -> int:
+    """Number of lines along z in a window."""
+    (a0, a1), (b0, b1), _ = window
+    return max((a1 - a0) // 2 + 1, 0) * max((b1 - b0) // 2 + 1, 0)
+
+
+@register_jitable
+def _edges_in_body(adjacency: Adjacency, axes: Axes) -> FloatArray:
+    """Edges in the directions of a lattice (3 d,), in the body's axes, [unit].
+
+    Those of nodes with an even place; of each edge that is the end that comes first.
+    """
+    steps, places = adjacency.steps, adjacency.places
+    y0, z0 = y_and_z_origins(adjacency.shape)
+    dx, dy, dz = places[1] - places[0], places[y0 + 1] - places[y0], places[z0 + 1] - places[z0]
+    edges = np.empty(len(steps))
+    for k in range(0, len(steps), 3):
+        edge = in_body(axes, (steps[k] * dx, steps[k + 1] * dy, steps[k + 2] * dz))
+        edges[k], edges[k + 1], edges[k + 2] = edge
+    return edges
+
+
+@register_jitable
+def _reach_aside(edges: FloatArray, reach: float) -> Aside:
+    """How far edges that lead towards a face lead along it; of nodes on the box any edge may."""
+    pad = _ROUNDING * reach
+    xy, xz, yx, yz, zx, zy = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for k in range(0, 3 * INTERIOR_DIRECTIONS, 3):
+        x, y, z = abs(edges[k]), abs(edges[k + 1]), abs(edges[k + 2])
+        if x > pad:
+            xy, xz = max(xy, y), max(xz, z)
+        if y > pad:
+            yx, yz = max(yx, x), max(yz, z)
+        if z > pad:
+            zx, zy = max(zx, x), max(zy, y)
+    return (xy + pad, xz + pad, yx + pad, yz + pad, zx + pad, zy + pad)
+
+
+@register_jitable
+def _nodes_inside(body: Body, p: Vec3, away: float, r: Vec3, step: float) -> int:
+    """How many nodes that follow an excluded one along z are certain to be excluded, too."""
+    many = (body.margin - away) / step
+    if body.core[4] == 0:
+        many = max(many, stretch_in(body.core, body.margin, p, r))
+    return max(int(many - _ROUNDING), 0)
+
+
+@register_jitable(forceinline=True)
+def _cut_edges(
+    adjacency: Adjacency,
+    body: Body,
+    near: _Node,
+    edges: FloatArray,
+    cut_nodes: IntArray,
+    cut_bits: IntArray,
+    count: int,
+) -> int:
+    """Note the edges of a free node of a lattice that come too near between free ends.
+
+    Each edge is looked at from that end that comes first, so that rounding decides it once.
+
+    Args:
+        adjacency: the lattice.
+        body: the primitive.
+        near: the node.
+        edges: (3 d,) see ``_edges_in_body``.
+        cut_nodes: the ends of the edges; written.
+        cut_bits: the edge at each of these ends, as a bit; written.
+        count: how many there are.
+
+    Returns:
+        How many there are then.
+    """
+    shape, _, steps, places, _, _ = adjacency
+    axes, core, centre, margin = body
+    node, bits, (a, b, c), p, away, outward = near
+    y0, z0 = y_and_z_origins(shape)
+    cross = shape.cross
+    for k in range(
+        cross if c & 1 == 1 else 0,
+        shape.directions if bits >> INTERIOR_DIRECTIONS else INTERIOR_DIRECTIONS,
+    ):
+        if (bits >> k) & 1 == 0 or (k >= cross and (k & 1) == 1):
+            continue
+        d = (edges[3 * k], edges[3 * k + 1], edges[3 * k + 2])
+        # convex: along the edge at least what its slope here says
+        if away + outward[0] * d[0] + outward[1] * d[1] + outward[2] * d[2] >= margin:
+            continue
+        i, j, h = a + steps[3 * k], b + steps[3 * k + 1], c + steps[3 * k + 2]
+        q = in_body(axes, sub((places[i], places[y0 + j], places[z0 + h]), centre))
+        if core[4] == 0 and beside(core, margin, p, q):
+            continue
+        if signed_distance(core, q) < margin:
+            continue
+        if segment_within(core, margin, p, d):
+            cut_nodes[count], cut_nodes[count + 1] = node, node_at(shape, i, j, h)
+            cut_bits[count], cut_bits[count + 1] = 1 << k, 1 << (k if k < cross else k + 1)
+            count += 2
+    return count
