@@ -9,9 +9,9 @@ from abi.compiled import compiled
 from abi.search.search_kernels import EXAMPLE, LITTLE, Problem
 from abi.tet_mesh.adjacency_kernels import (
     ALL_INTERIOR,
+    CSR,
     INTERIOR_DIRECTIONS,
     LINKED_BIT,
-    ROWS,
     across,
     cell,
     ones,
@@ -57,7 +57,7 @@ def bellman_ford(problem: Problem) -> tuple[FloatArray, IntArray, IntArray, int]
             if node < nodes:
                 bits = open_directions[node]
                 linked = (bits >> LINKED_BIT) & 1 == 1
-                if kind == ROWS:
+                if kind == CSR:
                     begin, end = indptr[node], indptr[node + 1]
                 else:
                     relaxed += INTERIOR_DIRECTIONS if bits == ALL_INTERIOR else ones(bits)
@@ -72,7 +72,7 @@ def bellman_ford(problem: Problem) -> tuple[FloatArray, IntArray, IntArray, int]
                         continue
                     neighbour, weight = head if tail == node else tail, link_weights[k - end]
                     relaxed += 1
-                elif kind == ROWS:
+                elif kind == CSR:
                     neighbour, weight = indices[k], weights[k]
                     relaxed += 1 if weight < np.inf else 0
                 elif (bits >> k) & 1:

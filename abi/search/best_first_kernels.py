@@ -21,9 +21,9 @@ from abi.search.heuristic_kernels import NONE, Metric, to_go
 from abi.search.search_kernels import EXAMPLE, LITTLE, Problem
 from abi.tet_mesh.adjacency_kernels import (
     ALL_INTERIOR,
+    CSR,
     INTERIOR_DIRECTIONS,
     LINKED_BIT,
-    ROWS,
     Adjacency,
     Shape,
     across,
@@ -174,7 +174,7 @@ def _expand(
         if node < shape.nodes:
             bits = open_directions[node]
             linked = (bits >> LINKED_BIT) & 1 == 1
-            if shape.kind == ROWS:
+            if shape.kind == CSR:
                 row = (indptr[node], indptr[node + 1])
                 count, examined = _cheaper_in_row(row, enough, indices, weights, cost, cheaper)
                 relaxed += examined
@@ -197,7 +197,7 @@ def _expand(
             through = cost[node] + (weights[k] if e < of_mesh else link_weights[k])
             cost[neighbour], parent[neighbour], closed[neighbour] = through, node, 0
             if metric.kind != NONE and neighbour < shape.nodes:
-                if shape.kind == ROWS:
+                if shape.kind == CSR:
                     at = row_place(places, shape.nodes, neighbour)
                 elif e < of_mesh:
                     at = _stepped(steps, k, k < shape.cross, place)
@@ -246,7 +246,7 @@ def _estimate(adjacency: Adjacency, metric: Metric, node: int) -> float:
     """The heuristic of a node; 0 where there is none, and of start and goal beside the mesh."""
     if metric.kind == NONE or node >= adjacency.shape.nodes:
         return 0.0
-    if adjacency.shape.kind == ROWS:
+    if adjacency.shape.kind == CSR:
         place = row_place(adjacency.places, adjacency.shape.nodes, node)
     else:
         place = cell_place(adjacency.shape, node)

@@ -14,8 +14,8 @@ from abi.obstacles.primitive_tree_kernels import blocked
 from abi.obstacles.vector_kernels import Vec3, distance
 from abi.tet_mesh.adjacency_kernels import (
     BCC,
+    CSR,
     NO_ADJACENCY,
-    ROWS,
     Adjacency,
     half_cells_within,
     node_at,
@@ -48,7 +48,7 @@ def visible_nodes(
     """
     shape, _, _, places, _, _ = adjacency
     y0, z0 = y_and_z_origins(shape)
-    rows = shape.kind == ROWS
+    rows = shape.kind == CSR
     low = (point[0] - reach, point[1] - reach, point[2] - reach)
     high = (point[0] + reach, point[1] + reach, point[2] + reach)
     found = 0

@@ -11,7 +11,7 @@ from typing import NamedTuple
 from numba.extending import register_jitable
 
 from abi.obstacles.vector_kernels import Vec3
-from abi.tet_mesh.adjacency_kernels import KUHN, ROWS, Shape
+from abi.tet_mesh.adjacency_kernels import CSR, KUHN, Shape
 
 NONE, INSIDE, ON_A_FACE = 0, 1, 2
 
@@ -66,7 +66,7 @@ def to_go(shape: Shape, metric: Metric, place: Vec3) -> float:
     """
     kind, norm, goal = metric
     x, y, z = place[0] - goal[0], place[1] - goal[1], place[2] - goal[2]
-    if shape.kind == ROWS:
+    if shape.kind == CSR:
         return math.sqrt(x * x + y * y + z * z) * norm.axes[0]
     x, y, z = 0.5 * x, 0.5 * y, 0.5 * z
     if shape.kind == KUHN:

@@ -22,9 +22,9 @@ from abi.obstacles.primitive_tree_kernels import blocked
 from abi.obstacles.vector_kernels import Vec3, distance
 from abi.tet_mesh.adjacency_kernels import (
     BCC,
+    CSR,
     INTERIOR_DIRECTIONS,
     NO_ADJACENCY,
-    ROWS,
     Adjacency,
     Shape,
     cell,
@@ -58,7 +58,7 @@ class _Tree(NamedTuple):
 def _coarse(shape: Shape, stride: int) -> Shape:
     """The mesh that is searched."""
     kind, nx, ny, nz, _, _, directions, cross, most = shape
-    if kind == ROWS:
+    if kind == CSR:
         return shape
     nx, ny, nz = nx // stride, ny // stride, nz // stride
     corners = (nx + 1) * (ny + 1) * (nz + 1)
@@ -88,7 +88,7 @@ def _tree(
     x, y, z = np.empty(last + 1), np.empty(last + 1), np.empty(last + 1)
     closed = np.zeros(last + 1, np.uint8)
     for node in range(coarse.nodes):
-        if shape.kind == ROWS:
+        if shape.kind == CSR:
             x[node], y[node], z[node] = row_place(places, shape.nodes, node)
             closed[node] = excluded[node]
         else:
@@ -107,7 +107,7 @@ def _add_neighbours(
     coarse: Shape, node: int, steps: IntArray, indptr: IntArray, indices: IntArray, near: list[int]
 ) -> None:
     """Add the neighbours of a node of the mesh to ``near``."""
-    if coarse.kind == ROWS:
+    if coarse.kind == CSR:
         for k in range(indptr[node], indptr[node + 1]):
             near.append(int(indices[k]))
         return

@@ -18,7 +18,7 @@ from abi.arrays import FloatArray, IntArray
 from abi.compiled import FLOATS, IDS
 from abi.obstacles.vector_kernels import Vec3
 
-ROWS, KUHN, BCC = 0, 1, 2
+CSR, KUHN, BCC = 0, 1, 2
 
 
 Span = tuple[int, int]
@@ -29,7 +29,7 @@ class Shape(NamedTuple):
     """Sizes of a mesh.
 
     Attributes:
-        kind: ``ROWS``, ``KUHN`` or ``BCC``.
+        kind: ``CSR``, ``KUHN`` or ``BCC``.
         nx, ny, nz: cells of a lattice along its axes.
         corners: nodes of a lattice that are corners of cells; the others are their centres.
         nodes: number of nodes.
@@ -97,7 +97,7 @@ class Links(NamedTuple):
     weights: FloatArray
 
 
-NO_SHAPE = Shape(ROWS, 0, 0, 0, 0, 0, 0, 0, 0)
+NO_SHAPE = Shape(CSR, 0, 0, 0, 0, 0, 0, 0, 0)
 """That of a mesh without nodes."""
 
 NO_ADJACENCY = Adjacency(NO_SHAPE, IDS, IDS, FLOATS, IDS, IDS)

@@ -21,9 +21,9 @@ from abi.obstacles.primitive_kernels import (
 )
 from abi.obstacles.vector_kernels import sub
 from abi.tet_mesh.adjacency_kernels import (
+    CSR,
     INTERIOR_DIRECTIONS,
     NO_ADJACENCY,
-    ROWS,
     Adjacency,
     across,
     cell,
@@ -52,7 +52,7 @@ def exclusion(
         all edges that nodes lose, and 0.
     """
     body = Body(axes_of(solid, 0), core_of(solid, 0), centre_of(solid, 0), margin)
-    if adjacency.shape.kind == ROWS:
+    if adjacency.shape.kind == CSR:
         return _exclusion_of_rows(adjacency, body, reach)
     limit = margin + reach
     low = (solid[17] - limit, solid[18] - limit, solid[19] - limit)

@@ -28,9 +28,9 @@ from abi.obstacles.triangle_mesh.surface_kernels import (
 )
 from abi.obstacles.vector_kernels import Vec3, add, axpy, norm, sub
 from abi.tet_mesh.adjacency_kernels import (
+    CSR,
     INTERIOR_DIRECTIONS,
     NO_ADJACENCY,
-    ROWS,
     Adjacency,
     across,
     cell,
@@ -76,7 +76,7 @@ def exclusion_near_mesh(
     limits = Limits(near_point, (margin + longest) / placement.factor, near_point + doubt)
     surface = PlacedSurface(tables, placement, limits, new_room())
     bounds = np.full(adjacency.shape.nodes, FAR)
-    if adjacency.shape.kind == ROWS:
+    if adjacency.shape.kind == CSR:
         starts, lengths, near = near_nodes_of_rows(adjacency, surface, bounds)
         cut_nodes, cut_bits = _edges_of_rows(adjacency, surface, bounds, near)
     else:
