@@ -29,7 +29,7 @@ def arm_result(plan: Plan) -> str:
 
 def link_label(link: str) -> str:
     """Name of a link as a person would say it."""
-    return _LINKS.get(link, link)
+    return _LINKS.get(link) or link.removesuffix("_link").replace("_", " ")
 
 
 def contact_sentence(contact: Contact, unit: str) -> str:

@@ -20,6 +20,7 @@ OBSTACLE: Colour = (222, 128, 62)
 MESH: Colour = (120, 144, 172)
 EXCLUDED: Colour = (150, 96, 72)
 VIOLATION: Colour = (169, 57, 22)
+TOUCHING: Colour = (168, 16, 22)  # of solids, which light turns towards the obstacles' colour
 WORKSPACE: Colour = (128, 138, 150)
 POINT: Colour = (92, 107, 122)
 JOINTS: tuple[Colour, ...] = (

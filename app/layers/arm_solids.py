@@ -136,7 +136,7 @@ def _reddened(solid: trimesh.Trimesh) -> trimesh.Trimesh:
     from trimesh.visual import ColorVisuals
 
     red = solid.copy()
-    colours = np.tile(np.array([*style.VIOLATION, 255], dtype=np.uint8), (len(red.faces), 1))
+    colours = np.tile(np.array([*style.TOUCHING, 255], dtype=np.uint8), (len(red.faces), 1))
     red.visual = ColorVisuals(red, face_colors=colours)
     return red
 

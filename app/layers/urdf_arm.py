@@ -84,7 +84,7 @@ class UrdfArmLayer:
             node = f"{names[carried.frame + 1]}/{number}"
             for label, colour, handles in (
                 ("own", _COLOURS[number % 2], self._links),
-                ("red", style.VIOLATION, self._red),
+                ("red", style.TOUCHING, self._red),
             ):
                 mesh = link_mesh(link, pose, 1 / arm.metres, colour)
                 handle = self._scene.add_mesh_trimesh(f"{node}/{label}", mesh)
