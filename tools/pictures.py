@@ -28,6 +28,8 @@ MARGIN = 60
 
 _SKY, _FOOT = 160, 125
 """The same of the heat map, which is small in the middle."""
+_ABOVE, _BELOW = 225, 235
+"""The same of the kitchen."""
 
 BASE = ("workspace", "obstacles")
 STAGES: dict[str, tuple[str, ...]] = {
@@ -51,11 +53,13 @@ PAGES: dict[str, tuple[str, str | None]] = {
 """Scene and tab of the pictures that show the whole page."""
 BASES = "find-a-base"
 """The picture of the bases that were tried, and its scene."""
+KITCHEN = "kitchen-ur5e"
+"""The picture of an arm in the way, beside the plan that avoids with it, and its scene."""
 
 
 def take(names: list[str], browser: Browser) -> None:
     """Take these pictures, or all; each is written into :data:`FOLDER`."""
-    wanted = names or [*STAGES, *PAGES, BASES, "film"]
+    wanted = names or [*STAGES, *PAGES, BASES, KITCHEN, "film"]
     FOLDER.mkdir(exist_ok=True)
     if stages := [name for name in wanted if name in STAGES]:
         with visit(browser, stage_scene(), width=WIDE) as visited:
@@ -67,6 +71,8 @@ def take(names: list[str], browser: Browser) -> None:
             _keep(name, _page(browser, *PAGES[name]))
     if BASES in wanted:
         _keep(BASES, _bases(browser))
+    if KITCHEN in wanted:
+        _keep(KITCHEN, _kitchen(browser))
     if "film" in wanted:
         film.write(film.shoot(browser), FOLDER / "film.webp")
         print("film", flush=True)
@@ -108,6 +114,26 @@ def _page(browser: Browser, scene: str, tab: str | None) -> Image.Image:
         return visited.picture()
 
 
+def _kitchen(browser: Browser) -> Image.Image:
+    """Half-way: on the tool's shortest way, then with the whole arm clear."""
+    taken = []
+    for avoid in (False, True):
+        with visit(
+            browser, load_scene(KITCHEN).replace(arm={"avoid": avoid}), width=WIDE
+        ) as visited:
+            visited.hide_overlay()
+            visited.show(*BASE, "bspline", "trace", "arm")
+            visited.look((1.7, -1.1, 1.15), (0.0, 0.3, 0.3))
+            visited.time(0.5)
+            taken.append(visited.picture(panels=False))
+    half = taken[0].width // 2
+    whole = Image.new("RGB", (2 * half, taken[0].height - _ABOVE - _BELOW))
+    for k, image in enumerate(taken):
+        middle = image.crop((half // 2, _ABOVE, half // 2 + half, image.height - _BELOW))
+        whole.paste(middle, (k * half, 0))
+    return whole
+
+
 def _bases(browser: Browser) -> Image.Image:
     """The heat map from above, with the arm at the best base."""
     with visit(browser, BASES, width=WIDE) as visited:
@@ -139,7 +165,10 @@ def main() -> None:
     """Take the pictures that are named."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument(
-        "names", nargs="*", metavar="NAME", help=", ".join([*STAGES, *PAGES, BASES, "film"])
+        "names",
+        nargs="*",
+        metavar="NAME",
+        help=", ".join([*STAGES, *PAGES, BASES, KITCHEN, "film"]),
     )
     names = parser.parse_args().names
     if unknown := set(names) - {*STAGES, *PAGES, BASES, "film"}:
