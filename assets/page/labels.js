@@ -4,7 +4,7 @@ window.abiLabels = {
   EM: 12,  // [px] of a label of scale 1, and its font: viser's
   FONT: '16px -apple-system, BlinkMacSystemFont, "Segoe UI", "Roboto", "Helvetica Neue", Arial, sans-serif',
   PADDING: 0.2,  // of a line's height, around the text
-  GAP: 2,  // [px] between two labels
+  GAP: 8,  // [px] between two labels: less, and two read as one
   STEP: [9, 6],  // [px] between two places that are tried
   FARTHEST: 14,  // steps to each side
 
