@@ -43,6 +43,8 @@ def certify_chain(
     """Prove that an arm keeps more than ``margin`` from every obstacle, or find where not.
 
     From the floor and from itself it keeps more than 0. The parameter of the k-th position is k.
+    Of a triangle mesh the surface counts: whoever asks knows one position at which the arm is not
+    inside.
 
     Args:
         arm: the arm.

@@ -11,6 +11,7 @@ import numpy as np
 
 from abi.arm.arm_certificate import ArmCertificate
 from abi.arm.chain_certificate import certify_chain
+from abi.arm.chain_distances import obstacle_distances
 from abi.arm.chain_sight import ChainSight
 from abi.arm.chain_surroundings import chain_surroundings
 from abi.arm.joint_course import joint_course
@@ -64,18 +65,25 @@ class UrdfModel:
         if self._mesh is not mesh:
             self._mesh, self._stances = mesh, {}
         clearance = scene.arm.clearance
+        obstacles = ObstacleSet(scene.obstacles)
         clear = [
             number
             for number, pose in enumerate(self._poses)
-            if isinstance(
-                certify_chain(self.arm, np.stack([pose, pose]), around, clearance + slack),
-                ArmCertificate,
-            )
+            if self._is_clear(pose, obstacles, around, clearance + slack)
         ]
         return tuple(
             ChainSight(self.arm, number, around, self._stance(number), clearance, slack)
             for number in (clear or [0])[:_BRANCHES]
         )
+
+    def _is_clear(
+        self, pose: FloatArray, obstacles: ObstacleSet, around: Surroundings, margin: float
+    ) -> bool:
+        """Whether the arm, standing still, is proven clear and in no closed mesh."""
+        found = certify_chain(self.arm, np.stack([pose, pose]), around, margin)
+        if not isinstance(found, ArmCertificate):
+            return False
+        return bool((obstacle_distances(self.arm, obstacles, pose[None])[0] > 0).all())
 
     def _stance(self, number: int) -> Stances:
         """Stances on the mesh from one of the first poses."""

@@ -155,7 +155,9 @@ def test_what_no_first_pose_can_pass_is_said_with_a_link() -> None:
 
     assert isinstance(made.error, ArmNotClear)
     assert made.error.where == "goal"
-    assert "wrist" in made.error.message
+    assert isinstance(made.arm, UrdfArm)
+    links = {one.link.replace("_", " ") for one in made.arm.capsules}
+    assert any(f"with its {link} at the goal" in made.error.message for link in links)
     assert "obstacle 1" in made.error.message
     assert "elbow" not in made.error.message + made.error.hint
     assert made.motion is not None  # the tool's own, drawn with what touches in red
