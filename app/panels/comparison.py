@@ -49,13 +49,15 @@ class ComparisonPanel:
     def draw(self, frame: Frame) -> None:
         """Run the searches if the button was pressed, or again for another plan if they are quick.
 
-        The table is never that of another plan's graph.
+        The table is never that of another plan's graph; it waits for the hand to rest.
         """
         before = self._before.follow(frame)
         if pressed := bool(self.button.value):
             self.button.value = False
         changed = self._plan is not None and frame.plan.graph is not self._plan.graph
-        if changed and self._ms > _LIVE and not pressed:
+        if changed and not pressed and frame.interactive:
+            self._text.visible = False
+        elif changed and self._ms > _LIVE and not pressed:
             self._plan = None
             self._show(_PRESS_AGAIN)
         elif pressed or changed:

@@ -91,7 +91,7 @@ def test_no_hand_takes_the_goal_out_of_the_workspace(page: Page, session: Sessio
     # The same after it was put elsewhere by other means.
     page.click("Scene")
     for axis, number in enumerate((5.75, 5.5, 5.125)):
-        page.set_number("goal", number, axis)
+        page.set_number("goal [cm]", number, axis)
     page.until(lambda: session.plan.scene.goal == (5.75, 5.5, 5.125), "the goal as typed")  # type: ignore[union-attr]
     page.settle()
     page.drag_arrow("/goal", 2, 1.6)
