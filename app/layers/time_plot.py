@@ -13,7 +13,7 @@ from abi.arrays import FloatArray
 from app import style
 
 _GREY = "rgba(128,128,128,0.25)"
-_INK = "#868e96"
+_FONT = "11px sans-serif"
 _FLAT = 1e-9
 PERIOD = 0.25
 """Seconds between two plots of changing motions while a hand drags: it looks elsewhere."""
@@ -59,8 +59,11 @@ def new_plot(gui: viser.GuiApi, title: str, lines: Lines, height: int) -> viser.
         for (name, colour), dash in zip(lines, itertools.cycle(_DASHES), strict=False)
     ]
     series.append(uplot.Series(label="", stroke="transparent", width=0))
-    axis = uplot.Axis(
-        stroke=_INK, grid=uplot.Axis_Grid(stroke=_GREY, width=1), size=40, font="11px sans-serif"
+    # without a stroke the page takes the one of its theme, light or dark
+    grid = uplot.Axis_Grid(stroke=_GREY, width=1)
+    upright = uplot.Axis(grid=grid, size=46, font=_FONT)
+    along = uplot.Axis(
+        grid=grid, size=27, font=_FONT, label="time [s]", labelSize=14, labelGap=0, labelFont=_FONT
     )
     empty = np.array([0.0, 1.0])
     return gui.add_uplot(
@@ -69,7 +72,7 @@ def new_plot(gui: viser.GuiApi, title: str, lines: Lines, height: int) -> viser.
         title=title,
         scales={"x": uplot.Scale(time=False)},
         legend=uplot.Legend(live=False),
-        axes=(axis, axis),
+        axes=(along, upright),
         height=height,
         visible=False,
     )

@@ -80,7 +80,7 @@ def study(scene: Scene) -> tuple[FloatArray, FloatArray, FloatArray]:
 
 
 def _plot(gui: viser.GuiApi, colour: style.Colour, order: float) -> viser.GuiUplotHandle:
-    axis = uplot.Axis(stroke="#868e96", size=46, font="11px sans-serif")
+    axis = uplot.Axis(size=46, font="11px sans-serif")
     return gui.add_uplot(
         (np.array([0.0, 1.0]), np.zeros(2)),
         # by its label the page knows that this is no plot over time
