@@ -53,6 +53,13 @@ class Arcs:
         """By how much a cost must fall to be worth it."""
         return LITTLE * float(np.abs(self.rows.weights).max(initial=1.0))
 
+    def length_of(self, vertices: IntArray) -> float:
+        """Length of a path along nodes (k,), [unit]; inf for none."""
+        if not len(vertices):
+            return float("inf")
+        legs = np.diff(self.points[vertices], axis=0)
+        return float(np.linalg.norm(legs, axis=1).sum())
+
     def degrees(self, nodes: IntArray) -> IntArray:
         """Number of arcs that leave each of some nodes, (m,)."""
         indptr = self.rows.indptr

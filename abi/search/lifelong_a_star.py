@@ -50,10 +50,7 @@ class Repair:
     @property
     def length(self) -> float:
         """Length of the path, [unit]; inf without one."""
-        if not len(self.vertices):
-            return float("inf")
-        legs = np.diff(self.arcs.points[self.vertices], axis=0)
-        return float(np.linalg.norm(legs, axis=1).sum())
+        return self.arcs.length_of(self.vertices)
 
 
 def can_repair(before: Arcs, now: Arcs) -> bool:
