@@ -17,7 +17,7 @@ from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.pose import rotation
 from abi.obstacles.primitive_kernels import BOUNDS, WIDTH
 from abi.obstacles.primitive_tree_kernels import TREE
-from abi.obstacles.triangle_mesh.bvh import build_tree
+from abi.obstacles.triangle_mesh.bvh import tree_of
 from abi.obstacles.triangle_mesh.surface import Surface
 
 FLOOR, OWN = -1, -2
@@ -185,15 +185,14 @@ def _boxes_of(surface: Surface) -> _Boxes:
     Of a mesh of many triangles these are left out. Each box holds those inside it: were a flat one
     to stick out, an arm could be clear of the one and in the way of the other.
     """
-    triangles = surface.vertices[surface.faces]
-    tree = build_tree(triangles)
+    tree = tree_of(surface)
     low, high = np.split(tree.boxes.reshape(-1, 6), 2, axis=1)
     nodes = len(low)
     inner = nodes // 2
     inside = np.zeros((nodes, 2), dtype=np.int32)
     inside[:inner] = 2 * np.arange(inner)[:, None] + (1, 3)
     upright = np.broadcast_to(np.eye(3), (nodes, 3, 3))
-    if len(triangles) > _MOST_TRIANGLES:
+    if len(surface.faces) > _MOST_TRIANGLES:
         return _Boxes((low + high) / 2, (high - low) / 2, upright, inside)
     inside[inner:, 0], inside[inner:, 1] = tree.leaves[:-1] + nodes, tree.leaves[1:] + nodes
     corners = tree.corners.reshape(-1, 3, 3)

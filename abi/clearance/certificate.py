@@ -25,7 +25,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 
@@ -37,8 +36,7 @@ from abi.clearance.separation_kernels import CERTIFIED, MOST_HALVINGS, REFUTED, 
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.pose import rotation
-from abi.obstacles.triangle_mesh.bvh import TriangleTree, build_tree
-from abi.obstacles.triangle_mesh.surface import Surface
+from abi.obstacles.triangle_mesh.bvh import tree_of
 
 _MOST_TRIES = 20_000  # for each obstacle, and 64 for each polynomial
 
@@ -137,7 +135,7 @@ def _against_mesh(
     first = float(curve.breaks[0])
     if margin < 0:
         return Refutation(margin, first, index, math.nan, False)
-    tree = _tree(mesh.surface)
+    tree = tree_of(mesh.surface)
     axes, position, factor = rotation(mesh.wxyz), np.array(mesh.position), mesh.factor
     points = _buffer(curve)
     points[: curve.points.size] = ((curve.points - position) @ axes / factor).ravel()
@@ -166,12 +164,6 @@ def _buffer(curve: Bezier) -> FloatArray:
     """Room for the points of the curve and of its halves, see ``separate_from_primitives``."""
     pieces = len(curve.points) + 2 * MOST_HALVINGS + 2
     return np.zeros(3 * pieces * (curve.degree + 1))
-
-
-@lru_cache(maxsize=16)
-def _tree(surface: Surface) -> TriangleTree:
-    """Tree over the triangles in the file's coordinates, which no pose changes."""
-    return build_tree(surface.vertices[surface.faces])
 
 
 def _certificate(margin: float, tables: list[FloatArray]) -> Certificate:

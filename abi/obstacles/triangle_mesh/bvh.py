@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 from numba.extending import register_jitable
 
-from abi.arrays import FloatArray, IntArray, read_only
+from abi.arrays import FloatArray, IntArray, flat, read_only
 from abi.compiled import FLOATS, IDS
+from abi.obstacles.triangle_mesh.bvh_kernels import order_of_leaves
+from abi.obstacles.triangle_mesh.surface import Surface
 from abi.obstacles.vector_kernels import Vec3, vec3_at
 
-_LEAF = 4  # triangles a leaf has, about: fewer cost memory, more cost tests
+_LEAF = 4  # triangles that a leaf has, about: fewer cost memory, more cost tests
 
 
 class TriangleTree(NamedTuple):
@@ -42,22 +45,12 @@ def box_of(tree: TriangleTree, node: int) -> tuple[Vec3, Vec3]:
     return vec3_at(tree.boxes, 6 * node), vec3_at(tree.boxes, 6 * node + 3)
 
 
-def build_tree(triangles: FloatArray, leaf: int = _LEAF) -> TriangleTree:
-    """Build the tree over triangles (m, 3, 3): halve each box at the median of its widest axis.
-
-    A leaf has about ``leaf`` triangles.
-    """
+def build_tree(triangles: FloatArray) -> TriangleTree:
+    """Build the tree over triangles (m, 3, 3): halve each box at the median of its widest axis."""
     count = len(triangles)
-    depth = max(0, int(np.log2(max(count / leaf, 1))))
-    centres = triangles.mean(axis=1)
-    order = np.arange(count)
-    for level in range(depth):
-        bounds = count * np.arange(2**level + 1) // 2**level
-        x = centres[order]
-        spread = np.maximum.reduceat(x, bounds[:-1]) - np.minimum.reduceat(x, bounds[:-1])
-        block = np.repeat(np.arange(2**level), np.diff(bounds))
-        coordinate = x[np.arange(count), spread.argmax(axis=1)[block]]
-        order = order[np.lexsort((coordinate, block))]
+    depth = max(0, int(np.log2(max(count / _LEAF, 1))))
+    order = np.empty(count, dtype=np.int32)
+    order_of_leaves(flat(triangles.mean(axis=1)), depth, np.empty(count), order)
     leaves = count * np.arange(2**depth + 1) // 2**depth
     sorted_ = triangles[order]
     low = np.minimum.reduceat(sorted_.min(axis=1), leaves[:-1])
@@ -69,6 +62,30 @@ def build_tree(triangles: FloatArray, leaf: int = _LEAF) -> TriangleTree:
         read_only(sorted_.ravel()),
         float(np.abs(triangles).max()),
     )
+
+
+@lru_cache(maxsize=16)
+def tree_of(surface: Surface) -> TriangleTree:
+    """The tree over a surface, in the file's coordinates; those of the last 16 are kept."""
+    return build_tree(surface.vertices[surface.faces])
+
+
+def moved(tree: TriangleTree, centre: FloatArray, scale: float) -> TriangleTree:
+    """The tree of the same triangles where ``centre`` (3,) is the origin, times ``scale`` > 0."""
+    # rounding is monotonic: what is least before is least after
+    boxes = (tree.boxes.reshape(-1, 3) - centre) * scale
+    corners = (tree.corners.reshape(-1, 3) - centre) * scale
+    size = float(np.abs(boxes[:2]).max())
+    return TriangleTree(read_only(boxes.ravel()), tree.leaves, read_only(corners.ravel()), size)
+
+
+def coarser(tree: TriangleTree) -> TriangleTree:
+    """The tree without its last level: leaves have twice as many triangles."""
+    count = len(tree.leaves) - 1
+    if count == 1:
+        return tree
+    boxes = tree.boxes[: -6 * count]
+    return TriangleTree(boxes, read_only(tree.leaves[::2].copy()), tree.corners, tree.size)
 
 
 class Dipoles(NamedTuple):

@@ -13,7 +13,7 @@ import numpy as np
 
 from abi.arrays import FloatArray, read_only
 from abi.obstacles.pose import Vec3, rotation
-from abi.obstacles.triangle_mesh.bvh import Dipoles, TriangleTree, build_tree, dipoles
+from abi.obstacles.triangle_mesh.bvh import Dipoles, TriangleTree, coarser, dipoles, moved, tree_of
 from abi.obstacles.triangle_mesh.distance_grid_kernels import DistanceGrid, grid_values
 from abi.obstacles.triangle_mesh.rounding import error_of_distances
 from abi.obstacles.triangle_mesh.surface import Surface
@@ -22,9 +22,6 @@ from abi.obstacles.triangle_mesh.surface_kernels import Placement, SurfaceTables
 _NODES = 60_000
 _BORDER = 0.1
 """Grid around the surface on each side, as a part of its longest side."""
-
-_LEAF = 8
-"""Triangles in a leaf, about: searches for the nearest triangle are quickest."""
 
 _COARSE = 1 / 16
 """Error of the grid's distances, in steps."""
@@ -46,10 +43,10 @@ class BodyFrame:
         low, high = surface.vertices.min(axis=0), surface.vertices.max(axis=0)
         self.centre: FloatArray = read_only((low + high) / 2)
         self.scale = float(2.0 ** -np.round(np.log2(surface.extent)))
-        triangles = ((surface.vertices - self.centre) * self.scale)[surface.faces]
-        tree = build_tree(triangles, _LEAF)
+        # searches for the nearest triangle are quickest with about 8 triangles in a leaf
+        tree = coarser(moved(tree_of(surface), self.centre, self.scale))
         far_field = dipoles(tree)
-        error = error_of_distances(triangles)
+        error = error_of_distances(tree.corners.reshape(-1, 3, 3))
         extent = surface.extent * self.scale
         grid = _grid(tree, far_field, surface.closed, error[0] + 4 * extent * error[1])
         self.tables = SurfaceTables(tree, far_field, grid, surface.closed, extent, error)

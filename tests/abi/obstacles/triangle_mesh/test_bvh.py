@@ -1,0 +1,75 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from abi.arrays import FloatArray
+from abi.obstacles.triangle_mesh.bvh import TriangleTree, build_tree, coarser, moved
+from tests.abi import meshes
+
+
+def triangles_of(name: str) -> FloatArray:
+    random = np.random.default_rng(3)
+    if name == "alike":
+        return np.tile(np.eye(3), (300, 1, 1))
+    if name == "pipe":  # coordinates that rise and fall along the file
+        shift = np.concatenate([np.arange(500.0), np.arange(500.0)[::-1]])
+        return np.asarray(np.eye(3) + shift[:, None, None])
+    if name == "flat":
+        return np.asarray(random.random((777, 3, 3)) * (1, 1, 0))
+    vertices, faces = meshes.knot(2_000) if name == "knot" else meshes.soup(int(name))
+    return np.asarray(vertices[faces])
+
+
+NAMES = ("1", "3", "8", "9", "511", "knot", "alike", "pipe", "flat")
+
+
+def leaf_of(tree: TriangleTree, node: int) -> tuple[int, int]:
+    """First and last leaf below a node, and one more."""
+    count = len(tree.leaves) - 1
+    first = last = node
+    while first < count - 1:
+        first, last = 2 * first + 1, 2 * last + 2
+    return first - count + 1, last - count + 2
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_boxes_hold_their_triangles_and_no_more(name: str) -> None:
+    triangles = triangles_of(name)
+    for tree in (build_tree(triangles), coarser(build_tree(triangles))):
+        corners = tree.corners.reshape(-1, 3, 3)
+        rows = np.sort(corners.reshape(-1, 9), axis=0)
+        assert np.array_equal(rows, np.sort(triangles.reshape(-1, 9), axis=0))
+        boxes = tree.boxes.reshape(-1, 2, 3)
+        assert len(boxes) == 2 * len(tree.leaves) - 3
+        for node in range(len(boxes)):
+            first, last = leaf_of(tree, node)
+            held = corners[tree.leaves[first] : tree.leaves[last]].reshape(-1, 3)
+            assert np.array_equal(boxes[node], [held.min(axis=0), held.max(axis=0)])
+        assert tree.size == np.abs(triangles).max()
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_nodes_are_halved_at_the_median_of_their_widest_axis(name: str) -> None:
+    tree = build_tree(triangles_of(name))
+    middles = tree.corners.reshape(-1, 3, 3).mean(axis=1)
+    sizes = np.diff(tree.leaves)
+    assert sizes.max() - sizes.min() <= 1
+    assert sizes.max() < 9
+    for node in range((len(tree.boxes) // 6) // 2):
+        (first, middle), (_, last) = leaf_of(tree, 2 * node + 1), leaf_of(tree, 2 * node + 2)
+        low = middles[tree.leaves[first] : tree.leaves[middle]]
+        high = middles[tree.leaves[middle] : tree.leaves[last]]
+        spread = np.ptp(np.concatenate([low, high]), axis=0)
+        parted = low.max(axis=0) <= high.min(axis=0) + 1e-12
+        assert parted[spread >= spread.max() * (1 - 1e-12)].any()
+
+
+def test_a_moved_tree_is_the_tree_of_the_moved_triangles() -> None:
+    triangles = triangles_of("knot")
+    centre = np.array([0.1, -7.3, 1e4 / 3])
+    tree = moved(build_tree(triangles), centre, 0.25)
+    again = build_tree((triangles - centre) * 0.25)
+    assert np.array_equal(tree.boxes, again.boxes)
+    assert np.array_equal(tree.leaves, again.leaves)
+    assert tree.size == again.size
