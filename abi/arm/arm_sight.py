@@ -13,8 +13,9 @@ from abi.arm.arm import Arm
 from abi.arm.arm_certificate import ArmCertificate, ArmRefutation, certify_arm
 from abi.arm.leg_kernels import MOST_TRIES, ArmLegs
 from abi.arm.pose_kernels import ArmTable
-from abi.arm.separate_arm_kernels import UNREACHED, Obstacles, Slide, separate_arm
+from abi.arm.separate_arm_kernels import UNREACHED, Slide, separate_arm
 from abi.arm.surroundings import Surroundings, surroundings
+from abi.arm.surroundings_kernels import Obstacles
 from abi.arrays import BoolArray, FloatArray, flat, read_only
 from abi.clearance.bezier import PolynomialCurve
 from abi.clearance.separation_kernels import CERTIFIED, MOST_HALVINGS, REFUTED

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 
 from abi.arm.pose_kernels import CAPSULE, Pose, capsule_ends
-from abi.arm.separate_arm_kernels import NO_OBSTACLES, Obstacles, asked_rows, between_boxes
+from abi.arm.surroundings_kernels import NO_OBSTACLES, Obstacles, asked_rows, between_boxes
 from abi.arrays import FloatArray, IntArray
 from abi.compiled import FLOATS, NEW_FLOATS, NEW_IDS, compiled
 from abi.obstacles.obstacle_set_kernels import distance_to_segment

@@ -12,8 +12,8 @@ from numba.extending import register_jitable
 
 from abi.arm.chain_kernels import POSE, TABLE, ChainTable
 from abi.arm.mask_kernels import touches
-from abi.arm.separate_arm_kernels import NO_OBSTACLES, Obstacles
 from abi.arm.separate_chain_kernels import BODIES, Bodies, between_segments, place_bodies
+from abi.arm.surroundings_kernels import NO_OBSTACLES, Obstacles
 from abi.arrays import BoolArray, FloatArray
 from abi.compiled import FLAGS, FLOATS, NEW_FLAGS, compiled
 from abi.obstacles.vector_kernels import dot, sub, vec3_at

@@ -29,16 +29,13 @@ from abi.arm.pose_kernels import (
     reaches,
     shoulder_holds,
 )
-from abi.arm.separate_arm_kernels import (
-    ALLOWANCE,
-    FINEST,
+from abi.arm.separate_arm_kernels import ALLOWANCE, FINEST, Moving, moving_capsule
+from abi.arm.surroundings_kernels import (
     NO_OBSTACLES,
-    Moving,
     Obstacles,
     between_boxes,
     is_solid,
     judged,
-    moving_capsule,
     open_box,
     support,
 )

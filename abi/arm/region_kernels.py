@@ -10,7 +10,7 @@ import math
 from numba.extending import register_jitable
 
 from abi.arm.pose_kernels import CAPSULE, NO_ARM, ArmTable, capsule_ends, pose_of
-from abi.arm.separate_arm_kernels import NO_OBSTACLES, Obstacles, asked_rows, between_boxes
+from abi.arm.surroundings_kernels import NO_OBSTACLES, Obstacles, asked_rows, between_boxes
 from abi.arrays import BoolArray, FloatArray
 from abi.compiled import FLAGS, FLOATS, NEW_FLOATS, compiled
 from abi.obstacles.obstacle_set_kernels import distance_to_segment

@@ -11,6 +11,12 @@ from typing import NamedTuple
 
 from numba.extending import register_jitable
 
+from abi.arm.direction_kernels import (
+    NO_DIRECTION,
+    Direction,
+    is_separated,
+    keep_direction,
+)
 from abi.arm.pose_kernels import (
     CAPSULE,
     NO_ARM,
@@ -25,7 +31,15 @@ from abi.arm.pose_kernels import (
     reaches,
     shoulder_holds,
 )
-from abi.arrays import BoolArray, FloatArray, IntArray
+from abi.arm.surroundings_kernels import (
+    NO_OBSTACLES,
+    Obstacles,
+    between_boxes,
+    is_solid,
+    judged,
+    open_box,
+)
+from abi.arrays import FloatArray
 from abi.clearance.separation_kernels import (
     CERTIFIED,
     MOST_HALVINGS,
@@ -38,52 +52,17 @@ from abi.clearance.separation_kernels import (
     halves_of,
     table_of,
 )
-from abi.compiled import FLAGS, FLOATS, IDS, NEW_FLOATS, compiled
-from abi.obstacles.primitive_kernels import (
-    BOUNDS,
-    WIDTH,
-    Core,
-    axes_of,
-    centre_of,
-    core_of,
-    in_body,
-    in_world,
-    signed_distance_gradient,
-)
-from abi.obstacles.vector_kernels import Vec3, axpy, distance, dot, sub, vec3_at
+from abi.compiled import FLOATS, NEW_FLOATS, compiled
+from abi.obstacles.primitive_kernels import axes_of, centre_of, core_of, in_body, in_world
+from abi.obstacles.vector_kernels import Vec3, distance, dot, sub, vec3_at
 
 UNREACHED = 3
 """Outcome of a piece with a place that the arm does not reach within its limits."""
 
-_STEPS = 40
-_LATEST = 8
 FINEST = 2.0**-26
 """Part of the largest coordinate: smaller pieces are not halved."""
 ALLOWANCE = 2.0**-40
 """Part of the largest coordinate, for each place of the elbow computed."""
-
-
-class Obstacles(NamedTuple):
-    """Everything around that the arm is to keep clear of.
-
-    Attributes:
-        primitives: rows (k WIDTH,).
-        inside: first and last row but one of those inside a row that is a box around others; 0 and
-            0 of what is itself solid (2 k,).
-        meshes: number of the triangle mesh that a row holds a part of, -1 of others (k + 1,).
-        margins: distance to prove from each of them and, last, from the floor (k + 1,), [unit].
-        asked: whether a capsule is to keep clear of one of them, flat (c (k + 1),).
-        floor: height of the floor, [unit].
-        size: largest coordinate of arm and obstacles, [unit].
-    """
-
-    primitives: FloatArray
-    inside: IntArray
-    meshes: IntArray
-    margins: FloatArray
-    asked: BoolArray
-    floor: float
-    size: float
 
 
 class Slide(NamedTuple):
@@ -99,86 +78,8 @@ class Slide(NamedTuple):
     high: FloatArray
 
 
-NO_OBSTACLES = Obstacles(FLOATS, IDS, IDS, FLOATS, FLAGS, 0.0, 1.0)
 NO_SLIDE = Slide(FLOATS, FLOATS, FLOATS)
-"""Examples."""
-
-
-@register_jitable(forceinline=True)
-def support(core: Core, direction: Vec3) -> float:
-    """Greatest product of a body direction with a primitive."""
-    x, y, z = abs(direction[0]), abs(direction[1]), abs(direction[2])
-    if core[4] == 1:
-        across: float = math.sqrt(x * x + y * y) * core[0] + z * core[2]
-        return across
-    return x * core[0] + y * core[1] + z * core[2] + core[3]
-
-
-@register_jitable(forceinline=True)
-def between_boxes(primitives: FloatArray, s: int, a: Vec3, b: Vec3) -> tuple[float, Vec3]:
-    """Largest gap along an axis of the world between a segment and primitive s, and its way."""
-    k = WIDTH * s + BOUNDS
-    best, way = -math.inf, (0.0, 0.0, 1.0)
-    for axis in range(3):
-        low, high = min(a[axis], b[axis]), max(a[axis], b[axis])
-        above, below = low - primitives[k + 3 + axis], primitives[k + axis] - high
-        if max(above, below) > best:
-            best = max(above, below)
-            sign = 1.0 if above >= below else -1.0
-            way = (
-                sign if axis == 0 else 0.0,
-                sign if axis == 1 else 0.0,
-                sign if axis == 2 else 0.0,
-            )
-    return best, way
-
-
-@register_jitable
-def judged(core: Core, p: Vec3, d: Vec3, near: float, far: float) -> tuple[int, float, Vec3]:
-    """Whether the segment from p to p + d, body frame, is separated by more than ``far``.
-
-    A tangent bounds the distance, which is convex along the segment, from below, and its gradient
-    separates as far as that bound. The next place is where those at both ends of the bracket meet,
-    in turn with its middle.
-
-    Returns:
-        CERTIFIED with the gap and its direction; REFUTED with a distance below ``near``; else
-        UNDECIDED.
-    """
-    low, high = 0.0, 1.0
-    at_low, fall, at_high, rise = 0.0, 0.0, 0.0, 0.0  # distances and slopes once they are known
-    square = dot(d, d)
-    # nearest to the centre: there most segments are decided
-    t = min(max(-dot(p, d) / square, 0.0), 1.0) if square > 0 else 0.0
-    best, way = math.inf, (0.0, 0.0, 1.0)
-    for step in range(_STEPS):
-        away, way = signed_distance_gradient(core, axpy(t, d, p))
-        best = min(best, away)
-        if best < near:
-            return REFUTED, best, way
-        slope = dot(way, d)
-        gap = dot(way, p) + min(0.0, slope) - support(core, way)
-        if gap > far:
-            return CERTIFIED, gap, way
-        if slope == 0 or (slope < 0 and t == 1) or (slope > 0 and t == 0):
-            return UNDECIDED, best, way
-        if slope < 0:
-            low, at_low, fall = t, away, slope
-        else:
-            high, at_high, rise = t, away, slope
-        if fall == 0:
-            t = 0.0
-        elif rise == 0:
-            t = 1.0
-        else:
-            t = (at_low - at_high + rise * high - fall * low) / (rise - fall)
-            if best <= far and at_low + fall * (t - low) >= near:
-                return UNDECIDED, best, way
-            if step % 3 == 2 or not low < t < high:
-                t = (low + high) / 2
-            if not low < t < high:
-                return UNDECIDED, best, way
-    return UNDECIDED, best, way
+"""Example."""
 
 
 @register_jitable
@@ -288,106 +189,86 @@ def separates(around: Obstacles, s: int, capsule: Moving, rates: Rates) -> tuple
     return outcome, away - radius, in_world(axes, way)
 
 
-class Direction(NamedTuple):
-    """A direction that separates a capsule from parts of a mesh near a pose.
+class _Stance(NamedTuple):
+    """The arm at a piece's middle, and how far from there it may be on the piece.
 
     Attributes:
-        way: unit vector towards the capsule, world.
-        level: less the mesh's margin, the greatest product that such a part may have, [unit].
-        mesh: number of the mesh.
+        pose: there.
+        rates: of the elbow.
+        ways: of the tool and the slide, at most, [unit].
+        bounded: whether it keeps its limits on the piece, and the rates are finite.
     """
 
-    way: Vec3
-    level: float
-    mesh: int
+    pose: Pose
+    rates: Rates
+    ways: tuple[float, float]
+    bounded: bool
 
 
-NO_DIRECTION = Direction((0.0, 0.0, 1.0), 0.0, -1)
-"""Example."""
+class _Room(NamedTuple):
+    """Lists that a proof fills.
 
-
-@register_jitable
-def is_separated(around: Obstacles, s: int, latest: list[Direction]) -> bool:
-    """Whether one of the latest directions keeps the part of a mesh in row s from a capsule.
-
-    Near triangles have one in common with those beside and behind them.
+    Attributes:
+        planes: the directions found.
+        candidates: pairs, those of every pending piece, a piece's own together.
+        work: pairs of the present piece, the next one last.
+        latest: directions that may serve for the next pair, too.
     """
-    mesh = around.meshes[s]
-    if mesh < 0 or len(latest) == 0:
-        return False
-    axes, core = axes_of(around.primitives, s), core_of(around.primitives, s)
-    centre, margin = centre_of(around.primitives, s), around.margins[s]
-    for k in range(len(latest) - 1, -1, -1):
-        known = latest[k]
-        if known.mesh == mesh:
-            reached = dot(known.way, centre) + support(core, in_body(axes, known.way))
-            if reached < known.level - margin:
-                return True
-    return False
+
+    planes: list[Plane]
+    candidates: list[int]
+    work: list[int]
+    latest: list[Direction]
 
 
 @register_jitable
-def keep_direction(latest: list[Direction], way: Vec3, level: float, mesh: int) -> None:
-    """Add a direction, see :class:`Direction`, to the latest, of which the oldest go."""
-    if mesh >= 0:
-        if len(latest) == _LATEST:
-            latest.pop(0)
-        latest.append(Direction(way, level, mesh + 0))
+def _farthest(points: FloatArray, piece: Piece, middle: Vec3) -> float:
+    """Distance of a piece from its middle, at most."""
+    farthest = 0.0
+    for i in range(3 * piece.first, 3 * piece.last, 3):
+        farthest = max(farthest, distance(middle, vec3_at(points, i)))
+    return farthest * (1 + 2.0**-40)
 
 
 @register_jitable
-def open_box(
-    around: Obstacles, pair: int, moves: float, segment: tuple[Vec3, Vec3], work: list[int]
-) -> bool:
-    """Add what is inside a box that is larger than a capsule's way; whether it is one.
+def _separate_pairs(
+    table: ArmTable, around: Obstacles, piece: Piece, at: float, stance: _Stance, room: _Room
+) -> tuple[int, int, float, int]:
+    """Separate the pairs of ``room.work`` on a piece; those that are left become candidates.
 
-    What is nearest to the capsule's segment comes last, to be tried first.
+    Returns:
+        REFUTED or UNDECIDED; the pair and the distance that refute it; how many were tried.
     """
-    count = len(around.margins)
-    s = pair % count
-    if s == count - 1 or around.inside[2 * s + 1] == 0:
-        return False
-    k = WIDTH * s + BOUNDS
-    size = 0.0
-    for axis in range(3):
-        size = max(size, around.primitives[k + 3 + axis] - around.primitives[k + axis])
-    if size < moves:
-        return False
-    a, b = segment
-    way = sub(b, a)
-    square = max(dot(way, way), 1e-300)
-    nearest, at = math.inf, 0
-    for row in range(around.inside[2 * s], around.inside[2 * s + 1]):
-        work.append(pair - s + row)
-        p = sub(centre_of(around.primitives, row), a)
-        p = axpy(-min(max(dot(p, way) / square, 0.0), 1.0), way, p)
-        if dot(p, p) < nearest:
-            nearest, at = dot(p, p), len(work) - 1
-    last = len(work) - 1
-    work[at], work[last] = work[last], work[at]
-    return True
-
-
-@register_jitable
-def asked_rows(around: Obstacles, moving: int) -> list[int]:
-    """Rows, of which the last may be the floor's, that some of so many capsules keep clear of."""
-    count = len(around.margins)
-    rows = []
-    for s in range(count):
-        asked = False
-        for c in range(moving):
-            asked = asked or around.asked[c * count + s]
-        if asked:
-            rows.append(s)
-    return rows
-
-
-@register_jitable
-def is_solid(around: Obstacles, pair: int) -> bool:
-    """Whether the obstacle of a pair is solid, not a box around others."""
-    count = len(around.margins)
-    s = pair % count
-    return s == count - 1 or around.inside[2 * s + 1] == 0
+    (arm, capsules), count = table, len(around.margins)
+    capsule = moving_capsule(arm, capsules, 0, stance.pose, stance.rates, stance.ways)
+    left, tries = -1, 0
+    while len(room.work) > 0:
+        pair = room.work.pop()
+        tries += 1
+        s = pair % count
+        if pair // count != capsule.number:
+            number = pair // count
+            capsule = moving_capsule(arm, capsules, number, stance.pose, stance.rates, stance.ways)
+            room.latest.clear()
+            left = -1
+        if is_separated(around, s, room.latest):
+            continue
+        if left >= 0 and around.meshes[s] == left:
+            room.candidates.append(pair)
+            continue
+        outcome, away, way = separates(around, s, capsule, stance.rates)
+        if outcome == REFUTED and is_solid(around, pair):
+            return REFUTED, pair, away, tries
+        if stance.bounded and outcome == CERTIFIED:
+            room.planes.append(Plane(piece.start, piece.end, pair, way, at))
+            level = min(dot(way, capsule.first), dot(way, capsule.last))
+            level -= separating_gap(around, capsule, stance.rates)
+            keep_direction(room.latest, way, level, around.meshes[s])
+        elif not open_box(around, pair, capsule.way, (capsule.first, capsule.last), room.work):
+            room.candidates.append(pair)
+            # the piece is halved anyhow: the rest of the mesh is as good tried on its halves
+            left = around.meshes[s] + 0
+    return UNDECIDED, -1, 0.0, tries
 
 
 @compiled(example=(FLOATS, FLOATS, NEW_FLOATS, NO_ARM, NO_OBSTACLES, NO_SLIDE, 9))
@@ -425,6 +306,7 @@ def separate_arm(
         points[i] = world[i]
     planes, candidates, work, tries = [NO_PLANE], [0], [0], 0
     latest = [NO_DIRECTION]
+    room = _Room(planes, candidates, work, latest)
     candidates.clear()
     for pair in range(len(capsules) // CAPSULE * count):
         if around.asked[pair]:
@@ -441,10 +323,7 @@ def separate_arm(
         middle = vec3_at(points, 3 * behind.first)
         low, high = _slide_within(slide, piece.start, piece.end)
         forearm, slid = arm[5] + (low + high) / 2, (high - low) / 2
-        farthest = 0.0
-        for i in range(3 * piece.first, 3 * piece.last, 3):
-            farthest = max(farthest, distance(middle, vec3_at(points, i)))
-        farthest *= 1 + 2.0**-40
+        farthest = _farthest(points, piece, middle)
         if not reaches(arm, middle, forearm):
             return UNREACHED, at, -1, 0.0, table_of(planes)
         pose = pose_of(arm, middle, forearm)
@@ -453,39 +332,15 @@ def separate_arm(
         rates = rates_near(arm, pose, farthest, slid)
         bounded = not math.isinf(rates.elbow)
         bounded = bounded and limits_hold_near(arm, pose, rates, farthest, slid)
-        capsule = moving_capsule(arm, capsules, 0, pose, rates, (farthest, slid))
+        stance = _Stance(pose, rates, (farthest, slid), bounded)
         work.clear()
         latest.clear()
-        left = -1
         for i in range(highest - 1, lowest - 1, -1):
             work.append(candidates[i])
-        while len(work) > 0:
-            pair = work.pop()
-            tries += 1
-            s = pair % count
-            if pair // count != capsule.number:
-                capsule = moving_capsule(
-                    *(arm, capsules, pair // count), pose, rates, (farthest, slid)
-                )
-                latest.clear()
-                left = -1
-            if is_separated(around, s, latest):
-                continue
-            if left >= 0 and around.meshes[s] == left:
-                candidates.append(pair)
-                continue
-            outcome, away, way = separates(around, s, capsule, rates)
-            if outcome == REFUTED and is_solid(around, pair):
-                return REFUTED, at, pair, away, table_of(planes)
-            if bounded and outcome == CERTIFIED:
-                planes.append(Plane(piece.start, piece.end, pair, way, at))
-                level = min(dot(way, capsule.first), dot(way, capsule.last))
-                level -= separating_gap(around, capsule, rates)
-                keep_direction(latest, way, level, around.meshes[s])
-            elif not open_box(around, pair, capsule.way, (capsule.first, capsule.last), work):
-                candidates.append(pair)
-                # the piece is halved anyhow: the rest of the mesh is as good tried on its halves
-                left = around.meshes[s] + 0
+        outcome, pair, away, tried = _separate_pairs(table, around, piece, at, stance, room)
+        tries += tried
+        if outcome == REFUTED:
+            return REFUTED, at, pair, away, table_of(planes)
         if len(candidates) == highest:
             continue
         run = piece.last - piece.first > width

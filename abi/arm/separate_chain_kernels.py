@@ -1,7 +1,7 @@
 """Certificates of an arm whose joints go straight from knot to knot.
 
 They are directions that separate its capsules from what stands around, and from each other.
-See ``abi.arm.chain_certificate`` for what a direction proves, ``abi.arm.separate_arm_kernels``
+See ``abi.arm.chain_certificate`` for what a direction proves, ``abi.arm.surroundings_kernels``
 for what stands around.
 """
 
@@ -14,15 +14,13 @@ import numpy as np
 from numba.extending import register_jitable
 
 from abi.arm.chain_kernels import POSE, TABLE, ChainTable, place_chain
-from abi.arm.separate_arm_kernels import (
-    NO_DIRECTION,
+from abi.arm.direction_kernels import NO_DIRECTION, is_separated, keep_direction
+from abi.arm.surroundings_kernels import (
     NO_OBSTACLES,
     Obstacles,
     between_boxes,
-    is_separated,
     is_solid,
     judged,
-    keep_direction,
     open_box,
 )
 from abi.arrays import FloatArray, IntArray

@@ -10,7 +10,7 @@ import numpy as np
 
 from abi.arm.arm import Arm
 from abi.arm.link_capsules import COLUMN
-from abi.arm.separate_arm_kernels import Obstacles
+from abi.arm.surroundings_kernels import Obstacles
 from abi.arrays import BoolArray, FloatArray, IntArray, read_only
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import ObstacleSet
