@@ -21,7 +21,7 @@ from abi.arm import arm_kernels as kernels
 from abi.arm import capsule_kernels
 from abi.arm.any_arm import PlacedCapsule
 from abi.arm.link_capsules import BODIES, LinkCapsule, link_capsules, steepest_bend
-from abi.arm.pose_kernels import ArmTable
+from abi.arm.pose_kernels import ArmNumbers, ArmTable
 from abi.arrays import FloatArray, flat, read_only
 from abi.obstacles.pose import METRES
 from abi.scene.scene import ArmSettings
@@ -88,18 +88,23 @@ class Arm:
         """Centre of q2, shape (3,), [unit], world; it never moves."""
         return np.asarray(self.base + np.array([0.0, 0.0, self.a1 + self.a2]))
 
-    def numbers(self, elbow: Literal["up", "down"] = "up", spare: float = 0.0) -> FloatArray:
-        """The arm as its kernels take it, (9,): see :mod:`abi.arm.pose_kernels`.
+    def numbers(self, elbow: Literal["up", "down"] = "up", spare: float = 0.0) -> ArmNumbers:
+        """The arm as its kernels take it.
 
         Args:
             elbow: its branch.
             spare: distance that q2 and q3 keep from their limits, [rad].
         """
         x, y, z = self.base.tolist()
-        side = 1.0 if elbow == "up" else -1.0
-        lengths = (z + self.a1 + self.a2, self.a3, self.a4 + self.a5)
-        cosines = math.cos(self.limits[2, 1] - spare), math.cos(self.limits[1, 1] - spare)
-        return read_only(np.array([x, y, z, *lengths, side, *cosines]))
+        return ArmNumbers(
+            *(x, y, z),
+            shoulder=z + self.a1 + self.a2,
+            upper=self.a3,
+            forearm=self.a4 + self.a5,
+            side=1.0 if elbow == "up" else -1.0,
+            least_cosine_q3=math.cos(self.limits[2, 1] - spare),
+            least_cosine_q2=math.cos(self.limits[1, 1] - spare),
+        )
 
     def table(self, elbow: Literal["up", "down"] = "up", spare: float = 0.0) -> ArmTable:
         """The arm with its capsules as kernels take it; see :meth:`numbers`."""

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 
-from abi.arm.pose_kernels import CAPSULE, Pose, capsule_ends
+from abi.arm.pose_kernels import CAPSULE, NO_NUMBERS, ArmNumbers, Pose, capsule_ends
 from abi.arm.surroundings_kernels import NO_OBSTACLES, Obstacles, asked_rows, between_boxes
 from abi.arrays import FloatArray, IntArray
 from abi.compiled import FLOATS, NEW_FLOATS, NEW_IDS, compiled
@@ -15,28 +15,28 @@ from abi.obstacles.obstacle_set_kernels import distance_to_segment
 from abi.obstacles.vector_kernels import vec3_at
 
 
-@compiled(example=(FLOATS, FLOATS, FLOATS, NEW_FLOATS))
+@compiled(example=(FLOATS, NO_NUMBERS, FLOATS, NEW_FLOATS))
 def place_capsules(
-    joints: FloatArray, arm: FloatArray, capsules: FloatArray, ends: FloatArray
+    joints: FloatArray, arm: ArmNumbers, capsules: FloatArray, ends: FloatArray
 ) -> None:
     """Both ends of every capsule at joint positions.
 
     Args:
         joints: of each pose q1 to q6, flat (6 n,), [rad], q5 [unit].
-        arm: its nine numbers.
+        arm: its numbers.
         capsules: rows (4 c,).
         ends: flat (6 n c,), [unit], world; written.
     """
     count = len(capsules) // CAPSULE
     for i in range(len(joints) // 6):
         q1, q2, q3 = joints[6 * i], joints[6 * i + 1], joints[6 * i + 2]
-        forearm = arm[5] + joints[6 * i + 4]
+        forearm = arm.forearm + joints[6 * i + 4]
         right, ahead = math.sin(q1), math.cos(q1)
-        out, up = arm[4] * math.sin(q2), arm[3] + arm[4] * math.cos(q2)
+        out, up = arm.upper * math.sin(q2), arm.shoulder + arm.upper * math.cos(q2)
         across, height = out + forearm * math.sin(q2 + q3), up + forearm * math.cos(q2 + q3)
-        shoulder = (arm[0], arm[1], arm[3])
-        elbow = (arm[0] + right * out, arm[1] - ahead * out, up)
-        tool = (arm[0] + right * across, arm[1] - ahead * across, height)
+        shoulder = (arm.x, arm.y, arm.shoulder)
+        elbow = (arm.x + right * out, arm.y - ahead * out, up)
+        tool = (arm.x + right * across, arm.y - ahead * across, height)
         pose = Pose(shoulder, elbow, tool, forearm, out, across, 0.0)
         for c in range(count):
             k = 6 * (i * count + c)

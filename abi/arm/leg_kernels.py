@@ -130,7 +130,7 @@ def arm_is_clear(legs: ArmLegs, first: Vec3, last: Vec3) -> bool:
     """Whether it is proven that the arm keeps clear from one place of the tool to another."""
     (arm, capsules), around, pairs, (low, high), most_tries = legs
     count = len(around.margins)
-    forearm, slid = arm[5] + (low + high) / 2, (high - low) / 2
+    forearm, slid = arm.forearm + (low + high) / 2, (high - low) / 2
     length, way = distance(first, last), sub(last, first)
     candidates = [int(pair) for pair in pairs]
     if len(candidates) == 0:

@@ -12,8 +12,10 @@ from numba.extending import register_jitable
 from abi.arm.pose_kernels import (
     CAPSULE,
     NO_ARM,
+    NO_NUMBERS,
     NO_RATES,
     UPPER_ARM,
+    ArmNumbers,
     ArmTable,
     capsule_ends,
     capsule_rates,
@@ -37,15 +39,15 @@ from abi.obstacles.primitive_kernels import (
 from abi.obstacles.vector_kernels import Vec3, axpy, dot, sub, vec3_at
 
 
-@compiled(example=(FLOATS, FLOATS, 0.0, 0.0, NEW_FLAGS))
+@compiled(example=(FLOATS, NO_NUMBERS, 0.0, 0.0, NEW_FLAGS))
 def reached_places(
-    points: FloatArray, arm: FloatArray, forearm: float, slide: float, reached: BoolArray
+    points: FloatArray, arm: ArmNumbers, forearm: float, slide: float, reached: BoolArray
 ) -> None:
     """Mark the places that the arm reaches within the limits of q2 and q3.
 
     Args:
         points: flat (3 n,), [unit], world.
-        arm: its nine numbers.
+        arm: its numbers.
         forearm: length a6, [unit].
         slide: how much longer or shorter it may be, [unit].
         reached: (n,); written.
@@ -105,13 +107,13 @@ def _far(primitives: FloatArray, s: int, a: Vec3, b: Vec3, most: float) -> bool:
 
 
 @register_jitable(forceinline=True)
-def _beside(around: Obstacles, s: int, arm: FloatArray, tool: Vec3, widest: float) -> bool:
+def _beside(around: Obstacles, s: int, arm: ArmNumbers, tool: Vec3, widest: float) -> bool:
     """Whether row s is too far from the upright plane of the arm to be touched."""
     k = WIDTH * s + BOUNDS
     primitives = around.primitives
-    x, y = tool[0] - arm[0], tool[1] - arm[1]
-    ahead = (primitives[k] + primitives[k + 3]) / 2 - arm[0]
-    side = (primitives[k + 1] + primitives[k + 4]) / 2 - arm[1]
+    x, y = tool[0] - arm.x, tool[1] - arm.y
+    ahead = (primitives[k] + primitives[k + 3]) / 2 - arm.x
+    side = (primitives[k + 1] + primitives[k + 4]) / 2 - arm.y
     wide, deep = primitives[k + 3] - primitives[k], primitives[k + 4] - primitives[k + 1]
     # the half width of the bounds across the plane, times the tool's distance from the axis
     reach = (abs(y) * wide + abs(x) * deep) / 2
@@ -148,7 +150,7 @@ def touching_places(
         widest = max(widest, capsules[CAPSULE * c + 3])
         # ends of capsules that lie before the shoulder, the elbow, or beyond the tool
         longest = max(longest, -capsules[CAPSULE * c + 1])
-        longest = max(longest, capsules[CAPSULE * c + 2] - arm[5])
+        longest = max(longest, capsules[CAPSULE * c + 2] - arm.forearm)
     still = 0  # capsules of the column, which are not at shoulder, elbow and tool
     while still < moving and capsules[CAPSULE * still] == 0:
         still += 1

@@ -17,9 +17,8 @@ more differentiated,
 for u' = (v - E')/a6. The plane turns with abs(f') <= 1/r and abs(f'') <= 1/r², which adds
 p f'² + 2 |p'| |f'| + p |f''| to the elbow's second derivative, and q2' adds |E'|²/a3.
 
-Plain Python that numba compiles with its caller. An arm is nine numbers: the base's x, y and z, the
-shoulder's z, a3, a4 + a5, the sign of q3, and the cosines of the limits of q3 and q2. A capsule is
-four: its body as in ``abi.arm.link_capsules``, low and high end, radius.
+Plain Python that numba compiles with its caller. A capsule is four numbers: its body as in
+``abi.arm.link_capsules``, low and high end, radius.
 """
 
 from __future__ import annotations
@@ -41,15 +40,38 @@ COLUMN, UPPER_ARM, FOREARM = 0, 1, 2
 """Bodies of capsules; another one slides."""
 
 
+class ArmNumbers(NamedTuple):
+    """An arm, as kernels take it.
+
+    Attributes:
+        x, y, z: of the base, [unit], world.
+        shoulder: height of the shoulder, [unit], world.
+        upper: length of the upper arm, a3, [unit].
+        forearm: shortest length from elbow to tool, a4 + a5, [unit].
+        side: sign of q3.
+        least_cosine_q3, least_cosine_q2: cosines of their limits.
+    """
+
+    x: float
+    y: float
+    z: float
+    shoulder: float
+    upper: float
+    forearm: float
+    side: float
+    least_cosine_q3: float
+    least_cosine_q2: float
+
+
 class ArmTable(NamedTuple):
     """An arm and its capsules, as kernels take them.
 
     Attributes:
-        numbers: those of the arm, (9,).
+        numbers: those of the arm.
         capsules: rows, flat (4 c,).
     """
 
-    numbers: FloatArray
+    numbers: ArmNumbers
     capsules: FloatArray
 
 
@@ -88,54 +110,55 @@ class Rates(NamedTuple):
     longest: float
 
 
-NO_ARM = ArmTable(FLOATS, FLOATS)
-"""Example."""
+NO_NUMBERS = ArmNumbers(0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0, -1.0, -1.0)
+NO_ARM = ArmTable(NO_NUMBERS, FLOATS)
+"""Examples."""
 NO_RATES = Rates(math.inf, math.inf, 0.0, 0.0)
 """Where nothing is bounded."""
 
 
 @register_jitable(forceinline=True)
-def reaches(arm: FloatArray, tool: Vec3, forearm: float) -> bool:
+def reaches(arm: ArmNumbers, tool: Vec3, forearm: float) -> bool:
     """Whether the tool can be there, off the axis, with the elbow bent and q3 within its limit."""
-    x, y, z = tool[0] - arm[0], tool[1] - arm[1], tool[2] - arm[3]
+    x, y, z = tool[0] - arm.x, tool[1] - arm.y, tool[2] - arm.shoulder
     reach = math.sqrt(x * x + y * y + z * z)
-    low, high = abs(arm[4] - forearm), arm[4] + forearm
+    low, high = abs(arm.upper - forearm), arm.upper + forearm
     if not (forearm > 0 and low < reach < high and x * x + y * y > 0):
         return False
-    cosine = (reach * reach - arm[4] * arm[4] - forearm * forearm) / (2 * arm[4] * forearm)
-    bent: bool = cosine >= arm[7]
+    cosine = (reach * reach - arm.upper * arm.upper - forearm * forearm) / (2 * arm.upper * forearm)
+    bent: bool = cosine >= arm.least_cosine_q3
     return bent
 
 
 @register_jitable(forceinline=True)
-def shoulder_holds(arm: FloatArray, pose: Pose) -> bool:
+def shoulder_holds(arm: ArmNumbers, pose: Pose) -> bool:
     """Whether q2 is within its limit."""
-    holds: bool = pose.elbow[2] - arm[3] >= arm[4] * arm[8]
+    holds: bool = pose.elbow[2] - arm.shoulder >= arm.upper * arm.least_cosine_q2
     return holds
 
 
 @register_jitable(forceinline=True)
-def pose_of(arm: FloatArray, tool: Vec3, forearm: float) -> Pose:
+def pose_of(arm: ArmNumbers, tool: Vec3, forearm: float) -> Pose:
     """The arm with its tool at a place that it reaches."""
-    x, y, z = tool[0] - arm[0], tool[1] - arm[1], tool[2] - arm[3]
+    x, y, z = tool[0] - arm.x, tool[1] - arm.y, tool[2] - arm.shoulder
     across = math.sqrt(x * x + y * y)
     reach = math.sqrt(across * across + z * z)
-    upper = arm[4]
+    upper = arm.upper
     along = (upper * upper - forearm * forearm + reach * reach) / (2 * reach)
-    height = arm[6] * math.sqrt(max(upper * upper - along * along, 0.0))
+    height = arm.side * math.sqrt(max(upper * upper - along * along, 0.0))
     out = (along * across - height * z) / reach
     up = (along * z + height * across) / reach
-    elbow = (arm[0] + x / across * out, arm[1] + y / across * out, arm[3] + up)
-    return Pose((arm[0], arm[1], arm[3]), elbow, tool, forearm, out, across, reach)
+    elbow = (arm.x + x / across * out, arm.y + y / across * out, arm.shoulder + up)
+    return Pose((arm.x, arm.y, arm.shoulder), elbow, tool, forearm, out, across, reach)
 
 
 @register_jitable(forceinline=True)
-def rates_near(arm: FloatArray, pose: Pose, tool: float, slide: float) -> Rates:
+def rates_near(arm: ArmNumbers, pose: Pose, tool: float, slide: float) -> Rates:
     """Rates within distances of the tool and of the slide from a pose, [unit]; inf where unbounded.
 
     cos q3 = (D² - a3² - a6²) / (2 a3 a6) is enclosed by its numerator and denominator.
     """
-    upper = arm[4]
+    upper = arm.upper
     near, far = pose.reach - tool, pose.reach + tool
     short, long = pose.forearm - slide, pose.forearm + slide
     none = Rates(math.inf, math.inf, short, long)
@@ -157,7 +180,7 @@ def rates_near(arm: FloatArray, pose: Pose, tool: float, slide: float) -> Rates:
 
 
 @register_jitable(forceinline=True)
-def bend_near(arm: FloatArray, pose: Pose, rates: Rates, tool: float) -> float:
+def bend_near(arm: ArmNumbers, pose: Pose, rates: Rates, tool: float) -> float:
     """Bound of the elbow's second derivative while the tool runs straight near a pose, [1/unit].
 
     Args:
@@ -168,47 +191,47 @@ def bend_near(arm: FloatArray, pose: Pose, rates: Rates, tool: float) -> float:
     """
     fast, across = rates.slide, pose.across - tool
     out = abs(pose.out) + tool * fast
-    turn = fast * ((1 + fast) ** 2 / pose.forearm + 1 / across + fast * fast / arm[4])
-    bend: float = turn + fast * fast / arm[4] + 2 * out / (across * across) + 2 * fast / across
+    turn = fast * ((1 + fast) ** 2 / pose.forearm + 1 / across + fast * fast / arm.upper)
+    bend: float = turn + fast * fast / arm.upper + 2 * out / (across * across) + 2 * fast / across
     return bend
 
 
 @register_jitable(forceinline=True)
-def limits_hold_near(arm: FloatArray, pose: Pose, rates: Rates, tool: float, slide: float) -> bool:
+def limits_hold_near(arm: ArmNumbers, pose: Pose, rates: Rates, tool: float, slide: float) -> bool:
     """Whether q2 and q3 keep their limits within distances of tool and slide from a pose."""
     near, long = pose.reach - tool, rates.longest
-    cosine = near * near - arm[4] * arm[4] - long * long
-    cosine /= 2 * arm[4] * (rates.shortest if cosine < 0 else long)
-    lowest = pose.elbow[2] - arm[3] - rates.elbow * tool - rates.slide * slide
-    hold: bool = cosine >= arm[7] and lowest >= arm[4] * arm[8]
+    cosine = near * near - arm.upper * arm.upper - long * long
+    cosine /= 2 * arm.upper * (rates.shortest if cosine < 0 else long)
+    lowest = pose.elbow[2] - arm.shoulder - rates.elbow * tool - rates.slide * slide
+    hold: bool = cosine >= arm.least_cosine_q3 and lowest >= arm.upper * arm.least_cosine_q2
     return hold
 
 
 @register_jitable(forceinline=True)
-def capsule_ends(arm: FloatArray, pose: Pose, capsules: FloatArray, c: int) -> tuple[Vec3, Vec3]:
+def capsule_ends(arm: ArmNumbers, pose: Pose, capsules: FloatArray, c: int) -> tuple[Vec3, Vec3]:
     """Both ends of capsule c's segment, [unit], world."""
     body, low, high = capsules[CAPSULE * c], capsules[CAPSULE * c + 1], capsules[CAPSULE * c + 2]
     if body == COLUMN:
-        return (arm[0], arm[1], arm[2] + low), (arm[0], arm[1], arm[2] + high)
+        return (arm.x, arm.y, arm.z + low), (arm.x, arm.y, arm.z + high)
     if body == UPPER_ARM:
         way = sub(pose.elbow, pose.shoulder)
-        return axpy(low / arm[4], way, pose.shoulder), axpy(high / arm[4], way, pose.shoulder)
+        return axpy(low / arm.upper, way, pose.shoulder), axpy(high / arm.upper, way, pose.shoulder)
     way = sub(pose.tool, pose.elbow)
-    slide = 0.0 if body == FOREARM else pose.forearm - arm[5]
+    slide = 0.0 if body == FOREARM else pose.forearm - arm.forearm
     a, b = (low + slide) / pose.forearm, (high + slide) / pose.forearm
     return axpy(a, way, pose.elbow), axpy(b, way, pose.elbow)
 
 
 @register_jitable(forceinline=True)
-def capsule_share(arm: FloatArray, forearm: float, capsules: FloatArray, c: int) -> float:
+def capsule_share(arm: ArmNumbers, forearm: float, capsules: FloatArray, c: int) -> float:
     """Largest part that points of capsule c's segment have in where the elbow is."""
     body, low, high = capsules[CAPSULE * c], capsules[CAPSULE * c + 1], capsules[CAPSULE * c + 2]
     if body == COLUMN:
         return 0.0
     if body == UPPER_ARM:
-        share: float = max(abs(low), abs(high)) / arm[4]
+        share: float = max(abs(low), abs(high)) / arm.upper
         return share
-    slide = 0.0 if body == FOREARM else forearm - arm[5]
+    slide = 0.0 if body == FOREARM else forearm - arm.forearm
     share = max(abs(1 - (low + slide) / forearm), abs(1 - (high + slide) / forearm))
     return share
 
@@ -224,20 +247,20 @@ def _along(rates: Rates, share: float, slides: bool) -> tuple[float, float]:
 
 @register_jitable(forceinline=True)
 def capsule_rates(
-    arm: FloatArray, rates: Rates, capsules: FloatArray, c: int
+    arm: ArmNumbers, rates: Rates, capsules: FloatArray, c: int
 ) -> tuple[float, float]:
     """Ways of every point of capsule c's segment, per way of the tool and of the slide."""
     body, low, high = capsules[CAPSULE * c], capsules[CAPSULE * c + 1], capsules[CAPSULE * c + 2]
     if body == COLUMN:
         return 0.0, 0.0
     if body == UPPER_ARM:
-        share = max(abs(low), abs(high)) / arm[4]
+        share = max(abs(low), abs(high)) / arm.upper
         return share * rates.elbow, share * rates.slide
     slides = body != FOREARM
     most, slid = 0.0, 0.0
     for forearm in (rates.shortest, rates.longest):
         for end in (low, high):
-            at = end + (forearm - arm[5] if slides else 0.0)
+            at = end + (forearm - arm.forearm if slides else 0.0)
             a, b = _along(rates, at / forearm, slides)
             most, slid = max(most, a), max(slid, b)
     return most, slid

@@ -9,7 +9,15 @@ import math
 
 from numba.extending import register_jitable
 
-from abi.arm.pose_kernels import CAPSULE, NO_ARM, ArmTable, capsule_ends, pose_of
+from abi.arm.pose_kernels import (
+    CAPSULE,
+    NO_ARM,
+    NO_NUMBERS,
+    ArmNumbers,
+    ArmTable,
+    capsule_ends,
+    pose_of,
+)
 from abi.arm.surroundings_kernels import NO_OBSTACLES, Obstacles, asked_rows, between_boxes
 from abi.arrays import BoolArray, FloatArray
 from abi.compiled import FLAGS, FLOATS, NEW_FLOATS, compiled
@@ -23,27 +31,28 @@ _TETRAHEDRA = (
 """Six to a cube, all along its diagonal; corner 4 x + 2 y + z is at (x, y, z)."""
 
 
-@compiled(example=(FLOATS, FLOATS, 1.0, NEW_FLOATS))
-def reach_rooms(points: FloatArray, arm: FloatArray, forearm: float, rooms: FloatArray) -> None:
+@compiled(example=(FLOATS, NO_NUMBERS, 1.0, NEW_FLOATS))
+def reach_rooms(points: FloatArray, arm: ArmNumbers, forearm: float, rooms: FloatArray) -> None:
     """Depth of places within the arm's reach and limits, in its own lengths; < 0 outside.
 
     Args:
         points: flat (3 n,), [unit], world.
-        arm: its nine numbers.
+        arm: its numbers.
         forearm: length a6, [unit].
         rooms: (n,), [unit]; written.
     """
-    upper = arm[4]
+    upper = arm.upper
     far = upper + forearm
-    near = math.sqrt(max(upper * upper + forearm * forearm + 2 * upper * forearm * arm[7], 0.0))
+    square = upper * upper + forearm * forearm + 2 * upper * forearm * arm.least_cosine_q3
+    near = math.sqrt(max(square, 0.0))
     for i in range(len(rooms)):
-        x, y, z = sub(vec3_at(points, 3 * i), (arm[0], arm[1], arm[3]))
+        x, y, z = sub(vec3_at(points, 3 * i), (arm.x, arm.y, arm.shoulder))
         across = math.sqrt(x * x + y * y)
         reach = math.sqrt(across * across + z * z)
         room = min(far - reach, reach - near)
         if room > 0 and across > 0:
             pose = pose_of(arm, vec3_at(points, 3 * i), forearm)
-            room = min(room, pose.elbow[2] - arm[3] - upper * arm[8])
+            room = min(room, pose.elbow[2] - arm.shoulder - upper * arm.least_cosine_q2)
         rooms[i] = room
 
 

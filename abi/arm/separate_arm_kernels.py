@@ -20,6 +20,7 @@ from abi.arm.direction_kernels import (
 from abi.arm.pose_kernels import (
     CAPSULE,
     NO_ARM,
+    ArmNumbers,
     ArmTable,
     Pose,
     Rates,
@@ -123,7 +124,7 @@ class Moving(NamedTuple):
 
 @register_jitable(forceinline=True)
 def moving_capsule(
-    arm: FloatArray,
+    arm: ArmNumbers,
     capsules: FloatArray,
     c: int,
     pose: Pose,
@@ -322,7 +323,7 @@ def separate_arm(
         at, ahead, behind = halves_of(points, piece, breaks, width)
         middle = vec3_at(points, 3 * behind.first)
         low, high = _slide_within(slide, piece.start, piece.end)
-        forearm, slid = arm[5] + (low + high) / 2, (high - low) / 2
+        forearm, slid = arm.forearm + (low + high) / 2, (high - low) / 2
         farthest = _farthest(points, piece, middle)
         if not reaches(arm, middle, forearm):
             return UNREACHED, at, -1, 0.0, table_of(planes)

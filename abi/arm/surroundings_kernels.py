@@ -56,10 +56,10 @@ NO_OBSTACLES = Obstacles(FLOATS, IDS, IDS, FLOATS, FLAGS, 0.0, 1.0)
 def support(core: Core, direction: Vec3) -> float:
     """Greatest product of a body direction with a primitive."""
     x, y, z = abs(direction[0]), abs(direction[1]), abs(direction[2])
-    if core[4] == 1:
-        across: float = math.sqrt(x * x + y * y) * core[0] + z * core[2]
+    if core.is_cylinder == 1:
+        across: float = math.sqrt(x * x + y * y) * core.x + z * core.z
         return across
-    return x * core[0] + y * core[1] + z * core[2] + core[3]
+    return x * core.x + y * core.y + z * core.z + core.radius
 
 
 @register_jitable(forceinline=True)

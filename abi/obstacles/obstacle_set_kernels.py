@@ -59,7 +59,7 @@ def _least_distance(core: Core, best: float, p: Vec3, d: Vec3) -> float:
     if rise <= 0:
         return best
     size = abs(p[0]) + abs(p[1]) + abs(p[2]) + abs(d[0]) + abs(d[1]) + abs(d[2])
-    pad = _ROUNDING * (size + core[0] + core[1] + core[2] + core[3])
+    pad = _ROUNDING * (size + core.x + core.y + core.z + core.radius)
     for step in range(_STEPS):
         t = (at_low - at_high + rise * high - fall * low) / (rise - fall)
         if at_low + fall * (t - low) >= best - pad:

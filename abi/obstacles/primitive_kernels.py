@@ -13,30 +13,46 @@ height.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 from numba.extending import register_jitable
 
 from abi.arrays import FloatArray
-from abi.obstacles.vector_kernels import Vec3, axpy, dot
+from abi.obstacles.vector_kernels import Vec3, axpy, dot, vec3_at
 
 WIDTH = 32
 """Numbers that describe a primitive."""
 BOUNDS = 17
 """Where its bounds begin among them."""
 
-Core = tuple[float, float, float, float, float]
-"""Half sizes of the core, the radius around it, and 1 for a cylinder."""
 Axes = tuple[Vec3, Vec3, Vec3]
 """The body's axes in the world."""
 
 _STEPS = 90
 
 
+class Core(NamedTuple):
+    """A solid in its body's frame: a box or a cylinder, and what is within a radius of it.
+
+    Attributes:
+        x, y, z: half sizes, [unit]; x is a cylinder's radius, z half its height.
+        radius: around it, [unit].
+        is_cylinder: 1 for a cylinder, 0 for a box.
+    """
+
+    x: float
+    y: float
+    z: float
+    radius: float
+    is_cylinder: float
+
+
 @register_jitable
 def core_of(primitives: FloatArray, s: int) -> Core:
     """Core of primitive s."""
     k = WIDTH * s + 12
-    return primitives[k], primitives[k + 1], primitives[k + 2], primitives[k + 3], primitives[k + 4]
+    x, y, z = vec3_at(primitives, k)
+    return Core(x, y, z, primitives[k + 3], primitives[k + 4])
 
 
 @register_jitable
@@ -80,15 +96,15 @@ def in_world(axes: Axes, p: Vec3) -> Vec3:
 @register_jitable
 def signed_distance(core: Core, p: Vec3) -> float:
     """Signed distance of a body point."""
-    a, b, c = abs(p[0]) - core[0], abs(p[1]) - core[1], abs(p[2]) - core[2]
-    if core[4] == 1:
-        a = math.sqrt(p[0] * p[0] + p[1] * p[1]) - core[0]
-        b = -core[0]
+    a, b, c = abs(p[0]) - core.x, abs(p[1]) - core.y, abs(p[2]) - core.z
+    if core.is_cylinder == 1:
+        a = math.sqrt(p[0] * p[0] + p[1] * p[1]) - core.x
+        b = -core.x
     most = max(a, max(b, c))
     if most > 0:
         a, b, c = max(a, 0.0), max(b, 0.0), max(c, 0.0)
         most = math.sqrt(a * a + b * b + c * c)
-    return most - core[3]
+    return most - core.radius
 
 
 @register_jitable
@@ -98,26 +114,27 @@ def signed_distance_gradient(core: Core, p: Vec3) -> tuple[float, Vec3]:
     side = 1.0 if x >= 0 else -1.0
     front = 1.0 if y >= 0 else -1.0
     top = 1.0 if z >= 0 else -1.0
-    if core[4] == 1:
+    if core.is_cylinder == 1:
         radial = math.sqrt(x * x + y * y)
         u, v = (x / radial, y / radial) if radial > 0 else (1.0, 0.0)
-        a, c = radial - core[0], abs(z) - core[2]
+        a, c = radial - core.x, abs(z) - core.z
         if a > 0 and c > 0:
             distance = math.sqrt(a * a + c * c)
             return distance, (a / distance * u, a / distance * v, c / distance * top)
         if a >= c:
             return a, (u, v, 0.0)
         return c, (0.0, 0.0, top)
-    a, b, c = abs(x) - core[0], abs(y) - core[1], abs(z) - core[2]
+    a, b, c = abs(x) - core.x, abs(y) - core.y, abs(z) - core.z
     e, f, g = max(a, 0.0), max(b, 0.0), max(c, 0.0)
     distance = math.sqrt(e * e + f * f + g * g)
     if distance > 0:
-        return distance - core[3], (e / distance * side, f / distance * front, g / distance * top)
+        way = (e / distance * side, f / distance * front, g / distance * top)
+        return distance - core.radius, way
     if a >= b and a >= c:
-        return a - core[3], (side, 0.0, 0.0)
+        return a - core.radius, (side, 0.0, 0.0)
     if b >= c:
-        return b - core[3], (0.0, front, 0.0)
-    return c - core[3], (0.0, 0.0, top)
+        return b - core.radius, (0.0, front, 0.0)
+    return c - core.radius, (0.0, 0.0, top)
 
 
 @register_jitable

@@ -124,7 +124,7 @@ def _prisms_bound(radius: float, half: float, clearance: float, start: Vec3, goa
         c, s = math.cos(k * math.pi / 2 / _PRISMS), math.sin(k * math.pi / 2 / _PRISMS)
         a = (c * start[0] + s * start[1], c * start[1] - s * start[0], start[2])
         b = (c * goal[0] + s * goal[1], c * goal[1] - s * goal[0], goal[2])
-        core = (side, side, half, 0.0, 0.0)
+        core = Core(side, side, half, 0.0, 0.0)
         if segment_within(core, clearance, a, sub(b, a)):
             bound = max(bound, around_box((side, side, half), clearance, a, b)[0])
     return bound
@@ -135,23 +135,23 @@ def _solid_bound(core: Core, clearance: float, start: Vec3, goal: Vec3) -> Lengt
     """Lower bound around a solid that blocks the line, see ``abi.obstacles.primitive_kernels``."""
     if min(signed_distance(core, start), signed_distance(core, goal)) < clearance:
         return distance(start, goal), False
-    radius, half = core[3], core[2]
-    if core[4] == 0 and radius == 0:
-        length, exact = around_box((core[0], core[1], half), clearance, start, goal)
+    radius, half = core.radius, core.z
+    if core.is_cylinder == 0 and radius == 0:
+        length, exact = around_box((core.x, core.y, half), clearance, start, goal)
         other = 0.0 if exact else _ball_bound(core, clearance, start, goal)
-    elif core[4] == 0 and half == 0:
+    elif core.is_cylinder == 0 and half == 0:
         return around_ball(radius + clearance, start, goal), True
-    elif core[4] == 0:
+    elif core.is_cylinder == 0:
         length, exact = around_bar(radius + clearance, half, start, goal)
         other = 0.0 if exact else _axis_balls_bound(radius + clearance, half, start, goal)
     else:
-        length, exact = around_bar(core[0] + clearance, half, start, goal)
+        length, exact = around_bar(core.x + clearance, half, start, goal)
         other = 0.0
         if not exact:
-            inner = min(core[0], half)
+            inner = min(core.x, half)
             other = max(
                 _axis_balls_bound(inner + clearance, half - inner, start, goal),
-                _prisms_bound(core[0], half, clearance, start, goal),
+                _prisms_bound(core.x, half, clearance, start, goal),
             )
     return max(length, other), exact
 

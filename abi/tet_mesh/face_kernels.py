@@ -34,9 +34,9 @@ def stretch_in(core: Core, margin: float, p: Vec3, r: Vec3) -> float:
 
     For the face that p is over; -1 where it is over none.
     """
-    over = margin + core[3]
-    a, b, c = abs(p[0]) - core[0], abs(p[1]) - core[1], abs(p[2]) - core[2]
-    x, y, z = core[0], core[1], core[2]
+    over = margin + core.radius
+    a, b, c = abs(p[0]) - core.x, abs(p[1]) - core.y, abs(p[2]) - core.z
+    x, y, z = core.x, core.y, core.z
     if a >= b and a >= c:
         x += over
     elif b >= c:
@@ -54,9 +54,9 @@ def stretch_along(core: Core, margin: float, reach: float, aside: Aside, p: Vec3
     not over a face like that, or where the box is so thin that an edge could lead through it.
     ``reach`` is how far edges lead.
     """
-    over = margin + core[3]
-    a, b, c = abs(p[0]) - core[0], abs(p[1]) - core[1], abs(p[2]) - core[2]
-    x, y, z = core[0], core[1], core[2]
+    over = margin + core.radius
+    a, b, c = abs(p[0]) - core.x, abs(p[1]) - core.y, abs(p[2]) - core.z
+    x, y, z = core.x, core.y, core.z
     if a >= b and a >= c:
         u, v, thick = p[0], r[0], x + over
         many = min(_stay(p[1], r[1], y - aside[0]), _stay(p[2], r[2], z - aside[1]))
@@ -74,8 +74,8 @@ def stretch_along(core: Core, margin: float, reach: float, aside: Aside, p: Vec3
 @register_jitable
 def beside(core: Core, margin: float, p: Vec3, q: Vec3) -> bool:
     """Whether p and q are beyond the same face of a box by the margin, and all between them is."""
-    over = margin + core[3]
-    x, y, z = core[0] + over, core[1] + over, core[2] + over
+    over = margin + core.radius
+    x, y, z = core.x + over, core.y + over, core.z + over
     return (
         (p[0] >= x and q[0] >= x)
         or (p[0] <= -x and q[0] <= -x)

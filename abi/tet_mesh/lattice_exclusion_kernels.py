@@ -132,7 +132,7 @@ def exclusion_of_lattice(
                             break
                         c += 2 * max(int((limit - away) / slope - _ROUNDING), 0) + 2
                         continue
-                    if core[4] == 0:
+                    if core.is_cylinder == 0:
                         aside = loose if on_box or c == 0 or c == nz else tight
                         many = stretch_along(core, margin, reach, aside, p, r)
                         if many >= 0:
@@ -190,7 +190,7 @@ def _reach_aside(edges: FloatArray, reach: float) -> Aside:
 def _nodes_inside(body: Body, p: Vec3, away: float, r: Vec3, step: float) -> int:
     """How many nodes that follow an excluded one along z are certain to be excluded, too."""
     many = (body.margin - away) / step
-    if body.core[4] == 0:
+    if body.core.is_cylinder == 0:
         many = max(many, stretch_in(body.core, body.margin, p, r))
     return max(int(many - _ROUNDING), 0)
 
@@ -238,7 +238,7 @@ def _cut_edges(
             continue
         i, j, h = a + steps[3 * k], b + steps[3 * k + 1], c + steps[3 * k + 2]
         q = in_body(axes, sub((places[i], places[y0 + j], places[z0 + h]), centre))
-        if core[4] == 0 and beside(core, margin, p, q):
+        if core.is_cylinder == 0 and beside(core, margin, p, q):
             continue
         if signed_distance(core, q) < margin:
             continue
