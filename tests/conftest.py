@@ -15,6 +15,15 @@ settings.register_profile("any machine", settings(), deadline=None)
 settings.load_profile("any machine")
 
 
+def pytest_make_parametrize_id(val: object) -> str | None:
+    """Short names of cases: archives hold the time, and workers must agree on a test's name."""
+    if isinstance(val, bytes):
+        return f"{len(val)} bytes"
+    if isinstance(val, str) and len(val) > 60:
+        return f"{val[:40]} and more"
+    return None
+
+
 def pytest_configure(config: pytest.Config) -> None:
     # what is uploaded goes into no user's cache
     os.environ.setdefault("ABI_STORE", tempfile.mkdtemp(prefix="abi-store-"))

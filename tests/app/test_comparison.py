@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import re
 
+import pytest
+
 from abi.search.arcs import Arcs
 from abi.search.lifelong_a_star import lifelong_a_star
 from app.session import Session
 from tests.app.fake_tab import FakeTab, until
 
 
+@pytest.mark.slow
 def test_the_search_before_is_mended(tab: tuple[FakeTab, Session]) -> None:
     fake, session = tab
     panel = session.panels.comparison

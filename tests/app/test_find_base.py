@@ -32,6 +32,7 @@ def _search(fake: FakeTab, session: Session) -> Any:
     return session.frame.bases
 
 
+@pytest.mark.slow
 def test_the_best_base_is_taken_and_undone(behind_a_wall: Tab) -> None:
     fake, session = behind_a_wall
     panel, before = session.panels.stages.bases, session.frame.plan.scene
@@ -55,6 +56,7 @@ def test_the_best_base_is_taken_and_undone(behind_a_wall: Tab) -> None:
     until(lambda: session.frame.plan.scene == before)
 
 
+@pytest.mark.slow
 def test_it_stops_when_asked_and_when_the_scene_changes(behind_a_wall: Tab) -> None:
     fake, session = behind_a_wall
     panel = session.panels.stages.bases
@@ -75,6 +77,7 @@ def test_it_stops_when_asked_and_when_the_scene_changes(behind_a_wall: Tab) -> N
     until(lambda: layer(session, BaseMapLayer)._tiles is None)
 
 
+@pytest.mark.slow
 def test_the_region_is_typed_and_dragged(behind_a_wall: Tab) -> None:
     fake, session = behind_a_wall
     region = session.panels.stages.bases.region

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from abi.scene.scene import load_scene
 from app.layers.joint_rates import JointRatesLayer
@@ -10,6 +11,7 @@ from app.session import Session
 from tests.app.fake_tab import FakeTab, layer, until
 
 
+@pytest.mark.slow
 def test_every_joint_has_its_line_and_torques_where_there_are_masses(
     tab: tuple[FakeTab, Session],
 ) -> None:

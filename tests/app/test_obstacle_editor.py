@@ -176,6 +176,7 @@ def test_the_arm_is_as_large_as_the_scenes_unit_says(tmp_path: Path) -> None:
             until(lambda: size(session) == pytest.approx(same, rel=1e-6))
 
 
+@pytest.mark.slow
 def test_a_file_that_is_no_scene_is_named_and_changes_nothing(
     tab: tuple[FakeTab, Session], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -283,6 +283,7 @@ def test_where_a_mesh_is_too_near_is_told_as_finely_as_of_a_solid(
         assert told[distances < required - 1e-3 - 1e-9].all()
 
 
+@pytest.mark.slow
 @given(curves, st.integers(0, 2**32 - 1))
 @settings(max_examples=40, deadline=None)
 def test_meshes_among_solids_are_measured_as_the_solids_they_are(curve: Spline, seed: int) -> None:

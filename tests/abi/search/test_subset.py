@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -13,11 +15,9 @@ from abi.scene.scene import load_scene
 from abi.search.subset import VIEWS, fits, subset
 
 
+@cache
 def planned(pitch: float, lattice: str = "bcc", name: str = "paper") -> Plan:
     return plan(load_scene(name).replace(mesh={"pitch": pitch, "lattice": lattice}))
-
-
-FINE = planned(0.3)
 
 
 def rows(points: np.ndarray) -> set[tuple[float, ...]]:
@@ -28,7 +28,7 @@ def rows(points: np.ndarray) -> set[tuple[float, ...]]:
 @settings(max_examples=30)
 @given(view=st.sampled_from(VIEWS), budget=st.integers(100, 60_000))
 def test_what_is_shown_is_in_the_graph_and_keeps_the_budget(view: str, budget: int) -> None:
-    made = FINE
+    made = planned(0.3)
     assert made.free is not None
     assert made.graph is not None
     assert made.path is not None
@@ -61,7 +61,7 @@ def test_a_mesh_that_fits_is_shown_whole(lattice: str) -> None:
 
 
 def test_near_shows_the_path_and_leaves_out_what_is_farthest() -> None:
-    made = FINE
+    made = planned(0.3)
     assert made.free is not None
     assert made.graph is not None
     assert made.path is not None
@@ -115,7 +115,7 @@ def test_near_shows_what_is_nearest_to_path_and_obstacles(
 
 @pytest.mark.parametrize("axis", [0, 1, 2])
 def test_a_slice_is_thin_and_runs_through_the_obstacle(axis: int) -> None:
-    made = FINE
+    made = planned(0.3)
     assert made.free is not None
     assert made.path is not None
     view = VIEWS[1 + axis]

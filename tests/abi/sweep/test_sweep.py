@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 import pyarrow.parquet
 import pytest
-from distributed import LocalCluster
 
 from abi.errors import AbiError
 from abi.planner.planner import plan
@@ -66,7 +65,10 @@ def test_two_dask_workers_find_the_same(rows: list[Row]) -> None:
     assert untimed(sweep(STUDY, workers=2)) == untimed(rows)
 
 
+@pytest.mark.slow
 def test_the_workers_of_a_scheduler_find_the_same(rows: list[Row]) -> None:
+    from distributed import LocalCluster
+
     with LocalCluster(n_workers=2, processes=False, protocol="tcp", dashboard_address=None) as one:
         assert untimed(sweep(STUDY, scheduler=one.scheduler_address)) == untimed(rows)
 

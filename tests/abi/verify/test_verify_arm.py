@@ -106,6 +106,7 @@ def test_a_claim_without_a_certificate_is_refused(honest: Data) -> None:
     assert "no certificate" in of_arm(data).reason
 
 
+@pytest.mark.slow
 def test_one_direction_serves_for_many_triangles_of_a_mesh() -> None:
     ball = MeshShape.of(clean(*meshes.sphere(4, 1.2)), "ball.stl", position=(3.0, 3.0, 3.0))
     scene = Scene.from_dict(

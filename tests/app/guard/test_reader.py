@@ -83,6 +83,7 @@ def test_half_a_letter_and_a_huge_number_are_refused(reader: Reader) -> None:
     assert not reader.faults
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("limits", [Limits(seconds=0), Limits(patience=0.0)], ids=["cpu", "time"])
 def test_a_file_that_takes_too_long_is_refused_and_the_next_is_read(limits: Limits) -> None:
     reader = Reader(limits)
@@ -97,6 +98,7 @@ def test_a_file_that_takes_too_long_is_refused_and_the_next_is_read(limits: Limi
     reader.close()
 
 
+@pytest.mark.slow
 def test_too_much_memory_is_refused_and_the_next_file_is_read() -> None:
     reader = Reader(Limits(memory=60_000_000))
     many = trimesh.creation.icosphere(subdivisions=7)

@@ -172,6 +172,7 @@ def test_numbers_round_to_the_sides(name: str) -> None:
         np.testing.assert_allclose(exact[sure], expected[name][sure], atol=1e-6)
 
 
+@pytest.mark.slow
 def test_a_number_that_is_not_whole_counts_as_inside() -> None:
     mesh = OPEN["half-blob"]
     points = somewhere(mesh, np.random.default_rng(5), 2000)
