@@ -23,7 +23,8 @@ from app.guard.connection import MAX_REFUSED
 from app.look import PLAIN
 from app.server import start
 from app.session import Session
-from tests.app.fake_tab import CAMERA, FakeTab, until
+from benchmarks.web_tab import CAMERA
+from tests.app.fake_tab import FakeTab, until
 
 _CALM = 50
 """Inputs before the attack, to compare with."""

@@ -24,7 +24,7 @@ CURVE = "/curve/bspline"
 GIZMO = "/obstacle_1"
 PERIOD = 0.05
 """Seconds between two messages of viser's page while a hand drags."""
-_CAMERA = {
+CAMERA = {
     "type": "ViewerCameraMessage",
     "wxyz": [1.0, 0.0, 0.0, 0.0],
     "position": [3.0, 3.0, 3.0],
@@ -73,7 +73,7 @@ class WebTab:
             ping_interval=None,
         )
         tab = cls(connection)
-        await tab.send(_CAMERA)
+        await tab.send(CAMERA)
         tab._reading = asyncio.create_task(tab._read())
         return tab
 

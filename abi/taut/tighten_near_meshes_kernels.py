@@ -30,6 +30,7 @@ from abi.obstacles.surface_set_kernels import meets_mesh, nearest_mesh
 from abi.obstacles.triangle_mesh.surface_kernels import Room, gradient_at, new_room, to_surface
 from abi.obstacles.vector_kernels import Vec3, axpy, distance, dot, sub, vec3_at
 from abi.taut.free_space_kernels import kind_of
+from abi.taut.tighten_kernels import length_of
 
 _LOOK_BACK = 32  # points to which one may be joined
 _CUTS = 6
@@ -83,15 +84,6 @@ def _outward(around: Surroundings, x: Vec3, room: Room) -> Vec3:
         return normal
     tables, placement = surface_at(surfaces, mesh)
     return in_world(placement.axes, gradient_at(tables, to_surface(placement, x), room)[1])
-
-
-@register_jitable
-def _length(path: list[Vec3]) -> float:
-    """Length of a path."""
-    total = 0.0
-    for i in range(1, len(path)):
-        total += distance(path[i - 1], path[i])
-    return total
 
 
 @register_jitable
@@ -155,7 +147,7 @@ def _move(path: list[Vec3], i: int, around: Surroundings, room: Room) -> None:
 def _cut_corners(path: list[Vec3], around: Surroundings, room: Room) -> list[Vec3]:
     """Replace each corner that can be cut by two vertices."""
     cut = [path[0]]
-    least = _SETTLED / 4 * _length(path)
+    least = _SETTLED / 4 * length_of(path)
     for i in range(1, len(path) - 1):
         here = path[i]
         to_a, to_b = sub(path[i - 1], here), sub(path[i + 1], here)
@@ -185,11 +177,11 @@ def tightened(points: FloatArray, around: Surroundings) -> FloatArray:
     path = _shortcut(path, around, room)
     for _ in range(_CUTS):
         for _ in range(_SWEEPS):
-            before = _length(path)
+            before = length_of(path)
             for i in range(1, len(path) - 1):
                 _move(path, i, around, room)
             path = _shortcut(path, around, room)
-            if before - _length(path) <= _SETTLED * before:
+            if before - length_of(path) <= _SETTLED * before:
                 break
         cut = _cut_corners(path, around, room)
         if len(cut) == len(path) or len(cut) > _MOST_POINTS:

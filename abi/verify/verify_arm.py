@@ -71,9 +71,7 @@ def check_arm(
         SceneError: a field of the wrong form.
     """
     certificate = mapping(FIELD, section["certificate"])
-    margin = certificate.get("margin")
-    exact = None if margin is None else Fraction(finite(f"{FIELD}.margin", margin))
-    check_claim(section, exact, Fraction(scene.arm.clearance), obstacles)
+    margin = claimed_margin(section, certificate, Fraction(scene.arm.clearance), obstacles)
     elbow = section.get("elbow")
     if elbow not in ("up", "down"):
         raise Fault("its elbow is neither up nor down")
@@ -98,7 +96,7 @@ def check_arm(
                 if solid is None:
                     check_above(sides, span, floor)
                 else:
-                    keep = exact if isinstance(name, int) and exact is not None else Fraction(0)
+                    keep = margin if isinstance(name, int) and margin is not None else Fraction(0)
                     check_apart(sides, span, solid, keep)
             except Fault as fault:
                 label = f"obstacle {name + 1}" if isinstance(name, int) else name
@@ -107,22 +105,24 @@ def check_arm(
         if isinstance(obstacle, ExactMesh) and obstacle.closed and obstacle.inside(arm.base):
             raise Fault("the base is inside a mesh")
     count = sum(map(len, planes.values()))
-    kept = "there is no obstacle" if exact is None else f"its links keep {float(exact):.9g}"
+    kept = "there is no obstacle" if margin is None else f"its links keep {float(margin):.9g}"
     return f"{kept}, and clear of the floor and each other, by {count} directions"
 
 
-def check_claim(
+def claimed_margin(
     section: dict[str, Any],
-    margin: Fraction | None,
+    certificate: dict[str, Any],
     required: Fraction,
     obstacles: list[ExactSolid | ExactMesh],
-) -> None:
-    """Check what a plan says of its arm's clearance against its certificate's margin, [unit].
+) -> Fraction | None:
+    """A certificate's margin, [unit], which is what the plan says of its arm; None of nothing.
 
     Raises:
-        Fault: they differ.
+        Fault: the plan says something else.
+        SceneError: it is no number.
     """
-    stated = section.get("clearance")
+    given, stated = certificate.get("margin"), section.get("clearance")
+    margin = None if given is None else Fraction(finite(f"{FIELD}.margin", given))
     if (margin is None) != (not obstacles):
         raise Fault("a margin belongs to obstacles")
     if (stated is None) != (margin is None) or (margin is not None and number_of(stated) != margin):
@@ -134,6 +134,7 @@ def check_claim(
         raise Fault(f"as the arm is {'not ' if enough else ''}said to be certified")
     if section.get("reachable") is not True:
         raise Fault("the motion is said to be out of reach")
+    return margin
 
 
 def _asked(

@@ -21,7 +21,7 @@ from abi.verify.exact_mesh import ExactMesh, Side
 from abi.verify.fault import Fault
 from abi.verify.plan_fields import finite, list_of, mapping, numbers_of, vector_of
 from abi.verify.sides import check_above, check_apart, check_cover
-from abi.verify.verify_arm import check_claim
+from abi.verify.verify_arm import claimed_margin
 
 _REACHED = Fraction(1, 10**5)
 """Error of the tool at start and goal that is let pass, over the length of the chain."""
@@ -93,9 +93,7 @@ def check_chain(
         SceneError: a field of the wrong form.
     """
     certificate = mapping(FIELD, section["certificate"])
-    margin = certificate.get("margin")
-    exact = None if margin is None else Fraction(finite(f"{FIELD}.margin", margin))
-    check_claim(section, exact, Fraction(scene.arm.clearance), obstacles)
+    margin = claimed_margin(section, certificate, Fraction(scene.arm.clearance), obstacles)
     units = round(1 / METRES[scene.unit])
     chain = exact_chain(scene.arm.robot, scene.arm.tool, scene.arm.base, units)
     motion = _Motion(chain, _rows(certificate, section, chain))
@@ -119,14 +117,14 @@ def check_chain(
                 elif other < 0:
                     check_cover(_between(motion, capsules[-1 - other], capsule, wanted), span)
                 else:
-                    keep = Fraction(0) if exact is None else exact
+                    keep = Fraction(0) if margin is None else margin
                     sides = _sides(motion, capsule, wanted)
                     check_apart(sides, span, obstacles[other], keep)
             except Fault as fault:
                 raise Fault(f"{capsule.link} and {label}: {fault}") from None
     _check_outside(motion, capsules, obstacles)
     count = sum(map(len, planes.values()))
-    kept = "there is no obstacle" if exact is None else f"its links keep {float(exact):.9g}"
+    kept = "there is no obstacle" if margin is None else f"its links keep {float(margin):.9g}"
     return (
         f"{kept}, and clear of the floor and each other ({len(pairs)} pairs), by {count} directions"
     )

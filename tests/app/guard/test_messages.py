@@ -12,7 +12,7 @@ from viser import _messages
 from viser.infra import _messages as infra
 
 from app.guard import messages
-from tests.app.fake_tab import CAMERA
+from benchmarks.web_tab import CAMERA
 
 EXAMPLES: tuple[dict[str, Any], ...] = (
     CAMERA,
