@@ -18,7 +18,8 @@ _SHEET = """
 | Ctrl+Z, Ctrl+Y | undoes, redoes |
 | W A S D, Q E, arrows | move the camera |
 | Ctrl+K | lists all commands |
-| H | shows this sheet |
+| L | lecture mode: large letters, folded panels |
+| H or ? | shows this sheet; Esc closes it |
 
 The mouse turns the scene, its wheel zooms, its right button shifts. Obstacles, start and goal are
 dragged by their arrows or their bodies.
@@ -31,20 +32,26 @@ class KeysPanel:
     def __init__(self, gui: viser.GuiApi, wake: Wake) -> None:
         self._gui, self._wake = gui, wake
         self._asked = False
+        self._close: Any = None  # viser declares a button's value read-only
         self.sheet: Any = None  # viser has no public name for a modal
         self.command = gui.add_command("Show the keys", hotkey="H")
         self.command.on_trigger(self._ask)
 
     def draw(self, frame: Frame) -> None:
-        """Open the sheet if it was asked for, close the one that is open; no frame changes it."""
-        if not self._asked:
+        """Open the sheet where it was asked for, or close it; no frame changes it."""
+        closed = self._close is not None and self._close.value
+        if not (self._asked or closed):
             return
         self._asked = False
         if self.sheet is not None:
             self.sheet.close()
+            self.sheet = self._close = None
+            return
         self.sheet = self._gui.add_modal("Keys")
         with self.sheet:
             self._gui.add_markdown(_SHEET)
+            self._close = self._gui.add_button("Close")
+            self._close.on_click(self._wake)
 
     def _ask(self, event: Any) -> None:
         self._asked = True

@@ -95,7 +95,7 @@ class Lecture:
             '<div class="abi-card abi-buttons">'
             f"{button(self._back, '<', hint='Stage before')}<b>{title}</b>"
             f"{button(self._forward, '>', hint='Next stage')}<span></span>{views}"
-            f"{button(self.toggle, 'End', hint='L')}</div>"
+            f"{button(self.toggle, 'End lecture', hint='L')}</div>"
         )
 
     def _press(self, event: object) -> None:

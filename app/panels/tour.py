@@ -15,11 +15,11 @@ STEPS = (
     "<b>On the left</b> are the six stages in order; each heading tells the stage's result. "
     "Try another spacing of the nodes.",
     "<b>On the right</b> is what came out: the searches side by side, and how much longer each "
-    "stage's path is than the best possible.",
+    "stage's path is than the best possible. <i>Search</i> goes through each search step by step.",
     "<b>Below</b> is the player. Press Space, or move the slider, and watch the arm follow the "
-    "curve; <i>Joints</i> plots it.",
-    "<b>In <i>Scene</i></b> you add obstacles, also an STL of your own, and save. "
-    "<i>Undo</i> takes back anything.",
+    "curve; <i>Plots</i> draws its joints over time.",
+    "<b>In <i>Scene</i></b> you add obstacles, also an STL of your own, save, and copy a link. "
+    "<i>Learn</i> has lessons. <i>Undo</i> takes back anything; the key H shows all keys.",
 )
 
 

@@ -160,6 +160,19 @@ window.abi = {
     parts.find(part => part.childElementCount === 0 && part.textContent === label)?.click();
   },
 
+  // "?" as H, for the sheet of keys, and Escape or a click beside the sheet as its own button: viser
+  // leaves a sheet open until the server closes it.
+  keyPressed(event) {
+    if (event.key === "Escape") this.closeSheet();
+    if (event.key !== "?" || event.target.closest?.("input, textarea")) return;
+    document.documentElement.dispatchEvent(
+      new KeyboardEvent("keydown", {key: "h", code: "KeyH", bubbles: true}));
+  },
+  besideClicked(event) {
+    if (event.target.matches?.(".mantine-Modal-inner, .mantine-Modal-overlay")) this.closeSheet();
+  },
+  closeSheet() { document.querySelector(".mantine-Modal-body button")?.click(); },
+
   // Large letters for the last row of a hall.
   lecture(on) { this.overlay().classList.toggle("abi-lecture", on); },
 
@@ -261,6 +274,7 @@ window.abiListeners?.abort();
 window.abiListeners = new AbortController();
 for (const [name, call] of Object.entries({
   pointerdown: "plotPressed", pointerup: "plotReleased", click: "plotClicked", dblclick: "plotReset",
+  keydown: "keyPressed", mousedown: "besideClicked",
 })) {
   const options = {capture: true, signal: window.abiListeners.signal};
   document.addEventListener(name, event => window.abi[call](event), options);

@@ -49,9 +49,29 @@ def test_in_a_lecture_the_scene_is_alone_and_in_large_letters(page: Page, sessio
     page.until(lambda: page.shown() == before, "all stages again")
     page.click("Top")
     page.until(lambda: session.client.camera.position[2] > 8, "the view from above")
-    page.click("End")
+    page.click("End lecture")
     page.until(lambda: page.tab.evaluate(_WIDTH) == pytest.approx(width, abs=2), "the panels")
     assert page.tab.evaluate(_LETTERS) == letters
+
+
+@pytest.mark.parametrize("way", ["h", "Escape", "Close", "beside"])
+def test_the_sheet_of_keys_opens_and_closes(page: Page, way: str) -> None:
+    def is_open() -> bool:
+        return page.tab.get_by_text("shows this sheet").count() > 0
+
+    page.tab.keyboard.press("?" if way == "Escape" else "h")
+    page.until(is_open, "the sheet")
+    if way == "Close":
+        page.click("Close")
+    elif way == "beside":
+        page.tab.mouse.click(640, 700)
+    else:
+        page.tab.keyboard.press(way)
+    page.until(lambda: not is_open(), "the sheet to close")
+    page.tab.keyboard.press("h")
+    page.until(is_open, "the sheet again")
+    page.tab.keyboard.press("h")
+    page.until(lambda: not is_open(), "the sheet to close again")
 
 
 @pytest.mark.parametrize("touched", ["a button", "the obstacle"])
