@@ -360,7 +360,8 @@ class Session:
                 self._draw(replace(self.frame, outdated=True))
             self._show(self._observed(self._planner.finish(self._scene)))
             return
-        self.panels.history.note(self._scene)
+        if not self.panels.held:
+            self.panels.history.note(self._scene)
         if self.frame.interactive:
             self._draw(replace(self.frame, interactive=False))
         if self._undiagnosed():

@@ -102,6 +102,11 @@ class AllPanels:
             self.keys,
         )
 
+    @property
+    def held(self) -> bool:
+        """Whether a hand holds an obstacle or an end: until it lets go the drag is one change."""
+        return self.obstacles.held or self.ends.held
+
     def read(self, scene: Scene) -> Scene:
         """Read the scene that the panels show; only what differs from ``scene`` is checked.
 

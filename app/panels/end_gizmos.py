@@ -13,7 +13,7 @@ from abi.scene.scene import Scene
 from app import page, style
 from app.frame import Frame
 from app.numbers import format_setting
-from app.panels.widgets import Wake
+from app.panels.widgets import Wake, phase_holds
 
 _ROUNDING = 1e-9
 """Part of the workspace's size."""
@@ -25,6 +25,7 @@ class EndGizmos:
     """Balls under gizmos without rotations, and labels with coordinates.
 
     Attributes:
+        held: whether a hand holds an end or its handles.
         gizmos: by name; to be moved by :meth:`place`.
     """
 
@@ -51,7 +52,7 @@ class EndGizmos:
                 depth_test=False,
                 opacity=0.9,
             )
-            gizmo.on_update(wake)
+            gizmo.on_update(self._pull)
             page.own(gizmo)
             self.gizmos[name], self._origins[name] = gizmo, position
             self._balls[name] = ball = client.scene.add_icosphere(
@@ -89,7 +90,7 @@ class EndGizmos:
     def write(self, scene: Scene) -> None:
         """Show ``scene``."""
         size = max(scene.workspace.size)
-        self._chosen = ""
+        self._chosen, self.held = "", False
         self._bounds = np.array(scene.workspace.min), np.array(scene.workspace.max)
         for name, gizmo in self.gizmos.items():
             self.place(name, getattr(scene, name))
@@ -109,6 +110,10 @@ class EndGizmos:
         if frame.current and frame.plan.scene is not self._labelled:
             self._label(frame.plan.scene)
 
+    def _pull(self, event: viser.TransformControlsEvent) -> None:
+        self.held = phase_holds(event.phase, self.held)
+        self._wake(event)
+
     def _choose(self, event: viser.SceneNodePointerEvent[Any]) -> None:
         self._chosen = self._name_of(event.target)
         self._wake(event)
@@ -122,6 +127,7 @@ class EndGizmos:
         position = np.add(event.end_position, grip)
         if np.isfinite(position).all():
             self.place(name, np.clip(position, *self._bounds).tolist())
+        self.held = phase_holds(event.phase, self.held)
         if event.phase == "end":
             self._grips.pop(name, None)
         self._wake(event)

@@ -19,7 +19,7 @@ from abi.scene.scene import Scene
 from app import page, style
 from app.frame import Frame, Switch
 from app.obstacle_body import Body, add_body, add_edges
-from app.panels.widgets import Wake
+from app.panels.widgets import Wake, phase_holds
 
 _MOST_NUMBERED = 40
 """Obstacles that are numbered in the scene: more numbers would hide it."""
@@ -33,6 +33,7 @@ class ObstacleGizmos:
         data: each obstacle as in a scene file, without its pose; the editor changes it.
         gizmos: in the order of the obstacles.
         chosen: number of the obstacle with the handles, from 0.
+        held: whether a hand holds an obstacle or its handles.
     """
 
     switches: ClassVar[tuple[Switch, ...]] = (Switch("obstacles", "obstacles", style.OBSTACLE),)
@@ -73,7 +74,7 @@ class ObstacleGizmos:
             self.add(obstacle)
         self._last_read = [data for data, _ in self._validated]
         self._update_bodies(scene.obstacles)
-        self.chosen, self._touched = 0, False
+        self.chosen, self._touched, self.held = 0, False, False
         self.choose(0)
 
     def draw(self, frame: Frame) -> None:
@@ -141,7 +142,7 @@ class ObstacleGizmos:
             disable_sliders=True,
             disable_rotations=True,
         )
-        gizmo.on_update(self._wake)
+        gizmo.on_update(self._pull)
         page.own(gizmo)
         self.gizmos.append(gizmo)
         self._labels.append(
@@ -182,6 +183,10 @@ class ObstacleGizmos:
                 continue
             gizmo.disable_axes = gizmo.disable_sliders = gizmo.disable_rotations = hidden
 
+    def _pull(self, event: viser.TransformControlsEvent) -> None:
+        self.held = phase_holds(event.phase, self.held)
+        self._wake(event)
+
     def _choose_clicked(self, event: viser.SceneNodePointerEvent[Any]) -> None:
         self.chosen = next(i for i, body in enumerate(self._bodies) if body is event.target)
         self._touched = True
@@ -198,6 +203,7 @@ class ObstacleGizmos:
         position = np.add(event.end_position, self._grip)
         if np.isfinite(position).all():
             gizmo.position = position
+        self.held = phase_holds(event.phase, self.held)
         if event.phase == "end":
             self._grip = None
         self.chosen, self._touched = number, True

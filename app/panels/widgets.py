@@ -20,6 +20,11 @@ DIGITS = 6
 _SHOWN_DIGITS = 3
 
 
+def phase_holds(phase: str, held: bool) -> bool:
+    """Whether a hand holds what it drags after a drag's ``phase``, if it was ``held`` before."""
+    return phase != "end" and (held or phase == "start")
+
+
 class VectorBox:
     """Three numbers that show, and set, what a gizmo shows."""
 

@@ -63,6 +63,23 @@ def test_bodies_are_dragged_by_themselves(page: Page, session: Session) -> None:
     assert page.complaints() == []
 
 
+def test_a_drag_is_undone_at_once_though_the_hand_rested_in_it(
+    page: Page, session: Session
+) -> None:
+    assert session.plan is not None
+    start = session.plan.scene
+    for gizmo in (*drawn.obstacles(page), "/goal"):
+
+        def rest() -> None:
+            page.until(lambda: session.plan.scene != start and session.resting, "a rest")  # type: ignore[union-attr]
+
+        page.drag_arrow(gizmo, 2, -0.9, midway=rest)
+        page.until(lambda: not session.panels.held and session.resting, "the hand to let go")
+        page.click("Undo")
+        page.until(lambda: session.plan.scene == start, "the scene before the drag")  # type: ignore[union-attr]
+        page.until(lambda: drawn.shows(page, session.plan), "its plan")
+
+
 def test_the_goal_goes_where_it_is_dragged(page: Page, session: Session) -> None:
     before, old = session.plan, np.array(page.position("/goal"))
     page.drag_arrow("/goal", 1, -2.0)
