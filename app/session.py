@@ -98,6 +98,7 @@ class Session:
             if classroom is not None:
                 self._class = self._view.join(classroom, self.wake, self._changed.set)
         self._demo = Demo(self.panels.obstacles)
+        self._demonstrated = False  # whether the scene is where the demonstration left it
         self._changed.set()
         self._worker = threading.Thread(
             target=self._work, name=f"tab-{client.client_id}", daemon=True
@@ -175,6 +176,7 @@ class Session:
         """Do what there is to do: on input, in a pause, and for the playback."""
         self._view.viewpoint.fit()
         if woken:
+            self._demonstrated = self._demo.running
             self._demo.end()
             self._broken = False
             self._last_input = time.monotonic()
@@ -233,6 +235,9 @@ class Session:
                 shared = self._class.plans
         if (cue := self.panels.cue(self._scene)) is not None:
             restored |= self._follow(cue)
+        elif self.panels.left():
+            before, self._scene = self._scene, self._view.go_back(self._scene)
+            restored |= self._scene != before
         if (direction := self.panels.lecture.requested_view()) is not None:
             self._view.viewpoint.look_from(direction)
         try:
@@ -296,8 +301,11 @@ class Session:
 
     def _follow(self, cue: Cue) -> bool:
         """Show what a lesson or a figure sets; whether there is another scene to plan."""
+        if not self._demonstrated:
+            self.panels.history.note(self._scene)
+        own = replace(self._state(), scene=self.panels.history.noted)
         before, self._scene = self._scene, cue.scene
-        self._view.follow(cue)
+        self._view.follow(cue, own)
         return cue.scene != before
 
     def _state(self) -> TabState:

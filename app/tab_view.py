@@ -35,6 +35,8 @@ _FACED = 40
 _SWITCHABLE: tuple[type[Switchable], ...] = (*LAYERS, ObstacleGizmos, *SLOW_LAYERS)
 SWITCHES = tuple(switch for part in _SWITCHABLE for switch in part.switches)
 """Entries of the legend."""
+SHOWN = frozenset(switch.name for switch in SWITCHES if switch.on)
+"""Entries that are on in a new tab."""
 _DETAILS = (*DETAILS, StageHeaders)
 
 
@@ -61,6 +63,7 @@ class TabView:
         self._client = client
         self.viewpoint = Viewpoint(client.camera, scene)
         self._to_face = True
+        self._before: TabState | None = None
         self.panels = AllPanels(client, name, scene, SWITCHES, wake, dark, library)
         layers: list[Drawable] = [layer(self.panels.layout) for layer in LAYERS]
         slow_layers: list[Drawable] = [layer(self.panels.layout) for layer in SLOW_LAYERS]
@@ -138,8 +141,14 @@ class TabView:
         self.playback.restore(state.time, state.playing)
         self.panels.history.begin(state.scene)
 
-    def follow(self, cue: Cue) -> None:
-        """Show what a lesson or a figure sets."""
+    def follow(self, cue: Cue, before: TabState) -> None:
+        """Show what a lesson or a figure sets.
+
+        Args:
+            cue: what it sets.
+            before: what is shown now, to which :meth:`go_back` leads unless an earlier one waits.
+        """
+        self._before = self._before or before
         self.panels.follow(cue)
         setting = cue.setting
         if setting.scene is not None:
@@ -151,6 +160,20 @@ class TabView:
                 self.viewpoint.restore(view)
         if setting.time is not None or setting.play is not None:
             self.playback.restore(setting.time or 0.0, bool(setting.play))
+
+    def go_back(self, scene: Scene) -> Scene:
+        """Show what was shown before a lesson or a figure; the scene to plan.
+
+        After a reload nobody knows what that was: then ``scene``, with the layers of a new tab.
+        """
+        before, self._before = self._before, None
+        state = before or replace(self.state(scene, 0.0), shown=SHOWN, view=None, theatre="")
+        self.panels.go_back(state)
+        self.look_at(state.scene, state.view is None)
+        if state.view is not None:
+            self.viewpoint.restore(state.view)
+        self.playback.restore(state.time, state.playing)
+        return state.scene
 
     def state(self, scene: Scene, time: float) -> TabState:
         """State that the page is to remember; while the arm moves, not where it is."""

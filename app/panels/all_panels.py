@@ -144,6 +144,18 @@ class AllPanels:
         if cue.setting.search is not None:
             self.theatre.set(**cue.setting.search.model_dump(exclude_none=True))
 
+    def left(self) -> bool:
+        """Whether a lesson or the figures were left since the last call."""
+        lessons, figures = self.lessons.left(), self.figures.left()
+        return lessons or figures
+
+    def go_back(self, state: TabState) -> None:
+        """Show the scene, layers and search that a lesson or a figure replaced."""
+        self.figures.close()
+        self.layer_switches.restore(state.shown, None)
+        self.theatre.restore(state.theatre)
+        self._write(state.scene)
+
     def restore(self, state: TabState) -> None:
         """Show what a tab showed before."""
         self.files.restore(state.name, state.scene)

@@ -27,6 +27,7 @@ class FiguresPanel:
     def __init__(self, gui: viser.GuiApi, wake: Wake) -> None:
         self._wake = wake
         self._pressed: int | None = None
+        self._left = False
         with gui.add_folder("The paper's figures", expand_by_default=False):
             numbers = [str(number) for number in range(1, len(figures()) + 1)]
             self.buttons = (
@@ -34,6 +35,12 @@ class FiguresPanel:
                 gui.add_button_group(" ", numbers[5:]),
             )
             self._caption = gui.add_html("", visible=False)
+            self.back = gui.add_button(
+                "Back to my scene",
+                visible=False,
+                color="gray",
+                hint="As it was before the figures.",
+            )
             # Any, since viser declares a button's value read-only
             self.reproduce: Any = gui.add_button(
                 "The paper's numbers beside ours", hint="Computes each anew, in some seconds."
@@ -41,6 +48,7 @@ class FiguresPanel:
             self._text = gui.add_html("", visible=False)
         for group in self.buttons:
             group.on_click(self._press)
+        self.back.on_click(self._leave)
         self.reproduce.on_click(wake)
 
     @property
@@ -57,8 +65,17 @@ class FiguresPanel:
         self._caption.content = (
             f"{style.BOX}<b>Fig. {number + 1}.</b> {html.escape(figure.caption)}</div>"
         )
-        self._caption.visible = True
+        self._caption.visible = self.back.visible = True
         return Cue(figure.set, scene_of(figure.set, scene, assets.path("scenes")))
+
+    def left(self) -> bool:
+        """Whether the figures were left since the last call."""
+        left, self._left = self._left, False
+        return left
+
+    def close(self) -> None:
+        """Show no caption, since no figure is shown."""
+        self._caption.visible = self.back.visible = False
 
     def draw(self, frame: Frame) -> None:
         """Compute the table if its button was pressed; no frame changes it."""
@@ -66,6 +83,10 @@ class FiguresPanel:
             self.reproduce.value = False
             self._text.content = _table()
             self._text.visible = True
+
+    def _leave(self, event: Any) -> None:
+        self._left = True
+        self._wake(event)
 
     def _press(self, event: Any) -> None:
         if event.target.value.isdigit():

@@ -38,6 +38,7 @@ class LessonPanel:
         self._left = ""
         self._answer = -1
         self._cue: Setting | None = None
+        self._ended = False
         self._pressed: list[str] = []
         self._drawn: tuple[object, ...] = ()
         self.choice = gui.add_dropdown("lesson", (_NONE,), hint="Each takes some minutes.")
@@ -99,6 +100,11 @@ class LessonPanel:
         except SceneError as error:
             page.notify_refusal(self._client, "The lesson cannot change this", error.message)
             return None
+
+    def left(self) -> bool:
+        """Whether a lesson was finished, or left, since the last call."""
+        ended, self._ended = self._ended, False
+        return ended
 
     def draw(self, frame: Frame) -> None:
         """Show the page with the frame's numbers; go on where its task is done."""
@@ -192,7 +198,8 @@ class LessonPanel:
                     self._pass(step)
 
     def _go(self, name: str, number: int) -> None:
-        """Turn to a page."""
+        """Turn to a page; no name ends the lesson."""
+        self._ended |= bool(self._name) and not name
         self._name, self._number, self._answer = name, number, -1
         step = self._step
         self._cue = None if step is None else step.set

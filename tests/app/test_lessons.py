@@ -24,7 +24,7 @@ from app.lessons.lesson import (
 from app.lessons.measures import MEASURES, filled, text, value
 from app.panels.theatre import EDGES
 from app.session import Session
-from app.tab_view import SWITCHES
+from app.tab_view import SHOWN, SWITCHES
 from tests.app.fake_tab import FakeTab, until
 
 LESSONS = load_lessons()
@@ -208,6 +208,44 @@ def test_a_lesson_goes_on_where_it_was_left(tab: tuple[FakeTab, Session]) -> Non
     until(lambda: panel.progress == kept)
     fake.set(panel.back, True)
     until(lambda: panel._number == 0 and not panel.next.disabled)
+
+
+def test_lessons_and_figures_give_back_what_they_replaced(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    panels, lessons = session.panels, session.panels.lessons
+    until(lambda: len(lessons.choice.options) == len(LESSONS) + 1)
+    fake.set(panels.stages.spline.degree, 2)
+    fake.set(panels.layer_switches.boxes["trace"], False)
+    until(lambda: session.resting and "trace" not in session.frame.shown)
+    scene, shown = session.frame.plan.scene, session.frame.shown
+
+    def is_back() -> bool:
+        frame = session.frame
+        return frame.plan.scene == scene and frame.shown == shown and frame.theatre is None
+
+    for leave in ("figure", "lesson", "both"):
+        if leave != "lesson":
+            fake.set(panels.figures.buttons[0], "3")
+            until(lambda: session.frame.plan.scene.search.weight == "hops" and session.resting)
+        if leave != "figure":
+            fake.set(lessons.choice, lessons._titles()[2])
+            until(lambda: session.frame.theatre is not None)
+            fake.set(lessons.choice, lessons.choice.options[0])
+        else:
+            fake.set(panels.figures.back, True)
+        until(is_back)
+        assert not panels.figures.back.visible
+
+
+def test_a_lesson_left_after_a_reload_shows_the_layers_again(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    lessons = session.panels.lessons
+    until(lambda: len(lessons.choice.options) == len(LESSONS) + 1)
+    fake.set(lessons.choice, lessons._titles()[2])
+    until(lambda: session.frame.theatre is not None and "arm" not in session.frame.shown)
+    session._view._before = None
+    fake.set(lessons.choice, lessons.choice.options[0])
+    until(lambda: session.frame.theatre is None and session.frame.shown == SHOWN)
 
 
 def test_a_figure_is_one_click(tab: tuple[FakeTab, Session]) -> None:
