@@ -21,7 +21,8 @@ from abi.curves import speed_profile
 from abi.curves.curve import ArcLength, Curve
 from abi.curves.timed_profile import PathProfile
 from abi.obstacles.obstacle_set import ObstacleSet
-from abi.scene.scene import ArmSettings, Scene
+from abi.scene.scene import Scene
+from abi.scene.settings import ArmSettings
 from abi.tet_mesh.tet_mesh import TetMesh
 
 JOINT_SPEED = np.pi

@@ -24,7 +24,7 @@ from abi.arm.link_capsules import BODIES, LinkCapsule, link_capsules, steepest_b
 from abi.arm.pose_kernels import ArmNumbers, ArmTable
 from abi.arrays import FloatArray, flat, read_only
 from abi.obstacles.pose import METRES
-from abi.scene.scene import ArmSettings
+from abi.scene.settings import ArmSettings
 
 JOINTS = ("q1", "q2", "q3", "q4", "q5", "q6")
 """Names of the joints, in the order of every array of positions."""

@@ -34,7 +34,7 @@ from abi.clearance.bezier import PolynomialCurve
 from abi.clearance.separation_kernels import CERTIFIED, MOST_HALVINGS, REFUTED
 from abi.curves.curve import ArcLength
 from abi.curves.timed_profile import PathProfile, TimedProfile
-from abi.scene.scene import ArmSettings
+from abi.scene.settings import ArmSettings
 
 _MOST_TRIES = 50_000  # and 20 for each pair of capsule and obstacle
 _PARTS = 16  # of each polynomial, at whose ends q5 is known

@@ -8,7 +8,8 @@ from typing import Self
 
 import numpy as np
 
-from abi.arm.chain_kernels import POSE, ChainTable, Drift, chain_poses, follow_path
+from abi.arm.chain_kernels import POSE, ChainTable, chain_poses
+from abi.arm.follow_path_kernels import Drift, follow_path
 from abi.arrays import FloatArray, flat, read_only
 from abi.obstacles.pose import Vec3
 from abi.robot.robot import Joint, Robot, joints_to

@@ -8,7 +8,7 @@ from typing import Literal
 from abi.arm.abi_model import AbiModel
 from abi.arm.arm_model import ArmModel
 from abi.arm.urdf_model import UrdfModel
-from abi.scene.scene import ArmSettings
+from abi.scene.settings import ArmSettings
 
 Unit = Literal["m", "cm", "mm"]
 

@@ -17,7 +17,7 @@ from abi.curves.timed_profile import (
     from_squared_speeds,
     jerk_limited,
 )
-from abi.scene.scene import MotionSettings
+from abi.scene.settings import MotionSettings
 
 _GRID = 3201
 """Points along the curve at which the joints are asked."""

@@ -10,7 +10,7 @@ from abi.arm.arm import Arm
 from abi.arm.surroundings import Surroundings
 from abi.arrays import FloatArray, flat, read_only
 from abi.obstacles.pose import Vec3
-from abi.scene.scene import Elbow
+from abi.scene.settings import Elbow
 
 _SHADOW_PLACES, _MESH_PLACES, _REACH_PLACES = 20, 12, 28
 """Places of the grid along the longest side; fewer where there is a triangle mesh."""

@@ -6,7 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from abi.arm.chain_kernels import NO_DRIFT, TABLE, ChainTable, Drift, reach_point, room_of
+from abi.arm.chain_kernels import TABLE, ChainTable
+from abi.arm.follow_path_kernels import NO_DRIFT, Drift, reach_point, room_of
 from abi.arrays import BoolArray, FloatArray, IntArray
 from abi.compiled import FLOATS, IDS, NEW_FLAGS, NEW_FLOATS, compiled
 

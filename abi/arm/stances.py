@@ -10,7 +10,7 @@ import scipy
 
 from abi.arm import spread_kernels
 from abi.arm.chain import PULL
-from abi.arm.chain_kernels import Drift
+from abi.arm.follow_path_kernels import Drift
 from abi.arm.urdf_arm import REACHED, UrdfArm
 from abi.arrays import BoolArray, FloatArray, IntArray, flat, read_only
 from abi.tet_mesh.tet_mesh import TetMesh

@@ -23,7 +23,7 @@ from abi.curves.curve import ArcLength, Curve
 from abi.curves.timed_profile import PathProfile
 from abi.errors import NotFollowed, OutOfReach
 from abi.obstacles.pose import Vec3
-from abi.scene.scene import ArmSettings
+from abi.scene.settings import ArmSettings
 
 
 class Violation(NamedTuple):

@@ -22,7 +22,8 @@ from abi.arm.urdf_motion import JointCourse
 from abi.arrays import FloatArray
 from abi.curves.curve import ArcLength, Curve
 from abi.obstacles.obstacle_set import ObstacleSet
-from abi.scene.scene import ArmSettings, Scene
+from abi.scene.scene import Scene
+from abi.scene.settings import ArmSettings
 from abi.tet_mesh.tet_mesh import TetMesh
 
 _BRANCHES = 6

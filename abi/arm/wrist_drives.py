@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from abi.arrays import FloatArray
-from abi.scene.scene import ArmSettings
+from abi.scene.settings import ArmSettings
 
 
 def wrist_positions(settings: ArmSettings, time: ArrayLike) -> FloatArray:

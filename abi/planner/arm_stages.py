@@ -11,7 +11,7 @@ from abi.arm.trajectory import ArmMotion
 from abi.curves.curve import ArcLength, Curve
 from abi.curves.timed_profile import PathProfile
 from abi.obstacles.obstacle_set import ObstacleSet
-from abi.scene.scene import ArmSettings
+from abi.scene.settings import ArmSettings
 
 
 def surroundings_of(model: ArmModel, obstacles: ObstacleSet, lowest: float) -> Surroundings:

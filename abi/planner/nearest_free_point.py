@@ -8,7 +8,7 @@ import numpy as np
 
 from abi.arrays import FloatArray, read_only
 from abi.obstacles.obstacle_set import ObstacleSet
-from abi.scene.scene import Workspace
+from abi.scene.settings import Workspace
 
 _PUSHES = 12
 _ROUNDS = 60

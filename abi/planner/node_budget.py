@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from abi.scene.scene import MeshSettings, Scene
+from abi.scene.scene import Scene
+from abi.scene.settings import MeshSettings
 
 FRAME_MS = 1000 / 60
 LEAST_NODES = 5_000

@@ -30,7 +30,8 @@ from abi.planner.arm_stages import clearance_on, courses_of, motion_on, surround
 from abi.planner.exclusion_cache import ExclusionCache
 from abi.planner.plan import Plan
 from abi.planner.stage import Stage
-from abi.scene.scene import MotionSettings, Scene
+from abi.scene.scene import Scene
+from abi.scene.settings import MotionSettings
 from abi.search.graph import build as build_graph
 from abi.search.search import SEARCHES
 from abi.taut.lower_bound import lower_bound

@@ -16,7 +16,8 @@ from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner.exclusion_cache import ExclusionCache
 from abi.planner.plan import Plan
 from abi.planner.planner import SLACK, Planner
-from abi.scene.scene import FINEST_PITCH, Scene
+from abi.scene.scene import Scene
+from abi.scene.settings import FINEST_PITCH
 from abi.search.graph import Graph
 from abi.search.graph import build as build_graph
 from abi.tet_mesh.tet_mesh import TetMesh, tetrahedralise

@@ -5,222 +5,41 @@ of the visualiser read, and the only input of a plan.
 """
 
 import json
-import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import (
-    BaseModel,
-    ConfigDict,
-    Field,
-    PrivateAttr,
-    Strict,
-    ValidationError,
-    ValidationInfo,
-    field_validator,
-    model_validator,
-)
+from pydantic import Field, ValidationError, ValidationInfo, field_validator, model_validator
 
 from abi import assets
 from abi.errors import SceneError
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import Obstacles
-from abi.obstacles.pose import LARGEST, Length, Vec3
+from abi.obstacles.pose import LARGEST, Vec3
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.obstacles.triangle_mesh.surface import Surface
-from abi.robot.robot import Robot, joints_to, usual_tip
-from abi.robot.robot_files import SHIPPED, load_robot
+from abi.robot.robot_files import SHIPPED
 from abi.scene import scene_archive
 from abi.scene.field_errors import first_error
 from abi.scene.scene_changes import changed_value, without_stale_meshes
 from abi.scene.scene_file import parse, read_file, write
-
-Lattice = Literal["bcc", "kuhn", "delaunay"]
-Elbow = Literal["up", "down"]
-Algorithm = Literal["a_star", "dijkstra", "bellman_ford"]
-Count = Annotated[int, Strict()]
-Number = Annotated[float, Strict(), Field(allow_inf_nan=False, ge=-1e6, le=1e6)]
-Rate = Annotated[float, Strict(), Field(allow_inf_nan=False, ge=1e-6, le=1e6)]
-Rates = tuple[Rate, Rate, Rate]
+from abi.scene.settings import (
+    ArmSettings,
+    Count,
+    MeshSettings,
+    MotionSettings,
+    QuadraticSettings,
+    SearchSettings,
+    Settings,
+    SplineSettings,
+    Workspace,
+)
 
 MOST_OBSTACLES = 5_000
 """Obstacles that a scene may have: their first plan takes about a second."""
-FINEST_PITCH = 1e-6
-"""Smallest pitch, [unit]: the shortest side that a workspace may have."""
 
 
-class _Settings(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid", validate_default=True)
-
-
-class Workspace(_Settings):
-    """The box that is meshed, axis-aligned; corners ``min`` and ``max`` in [unit], world."""
-
-    min: Vec3 = (0.0, 0.0, 0.0)
-    max: Vec3 = (6.0, 6.0, 6.0)
-
-    @model_validator(mode="after")
-    def _has_volume(self) -> Self:
-        if any(high - low < 1e-6 for low, high in zip(self.min, self.max, strict=True)):
-            raise SceneError("workspace.max", self.max, f"every number above min {self.min}")
-        return self
-
-    @property
-    def size(self) -> Vec3:
-        """Edge lengths, [unit]."""
-        x, y, z = (high - low for low, high in zip(self.min, self.max, strict=True))
-        return (x, y, z)
-
-    def contains(self, point: Vec3) -> bool:
-        """Whether ``point`` lies in the closed box."""
-        return all(a <= p <= b for a, p, b in zip(self.min, point, self.max, strict=True))
-
-
-class MeshSettings(_Settings):
-    """Stage 1. ``pitch`` is the distance between neighbouring nodes, [unit]."""
-
-    lattice: Lattice = "bcc"
-    pitch: Annotated[Number, Field(ge=FINEST_PITCH)] = 1.2
-    seed: Annotated[Count, Field(ge=0, le=2**32 - 1)] = 0
-    max_nodes: Annotated[Count, Field(ge=8, le=20_000_000)] = 1_000_000
-
-    def cells(self, workspace: Workspace) -> tuple[int, int, int]:
-        """Cells along each axis, as nearly cubes as the box allows.
-
-        In the body-centred lattice the nearest neighbours are half a cube's diagonal apart, so
-        its cubes are 2/√3 times the pitch.
-        """
-        cube = self.pitch * (2 / math.sqrt(3) if self.lattice == "bcc" else 1.0)
-        x, y, z = (max(1, round(size / cube)) for size in workspace.size)
-        return (x, y, z)
-
-    def node_count(self, workspace: Workspace) -> int:
-        """Number of mesh nodes this pitch gives, before any memory is taken."""
-        x, y, z = self.cells(workspace)
-        return (x + 1) * (y + 1) * (z + 1) + (x * y * z if self.lattice == "bcc" else 0)
-
-    def finest_pitch(self, workspace: Workspace) -> float:
-        """Smallest pitch, to three digits, whose mesh keeps within ``max_nodes``.
-
-        The largest there is where none does.
-        """
-        low, high = FINEST_PITCH, min(max(workspace.size) * 2, LARGEST)
-        for _ in range(80):
-            middle = math.sqrt(low * high)
-            fits = self.model_copy(update={"pitch": middle}).node_count(workspace) <= self.max_nodes
-            low, high = (low, middle) if fits else (middle, high)
-        digits = 2 - math.floor(math.log10(high))
-        return float(math.ceil(high * 10**digits) / 10**digits)
-
-
-class SearchSettings(_Settings):
-    """Stage 3. All three algorithms run; ``algorithm`` chooses whose path goes on.
-
-    ``taut`` pulls that path taut before the curves are made of it (stage 3½); the paper does not.
-    """
-
-    algorithm: Algorithm = "a_star"
-    weight: Literal["length", "hops"] = "length"
-    taut: Annotated[bool, Strict()] = True
-
-
-class SplineSettings(_Settings):
-    """Stage 4. ``clearance`` is the distance to keep from every obstacle, [unit]."""
-
-    degree: Annotated[Count, Field(ge=2, le=5)] = 4
-    clearance: Annotated[Number, Field(ge=0)] = 0.2
-
-
-class QuadraticSettings(_Settings):
-    """Stage 5, the curve: nearest to the B-spline, the clear one nearest to that, or pieces."""
-
-    mode: Literal["least_squares", "clear", "pieces"] = "least_squares"
-
-
-class MotionSettings(_Settings):
-    """Stage 5, the motion: cruise speed [unit/s], acceleration and deceleration [unit/s²].
-
-    ``curve`` is the one the tool follows; ``auto`` is the quadratic when it keeps the clearance,
-    the B-spline otherwise. ``law`` is the paper's three phases, those slowed down until the joints'
-    limits hold, the fastest motion under these limits, or one of limited jerk [unit/s³].
-    ``joint_acceleration`` limits each joint, [rad/s²], sliding ones [m/s²].
-    """
-
-    speed: Rate = 4.0
-    acceleration: Rate = 6.0
-    deceleration: Rate = 6.0
-    curve: Literal["auto", "quadratic", "bspline"] = "auto"
-    law: Literal["three_phase", "slowed", "time_optimal", "jerk_limited"] = "three_phase"
-    joint_acceleration: Rate = 8.0
-    jerk: Rate = 40.0
-
-
-class ArmSettings(_Settings):
-    """Stage 6. Link lengths and base position in [unit]; ``q5`` is the initial extension, [unit].
-
-    ``model`` is the paper's ``abi``, or ``urdf``: a shipped arm's name, or a ``.urdf`` or ``.zip``
-    file. Of that, ``tip`` is the link whose origin is the tool, and ``axis`` the direction that
-    the tip's z axis is held to, None for any; what else there is but ``base`` is the paper's.
-    With ``avoid`` the plan keeps the whole arm clear, its links ``clearance`` [unit] from every
-    obstacle; ``elbow`` auto takes the branch with the shorter path.
-    ``forces``, ``masses`` and ``radii`` are the paper's Q4..Q6, m4..m6 and i4..i6: the generalised
-    forces [kg·unit²/s² for q4 and q6, kg·unit/s² for q5], masses [kg] and radii of inertia [unit].
-    """
-
-    model: Literal["abi", "urdf"] = "abi"
-    urdf: Annotated[str, Strict(), Field(min_length=1, max_length=200)] = "ur5e"
-    tip: Annotated[str, Strict(), Field(max_length=100)] | None = None
-    axis: Vec3 | None = None
-    base: Vec3 = (3.0, -3.0, 0.0)
-    a1: Length = 1.0
-    a2: Length = 2.0
-    a3: Length = 6.0
-    a4: Length = 3.0
-    a5: Length = 2.5
-    elbow: Literal["up", "down", "auto"] = "up"
-    avoid: Annotated[bool, Strict()] = True
-    clearance: Annotated[Number, Field(ge=0)] = 0.0
-    q5: Annotated[Number, Field(ge=0)] = 0.0
-    forces: Vec3 = (0.0, 0.0, 0.0)
-    masses: Rates = (1.0, 1.0, 1.0)
-    radii: Rates = (1.0, 1.0, 1.0)
-    dynamics: Literal["corrected", "as_printed"] = "corrected"
-
-    _robot: Robot | None = PrivateAttr(None)
-
-    @model_validator(mode="after")
-    def _load(self, info: ValidationInfo) -> Self:
-        if self.axis is not None and not any(self.axis):
-            raise SceneError("arm.axis", self.axis, "a direction, or none for any")
-        if self.model == "urdf":
-            meshes = (info.context or {}).get("meshes", MeshSource())
-            self._robot = load_robot(self.urdf, meshes)
-            joints_to(self._robot, self.tool)
-        return self
-
-    @property
-    def robot(self) -> Robot:
-        """The arm that ``urdf`` names, where that is the model."""
-        assert self._robot is not None
-        return self._robot
-
-    @property
-    def tool(self) -> str:
-        """Name of the link whose origin is the tool: ``tip``, or what is usual for the arm."""
-        return self.tip or SHIPPED.get(self.urdf) or usual_tip(self.robot)
-
-    @property
-    def branches(self) -> tuple[Elbow, ...]:
-        """Elbow branches that may be taken, the preferred first."""
-        return ("up", "down") if self.elbow == "auto" else (self.elbow,)
-
-    def on(self, elbow: Elbow) -> Self:
-        """The same on one branch."""
-        return self if self.elbow == elbow else self.model_copy(update={"elbow": elbow})
-
-
-class Scene(_Settings):
+class Scene(Settings):
     """Everything a plan depends on."""
 
     version: Annotated[Count, Field(ge=1, le=1)]

@@ -12,7 +12,7 @@ from abi.clearance.curve_clearance import ROUNDING
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.pose import Vec3
-from abi.scene.scene import Workspace
+from abi.scene.settings import Workspace
 from abi.taut import geodesic_kernels as kernels
 
 _ROUND_DOWN = 1 - 1e-15  # a length rounded to nearest is no bound

@@ -13,7 +13,7 @@ import numpy as np
 import scipy
 
 from abi.arrays import FloatArray, IntArray, read_only
-from abi.scene.scene import MeshSettings, Workspace
+from abi.scene.settings import MeshSettings, Workspace
 from abi.tet_mesh import adjacency, lattice
 from abi.tet_mesh.adjacency_kernels import Adjacency
 from abi.tet_mesh.lattice import Cells

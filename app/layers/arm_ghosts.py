@@ -12,7 +12,7 @@ from abi.arm.arm import Arm, place
 from abi.arm.inverse_kinematics import solve
 from abi.arrays import FloatArray
 from abi.planner.plan import Plan
-from abi.scene.scene import Elbow
+from abi.scene.settings import Elbow
 from app import style
 from app.frame import Frame, Switch
 from app.layers.lines import NO_SEGMENTS, add_line, dashes

@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 import viser
 
-from abi.scene.scene import Workspace
+from abi.scene.settings import Workspace
 from app import style
 from app.frame import Frame, Switch
 from app.layers.lines import Segments, add_line

@@ -15,7 +15,7 @@ from abi.clearance.curve_clearance import Clearance, curve_clearance
 from abi.curves import curve
 from abi.curves.bspline import BSpline, clamped
 from abi.obstacles.obstacle_set import Obstacles, ObstacleSet
-from abi.scene.scene import ArmSettings
+from abi.scene.settings import ArmSettings
 from tests.kernel_forms import compiled, plain
 from tests.random_geometry import random_obstacle
 

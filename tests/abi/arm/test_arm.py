@@ -20,7 +20,7 @@ from abi.arm.arm import JOINTS, STROKE, Arm, forward, skeleton, urdf
 from abi.arm.link_solid import LinkSolid
 from abi.arm.urdf import DENSITY, inertia
 from abi.arrays import FloatArray
-from abi.scene.scene import ArmSettings
+from abi.scene.settings import ArmSettings
 
 LENGTH = st.floats(-1.5, 1.5).map(lambda power: 10.0**power)
 COORDINATE = st.floats(-20, 20)

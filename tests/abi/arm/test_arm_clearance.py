@@ -22,7 +22,7 @@ from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import Obstacles, ObstacleSet
 from abi.obstacles.primitives import Box, Sphere
 from abi.obstacles.triangle_mesh.repair import clean
-from abi.scene.scene import ArmSettings
+from abi.scene.settings import ArmSettings
 from tests.abi import meshes
 from tests.random_geometry import random_obstacle
 

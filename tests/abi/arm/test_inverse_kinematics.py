@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from abi.arm.arm import Arm, forward
 from abi.arm.inverse_kinematics import Solution, solve
 from abi.arrays import FloatArray
-from abi.scene.scene import ArmSettings
+from abi.scene.settings import ArmSettings
 
 Elbow = Literal["up", "down"]
 ELBOWS: tuple[Elbow, Elbow] = ("up", "down")

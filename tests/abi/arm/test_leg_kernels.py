@@ -14,7 +14,7 @@ from abi.arrays import FloatArray
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.triangle_mesh.repair import clean
-from abi.scene.scene import ArmSettings
+from abi.scene.settings import ArmSettings
 from tests.abi import meshes
 from tests.random_geometry import random_obstacle
 

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from abi.arm.arm import JOINTS, Arm, forward, place, urdf
 from abi.arm.link_capsules import FOREARM, SLIDE, UPPER_ARM
 from abi.arrays import FloatArray
-from abi.scene.scene import ArmSettings
+from abi.scene.settings import ArmSettings
 
 LENGTH = st.floats(-0.7, 0.7).map(lambda power: 3 * 10.0**power)
 

@@ -12,7 +12,8 @@ from abi.arm.regions import reachable, shadow
 from abi.arm.surroundings import surroundings
 from abi.arrays import FloatArray
 from abi.obstacles.obstacle_set import ObstacleSet
-from abi.scene.scene import Elbow, Scene
+from abi.scene.scene import Scene
+from abi.scene.settings import Elbow
 
 
 def solid(triangles: FloatArray) -> trimesh.Trimesh:

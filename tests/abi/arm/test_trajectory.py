@@ -20,7 +20,7 @@ from abi.curves.curve import arc_length
 from abi.curves.speed_profile import three_phase
 from abi.errors import OutOfReach
 from abi.paper import printed
-from abi.scene.scene import ArmSettings
+from abi.scene.settings import ArmSettings
 from tests.abi.bezier import interpolated
 
 POSITIVE = st.floats(-1, 1).map(lambda power: 10.0**power)

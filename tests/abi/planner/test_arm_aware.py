@@ -15,7 +15,8 @@ from abi.errors import ArmNotClear
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner.arm_exclusion import ArmExclusionCache
 from abi.planner.diagnosis import explain
-from abi.scene.scene import Elbow, Scene
+from abi.scene.scene import Scene
+from abi.scene.settings import Elbow
 from abi.search.graph import build
 from abi.search.without_edges import without_edges
 from abi.tet_mesh.exclusion import FreeMesh

@@ -21,7 +21,7 @@ from abi.planner.plan import Plan
 from abi.planner.planner import SLACK
 from abi.planner.reason import Reason
 from abi.planner.what_if import MOST_NODES, WhatIf, rounded_down
-from abi.scene.scene import MeshSettings, Workspace
+from abi.scene.settings import MeshSettings, Workspace
 from abi.tet_mesh import tet_mesh as mesh
 from tests.abi.scene.test_scene import obstacles, points
 

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from abi.obstacles.obstacle_set import Obstacle, ObstacleSet
 from abi.planner.exclusion_cache import ExclusionCache
-from abi.scene.scene import MeshSettings, Workspace
+from abi.scene.settings import MeshSettings, Workspace
 from abi.tet_mesh.exclusion import exclude
 from abi.tet_mesh.tet_mesh import tetrahedralise
 from tests.random_geometry import random_obstacle

@@ -12,8 +12,9 @@ import numpy as np
 import pytest
 
 from abi import compiling
-from abi.arm.chain_kernels import chain_poses, follow_path
+from abi.arm.chain_kernels import chain_poses
 from abi.arm.chain_mask_kernels import touching_stances
+from abi.arm.follow_path_kernels import follow_path
 from abi.arm.joint_rates import joint_rates
 from abi.arm.separate_chain_kernels import separate_chain
 from abi.arm.spread_kernels import spread

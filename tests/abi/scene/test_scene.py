@@ -13,8 +13,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from abi.errors import SceneError
-from abi.scene.scene import MeshSettings, Scene, Workspace, load_scene, scene_names
+from abi.scene.scene import Scene, load_scene, scene_names
 from abi.scene.scene_file import dump, parse_bytes
+from abi.scene.settings import MeshSettings, Workspace
 
 BOX = {"shape": "box", "size": [1, 1, 1]}
 

@@ -14,7 +14,7 @@ from abi.errors import PointBlocked, StageError
 from abi.obstacles.obstacle_set import NO_OBSTACLES, Obstacles, ObstacleSet
 from abi.obstacles.pose import Vec3
 from abi.obstacles.primitives import Box, Sphere
-from abi.scene.scene import MeshSettings, Workspace
+from abi.scene.settings import MeshSettings, Workspace
 from abi.search.graph import Graph, build
 from abi.tet_mesh.exclusion import FreeMesh, exclude
 from abi.tet_mesh.tet_mesh import tetrahedralise

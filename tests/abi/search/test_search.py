@@ -15,7 +15,7 @@ from abi.arrays import FloatArray, read_only
 from abi.errors import NoPath
 from abi.obstacles.obstacle_set import NO_OBSTACLES
 from abi.obstacles.primitives import Box
-from abi.scene.scene import MeshSettings, Workspace
+from abi.scene.settings import MeshSettings, Workspace
 from abi.search import bellman_ford_kernels, best_first_kernels, heuristic
 from abi.search.graph import Graph, build
 from abi.search.heuristic import Weight

@@ -16,7 +16,8 @@ from abi.obstacles.packing import pack
 from abi.obstacles.primitives import Box, Capsule, Cylinder, Primitive, Sphere
 from abi.obstacles.triangle_mesh.repair import clean
 from abi.planner.planner import Planner
-from abi.scene.scene import Scene, Workspace
+from abi.scene.scene import Scene
+from abi.scene.settings import Workspace
 from abi.taut.free_space_kernels import FreeSpace
 from abi.taut.geodesic_kernels import solid_bounds
 from abi.taut.lower_bound import Bound, lower_bound

@@ -15,7 +15,7 @@ from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.primitives import Box, Capsule, Cylinder, Sphere
 from abi.obstacles.triangle_mesh.repair import clean
-from abi.scene.scene import MeshSettings, Workspace
+from abi.scene.settings import MeshSettings, Workspace
 from abi.search import graph
 from abi.search.graph import Graph
 from abi.search.heuristic import Weight

@@ -14,7 +14,7 @@ from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.pose import rotation
 from abi.obstacles.triangle_mesh.repair import clean
 from abi.obstacles.triangle_mesh.surface import Surface
-from abi.scene.scene import MeshSettings, Workspace
+from abi.scene.settings import MeshSettings, Workspace
 from abi.search import graph
 from abi.tet_mesh import tet_mesh
 from abi.tet_mesh.exclusion import exclude

@@ -11,7 +11,7 @@ from scipy.spatial import cKDTree
 
 from abi.obstacles.obstacle_set import NO_OBSTACLES, ObstacleSet
 from abi.obstacles.primitives import Sphere
-from abi.scene.scene import MeshSettings, Workspace
+from abi.scene.settings import MeshSettings, Workspace
 from abi.tet_mesh.exclusion import exclude, within
 from abi.tet_mesh.tet_mesh import TetMesh, edges_of, tetrahedralise, volumes
 from tests.random_geometry import random_obstacles
