@@ -19,7 +19,6 @@ from abi.arm.any_arm import AnyArm
 from abi.arm.arm_certificate import ArmRefutation
 from abi.arm.arm_clearance import ArmClearance, named
 from abi.arm.arm_model import ArmModel, Sight
-from abi.arm.liquid import largest_tilt
 from abi.arm.motion_law import motion_law
 from abi.arm.surroundings import Surroundings
 from abi.arm.trajectory import ArmMotion
@@ -228,7 +227,7 @@ def _motion(task: ArmTask, sight: Sight, curve: Curve, arc: ArcLength) -> dict[s
     found = {"profile": profile, "motion": motion, "arm_clearance": clearance}
     if not is_clear(found):
         raise _not_clear(task, sight, "curve")
-    return found | {"liquid_tilt": largest_tilt(curve, arc, profile, scene.unit)}
+    return found
 
 
 def _not_clear(

@@ -187,7 +187,7 @@ def _tried(planner: Planner, scene: Scene, cell: BaseTrial) -> BaseTrial | str:
     if plan.error is not None and plan.error.stage != "arm":
         return plan.error.message
     fault, rank = _fault(plan)
-    arc = {"bspline": plan.bspline_arc, "quadratic": plan.quadratic_arc}.get(plan.followed or "")
+    arc = plan.followed_arc
     if fault or arc is None or plan.arm_clearance is None:
         return replace(cell, fault=fault, rank=rank)
     return replace(cell, length=arc.length, clearance=plan.arm_clearance.distance)

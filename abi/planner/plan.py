@@ -13,6 +13,7 @@ import numpy as np
 from abi.arm.any_arm import AnyArm
 from abi.arm.arm_clearance import ArmClearance
 from abi.arm.joint_rates import JointRates, joint_rates
+from abi.arm.liquid import largest_tilt
 from abi.arm.trajectory import ArmMotion
 from abi.curves.bspline import BSpline
 from abi.curves.curve import ArcLength
@@ -34,9 +35,9 @@ from abi.tet_mesh.tet_mesh import TetMesh
 class Plan:
     """Results of the stages for a scene; a stage that was not reached is None.
 
-    ``liquid_tilt`` is the largest tilt of a liquid that is carried along, [rad]. ``tool_only`` is
-    the curve of the tool alone where the one followed keeps the whole arm clear instead. ``ms``
-    holds the time of each stage when it last ran, [ms]; ``total_ms`` is that of this call.
+    ``tool_only`` is the curve of the tool alone where the one followed keeps the whole arm clear
+    instead. ``ms`` holds the time of each stage when it last ran, [ms]; ``total_ms`` is that of
+    this call.
     """
 
     scene: Scene
@@ -54,7 +55,6 @@ class Plan:
     quadratic_arc: ArcLength | None = None
     followed: str | None = None
     profile: PathProfile | None = None
-    liquid_tilt: float | None = None
     arm: AnyArm | None = None
     motion: ArmMotion | None = None
     arm_clearance: ArmClearance | None = None
@@ -67,6 +67,20 @@ class Plan:
     def followed_curve(self) -> Fit[BSpline] | Fit[Quadratic] | None:
         """The curve that the arm executes."""
         return {"bspline": self.bspline, "quadratic": self.quadratic}.get(self.followed or "")
+
+    @property
+    def followed_arc(self) -> ArcLength | None:
+        """Arc length of the curve that the arm executes."""
+        arcs = {"bspline": self.bspline_arc, "quadratic": self.quadratic_arc}
+        return arcs.get(self.followed or "")
+
+    @cached_property
+    def liquid_tilt(self) -> float | None:
+        """Largest tilt of a liquid that is carried along, [rad]; None without a motion."""
+        fit, arc = self.followed_curve, self.followed_arc
+        if fit is None or arc is None or self.profile is None:
+            return None
+        return largest_tilt(fit.curve, arc, self.profile, self.scene.unit)
 
     @cached_property
     def joint_rates(self) -> JointRates | None:

@@ -13,7 +13,6 @@ from typing import Any
 
 from abi import compiling
 from abi.arm.arm_model import Course
-from abi.arm.liquid import largest_tilt
 from abi.arm.models import model_of
 from abi.arm.motion_law import motion_law
 from abi.arm.surroundings import Surroundings
@@ -83,7 +82,6 @@ class Planner:
         self._quadratic_arc = Stage(arc_length)
         self._profile = Stage(speed_profile.three_phase)
         self._law = Stage(motion_law)
-        self._tilt = Stage(largest_tilt)
         self._arm = Stage(model_of)
         self._surroundings = Stage(surroundings_of)
         self._courses = Stage(courses_of)
@@ -214,8 +212,6 @@ class Planner:
             found = {"profile": profile, "motion": motion, "arm_clearance": clear}
             if k == 0 or is_clear(found):
                 results.update(found)
-        curve, arc = courses[0].curve, courses[0].arc
-        results["liquid_tilt"] = self._tilt(curve, arc, results["profile"], scene.unit)
 
     def _timed(self, path: Course, asked: MotionSettings) -> PathProfile:
         """Motion along a curve by the law that is asked for."""
@@ -250,7 +246,7 @@ class Planner:
             "optimum": self._optimum.ms,
             "bspline": self._bspline.ms + self._bspline_arc.ms,
             "quadratic": self._quadratic.ms + self._quadratic_arc.ms,
-            "timing": self._profile.ms + self._law.ms + self._tilt.ms,
+            "timing": self._profile.ms + self._law.ms,
             "arm": self._arm.ms
             + self._surroundings.ms
             + self._courses.ms

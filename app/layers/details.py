@@ -9,7 +9,7 @@ from app.frame import Drawable, Frame
 
 PAUSE = 0.1
 """Seconds between two drawings for each tab that waits."""
-LONGEST = 1.0
+LONGEST = 3.0
 """Seconds between two drawings at the most."""
 
 

@@ -31,8 +31,7 @@ class HeadlineLayer:
 
 def headline(plan: Plan) -> str:
     """The three numbers as HTML; empty where no curve is followed."""
-    fit, unit = plan.followed_curve, plan.scene.unit
-    arc = {"bspline": plan.bspline_arc, "quadratic": plan.quadratic_arc}.get(plan.followed or "")
+    fit, arc, unit = plan.followed_curve, plan.followed_arc, plan.scene.unit
     if fit is None or arc is None or plan.followed is None:
         return ""
     shortest = plan.straight_length if plan.optimum is None else plan.optimum.length

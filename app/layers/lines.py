@@ -32,7 +32,9 @@ def segments(points: FloatArray) -> Segments:
     """(n, 3) points of a polyline as (n-1, 2, 3) segments; one of no length when n < 2."""
     if len(points) < 2:
         return NO_SEGMENTS
-    return np.stack((points[:-1], points[1:]), axis=1).astype(np.float32)
+    pairs = np.empty((len(points) - 1, 2, 3), np.float32)
+    pairs[:, 0], pairs[:, 1] = points[:-1], points[1:]
+    return pairs
 
 
 def dashes(points: FloatArray, length: float) -> Segments:

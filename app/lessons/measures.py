@@ -46,7 +46,7 @@ def _clearance(plan: Plan, name: str) -> float | None:
 
 
 def _followed_length(plan: Plan) -> float | None:
-    arc = {"bspline": plan.bspline_arc, "quadratic": plan.quadratic_arc}.get(plan.followed or "")
+    arc = plan.followed_arc
     return None if arc is None else arc.length
 
 
