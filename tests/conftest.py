@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import os
-import tempfile
 
 import pytest
 from hypothesis import settings
 
 import abi
+from app.scratch import ScratchFolder, remove_abandoned
 
 # how long an example takes says more of the machine than of the code
 settings.register_profile("any machine", settings(), deadline=None)
@@ -26,7 +26,11 @@ def pytest_make_parametrize_id(val: object) -> str | None:
 
 def pytest_configure(config: pytest.Config) -> None:
     # what is uploaded goes into no user's cache
-    os.environ.setdefault("ABI_STORE", tempfile.mkdtemp(prefix="abi-store-"))
+    if "ABI_STORE" not in os.environ:
+        remove_abandoned()
+        folder = ScratchFolder()
+        os.environ["ABI_STORE"] = str(folder.path / "uploads")
+        config.add_cleanup(folder.close)
     # once, before the workers start, which then load what was kept
     if not config.option.collectonly:
         abi.compile()

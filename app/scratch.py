@@ -1,0 +1,89 @@
+"""Folders for as long as a process lives, also where that is killed.
+
+Each holds a file that its process has locked, and the system unlocks once the process is gone,
+however it ended. Whoever starts next removes the folders that are not locked any more.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import shutil
+import sys
+import tempfile
+from pathlib import Path
+
+PREFIX = "abi-run-"
+_LOCK = "lock"
+
+
+class ScratchFolder:
+    """A new folder among the system's temporary files.
+
+    Attributes:
+        path: of the folder.
+    """
+
+    def __init__(self) -> None:
+        self.path = Path(tempfile.mkdtemp(prefix=PREFIX))
+        # named once it is locked: what has no lock of that name yet is left alone
+        unnamed = self.path / f"new-{_LOCK}"
+        self._file = unnamed.open("wb")
+        _lock(self._file.fileno())
+        unnamed.rename(self.path / _LOCK)
+
+    def close(self) -> None:
+        """Remove it."""
+        shutil.rmtree(self.path, ignore_errors=True)
+        self._file.close()
+
+
+def are_possible() -> bool:
+    """Whether the system has such locks: all but Windows."""
+    return sys.platform != "win32"
+
+
+def remove_abandoned() -> int:
+    """Remove the folders whose process is gone; returns how many.
+
+    Those of other users, and what only has such a name, are left alone.
+    """
+    if not are_possible():
+        return 0
+    removed = 0
+    for folder in Path(tempfile.gettempdir()).glob(f"{PREFIX}*"):
+        with contextlib.suppress(OSError):
+            if _is_abandoned(folder):
+                shutil.rmtree(folder)
+                removed += 1
+    return removed
+
+
+def _is_abandoned(folder: Path) -> bool:
+    """Whether nobody has its lock.
+
+    Raises:
+        OSError: there is no such lock, or it is not ours to open.
+    """
+    if folder.is_symlink() or folder.stat().st_uid != os.getuid():
+        return False
+    number = os.open(folder / _LOCK, os.O_RDWR | os.O_NOFOLLOW)
+    try:
+        _lock(number)
+    except BlockingIOError:
+        return False
+    finally:
+        os.close(number)
+    return True
+
+
+def _lock(number: int) -> None:
+    """Lock an open file until it is closed.
+
+    Raises:
+        BlockingIOError: another process has.
+    """
+    if sys.platform != "win32":
+        import fcntl
+
+        fcntl.flock(number, fcntl.LOCK_EX | fcntl.LOCK_NB)
