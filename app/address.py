@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING
 
 import viser
 
+from app.guard.seats import Seats
+
 if TYPE_CHECKING:
     from abi.errors import AbiError
 
@@ -24,14 +26,22 @@ class Address:
     Attributes:
         host: a name or an address of this machine.
         port: 0 takes any free one.
-        shared: whether other processes listen on the same port.
-        joins: whether one of them does already.
+        seats: those of all processes that listen on the same port; None where this one is alone.
     """
 
     host: str = "127.0.0.1"
     port: int = 8080
-    shared: bool = False
-    joins: bool = False
+    seats: Seats | None = None
+
+    @property
+    def shared(self) -> bool:
+        """Whether other processes listen on the same port."""
+        return self.seats is not None
+
+    @property
+    def joins(self) -> bool:
+        """Whether one of them does already."""
+        return self.seats is not None and self.seats.own > 0
 
 
 def usable_address(host: str, port: int, shared: bool = False) -> str:

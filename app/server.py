@@ -64,12 +64,13 @@ class Server:
         self.sessions: dict[int, Session] = {}
         self.classroom: Classroom | None = None
         host, port, joins = address.host, address.port, address.joins
-        self.guard = Guard(policy or policy_for(host))
+        self.guard = Guard(policy or policy_for(host), address.seats)
         usable = usable_address(host, port, joins)
         self.viser = guarded_server.build(
-            self.guard, usable, port, "ABI visualiser", address.shared or joins
+            self.guard, usable, port, "ABI visualiser", address.shared
         )
         ensure_port(self.viser, port)
+        self.guard.note_tabs()
         page.disable_sharing(self.viser)
         self.viser.gui.configure_theme(
             dark_mode=bool(look.dark), show_logo=False, show_share_button=False

@@ -177,8 +177,7 @@ def main() -> None:
     parser.add_argument("--minutes", type=float, default=10.0)
     parser.add_argument("--workers", type=int, default=1)
     options, arguments = parser.parse_known_args()
-    # which process a tab comes to is left to chance
-    room = str(options.workers * (options.tabs + 2))
+    room = str(options.tabs + 2)
     with serving("--workers", str(options.workers), "--max-tabs", room, *arguments) as server:
         result = asyncio.run(_measure(server, options.tabs, 60 * options.minutes))
     print(json.dumps({"workers": options.workers, **result}), flush=True)

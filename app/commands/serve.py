@@ -17,7 +17,8 @@ from app.classroom import Classroom
 from app.guard.policy import MAX_TABS, Policy, policy_for
 from app.logs import LEVELS, configure
 from app.look import Look
-from app.workers import Workers, are_possible, end_with_starter
+from app.scratch import remove_abandoned
+from app.workers import Workers, are_possible, end_with_starter, seat
 
 _PERIOD = 1.0
 """Seconds after which a signal is heard that the system gave to another thread."""
@@ -76,7 +77,7 @@ _PERIOD = 1.0
     type=click.IntRange(1, 64),
     help="Processes that share the tabs, one a core (Linux).",
 )
-@click.option("--joins", is_flag=True, hidden=True)
+@click.option("--joins", type=click.IntRange(1, 63), hidden=True)
 def serve(
     scene: str,
     host: str,
@@ -89,7 +90,7 @@ def serve(
     classroom: bool,
     log_level: str,
     workers: int,
-    joins: bool,
+    joins: int | None,
     **visitors: Any,
 ) -> None:
     """Start the visualiser on SCENE (a shipped scene's name or a file) and print its URL.
@@ -102,19 +103,23 @@ def serve(
     ended = threading.Event()
     signal.signal(signal.SIGTERM, functools.partial(_end, ended))
     configure(log_level)
-    visitors["max_tabs"] = -(-visitors["max_tabs"] // workers)
+    remove_abandoned()
     policy = _policy(host, **visitors)
     helpers = _workers(workers, classroom)
     room = Classroom() if classroom else None
     announce = functools.partial(_announce, open_tab, room)
-    address = Address(host, port, workers > 1, joins)
-    server = start(address, scene, Look(plain, dark, demo), policy, lessons, room, announce)
+    address = Address(host, port, helpers.seats if joins is None else seat(joins))
+    told = announce if helpers.seats is None else _tell_nobody
+    server = start(address, scene, Look(plain, dark, demo), policy, lessons, room, told)
     options = {"plain": plain, "dark": dark, "demo": demo, "lessons": lessons, **visitors}
     place = {"host": host, "port": server.viser.get_port(), "log_level": log_level}
     helpers.start(_arguments(scene, **place, **options), policy.token)
     try:
-        if joins:
+        if joins is not None:
             end_with_starter(ended)
+        if helpers.seats is not None:
+            helpers.wait(ended)
+            announce(server.link)
         # a signal that came to another thread is heard at the next turn
         while not ended.wait(_PERIOD):
             pass
@@ -130,6 +135,10 @@ def _end(ended: threading.Event, number: int, frame: FrameType | None) -> None:
     ended.set()
 
 
+def _tell_nobody(link: str) -> None:
+    """Announce nothing yet: not all processes listen."""
+
+
 def _workers(count: int, classroom: bool) -> Workers:
     """The other processes, not yet started."""
     if count > 1 and classroom:
@@ -140,9 +149,9 @@ def _workers(count: int, classroom: bool) -> Workers:
 
 
 def _arguments(scene: str, **options: Any) -> list[str]:
-    """Command line of another process of the same server."""
+    """What ``abi serve`` is told for another process of the same server."""
     looks = {True: ["--dark"], False: ["--light"], None: []}
-    words = ["serve", "--joins", "--no-open", *looks[options.pop("dark")]]
+    words = ["--no-open", *looks[options.pop("dark")]]
     words.append("--demo" if options.pop("demo") else "--no-demo")
     words += [f"--{name.replace('_', '-')}" for name in ("plain", "no_token") if options.pop(name)]
     options.pop("token")  # in its environment, where other users do not see it

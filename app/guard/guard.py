@@ -15,6 +15,7 @@ from app import page
 from app.guard import responses, token
 from app.guard.host_check import is_known_host, is_own_origin, single
 from app.guard.policy import Policy
+from app.guard.seats import Seats
 from app.guard.security_headers import secure, security_headers
 
 if TYPE_CHECKING:
@@ -35,12 +36,14 @@ class Guard:
         policy: the rules.
         connections: all that are open, requests for the page's files included.
         tabs: those of them that are tabs.
+        seats: tabs of all processes behind the same address; None where this one is alone.
         viser: the server, once it is built.
         ready: whether plans can be made.
     """
 
-    def __init__(self, policy: Policy) -> None:
+    def __init__(self, policy: Policy, seats: Seats | None = None) -> None:
         self.policy = policy
+        self.seats = seats
         self.connections: weakref.WeakSet[ServerConnection] = weakref.WeakSet()
         self.tabs: set[ServerConnection] = set()
         self.viser: viser.ViserServer | None = None
@@ -50,7 +53,23 @@ class Guard:
     @property
     def is_full(self) -> bool:
         """Whether another tab has to wait."""
-        return len(self.tabs) >= self.policy.max_tabs
+        elsewhere = 0 if self.seats is None else self.seats.elsewhere
+        return len(self.tabs) + elsewhere >= self.policy.max_tabs
+
+    def admit(self, tab: ServerConnection) -> None:
+        """Count a tab."""
+        self.tabs.add(tab)
+        self.note_tabs()
+
+    def dismiss(self, tab: ServerConnection) -> None:
+        """Count a tab no more."""
+        self.tabs.discard(tab)
+        self.note_tabs()
+
+    def note_tabs(self) -> None:
+        """Tell the other processes of the same address how many tabs there are here."""
+        if self.seats is not None:
+            self.seats.note(len(self.tabs))
 
     def hang_up(self) -> None:
         """Cut the connections that are no tabs', on the server's loop: they may be slow to go."""

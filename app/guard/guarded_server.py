@@ -107,11 +107,11 @@ async def _handle(guard: Guard, handler: _Handler, connection: ServerConnection)
         # others came between its request and now
         await connection.close(_TRY_AGAIN_LATER, "all places are taken")
         return
-    guard.tabs.add(connection)
+    guard.admit(connection)
     try:
         await handler(connection)
     finally:
-        guard.tabs.discard(connection)
+        guard.dismiss(connection)
 
 
 def _add_headers(

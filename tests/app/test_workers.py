@@ -11,6 +11,7 @@ import urllib.request
 
 import click
 import pytest
+from websockets.exceptions import InvalidStatus
 
 from app.commands.serve import serve
 from benchmarks.tabs import ServerProcess, process_family
@@ -56,6 +57,25 @@ def test_tabs_of_all_processes_count_together_and_end_together() -> None:
     assert not any(os.path.exists(f"/proc/{number}") for number in processes)
     with pytest.raises(urllib.error.URLError):
         urllib.request.urlopen(server.url, timeout=5)
+
+
+@needs_linux
+@pytest.mark.slow
+def test_tabs_that_come_with_the_link_find_all_places_wherever_they_land() -> None:
+    server = ServerProcess("--workers", "2", "--max-tabs", "4")
+    try:
+        tabs = [FakeTab(server.url) for _ in range(4)]
+        until(lambda: _figure(server.url, "abi_tabs") == 4)
+        with pytest.raises(InvalidStatus) as refusal:
+            FakeTab(server.url)
+        assert refusal.value.response.status_code == 503
+        tabs.pop().close()
+        until(lambda: _figure(server.url, "abi_tabs") == 3)
+        tabs.append(FakeTab(server.url))
+        for tab in tabs:
+            tab.close()
+    finally:
+        assert server.stop() == 0
 
 
 @needs_linux
