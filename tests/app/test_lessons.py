@@ -6,7 +6,8 @@ from typing import Any
 
 import pytest
 
-from abi import assets, load_scene
+from abi import assets, load_scene, plan
+from abi.paper.curve_figures import of_splines
 from abi.planner.planner import Planner
 from abi.scene.scene import Scene
 from abi.search.compare import COMPARED
@@ -30,6 +31,15 @@ from tests.app.fake_tab import FakeTab, until
 LESSONS = load_lessons()
 FOLDER = assets.path("lessons")
 NAMES = {switch.name for switch in SWITCHES}
+
+
+def test_counts_of_meshes_are_those_of_the_table_of_the_papers_numbers() -> None:
+    scene = load_scene("paper")
+    rows = of_splines(scene, plan(scene))
+    computed = {count for row in rows for count in re.findall(r"in (\d of 9) meshes", row.ours)}
+    texts = [file.read_text(encoding="utf-8") for file in FOLDER.iterdir() if file.is_file()]
+    told = {count for one in texts for count in re.findall(r"(\d of 9) (?:meshes|cases)", one)}
+    assert told == computed
 
 
 def settings_of(step: Step) -> list[Setting]:
