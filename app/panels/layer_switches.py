@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from app import page
 from app.frame import Frame, Switch
 from app.layout import Layout
@@ -31,11 +33,17 @@ class LayerSwitches:
                 hint="Grids above 4,000 nodes are shown only in part: near path and "
                 "obstacles, or as chosen here.",
             )
+            # Any, since viser declares a button's value read-only
+            self.usual: Any = gui.add_button(
+                "Usual layers", hint="Shows what a new tab shows, after a figure or a lesson, say."
+            )
             self.boxes = {
                 switch.name: gui.add_checkbox(switch.label, switch.on) for switch in switches
             }
             colours = [switch.colour for switch in switches]
             gui.add_html(page.swatch_style(zip(self.boxes.values(), colours, strict=True)))
+        self._usual = frozenset(switch.name for switch in switches if switch.on)
+        self.usual.on_click(wake)
         for box in (self.dark, *self.boxes.values()):
             box.on_update(wake)
         self.mesh_view.on_update(wake)
@@ -51,7 +59,10 @@ class LayerSwitches:
             self.dark.value = dark
 
     def shown(self) -> frozenset[str]:
-        """Names of the switches that are on."""
+        """Names of the switches that are on; the usual ones where they were asked for."""
+        if self.usual.value:
+            self.usual.value = False
+            self.restore(self._usual, None)
         return frozenset(name for name, box in self.boxes.items() if box.value)
 
     def chosen_mesh_view(self) -> str:

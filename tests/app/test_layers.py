@@ -223,3 +223,14 @@ def test_a_tab_that_has_gone_leaves_nothing_behind(server: Server) -> None:
         return sum(one() is not None for one in gone)
 
     until(lambda: left() <= 1)
+
+
+def test_the_usual_layers_come_back(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    switches, usual = session.panels.layer_switches, session.frame.shown
+    for name in usual:
+        fake.set(switches.boxes[name], False)
+    fake.set(switches.boxes["shadow"], True)
+    until(lambda: session.frame.shown == {"shadow"})
+    fake.set(switches.usual, True)
+    until(lambda: session.frame.shown == usual)
