@@ -29,6 +29,9 @@ _COLOURS: FloatArray = np.array(
     [(68, 1, 84), (59, 82, 139), (33, 145, 140), (94, 201, 98), (253, 231, 37)], float
 )
 """Viridis, early to late."""
+_HEIGHT = 9.0
+"""Of the copies over the workspace, in its sizes: so far that it is out of their picture."""
+_LEGEND = "Dark nodes were visited early, bright ones late; red ones wait."
 
 
 class RaceLayer:
@@ -67,7 +70,7 @@ class RaceLayer:
             self._draw_one(place, name, state, scene)
         unit = frame.plan.scene.unit
         lines = [report(name, state, unit) for name, state in theatre.race]
-        self._text.content = f"{style.BOX}{'<br>'.join(lines)}</div>"
+        self._text.content = f"{style.BOX}{'<br>'.join(lines)}<br>{_LEGEND}</div>"
 
     def _build(self, scene: Scene, count: int) -> None:
         """Add boxes and obstacles, and turn the camera to them."""
@@ -88,10 +91,10 @@ class RaceLayer:
                 )
                 add_body(self._scene, f"{name}/obstacle_{number}/body", obstacle)
             middle = np.add(scene.workspace.min, scene.workspace.max) / 2
-            # in steps, since long names side by side would overlap
-            height = scene.workspace.max[2] + (0.15 + 0.17 * place) * longest
-            top = (middle[0], middle[1], height)
-            self._labels.append(self._scene.add_label(f"{name}/label", "", position=top))
+            top = (middle[0], middle[1], scene.workspace.max[2] + 0.3 * longest)
+            self._labels.append(
+                self._scene.add_label(f"{name}/label", "", position=top, anchor="bottom-center")
+            )
         camera = self._client.camera
         self._view = View.of([camera.position, camera.look_at, camera.up_direction])
         centre = np.add(scene.workspace.min, scene.workspace.max) / 2
@@ -140,7 +143,7 @@ def offset(scene: Scene, place: int, count: int) -> FloatArray:
     """Where a copy is, (3,), from the workspace, [unit]."""
     longest = max(scene.workspace.size)
     across = (place - (count - 1) / 2) * _GAP * longest * _ROW
-    return np.asarray(across + np.array([0.0, 0.0, 3.2 * longest]))
+    return np.asarray(across + np.array([0.0, 0.0, _HEIGHT * longest]))
 
 
 def report(name: str, state: SearchState, unit: str) -> str:
@@ -153,14 +156,11 @@ def report(name: str, state: SearchState, unit: str) -> str:
 
 
 def _label(name: str, state: SearchState, unit: str) -> str:
-    text = f"{style.SEARCHES[name]}: {_steps(state)}"
-    if not state.done:
-        return text
-    return (
-        f"{text}, {format_length(state.trace.length)} {unit}"
-        if _found(state)
-        else f"{text}, no path"
-    )
+    """The same in short lines, since the three stand side by side."""
+    lines = [style.SEARCHES[name], _steps(state), f"{format_count(state.examined)} edges"]
+    if state.done:
+        lines.append(f"{format_length(state.trace.length)} {unit}" if _found(state) else "no path")
+    return "\n".join(lines)
 
 
 def _steps(state: SearchState) -> str:
