@@ -19,6 +19,8 @@ _ASPECT = 0.8
 _MAX_DISTANCE_FACTOR = 2.5
 _TURNING = 1.0
 """Part of a curve that is worth a quarter turn away from the usual direction."""
+_LIFT = 0.11
+"""Part of the picture's height by which a lecture's strip, below, has the scene stand higher."""
 _TOLERANCE = 1e-3
 """Part of the scene's size by which the page's camera, unmoved, may differ from ours."""
 
@@ -56,21 +58,22 @@ class Viewpoint:
         self._camera = camera
         self._distance_factor = 1.0
         self._direction: FloatArray = _DIRECTION
+        self._lifted = False
         self.show(scene)
 
     def show(self, scene: Scene) -> None:
         """Put the camera in front of ``scene``."""
         self._scene, self._direction = scene, _DIRECTION
-        look_at(self._camera, scene, self._distance_factor)
+        self._place()
 
     def face(self, curve: FloatArray) -> None:
         """Turn around the scene to where most of a curve (n, 3) is seen past the obstacles.
 
         Not where the user has moved the camera.
         """
-        position, target, size = _view(self._scene, self._distance_factor, self._direction)
-        if np.linalg.norm(self._camera.position - position) >= _TOLERANCE * size:
+        if self._is_moved():
             return
+        _, target, size = _view(self._scene, self._distance_factor, self._direction)
         obstacles = ObstacleSet((*self._scene.obstacles, _column(self._scene, size)))
         scores = []
         for direction in _directions():
@@ -79,16 +82,24 @@ class Viewpoint:
             cosine = direction @ _DIRECTION / (_DIRECTION @ _DIRECTION)
             scores.append(hidden + _TURNING * (1 - cosine))
         self._direction = _directions()[int(np.argmin(scores))]
-        look_at(self._camera, self._scene, self._distance_factor, self._direction)
+        self._place()
+
+    def lift(self, lifted: bool) -> None:
+        """Have the scene stand higher in the picture, or not, unless the user moved the camera."""
+        if lifted != self._lifted:
+            moved, self._lifted = self._is_moved(), lifted
+            if not moved:
+                self._place()
 
     def look_from(self, direction: tuple[float, float, float]) -> None:
         """Look at the whole scene from a direction, which need not be of length 1."""
         _, centre, size = _view(self._scene, 1.0)
         distance = float(np.linalg.norm(_DIRECTION)) * self._distance_factor * size
         away = np.array(direction) / np.linalg.norm(direction)
+        shift = self._shift(distance * away)
         self._camera.up_direction = np.array([0.0, 0.0, 1.0])
-        self._camera.position = centre + distance * away
-        self._camera.look_at = centre
+        self._camera.position = centre + distance * away + shift
+        self._camera.look_at = centre + shift
 
     def now(self) -> View | None:
         """The page's camera; None where it reports none."""
@@ -106,10 +117,36 @@ class Viewpoint:
         factor = min(max(_ASPECT / self._camera.aspect, 1.0), _MAX_DISTANCE_FACTOR)
         if factor == self._distance_factor:
             return
-        position, _, size = _view(self._scene, self._distance_factor, self._direction)
-        self._distance_factor = factor
-        if np.linalg.norm(self._camera.position - position) < _TOLERANCE * size:
-            look_at(self._camera, self._scene, factor, self._direction)
+        moved, self._distance_factor = self._is_moved(), factor
+        if not moved:
+            self._place()
+
+    def _place(self) -> None:
+        """Put the camera to where it is as long as the user leaves it alone."""
+        look_at(self._camera, self._scene, self._distance_factor, self._direction)
+        if self._lifted:
+            position, target = np.array(self._camera.position), np.array(self._camera.look_at)
+            shift = self._shift(position - target)
+            self._camera.position, self._camera.look_at = position + shift, target + shift
+
+    def _is_moved(self) -> bool:
+        """Whether the user has moved the camera."""
+        position, target, size = _view(self._scene, self._distance_factor, self._direction)
+        home = position + self._shift(position - target)
+        return bool(np.linalg.norm(self._camera.position - home) >= _TOLERANCE * size)
+
+    def _shift(self, away: FloatArray) -> FloatArray:
+        """From the target to what is to be in the picture's middle, (3,), [unit].
+
+        Args:
+            away: from the target to the camera (3,), [unit].
+        """
+        if not self._lifted:
+            return np.zeros(3)
+        aside = np.cross((0.0, 0.0, 1.0), away)
+        up = np.cross(away, aside)
+        height = 2 * np.linalg.norm(away) * np.tan(self._camera.fov / 2)
+        return np.asarray(-_LIFT * height * up / np.linalg.norm(up))
 
 
 def look_at(

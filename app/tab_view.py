@@ -90,6 +90,7 @@ class TabView:
         """Draw a frame at the time of the playback; the frame as it was drawn."""
         with self._client.atomic():
             frame = self._now(frame)
+            self.viewpoint.lift(frame.lecture)
             for part in self.parts[0]:
                 part.draw(frame)
         with self._client.atomic():

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from abi.arrays import FloatArray, IntArray
+from abi.search.compare import COMPARED
 from abi.search.replay import SearchState
 from app import style
 from app.numbers import format_length
@@ -83,6 +84,13 @@ def labels(state: SearchState, node: int) -> tuple[str, str, str]:
     numbers = (state.cost[node], state.to_go(one)[0], state.promise(one)[0])
     g, h, f = (format_length(float(x)) if np.isfinite(x) else "∞" for x in numbers)
     return g, h, f
+
+
+def one_way_search(name: str) -> str:
+    """The search itself where it takes one-way edges, else the nearest one that does."""
+    if COMPARED[name].one_way:
+        return name
+    return "bellman_ford_rounds" if name == "bellman_ford" else "dijkstra"
 
 
 def race_of(name: str) -> tuple[str, ...]:

@@ -80,7 +80,7 @@ class AllPanels:
             self.figures = FiguresPanel(client.gui, wake)
         self.keys = KeysPanel(client.gui, wake)
         self.tour = Tour(self.layout, wake)
-        self.lecture = Lecture(self.layout, wake)
+        self.lecture = Lecture(self.layout, self.theatre, wake)
         self._inputs = (self.stages, self.obstacles, self.ends)
         self.drawn: tuple[Drawable, ...] = (
             self.messages,
@@ -167,9 +167,12 @@ class AllPanels:
 
     def apply_switches(self, frame: Frame) -> Frame:
         """The frame as the switches have it."""
+        shown = self.lecture.shown(self.layer_switches.shown())
+        if self.lecture.shows_search:
+            shown = self.theatre.uncovered(shown)
         return replace(
             frame,
-            shown=self.lecture.shown(self.layer_switches.shown()),
+            shown=shown,
             lecture=self.lecture.on,
             mesh_view=self.layer_switches.chosen_mesh_view(),
             expanded_share=self.stages.search.expanded_share(),

@@ -8,6 +8,8 @@ from app import page
 from app.frame import Frame
 from app.layout import Layout
 from app.overlay import button
+from app.panels.search_strip import SearchStrip
+from app.panels.theatre import TheatrePanel
 from app.panels.widgets import Wake
 
 _ALWAYS = frozenset({"workspace", "obstacles"})
@@ -20,13 +22,15 @@ STAGES: tuple[tuple[str, frozenset[str]], ...] = (
     ("6 · Arm", _ALWAYS | {"bspline", "quadratic", "arm", "trace", "names"}),
 )
 """What each stage shows."""
+_SEARCH = 2
+"""Place of the search among the stages."""
 VIEWS = {
     "Whole": (0.82, -0.42, 0.38),
-    "Front": (0.0, -1.0, 0.12),
+    "Front": (0.0, 1.0, 0.12),
     "Side": (1.0, 0.0, 0.12),
     "Top": (0.0, -0.02, 1.0),
 }
-"""Directions to the camera."""
+"""Directions to the camera; the shipped arms stand behind the workspace, seen from the front."""
 
 
 class Lecture:
@@ -37,9 +41,10 @@ class Lecture:
         on: whether it is on.
     """
 
-    def __init__(self, layout: Layout, wake: Wake) -> None:
+    def __init__(self, layout: Layout, theatre: TheatrePanel, wake: Wake) -> None:
         self._layout = layout
         self._wake = wake
+        self._search = SearchStrip(layout.client.gui, theatre)
         gui = layout.client.gui
         # Any, since viser declares a button's value read-only
         self.toggle: Any = gui.add_button("Lecture", visible=False)
@@ -51,7 +56,7 @@ class Lecture:
         self.on = False
         self._switch = False
         self._stage: int | None = None
-        self._drawn: tuple[bool, int | None] = (False, None)
+        self._folded = False
         for widget in (self._back, self._forward, *self._views.values()):
             widget.on_click(wake)
         self.toggle.on_click(self._press)
@@ -70,6 +75,11 @@ class Lecture:
             self._stage = None if place == 0 else place - 1
         return switches if self._stage is None else STAGES[self._stage][1]
 
+    @property
+    def shows_search(self) -> bool:
+        """Whether the chosen stage is the search's, or none is chosen."""
+        return self._stage in (None, _SEARCH)
+
     def requested_view(self) -> tuple[float, float, float] | None:
         """Direction to the camera that was asked for since the last call."""
         for name, widget in self._views.items():
@@ -78,15 +88,15 @@ class Lecture:
         return None
 
     def draw(self, frame: Frame) -> None:
-        """Fold the panels and show the strip, or unfold them; no frame changes it."""
-        state = self.on, self._stage
-        if state == self._drawn:
-            return
-        if self.on != self._drawn[0]:
+        """Fold the panels and show the strip, or unfold them."""
+        if self.on != self._folded:
+            self._folded = self.on
             self._layout.fold(self.on)
             page.set_lecture(self._layout.client, self.on)
-        self._drawn = state
-        self._layout.overlay.show("lecture", self._strip() if self.on else "")
+        content = self._strip() if self.on else ""
+        if self.on and self.shows_search:
+            content = self._search.html(frame) + content
+        self._layout.overlay.show("lecture", content)
 
     def _strip(self) -> str:
         title = "All stages" if self._stage is None else STAGES[self._stage][0]

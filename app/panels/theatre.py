@@ -25,7 +25,7 @@ from app import page, style
 from app.frame import Frame
 from app.lessons.lesson import SearchCue
 from app.panels.widgets import Wake, clamp
-from app.theatre import Theatre, judge, node_at, race_of
+from app.theatre import Theatre, judge, node_at, one_way_search, race_of
 
 FRAME = 1 / 20
 """Seconds between two pictures while it plays."""
@@ -33,6 +33,10 @@ SPEEDS = {"2 steps a second": 2.0, "10 steps a second": 10.0, "all in 10 s": 0.0
 _ALL_IN = 10.0
 EDGES = {"none": "", "one": "negative", "one, with a cycle": "cycle"}
 _STEPS = {"to start": None, "◀ 1": -1, "1 ▶": 1}
+_COVERING = frozenset(
+    {"a_star", "dijkstra", "bellman_ford", "taut", "bspline", "control", "quadratic", "ghost"}
+) | {"names", "excluded", "arm", "trace", "tool_only", "other_elbow", "end_poses", "bases"}
+"""Layers that would cover the search, or give away what it finds."""
 
 
 class TheatrePanel:
@@ -40,7 +44,11 @@ class TheatrePanel:
 
     def __init__(self, client: viser.ClientHandle, wake: Wake) -> None:
         gui, self._client, self._wake = client.gui, client, wake
-        self.on = gui.add_checkbox("step through a search", False)
+        self.on = gui.add_checkbox(
+            "step through a search",
+            False,
+            hint="Any search, node by node. Paths, curves and arm are hidden meanwhile.",
+        )
         self.algorithm = gui.add_dropdown("algorithm", tuple(style.SEARCHES.values()))
         self.weight = gui.add_slider(
             "heuristic weight w",
@@ -87,16 +95,15 @@ class TheatrePanel:
         self.play.on_click(self._toggle)
         self.one.on_click(self._one_step)
         gui.add_command("Search: play or pause", hotkey="P").on_trigger(self._toggle)
-        gui.add_command("Search: one step", hotkey="N").on_trigger(partial(self._by, 1))
-        gui.add_command("Search: one step back", hotkey="B").on_trigger(partial(self._by, -1))
+        gui.add_command("Search: one step", hotkey="N").on_trigger(partial(self.go, 1))
+        gui.add_command("Search: one step back", hotkey="B").on_trigger(partial(self.go, -1))
         client.scene.on_click()(self._clicked)
 
     @property
     def chosen(self) -> str:
         """Name of the search in :data:`abi.search.compare.COMPARED`."""
         name = next((k for k, v in style.SEARCHES.items() if v == self.algorithm.value), "a_star")
-        # of a negative cost only those that take one-way edges
-        return name if not self._kind or COMPARED[name].one_way else "dijkstra"
+        return name if not self._kind else one_way_search(name)
 
     @property
     def kept(self) -> str:
@@ -122,6 +129,10 @@ class TheatrePanel:
         if cue.edges in (None, *EDGES):
             self.set(**cue.model_dump(exclude_none=True))
 
+    def uncovered(self, shown: frozenset[str]) -> frozenset[str]:
+        """Names of the switches that are on, without what would cover the search."""
+        return shown - _COVERING if self.on.value else shown
+
     def timeout(self) -> float | None:
         """Time until the next picture, [s]; None while it stands still."""
         return FRAME if self.playing and self.on.value else None
@@ -139,6 +150,7 @@ class TheatrePanel:
 
     def advance(self, frame: Frame) -> Theatre | None:
         """Theatre to show now; None while it is off, or while the plan changes under the hand."""
+        self._replace_search()
         self._show_widgets()
         now = time.monotonic()
         elapsed, self._advanced = now - self._advanced, now
@@ -159,6 +171,7 @@ class TheatrePanel:
         racing = tuple(map(self._trace_of, race_of(name))) if self.race.value else ()
         steps = max([trace.steps, *(other.steps for _, other in racing)])
         self._move(trace, steps, elapsed)
+        self._show_widgets()  # it may have come to its end
         self._last = self._view(name, trace, racing)
         return self._last
 
@@ -175,6 +188,17 @@ class TheatrePanel:
         self.race.visible = on
         self.weight.visible = on and self.chosen == "weighted_a_star"
         self.play.label = "Pause the search" if self.playing else "Play the search"
+
+    def _replace_search(self) -> None:
+        """Choose one that takes a negative edge, where the one chosen does not."""
+        label = style.SEARCHES[self.chosen]
+        if self.on.value and self._kind and label != self.algorithm.value:
+            page.notify_refusal(
+                self._client,
+                f"{label} instead",
+                f"{self.algorithm.value} is not made for a negative one-way edge.",
+            )
+            self.algorithm.value = label
 
     @property
     def _kind(self) -> str:
@@ -199,8 +223,8 @@ class TheatrePanel:
     def _trace_of(self, name: str) -> tuple[str, SearchTrace]:
         """A search and its trace, searched once; another where it takes no one-way edges."""
         task = self._task()
-        if self._kind and not COMPARED[name].one_way:
-            name = "bellman_ford_rounds"
+        if self._kind:
+            name = one_way_search(name)
         w = float(clamp(self.weight.value, 0.0, 2.0)) if name == "weighted_a_star" else 0.0
         key = (name, self._kind, w)
         if key not in self._traces:
@@ -297,7 +321,8 @@ class TheatrePanel:
             self._inputs.append(_STEPS[event.target.value])
         self._wake(event)
 
-    def _by(self, change: int, event: Any) -> None:
+    def go(self, change: int, event: object) -> None:
+        """Go some steps forward, or back."""
         self._inputs.append(change)
         self._wake(event)
 

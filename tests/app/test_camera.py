@@ -33,3 +33,15 @@ def test_a_camera_that_the_hand_has_moved_stays(tab: tuple[FakeTab, Session]) ->
     until(lambda: session._view.viewpoint._distance_factor > 1)
 
     np.testing.assert_allclose(session.client.camera.position, [1.0, -9.0, 2.0])
+
+
+def test_in_a_lecture_the_scene_stands_higher(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    camera, lecture = session.client.camera, session.panels.lecture
+    before, away = camera.look_at, camera.position - camera.look_at
+    fake.set(lecture.toggle, True)
+    until(lambda: lecture.on and camera.look_at[2] < before[2])
+    # moved only, not turned
+    np.testing.assert_allclose(camera.position - camera.look_at, away)
+    fake.set(lecture.toggle, True)
+    until(lambda: not lecture.on and camera.look_at == pytest.approx(before))

@@ -33,6 +33,7 @@ FOLDER = assets.path("lessons")
 NAMES = {switch.name for switch in SWITCHES}
 
 
+@pytest.mark.slow
 def test_counts_of_meshes_are_those_of_the_table_of_the_papers_numbers() -> None:
     scene = load_scene("paper")
     rows = of_splines(scene, plan(scene))

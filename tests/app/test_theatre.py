@@ -159,6 +159,50 @@ def test_a_search_follows_its_plan_and_takes_any_edge(tab: tuple[FakeTab, Sessio
         assert label in session.panels.comparison._text.content
 
 
+def test_the_search_is_seen_alone_while_it_is_stepped_through(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    panel, usual = session.panels.theatre, session.frame.shown
+    fake.set(panel.on, True)
+    until(lambda: not {"arm", "bspline", "a_star", "names"} & session.frame.shown)
+    assert {"workspace", "obstacles", "edges"} <= session.frame.shown
+    fake.set(panel.on, False)
+    until(lambda: session.frame.shown == usual)
+
+
+@pytest.mark.slow
+def test_at_its_end_a_search_can_be_played_again(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    panel = session.panels.theatre
+    fake.set(panel.on, True)
+    until(lambda: session.frame.theatre is not None)
+    steps = session.frame.theatre.state.trace.steps  # type: ignore[union-attr]
+    fake.set(panel.step, steps - 2)
+    until(lambda: session.frame.theatre.state.step == steps - 2)  # type: ignore[union-attr]
+    fake.set(panel.play, True)
+    until(lambda: session.frame.theatre.state.done)  # type: ignore[union-attr]
+    until(lambda: session.resting and panel.play.label == "Play the search")
+
+
+@pytest.mark.parametrize("name", COMPARED)
+def test_what_takes_no_negative_edge_says_what_is_shown_instead(
+    tab: tuple[FakeTab, Session], name: str
+) -> None:
+    fake, session = tab
+    panel = session.panels.theatre
+    fake.set(panel.on, True)
+    fake.set(panel.edges, "one")
+    fake.set(panel.algorithm, style.SEARCHES[name])
+    takes_it = COMPARED[name].one_way
+    until(
+        lambda: (
+            session.frame.theatre is not None
+            and session.frame.theatre.state.trace.arcs.negative is not None
+            and (session.frame.theatre.name == name) == takes_it
+            and panel.algorithm.value == style.SEARCHES[session.frame.theatre.name]
+        )
+    )
+
+
 def test_a_step_is_kept_and_comes_back(tab: tuple[FakeTab, Session]) -> None:
     fake, session = tab
     panel = session.panels.theatre

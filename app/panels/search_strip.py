@@ -1,0 +1,50 @@
+"""The search theatre's buttons and counters, for a lecture whose panels are folded."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import Any
+
+import viser
+
+from app import style
+from app.frame import Frame
+from app.numbers import format_count
+from app.overlay import button
+from app.panels.theatre import TheatrePanel
+
+
+class SearchStrip:
+    """A row of HTML whose buttons press hidden ones."""
+
+    def __init__(self, gui: viser.GuiApi, theatre: TheatrePanel) -> None:
+        self._theatre = theatre
+        # Any, since viser declares a button's value read-only
+        self._back: Any = gui.add_button("Search: back", visible=False)
+        self._forward: Any = gui.add_button("Search: forward", visible=False)
+        self._back.on_click(partial(theatre.go, -1))
+        self._forward.on_click(partial(theatre.go, 1))
+
+    def html(self, frame: Frame) -> str:
+        """The row; empty where no search is stepped through."""
+        theatre = frame.theatre
+        if theatre is None:
+            return ""
+        state = theatre.state
+        playing = "Pause" if self._theatre.playing else "Play"
+        if theatre.race:
+            steps = max(one.trace.steps for _, one in theatre.race)
+            step = max(one.step for _, one in theatre.race)
+            title = "Race"
+        else:
+            steps, step, title = state.trace.steps, state.step, style.SEARCHES[theatre.name]
+        text = f"{title}: {format_count(step)} of {format_count(steps)}"
+        if theatre.asking and not state.done:
+            text += ". Which node next?"
+        answer = f'<div class="abi-card">{theatre.answer}</div>' if theatre.answer else ""
+        return (
+            f'{answer}<div class="abi-card abi-buttons">'
+            f"{button(self._back, '◀', hint='One step of the search back (B)')}<b>{text}</b>"
+            f"{button(self._forward, '▶', hint='One step of the search (N)')}"
+            f"{button(self._theatre.play, playing, hint='Play the search (P)')}</div>"
+        )
