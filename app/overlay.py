@@ -9,7 +9,9 @@ import viser
 
 from app import page
 
-Part = Literal["message", "tools", "tour", "challenge", "lecture", "numbers", "player", "marks"]
+Part = Literal[
+    "message", "tools", "tour", "challenge", "class", "lecture", "numbers", "player", "marks"
+]
 
 
 class Overlay:

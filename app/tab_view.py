@@ -81,7 +81,8 @@ class TabView:
     def join(self, classroom: Classroom, wake: Wake, nudge: Callable[[], None]) -> ClassroomPanel:
         """Add the panel of the class that the tab joins."""
         with self.panels.layout.paper:
-            panel = ClassroomPanel(self._client, classroom, wake, nudge)
+            overlay = self.panels.layout.overlay
+            panel = ClassroomPanel(self._client, overlay, classroom, wake, nudge)
         quick, slow = self.parts
         self.parts = ((*quick, panel), slow)
         return panel

@@ -14,6 +14,7 @@ import viser
 from app import style
 from app.classroom import MAX_CHOICES, Classroom
 from app.frame import Frame
+from app.overlay import Overlay, button
 from app.panels.widgets import Wake
 from app.shared_plans import SharedPlans
 from app.tab_state import StateEncoder, TabState
@@ -22,17 +23,23 @@ _PERIOD = 0.3
 """Seconds between two views sent while the others follow."""
 
 
+_FIRST = -1.0
+"""Place in the tab: before all that is there."""
+
+
 class ClassroomPanel:
     """Widgets of one tab; which are seen depends on whether it is the teacher's."""
 
     def __init__(
         self,
         client: viser.ClientHandle,
+        overlay: Overlay,
         classroom: Classroom,
         wake: Wake,
         nudge: Callable[[], None],
     ) -> None:
         gui, self._classroom, self._tab = client.gui, classroom, client.client_id
+        self._overlay = overlay
         self._wake = wake
         self.teaches = False
         self._seen = 0
@@ -40,7 +47,8 @@ class ClassroomPanel:
         self._chosen: list[int] = []
         self._published, self._published_at = "", 0.0
         self._encoder = StateEncoder()
-        self._folder = gui.add_folder("Class")
+        # above the lessons, whose text is long
+        self._folder = gui.add_folder("Class", order=_FIRST)
         with self._folder:
             self.follow = gui.add_checkbox("follow the teacher", True)
             self.lead = gui.add_checkbox(
@@ -60,10 +68,10 @@ class ClassroomPanel:
             ]
         for widget in (self.follow, self.lead):
             widget.on_update(wake)
-        for button in (self.send, self.ask):
-            button.on_click(wake)
-        for number, button in enumerate(self.answers):
-            button.on_click(partial(self._answer, number))
+        for pressed in (self.send, self.ask):
+            pressed.on_click(wake)
+        for number, choice in enumerate(self.answers):
+            choice.on_click(partial(self._answer, number))
         classroom.join(self._tab, nudge)
 
     def close(self) -> None:
@@ -122,7 +130,8 @@ class ClassroomPanel:
             self._classroom.answer(self._tab, poll.number, self._chosen.pop(0))
             counts = self._classroom.counts()
         own = self._classroom.answer_of(self._tab)
-        state = (poll, counts if self.teaches else (), own, self._classroom.tabs, self.teaches)
+        told = counts if self.teaches else ()
+        state = (poll, told, own, self._classroom.tabs, self.teaches, frame.lecture)
         if state == self._drawn:
             return
         self._drawn = state
@@ -133,11 +142,23 @@ class ClassroomPanel:
         if self.teaches:
             text += bars(poll.choices, counts, self._classroom.tabs - 1)
         self._text.content = text
-        for number, button in enumerate(self.answers):
-            button.visible = not self.teaches and number < len(poll.choices)
-            if button.visible:
+        for number, widget in enumerate(self.answers):
+            widget.visible = not self.teaches and number < len(poll.choices)
+            if widget.visible:
                 mark = "✓ " if number == own else ""
-                button.label = f"{mark}{poll.choices[number]}"
+                widget.label = f"{mark}{poll.choices[number]}"
+        # a student sees it in whichever tab, the hall in a lecture, whose panels are folded
+        open_ = frame.lecture if self.teaches else own < 0
+        self._overlay.show("class", self._card(poll.choices, text) if open_ else "")
+
+    def _card(self, choices: tuple[str, ...], text: str) -> str:
+        """The question over the scene, as HTML, with the answers to press or their bars."""
+        pressed = ""
+        if not self.teaches:
+            pairs = zip(self.answers, choices, strict=False)
+            pressed = "".join(button(widget, choice) for widget, choice in pairs)
+            pressed = f'<div class="abi-buttons">{pressed}</div>'
+        return f'<div class="abi-card abi-tour">{text}{pressed}</div>'
 
     def _answer(self, number: int, event: Any) -> None:
         self._chosen.append(number)

@@ -67,7 +67,7 @@ window.abi = {
     root.id = "abi-overlay";
     root.innerHTML = `<div class="abi-top"><div data-part="message"></div>
       <div data-part="tools"></div><div data-part="tour"></div>
-      <div data-part="challenge"></div></div>
+      <div data-part="challenge"></div><div data-part="class"></div></div>
       <div class="abi-bottom"><div data-part="lecture"></div>
       <div data-part="numbers"></div><div data-part="player"></div>
       <div data-part="marks"></div></div>`;
@@ -325,7 +325,8 @@ document.head.insertAdjacentHTML("beforeend", `<style id="abi-style">
 #abi-overlay .abi-player { display: flex; flex-wrap: wrap; align-items: center; gap: 4px 8px; }
 #abi-overlay .abi-track { flex: 1 1 90px; min-width: 0; padding: 6px 0; }
 #abi-overlay .abi-track input { display: block; width: 100%; margin: 0; accent-color: #1f84d6; }
-#abi-overlay [data-part=tour], #abi-overlay [data-part=tour]:empty { flex: 1 0 100%; }
+#abi-overlay [data-part=tour], #abi-overlay [data-part=tour]:empty, #abi-overlay [data-part=class] { flex: 1 0 100%; }
+#abi-overlay [data-part=class] * { font-size: inherit !important; }
 #abi-overlay.abi-lecture { font-size: 20px; }
 #abi-overlay.abi-lecture .abi-numbers b { font-size: clamp(26px, 4.4cqw, 60px); }
 #abi-overlay.abi-lecture .abi-numbers span { font-size: clamp(16px, 2.2cqw, 26px); }

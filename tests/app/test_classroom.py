@@ -39,6 +39,10 @@ def panel(session: Session) -> ClassroomPanel:
     return session._class
 
 
+def over_scene(session: Session) -> str:
+    return session.panels.layout.overlay.shown.get("class", "")
+
+
 @pytest.mark.slow
 def test_a_class_follows_works_alone_and_answers(room: tuple[Server, Classroom]) -> None:
     server, classroom = room
@@ -67,13 +71,19 @@ def test_a_class_follows_works_alone_and_answers(room: tuple[Server, Classroom])
     teacher.set(panel(taught).ask, True)
     for _, session in students:
         until(lambda session=session: panel(session).answers[1].visible)  # type: ignore[misc]
+        # over the scene, too, where it is seen from every tab of the panel
+        until(lambda session=session: "Which &lt;b&gt;?" in over_scene(session))  # type: ignore[misc]
+    assert not over_scene(taught)
     for (fake, session), choice in zip(students, (0, 1, 1), strict=True):
         fake.set(panel(session).answers[choice], True)
+        until(lambda session=session: not over_scene(session))  # type: ignore[misc]
     until(lambda: classroom.counts() == (1, 2))
     students[0][0].set(panel(students[0][1]).answers[1], True)
     until(lambda: classroom.counts() == (0, 3))
     until(lambda: "3 of 3 have answered" in panel(taught)._text.content)
     assert "<b>?" not in panel(taught)._text.content
+    teacher.set(taught.panels.lecture.toggle, True)
+    until(lambda: "3 of 3 have answered" in over_scene(taught))
 
     for fake, _ in (*students, (teacher, taught)):
         fake.close()
