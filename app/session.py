@@ -47,8 +47,10 @@ REST = 0.3
 """Seconds without input that make a pause: time to plan in full, and to diagnose."""
 IDLE = 1.0
 """Seconds after which an idle tab looks whether the hand has moved its camera."""
-NARROW = 600
-"""Width of a page, [px], below which the panels would hide the scene: they begin folded."""
+PHONE = 600
+"""Width of a page, [px], below which viser makes the panels one sheet over the scene."""
+NARROW = 1000
+"""Width of a page, [px], below which both panels would leave the scene little room."""
 LIGHTS_DELAY = 1.5
 """Seconds in which even weak graphics have drawn the first plan."""
 
@@ -281,8 +283,10 @@ class Session:
         """Bring back what the page or a link remembers; False where that is nothing."""
         if self._look.dark is None:
             self.panels.layer_switches.restore(None, report.dark)
-        if report.width < NARROW:
+        if report.width < PHONE:
             page.fold_sheet(self.client, TITLE)
+        elif report.width < NARROW:
+            self.panels.fold()
         self.panels.lessons.recall(report.lessons)
         if not report.state:
             self._demo.wanted = self._look.demo and report.query.get("demo") != "0"

@@ -39,6 +39,7 @@ class Lecture:
     Attributes:
         toggle: button of the toolbar that begins and ends it; hidden itself.
         on: whether it is on.
+        narrow: whether panels stay folded at its end, since both would leave the scene no room.
     """
 
     def __init__(self, layout: Layout, theatre: TheatrePanel, wake: Wake) -> None:
@@ -53,7 +54,7 @@ class Lecture:
         self._views: dict[str, Any] = {
             name: gui.add_button(f"View: {name}", visible=False) for name in VIEWS
         }
-        self.on = False
+        self.on = self.narrow = False
         self._switch = False
         self._stage: int | None = None
         self._folded = False
@@ -91,7 +92,7 @@ class Lecture:
         """Fold the panels and show the strip, or unfold them."""
         if self.on != self._folded:
             self._folded = self.on
-            self._layout.fold(self.on)
+            self._layout.fold(self.on or self.narrow)
             page.set_lecture(self._layout.client, self.on)
         content = self._strip() if self.on else ""
         if self.on and self.shows_search:

@@ -358,6 +358,13 @@ document.head.insertAdjacentHTML("beforeend", `<style id="abi-style">
   .mantine-ScrollArea-content div:has(> .mantine-Flex-root) { padding-bottom: 3.4px !important; }
 }
 @media (max-width: 600px) { #abi-overlay .abi-bottom { padding-bottom: 56px; } }
+/* viser's scroll bar lies over what it scrolls, and its notices over the sentence and the buttons */
+@media (min-width: 601px) {  /* the phone's sheet is of a fixed width */
+  .mantine-ScrollArea-root:has(> .mantine-ScrollArea-scrollbar[data-orientation=vertical][data-state=visible])
+    > .mantine-ScrollArea-viewport { padding-inline-end: 9px; }
+}
+.mantine-ScrollArea-scrollbar[data-orientation=vertical] { width: 9px !important; padding: 1px; }
+.mantine-Notifications-root { top: 92px !important; }
 .abi-now {
   position: absolute; top: 0; bottom: 0; left: 0; width: 1px; background: #868e96;
   pointer-events: none;

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import pytest
+from playwright.sync_api import Browser
 
+from app.server import Server
 from app.session import Session
 from tests.browser.page import Page
 from tests.browser.texts import overlapping, texts
@@ -15,6 +17,7 @@ _FONTS = {
 _TABS = ("Search", "Plots", "Scene", "Layers", "Learn", "Result")
 # the first is also what is left of 1920x1080 at a zoom of 200 %
 _SIZES = ((960, 540), (1280, 720), (1440, 900), (1920, 1080), (390, 844))
+_SCENE_WIDTH = "window.__viserMutable.canvas.getBoundingClientRect().width"
 _READABLE = 4.5
 """Contrast of text with its ground (WCAG 2.1, 1.4.3)."""
 
@@ -34,6 +37,13 @@ _WIDTHS = """() => [...document.querySelectorAll(".mantine-ScrollArea-viewport, 
 # Height of the content and of the frame of each panel that is open.
 _HEIGHTS = """() => [...document.querySelectorAll(".mantine-ScrollArea-viewport")]
   .filter(part => part.clientWidth > 0).map(part => [part.scrollHeight, part.clientHeight])"""
+
+# For each panel that scrolls: how far its content reaches, and where its bar begins, [px].
+_BARS = """() => [...document.querySelectorAll(
+  ".mantine-ScrollArea-scrollbar[data-orientation=vertical][data-state=visible]")]
+  .filter(bar => bar.clientWidth > 0)
+  .map(bar => [bar.parentElement.querySelector(".mantine-ScrollArea-content")
+    .getBoundingClientRect().right, bar.getBoundingClientRect().left])"""
 
 # Boxes of what is written over the scene, and of the scene: left, top, right, bottom, [px].
 _OVERLAY = """() => {
@@ -128,6 +138,31 @@ def test_no_panel_scrolls_on_a_small_laptop(page: Page, session: Session) -> Non
         page.click("Result")
         page.settle()
         page.until(lambda: _fits(page), f"the panels of {name} not to scroll")
+
+
+def test_no_scroll_bar_lies_over_what_it_scrolls(page: Page) -> None:
+    page.click("Learn")
+    page.settle()
+    page.until(lambda: not _fits(page), "the text to need a bar")
+    bars = page.tab.evaluate(_BARS)
+    assert bars
+    assert all(content <= bar for content, bar in bars), bars
+    page.click("Result")
+
+
+def test_a_narrow_page_begins_with_folded_panels(chromium: Browser, server: Server) -> None:
+    page = Page(chromium, server.url, 780, 700)
+    try:
+        page.until(lambda: page.tab.evaluate(_SCENE_WIDTH) > 0.85 * 780, "the panels to fold")
+        page.click("Lecture")
+        page.click("End lecture")
+        page.settle()
+        assert page.tab.evaluate(_SCENE_WIDTH) > 0.85 * 780
+        page.tab.get_by_text("Learn", exact=True).click()
+        page.until(lambda: page.tab.evaluate(_SCENE_WIDTH) < 0.6 * 780, "one panel to open")
+        assert not page.errors
+    finally:
+        page.close()
 
 
 def test_the_name_of_every_layer_is_on_one_line(page: Page) -> None:
