@@ -84,5 +84,6 @@ def compare(task: SearchTask) -> tuple[Comparison, ...]:
             begin = time.perf_counter()
             trace = search.find(task)
             ms = 1e3 * (time.perf_counter() - begin)
-            found.append(Comparison(name, task.weight, trace, ms))
+            weight = "length" if search.any_angle else task.weight
+            found.append(Comparison(name, weight, trace, ms))
     return tuple(found)

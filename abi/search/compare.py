@@ -30,11 +30,13 @@ class ComparedSearch:
         find: the search.
         exact: whether its path is always the cheapest of the graph.
         one_way: whether it takes arcs that lead one way only, such as one of a negative cost.
+        any_angle: whether its path may leave the edges; then it is the length that it makes small.
     """
 
     find: Callable[[SearchTask], SearchTrace]
     exact: bool
     one_way: bool
+    any_angle: bool = False
 
 
 def _best_first(algorithm: str, factors: tuple[float, float], task: SearchTask) -> SearchTrace:
@@ -62,7 +64,7 @@ COMPARED: Mapping[str, ComparedSearch] = MappingProxyType(
         "weighted_a_star": ComparedSearch(weighted_a_star, False, True),
         "greedy_best_first": ComparedSearch(greedy_best_first, False, True),
         "bidirectional_dijkstra": ComparedSearch(bidirectional_dijkstra, True, False),
-        "lazy_theta_star": ComparedSearch(lazy_theta_star, False, False),
+        "lazy_theta_star": ComparedSearch(lazy_theta_star, False, False, any_angle=True),
     }
 )
 """The searches by name; the first three are those of every plan."""

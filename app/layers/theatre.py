@@ -20,8 +20,8 @@ from app.theatre import Theatre, labels
 
 NODE_BUDGET = 20_000
 """Nodes of each kind that a tab is sent at the most."""
-_QUEUE = 5
-"""Nodes of the queue that are listed."""
+_PLACES = ("next", "2nd", "3rd", "4th", "5th")
+"""Names of the nodes at the queue's head that are shown."""
 _MIX = np.uint64(2654435761)
 
 
@@ -166,11 +166,11 @@ def describe(theatre: Theatre, unit: str) -> str:
             )
         )
     if not theatre.asking and trace.queue != "rounds":
-        for place, node in enumerate(state.queue(_QUEUE).tolist()):
+        for place, node in enumerate(state.queue(len(_PLACES)).tolist()):
             side = " ←" if node >= n else ""
             rows.append(
                 (
-                    f"{'next' if place == 0 else f'{place + 1}.'}: {node % n}{side}",
+                    f"{_PLACES[place]}: {node % n}{side}",
                     *labels(state, node),
                 )
             )

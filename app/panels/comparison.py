@@ -20,8 +20,10 @@ from app.panels.widgets import Wake
 from app.plan_before import PlanBefore
 
 _NOTE = (
-    "Where edges cost their length, the exact ones (=) tie. Where each costs 1 (stage 3), they tie "
-    "in edges, and their lengths differ: that is how the paper's Table I comes about."
+    "<b>gap</b>: above the least cost (=); below it where a path may leave the mesh's edges. "
+    "<b>visited</b>: nodes. <b>tried</b>: edges. Where an edge costs its length, all exact "
+    "searches find the same length. Where each costs 1 (stage 3), they find as few edges, and "
+    "their lengths differ: that is how the paper's Table I comes about."
 )
 _MENDING = "LPA* (lifelong A*) keeps its costs and mends them where edges changed."
 _NO_GRAPH = f"{style.BOX}There is no graph to search: the message over the scene says why.</div>"
@@ -72,7 +74,7 @@ class ComparisonPanel:
         found = compare(task)
         self._ms = sum(one.ms for one in found)
         mended = _mended(before, task.arcs, task.weight)
-        return _table(found, plan.scene.unit) + _told(mended, found[0])
+        return _table(found, task.weight, plan.scene.unit) + _told(mended, found[0])
 
     def _show(self, text: str) -> None:
         self._text.content = text
@@ -98,15 +100,16 @@ def _told(mended: Repair | None, a_star: Comparison) -> str:
     )
 
 
-def _table(found: tuple[Comparison, ...], unit: str) -> str:
+def _table(found: tuple[Comparison, ...], weight: Weight, unit: str) -> str:
     """Table I, and the searches that the paper does not have."""
     least = min(one.trace.cost for one in found if COMPARED[one.algorithm].exact)
     rows = []
     for one in found:
         trace = one.trace
         gap = "–"
-        if trace.hops >= 0:
-            cost = trace.length if one.weight == "length" else trace.cost
+        # lengths and numbers of edges do not compare
+        if trace.hops >= 0 and one.weight == weight:
+            cost = trace.length if weight == "length" else trace.cost
             gap = f"{100 * (cost / least - 1):+.1f} %".replace("-", "−")
             gap = "=" if abs(cost - least) < 1e-9 * max(least, 1) else gap
         rows.append(

@@ -49,7 +49,9 @@ class MeshUploads:
     def __init__(self, gui: viser.GuiApi, wake: Wake) -> None:
         kinds = ", ".join(suffix[1:].upper() for suffix in SUFFIXES)
         self.button = gui.add_upload_button(
-            "Add a mesh…", mime_type=",".join(SUFFIXES), hint=f"{kinds}, up to 50 MB."
+            "Add a mesh (STL, OBJ, GLB …)",
+            mime_type=",".join(SUFFIXES),
+            hint=f"{kinds}, up to 50 MB.",
         )
         self._line = gui.add_html("", visible=False)
         self._bar = gui.add_progress_bar(0.0, visible=False)

@@ -166,6 +166,7 @@ class TheatrePanel:
             if frame.interactive or frame.partial or frame.outdated:
                 return None
             self._plan, self._tasks, self._last = plan, {}, None
+            self._answer = (-1, "")  # a node of another graph
             self._traces.clear()
         name, trace = self._trace_of(self.chosen)
         racing = tuple(map(self._trace_of, race_of(name))) if self.race.value else ()

@@ -6,8 +6,11 @@ import re
 
 import pytest
 
+from abi import load_scene, plan
+from abi.planner.comparison import compare, search_task
 from abi.search.arcs import Arcs
 from abi.search.lifelong_a_star import lifelong_a_star
+from app.panels.comparison import _table
 from app.session import Session
 from tests.app.fake_tab import FakeTab, until
 
@@ -41,3 +44,15 @@ def test_the_search_before_is_mended(tab: tuple[FakeTab, Session]) -> None:
     fake.drag(session.panels.ends.gizmos["goal"], [5.0, 6.0, 6.0])
     until(lambda: session.frame.plan.scene.goal == (5.0, 6.0, 6.0) and session.resting)
     until(lambda: "Move an obstacle and compare again" in panel._text.content)
+
+
+def test_lengths_and_numbers_of_edges_are_not_compared() -> None:
+    paper = load_scene("paper")
+    for weight, gap in (("length", "−9.4 %"), ("hops", "–")):
+        task = search_task(plan(paper.replace(search={"weight": weight})))
+        found = compare(task)
+        rows = re.findall(r"<tr>(.*?)</tr>", _table(found, task.weight, "cm"))
+        cells = [re.findall(r"<td>(?:<span[^>]*>)?(.*?)(?:</span>)?</td>", row) for row in rows]
+        gaps = {row[0]: row[3] for row in cells if row}
+        assert gaps["Lazy Theta*"] == gap
+        assert gaps["A*"] == gaps["Dijkstra"] == "="

@@ -98,7 +98,7 @@ def test_an_uploaded_mesh_comes_back(tabs: Tabs, server: Server) -> None:
     session = server.sessions[page.client]
     page.click("Scene")
     vertices, faces = meshes.bumpy(2)
-    page.upload("Add a mesh…", "bumpy.stl", meshes.stl((0.6 * vertices, faces)))
+    page.upload("Add a mesh (STL, OBJ, GLB …)", "bumpy.stl", meshes.stl((0.6 * vertices, faces)))
     page.until(lambda: len(session.plan.scene.obstacles) == 2, "the mesh")  # type: ignore[union-attr]
     page.until(lambda: session.resting, "the plan at rest")
     _is_kept(page, session)

@@ -13,7 +13,7 @@ from tests.abi import meshes
 from tests.browser import drawn
 from tests.browser.page import Page
 
-ADD = "Add a mesh…"
+ADD = "Add a mesh (STL, OBJ, GLB …)"
 # What is dragged, the note it comes with, and whether its middle is inside.
 KINDS = {
     "soup": (meshes.soup(150, seed=3, size=0.9), "The surface has holes", False),
