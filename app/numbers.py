@@ -22,6 +22,12 @@ def format_lower_bound(distance: float) -> str:
     return format_length(math.floor(shift * distance + 1e-6) / shift)
 
 
+def format_excess(length: float, shortest: float, exact: bool) -> str:
+    """How much longer than the shortest, [%]; rounded up where that is only a lower bound."""
+    tenths = 1000 * max(length / shortest - 1, 0)
+    return f"{(tenths if exact else math.ceil(tenths - 1e-6)) / 10:.1f} %"
+
+
 def format_setting(number: float) -> str:
     """A number that was chosen, without trailing zeros."""
     if abs(number) >= 10_000:

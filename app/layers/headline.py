@@ -9,7 +9,7 @@ from abi.planner.plan import Plan
 from app import style
 from app.frame import Frame, Switch
 from app.layout import Layout
-from app.numbers import distance_to_show, format_length, format_lower_bound
+from app.numbers import distance_to_show, format_excess, format_length, format_lower_bound
 
 
 class HeadlineLayer:
@@ -38,7 +38,7 @@ def headline(plan: Plan) -> str:
     numbers = [(f"{format_length(arc.length)} {unit}", f"{style.CURVES[plan.followed][0]} length")]
     if fit.holds:
         exact = plan.optimum is not None and plan.optimum.exact
-        share = f"{100 * max(arc.length / shortest - 1, 0):.1f} %"
+        share = format_excess(arc.length, shortest, exact)
         numbers.append((share if exact else f"≤ {share}", "longer than the best"))
     distance = distance_to_show(fit.clearance)
     if math.isfinite(distance):

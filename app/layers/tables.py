@@ -13,6 +13,7 @@ from app.layout import Layout
 from app.numbers import (
     distance_to_show,
     format_count,
+    format_excess,
     format_length,
     format_lower_bound,
     format_setting,
@@ -109,18 +110,17 @@ def _stages(plan: Plan) -> str:
     """Length, gap to the optimum and clearance of each stage's result."""
     required = plan.scene.spline.clearance
     shortest = plan.straight_length if plan.optimum is None else plan.optimum.length
-    rows = []
+    exact = plan.optimum is not None and plan.optimum.exact
+    best, rows = (shortest, exact), []
     if plan.path is not None:
         label, colour = style.ALGORITHMS[plan.path.algorithm]
         swatch = style.swatch(colour, dashed=plan.path.algorithm == "dijkstra")
         clearance = _clearance(plan.path_clearance, required, proven=True)
-        rows.append(_stage_row(f"{swatch}{label}", plan.path.length, shortest, clearance))
+        rows.append(_stage_row(f"{swatch}{label}", plan.path.length, best, clearance))
     if plan.taut is not None:
         clearance = _clearance(plan.taut.clearance, required, proven=True)
         rows.append(
-            _stage_row(
-                f"{style.swatch(style.TAUT)}straightened", plan.taut.length, shortest, clearance
-            )
+            _stage_row(f"{style.swatch(style.TAUT)}straightened", plan.taut.length, best, clearance)
         )
     for name, fit, arc in (
         ("bspline", plan.bspline, plan.bspline_arc),
@@ -132,30 +132,29 @@ def _stages(plan: Plan) -> str:
         executed = "<b> ▸</b>" if name == plan.followed else ""
         certified = fit.clearance.certified
         clearance = _clearance(distance_to_show(fit.clearance), required, proven=certified)
-        row = _stage_row(
-            f"{style.swatch(colour)}{label}{executed}", arc.length, shortest, clearance
-        )
+        row = _stage_row(f"{style.swatch(colour)}{label}{executed}", arc.length, best, clearance)
         # the bound is on clear curves: one that is not has no gap to it
         rows.append(row if fit.holds else (*row[:2], "–", row[3]))
     if not rows:
         return ""
-    exact = plan.optimum is not None and plan.optimum.exact
     unit = plan.scene.unit
-    best = f"best possible: {format_lower_bound(shortest)} {unit}"
+    note = f"best possible: {format_lower_bound(shortest)} {unit}"
     if not exact and plan.best_known is None:
-        best = f"best possible: at least {format_lower_bound(shortest)} {unit}"
+        note = f"best possible: at least {format_lower_bound(shortest)} {unit}"
     elif not exact:
         assert plan.best_known is not None
         low, high = format_lower_bound(shortest), format_length(plan.best_known)
-        best = f"best possible: between {low} and {high} {unit}"
+        note = f"best possible: between {low} and {high} {unit}"
     longer = "longer than best" if exact else "longer, at most"
     head = ("stage", f"length [{unit}]", longer, f"distance kept [{unit}]")
     legend = _LEGEND if plan.bspline is not None and plan.scene.obstacles else ""
-    return table(head, rows, best) + legend
+    return table(head, rows, note) + legend
 
 
-def _stage_row(title: str, length: float, shortest: float, clearance: str) -> tuple[str, ...]:
-    longer = f"{100 * max(length / shortest - 1, 0):.1f} %"
+def _stage_row(
+    title: str, length: float, best: tuple[float, bool], clearance: str
+) -> tuple[str, ...]:
+    longer = format_excess(length, *best)
     return title, format_length(length), longer, clearance
 
 

@@ -8,12 +8,20 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from abi import load_scene, plan
 from abi.scene.scene import scene_names
 from app.layers.stage_notes import _clearance
 from app.layers.tables import _searches, _stages
-from app.numbers import format_count, format_length, format_lower_bound, format_setting
+from app.numbers import (
+    format_count,
+    format_excess,
+    format_length,
+    format_lower_bound,
+    format_setting,
+)
 from app.panels.stage_headers import _TITLES, _results
 
 
@@ -30,6 +38,15 @@ def test_a_lower_bound_stays_one(size: float) -> None:
             3 if abs(number) < 100 else 1 if abs(number) < 1000 else 0
         )
         assert format_lower_bound(shown) == format_length(shown)
+
+
+@given(st.floats(1.0, 3.0), st.floats(0.1, 1e3))
+def test_an_upper_bound_of_what_is_too_long_stays_one(times: float, shortest: float) -> None:
+    percent = 100 * (times * shortest / shortest - 1)
+    shown = _number(format_excess(times * shortest, shortest, exact=False).removesuffix(" %"))
+    assert percent - 1e-6 <= shown < percent + 0.1 + 1e-6
+    nearest = _number(format_excess(times * shortest, shortest, exact=True).removesuffix(" %"))
+    assert abs(nearest - percent) <= 0.05 + 1e-9
 
 
 @pytest.mark.parametrize("number", [0.0, 0.2, 1e-5, 1520.0, 1.52e7, 1.0 / 3, -0.084, 12.5])
