@@ -6,7 +6,8 @@ The server is a process of its own, forked from one that has loaded everything, 
 takes tenths of a second. Each time a number of the scene is changed in Chromium, and soon after,
 often before the page was told to remember it, the server is killed with SIGKILL and started again,
 or the page reloaded, or the server stopped for ten seconds as by a network that is cut. Then the
-page must show what it last remembered, and every plot a curve.
+page must show what it last remembered, and every plot a curve. After every tenth fault it prints
+the figures so far, and Ctrl+C ends it with those, as the last line.
 """
 
 from __future__ import annotations
@@ -31,6 +32,7 @@ from app.address import Address
 from app.look import PLAIN
 from app.tab_state import TabState
 from benchmarks.browser import chromium
+from benchmarks.interrupt import Interrupt
 from tests.browser.page import Page
 from tests.ports import free_port
 
@@ -41,6 +43,8 @@ _LONGEST_PAUSE = 0.8
 _AGAIN = 3.0
 """Seconds in which a server may be killed again, at most: the page is just coming back."""
 _PATIENCE = 60.0
+_TOLD = 10
+"""Faults between two accounts of the figures so far."""
 _BOX, _VALUES = "degree", (2, 3, 5)
 """A number of the scene, and what it is set to: never what a new tab begins with."""
 _CHARTS = """() => {
@@ -89,6 +93,8 @@ def _fork_on_request(pipe: Connection, port: int) -> None:
     from app import session  # noqa: F401  loaded once for all
 
     compiling.compile()
+    # Ctrl+C ends the run, which ends the servers
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
     child = 0
     while pipe.recv() == "start":
         if child:
@@ -113,40 +119,88 @@ def _serve(port: int, told: int) -> None:
         signal.pause()
 
 
-def measure(
-    browser: Browser, kills: int, reloads: int, freezes: int, seed: int = 0
-) -> dict[str, Any]:
-    """Go through the faults one by one with one tab.
+class Tally:
+    """What has come of the faults so far.
 
-    Returns:
-        ``kills``, ``reloads`` and ``freezes``; of those ``lost``, after which the page did not show
-        what it remembered, and ``empty_plots``; ``not_yet_kept``, edits that came so shortly before
-        that the page had not been told to remember them; and the ``median_s`` and ``worst_s`` until
-        the page was back, with an edit that came while frozen done.
+    Attributes:
+        lost: faults after which the page did not show what it remembered.
+        empty_plots: those after which a plot was empty.
+        not_yet_kept: edits that came so shortly before one that the page had not been told to
+            remember them.
+        times: until the page was back, [s], with an edit that came while frozen done.
     """
-    chance = random.Random(seed)
+
+    def __init__(self) -> None:
+        self.lost = self.empty_plots = self.not_yet_kept = 0
+        self.times: list[float] = []
+        self._faults: list[str] = []
+
+    def add(self, fault: str, seconds: float, back: bool, plotted: bool) -> None:
+        """Count a fault."""
+        self._faults.append(fault)
+        self.times.append(seconds)
+        self.lost += not back
+        self.empty_plots += not plotted
+        print(f"{len(self.times)} {fault} {seconds:.1f} s {back}", file=sys.stderr, flush=True)
+        if len(self.times) % _TOLD == 0:
+            print(json.dumps({"so_far": True, **self.figures()}), flush=True)
+
+    def figures(self) -> dict[str, Any]:
+        """``kills``, ``reloads`` and ``freezes`` done, the counts, ``median_s`` and ``worst_s``."""
+        done = {f"{fault}s": self._faults.count(fault) for fault in ("kill", "reload", "freeze")}
+        counts = {
+            "lost": self.lost,
+            "empty_plots": self.empty_plots,
+            "not_yet_kept": self.not_yet_kept,
+        }
+        times = sorted(self.times)
+        if not times:
+            return {**done, **counts}
+        return {**done, **counts, "median_s": times[len(times) // 2], "worst_s": times[-1]}
+
+
+def measure(
+    browser: Browser,
+    kills: int,
+    reloads: int,
+    freezes: int,
+    seed: int = 0,
+    interrupt: Interrupt | None = None,
+) -> dict[str, Any]:
+    """Go through the faults one by one with one tab, or until the interrupt: see :class:`Tally`."""
+    chance, tally = random.Random(seed), Tally()
     faults = ["kill"] * kills + ["reload"] * reloads + ["freeze"] * freezes
     chance.shuffle(faults)
-    counts = {"lost": 0, "empty_plots": 0, "not_yet_kept": 0}
-    times: list[float] = []
-    with _tab(browser) as (page, server):
-        for number, fault in enumerate(faults):
-            value = _VALUES[number % len(_VALUES)]
-            if fault == "freeze":
-                begin, kept = _freeze(page, server, value)
-            else:
-                _edit(page, value)
-                page.tab.wait_for_timeout(1e3 * chance.uniform(0, _LONGEST_PAUSE))
-                begin, kept = _interrupt(page, server, fault, chance)
-                counts["not_yet_kept"] += kept != value
-            back = _within(page, lambda kept=kept: _shown(page) == kept == _remembered(page))  # type: ignore[misc]
-            times.append(time.monotonic() - begin)
-            print(f"{number + 1} {fault} {times[-1]:.1f} s {back}", file=sys.stderr, flush=True)
-            counts["lost"] += not back
-            counts["empty_plots"] += not _within(page, lambda: bool(page.tab.evaluate(_CHARTS)))
-    asked = {"kills": kills, "reloads": reloads, "freezes": freezes}
-    times.sort()
-    return {**asked, **counts, "median_s": times[len(times) // 2], "worst_s": times[-1]}
+    interrupt = interrupt or Interrupt()
+    try:
+        with _tab(browser) as (page, server):
+            for number, fault in enumerate(faults):
+                if interrupt.asked:
+                    break
+                _go_through(page, server, fault, _VALUES[number % len(_VALUES)], chance, tally)
+    except Exception:
+        # a browser of the same terminal ends with Ctrl+C, too
+        if not interrupt.asked:
+            print(json.dumps({"broken_off": True, **tally.figures()}), flush=True)
+            raise
+    return tally.figures()
+
+
+def _go_through(
+    page: Page, server: Killable, fault: str, value: int, chance: random.Random, tally: Tally
+) -> None:
+    """Edit, have the fault, and see what the page shows then."""
+    if fault == "freeze":
+        begin, kept = _freeze(page, server, value)
+    else:
+        _edit(page, value)
+        page.tab.wait_for_timeout(1e3 * chance.uniform(0, _LONGEST_PAUSE))
+        begin, kept = _interrupt(page, server, fault, chance)
+        tally.not_yet_kept += kept != value
+    back = _within(page, lambda: _shown(page) == kept == _remembered(page))
+    seconds = time.monotonic() - begin
+    plotted = _within(page, lambda: bool(page.tab.evaluate(_CHARTS)))
+    tally.add(fault, seconds, back, plotted)
 
 
 @contextmanager
@@ -234,8 +288,9 @@ def main() -> None:
     parser.add_argument("--freezes", type=int, default=3)
     parser.add_argument("--seed", type=int, default=0)
     options = parser.parse_args()
-    with chromium() as browser:
-        found = measure(browser, options.kills, options.reloads, options.freezes, options.seed)
+    asked = options.kills, options.reloads, options.freezes
+    with Interrupt() as interrupt, chromium() as browser:
+        found = measure(browser, *asked, options.seed, interrupt)
     print(json.dumps(found), flush=True)
 
 

@@ -5,7 +5,9 @@
 Each tab drags for a while, lets go, presses "Play or pause", and has to show the curve of the last
 position. The slow and the frozen tab drag, too; what they have not read must neither grow in the
 server nor keep the others waiting, and once they read again they must show the last position.
-Ends with exit code 1 where a tab shows another curve in the end, or the server had a fault.
+Every half minute it prints a line with the figures so far, and Ctrl+C ends it with those, as the
+last line. Ends with exit code 1 where a tab shows another curve in the end or lost its connection,
+or the server had a fault.
 """
 
 from __future__ import annotations
@@ -16,11 +18,12 @@ import json
 import sys
 import time
 import urllib.request
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 
+from benchmarks.interrupt import Interrupt
 from benchmarks.tabs import (
     SETTLE,
     ServerProcess,
@@ -39,8 +42,16 @@ REST = 3.0
 SLOW_PAUSE = 1.0
 """Seconds between two looks of the slow tab at what it was sent."""
 _SLOW_READ = 0.1
+PERIOD = 30.0
+"""Seconds between two accounts of the figures so far."""
+_LOOK = 0.5
+"""Seconds after which an early end is noticed."""
 _PATIENCE = 60.0
 """Seconds in which a tab that reads again catches up."""
+
+
+Watch = Callable[[str, dict[str, Any]], object]
+"""Told a moment, ``open``, ``running`` or ``end``, and the figures so far."""
 
 
 class Worker:
@@ -75,15 +86,24 @@ async def soak(
     drag: float = DRAG,
     rest: float = REST,
     settle: float = SETTLE,
+    watch: Watch = lambda moment, figures: None,
+    enough: Callable[[], bool] = lambda: False,
 ) -> dict[str, Any]:
     """Drag and play in ``tabs`` tabs for so long, besides a slow and a frozen one.
 
+    Args:
+        url: of the server.
+        tabs: number of tabs that are tested.
+        seconds: in which they drag.
+        drag: seconds of one drag.
+        rest: seconds after it.
+        settle: seconds before the first one.
+        watch: told the figures as they come.
+        enough: whether to end early.
+
     Returns:
-        Of all drags: ``updates_per_s`` of the median tab, ``slowest`` of the slowest, and
-        ``fairness``, their ratio; ``gap_ms`` between two updates, 50 % and 95 % of which stay
-        under, and the longest; ``last_ms``, how long after the hand the last curve came, 95 % and
-        the longest; ``drags``, and ``stale``, those that ended with another curve, with those of
-        the slow and the frozen tab once they read again.
+        What :func:`summary` tells; ``stale_slow_or_frozen``, how many of the slow and the frozen
+        tab show another curve once they read again; ``broken``, tabs that were cut off.
     """
     opened = await open_tabs(url, tabs + 2)
     await asyncio.sleep(settle)
@@ -92,15 +112,36 @@ async def soak(
     workers = [Worker(tab, phase) for phase, tab in enumerate(tested)]
     dozing = asyncio.create_task(_doze(slow))
     frozen.freeze(True)
-    await asyncio.gather(
-        *(worker.work(end, drag, rest) for worker in workers),
-        slow.drag(seconds, tabs),
-        frozen.drag(seconds, tabs + 1),
-    )
+    watch("open", {})
+    tasks = [
+        asyncio.create_task(work)
+        for work in (
+            *(worker.work(end, drag, rest) for worker in workers),
+            slow.drag(seconds, tabs),
+            frozen.drag(seconds, tabs + 1),
+        )
+    ]
+    told = time.monotonic()
+    while (await asyncio.wait(tasks, timeout=_LOOK))[1] and not enough():
+        if time.monotonic() - told >= PERIOD:
+            told = time.monotonic()
+            watch("running", summary([worker.drags for worker in workers]))
+    broken = await _ended(tasks)
     dozing.cancel()
     late = sum([not await catches_up(tab) for tab in (slow, frozen)])
+    result = summary([worker.drags for worker in workers])
+    result |= {"stale_slow_or_frozen": late, "broken": broken}
+    watch("end", result)
     await asyncio.gather(*(tab.close() for tab in opened))
-    return summary([worker.drags for worker in workers]) | {"stale_slow_or_frozen": late}
+    return result
+
+
+async def _ended(tasks: Sequence[asyncio.Task[Any]]) -> int:
+    """End all that is not done; how many had failed."""
+    for task in tasks:
+        task.cancel()
+    results = await asyncio.gather(*tasks, return_exceptions=True)
+    return sum(isinstance(result, Exception) for result in results)
 
 
 async def _doze(tab: WebTab) -> None:
@@ -129,9 +170,21 @@ async def catches_up(tab: WebTab) -> bool:
 
 
 def summary(tabs: Sequence[Sequence[dict[str, Any]]]) -> dict[str, Any]:
-    """Figures of the drags of all tabs, as :func:`soak` returns them."""
-    rates = [float(np.mean([drag["rate"] for drag in drags])) for drags in tabs]
+    """Figures of the drags of all tabs.
+
+    Returns:
+        ``updates_per_s`` of the median tab, ``slowest`` of the slowest, and ``fairness``, their
+        ratio; ``gap_ms`` between two updates, 50 % and 95 % of which stay under, and the longest;
+        ``waits``, how many times as long as in the median tab that is, for 95 %, in the worst;
+        ``last_ms``, how long after the hand the last curve came, 95 % and the longest; ``drags``,
+        and ``stale``, those that ended with another curve. Without a drag only the last two.
+    """
+    tabs = [drags for drags in tabs if drags]
     drags = [drag for drags in tabs for drag in drags]
+    if not drags:
+        return {"drags": 0, "stale": 0}
+    rates = [float(np.mean([drag["rate"] for drag in drags])) for drags in tabs]
+    waits = [np.percentile(np.concatenate([drag["gaps"] for drag in drags]), 95) for drags in tabs]
     gaps = 1e3 * np.concatenate([drag["gaps"] for drag in drags])
     lags = 1e3 * np.array([drag["late"] for drag in drags])
     return {
@@ -139,6 +192,7 @@ def summary(tabs: Sequence[Sequence[dict[str, Any]]]) -> dict[str, Any]:
         "slowest": min(rates),
         "fairness": min(rates) / float(np.median(rates)),
         "gap_ms": [float(np.percentile(gaps, share)) for share in (50, 95, 100)],
+        "waits": float(max(waits) / np.median(waits)),
         "last_ms": [float(np.percentile(lags, 95, method="nearest")), float(lags.max())],
         "drags": len(drags),
         "stale": sum(not drag["right"] for drag in drags),
@@ -154,20 +208,44 @@ def faults(url: str) -> int:
     )
 
 
-async def _measure(server: ServerProcess, tabs: int, seconds: float) -> dict[str, Any]:
+class _Account:
+    """What the server takes, printed with the figures so far.
+
+    Attributes:
+        figures: processor cores from the first account to the last; megabytes before the tabs, with
+            all open, at the end, and once they are closed; faults.
+    """
+
+    def __init__(self, server: ServerProcess) -> None:
+        self._server = server
+        self._begin, self._used = time.monotonic(), server.usage()[0]
+        self.figures: dict[str, Any] = {"cores": 0.0, "megabytes": {"before": server.usage()[1]}}
+
+    def tell(self, moment: str, figures: dict[str, Any]) -> None:
+        """Note a moment, and print the figures unless the last line is still to come."""
+        used, memory = self._server.usage()
+        self.figures["megabytes"][moment] = memory
+        if moment == "open":
+            self._begin, self._used = time.monotonic(), used
+        elif moment != "closed":
+            seconds = time.monotonic() - self._begin
+            self.figures |= {"cores": (used - self._used) / seconds, "seconds": seconds}
+            self.figures["faults"] = faults(self._server.url)
+        if moment == "running":
+            print(json.dumps({"so_far": True, **figures, **self.figures}), flush=True)
+
+
+async def _measure(
+    server: ServerProcess, tabs: int, seconds: float, interrupt: Interrupt
+) -> dict[str, Any]:
     await warm_up(server.url)
-    running = asyncio.create_task(soak(server.url, tabs, seconds))
-    # by then the tabs are open
-    await asyncio.sleep(min(60.0, seconds / 2))
-    begin, (used, first) = time.monotonic(), server.usage()
-    await asyncio.sleep(seconds / 4)
-    now, _ = server.usage()
-    cores = (now - used) / (time.monotonic() - begin)
-    result = await running
+    account = _Account(server)
+    result = await soak(
+        server.url, tabs, seconds, watch=account.tell, enough=lambda: interrupt.asked
+    )
     # those that are closed give their memory back
-    _, last = server.usage()
-    figures = {"cores": cores, "megabytes": [first, last], "faults": faults(server.url)}
-    return {"tabs": tabs, "seconds": seconds, **result, **figures}
+    account.tell("closed", {})
+    return {"tabs": tabs, "asked_seconds": seconds, **result, **account.figures}
 
 
 def main() -> None:
@@ -178,10 +256,12 @@ def main() -> None:
     parser.add_argument("--workers", type=int, default=1)
     options, arguments = parser.parse_known_args()
     room = str(options.tabs + 2)
-    with serving("--workers", str(options.workers), "--max-tabs", room, *arguments) as server:
-        result = asyncio.run(_measure(server, options.tabs, 60 * options.minutes))
+    settings = ("--workers", str(options.workers), "--max-tabs", room, *arguments)
+    with Interrupt() as interrupt, serving(*settings) as server:
+        result = asyncio.run(_measure(server, options.tabs, 60 * options.minutes, interrupt))
     print(json.dumps({"workers": options.workers, **result}), flush=True)
-    if result["stale"] or result["stale_slow_or_frozen"] or result["faults"]:
+    bad = ("stale", "stale_slow_or_frozen", "broken", "faults")
+    if any(result[name] for name in bad):
         sys.exit(1)
 
 

@@ -19,7 +19,7 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -30,6 +30,7 @@ from abi.planner.live_planner import LivePlanner
 from abi.scene.scene import load_scene
 from app.layers.curves import SAMPLES
 from app.layers.lines import segments
+from benchmarks.interrupt import Interrupt
 from benchmarks.web_tab import WebTab
 
 SCENE = "two-boxes"
@@ -40,6 +41,8 @@ _REST = 3.0
 SETTLE = 5.0
 """Seconds before the drag, in which all that a tab shows at first is sent."""
 _WARM_UP, _FIRST_TABS = 6.0, 4
+_SLICE = 1.0
+"""Seconds after which an early end is noticed."""
 _TICKS = os.sysconf("SC_CLK_TCK") if hasattr(os, "sysconf") else 100
 
 
@@ -55,7 +58,10 @@ class ServerProcess:
         command = [sys.executable, "-P", "-m", "app", "serve", SCENE, "--port", "0", "--no-open"]
         options = ["--no-demo", "--log-level", "warning"]
         self._process = subprocess.Popen(
-            [*command, *options, *arguments], stdout=subprocess.PIPE, text=True
+            [*command, *options, *arguments],
+            stdout=subprocess.PIPE,
+            text=True,
+            start_new_session=True,  # Ctrl+C is for the one who measures
         )
         assert self._process.stdout is not None
         link = re.search(r"http://\S+", self._process.stdout.readline())
@@ -140,18 +146,30 @@ async def drag(
 
 
 async def play(
-    server: ServerProcess, tabs: int, seconds: float, settle: float = SETTLE
+    server: ServerProcess,
+    tabs: int,
+    seconds: float,
+    settle: float = SETTLE,
+    enough: Callable[[], bool] = lambda: False,
 ) -> dict[str, Any]:
-    """Only watch: all tabs play, then all stand; ``cores`` of the server meanwhile."""
+    """Only watch: all tabs play, then all stand; ``cores`` of the server meanwhile.
+
+    Each lasts for ``seconds``, or until there is ``enough()``.
+    """
     opened = await open_tabs(server.url, tabs)
     await asyncio.sleep(settle)
     result: dict[str, Any] = {"tabs": tabs}
     for name in ("playing", "standing"):
         before, received = server.usage()[0], sum(tab.received for tab in opened)
-        await asyncio.sleep(seconds)
-        result[f"{name}_cores"] = (server.usage()[0] - before) / seconds
-        bytes_sent = sum(tab.received for tab in opened) - received
-        result[f"{name}_bytes_per_s"] = bytes_sent / seconds / tabs
+        begin, lasted = time.monotonic(), 0.0
+        while lasted < seconds and not enough():
+            await asyncio.sleep(min(_SLICE, seconds - lasted))
+            lasted = time.monotonic() - begin
+        if lasted > 0:
+            result[f"{name}_s"] = lasted
+            result[f"{name}_cores"] = (server.usage()[0] - before) / lasted
+            bytes_sent = sum(tab.received for tab in opened) - received
+            result[f"{name}_bytes_per_s"] = bytes_sent / lasted / tabs
         await asyncio.gather(*(tab.press("Play or pause") for tab in opened))
     await asyncio.gather(*(tab.close() for tab in opened))
     return result
@@ -246,7 +264,13 @@ def main() -> None:
     for count in options.tabs:
         with serving(*arguments) as server:
             if options.play:
-                result = asyncio.run(play(server, count, options.seconds, options.settle))
+                with Interrupt() as interrupt:
+                    result = asyncio.run(
+                        play(
+                            *(server, count, options.seconds, options.settle),
+                            enough=lambda interrupt=interrupt: interrupt.asked,  # type: ignore[misc]
+                        )
+                    )
             else:
                 result = asyncio.run(drag(server, count, options.seconds, options.settle))
         print(json.dumps(result), flush=True)

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import asyncio
+import os
+import signal
+import time
 from collections.abc import Iterator
 
 import pytest
@@ -11,6 +14,7 @@ from app import page
 from app.address import Address
 from app.look import PLAIN
 from app.server import Server, start
+from benchmarks.interrupt import Interrupt
 from benchmarks.soak import catches_up, soak, summary
 from benchmarks.tabs import SCENE, open_tabs
 from benchmarks.web_tab import WebTab
@@ -18,6 +22,8 @@ from tests.app.fake_tab import until
 
 FEW = 150
 """Messages that a page can be behind with: one for each thing that a drag changes."""
+ENOUGH = 5.0
+"""Seconds after which a run is ended that would last longer; every tab has dragged by then."""
 PLANS = 10
 """Plans whose messages, about 35 each, would be far more than that."""
 
@@ -31,8 +37,17 @@ def crowd() -> Iterator[Server]:
 
 @pytest.mark.slow
 def test_all_tabs_end_with_the_right_curve_beside_a_slow_and_a_frozen_one(crowd: Server) -> None:
-    result = asyncio.run(soak(crowd.url, tabs=3, seconds=2.0, drag=1.0, rest=2.5, settle=0.5))
+    told: dict[str, float] = {}
+    result = asyncio.run(
+        soak(
+            *(crowd.url, 3, 600.0, 1.0, 2.5, 0.5),
+            watch=lambda moment, figures: told.setdefault(moment, time.monotonic()),
+            enough=lambda: time.monotonic() > told["open"] + ENOUGH,
+        )
+    )
+    assert [*told] == ["open", "end"]
     assert result["drags"] >= 3
+    assert result["broken"] == 0
     assert result["stale"] == result["stale_slow_or_frozen"] == 0
     until(lambda: not crowd.sessions)
 
@@ -68,5 +83,20 @@ def test_a_summary_tells_the_slowest_tab_and_every_stale_drag() -> None:
     result = summary([[fast], [fast], [slow]])
     assert (result["updates_per_s"], result["slowest"], result["stale"]) == (10.0, 2.0, 1)
     assert result["fairness"] == pytest.approx(0.2)
+    assert result["waits"] == pytest.approx(8.8)
     assert result["gap_ms"][2] == pytest.approx(900)
     assert result["last_ms"][1] == pytest.approx(400)
+
+
+def test_a_summary_of_no_drag_yet_is_empty() -> None:
+    assert summary([[], []]) == {"drags": 0, "stale": 0}
+
+
+def test_an_interrupt_asks_once_and_then_insists() -> None:
+    before = signal.getsignal(signal.SIGINT)
+    with Interrupt() as interrupt:
+        os.kill(os.getpid(), signal.SIGINT)
+        assert interrupt.asked
+        with pytest.raises(KeyboardInterrupt):
+            os.kill(os.getpid(), signal.SIGINT)
+    assert signal.getsignal(signal.SIGINT) is before
