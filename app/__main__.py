@@ -6,7 +6,9 @@ second to load, the page loads meanwhile.
 
 from __future__ import annotations
 
+import difflib
 import sys
+from pathlib import Path
 
 import click
 
@@ -26,6 +28,9 @@ class _DefaultGroup(click.Group):
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         if not args or args[0] not in {*self.commands, "--help", "--version"}:
+            meant = difflib.get_close_matches(args[0], self.commands, 1, 0.75) if args else []
+            if meant and not Path(args[0]).exists():
+                raise click.UsageError(f"There is no command {args[0]!r}; did you mean {meant[0]}?")
             args = ["serve", *args]
         return super().parse_args(ctx, args)
 

@@ -86,7 +86,7 @@ def _expectation(detail: ErrorDetails, location: list[int | str], scene: type[Ba
         names = _fields_at(detail["loc"][:-1], scene)
         close = difflib.get_close_matches(str(location[-1]), names, 1)
         return f"one of the fields {', '.join(names)}" + (
-            f"; did you mean {close[0]}?" if close else ""
+            f" (did you mean {close[0]}?)" if close else ""
         )
     if kind == "union_tag_not_found":
         return "shape: box, sphere, cylinder, capsule or mesh"

@@ -9,7 +9,7 @@ import click
 from app.commands.output import cause
 
 
-@click.command()
+@click.command(short_help="Measure speed and quality beside other libraries.")
 @click.argument("parts", nargs=-1)
 @click.option("--nodes", multiple=True, type=click.IntRange(100), help="Only these mesh sizes.")
 @click.option("--scenes", default=30, show_default=True, type=click.IntRange(1))

@@ -9,7 +9,7 @@ import click
 from app.commands.exit_code import INCOMPLETE
 
 
-@click.command()
+@click.command(short_help="Write SCENE's motion, curves, obstacles or arm to a file.")
 @click.argument("scene", default="paper")
 @click.option(
     "--to",

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from abi.planner.plan import Plan
 
 
-@click.command()
+@click.command(short_help="Plan SCENE and print the plan as JSON.")
 @click.argument("scene", default="paper")
 @click.option("--out", type=click.Path(dir_okay=False, path_type=Path), help="Write to a file.")
 @click.option("--full", is_flag=True, help="Also the mesh's nodes and edges, and every sample.")

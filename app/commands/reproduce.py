@@ -10,7 +10,7 @@ import click
 _FILE_WIDTH = 150  # characters of a table that is written to a file
 
 
-@click.command()
+@click.command(short_help="Set the paper's numbers beside ours, computed anew.")
 def reproduce() -> None:
     """Set the paper's figures and Table I beside ours, computed anew, as a table."""
     from rich.console import Console

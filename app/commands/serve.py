@@ -24,7 +24,7 @@ _PERIOD = 1.0
 """Seconds after which a signal is heard that the system gave to another thread."""
 
 
-@click.command()
+@click.command(short_help="Start the visualiser, as abi alone does.")
 @click.argument("scene", default="paper")
 @click.option("--host", default="127.0.0.1", show_default=True, help="Address to listen on.")
 @click.option(

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from abi.sweep.row import Row
 
 
-@click.command()
+@click.command(short_help="Plan many scenes under many settings, as a table.")
 @click.argument("study", type=click.Path(path_type=Path))
 @click.option(
     "--out",

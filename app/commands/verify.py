@@ -11,7 +11,7 @@ from app.commands.exit_code import INCOMPLETE
 from app.commands.output import cause
 
 
-@click.command()
+@click.command(short_help="Check a plan's certificates again, exactly.")
 @click.argument("plan", type=click.Path(path_type=Path))
 @click.option(
     "--meshes",

@@ -116,6 +116,7 @@ def test_no_plan_still_writes_the_json_and_exits_3(
     [
         (("plan", "nowhere"), "paper"),
         (("plan", "missing.yaml"), "missing.yaml"),
+        (("plann",), "did you mean plan?"),
         (("plan", "--out", "/nowhere/at/all.json"), "all.json"),
         (("plan", "--fast"), "--fast"),
         (("serve", "--port", "99999"), "port"),
@@ -139,6 +140,17 @@ def test_bad_input_is_one_line_and_exit_2(
     assert (code, out) == (2, "")
     assert words in err
     assert len(err.strip().splitlines()) == 1
+
+
+def test_help_tells_of_every_command_in_a_whole_line(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    code, out, _ = run(monkeypatch, capsys, "--help")
+
+    lines = out.partition("Commands:\n")[2].splitlines()
+    assert code == 0
+    assert {line.split()[0] for line in lines} >= {"serve", "plan", "verify", "export"}
+    assert all(line.endswith(".") and "..." not in line for line in lines), lines
 
 
 def test_a_broken_scene_file_names_the_field(
