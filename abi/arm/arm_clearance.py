@@ -152,8 +152,9 @@ def best_proof(
     tries = {0.0, required}
     if math.isfinite(measured):
         tries |= {share * measured for share in _SHARES}
-    asked = certify(required) if 0 <= required < measured else None
-    if isinstance(asked, ArmCertificate) and rows > _MANY:
+    many = rows > _MANY and 0 <= required < measured
+    asked = certify(required) if many else None
+    if isinstance(asked, ArmCertificate):
         return asked
     for margin in sorted((one for one in tries if 0 <= one < measured), reverse=True):
         result = asked if asked is not None and margin == required else certify(margin)

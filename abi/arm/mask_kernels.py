@@ -11,6 +11,7 @@ from numba.extending import register_jitable
 
 from abi.arm.pose_kernels import (
     CAPSULE,
+    COLUMN,
     NO_ARM,
     NO_NUMBERS,
     NO_RATES,
@@ -145,15 +146,19 @@ def touching_places(
     """
     arm, capsules = table
     count, moving = len(around.margins), len(capsules) // CAPSULE
-    widest, longest = 0.0, 0.0
-    for c in range(moving):
-        widest = max(widest, capsules[CAPSULE * c + 3])
-        # ends of capsules that lie before the shoulder, the elbow, or beyond the tool
-        longest = max(longest, -capsules[CAPSULE * c + 1])
-        longest = max(longest, capsules[CAPSULE * c + 2] - arm.forearm)
     still = 0  # capsules of the column, which are not at shoulder, elbow and tool
-    while still < moving and capsules[CAPSULE * still] == 0:
+    while still < moving and capsules[CAPSULE * still] == COLUMN:
         still += 1
+    # widest of the others, and how far they stand out from the lines of their links
+    widest, out_of_upper, out_of_fore = 0.0, 0.0, 0.0
+    for c in range(still, moving):
+        low, high = capsules[CAPSULE * c + 1], capsules[CAPSULE * c + 2]
+        radius = capsules[CAPSULE * c + 3]
+        widest = max(widest, radius)
+        if capsules[CAPSULE * c] == UPPER_ARM:
+            out_of_upper = max(out_of_upper, radius + max(0.0, -low, high - arm.upper))
+        else:
+            out_of_fore = max(out_of_fore, radius + max(0.0, -low, high - arm.forearm))
     rows = asked_rows(around, moving)
     for i in range(len(reached)):
         if not reached[i]:
@@ -169,13 +174,14 @@ def touching_places(
         pose = pose_of(arm, tool, forearm)
         rates = rates_near(arm, pose, 0.0, slide) if slide > 0 else NO_RATES
         for s in rows:
-            most = widest + longest + around.margins[s]
+            most = around.margins[s]
             if slide > 0:
                 most += (rates.slide + 1) * slide
             upper, fore = False, False  # whether these are far away
             if s < count - 1:
-                upper = _far(around.primitives, s, pose.shoulder, pose.elbow, most)
-                fore = _far(around.primitives, s, pose.elbow, pose.tool, most)
+                a, b = pose.shoulder, pose.elbow
+                upper = _far(around.primitives, s, a, b, out_of_upper + most)
+                fore = _far(around.primitives, s, b, pose.tool, out_of_fore + most)
             for c in range(still, moving):
                 if upper if capsules[CAPSULE * c] == UPPER_ARM else fore:
                     continue

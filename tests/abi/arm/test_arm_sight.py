@@ -1,0 +1,49 @@
+"""Places at which the arm touches something, beside distances measured singly."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from abi.arm.arm import Arm, place
+from abi.arm.arm_sight import ArmSight
+from abi.arm.inverse_kinematics import solve
+from abi.arm.link_capsules import COLUMN
+from abi.arm.surroundings import surroundings
+from abi.obstacles.obstacle_set import ObstacleSet
+from abi.scene.settings import Elbow
+from tests.random_arms import arm_scene
+
+_SLACK = 0.006
+_ROUNDING = 1e-6
+_SAMPLES = 60
+"""Along each capsule, at most 0.1 apart."""
+
+
+@pytest.mark.parametrize("elbow", ["up", "down"])
+@pytest.mark.parametrize("seed", range(4))
+def test_places_touch_an_obstacle_where_the_capsules_do(seed: int, elbow: Elbow) -> None:
+    scene = arm_scene(seed)
+    arm, obstacles = Arm.from_settings(scene.arm), ObstacleSet(scene.obstacles)
+    lowest = scene.workspace.min[2]
+    around = surroundings(arm, obstacles, lowest)
+    sight = ArmSight(arm, elbow, around, (0.0, 0.0), 0.0, _SLACK)
+    points = np.random.default_rng(seed).uniform(0, 6, (300, 3))
+    points = points[sight.reached(points)]
+    found = solve(arm, points, np.zeros(len(points)), elbow, np.zeros_like(points))
+    joints = np.zeros((len(points), 6))
+    joints[:, 0], joints[:, 1], joints[:, 2] = found.q1, found.q2, found.q3
+    ends = place(arm, joints)
+    moving = [k for k, capsule in enumerate(arm.capsules) if capsule.body != COLUMN]
+    shares = np.linspace(0, 1, _SAMPLES)
+    for obstacle in obstacles:
+        touching = sight.touching(points, obstacle, lowest, np.ones(len(points), dtype=bool))
+        away = np.full(len(points), np.inf)
+        for k in moving:
+            low, high = ends[:, k, 0], ends[:, k, 1]
+            rows = low[None] + shares[:, None, None] * (high - low)[None]
+            distances = ObstacleSet((obstacle,)).signed_distance(rows.reshape(-1, 3))
+            nearest = distances.reshape(_SAMPLES, -1).min(axis=0) - arm.capsules[k].radius
+            away = np.minimum(away, nearest)
+        assert touching[away < _SLACK - _ROUNDING].all()
+        assert not touching[away > _SLACK + 0.05 + _ROUNDING].any()
