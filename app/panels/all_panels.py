@@ -173,7 +173,7 @@ class AllPanels:
     def apply_switches(self, frame: Frame) -> Frame:
         """The frame as the switches have it."""
         shown = self.lecture.shown(self.layer_switches.shown())
-        if self.lecture.shows_search:
+        if self.lecture.shows_search and not self.lessons.chosen:
             shown = self.theatre.uncovered(shown)
         return replace(
             frame,

@@ -62,6 +62,11 @@ class LessonPanel:
             button.on_click(partial(self._press, name))
 
     @property
+    def chosen(self) -> bool:
+        """Whether a lesson is gone through, which says itself what is shown."""
+        return self._step is not None
+
+    @property
     def waiting(self) -> bool:
         """Whether there is a cue to follow."""
         return self._cue is not None

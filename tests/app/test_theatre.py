@@ -169,6 +169,19 @@ def test_the_search_is_seen_alone_while_it_is_stepped_through(tab: tuple[FakeTab
     until(lambda: session.frame.shown == usual)
 
 
+def test_a_lesson_says_itself_what_is_shown_beside_a_search(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    lessons = session.panels.lessons
+    until(lambda: len(lessons.choice.options) > 12)
+    fake.set(lessons.choice, lessons.choice.options[-1])
+    until(lambda: lessons.chosen and session.frame.shown < session.panels.layer_switches._usual)
+    shown = session.frame.shown
+    assert "arm" in shown
+    fake.set(session.panels.theatre.on, True)
+    until(lambda: session.frame.theatre is not None)
+    assert session.frame.shown == shown
+
+
 @pytest.mark.slow
 def test_at_its_end_a_search_can_be_played_again(tab: tuple[FakeTab, Session]) -> None:
     fake, session = tab
