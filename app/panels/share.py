@@ -79,13 +79,17 @@ class SharePanel:
             )
             return
         page.copy_link(self._client, text)
+        told, seconds = "Paste it where you like: it opens what you see now.", 5.0
+        if state.challenge:
+            told = "Paste it where you like: who opens it sees the challenge over this scene."
         if state.scene.meshes.files:
             names = ", ".join(state.scene.meshes.files)
-            self._client.add_notification(
-                "Link copied",
-                f"It finds {names} on this server only. For another one, save the scene as a file.",
-                auto_close_seconds=12,
+            seconds = 12.0
+            told = (
+                f"It finds {names} on this server only. For another one, save the scene as a file."
             )
+        # a browser that refuses the clipboard shows the link in a box instead
+        self._client.add_notification("The link is ready", told, auto_close_seconds=seconds)
 
     def _take_picture(self) -> None:
         height = round(_WIDTH / max(self._client.camera.aspect, 0.2))

@@ -17,6 +17,7 @@ def test_a_challenge_link_opens_elsewhere(tabs: Tabs, server: Server) -> None:
     page.choose("challenge", "keep the quadratic clear")
     page.click("Copy challenge link")
     page.until(lambda: "state=" in page.tab.evaluate("window.copied ?? ''"), "the link")
+    page.reads("The link is ready")
     link = str(page.tab.evaluate("window.copied"))
 
     other = tabs("?" + link[link.index("state=") :])
