@@ -20,7 +20,7 @@ from abi.planner.diagnosis import explain
 from abi.planner.live_planner import LivePlanner
 from abi.planner.plan import Plan
 from abi.scene.scene import Scene
-from app import metrics, page
+from app import memory, metrics, page
 from app.bug_report import bug_report, describe_fault
 from app.classroom import Classroom
 from app.demo import FRAME, Demo
@@ -47,6 +47,8 @@ REST = 0.3
 """Seconds without input that make a pause: time to plan in full, and to diagnose."""
 IDLE = 1.0
 """Seconds after which an idle tab looks whether the hand has moved its camera."""
+UNUSED = 300.0
+"""Seconds without input after which a tab gives back what it keeps only to plan faster."""
 PHONE = 600
 """Width of a page, [px], below which viser makes the panels one sheet over the scene."""
 NARROW = 1000
@@ -89,6 +91,7 @@ class Session:
         self._planned = planned
         self._closing = False
         self._has_lights = look.plain
+        self._has_memory = True
         self._compiled = compiling.is_done()
         page.install(client)
         self._memory = TabMemory(client, self.wake)
@@ -122,6 +125,7 @@ class Session:
         if threading.current_thread() is not self._worker:
             self._worker.join(timeout=5)
         metrics.TABS.dec()
+        memory.give_back_soon()
         seconds = time.monotonic() - self._opened
         fields = {"tab": self.client.client_id, "seconds": seconds, "plans": self.plans}
         _log.info("tab closed", extra=fields)
@@ -181,6 +185,7 @@ class Session:
             self._demonstrated = self._demo.running
             self._demo.end()
             self._broken = False
+            self._has_memory = True
             self._last_input = time.monotonic()
             self._update()
         elif self._demo.running:
@@ -390,6 +395,10 @@ class Session:
                 self._show(self._observed(self._planner.finish(self._scene)))
         elif self._demo.wanted and self._compiled:
             self._demo.begin(self._scene)
+        elif self._has_memory and time.monotonic() - self._last_input >= UNUSED:
+            self._has_memory = False
+            self._planner.forget()
+            memory.give_back_soon()
 
     def _undiagnosed(self) -> bool:
         return self.frame.plan.error is not None and self.frame.plan is not self._diagnosed

@@ -21,8 +21,9 @@ class LivePlanner:
         """Begin with an empty memory; ``compile`` as for :class:`Planner`."""
         self.budget = NodeBudget()
         self.coarse = self.partial = False
-        self._planner, self._coarse_planner = Planner(compile), Planner(compile)
+        self._compile = compile
         self._last_settings: tuple[object, ...] = ()
+        self._planner, self._coarse_planner = Planner(compile), Planner(compile)
 
     def __call__(self, scene: Scene) -> Plan:
         """Plan within a frame if possible: in full, with one search, or on a coarser mesh."""
@@ -42,6 +43,11 @@ class LivePlanner:
             arm = plan.ms["arm"] if plan.motion is not None else 0.0
             self.budget.learn(len(plan.mesh.points), plan.total_ms - arm)
         return plan
+
+    def forget(self) -> None:
+        """Give up the memory of earlier plans, but not what the budget has learnt from them."""
+        self._planner, self._coarse_planner = Planner(self._compile), Planner(self._compile)
+        self._last_settings = ()
 
     def finish(self, scene: Scene) -> Plan:
         """Plan in full, however long it takes."""

@@ -11,6 +11,7 @@ import viser
 
 from abi.export.formats import FORMATS
 from abi.scene.scene import load_scene
+from app import session as sessions
 from app.address import Address
 from app.layers.arm import ArmLayer
 from app.server import Server, start
@@ -44,6 +45,27 @@ def test_dragging_the_obstacle_ends_on_its_last_position(tab: tuple[FakeTab, Ses
     points = session.plan.free.mesh.points
     inside = ((points >= low) & (points <= high)).all(axis=1)
     assert session.plan.free.excluded[inside].all()
+
+
+@pytest.mark.slow
+def test_an_unused_tab_gives_its_memory_back_and_goes_on_as_if_it_had_not(
+    tab: tuple[FakeTab, Session], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    fake, session = tab
+    until(lambda: session.resting)
+    shown, planner = session.plan, session._planner._planner
+    monkeypatch.setattr(sessions, "UNUSED", 0.1)
+    until(lambda: session._planner._planner is not planner)
+    monkeypatch.undo()
+    forgotten = session._planner._planner
+    assert session.plan is shown
+
+    fake.drag(session.panels.obstacles.gizmos[0], [3.0, 3.0, 2.0])
+    until(lambda: session.plan.scene.obstacles[0].position[2] == 2.0 and session.resting)  # type: ignore[union-attr]
+    assert session.plan is not None
+    assert session.plan.error is None
+    assert len(session.plan.searches) == 3
+    assert session._planner._planner is forgotten
 
 
 def test_what_was_overtaken_is_not_planned(tab: tuple[FakeTab, Session]) -> None:

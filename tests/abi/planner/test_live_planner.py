@@ -1,5 +1,8 @@
 from __future__ import annotations
 
+import gc
+import weakref
+
 import pytest
 
 from abi.planner.live_planner import LivePlanner
@@ -64,3 +67,25 @@ def test_what_is_quick_is_planned_with_all_searches() -> None:
     planner, scene = LivePlanner(), scene_of(1.3)
     assert len(planner(scene).searches) == 3
     assert not planner.partial
+
+
+def test_what_was_planned_is_freed_once_it_is_forgotten_and_planned_the_same_again() -> None:
+    planner, scene = LivePlanner(), scene_of(0.6)
+    plan = planner.finish(scene)
+    assert plan.path is not None
+    assert plan.bspline_arc is not None
+    points, length, nodes_learnt = plan.path.points, plan.bspline_arc.length, planner.budget.nodes
+    kept = weakref.ref(plan.graph)
+    del plan
+    gc.collect()
+    assert kept() is not None
+
+    planner.forget()
+    gc.collect()
+    assert kept() is None
+    assert planner.budget.nodes == nodes_learnt
+    again = planner(scene)
+    assert again.path is not None
+    assert again.bspline_arc is not None
+    assert again.path.points.tolist() == points.tolist()
+    assert again.bspline_arc.length == length
