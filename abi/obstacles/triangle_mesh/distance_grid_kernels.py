@@ -141,6 +141,26 @@ def _side(
     return -1
 
 
+@register_jitable
+def side_of(grid: DistanceGrid, tree: TriangleTree, x: Vec3, waiting: IntArray) -> int:
+    """Whether a point near a closed surface is inside (1), outside (0), or unknown (-1).
+
+    It is on the side of a node around it when nothing is between.
+    """
+    values, (nx, ny, nz), low, step, _, slack = grid
+    i = int(min(max((x[0] - low[0]) / step, 0.0), nx - 2.0))
+    j = int(min(max((x[1] - low[1]) / step, 0.0), ny - 2.0))
+    k = int(min(max((x[2] - low[2]) / step, 0.0), nz - 2.0))
+    touching = _TOUCHING * (step + tree.size)
+    for corner in range(8):
+        p, q, r = i + corner // 4, j + corner // 2 % 2, k + corner % 2
+        value = values[(p * ny + q) * nz + r]
+        node = (low[0] + p * step, low[1] + q * step, low[2] + r * step)
+        if abs(value) > slack and not comes_near(tree, node, x, touching, (0.0, 0.0, 0.0), waiting):
+            return 1 if value < 0.0 else 0
+    return -1
+
+
 @compiled(example=(NO_TREE, NO_DIPOLES, True, (2, 2, 2), (0.0, 0.0, 0.0), 1.0, 0.0), fallback=False)
 def grid_values(
     tree: TriangleTree,

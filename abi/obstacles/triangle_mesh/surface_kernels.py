@@ -21,6 +21,7 @@ from abi.obstacles.triangle_mesh.distance_grid_kernels import (
     NO_GRID,
     DistanceGrid,
     distance_bounds,
+    side_of,
     steepest,
 )
 from abi.obstacles.triangle_mesh.segment_kernels import comes_near, segment_distance
@@ -111,12 +112,19 @@ def to_surface(placement: Placement, p: Vec3) -> Vec3:
 
 
 @register_jitable
+def _is_inside(tables: SurfaceTables, x: Vec3, room: Room) -> bool:
+    """Whether a point of the body frame, near a closed surface, is inside."""
+    side = side_of(tables.grid, tables.tree, x, room.waiting)
+    return side == 1 if side >= 0 else is_inside(tables.tree, tables.dipoles, x, room.stack)
+
+
+@register_jitable
 def signed_distance_at(tables: SurfaceTables, x: Vec3, room: Room) -> tuple[float, int]:
     """Signed distance of a point in the body frame, or less by rounding; and the nearest triangle.
 
     The triangle is its place in the tree.
     """
-    tree, dipoles, grid, closed, extent, error = tables
+    tree, _, grid, closed, extent, error = tables
     lower, upper = distance_bounds(grid, x)
     most = max(-lower, upper) * (1.0 + 1e-9) + _TOUCHING * extent
     away, number = nearest_triangle(tree, x, most, 0.0, room.waiting, room.squares)
@@ -125,7 +133,7 @@ def signed_distance_at(tables: SurfaceTables, x: Vec3, room: Room) -> tuple[floa
         return max(away - doubt, 0.0), number
     inside = upper < 0.0
     if lower <= 0.0 <= upper:
-        inside = away - doubt <= _IN_DOUBT * extent or is_inside(tree, dipoles, x, room.stack)
+        inside = away - doubt <= _IN_DOUBT * extent or _is_inside(tables, x, room)
     return (-away if inside else away) - doubt, number
 
 
@@ -194,12 +202,26 @@ def least_distance(tables: SurfaceTables, p: Vec3, q: Vec3, most: float, room: R
         return min(away, most)
     d = sub(q, p)
     step = norm(d) / SAMPLES
+    deepest, first = math.inf, 0
+    for k in range(SAMPLES + 1):
+        lower, _ = distance_bounds(tables.grid, axpy(k / SAMPLES, d, p))
+        if lower < deepest:
+            deepest, first = lower, k
     least = most
-    before, _ = signed_distance_at(tables, p, room)
-    for k in range(1, SAMPLES + 1):
-        here, _ = signed_distance_at(tables, axpy(k / SAMPLES, d, p), room)
-        least = min(least, (before + here - step) / 2)
-        before = here
+    for turn in range(2):  # where it is likely to be deepest, then where it may be deeper
+        low, high = (max(first - 1, 0), min(first + 1, SAMPLES)) if turn == 0 else (0, SAMPLES)
+        known, before = -1, 0.0
+        bound, _ = distance_bounds(tables.grid, axpy(low / SAMPLES, d, p))
+        for k in range(low, high):
+            x = axpy((k + 1) / SAMPLES, d, p)
+            below, (bound, _) = bound, distance_bounds(tables.grid, x)
+            if (below + bound - step) / 2 >= least:
+                continue
+            if known != k:
+                before, _ = signed_distance_at(tables, axpy(k / SAMPLES, d, p), room)
+            here, _ = signed_distance_at(tables, x, room)
+            least = min(least, (before + here - step) / 2)
+            known, before = k + 1, here
     return least
 
 
@@ -209,7 +231,7 @@ def _inside(tables: SurfaceTables, x: Vec3, room: Room) -> bool:
     lower, upper = distance_bounds(tables.grid, x)
     if lower > 0.0 or upper < 0.0:
         return upper < 0.0
-    return is_inside(tables.tree, tables.dipoles, x, room.stack)
+    return _is_inside(tables, x, room)
 
 
 @register_jitable
@@ -249,7 +271,7 @@ def is_blocked(tables: SurfaceTables, p: Vec3, q: Vec3, margin: float, room: Roo
             break
         at += far
     # a segment that nothing touches is inside or outside as a whole
-    return not outside and is_inside(tree, tables.dipoles, p, room.stack)
+    return not outside and _is_inside(tables, p, room)
 
 
 @compiled(example=(NO_TABLES, NO_PLACEMENT, FLOATS, NEW_FLOATS), fallback=False)
