@@ -16,6 +16,7 @@ from typing import NamedTuple
 
 from numba.extending import register_jitable
 
+from abi.arm.direction_kernels import NO_DIRECTION, is_separated, keep_direction
 from abi.arm.pose_kernels import (
     NO_ARM,
     ArmTable,
@@ -87,7 +88,7 @@ NO_LEGS = ArmLegs(NO_ARM, NO_OBSTACLES, IDS, (0.0, 0.0), MOST_TRIES)
 
 
 @register_jitable
-def _judged_on(legs: ArmLegs, s: int, capsule: Moving, piece: _Piece) -> int:
+def _judged_on(legs: ArmLegs, s: int, capsule: Moving, piece: _Piece) -> tuple[int, Vec3]:
     """Whether a capsule is CERTIFIED clear of row s on a piece, REFUTED in its middle, or neither.
 
     Args:
@@ -95,34 +96,58 @@ def _judged_on(legs: ArmLegs, s: int, capsule: Moving, piece: _Piece) -> int:
         s: the row.
         capsule: in the middle.
         piece: the piece.
+
+    Returns:
+        That, and the direction that separates it.
     """
-    (arm, capsules), around = legs.table, legs.around
+    around = legs.around
     a, b = capsule.first, capsule.last
     need = capsule.radius + around.margins[s]
     near, far = need - piece.allowance, need + piece.allowance + capsule.way
     if s == len(around.margins) - 1:
-        gap = min(a[2], b[2]) - around.floor
+        gap, way = min(a[2], b[2]) - around.floor, (0.0, 0.0, 1.0)
         if gap > far:
-            return CERTIFIED
-        return REFUTED if gap < near else UNDECIDED
+            return CERTIFIED, way
+        return (REFUTED if gap < near else UNDECIDED), way
     gap, way = between_boxes(around.primitives, s, a, b)
     if gap > far:
-        return CERTIFIED
-    bow = piece.bend * capsule_share(arm, piece.first.forearm, capsules, capsule.number)
-    enough = min(far, need + piece.allowance + bow)
+        return CERTIFIED, way
+    enough = min(far, need + piece.allowance + _bow(legs, capsule.number, piece))
     axes, core = axes_of(around.primitives, s), core_of(around.primitives, s)
     centre = centre_of(around.primitives, s)
     p, d = in_body(axes, sub(a, centre)), in_body(axes, sub(b, a))
     outcome, gap, way = judged(core, p, d, near, enough)
-    if outcome != CERTIFIED or gap > far:
-        return outcome
     there = in_world(axes, way)
-    level = support(core, way) + dot(there, centre) + enough
-    for pose in (piece.first, piece.last):
-        a, b = capsule_ends(arm, pose, capsules, capsule.number)
-        if not min(dot(there, a), dot(there, b)) > level:
-            return UNDECIDED
-    return CERTIFIED
+    if outcome != CERTIFIED or gap > far:
+        return outcome, there
+    reached = support(core, way) + dot(there, centre)
+    if reached + around.margins[s] < _level(legs, capsule, piece, there):
+        return CERTIFIED, there
+    return UNDECIDED, there
+
+
+@register_jitable(forceinline=True)
+def _bow(legs: ArmLegs, c: int, piece: _Piece) -> float:
+    """How far capsule c bows out between the ends of a piece, at most, [unit]; inf if unbounded."""
+    if math.isinf(piece.bend):
+        return math.inf
+    arm, capsules = legs.table
+    bow: float = piece.bend * capsule_share(arm, piece.first.forearm, capsules, c)
+    return bow
+
+
+@register_jitable
+def _level(legs: ArmLegs, capsule: Moving, piece: _Piece, way: Vec3) -> float:
+    """Of a :class:`Direction` that is to separate a capsule all along a piece, [unit]."""
+    arm, capsules = legs.table
+    level = min(dot(way, capsule.first), dot(way, capsule.last)) - capsule.way
+    bow = _bow(legs, capsule.number, piece)
+    if bow < capsule.way:
+        a, b = capsule_ends(arm, piece.first, capsules, capsule.number)
+        c, d = capsule_ends(arm, piece.last, capsules, capsule.number)
+        ends = min(min(dot(way, a), dot(way, b)), min(dot(way, c), dot(way, d)))
+        level = max(level, ends - bow)
+    return level - capsule.radius - piece.allowance
 
 
 @register_jitable
@@ -136,6 +161,7 @@ def arm_is_clear(legs: ArmLegs, first: Vec3, last: Vec3) -> bool:
     if len(candidates) == 0:
         return True
     pending, at, tries, work = [(0.0, 1.0, 0, len(candidates))], 0, 0, [0]
+    latest = [NO_DIRECTION]
     while at < len(pending):
         start, end, lowest, highest = pending[at]
         at += 1
@@ -160,24 +186,37 @@ def arm_is_clear(legs: ArmLegs, first: Vec3, last: Vec3) -> bool:
                 bend = bend_near(arm, pose, rates, farthest) * farthest * farthest / 2
                 piece = _Piece(a, b, bend, allowance)
         capsule = moving_capsule(arm, capsules, 0, pose, rates, (farthest, slid))
-        left = len(candidates)
+        latest.clear()
+        left, touched = len(candidates), -1
         for i in range(lowest, highest):
             work.clear()
             work.append(candidates[i])
             while len(work) > 0:
                 pair = work.pop()
-                tries += 1
+                s = pair % count
                 if pair // count != capsule.number:
                     capsule = moving_capsule(
                         arm, capsules, pair // count, pose, rates, (farthest, slid)
                     )
-                outcome = _judged_on(legs, pair % count, capsule, piece)
+                    latest.clear()
+                    touched = -1
+                if is_separated(around, s, latest):
+                    continue
+                if touched >= 0 and around.meshes[s] == touched:
+                    candidates.append(pair)
+                    continue
+                tries += 1
+                outcome, away = _judged_on(legs, s, capsule, piece)
                 if outcome == REFUTED and is_solid(around, pair):
                     return False
-                if not (bounded and outcome == CERTIFIED) and not open_box(
-                    around, pair, capsule.way, (capsule.first, capsule.last), work
-                ):
+                if bounded and outcome == CERTIFIED:
+                    if around.meshes[s] >= 0:
+                        level = _level(legs, capsule, piece, away)
+                        keep_direction(latest, away, level, around.meshes[s])
+                elif not open_box(around, pair, capsule.way, (capsule.first, capsule.last), work):
                     candidates.append(pair)
+                    # the piece is halved anyhow: the rest of the mesh is as good tried there
+                    touched = around.meshes[s] + 0
         if len(candidates) == left:
             continue
         if tries > most_tries or farthest < FINEST * around.size:

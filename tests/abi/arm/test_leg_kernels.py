@@ -18,6 +18,8 @@ from abi.scene.settings import ArmSettings
 from tests.abi import meshes
 from tests.random_geometry import random_obstacle
 
+BOX = clean(*meshes.box((0.7, 0.8, 0.6)))
+KNOT = clean(*meshes.knot(600))
 SEED = st.integers(0, 2**32 - 1)
 
 
@@ -60,7 +62,8 @@ def test_legs_are_clear_where_they_have_a_certificate_and_no_place_that_touches(
     obstacles = [random_obstacle(random) for _ in range(int(random.integers(0, 4)))]
     if random.random() < 0.3:
         place = tuple(random.uniform(1, 6, 3).tolist())
-        obstacles.append(MeshShape.of(clean(*meshes.box((0.7, 0.8, 0.6))), position=place))
+        surface = BOX if random.random() < 0.5 else KNOT
+        obstacles.append(MeshShape.of(surface, position=place))
     around = surroundings(arm, ObstacleSet(tuple(obstacles)), 0.0)
     slides = (0.0, float(random.choice([0.0, 0.2])))
     sight = ArmSight(arm, "up", around, slides, 0.05, 0.0)
