@@ -7,8 +7,12 @@ import gc
 import sys
 import threading
 
+from app.turns import TURNS
+
 DELAY = 30.0
-"""Seconds in which more may become free: it holds all tabs up for a tenth of a second, once."""
+"""Seconds in which more may become free, and until it is tried again while tabs wait: it holds all
+up for a tenth of a second.
+"""
 
 _lock = threading.Lock()
 _pending = False
@@ -21,6 +25,10 @@ def give_back_soon() -> None:
         if _pending:
             return
         _pending = True
+    _begin()
+
+
+def _begin() -> None:
     timer = threading.Timer(DELAY, _give_back)
     timer.daemon = True
     timer.start()
@@ -28,6 +36,9 @@ def give_back_soon() -> None:
 
 def _give_back() -> None:
     global _pending
+    if TURNS.waiting:
+        _begin()
+        return
     with _lock:
         _pending = False
     gc.collect()
