@@ -169,6 +169,10 @@ class TabView:
         After a reload nobody knows what that was: then ``scene``, with the layers of a new tab.
         """
         before, self._before = self._before, None
+        if before is not None:
+            self._client.add_notification(
+                "Your scene is back", "Undo returns to the other.", auto_close_seconds=5
+            )
         state = before or replace(self.state(scene, 0.0), shown=SHOWN, view=None, theatre="")
         self.panels.go_back(state)
         self.look_at(state.scene, state.view is None)
