@@ -53,9 +53,9 @@ def measure(sizes: Sequence[int] = NODES, triangles: Sequence[int] = TRIANGLES) 
     """Rows of each shape, number of triangles and number of nodes.
 
     ``mask_ms`` is what a moved mesh costs in nodes and edges, ``mask_ratio`` that over the box's.
-    ``libraries_ms`` is the libraries' cost for the same, ``faster`` that over ours. ``replan_ms``
-    is a frame of a drag with one search, ``replan_ratio`` that over the box's, ``goal_ratio`` the
-    same with the goal moved; those ``without_arm`` leave out stage 6.
+    ``libraries_ms`` is the quickest libraries' cost for the same, ``faster`` that over ours.
+    ``replan_ms`` is a frame of a drag with one search, ``replan_ratio`` that over the box's,
+    ``goal_ratio`` the same with the goal moved; those ``without_arm`` leave out stage 6.
     """
     compiling.compile()
     rows: list[Row] = []
@@ -98,7 +98,7 @@ def _measure(name: str, shape: Mesh, nodes: int, box: Row, extent: float = _EXTE
     }
     for key in ("mask", "replan", "goal", "replan_without_arm", "goal_without_arm"):
         row[f"{key}_ratio"] = row[f"{key}_ms"] / box[f"{key}_ms"]
-    if shape_libraries.installed(shape_libraries.NODES_NEED + shape_libraries.EDGES_NEED):
+    if shape_libraries.can_compare():
         row["libraries_ms"] = _libraries(case.mesh, mesh, case.margin)
         row["faster"] = row["libraries_ms"] / row["mask_ms"]
     return row
@@ -173,13 +173,15 @@ def _libraries(made: TetMesh, mesh: MeshShape, margin: float) -> float:
     assert np.array_equal(found[sure], excluded[some][sure])
 
     some = random.permutation(len(ends))[:_SAMPLE]
-    edges = shape_libraries.EdgeLibrary(mesh)
-    begin = time.process_time()
-    crossed = edges.lost(ends[some, 0], ends[some, 1], margin)
-    of_edges = 1e3 * (time.process_time() - begin) * len(ends) / max(len(some), 1)
     away = mesh.segment_distance(ends[some, 0], ends[some, 1])
     sure = np.abs(away - margin) > _ROUNDING
-    assert np.array_equal(crossed[sure], lost[some][sure])
+    of_edges = math.inf
+    for edges in shape_libraries.edge_libraries(mesh):
+        begin = time.process_time()
+        crossed = edges.lost(ends[some, 0], ends[some, 1], margin)
+        took = 1e3 * (time.process_time() - begin) * len(ends) / max(len(some), 1)
+        of_edges = min(of_edges, took)
+        assert np.array_equal(crossed[sure], lost[some][sure])
     return of_nodes + of_edges
 
 
