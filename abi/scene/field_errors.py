@@ -36,6 +36,15 @@ _LIMITS = {
     "less_than_equal": ("le", "at most"),
 }
 """Name of the limit in the context of such a kind, and its wording."""
+_MISSING = {
+    "version": "version: 1",
+    "shape": "shape: box, sphere, cylinder, capsule or mesh",
+    "size": "three lengths, such as size: [1, 1, 1]",
+    "radius": "a length, such as radius: 0.5",
+    "height": "a length, such as height: 2",
+    "file": "the name of a file of triangles, such as file: bracket.stl",
+}
+"""What would do for each field without a default."""
 _SHAPES: dict[str, type[BaseModel]] = {
     "box": Box,
     "sphere": Sphere,
@@ -81,7 +90,7 @@ def _expectation(detail: ErrorDetails, location: list[int | str], scene: type[Ba
     """End of the sentence "expected …"."""
     kind = detail["type"]
     if kind == "missing":
-        return "version: 1" if location == ["version"] else "a value"
+        return "a number" if isinstance(location[-1], int) else _MISSING[location[-1]]
     if kind == "extra_forbidden":
         names = _fields_at(detail["loc"][:-1], scene)
         close = difflib.get_close_matches(str(location[-1]), names, 1)

@@ -21,7 +21,8 @@ class Toolbar:
     def draw(self, frame: Frame) -> None:
         """Show the buttons, those that do something now in full."""
         history = self._history
-        changed = frame.plan.scene != history.noted
+        # what still moves, be it by the demonstration, is no change yet
+        changed = not frame.interactive and frame.plan.scene != history.noted
         undo = button(history.undo, "Undo", history.can_undo or changed, hint="Ctrl+Z")
         redo = button(history.redo, "Redo", history.can_redo, hint="Ctrl+Shift+Z or Ctrl+Y")
         tour = button(self._tour.begin, "Tour", hint="Five steps through the page")

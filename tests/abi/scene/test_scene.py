@@ -120,6 +120,21 @@ def test_what_is_no_scene_at_all_is_refused(data: object) -> None:
         Scene.from_dict(data)
 
 
+@pytest.mark.parametrize("shape", ["box", "sphere", "cylinder", "capsule"])
+def test_what_would_do_for_a_missing_field_does(shape: str) -> None:
+    obstacle: dict[str, Any] = {"shape": shape}
+    while True:
+        try:
+            assert Scene.from_dict({"version": 1, "obstacles": [obstacle]}).obstacles
+            break
+        except SceneError as error:
+            text = str(error).removesuffix(".").rpartition("such as ")[2]
+        example = parse_bytes(text.encode(), "a.yaml")
+        assert isinstance(example, dict)
+        assert example.keys().isdisjoint(obstacle)
+        obstacle |= example
+
+
 @pytest.mark.parametrize(
     ("name", "text", "words"),
     [

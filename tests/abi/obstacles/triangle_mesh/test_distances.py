@@ -70,7 +70,7 @@ def opened(mesh: Mesh) -> MeshShape:
 
 
 @pytest.mark.slow
-@settings(max_examples=20)
+@settings(max_examples=8)
 @given(st.sampled_from(sorted(MESHES)), seeds)
 def test_distances_are_those_of_rational_numbers(name: str, seed: int) -> None:
     mesh = vertices, faces = MESHES[name]
