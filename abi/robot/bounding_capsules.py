@@ -20,6 +20,7 @@ _PARTS = 3
 _WORTH = 0.8
 """One more capsule is taken where all together are smaller than this part of those before."""
 _STEPS = 60
+_TINY, _ROUNDING = 1e-300, 1e-13
 
 
 class Capsule(NamedTuple):
@@ -43,10 +44,33 @@ class Capsule(NamedTuple):
 
 @lru_cache(maxsize=512)
 def bounding_capsules(link: Link) -> tuple[Capsule, ...]:
-    """Up to three capsules whose union contains a link's shapes; none of a frame."""
+    """Up to three capsules whose union contains a link's shapes and visuals; none of a frame.
+
+    Visuals change nothing where they are inside the capsules of the shapes.
+    """
     if not link.shapes:
         return ()
-    triangles = np.concatenate([_triangles(shape) for shape in link.shapes])
+    solid = np.concatenate([_triangles(shape) for shape in link.shapes])
+    capsules = _capsules(solid)
+    if not link.visuals:
+        return capsules
+    drawn = np.concatenate([_triangles(shape) for shape in link.visuals])
+    return capsules if _hold(capsules, drawn) else _capsules(np.concatenate([solid, drawn]))
+
+
+def _hold(capsules: tuple[Capsule, ...], triangles: FloatArray) -> bool:
+    """Whether each of triangles (n, 3, 3) is inside one of the capsules, which are convex."""
+    points = triangles.reshape(-1, 3)
+    held = np.zeros(len(triangles), dtype=bool)
+    for low, high, radius in capsules:
+        way = high - low
+        share = np.clip((points - low) @ way / max(float(way @ way), _TINY), 0, 1)
+        away = np.linalg.norm(points - low - share[:, None] * way, axis=1)
+        held |= (away <= radius - _ROUNDING).reshape(-1, 3).all(axis=1)
+    return bool(held.all())
+
+
+def _capsules(triangles: FloatArray) -> tuple[Capsule, ...]:
     best = _row(triangles, 1)
     for count in range(2, _PARTS + 1):
         more = _row(triangles, count)

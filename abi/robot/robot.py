@@ -48,6 +48,7 @@ class Link:
     Attributes:
         name: of the link.
         shapes: what it is made of; none for a frame.
+        visuals: what it is drawn with beside them; none where it is drawn by its shapes.
         mass: 0 where the file gives none.
         centre: centre of mass in the link's frame, shape (3,).
         inertia: about that centre along the link's axes, shape (3, 3).
@@ -58,6 +59,12 @@ class Link:
     mass: float
     centre: FloatArray
     inertia: FloatArray
+    visuals: tuple[Shape, ...] = ()
+
+    @property
+    def drawn(self) -> tuple[Shape, ...]:
+        """What it looks like."""
+        return self.visuals or self.shapes
 
 
 class Mimic(NamedTuple):

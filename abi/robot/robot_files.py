@@ -11,11 +11,10 @@ from functools import lru_cache
 from pathlib import PurePosixPath
 
 from abi import assets
-from abi.arrays import FloatArray, IntArray
 from abi.errors import SceneError
-from abi.obstacles.triangle_mesh import stl_obj
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.obstacles.triangle_mesh.trimesh_formats import DAMAGED_ZIP
+from abi.robot.mesh_lookup import MeshLookup, is_plain
 from abi.robot.robot import Robot
 from abi.robot.urdf_reader import mesh_names, read_srdf, read_urdf
 
@@ -23,8 +22,8 @@ SHIPPED: Mapping[str, str] = {"ur5e": "tool0", "panda": "panda_hand_tcp", "xarm7
 """Usual tip of each arm that comes with the package, by its name."""
 
 _MAX_ARCHIVE, _MAX_UNPACKED, _MAX_FILES = 30_000_000, 100_000_000, 400
-_MAX_TRIANGLES = 500_000
-"""Of all shapes of a robot, one that is there twice counted twice."""
+_ROOM = 0.9
+"""Part of an archive's size that meshes for looks alone may fill it to."""
 _ZIP = b"PK\x03\x04"
 _EPOCH = (1980, 1, 1, 0, 0, 0)
 
@@ -39,14 +38,29 @@ def load_robot(name: str, source: MeshSource) -> Robot:
     Raises:
         SceneError: there is none, or it is refused.
     """
-    ending = PurePosixPath(name).suffix.lower()
     if name in SHIPPED:
         return _shipped(name)
+    return robot_from_archive(_archive(name, source))
+
+
+def load_plain_robot(name: str, source: MeshSource) -> Robot:
+    """The same with an archive in which no mesh is left that trimesh would have to read.
+
+    Raises:
+        SceneError: as :func:`load_robot`.
+    """
+    if name in SHIPPED:
+        return _shipped(name)
+    return robot_from_archive(_plain(_archive(name, source)))
+
+
+def _archive(name: str, source: MeshSource) -> bytes:
+    ending = PurePosixPath(name).suffix.lower()
     if ending in (".zip", ".urdf"):
         content = _content(source, name)
         # an arm that a scene has read already is kept as an archive, whatever it was
         packed = ending == ".zip" or content.startswith(_ZIP)
-        return robot_from_archive(content if packed else _packed(source, name))
+        return content if packed else _packed(source, name)
     expected = f"one of {', '.join(SHIPPED)}, or a file that ends in .urdf or .zip"
     raise SceneError("arm.urdf", name, expected)
 
@@ -59,14 +73,31 @@ def robot_from_archive(content: bytes) -> Robot:
         SceneError: not such a file, too large packed or unpacked, or what
             :func:`abi.robot.urdf_reader.read_urdf` refuses.
     """
+    return _read(content)[0]
+
+
+def _read(content: bytes) -> tuple[Robot, dict[str, bytes]]:
+    """A robot, and its files with each mesh in a format that needs no trimesh."""
     files = _unpacked(content)
     found = [name for name in files if name.lower().endswith(".urdf")]
     if len(found) != 1:
         names = ", ".join(sorted(PurePosixPath(name).name for name in found)[:4]) or "none"
         raise SceneError("arm.urdf", names, "one file that ends in .urdf in the archive")
-    lookup = _Lookup(files, PurePosixPath(found[0]).parent)
+    lookup = MeshLookup(files, PurePosixPath(found[0]).parent)
     robot = read_urdf(files[found[0]], PurePosixPath(found[0]).name, lookup)
-    return _with_srdf(replace(robot, archive=content), files)
+    texts = {name: files[name] for name in files if name.lower().endswith((".urdf", ".srdf"))}
+    return _with_srdf(replace(robot, archive=content), files), texts | lookup.plain()
+
+
+def _plain(content: bytes) -> bytes:
+    """An archive without meshes that trimesh reads: an STL each, or nothing where it cannot."""
+    if all(is_plain(name) for name in _unpacked(content)):
+        return content
+    packed = io.BytesIO()
+    with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, data in _read(content)[1].items():
+            archive.writestr(zipfile.ZipInfo(name, _EPOCH), data, zipfile.ZIP_DEFLATED)
+    return packed.getvalue()
 
 
 def _with_srdf(robot: Robot, files: Mapping[str, bytes]) -> Robot:
@@ -83,56 +114,31 @@ def _with_srdf(robot: Robot, files: Mapping[str, bytes]) -> Robot:
     return replace(robot, may_touch=known, notes=(*robot.notes, note))
 
 
-class _Lookup:
-    """Meshes of an archive: where the URDF says, or the only file of that name."""
-
-    def __init__(self, files: Mapping[str, bytes], folder: PurePosixPath) -> None:
-        self._files, self._folder = files, folder
-        self._read: dict[str, tuple[FloatArray, IntArray]] = {}
-        self._triangles = 0
-
-    def __call__(self, name: str) -> tuple[FloatArray, IntArray]:
-        found = (self._folder / name).as_posix()
-        if found not in self._files:
-            last = PurePosixPath(name).name
-            same = [file for file in self._files if PurePosixPath(file).name == last]
-            if len(same) != 1:
-                raise SceneError("arm.urdf mesh", name, "a file that came with the URDF")
-            found = same[0]
-        if found not in self._read:
-            self._read[found] = _mesh(self._files[found], name)
-        vertices, faces = self._read[found]
-        self._triangles += len(faces)
-        if self._triangles > _MAX_TRIANGLES:
-            expected = f"meshes of at most {_MAX_TRIANGLES:,} triangles in all"
-            raise SceneError("arm.urdf mesh", name, expected)
-        return vertices, faces
-
-
-def _mesh(content: bytes, name: str) -> tuple[FloatArray, IntArray]:
-    if PurePosixPath(name).suffix.lower() not in stl_obj.SUFFIXES:
-        expected = f"a shape to collide with that ends in {', '.join(stl_obj.SUFFIXES)}"
-        raise SceneError("arm.urdf mesh", name, expected)
-    try:
-        return stl_obj.read(content, PurePosixPath(name).name)
-    except SceneError as error:
-        raise SceneError("arm.urdf mesh", error.value, error.expected) from None
-
-
 @lru_cache(maxsize=8)
 def _shipped(name: str) -> Robot:
     return robot_from_archive(_packed(MeshSource(folder=assets.path("urdf", name)), f"{name}.urdf"))
 
 
 def _packed(source: MeshSource, urdf: str) -> bytes:
-    """A URDF and the meshes that it names as a zip, the same for the same files."""
+    """A URDF and the meshes that it names as a zip, the same for the same files.
+
+    Meshes that are for looks alone come along where they are there and there is room.
+    """
     text, folder = _content(source, urdf), PurePosixPath(urdf).parent
-    names = [(folder / name).as_posix() for name in mesh_names(text, PurePosixPath(urdf).name)]
+    needed, looks = (
+        [(folder / name).as_posix() for name in names]
+        for names in mesh_names(text, PurePosixPath(urdf).name)
+    )
     packed = io.BytesIO()
     with zipfile.ZipFile(packed, "w") as archive:
         archive.writestr(zipfile.ZipInfo(urdf, _EPOCH), text)
-        for name in names:
+        for name in needed:
             archive.writestr(zipfile.ZipInfo(name, _EPOCH), _content(source, name))
+        for name in looks[: _MAX_FILES // 2]:
+            with contextlib.suppress(SceneError):
+                content = source.content(name)
+                if packed.tell() + len(content) < _ROOM * _MAX_ARCHIVE:
+                    archive.writestr(zipfile.ZipInfo(name, _EPOCH), content)
         with contextlib.suppress(SceneError):  # one of the same name is welcome, and not needed
             beside = PurePosixPath(urdf).with_suffix(".srdf").as_posix()
             archive.writestr(zipfile.ZipInfo(beside, _EPOCH), source.content(beside))

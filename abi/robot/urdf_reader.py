@@ -6,9 +6,11 @@ damaged, ambiguous or too large is refused in one sentence.
 
 from __future__ import annotations
 
+import contextlib
 import math
 import re
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from pathlib import PurePosixPath
 from types import MappingProxyType
 
@@ -24,8 +26,8 @@ from abi.robot.robot import Joint, JointKind, Link, Mimic, Robot, Shape
 MAX_BYTES = 2_000_000
 MAX_LINKS, MAX_SHAPES, MAX_ELEMENTS = 150, 50, 20_000
 
-_UNREAD = (".dae", ".DAE")
-"""Endings of meshes that are for looks only and not read."""
+_NAMED = 5
+"""Links that a sentence names, at most."""
 
 Meshes = Callable[[str], tuple[FloatArray, IntArray]]
 """Vertices and faces of the mesh file of that name."""
@@ -52,9 +54,8 @@ def read_urdf(content: bytes, name: str, meshes: Meshes) -> Robot:
     """
     root = _Element(_parse(content, name), name, "robot")
     links: dict[str, Link] = {}
-    notes: list[str] = []
     for element in root.all("link"):
-        link = _link(element.called(), meshes, notes)
+        link = _link(element.called(), meshes)
         if link.name in links:
             raise element.refuse("name", link.name, "a name that no link before it has")
         links[link.name] = link
@@ -62,20 +63,29 @@ def read_urdf(content: bytes, name: str, meshes: Meshes) -> Robot:
         raise root.refuse("links", len(links), f"1 to {MAX_LINKS}")
     joints = [_joint(element.called()) for element in root.all("joint")]
     ordered, base = _ordered(root, links, joints)
+    notes = _add_visuals(root, links, meshes)
     title = root.text("name", "robot")
-    return Robot(title, base, MappingProxyType(links), ordered, tuple(dict.fromkeys(notes)))
+    return Robot(title, base, MappingProxyType(links), ordered, notes)
 
 
-def mesh_names(content: bytes, name: str) -> tuple[str, ...]:
-    """Names of the mesh files of a URDF, as it is to find them.
+def mesh_names(content: bytes, name: str) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Names of the mesh files of a URDF, as it is to find them: needed ones, and those for looks.
 
     Raises:
         SceneError: as :func:`read_urdf`.
     """
     root = _parse(content, name)
-    meshes = (_Element(mesh, name, "mesh") for mesh in root.iterfind("link//mesh"))
-    names = (_file_name(mesh) for mesh in meshes if not mesh.text("filename").endswith(_UNREAD))
-    return tuple(dict.fromkeys(names))
+    needed: list[str] = []
+    looks: list[str] = []
+    for link in root.iterfind("link"):
+        shape = "visual" if link.find("collision") is None else "collision"
+        needed += [
+            _file_name(_Element(mesh, name, "mesh")) for mesh in link.iterfind(f"{shape}//mesh")
+        ]
+        for mesh in link.iterfind("visual//mesh"):
+            with contextlib.suppress(SceneError):
+                looks.append(_file_name(_Element(mesh, name, "mesh")))
+    return tuple(dict.fromkeys(needed)), tuple(k for k in dict.fromkeys(looks) if k not in needed)
 
 
 def read_srdf(content: bytes, name: str) -> frozenset[frozenset[str]]:
@@ -189,14 +199,8 @@ def _parse(content: bytes, name: str) -> etree._Element:
     return root
 
 
-def _link(element: _Element, meshes: Meshes, notes: list[str]) -> Link:
-    shapes = list(element.all("collision"))
-    if not shapes:
-        shapes = list(element.all("visual"))
-    elif element.child("visual") is not None:
-        notes.append("Links are drawn by their collision shapes.")
-    if len(shapes) > MAX_SHAPES:
-        raise element.refuse("shapes", len(shapes), f"at most {MAX_SHAPES}")
+def _link(element: _Element, meshes: Meshes) -> Link:
+    kind = "visual" if element.child("collision") is None else "collision"
     mass, centre, inertia = 0.0, np.zeros(3), np.zeros((3, 3))
     inertial = element.child("inertial")
     if inertial is not None:
@@ -206,11 +210,38 @@ def _link(element: _Element, meshes: Meshes, notes: list[str]) -> Link:
         inertia = turn @ _tensor(inertial) @ turn.T
     return Link(
         element.text("name"),
-        tuple(_shape(shape, meshes) for shape in shapes),
+        _shapes(element, kind, meshes),
         mass,
         read_only(centre.copy()),
         read_only(inertia),
     )
+
+
+def _add_visuals(root: _Element, links: dict[str, Link], meshes: Meshes) -> tuple[str, ...]:
+    """Give links what they are drawn with beside their shapes; the sentence on what was left out.
+
+    It comes after all shapes, so that looks take no triangles from them.
+    """
+    plain: list[str] = []
+    for element in root.all("link"):
+        link = links[element.text("name")]
+        if element.child("collision") is not None:
+            try:
+                links[link.name] = replace(link, visuals=_shapes(element, "visual", meshes))
+            except SceneError:
+                plain.append(link.name)
+    if not plain:
+        return ()
+    names = ", ".join(plain[:_NAMED])
+    more = f" and {len(plain) - _NAMED} more" if len(plain) > _NAMED else ""
+    return (f"Drawn by collision shapes, as visuals cannot be read: {names}{more}.",)
+
+
+def _shapes(element: _Element, kind: str, meshes: Meshes) -> tuple[Shape, ...]:
+    shapes = list(element.all(kind))
+    if len(shapes) > MAX_SHAPES:
+        raise element.refuse("shapes", len(shapes), f"at most {MAX_SHAPES}")
+    return tuple(_shape(shape, meshes) for shape in shapes)
 
 
 def _tensor(inertial: _Element) -> FloatArray:

@@ -20,7 +20,7 @@ from abi.obstacles.triangle_mesh.repair import clean
 from abi.obstacles.triangle_mesh.surface import Surface
 from abi.robot.bounding_capsules import bounding_capsules
 from abi.robot.robot import Robot
-from abi.robot.robot_files import load_robot, robot_from_archive
+from abi.robot.robot_files import load_plain_robot, robot_from_archive
 from abi.scene import scene_archive
 from abi.scene.scene_file import parse_bytes
 
@@ -166,8 +166,11 @@ def _named(data: object) -> tuple[set[str], set[str]]:
 
 
 def _whole(name: str, files: dict[str, bytes]) -> Robot:
-    """An arm whose links have been put into capsules, as planning will do."""
-    robot = load_robot(name, MeshSource(files))
+    """An arm whose links have been put into capsules, as planning will do.
+
+    Its archive has only meshes in formats of our own readers: the server reads it again.
+    """
+    robot = load_plain_robot(name, MeshSource(files))
     for link in robot.links.values():
         bounding_capsules(link)
     return robot

@@ -76,7 +76,7 @@ class UrdfArmLayer:
         self._links, self._red, self._touching = {}, {}, frozenset()
         for number, carried in enumerate(arm.chain.carried):
             link = arm.chain.robot.links[carried.link]
-            if not link.shapes:
+            if not link.drawn:
                 continue
             pose = np.array(carried.pose)
             if carried.frame < 0:
@@ -115,8 +115,8 @@ class UrdfArmLayer:
 
 
 def link_mesh(link: Link, pose: FloatArray, scale: float, colour: style.Colour) -> trimesh.Trimesh:
-    """Mesh of a link's shapes in the frame that moves it, its metres times ``scale``."""
-    parts = [_shape_mesh(shape, pose @ shape.pose) for shape in link.shapes]
+    """Mesh of what a link is drawn with, in the frame that moves it, its metres times ``scale``."""
+    parts = [_shape_mesh(shape, pose @ shape.pose) for shape in link.drawn]
     mesh = functools.reduce(operator.add, parts)
     mesh.apply_scale(scale)  # type: ignore[no-untyped-call]
     colours = np.tile(np.array([*colour, 255], dtype=np.uint8), (len(mesh.faces), 1))

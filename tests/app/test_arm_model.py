@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 import viser
 
 from abi.arm.arm import Arm
 from abi.arm.urdf_arm import UrdfArm
+from abi.robot.robot_files import robot_from_archive
 from abi.scene.scene import load_scene
-from app.layers.urdf_arm import UrdfArmLayer
+from app.layers.urdf_arm import UrdfArmLayer, link_mesh
 from app.panels.arm import ArmPanel
 from app.session import Session
 from tests.abi.robot.robots import arm, packed
+from tests.abi.robot.test_visuals import dae, looking
 from tests.app.fake_tab import FakeTab, layer, until
 
 
@@ -77,7 +80,19 @@ def test_an_upload_is_an_arm_or_a_sentence(
     assert session.plan.scene.arm.urdf == "own arm.zip"
     assert panel(session).model.tip.value == "d"
 
+    damaged = packed({"own.urdf": looking("a.dae"), "a.dae": b"<COLLADA>"})
+    upload(session, "damaged.zip", damaged)
+    until(lambda: any("visuals cannot be read: a." in sentence for sentence in told))
+
     upload(session, "plain.urdf", arm().encode())
     until(lambda: session.plan is not None and session.plan.scene.arm.urdf == "plain.zip")
     fake.set(panel(session).model.tip, "c")
     until(lambda: session.plan is not None and session.plan.scene.arm.tip == "c")
+
+
+def test_a_link_is_drawn_with_the_triangles_of_its_visual() -> None:
+    robot = robot_from_archive(packed({"r.urdf": looking("a.dae"), "a.dae": dae(0.3)}))
+    meshes = [link_mesh(robot.links[name], np.eye(4), 100.0, (0, 0, 0)) for name in "ab"]
+
+    assert [len(mesh.faces) for mesh in meshes] == [320, 12]
+    np.testing.assert_allclose(meshes[0].bounds, [[-30, -28, -30], [30, 32, 30]], atol=1e-3)

@@ -74,6 +74,13 @@ def read(data: bytes, name: str) -> tuple[FloatArray, IntArray]:
     return vertices, faces
 
 
+def stl(vertices: FloatArray, faces: IntArray) -> bytes:
+    """A binary STL of vertices (n, 3) and triangles (m, 3)."""
+    table = np.zeros(len(faces), _TRIANGLE)
+    table["corners"] = vertices[faces]
+    return bytes(80) + len(table).to_bytes(4, "little") + table.tobytes()
+
+
 def _read_stl(data: bytes) -> tuple[FloatArray, IntArray]:
     """Triangles of an STL; binary when the length fits the count in its header."""
     count = int.from_bytes(data[80:84], "little") if len(data) >= 84 else 0

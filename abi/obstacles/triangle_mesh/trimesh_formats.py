@@ -27,6 +27,8 @@ DAMAGED_ZIP: tuple[type[Exception], ...] = (
 )
 """What reading a zip archive raises that is damaged or needs a password."""
 _ENTITIES = re.compile(rb"<!(?:DOCTYPE|ENTITY)", re.IGNORECASE)
+_ENCODING = re.compile(rb"""<\?xml[^>]{0,100}encoding\s*=\s*["']([^"']*)""")
+_ENCODINGS = (b"utf-8", b"us-ascii", b"ascii", b"iso-8859-1", b"windows-1252")
 _PLY_COUNT = re.compile(rb"element[ \t]+(vertex|face)[ \t]+([0-9]{1,9})[ \t]*\r?\n")
 
 
@@ -85,6 +87,16 @@ def _no_entities(data: bytes) -> int:
     return 0
 
 
+def _plain_xml(data: bytes) -> int:
+    """Refuse entities, and what would hide them: other encodings, an archive behind the text."""
+    encoding = _ENCODING.search(data[:200])
+    if b"\0" in data or (encoding and encoding[1].lower() not in _ENCODINGS):
+        raise ValueError("an XML file in UTF-8")
+    if zipfile.is_zipfile(io.BytesIO(data)):
+        raise ValueError("an XML file without an archive in it")
+    return _no_entities(data)
+
+
 def _archive(data: bytes) -> int:
     for name, content in _unpacked(data):
         if name.lower().endswith((".model", ".rels", ".xml")):
@@ -111,5 +123,5 @@ def _modest(faces: int) -> int:
     return faces
 
 
-_CHECKS = {".ply": _ply_faces, ".off": _off_faces, ".3mf": _archive, ".dae": _no_entities}
+_CHECKS = {".ply": _ply_faces, ".off": _off_faces, ".3mf": _archive, ".dae": _plain_xml}
 SUFFIXES = tuple(_CHECKS)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import resource
 import threading
 from collections.abc import Iterator
@@ -19,6 +20,7 @@ from app.guard.reader import Limits, Reader, StoppedError
 from tests.abi import meshes
 from tests.abi.robot.robots import arm, packed
 from tests.abi.robot.test_robot_files import HOSTILE
+from tests.abi.robot.test_visuals import ENTITY, dae, looking
 
 
 @pytest.fixture(scope="module")
@@ -56,6 +58,36 @@ def test_a_scene_comes_with_its_meshes_and_its_arm(reader: Reader) -> None:
     )
     np.testing.assert_array_equal(surface.vertices, other.vertices)
     assert reader.arm(arm().encode(), "plain.urdf").links.keys() == scene.arm.robot.links.keys()
+
+
+def test_an_arm_comes_without_the_dae_that_it_is_drawn_with(reader: Reader) -> None:
+    files: dict[str, str | bytes] = {"a.urdf": looking("a.dae"), "a.dae": dae(0.3)}
+    robot = reader.arm(packed(files), "a.zip")
+
+    assert [len(shape.faces) for shape in robot.links["a"].drawn] == [320]
+    assert b".dae.plain.stl" in robot.archive
+    files["a.dae"] = ENTITY
+    assert "cannot be read: a." in reader.arm(packed(files), "a.zip").notes[0]
+    assert not reader.lost
+    assert not reader.faults
+
+
+@pytest.mark.slow
+def test_a_dae_whose_parts_double_again_and_again_is_refused() -> None:
+    reader = Reader(Limits(seconds=1))
+    nodes = "".join(
+        f'<node id="n{k}">' + f'<instance_node url="#n{k - 1}"/>' * 2 + "</node>"
+        for k in range(1, 40)
+    )
+    first = dae(0.1).decode().replace('<node id="node0"', '<node id="n0"', 1)
+    bomb = re.sub(r"(?s)(<visual_scene [^>]*>)(.*?)(</visual_scene>)", rf"\1\2{nodes}\3", first)
+    assert bomb.count("<instance_node") == 78
+    try:
+        with pytest.raises(SceneError, match="less time and memory"):
+            reader.arm(packed({"a.urdf": looking("a.dae"), "a.dae": bomb}), "a.zip")
+        assert len(reader.lost) == 1
+    finally:
+        reader.close()
 
 
 @pytest.mark.parametrize("name", HOSTILE)

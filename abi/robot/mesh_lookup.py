@@ -1,0 +1,101 @@
+"""Meshes of a robot's archive: found, read once, and counted."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from pathlib import PurePosixPath
+
+from abi.arrays import FloatArray, IntArray
+from abi.errors import SceneError
+from abi.obstacles.triangle_mesh import stl_obj, trimesh_formats
+
+MAX_TRIANGLES = 500_000
+"""Of all shapes of a robot, one that is there twice counted twice."""
+_PLAIN = ".plain.stl"
+"""Added to the name of a file that has been turned into an STL."""
+_LARGEST_UNIT = 1e4
+_UNIT = re.compile(rb"""<unit\b[^>]{0,200}?\bmeter\s*=\s*["']\s*([0-9.eE+-]{1,40})\s*["']""")
+
+
+class MeshLookup:
+    """Meshes of an archive: where the URDF says, or the only file of that name.
+
+    Args:
+        files: content by path.
+        folder: of the URDF.
+    """
+
+    def __init__(self, files: Mapping[str, bytes], folder: PurePosixPath) -> None:
+        self._files, self._folder = files, folder
+        self._read: dict[str, tuple[FloatArray, IntArray]] = {}
+        self._taken: set[str] = set()
+        self._triangles = 0
+
+    def __call__(self, name: str) -> tuple[FloatArray, IntArray]:
+        """Vertices and faces of the mesh that a URDF calls ``name``.
+
+        Raises:
+            SceneError: it is not there, not read, or one too many.
+        """
+        found = self._path(name)
+        if found not in self._read:
+            self._read[found] = _mesh(self._files[found], PurePosixPath(found).name)
+        vertices, faces = self._read[found]
+        if self._triangles + len(faces) > MAX_TRIANGLES:
+            expected = f"meshes of at most {MAX_TRIANGLES:,} triangles in all"
+            raise SceneError("arm.urdf mesh", name, expected)
+        self._triangles += len(faces)
+        self._taken.add(found)
+        return vertices, faces
+
+    def plain(self) -> dict[str, bytes]:
+        """Files of the meshes that were taken; an STL each of those that trimesh reads."""
+        plain = {}
+        for path in sorted(self._taken):
+            if is_plain(path):
+                plain[path] = self._files[path]
+            else:
+                plain[path + _PLAIN] = stl_obj.stl(*self._read[path])
+        return plain
+
+    def _path(self, name: str) -> str:
+        path = (self._folder / name).as_posix()
+        for found in (path, path + _PLAIN):
+            if found in self._files:
+                return found
+        last = PurePosixPath(name).name
+        wanted = (last, last + _PLAIN)
+        same = [file for file in self._files if PurePosixPath(file).name in wanted]
+        if len(same) != 1:
+            raise SceneError("arm.urdf mesh", name, "a file that came with the URDF")
+        return same[0]
+
+
+def is_plain(path: str) -> bool:
+    """Whether a file is not one that trimesh reads."""
+    return PurePosixPath(path).suffix.lower() not in trimesh_formats.SUFFIXES
+
+
+def _mesh(content: bytes, name: str) -> tuple[FloatArray, IntArray]:
+    suffix = PurePosixPath(name).suffix.lower()
+    if suffix not in stl_obj.SUFFIXES:
+        expected = f"a mesh that ends in {', '.join(stl_obj.SUFFIXES)}"
+        raise SceneError("arm.urdf mesh", name, expected)
+    try:
+        vertices, faces = stl_obj.read(content, name)
+    except SceneError as error:
+        raise SceneError("arm.urdf mesh", error.value, error.expected) from None
+    return (vertices * _unit(content, name) if suffix == ".dae" else vertices), faces
+
+
+def _unit(content: bytes, name: str) -> float:
+    """Metres of a DAE's unit, which other programs that show a URDF go by, too."""
+    found = _UNIT.search(content)
+    try:
+        unit = float(found[1]) if found else 1.0
+    except ValueError:
+        unit = 0.0
+    if not 0 < unit <= _LARGEST_UNIT:
+        raise SceneError("arm.urdf mesh", name, "a DAE whose unit is a length")
+    return unit

@@ -1,0 +1,167 @@
+"""What a link is drawn with: its visuals where they can be read, else its collision shapes."""
+
+from __future__ import annotations
+
+import io
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+
+from abi.obstacles.triangle_mesh import trimesh_formats
+from abi.obstacles.triangle_mesh.mesh_source import MeshSource
+from abi.robot import mesh_lookup
+from abi.robot.bounding_capsules import bounding_capsules
+from abi.robot.robot import Robot, Shape
+from abi.robot.robot_files import SHIPPED, load_plain_robot, load_robot, robot_from_archive
+from tests.abi.robot.robots import arm, packed
+from tests.abi.robot.test_bounding_capsules import lacks
+
+ENTITY = b'<?xml version="1.0"?><!DOCTYPE a [<!ENTITY b SYSTEM "file:///etc/passwd">]><a>&b;</a>'
+
+
+def dae(radius: float, unit: float = 1.0) -> bytes:
+    """A ball of 320 triangles, in a DAE of that unit."""
+    ball = trimesh.creation.icosphere(subdivisions=2, radius=radius / unit)
+    content = ball.export(file_type="dae")
+    assert isinstance(content, bytes)
+    return content.replace(b"<asset>", f'<asset><unit name="u" meter="{unit}"/>'.encode(), 1)
+
+
+def looking(*names: str, text: str | None = None) -> str:
+    """The arm whose link ``a`` has visuals of these files beside its box."""
+    looks = "".join(
+        f'<visual><origin xyz="0 0.02 0"/><geometry><mesh filename="{name}"/></geometry></visual>'
+        for name in names
+    )
+    return (text or arm()).replace("</link>", f"{looks}</link>", 1)
+
+
+def read(files: dict[str, str | bytes]) -> tuple[Robot, Robot]:
+    """The robot of a zip, and what becomes of it where no DAE may be left."""
+    content = packed(files)
+    source = MeshSource({"r.zip": content})
+    return robot_from_archive(content), load_plain_robot("r.zip", source)
+
+
+def corners(shapes: tuple[Shape, ...]) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
+    parts = [shape.vertices @ shape.pose[:3, :3].T + shape.pose[:3, 3] for shape in shapes]
+    return np.concatenate(parts)
+
+
+@pytest.mark.parametrize(("radius", "unit"), [(0.1, 1.0), (0.4, 0.01)])
+def test_a_link_is_drawn_with_its_visual_and_its_capsules_hold_it(
+    radius: float, unit: float
+) -> None:
+    for robot in read({"x/a.urdf": looking("meshes/a.dae"), "x/meshes/a.dae": dae(radius, unit)}):
+        link = robot.links["a"]
+        box = np.array(np.meshgrid(*((-h, h) for h in (0.05, 0.05, 0.15)))).reshape(3, -1).T
+        drawn = corners(link.drawn)
+
+        assert robot.notes == ()
+        assert [shape.kind for shape in link.shapes] == ["box"]
+        assert [len(shape.faces) for shape in link.drawn] == [320]
+        middle = (drawn.min(axis=0) + drawn.max(axis=0)) / 2
+        np.testing.assert_allclose(middle, (0, 0.02, 0), atol=1e-6)
+        assert np.abs(drawn).max() == pytest.approx(radius + 0.02, rel=1e-5)
+        assert lacks(bounding_capsules(link), np.concatenate([box, drawn])) <= 0
+        assert robot.links["b"].drawn == robot.links["b"].shapes
+
+
+def test_a_visual_inside_the_capsules_changes_none() -> None:
+    plain = robot_from_archive(packed({"a.urdf": arm()})).links["a"]
+    for radius, same in ((0.04, True), (0.2, False)):
+        files: dict[str, str | bytes] = {"a.urdf": looking("a.dae"), "a.dae": dae(radius)}
+        before, after = map(bounding_capsules, (plain, read(files)[0].links["a"]))
+        flat = [np.hstack([*map(np.hstack, capsules)]) for capsules in (before, after)]
+        assert np.array_equal(flat[0], flat[1]) is same
+
+
+def test_no_dae_is_left_for_the_server(monkeypatch: pytest.MonkeyPatch) -> None:
+    bottom = arm(('<box size="0.1 0.1 0.3"/>', '<mesh filename="solid.dae"/>'))
+    files: dict[str, str | bytes] = {
+        "a.urdf": looking("a.dae", text=bottom),
+        "a.dae": dae(0.1),
+        "solid.dae": dae(0.2),
+        "unused.dae": b"x",
+    }
+    robot, plain = read(files)
+
+    assert plain.urdf == robot.urdf
+    with zipfile.ZipFile(io.BytesIO(plain.archive)) as archive:
+        assert not [name for name in archive.namelist() if name.endswith(".dae")]
+    robot_from_archive.cache_clear()
+    monkeypatch.setattr(trimesh_formats, "read", None)
+    again = load_plain_robot("r.zip", MeshSource({"r.zip": plain.archive}))
+    assert again.archive == plain.archive
+    for kind in ("shapes", "drawn"):
+        first, second = (getattr(one.links["a"], kind)[0] for one in (robot, again))
+        np.testing.assert_allclose(
+            second.vertices[second.faces], first.vertices[first.faces], atol=1e-7
+        )
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        b"x",
+        b"",
+        ENTITY,
+        ENTITY.decode().encode("utf-16"),
+        dae(0.1)[:-200],
+        dae(0.1) + packed({"b.dae": dae(0.1)}),
+        dae(0.1).replace(b'meter="1.0"', b'meter="1e300"'),
+        b'<?xml version="1.0" encoding="utf-7"?>+ADwAIQ-DOCTYPE a>',
+        None,
+    ],
+    ids=["text", "empty", "entity", "utf-16", "cut off", "archive", "unit", "utf-7", "missing"],
+)
+def test_a_visual_that_cannot_be_read_leaves_the_shape_and_a_sentence(
+    content: bytes | None,
+) -> None:
+    files: dict[str, str | bytes] = {"a.urdf": looking("b.dae", "a.dae"), "b.dae": dae(0.1)}
+    if content is not None:
+        files["a.dae"] = content
+    for robot in read(files):
+        assert robot.notes == ("Drawn by collision shapes, as visuals cannot be read: a.",)
+        assert [shape.kind for shape in robot.links["a"].drawn] == ["box"]
+
+
+@pytest.mark.parametrize("name", ["../a.dae", "/etc/passwd", "http://127.0.0.1/a.dae"])
+def test_a_visual_elsewhere_is_not_looked_for(name: str, tmp_path: Path) -> None:
+    (tmp_path / "a.dae").write_bytes(dae(0.1))
+    folder = tmp_path / "scene"
+    folder.mkdir()
+    (folder / "a.urdf").write_text(looking(name))
+    robot = load_robot("a.urdf", MeshSource(folder=folder))
+
+    assert robot.links["a"].drawn == robot.links["a"].shapes
+    assert robot.notes
+
+
+def test_visuals_beside_a_urdf_come_along(tmp_path: Path) -> None:
+    (tmp_path / "a.dae").write_bytes(dae(0.1))
+    (tmp_path / "a.urdf").write_text(looking("package://r/a.dae"))
+    robot = load_robot("a.urdf", MeshSource(folder=tmp_path))
+
+    assert [len(shape.faces) for shape in robot.links["a"].drawn] == [320]
+
+
+def test_visuals_take_no_triangles_from_the_shapes(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(mesh_lookup, "MAX_TRIANGLES", 600)
+    box, first = '<box size="0.1 0.1 0.3"/>', '<box size="0.1 0.1 0.2"/>'
+    solid = arm((box, first), (box, '<mesh filename="big.dae"/>'))
+    for robot in read({"a.urdf": looking("big.dae", text=solid), "big.dae": dae(0.1)}):
+        assert [shape.kind for shape in robot.links["b"].shapes] == ["mesh"]
+        assert [shape.kind for shape in robot.links["a"].drawn] == ["box"]
+        assert robot.notes
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_shipped_arms_are_drawn_by_their_shapes(name: str) -> None:
+    robot = load_robot(name, MeshSource())
+
+    assert not robot.notes
+    assert all(link.drawn is link.shapes for link in robot.links.values())
