@@ -51,7 +51,11 @@ def remove_abandoned() -> int:
     if not are_possible():
         return 0
     removed = 0
-    for folder in Path(tempfile.gettempdir()).glob(f"{PREFIX}*"):
+    try:
+        where = Path(tempfile.gettempdir())
+    except FileNotFoundError:  # nothing can be written, as in a container that is read-only
+        return 0
+    for folder in where.glob(f"{PREFIX}*"):
         with contextlib.suppress(OSError):
             if _is_abandoned(folder):
                 shutil.rmtree(folder)

@@ -198,7 +198,9 @@ def test_after_an_edit_only_what_depends_on_it_is_compiled_anew(tmp_path: Path) 
     # in a file that one of the kernels takes functions from
     helper = ours / "obstacles" / "primitive_kernels.py"
     before = helper.read_text()
-    helper.write_text(before.replace("return most - core[3]", "return most - 1.0 * core[3]"))
+    helper.write_text(
+        before.replace("return most - core.radius", "return most - 1.0 * core.radius")
+    )
     assert helper.read_text() != before
     assert run(CACHED, **there).split() == ["1", "0"]
     assert len(list(tmp_path.rglob("*.nbi"))) == kept

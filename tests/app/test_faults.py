@@ -46,7 +46,7 @@ def _fail(error: Exception) -> Callable[..., Any]:
         ("_exclude", MemoryError(), "not enough memory"),
         ("_bspline", MemoryError(), "not enough memory"),
         ("_graph", RuntimeError("of our own"), "a fault of its own"),
-        ("_tilt", ZeroDivisionError(), "a fault of its own"),
+        ("_profile", ZeroDivisionError(), "a fault of its own"),
     ],
 )
 def test_a_stage_that_breaks_keeps_the_last_plan_and_the_session(

@@ -6,7 +6,9 @@ import asyncio
 import os
 import signal
 import time
-from collections.abc import Iterator
+from collections.abc import Coroutine, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any, TypeVar
 
 import pytest
 
@@ -20,12 +22,20 @@ from benchmarks.tabs import SCENE, open_tabs
 from benchmarks.web_tab import WebTab
 from tests.app.fake_tab import until
 
+Result = TypeVar("Result")
+
 FEW = 150
 """Messages that a page can be behind with: one for each thing that a drag changes."""
 ENOUGH = 5.0
 """Seconds after which a run is ended that would last longer; every tab has dragged by then."""
 PLANS = 10
 """Plans whose messages, about 35 each, would be far more than that."""
+
+
+def run_apart(work: Coroutine[Any, Any, Result]) -> Result:
+    """Run in a thread of its own: browser tests leave a loop running in the main one."""
+    with ThreadPoolExecutor(1) as pool:
+        return pool.submit(asyncio.run, work).result()
 
 
 @pytest.fixture
@@ -38,7 +48,7 @@ def crowd() -> Iterator[Server]:
 @pytest.mark.slow
 def test_all_tabs_end_with_the_right_curve_beside_a_slow_and_a_frozen_one(crowd: Server) -> None:
     told: dict[str, float] = {}
-    result = asyncio.run(
+    result = run_apart(
         soak(
             *(crowd.url, 3, 600.0, 1.0, 2.5, 0.5),
             watch=lambda moment, figures: told.setdefault(moment, time.monotonic()),
@@ -74,7 +84,7 @@ def test_what_a_frozen_tab_has_not_read_does_not_grow(crowd: Server) -> None:
         await freeze(tab)
         await tab.close()
 
-    asyncio.run(run())
+    run_apart(run())
 
 
 def test_a_summary_tells_the_slowest_tab_and_every_stale_drag() -> None:
