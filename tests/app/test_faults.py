@@ -76,6 +76,7 @@ def test_a_stage_that_breaks_keeps_the_last_plan_and_the_session(
     assert session.plan.error is None
 
 
+@pytest.mark.slow
 def test_going_back_after_a_fault_shows_the_last_plan_as_it_is(
     tab: tuple[FakeTab, Session], notices: list[str]
 ) -> None:

@@ -234,6 +234,7 @@ def test_a_mesh_shrinks_about_its_middle(
     np.testing.assert_allclose(np.subtract(*after), factor * np.subtract(*before), atol=1e-6)
 
 
+@pytest.mark.slow
 def test_plots_are_there_when_there_is_motion(tab: tuple[FakeTab, Session]) -> None:
     fake, session = tab
     plots: list[viser.GuiUplotHandle] = list(layer(session, PlotsLayer)._plots)

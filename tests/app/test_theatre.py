@@ -236,6 +236,7 @@ def test_a_step_is_kept_and_comes_back(tab: tuple[FakeTab, Session]) -> None:
     assert session.frame.theatre.state.step == 25
 
 
+@pytest.mark.slow
 def test_the_comparison_follows_a_small_plan(tab: tuple[FakeTab, Session]) -> None:
     fake, session = tab
     panel = session.panels.comparison

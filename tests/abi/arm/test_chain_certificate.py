@@ -100,6 +100,7 @@ def test_no_point_moves_farther_than_the_levers_say(name: str, seed: int) -> Non
     assert (moved <= allowed + 1e-9).all()
 
 
+@pytest.mark.slow
 @settings(max_examples=30)
 @given(st.sampled_from(ARMS), seeds)
 def test_nothing_comes_nearer_than_what_is_proven(name: str, seed: int) -> None:

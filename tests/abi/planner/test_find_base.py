@@ -110,6 +110,7 @@ def test_a_wrong_corner_is_named(
         find_base(scene, low, high)
 
 
+@pytest.mark.slow
 def test_a_region_may_be_a_line_or_a_point(scene: abi.Scene, found: BaseMap) -> None:
     assert found.best is not None
     point = find_base(scene, found.best.base, found.best.base)
@@ -119,6 +120,7 @@ def test_a_region_may_be_a_line_or_a_point(scene: abi.Scene, found: BaseMap) -> 
     assert all(trial.base[1:] == (8.0, 0.0) for trial in line.trials)
 
 
+@pytest.mark.slow
 def test_a_large_mesh_is_tried_on_a_coarser_one_and_confirmed(
     scene: abi.Scene, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -73,6 +73,7 @@ def test_the_workers_of_a_scheduler_find_the_same(rows: list[Row]) -> None:
         assert untimed(sweep(STUDY, scheduler=one.scheduler_address)) == untimed(rows)
 
 
+@pytest.mark.slow
 def test_a_study_goes_on_where_it_was_stopped(rows: list[Row], tmp_path: Path) -> None:
     def stop(done: int, of: int) -> None:
         if done >= 18:
@@ -142,6 +143,7 @@ def test_without_dask_a_sentence_says_how_to_get_it(monkeypatch: pytest.MonkeyPa
     assert "abi-visualiser[sweep]" in caught.value.hint
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("address", ["tcp://127.0.0.1:1", "nowhere", "ftp://127.0.0.1:1"])
 def test_a_scheduler_that_does_not_answer_is_named(
     address: str, monkeypatch: pytest.MonkeyPatch

@@ -36,6 +36,7 @@ def file_of(suffix: str) -> bytes:
     return content if isinstance(content, bytes) else str(content).encode()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("suffix", SUFFIXES)
 def test_a_mesh_is_the_one_that_is_read_here(reader: Reader, suffix: str) -> None:
     content, name = file_of(suffix), f"ball{suffix}"
