@@ -163,8 +163,10 @@ def swatch_style(colours: Iterable[tuple[viser.GuiCheckboxHandle, Colour]]) -> s
 def player_style(stretches: Iterable[tuple[float, float]], end: float) -> str:
     """Style sheet that makes stretches of the player's slider red, which runs from 0 to ``end``.
 
-    A short one is made as wide as can be seen.
+    A short one is made as wide as can be seen. The player of no motion is hidden.
     """
+    if end == 0:
+        return "<style>#abi-overlay .abi-player{visibility:hidden}</style>"
     stops, reached = [], 0.0
     for first, last in sorted(stretches):
         low, high = max(100 * first / end - 0.5, reached), min(100 * last / end + 0.5, 100.0)

@@ -36,6 +36,7 @@ class PlaybackPanel:
         self.playing = True
         self._wake = wake
         self._marked: ArmClearance | None = None
+        self._moves = True
         self._written = 0.0
         self._time, self._rate = 0.0, 1.0
         self._presses = self._taken = 0
@@ -93,12 +94,12 @@ class PlaybackPanel:
         return shown
 
     def mark(self, clearance: ArmClearance | None, duration: float) -> None:
-        """Colour the times at which the arm touches something."""
-        if clearance is self._marked:
+        """Colour the times at which the arm touches something; no player without a motion."""
+        if clearance is self._marked and (duration > 0) == self._moves:
             return
-        self._marked = clearance
+        self._marked, self._moves = clearance, duration > 0
         contacts = () if clearance is None else clearance.contacts
-        stretches = [(one.first, one.last) for one in contacts] if duration > 0 else []
+        stretches = [(one.first, one.last) for one in contacts]
         self._overlay.show("marks", page.player_style(stretches, duration))
 
     def _toggle(self, event: object) -> None:

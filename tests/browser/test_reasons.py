@@ -35,6 +35,8 @@ def test_a_walled_in_goal_says_by_what_and_draws_no_path(page: Page, session: Se
     (sentence,) = page.complaints()
     assert "A smaller clearance or a finer grid does not help (tested)." in sentence
     assert _offers(page) == 1
+    player = page.tab.locator(".abi-player")
+    page.until(lambda: not player.is_visible(), "the player of no motion to go")
 
     assert session.plan is not None
     assert session.plan.graph is not None
@@ -55,6 +57,7 @@ def test_a_walled_in_goal_says_by_what_and_draws_no_path(page: Page, session: Se
     page.until(lambda: not page.props(gizmo)["disable_axes"], "its arrows")
     page.click(f"Remove obstacle {named[1]}")
     page.until(lambda: session.plan.path is not None, "a path")  # type: ignore[union-attr]
+    page.until(player.is_visible, "the player")
     page.until(lambda: len(drawn.obstacles(page)) == 5, "one obstacle less")
     page.click("Undo")
     page.until(lambda: session.plan.scene == abi.load_scene("no-way"), "the scene as it was")  # type: ignore[union-attr]
