@@ -13,26 +13,24 @@ from dataclasses import replace
 
 import viser
 
-from abi import assets, compiling
+from abi import assets
 from abi.errors import AbiError, SceneError
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
-from abi.planner.diagnosis import explain
-from abi.planner.live_planner import LivePlanner
 from abi.planner.plan import Plan
 from abi.scene.scene import Scene
 from app import memory, metrics, page
 from app.bug_report import bug_report, describe_fault
 from app.classroom import Classroom
-from app.demo import FRAME, Demo
 from app.frame import Frame
 from app.labels import sentence
-from app.layout import TITLE
 from app.lessons.cue import Cue
 from app.lessons.lesson import Library
 from app.look import Look
 from app.panels.classroom import ClassroomPanel
+from app.pause import IDLE, REST, Pause
 from app.shared_plans import SharedPlans
 from app.tab_memory import Report, TabMemory
+from app.tab_planner import TabPlanner
 from app.tab_state import TabState
 from app.tab_view import TabView
 from app.turns import TURNS
@@ -41,20 +39,6 @@ _log = logging.getLogger("abi.tab")
 
 SLOW_MS = 120.0
 """Where the last plan took longer, it is drawn in grey while the next is made."""
-LOGGED_MS = 1000.0
-"""A plan that takes longer has a line in the log."""
-REST = 0.3
-"""Seconds without input that make a pause: time to plan in full, and to diagnose."""
-IDLE = 1.0
-"""Seconds after which an idle tab looks whether the hand has moved its camera."""
-UNUSED = 300.0
-"""Seconds without input after which a tab gives back what it keeps only to plan faster."""
-PHONE = 600
-"""Width of a page, [px], below which viser makes the panels one sheet over the scene."""
-NARROW = 1000
-"""Width of a page, [px], below which both panels would leave the scene little room."""
-LIGHTS_DELAY = 1.5
-"""Seconds in which even weak graphics have drawn the first plan."""
 
 
 class Session:
@@ -82,17 +66,13 @@ class Session:
         self.frame = Frame(Plan(scene))
         self.plans = 0
         self._scene = scene
-        self._planner = LivePlanner(compile=False)
-        self._last_input = self._woken = 0.0
-        self._diagnosed: Plan | None = None
+        self._planner = TabPlanner(client.client_id)
+        self._woken = 0.0
         self._fault: str | None = None
         self._broken = False
         self._changed = threading.Event()
         self._planned = planned
         self._closing = False
-        self._has_lights = look.plain
-        self._has_memory = True
-        self._compiled = compiling.is_done()
         page.install(client)
         self._memory = TabMemory(client, self.wake)
         self._look = look
@@ -102,7 +82,9 @@ class Session:
             self._class: ClassroomPanel | None = None
             if classroom is not None:
                 self._class = self._view.join(classroom, self.wake, self._changed.set)
-        self._demo = Demo(self.panels.obstacles)
+        self._pause = Pause(
+            client, self.panels, self._planner, self._changed.is_set, has_lights=look.plain
+        )
         self._demonstrated = False  # whether the scene is where the demonstration left it
         self._changed.set()
         self._worker = threading.Thread(
@@ -180,24 +162,24 @@ class Session:
 
     def _step(self, woken: bool) -> None:
         """Do what there is to do: on input, in a pause, and for the playback."""
+        demo = self._pause.demo
         self._view.viewpoint.fit()
         if woken:
-            self._demonstrated = self._demo.running
-            self._demo.end()
+            self._demonstrated = demo.running
+            demo.end()
             self._broken = False
-            self._has_memory = True
-            self._last_input = time.monotonic()
+            self._pause.begin()
             self._update()
-        elif self._demo.running:
-            self._demo.step()
-            self._last_input = time.monotonic()
+        elif demo.running:
+            demo.step()
+            self._pause.begin(input=False)
             self._update()
         elif not self._broken:
-            if time.monotonic() - self._last_input >= REST:
-                self._use_pause()
+            if self._pause.seconds >= REST:
+                self._rest()
             if self._view.timeout(self.frame) is not None:
                 self._draw(self.frame)
-        if not self._demo.running:
+        if not demo.running:
             state = self._state()
             self._memory.keep(state)
             if self._class is not None:
@@ -221,13 +203,8 @@ class Session:
         """Time to wait for input, [s]."""
         if self._broken:
             return IDLE
-        if self._demo.running:
-            return FRAME
-        incomplete = self.frame.interactive or self.frame.partial or self._undiagnosed()
-        idle = self._has_lights and self._compiled and not incomplete and not self._demo.wanted
-        pending = (self._view.timeout(self.frame), self.panels.stages.bases.timeout())
-        due = [seconds for seconds in pending if seconds is not None]
-        return min(due, default=IDLE if idle else REST)
+        picture, pause = self._view.timeout(self.frame), self._pause.timeout(self.frame)
+        return pause if picture is None else min(picture, pause)
 
     def _update(self) -> None:
         """Plan and draw what the panels show."""
@@ -268,7 +245,7 @@ class Session:
     def _export(self) -> None:
         """Send the plan as a file, in full."""
         if self._planner.partial:
-            self._show(self._observed(self._planner.finish(self._scene)))
+            self._show(self._planner.finish(self._scene))
         self.panels.exports.send(self.frame.plan)
 
     def _read(self) -> Scene:
@@ -286,15 +263,9 @@ class Session:
 
     def _restore(self, report: Report) -> bool:
         """Bring back what the page or a link remembers; False where that is nothing."""
-        if self._look.dark is None:
-            self.panels.layer_switches.restore(None, report.dark)
-        if report.width < PHONE:
-            page.fold_sheet(self.client, TITLE)
-        elif report.width < NARROW:
-            self.panels.fold()
-        self.panels.lessons.recall(report.lessons)
+        self._view.fit_page(report, self._look.dark)
         if not report.state:
-            self._demo.wanted = self._look.demo and report.query.get("demo") != "0"
+            self._pause.demo.wanted = self._look.demo and report.query.get("demo") != "0"
             return False
         meshes = MeshSource(self._scene.meshes.files, assets.path("scenes"))
         try:
@@ -329,26 +300,11 @@ class Session:
         if scene.workspace != self._scene.workspace or self.panels.files.loaded is scene:
             self._view.look_at(scene)
         self._scene = scene
-        if shared is not None and (made := shared.find(scene)) is not None:
-            self._planner.adopt(scene)
+        if (made := self._planner.take(scene, shared)) is not None:
             return made
         if self.frame.plan.total_ms > SLOW_MS:
             self._draw(replace(self.frame, outdated=True))
-        plan = self._observed(self._planner(scene))
-        if shared is not None and not self._planner.partial:
-            shared.keep(plan)
-        return plan
-
-    def _observed(self, plan: Plan) -> Plan:
-        """The plan, counted."""
-        metrics.observe_plan(plan.total_ms / 1e3, self.frame.plan.ms, plan.ms)
-        if plan.total_ms > LOGGED_MS:
-            nodes = 0 if plan.mesh is None else len(plan.mesh.points)
-            _log.info(
-                "slow plan",
-                extra={"tab": self.client.client_id, "ms": plan.total_ms, "nodes": nodes},
-            )
-        return plan
+        return self._planner(scene, shared)
 
     def _show(self, plan: Plan, interactive: bool = False) -> None:
         """Draw a plan; ``interactive`` while the input may still change."""
@@ -370,50 +326,19 @@ class Session:
         if self.panels.lessons.waiting:
             self._changed.set()
 
-    def _use_pause(self) -> None:
-        """Do one thing that takes longer than a frame, since there is no input."""
+    def _rest(self) -> None:
+        """Complete what the input has left incomplete; after that, use the pause."""
         if self._planner.partial:
             if self._planner.coarse:
                 self._draw(replace(self.frame, outdated=True))
-            self._show(self._observed(self._planner.finish(self._scene)))
+            self._show(self._planner.finish(self._scene))
             return
         if not self.panels.held:
             self.panels.history.note(self._scene)
         if self.frame.interactive:
             self._draw(replace(self.frame, interactive=False))
-        if self._undiagnosed():
-            self._diagnose()
-        elif self.panels.stages.bases.running:
-            self.panels.stages.bases.step(self._scene)
-            self._draw(self.frame)
-        elif not self._has_lights and time.monotonic() - self._last_input >= LIGHTS_DELAY:
-            self._add_lights()
-        elif not self._compiled and compiling.is_done():
-            self._compiled = True
-            if self.plans and self.frame.plan.error is None:
-                self._planner = LivePlanner(compile=False)  # for the times of compiled code
-                self._show(self._observed(self._planner.finish(self._scene)))
-        elif self._demo.wanted and self._compiled:
-            self._demo.begin(self._scene)
-        elif self._has_memory and time.monotonic() - self._last_input >= UNUSED:
-            self._has_memory = False
-            self._planner.forget()
-            memory.give_back_soon()
-
-    def _undiagnosed(self) -> bool:
-        return self.frame.plan.error is not None and self.frame.plan is not self._diagnosed
-
-    def _diagnose(self) -> None:
-        """Find out why there is no plan, until there is input."""
-        plan = self.frame.plan
-        reason = explain(plan.scene, plan, self._changed.is_set)
-        if not self._changed.is_set():
-            self._diagnosed = plan
-            self._draw(replace(self.frame, reason=reason))
-
-    def _add_lights(self) -> None:
-        """Add lights and surroundings, which take weak graphics seconds to draw."""
-        self._has_lights = True
-        with self.client.atomic():
-            self.client.scene.configure_default_lights()
-            self.client.scene.configure_environment_map()
+        frame = self._pause.use(self.frame, self._scene)
+        if frame.plan is not self.frame.plan:
+            self._show(frame.plan)
+        elif frame is not self.frame:
+            self._draw(frame)

@@ -11,12 +11,14 @@ import viser
 from abi.arm.urdf_arm import UrdfArm
 from abi.planner.plan import Plan
 from abi.scene.scene import Scene
+from app import page
 from app.camera import View, Viewpoint
 from app.classroom import Classroom
 from app.demo import FRAME
 from app.frame import Drawable, Frame, Switchable
 from app.layers.catalogue import DETAILS, LAYERS, SLOW_LAYERS
 from app.layers.details import Details
+from app.layout import TITLE
 from app.lessons.cue import Cue
 from app.lessons.lesson import Library
 from app.panels.all_panels import AllPanels
@@ -25,11 +27,16 @@ from app.panels.obstacle_gizmos import ObstacleGizmos
 from app.panels.playback import PlaybackPanel
 from app.panels.stage_headers import StageHeaders
 from app.panels.widgets import Wake
+from app.tab_memory import Report
 from app.tab_state import TabState
 from app.turns import TURNS
 
 TICK = 0.25
 """Seconds after which links that touch are red, and the arm's ghost follows, while it plays."""
+PHONE = 600
+"""Width of a page, [px], below which viser makes the panels one sheet over the scene."""
+NARROW = 1000
+"""Width of a page, [px], below which both panels would leave the scene little room."""
 _FACED = 40
 """Points of the curve that the camera looks for."""
 _SWITCHABLE: tuple[type[Switchable], ...] = (*LAYERS, ObstacleGizmos, *SLOW_LAYERS)
@@ -120,6 +127,19 @@ class TabView:
         frame = replace(frame, time=now, playing=playing, rate=rate)
         bases = self.panels.stages.bases.found(frame.plan.scene)
         return replace(frame, theatre=self.panels.theatre.advance(frame), bases=bases)
+
+    def fit_page(self, report: Report, dark: bool | None) -> None:
+        """Fit the panels to the page's size, and its colours to the system's unless ``dark`` says.
+
+        What the browser remembers of lessons counts in every tab.
+        """
+        if dark is None:
+            self.panels.layer_switches.restore(None, report.dark)
+        if report.width < PHONE:
+            page.fold_sheet(self._client, TITLE)
+        elif report.width < NARROW:
+            self.panels.fold()
+        self.panels.lessons.recall(report.lessons)
 
     def face(self, plan: Plan) -> None:
         """Turn the camera to where the first plan of a scene is seen well."""

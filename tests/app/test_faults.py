@@ -55,7 +55,7 @@ def test_a_stage_that_breaks_keeps_the_last_plan_and_the_session(
     fake, session = tab
     until(lambda: session.resting)
     good = session.plan
-    planner = session._planner._planner
+    planner = session._planner.live._planner
     whole = getattr(planner, stage)
     setattr(planner, stage, _fail(error))
     fake.drag(session.panels.obstacles.gizmos[0], [3.0, 3.0, 2.5])
@@ -83,7 +83,7 @@ def test_going_back_after_a_fault_shows_the_last_plan_as_it_is(
     fake, session = tab
     until(lambda: session.resting)
     good, speed = session.plan, session.panels.stages.motion.speed
-    planner = session._planner._planner
+    planner = session._planner.live._planner
     before, whole = speed.value, planner._profile
     planner._profile = _fail(RuntimeError())  # type: ignore[assignment]
     fake.set(speed, before + 1)

@@ -139,8 +139,8 @@ def test_a_wrong_number_is_told_of_until_it_is_mended(tab: tuple[FakeTab, Sessio
     # at rest the good scene is planned anew, as it is once everything is compiled
     plans = session.plans
     compiling.compile()
-    session._compiled = False
-    until(lambda: session.plans > plans and session._compiled)
+    session._pause.compiled = False
+    until(lambda: session.plans > plans and session._pause.compiled)
     assert "The cruise speed must be" in shown["message"]
     assert session.frame.refused is not None
 

@@ -11,7 +11,7 @@ import viser
 
 from abi.export.formats import FORMATS
 from abi.scene.scene import load_scene
-from app import session as sessions
+from app import pause
 from app.address import Address
 from app.layers.arm import ArmLayer
 from app.server import Server, start
@@ -53,11 +53,11 @@ def test_an_unused_tab_gives_its_memory_back_and_goes_on_as_if_it_had_not(
 ) -> None:
     fake, session = tab
     until(lambda: session.resting)
-    shown, planner = session.plan, session._planner._planner
-    monkeypatch.setattr(sessions, "UNUSED", 0.1)
-    until(lambda: session._planner._planner is not planner)
+    shown, planner = session.plan, session._planner.live._planner
+    monkeypatch.setattr(pause, "UNUSED", 0.1)
+    until(lambda: session._planner.live._planner is not planner)
     monkeypatch.undo()
-    forgotten = session._planner._planner
+    forgotten = session._planner.live._planner
     assert session.plan is shown
 
     fake.drag(session.panels.obstacles.gizmos[0], [3.0, 3.0, 2.0])
@@ -65,7 +65,7 @@ def test_an_unused_tab_gives_its_memory_back_and_goes_on_as_if_it_had_not(
     assert session.plan is not None
     assert session.plan.error is None
     assert len(session.plan.searches) == 3
-    assert session._planner._planner is forgotten
+    assert session._planner.live._planner is forgotten
 
 
 def test_what_was_overtaken_is_not_planned(tab: tuple[FakeTab, Session]) -> None:
@@ -97,7 +97,7 @@ def test_a_fine_mesh_is_coarser_while_the_hand_moves_and_whole_once_it_rests(
         place = session.plan.scene.obstacles[0].position
         return math.isclose(place[2], 2.0) and len(session.plan.searches) == 3
 
-    session._planner.budget.nodes = 6_000
+    session._planner.live.budget.nodes = 6_000
     fake.set(session.panels.stages.mesh.pitch, 0.25)
     for step in range(20):
         fake.drag(session.panels.obstacles.gizmos[0], [3.0, 3.0, 3.0 - step * 0.05])

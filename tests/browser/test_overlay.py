@@ -86,7 +86,7 @@ def test_the_demonstration_ends_at_the_first_touch(chromium: Browser, touched: s
         def scene() -> abi.Scene:
             return session.frame.plan.scene
 
-        page.until(lambda: session._demo.running and scene() != paper, "the demonstration")
+        page.until(lambda: session._pause.demo.running and scene() != paper, "the demonstration")
         if touched == "a button":
             page.click("Pause")
             page.until(lambda: scene() == paper, "the scene as it was")
@@ -94,7 +94,7 @@ def test_the_demonstration_ends_at_the_first_touch(chromium: Browser, touched: s
             (gizmo,) = drawn.obstacles(page)
             x, y = page.pixel(gizmo)
             page.drag((x, y), (x + 50, y + 40))
-            page.until(lambda: session.resting and not session._demo.running, "rest")
+            page.until(lambda: session.resting and not session._pause.demo.running, "rest")
             page.until(lambda: drawn.shows(page, session.plan), "the plan")
             assert scene() != paper
             np.testing.assert_allclose(

@@ -1,0 +1,78 @@
+"""Planner of one tab: its plans are counted, and those of a class shared."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Mapping
+
+from abi.planner.live_planner import LivePlanner
+from abi.planner.plan import Plan
+from abi.scene.scene import Scene
+from app import metrics
+from app.shared_plans import SharedPlans
+
+_log = logging.getLogger("abi.tab")
+
+LOGGED_MS = 1000.0
+"""A plan that takes longer has a line in the log."""
+
+
+class TabPlanner:
+    """A :class:`LivePlanner` whose plans appear in metrics and log.
+
+    Attributes:
+        live: the planner itself.
+    """
+
+    def __init__(self, tab: int) -> None:
+        """Begin with an empty memory, for the tab of this number."""
+        self.live = LivePlanner(compile=False)
+        self._tab = tab
+        self._ms: Mapping[str, float] = {}
+
+    @property
+    def coarse(self) -> bool:
+        """Whether the last plan has a coarser mesh than its scene."""
+        return self.live.coarse
+
+    @property
+    def partial(self) -> bool:
+        """Whether the last plan has that, or one search alone."""
+        return self.live.partial
+
+    def take(self, scene: Scene, shared: SharedPlans | None) -> Plan | None:
+        """The plan of ``scene`` that another tab of the class has made; None without one."""
+        if shared is None or (plan := shared.find(scene)) is None:
+            return None
+        self.live.adopt(scene)
+        self._ms = plan.ms
+        return plan
+
+    def __call__(self, scene: Scene, shared: SharedPlans | None) -> Plan:
+        """Plan within a frame if possible; a full plan is kept among the ``shared`` ones."""
+        plan = self._count(self.live(scene))
+        if shared is not None and not self.partial:
+            shared.keep(plan)
+        return plan
+
+    def finish(self, scene: Scene) -> Plan:
+        """Plan in full, however long it takes."""
+        return self._count(self.live.finish(scene))
+
+    def begin_anew(self, scene: Scene) -> Plan:
+        """Plan in full, with nothing kept from before: for the times of compiled code."""
+        self.live = LivePlanner(compile=False)
+        return self.finish(scene)
+
+    def forget(self) -> None:
+        """Give up what is kept only to plan faster."""
+        self.live.forget()
+
+    def _count(self, plan: Plan) -> Plan:
+        metrics.observe_plan(plan.total_ms / 1e3, self._ms, plan.ms)
+        self._ms = plan.ms
+        if plan.total_ms > LOGGED_MS:
+            nodes = 0 if plan.mesh is None else len(plan.mesh.points)
+            fields = {"tab": self._tab, "ms": plan.total_ms, "nodes": nodes}
+            _log.info("slow plan", extra=fields)
+        return plan
