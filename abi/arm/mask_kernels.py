@@ -92,7 +92,7 @@ def touches(around: Obstacles, s: int, a: Vec3, b: Vec3, need: float) -> bool:
 
 
 @register_jitable(forceinline=True)
-def _far(primitives: FloatArray, s: int, a: Vec3, b: Vec3, most: float) -> bool:
+def is_far(primitives: FloatArray, s: int, a: Vec3, b: Vec3, most: float) -> bool:
     """Whether a..b is farther than ``most`` from the bounds of row s, or the ball around them."""
     if between_boxes(primitives, s, a, b)[0] >= most:
         return True
@@ -108,7 +108,7 @@ def _far(primitives: FloatArray, s: int, a: Vec3, b: Vec3, most: float) -> bool:
 
 
 @register_jitable(forceinline=True)
-def _beside(around: Obstacles, s: int, arm: ArmNumbers, tool: Vec3, widest: float) -> bool:
+def is_beside(around: Obstacles, s: int, arm: ArmNumbers, tool: Vec3, widest: float) -> bool:
     """Whether row s is too far from the upright plane of the arm to be touched."""
     k = WIDTH * s + BOUNDS
     primitives = around.primitives
@@ -121,6 +121,31 @@ def _beside(around: Obstacles, s: int, arm: ArmNumbers, tool: Vec3, widest: floa
     away, most = abs(x * side - y * ahead) - reach, widest + around.margins[s]
     beside: bool = away > 0 and away * away > most * most * (x * x + y * y)
     return beside
+
+
+@register_jitable(forceinline=True)
+def outline(table: ArmTable) -> tuple[int, float, float, float]:
+    """Width of the capsules that move.
+
+    Returns:
+        The number of those of the column, which come first and are not at shoulder, elbow and tool;
+        the largest radius of the others; and how far they stand out from the lines of upper arm and
+        forearm, [unit].
+    """
+    arm, capsules = table
+    moving, still = len(capsules) // CAPSULE, 0
+    while still < moving and capsules[CAPSULE * still] == COLUMN:
+        still += 1
+    widest, out_of_upper, out_of_fore = 0.0, 0.0, 0.0
+    for c in range(still, moving):
+        low, high = capsules[CAPSULE * c + 1], capsules[CAPSULE * c + 2]
+        radius = capsules[CAPSULE * c + 3]
+        widest = max(widest, radius)
+        if capsules[CAPSULE * c] == UPPER_ARM:
+            out_of_upper = max(out_of_upper, radius + max(0.0, -low, high - arm.upper))
+        else:
+            out_of_fore = max(out_of_fore, radius + max(0.0, -low, high - arm.forearm))
+    return still, widest, out_of_upper, out_of_fore
 
 
 @compiled(example=(FLOATS, NO_ARM, NO_OBSTACLES, 0.0, 0.0, FLAGS, NEW_FLAGS))
@@ -146,19 +171,7 @@ def touching_places(
     """
     arm, capsules = table
     count, moving = len(around.margins), len(capsules) // CAPSULE
-    still = 0  # capsules of the column, which are not at shoulder, elbow and tool
-    while still < moving and capsules[CAPSULE * still] == COLUMN:
-        still += 1
-    # widest of the others, and how far they stand out from the lines of their links
-    widest, out_of_upper, out_of_fore = 0.0, 0.0, 0.0
-    for c in range(still, moving):
-        low, high = capsules[CAPSULE * c + 1], capsules[CAPSULE * c + 2]
-        radius = capsules[CAPSULE * c + 3]
-        widest = max(widest, radius)
-        if capsules[CAPSULE * c] == UPPER_ARM:
-            out_of_upper = max(out_of_upper, radius + max(0.0, -low, high - arm.upper))
-        else:
-            out_of_fore = max(out_of_fore, radius + max(0.0, -low, high - arm.forearm))
+    still, widest, out_of_upper, out_of_fore = outline(table)
     rows = asked_rows(around, moving)
     for i in range(len(reached)):
         if not reached[i]:
@@ -166,7 +179,7 @@ def touching_places(
         tool = vec3_at(points, 3 * i)
         beside = True
         for s in rows:
-            if s == count - 1 or not _beside(around, s, arm, tool, widest):
+            if s == count - 1 or not is_beside(around, s, arm, tool, widest):
                 beside = False
                 break
         if beside:
@@ -180,8 +193,8 @@ def touching_places(
             upper, fore = False, False  # whether these are far away
             if s < count - 1:
                 a, b = pose.shoulder, pose.elbow
-                upper = _far(around.primitives, s, a, b, out_of_upper + most)
-                fore = _far(around.primitives, s, b, pose.tool, out_of_fore + most)
+                upper = is_far(around.primitives, s, a, b, out_of_upper + most)
+                fore = is_far(around.primitives, s, b, pose.tool, out_of_fore + most)
             for c in range(still, moving):
                 if upper if capsules[CAPSULE * c] == UPPER_ARM else fore:
                     continue

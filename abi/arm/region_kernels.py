@@ -1,27 +1,18 @@
 """Regions of tool positions on a grid, and their surface.
 
-See ``abi.arm.pose_kernels`` for the numbers of an arm and its capsules.
+See ``abi.arm.pose_kernels`` for the numbers of an arm.
 """
 
 from __future__ import annotations
 
 import math
 
+import numpy as np
 from numba.extending import register_jitable
 
-from abi.arm.pose_kernels import (
-    CAPSULE,
-    NO_ARM,
-    NO_NUMBERS,
-    ArmNumbers,
-    ArmTable,
-    capsule_ends,
-    pose_of,
-)
-from abi.arm.surroundings_kernels import NO_OBSTACLES, Obstacles, asked_rows, between_boxes
-from abi.arrays import BoolArray, FloatArray
-from abi.compiled import FLAGS, FLOATS, NEW_FLOATS, compiled
-from abi.obstacles.obstacle_set_kernels import distance_to_segment
+from abi.arm.pose_kernels import NO_NUMBERS, ArmNumbers, pose_of
+from abi.arrays import FloatArray
+from abi.compiled import FLOATS, NEW_FLOATS, compiled
 from abi.obstacles.vector_kernels import Vec3, axpy, sub, vec3_at
 
 _TETRAHEDRA = (
@@ -56,67 +47,6 @@ def reach_rooms(points: FloatArray, arm: ArmNumbers, forearm: float, rooms: Floa
         rooms[i] = room
 
 
-@compiled(example=(FLOATS, NO_ARM, NO_OBSTACLES, 1.0, FLAGS, 1.0, NEW_FLOATS))
-def arm_gaps(
-    points: FloatArray,
-    table: ArmTable,
-    around: Obstacles,
-    forearm: float,
-    reached: BoolArray,
-    most: float,
-    gaps: FloatArray,
-) -> None:
-    """Least distance of the moving capsules to what is asked of them, with the tool at places.
-
-    A box around others counts as what is in it only where it has nothing inside.
-
-    Args:
-        points: flat (3 n,), [unit], world.
-        table: the arm.
-        around: what to keep clear of.
-        forearm: length a6, [unit].
-        reached: places to look at (n,).
-        most: distances above count as this, [unit].
-        gaps: (n,), [unit]; ``most`` where it is not reached; written.
-    """
-    arm, capsules = table
-    count, moving = len(around.margins), len(capsules) // CAPSULE
-    rows = asked_rows(around, moving)
-    for i in range(len(gaps)):
-        best = most
-        if reached[i]:
-            pose = pose_of(arm, vec3_at(points, 3 * i), forearm)
-            for c in range(moving):
-                if capsules[CAPSULE * c] == 0:
-                    continue
-                a, b = capsule_ends(arm, pose, capsules, c)
-                radius = capsules[CAPSULE * c + 3]
-                for s in rows:
-                    if s < count - 1 and around.asked[c * count + s]:
-                        best = _gap(around, s, a, b, radius, best)
-        gaps[i] = best
-
-
-@register_jitable
-def _gap(around: Obstacles, s: int, a: Vec3, b: Vec3, radius: float, best: float) -> float:
-    """The lesser of ``best`` and the distance of a capsule to row s, or to what is inside it."""
-    if between_boxes(around.primitives, s, a, b)[0] - radius >= best:
-        return best
-    if around.inside[2 * s + 1] == 0:
-        return distance_to_segment(around.primitives, s, best + radius, a, b) - radius
-    work = [s]
-    while len(work) > 0:
-        box = work.pop()
-        for row in range(around.inside[2 * box], around.inside[2 * box + 1]):
-            if between_boxes(around.primitives, row, a, b)[0] - radius >= best:
-                continue
-            if around.inside[2 * row + 1] == 0:
-                best = distance_to_segment(around.primitives, row, best + radius, a, b) - radius
-            else:
-                work.append(row)
-    return best
-
-
 @register_jitable
 def _crossing(points: FloatArray, values: FloatArray, i: int, j: int) -> Vec3:
     """Where the values of two neighbours cross 0 between them."""
@@ -126,7 +56,7 @@ def _crossing(points: FloatArray, values: FloatArray, i: int, j: int) -> Vec3:
 
 
 @compiled(example=(FLOATS, FLOATS, 2, 2, 2))
-def zero_surface(points: FloatArray, values: FloatArray, nx: int, ny: int, nz: int) -> list[float]:
+def zero_surface(points: FloatArray, values: FloatArray, nx: int, ny: int, nz: int) -> FloatArray:
     """Triangles between the places of a grid with values <= 0 and the others.
 
     By tetrahedra: of each the surface is a triangle or a quadrilateral.
@@ -137,9 +67,9 @@ def zero_surface(points: FloatArray, values: FloatArray, nx: int, ny: int, nz: i
         nx, ny, nz: places along each axis.
 
     Returns:
-        Nine numbers a triangle, after nine that mean nothing.
+        Nine numbers a triangle, flat.
     """
-    found = [0.0] * 9
+    found = [0.0] * 0
     inner, outer = [0, 0, 0, 0], [0, 0, 0, 0]
     for i in range(nx - 1):
         for j in range(ny - 1):
@@ -181,4 +111,4 @@ def zero_surface(points: FloatArray, values: FloatArray, nx: int, ny: int, nz: i
                         found.append(v[0])
                         found.append(v[1])
                         found.append(v[2])
-    return found
+    return np.array(found)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from abi.arm import mask_kernels
+from abi.arm import gap_kernels, mask_kernels
 from abi.arm import region_kernels as kernels
 from abi.arm.arm import Arm
 from abi.arm.surroundings import Surroundings
@@ -41,7 +41,7 @@ def shadow(
     gaps = np.empty(len(points))
     most = float(np.subtract(box[1], box[0]).max()) / places
     solids = around.only(around.numbers >= 0).beyond(0.0)
-    kernels.arm_gaps(flat(points), table, solids, forearm, read_only(reached), most, gaps)
+    gap_kernels.arm_gaps(flat(points), table, solids, forearm, read_only(reached), most, gaps)
     return _surface(points, gaps, shape)
 
 
@@ -87,5 +87,4 @@ def _surface(points: FloatArray, values: FloatArray, shape: tuple[int, int, int]
         ends[0] = ends[-1] = size
     # a place at 0 exactly would have triangles of no size around it
     field[field == 0] = -1e-12 * size
-    found = kernels.zero_surface(flat(points), flat(values), *shape)
-    return read_only(np.array(found[9:]).reshape(-1, 3, 3))
+    return read_only(kernels.zero_surface(flat(points), flat(values), *shape).reshape(-1, 3, 3))

@@ -8,12 +8,17 @@ import trimesh
 
 from abi.arm.arm import Arm
 from abi.arm.arm_sight import ArmSight
+from abi.arm.gap_kernels import arm_gaps
+from abi.arm.mask_kernels import reached_places
+from abi.arm.pose_kernels import CAPSULE, capsule_ends, pose_of
 from abi.arm.regions import reachable, shadow
 from abi.arm.surroundings import surroundings
-from abi.arrays import FloatArray
+from abi.arrays import FloatArray, flat, read_only
 from abi.obstacles.obstacle_set import ObstacleSet
+from abi.obstacles.obstacle_set_kernels import distance_to_segment
 from abi.scene.scene import Scene
 from abi.scene.settings import Elbow
+from tests.random_arms import arm_scene
 
 
 def solid(triangles: FloatArray) -> trimesh.Trimesh:
@@ -45,6 +50,35 @@ def test_the_shadow_is_where_the_arm_touches_an_obstacle(elbow: Elbow) -> None:
     compared = reached & ~near
     assert compared.sum() > 80
     assert (inside == touching)[compared].mean() > 0.98
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(8))
+def test_gaps_are_the_least_distances_of_all_pairs(seed: int) -> None:
+    scene = arm_scene(seed)
+    arm, elbow, most = Arm.from_settings(scene.arm), "up" if seed % 2 else "down", 0.3
+    around = surroundings(arm, ObstacleSet(scene.obstacles), 0.0)
+    solids = around.only(around.numbers >= 0).beyond(0.0)
+    points = np.random.default_rng(seed).uniform(scene.workspace.min, scene.workspace.max, (200, 3))
+    table, forearm = arm.table(elbow), float(arm.forearm(scene.arm.q5))
+    reached = np.zeros(len(points), dtype=np.bool_)
+    reached_places(flat(points), table.numbers, forearm, 0.0, reached)
+    gaps = np.empty(len(points))
+    arm_gaps(flat(points), table, solids, forearm, read_only(reached), most, gaps)
+    assert (gaps[~reached] == most).all()
+    assert (gaps < most).any()
+    kept = np.flatnonzero(solids.asked.reshape(-1, len(around.numbers))[:, :-1].any(axis=0))
+    for k in np.flatnonzero(reached)[np.argsort(gaps[reached])][:80]:
+        pose = pose_of(table.numbers, tuple(points[k]), forearm)
+        least = most
+        for c in range(len(table.capsules) // CAPSULE):
+            if table.capsules[CAPSULE * c]:
+                ends = capsule_ends(table.numbers, pose, table.capsules, c)
+                radius = table.capsules[CAPSULE * c + 3]
+                for row in kept.tolist():
+                    away = distance_to_segment(solids.primitives, row, np.inf, *ends)
+                    least = min(least, away - radius)
+        assert gaps[k] == pytest.approx(least, abs=1e-9)
 
 
 @pytest.mark.slow
