@@ -14,13 +14,19 @@ certificates. Beside them: :mod:`abi.verify` checks certificates in exact number
 :mod:`abi.paper` compares our results with those printed in the paper.
 """
 
-from abi.compiling import compile
-from abi.errors import AbiError, SceneError, StageError
-from abi.export.show import show
-from abi.planner.find_base import find_base
-from abi.planner.plan import Plan
-from abi.planner.planner import Planner, plan
-from abi.scene.scene import Scene, load_scene, scene_names
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from abi.compiling import compile
+    from abi.errors import AbiError, SceneError, StageError
+    from abi.export.show import show
+    from abi.planner.find_base import find_base
+    from abi.planner.plan import Plan
+    from abi.planner.planner import Planner, plan
+    from abi.scene.scene import Scene, load_scene, scene_names
 
 __all__ = [
     "AbiError",
@@ -36,3 +42,35 @@ __all__ = [
     "scene_names",
     "show",
 ]
+
+_MODULES = {
+    "AbiError": "abi.errors",
+    "Plan": "abi.planner.plan",
+    "Planner": "abi.planner.planner",
+    "Scene": "abi.scene.scene",
+    "SceneError": "abi.errors",
+    "StageError": "abi.errors",
+    "compile": "abi.compiling",
+    "find_base": "abi.planner.find_base",
+    "load_scene": "abi.scene.scene",
+    "plan": "abi.planner.planner",
+    "scene_names": "abi.scene.scene",
+    "show": "abi.export.show",
+}
+
+
+def __getattr__(name: str) -> object:
+    """The public name, imported when it is first asked for.
+
+    What needs but an error or a file of the package does not wait for all of it.
+    """
+    if name not in _MODULES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    value: object = getattr(import_module(_MODULES[name]), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    """The public names, whether imported or not."""
+    return sorted({*globals(), *__all__})

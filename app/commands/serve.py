@@ -8,17 +8,19 @@ import threading
 import webbrowser
 from pathlib import Path
 from types import FrameType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from app.address import Address
-from app.classroom import Classroom
 from app.guard.policy import MAX_TABS, Policy, policy_for
 from app.logs import LEVELS, configure
 from app.look import Look
 from app.scratch import remove_abandoned
 from app.workers import Workers, are_possible, end_with_starter, seat
+
+if TYPE_CHECKING:
+    from app.classroom import Classroom
 
 _PERIOD = 1.0
 """Seconds after which a signal is heard that the system gave to another thread."""
@@ -106,7 +108,7 @@ def serve(
     remove_abandoned()
     policy = _policy(host, **visitors)
     helpers = _workers(workers, classroom)
-    room = Classroom() if classroom else None
+    room = _classroom() if classroom else None
     announce = functools.partial(_announce, open_tab, room)
     address = Address(host, port, helpers.seats if joins is None else seat(joins))
     told = announce if helpers.seats is None else _tell_nobody
@@ -174,6 +176,12 @@ def _policy(
     if token is not None and not (0 < len(token) <= 200 and token.isprintable()):
         raise click.UsageError("--token must have 1 to 200 characters that can be printed.")
     return policy_for(host, token, not no_token, origin, embed_in, max_tabs)
+
+
+def _classroom() -> Classroom:
+    from app.classroom import Classroom
+
+    return Classroom()
 
 
 def _announce(open_tab: bool, room: Classroom | None, link: str) -> None:
