@@ -50,16 +50,16 @@ class _AtOnce(Executor):
 
 
 class _Event(asyncio.Event):
-    """An event that any thread may set, as viser does before it has its own thread set it again.
+    """An event that is set in the thread of the connections only.
 
-    Where that thread wakes those who wait at the same moment, asyncio's refuses.
+    viser sets its events at once in any thread, and then has that thread set them. The first may
+    come between a waiter's look at the event and its place among those who are woken; the second
+    changes nothing then, and the tab would never hear of anything again.
     """
 
     def set(self) -> None:
-        try:
+        if asyncio._get_running_loop() is not None:
             super().set()
-        except RuntimeError:
-            self.clear()  # or the second time would wake nobody
 
 
 def set_title(client: viser.ClientHandle, title: str) -> None:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import asyncio
 import functools
+import threading
 
 import viser
 from viser import _messages
@@ -48,3 +50,30 @@ def test_nothing_is_kept_of_a_script_that_was_sent(tab: tuple[FakeTab, Session])
 
 def _all_sent(session: Session) -> bool:
     return not _waiting(session.client)
+
+
+def test_no_tab_sleeps_through_an_event_set_while_it_begins_to_wait() -> None:
+    class Hurried(page._Event):
+        """Set by another thread after the waiter has looked, as the worker of a busy tab does."""
+
+        def _get_loop(self) -> asyncio.AbstractEventLoop:
+            loop = asyncio.get_running_loop()
+
+            def push() -> None:
+                self.set()
+                loop.call_soon_threadsafe(self.set)
+
+            other = threading.Thread(target=push)
+            other.start()
+            other.join()
+            return loop
+
+    async def wait() -> bool:
+        return await asyncio.wait_for(Hurried().wait(), timeout=5)
+
+    # a loop of its own, in a thread of its own: the browser's tests have one in this
+    result: list[bool] = []
+    waiter = threading.Thread(target=lambda: result.append(asyncio.run(wait())))
+    waiter.start()
+    waiter.join()
+    assert result == [True]
