@@ -56,7 +56,8 @@ def test_the_shadow_is_where_the_arm_touches_an_obstacle(elbow: Elbow) -> None:
 @pytest.mark.parametrize("seed", range(8))
 def test_gaps_are_the_least_distances_of_all_pairs(seed: int) -> None:
     scene = arm_scene(seed)
-    arm, elbow, most = Arm.from_settings(scene.arm), "up" if seed % 2 else "down", 0.3
+    arm, most = Arm.from_settings(scene.arm), 0.3
+    elbow: Elbow = "up" if seed % 2 else "down"
     around = surroundings(arm, ObstacleSet(scene.obstacles), 0.0)
     solids = around.only(around.numbers >= 0).beyond(0.0)
     points = np.random.default_rng(seed).uniform(scene.workspace.min, scene.workspace.max, (200, 3))
