@@ -252,15 +252,26 @@ class ArmNotClear(StageError):
         self.has_elbow = has_elbow
 
     @classmethod
-    def of_all(cls, faults: Sequence[ArmNotClear]) -> ArmNotClear:
-        """The faults of all branches as one; of first poses the one that got farthest tells."""
+    def of_all(
+        cls, faults: Sequence[ArmNotClear], others: Sequence[ArmNotClear] = (), note: str = ""
+    ) -> ArmNotClear:
+        """The faults of all branches as one; of first poses the one that got farthest tells.
+
+        Args:
+            faults: of the branches, at least one.
+            others: of those with spare joints drawn elsewhere.
+            note: sentence on why there are none of these.
+        """
         order = ("start", "goal", "path", "curve")
         first = faults[0]
         text = " ".join(fault.message for fault in faults)
         if not first.has_elbow:
-            first = max(faults, key=lambda fault: order.index(fault.where))
-            tried = f"{len(faults)} first poses were tried. " if len(faults) > 1 else ""
-            text = tried + first.message
+            first = max((*faults, *others), key=lambda fault: order.index(fault.where))
+            tried = f"{len(faults)} first poses were tried" if len(faults) > 1 else ""
+            if others:
+                beside = ", and" if tried else "One first pose was tried, and"
+                tried += f"{beside} {len(others)} other ways to hold the arm"
+            text = " ".join(filter(None, (f"{tried}." if tried else "", first.message, note)))
         return cls(first.branch, first.where, first.link, first.obstacle, text, first.has_elbow)
 
 

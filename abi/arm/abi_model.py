@@ -11,6 +11,7 @@ from abi.arm import trajectory
 from abi.arm.arm import Arm
 from abi.arm.arm_certificate import ArmRefutation, certify_arm, slide_bounds
 from abi.arm.arm_clearance import ArmClearance, arm_clearance
+from abi.arm.arm_model import OtherSights
 from abi.arm.arm_sight import ArmSight
 from abi.arm.inverse_kinematics import solve
 from abi.arm.surroundings import Surroundings, surroundings
@@ -114,6 +115,12 @@ class AbiModel:
             AbiSight(self.arm, elbow, around, extensions, clearance, slack, scene.arm)
             for elbow in scene.arm.branches
         )
+
+    def other_sights(
+        self, scene: Scene, mesh: TetMesh, around: Surroundings, slack: float
+    ) -> OtherSights:
+        """None: an elbow has two sides."""
+        return OtherSights(iter(()))
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Protocol, Self
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple, Protocol, Self
 
 from abi.arm.any_arm import AnyArm
 from abi.arm.arm_certificate import ArmRefutation
@@ -102,6 +102,18 @@ class Sight(Places, Protocol):
         """The same with so many times the tries to prove a leg clear."""
 
 
+class OtherSights(NamedTuple):
+    """What is tried where no branch leads to a motion.
+
+    Attributes:
+        sights: made one by one when they are asked for.
+        note: sentence on why there are none; empty where it is not known.
+    """
+
+    sights: Iterator[Sight]
+    note: str = ""
+
+
 class ArmModel(Protocol):
     """An arm, and how its joints are found: by formulas, or by damped least squares."""
 
@@ -133,3 +145,8 @@ class ArmModel(Protocol):
             around: everything around it.
             slack: distance that legs and places keep beyond the clearance, [unit].
         """
+
+    def other_sights(
+        self, scene: Scene, mesh: TetMesh, around: Surroundings, slack: float
+    ) -> OtherSights:
+        """Questions to it on further branches, after :meth:`sights`; arguments as there."""

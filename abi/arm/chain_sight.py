@@ -32,11 +32,11 @@ class ChainSight:
     """Questions to a URDF arm that starts from one pose.
 
     Where the arm has joints to spare it stands at a place as it does when it comes there from the
-    first pose; legs begin with the stance of the nearest node.
+    first pose, drawn to a pose that is called home; legs begin with the stance of the nearest node.
 
     Attributes:
         arm: the arm.
-        number: of the pose among those that were tried, from 0.
+        branch: the pose, as the beginning of a sentence.
         around: obstacles and floor.
         stances: its joints all over the mesh.
         clearance: distance that its links keep from obstacles, [unit].
@@ -45,17 +45,12 @@ class ChainSight:
     """
 
     arm: UrdfArm
-    number: int
+    branch: str
     around: Surroundings
     stances: Stances
     clearance: float
     slack: float
     most_tries: int = field(default=MOST_TRIES, kw_only=True)
-
-    @property
-    def branch(self) -> str:
-        """The pose, as the beginning of a sentence."""
-        return f"From first pose {self.number + 1}"
 
     @property
     def legs(self) -> None:
@@ -77,7 +72,7 @@ class ChainSight:
     def refutation(self, curve: Curve) -> ArmRefutation | None:
         """Place of a curve at which the arm is not proven clear; None for a clear curve."""
         parameters = np.linspace(*curve.interval, _SAMPLES)
-        joints, missed = self.arm.follow(self.stances.home, curve(parameters))
+        joints, missed = self.arm.follow(self.stances.first, curve(parameters), self.stances.home)
         return self._refutation(joints, missed, parameters, self.clearance)
 
     def leg_refutation(self, points: FloatArray) -> ArmRefutation | None:
@@ -111,7 +106,7 @@ class ChainSight:
 
     def course(self, curve: Curve, arc: ArcLength) -> JointCourse:
         """The joints along a curve, from that pose."""
-        return course_from(self.stances.home, curve, arc, self.arm)
+        return course_from(self.stances.first, curve, arc, self.arm, self.stances.home)
 
     def reached(self, points: FloatArray) -> BoolArray:
         """Nodes (n, 3) of the mesh that the arm reaches, clear of the floor and itself, (n,)."""

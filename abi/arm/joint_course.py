@@ -52,8 +52,14 @@ def joint_course(
     return course_from(chosen, curve, arc, arm)
 
 
-def course_from(pose: FloatArray, curve: Curve, arc: ArcLength, arm: UrdfArm) -> JointCourse:
-    """Lead an arm's tool along a curve from a pose at its start."""
+def course_from(
+    pose: FloatArray,
+    curve: Curve,
+    arc: ArcLength,
+    arm: UrdfArm,
+    home: FloatArray | None = None,
+) -> JointCourse:
+    """Lead an arm's tool along a curve from a pose at its start; spare joints drift ``home``."""
     points = curve(arc.parameter(np.linspace(0.0, arc.length, _GRID)))
-    positions, missed = arm.follow(pose, points)
+    positions, missed = arm.follow(pose, points, home)
     return JointCourse(curve, arc, arm, read_only(positions), read_only(missed))

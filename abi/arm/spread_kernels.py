@@ -64,15 +64,17 @@ def spread(
         chain: the chain and its task.
         nodes: of the mesh.
         first: node to begin with.
-        drift: of joints to spare; the first node is reached from its home.
+        drift: of joints to spare.
         limits: what counts as reached.
-        stances: coordinates at each node reached, flat (n m,); written.
+        stances: coordinates at each node reached, flat (n m,); written. Those of the first node
+            are what it is reached from.
         reached: (n,), False at first; written.
     """
     points, indptr, indices = nodes
     allowed, longest = limits
     count, total = len(drift.home), len(reached)
-    room, q = room_of(chain, count), drift.home.copy()
+    room = room_of(chain, count)
+    q = stances[first * count : (first + 1) * count].copy()
     queue, tries = np.empty(total, np.int32), np.zeros(total, np.int32)
     still = Drift(drift.home, -1.0)
     if reach_point(chain, q, still, points, first, 4 * _MOST_ITERATIONS, room) > allowed:

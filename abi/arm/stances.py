@@ -26,13 +26,15 @@ class Stances:
     Attributes:
         mesh: the mesh.
         start: where the tool starts, shape (3,), [unit], world.
-        home: joint positions there, shape (n,), [rad] or [unit].
+        first: joint positions there, shape (n,), [rad] or [unit].
+        home: those that spare joints drift to, shape (n,), [rad] or [unit].
         positions: joint positions at the nodes, shape (k, n), [rad] or [unit].
         reached: nodes that have some, shape (k,).
     """
 
     mesh: TetMesh
     start: FloatArray
+    first: FloatArray
     home: FloatArray
     positions: FloatArray
     reached: BoolArray
@@ -40,7 +42,7 @@ class Stances:
     def near(self, point: FloatArray) -> tuple[FloatArray, FloatArray] | None:
         """The nearest place with a stance to a point (3,), and its joints; None without any."""
         if np.array_equal(point, self.start):
-            return self.start, self.home
+            return self.start, self.first
         if not len(self._nodes):
             return None
         node = int(self._nodes[self._tree.query(point)[1]])
@@ -55,28 +57,31 @@ class Stances:
         return scipy.spatial.cKDTree(self.mesh.points[self._nodes])
 
 
-def spread_over(arm: UrdfArm, mesh: TetMesh, start: FloatArray, home: FloatArray) -> Stances:
+def spread_over(
+    arm: UrdfArm, mesh: TetMesh, start: FloatArray, first: FloatArray, home: FloatArray
+) -> Stances:
     """Spread an arm's inverse kinematics over a mesh, from a pose at the start.
 
     Args:
         arm: the arm.
         mesh: the mesh.
         start: where the tool starts, shape (3,), [unit], world.
-        home: joint positions there, shape (n,), [rad] or [unit].
+        first: joint positions there, shape (n,), [rad] or [unit].
+        home: those that spare joints drift to, shape (n,), [rad] or [unit].
     """
     indptr, indices = mesh.neighbours
     stances = np.zeros((len(mesh.points), len(home)))
     reached = np.zeros(len(mesh.points), dtype=np.bool_)
-    first = int(np.linalg.norm(mesh.points - start, axis=1).argmin())
+    nearest = int(np.linalg.norm(mesh.points - start, axis=1).argmin())
+    stances[nearest] = first / arm.scales
     spread_kernels.spread(
         arm.chain.table,
         spread_kernels.Nodes(flat(mesh.points * arm.metres), indptr, indices),
-        first,
+        nearest,
         Drift(flat(home / arm.scales), PULL),
         spread_kernels.Limits(REACHED, _LONGEST),
         stances.reshape(-1),
         reached,
     )
-    return Stances(
-        mesh, read_only(start), home, read_only(stances * arm.scales), read_only(reached)
-    )
+    positions = read_only(stances * arm.scales)
+    return Stances(mesh, read_only(start), first, home, positions, read_only(reached))

@@ -19,7 +19,7 @@ from abi.robot.robot import Robot
 
 _STARTS = 48
 """Random poses from which the first pose of a motion is sought."""
-_TRIED = 8
+TRIED = 8
 """First poses, at most, whose motions are compared."""
 _ALIKE = 0.3
 """Poses nearer to each other than this in every joint are one, [rad] or [m]."""
@@ -162,8 +162,13 @@ class UrdfArm:
         """Place of the tip at joint positions (k, n), shape (k, 3), [unit], world."""
         return np.asarray(self.chain.poses(positions / self.scales)[:, -1, :, 3] / self.metres)
 
-    def first_poses(self, point: FloatArray) -> tuple[FloatArray, ...]:
-        """Joint positions (n,) with the tip at ``point`` (3,), different ones, at most 8.
+    @property
+    def is_redundant(self) -> bool:
+        """Whether it has joints to spare for its task."""
+        return len(self.joints) > (5 if self.chain.table.aims else 3)
+
+    def first_poses(self, point: FloatArray, most: int = TRIED) -> tuple[FloatArray, ...]:
+        """Joint positions (n,) with the tip at ``point`` (3,), different ones, at most ``most``.
 
         Those that reach it come first, in the middle of their limits rather than near them; one
         that comes near it when none does. Equal calls give equal poses.
@@ -183,7 +188,7 @@ class UrdfArm:
         for pose in reached:
             if all(np.abs(pose - other).max() > _ALIKE for other in kept):
                 kept.append(pose)
-        return tuple(read_only(pose * self.scales) for pose in kept[:_TRIED])
+        return tuple(read_only(pose * self.scales) for pose in kept[:most])
 
     def follow(
         self, start: FloatArray, points: FloatArray, home: FloatArray | None = None

@@ -1,33 +1,44 @@
 """An arm of a URDF for the planner: its joints are found by damped least squares.
 
-Its branches are different poses that put the tool on the start.
+Its branches are different poses that put the tool on the start. Where none of them leads to a
+motion, spare joints are drawn to poses that put the tool on the goal.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property, partial
 from typing import Literal
 
 import numpy as np
 
 from abi.arm.arm_certificate import ArmCertificate
+from abi.arm.arm_model import OtherSights
 from abi.arm.chain_certificate import certify_chain
 from abi.arm.chain_distances import obstacle_distances
 from abi.arm.chain_sight import ChainSight
 from abi.arm.chain_surroundings import chain_surroundings
 from abi.arm.joint_course import joint_course
+from abi.arm.pose_pairs import PosePair, pose_pairs
 from abi.arm.stances import Stances, spread_over
 from abi.arm.surroundings import Surroundings
-from abi.arm.urdf_arm import urdf_arm
+from abi.arm.urdf_arm import TRIED, urdf_arm
 from abi.arm.urdf_motion import JointCourse
 from abi.arrays import FloatArray
 from abi.curves.curve import ArcLength, Curve
 from abi.obstacles.obstacle_set import ObstacleSet
+from abi.obstacles.pose import Vec3
 from abi.scene.scene import Scene
 from abi.scene.settings import ArmSettings
 from abi.tet_mesh.tet_mesh import TetMesh
 
 _BRANCHES = 6
 """First poses, at most, from which a path is sought."""
+_ALL = 64
+"""Poses at start or goal, at most, that are paired where those lead to none."""
+_REMEMBERED = 16
+"""Pairs, at most, whose stances are kept."""
 
 
 class UrdfModel:
@@ -36,10 +47,9 @@ class UrdfModel:
     def __init__(self, settings: ArmSettings, unit: Literal["m", "cm", "mm"]) -> None:
         axis = settings.axis
         self.arm = urdf_arm(settings.robot, settings.tool, settings.base, axis, unit)
-        self._start: tuple[object, ...] = ()
-        self._poses: tuple[FloatArray, ...] = ()
-        self._mesh: TetMesh | None = None
-        self._stances: dict[int, Stances] = {}
+        self._poses: dict[Vec3, tuple[FloatArray, ...]] = {}
+        self._at: tuple[TetMesh, Vec3, Vec3] | None = None
+        self._stances: dict[PosePair, Stances] = {}
 
     def surroundings(self, obstacles: ObstacleSet, lowest: float) -> Surroundings:
         """Obstacles and floor."""
@@ -60,37 +70,104 @@ class UrdfModel:
         self, scene: Scene, mesh: TetMesh, around: Surroundings, slack: float
     ) -> tuple[ChainSight, ...]:
         """One for each of some first poses, of those that are clear if there are any."""
-        if self._start != scene.start:
-            self._start, self._mesh = scene.start, None
-            self._poses = self.arm.first_poses(np.array(scene.start))
-        if self._mesh is not mesh:
-            self._mesh, self._stances = mesh, {}
-        clearance = scene.arm.clearance
-        obstacles = ObstacleSet(scene.obstacles)
-        clear = [
-            number
-            for number, pose in enumerate(self._poses)
-            if self._is_clear(pose, obstacles, around, clearance + slack)
-        ]
-        return tuple(
-            ChainSight(self.arm, number, around, self._stance(number), clearance, slack)
-            for number in (clear or [0])[:_BRANCHES]
-        )
+        task = _Task(scene, mesh, around, slack)
+        self._remember(task)
+        clear = self._clear(self._poses_at(scene.start)[:TRIED], task)
+        return tuple(self._sight(PosePair(number, None), task) for number in _first_ones(clear))
 
-    def _is_clear(
-        self, pose: FloatArray, obstacles: ObstacleSet, around: Surroundings, margin: float
-    ) -> bool:
+    def other_sights(
+        self, scene: Scene, mesh: TetMesh, around: Surroundings, slack: float
+    ) -> OtherSights:
+        """One for each of some pairs of a first pose and one at the goal, of those that are clear.
+
+        A first pose that was not tried may also stand alone.
+        """
+        if not self.arm.is_redundant:
+            return OtherSights(iter(()))
+        task = _Task(scene, mesh, around, slack)
+        self._remember(task)
+        firsts, lasts = (
+            self._clear(self._poses_at(point), task) for point in (scene.start, scene.goal)
+        )
+        for where, point, clear in (("start", scene.start, firsts), ("goal", scene.goal, lasts)):
+            if not clear:
+                found = len(self._poses_at(point))
+                note = f"Of {found} poses found at the {where} none keeps the arm clear."
+                return OtherSights(iter(()), note)
+        tried = [PosePair(number, None) for number in _first_ones(firsts)]
+        line = np.array(scene.start), np.array(scene.goal)
+        pairs = pose_pairs(self.arm, line, firsts, lasts, partial(self._is_clear, task))
+        return OtherSights(self._sight(pair, task) for pair in pairs if pair not in tried)
+
+    def _remember(self, task: _Task) -> None:
+        """Forget what belongs to another mesh, start or goal."""
+        scene = task.scene
+        at = (task.mesh, scene.start, scene.goal)
+        if self._at is None or at[0] is not self._at[0] or at[1] != self._at[1]:
+            self._stances = {}
+        elif at[2] != self._at[2]:
+            self._stances = {pair: one for pair, one in self._stances.items() if pair.home is None}
+        self._at = at
+        self._poses = {point: found for point, found in self._poses.items() if point in at[1:]}
+
+    def _poses_at(self, point: Vec3) -> tuple[FloatArray, ...]:
+        """All poses found with the tool at a point."""
+        if point not in self._poses:
+            self._poses[point] = self.arm.first_poses(np.array(point), _ALL)
+        return self._poses[point]
+
+    def _clear(self, poses: Sequence[FloatArray], task: _Task) -> dict[int, FloatArray]:
+        """Those that are clear, by their numbers."""
+        return {k: pose for k, pose in enumerate(poses) if self._is_clear(task, pose)}
+
+    def _is_clear(self, task: _Task, pose: FloatArray) -> bool:
         """Whether the arm, standing still, is proven clear and in no closed mesh."""
-        found = certify_chain(self.arm, np.stack([pose, pose]), around, margin)
+        found = certify_chain(self.arm, np.stack([pose, pose]), task.around, task.margin)
         if not isinstance(found, ArmCertificate):
             return False
-        return bool((obstacle_distances(self.arm, obstacles, pose[None])[0] > 0).all())
+        return bool((obstacle_distances(self.arm, task.obstacles, pose[None])[0] > 0).all())
 
-    def _stance(self, number: int) -> Stances:
-        """Stances on the mesh from one of the first poses."""
-        assert self._mesh is not None
-        if number not in self._stances:
-            start = np.array(self._start, dtype=float)
-            home = self._poses[number]
-            self._stances[number] = spread_over(self.arm, self._mesh, start, home)
-        return self._stances[number]
+    def _sight(self, pair: PosePair, task: _Task) -> ChainSight:
+        branch = f"From first pose {pair.first + 1}"
+        if pair.home is not None:
+            branch += f" drawn to pose {pair.home + 1} at the goal"
+        clearance = task.scene.arm.clearance
+        return ChainSight(
+            self.arm, branch, task.around, self._stance(pair, task), clearance, task.slack
+        )
+
+    def _stance(self, pair: PosePair, task: _Task) -> Stances:
+        """Stances on the mesh from a first pose, drawn to a home."""
+        if pair not in self._stances:
+            start, goal = task.scene.start, task.scene.goal
+            first = self._poses_at(start)[pair.first]
+            home = first if pair.home is None else self._poses_at(goal)[pair.home]
+            found = spread_over(self.arm, task.mesh, np.array(start, dtype=float), first, home)
+            if len(self._stances) >= _REMEMBERED:
+                self._stances.pop(next(iter(self._stances)))
+            self._stances[pair] = found
+        return self._stances[pair]
+
+
+@dataclass(frozen=True, eq=False)
+class _Task:
+    """What sights are asked for."""
+
+    scene: Scene
+    mesh: TetMesh
+    around: Surroundings
+    slack: float
+
+    @property
+    def margin(self) -> float:
+        """Distance that poses keep from obstacles, [unit]."""
+        return self.scene.arm.clearance + self.slack
+
+    @cached_property
+    def obstacles(self) -> ObstacleSet:
+        return ObstacleSet(self.scene.obstacles)
+
+
+def _first_ones(clear: Mapping[int, FloatArray]) -> list[int]:
+    """Numbers of the first poses that are tried alone; the first of all where none is clear."""
+    return [number for number in clear if number < TRIED][:_BRANCHES] or [0]

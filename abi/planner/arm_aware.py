@@ -3,7 +3,8 @@
 The tool's own plan comes first; only where its arm is not clear, or not proven so, this one is
 made. Each branch has its own graph, without the nodes at which the arm would be out of reach, past
 a limit or too near. Branches are the sides of the paper's elbow, which meet only where the arm is
-stretched, or first poses of another arm; they are searched one by one.
+stretched, or first poses of another arm; they are searched one by one. Where none of them leads to
+a motion, an arm with joints to spare has further ones.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ import numpy as np
 from abi.arm.any_arm import AnyArm
 from abi.arm.arm_certificate import ArmRefutation
 from abi.arm.arm_clearance import ArmClearance, named
-from abi.arm.arm_model import ArmModel, Sight
+from abi.arm.arm_model import ArmModel, OtherSights, Sight
 from abi.arm.motion_law import motion_law
 from abi.arm.surroundings import Surroundings
 from abi.arm.trajectory import ArmMotion
@@ -70,8 +71,17 @@ class ArmTask:
     @property
     def sights(self) -> Sequence[Sight]:
         """The arm on each of its branches."""
-        slack = self.margin - self.scene.spline.clearance
-        return self.model.sights(self.scene, self.free.mesh, self.around, slack)
+        return self.model.sights(self.scene, self.free.mesh, self.around, self._slack)
+
+    @property
+    def other_sights(self) -> OtherSights:
+        """The arm on branches to try where those lead to no motion."""
+        return self.model.other_sights(self.scene, self.free.mesh, self.around, self._slack)
+
+    @property
+    def _slack(self) -> float:
+        """Distance that legs and places keep beyond the clearance, [unit]."""
+        return self.margin - self.scene.spline.clearance
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,7 +126,24 @@ class ArmAware:
                 return _finish(task, branch, names)
             except ArmNotClear as fault:
                 faults[branch.sight.branch] = fault
-        raise ArmNotClear.of_all([*faults.values()])
+        return self._otherwise(task, names, [*faults.values()])
+
+    def _otherwise(
+        self, task: ArmTask, names: list[str], faults: Sequence[ArmNotClear]
+    ) -> dict[str, Any]:
+        """Results of the first of the further branches that leads to a motion.
+
+        Raises:
+            ArmNotClear: there is none.
+        """
+        others = task.other_sights
+        found = []
+        for number, sight in enumerate(others.sights):
+            try:
+                return _finish(task, self._branch(task, sight, f"other {number}"), names)
+            except ArmNotClear as fault:
+                found.append(fault)
+        raise ArmNotClear.of_all(faults, found, others.note)
 
     def _branches(
         self, task: ArmTask, sights: Sequence[Sight], faults: dict[str, ArmNotClear]
@@ -125,20 +152,20 @@ class ArmAware:
         branches = []
         for sight in sights:
             try:
-                branches.append(self._branch(task, sight))
+                branches.append(self._branch(task, sight, sight.branch))
             except ArmNotClear as fault:
                 faults[sight.branch] = fault
         return branches
 
-    def _branch(self, task: ArmTask, sight: Sight) -> _Branch:
-        """The path on one branch."""
+    def _branch(self, task: ArmTask, sight: Sight, memory: str) -> _Branch:
+        """The path on one branch; what it excludes is kept in a ``memory`` of that name."""
         scene = task.scene
         for which, point in (("start", scene.start), ("goal", scene.goal)):
             fault = sight.leg_refutation(np.array([point]))
             if fault is not None:
                 raise _not_clear(task, sight, which, *_named(fault, task.model.arm))
         lowest = scene.workspace.min[2]
-        exclude = self._exclude.setdefault(sight.branch, ArmExclusionCache())
+        exclude = self._exclude.setdefault(memory, ArmExclusionCache())
         free = exclude(task.free, sight, task.obstacles, lowest)
         search = partial(_search, scene.search.algorithm, scene.search.weight)
         try:

@@ -1,0 +1,122 @@
+"""Motions from further first poses, or drawn to other poses at the goal."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from abi import compiling
+from abi.arm.arm_model import OtherSights
+from abi.arm.urdf_arm import UrdfArm
+from abi.arm.urdf_model import UrdfModel
+from abi.errors import ArmNotClear
+from abi.obstacles.obstacle_set import ObstacleSet
+from abi.planner.planner import Planner
+from abi.scene.scene import Scene
+from abi.tet_mesh.tet_mesh import tetrahedralise
+from abi.verify.verify import verify
+from tests.abi.robot.robots import arm
+
+Ends = tuple[tuple[float, float, float], tuple[float, float, float]]
+
+BOX = {"shape": "box", "size": (0.07, 0.204, 0.25), "position": (0.498, -0.132, 0.2)}
+CASES: tuple[tuple[str, Any, Ends, list[Any]], ...] = (
+    ("panda", None, ((-0.362, -0.491, 0.514), (-0.242, 0.206, 0.21)), []),
+    ("panda", (0.0, 0.0, -1.0), ((-0.116, -0.364, 0.648), (-0.119, 0.423, 0.618)), []),
+    ("xarm7", None, ((0.159, -0.357, 0.54), (0.553, -0.3, 0.153)), [BOX]),
+)
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _compiled() -> None:
+    compiling.compile()
+
+
+def scene_of(name: str, axis: Any, ends: Ends, obstacles: list[Any]) -> Scene:
+    """A scene in metres with a shipped arm in its middle."""
+    return Scene.from_dict(
+        {
+            "version": 1,
+            "unit": "m",
+            "workspace": {"min": (-0.8, -0.8, 0.0), "max": (0.8, 0.8, 1.1)},
+            "mesh": {"lattice": "bcc", "pitch": 0.13},
+            "obstacles": obstacles,
+            "start": ends[0],
+            "goal": ends[1],
+            "spline": {"clearance": 0.02},
+            "arm": {
+                **{"model": "urdf", "urdf": name, "base": (0.0, 0.0, 0.0)},
+                **{"clearance": 0.01, "axis": axis},
+            },
+        }
+    )
+
+
+def no_others(*_: Any) -> OtherSights:
+    return OtherSights(iter(()))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "axis", "ends", "obstacles"), CASES)
+def test_a_motion_that_the_first_poses_do_not_lead_to_is_found_and_proven(
+    name: str, axis: Any, ends: Ends, obstacles: list[Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    scene = scene_of(name, axis, ends, obstacles)
+    made, again = Planner()(scene), Planner()(scene)
+    motion, one, clearance = made.motion, made.arm, made.arm_clearance
+    assert made.error is None
+    assert isinstance(one, UrdfArm)
+    assert motion is not None
+    assert again.motion is not None
+    assert clearance is not None
+
+    np.testing.assert_array_equal(again.motion.positions, motion.positions)
+    assert np.abs(motion.tool - motion.target).max() < 1e-4 * one.reach
+    np.testing.assert_allclose(motion.tool[[0, -1]], ends, atol=1e-4 * one.reach)
+    assert (motion.positions >= one.limits[:, 0] - 1e-12).all()
+    assert (motion.positions <= one.limits[:, 1] + 1e-12).all()
+    assert np.abs(np.diff(motion.positions, axis=0)).max() < 0.2
+    if axis is not None:
+        poses = one.chain.poses(motion.positions)
+        np.testing.assert_allclose(poses[:, -1, :, 2], np.tile(axis, (len(poses), 1)), atol=1e-5)
+    assert clearance.certified
+    assert clearance.distance >= scene.arm.clearance
+    verdicts = {one.curve: one for one in verify(json.loads(json.dumps(made.to_dict())))}
+    assert verdicts["arm"].proven, verdicts["arm"].reason
+
+    monkeypatch.setattr(UrdfModel, "other_sights", no_others)
+    before = Planner()(scene).error
+    assert isinstance(before, ArmNotClear)
+
+
+@pytest.mark.slow
+def test_a_goal_that_no_pose_reaches_clear_is_said_with_the_number_of_poses() -> None:
+    name, axis, (start, goal), _ = CASES[2]
+    x, y, z = goal
+    walls = [
+        {"shape": "box", "size": (0.2, 0.2, 0.02), "position": (x, y, z + side)}
+        for side in (0.06, -0.06)
+    ]
+    error = Planner()(scene_of(name, axis, (start, goal), walls)).error
+
+    assert isinstance(error, ArmNotClear)
+    assert error.where == "goal"
+    assert "poses found at the goal none keeps the arm clear." in error.message
+
+
+def test_an_arm_without_joints_to_spare_has_no_other_poses(tmp_path: Path) -> None:
+    (tmp_path / "own.urdf").write_text(arm())
+    data = {"version": 1, "unit": "m", "arm": {"model": "urdf", "urdf": "own.urdf"}}
+    scene = Scene.from_dict(data, tmp_path)
+    model = UrdfModel(scene.arm, scene.unit)
+    mesh = tetrahedralise(scene.workspace, scene.mesh)
+    around = model.surroundings(ObstacleSet(scene.obstacles), 0.0)
+
+    assert len(model.arm.joints) <= 3
+    others = model.other_sights(scene, mesh, around, 0.01)
+    assert list(others.sights) == []
+    assert others.note == ""
