@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import viser
@@ -11,6 +11,8 @@ from abi.arrays import FloatArray
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.primitives import Cylinder
 from abi.scene.scene import Scene
+from app.framing import Window, stand
+from app.page_area import PageArea
 
 _DIRECTION = np.array([0.82, -0.42, 0.38])
 """From the scene's middle to the camera, in sizes of the scene."""
@@ -19,8 +21,8 @@ _ASPECT = 0.8
 _MAX_DISTANCE_FACTOR = 2.5
 _TURNING = 1.0
 """Part of a curve that is worth a quarter turn away from the usual direction."""
-_LIFT = 0.11
-"""Part of the picture's height by which a lecture's strip, below, has the scene stand higher."""
+_MOST_COVERED = 0.4
+"""Part of the picture's height to which text on one edge counts; the rest is for the scene."""
 _TOLERANCE = 1e-3
 """Part of the scene's size by which the page's camera, unmoved, may differ from ours."""
 
@@ -58,12 +60,15 @@ class Viewpoint:
         self._camera = camera
         self._distance_factor = 1.0
         self._direction: FloatArray = _DIRECTION
-        self._lifted = False
+        self._points: FloatArray | None = None
+        self._window = Window(camera.fov, _ASPECT)
+        self._home = np.zeros(3)
+        self._shown = False
         self.show(scene)
 
     def show(self, scene: Scene) -> None:
         """Put the camera in front of ``scene``."""
-        self._scene, self._direction = scene, _DIRECTION
+        self._scene, self._direction, self._shown = scene, _DIRECTION, True
         self._place()
 
     def face(self, curve: FloatArray) -> None:
@@ -84,22 +89,25 @@ class Viewpoint:
         self._direction = _directions()[int(np.argmin(scores))]
         self._place()
 
-    def lift(self, lifted: bool) -> None:
-        """Have the scene stand higher in the picture, or not, unless the user moved the camera."""
-        if lifted != self._lifted:
-            moved, self._lifted = self._is_moved(), lifted
-            if not moved:
-                self._place()
+    def surround(self, points: FloatArray | None) -> None:
+        """Keep all points (n, 3), [unit], in what is free of the picture; None ends that.
+
+        The camera moves at the begin, at the end, and with a new scene, unless the user moved it:
+        what a hand drags is not to move under it.
+        """
+        begins = (points is None) != (self._points is None)
+        moved = self._is_moved()
+        self._points = points
+        if not moved and (begins or (self._shown and points is not None)):
+            self._place()
+        self._shown = False
 
     def look_from(self, direction: tuple[float, float, float]) -> None:
         """Look at the whole scene from a direction, which need not be of length 1."""
-        _, centre, size = _view(self._scene, 1.0)
-        distance = float(np.linalg.norm(_DIRECTION)) * self._distance_factor * size
-        away = np.array(direction) / np.linalg.norm(direction)
-        shift = self._shift(distance * away)
+        length = np.linalg.norm(_DIRECTION) / np.linalg.norm(direction)
+        self._direction = length * np.array(direction)
         self._camera.up_direction = np.array([0.0, 0.0, 1.0])
-        self._camera.position = centre + distance * away + shift
-        self._camera.look_at = centre + shift
+        self._place()
 
     def now(self) -> View | None:
         """The page's camera; None where it reports none."""
@@ -112,41 +120,40 @@ class Viewpoint:
         self._camera.position = np.array(view.position)
         self._camera.look_at = np.array(view.target)
 
-    def fit(self) -> None:
-        """Step back, or nearer, with the picture's aspect, unless the user moved the camera."""
+    def fit(self, area: PageArea | None) -> None:
+        """Follow the picture's shape and what covers it, unless the user moved the camera."""
         factor = min(max(_ASPECT / self._camera.aspect, 1.0), _MAX_DISTANCE_FACTOR)
-        if factor == self._distance_factor:
+        window = self._free(area)
+        surrounds = self._points is not None
+        if factor == self._distance_factor and not (surrounds and window != self._window):
             return
-        moved, self._distance_factor = self._is_moved(), factor
+        moved, self._distance_factor, self._window = self._is_moved(), factor, window
         if not moved:
             self._place()
 
+    def _free(self, area: PageArea | None) -> Window:
+        """What is free of the picture; text that comes and goes counts while the shape stays."""
+        now = Window(self._camera.fov, self._camera.aspect)
+        if area is not None:
+            above, below = min(area.above, _MOST_COVERED), min(area.below, _MOST_COVERED)
+            if self._points is not None and now.aspect == self._window.aspect:
+                above, below = max(above, self._window.above), max(below, self._window.below)
+            now = replace(now, above=above, below=below)
+        return now
+
     def _place(self) -> None:
         """Put the camera to where it is as long as the user leaves it alone."""
-        look_at(self._camera, self._scene, self._distance_factor, self._direction)
-        if self._lifted:
-            position, target = np.array(self._camera.position), np.array(self._camera.look_at)
-            shift = self._shift(position - target)
-            self._camera.position, self._camera.look_at = position + shift, target + shift
+        if self._points is None:
+            look_at(self._camera, self._scene, self._distance_factor, self._direction)
+        else:
+            position, target = stand(self._points, self._direction, self._window)
+            self._camera.position, self._camera.look_at = position, target
+        self._home = np.array(self._camera.position)
 
     def _is_moved(self) -> bool:
         """Whether the user has moved the camera."""
-        position, target, size = _view(self._scene, self._distance_factor, self._direction)
-        home = position + self._shift(position - target)
-        return bool(np.linalg.norm(self._camera.position - home) >= _TOLERANCE * size)
-
-    def _shift(self, away: FloatArray) -> FloatArray:
-        """From the target to what is to be in the picture's middle, (3,), [unit].
-
-        Args:
-            away: from the target to the camera (3,), [unit].
-        """
-        if not self._lifted:
-            return np.zeros(3)
-        aside = np.cross((0.0, 0.0, 1.0), away)
-        up = np.cross(away, aside)
-        height = 2 * np.linalg.norm(away) * np.tan(self._camera.fov / 2)
-        return np.asarray(-_LIFT * height * up / np.linalg.norm(up))
+        size = _view(self._scene, self._distance_factor)[2]
+        return bool(np.linalg.norm(self._camera.position - self._home) >= _TOLERANCE * size)
 
 
 def look_at(

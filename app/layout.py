@@ -64,10 +64,7 @@ class Layout:
             client, unit, folders, result, search, plots, scene, layers, paper, overlay, right
         )
 
-    def fold(self, on: bool) -> None:
-        """Fold both panels away, or unfold them."""
-        for panel in (self.client.gui.main_panel, self.right):
-            if on:
-                panel.minimize()
-            else:
-                panel.expand()
+    @property
+    def panels(self) -> tuple[viser.MainPanelHandle, viser.PanelHandle]:
+        """The left and the right panel."""
+        return self.client.gui.main_panel, self.right

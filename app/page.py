@@ -80,6 +80,11 @@ def ask(client: viser.ClientHandle, widget: viser.GuiTextHandle) -> None:
     _run(client, f"abi.report({json.dumps(uuid(widget))})")
 
 
+def watch(client: viser.ClientHandle, widget: viser.GuiTextHandle) -> None:
+    """Have the tab type into ``widget`` what panels and text leave to the scene, at each change."""
+    _run(client, f"abi.watch({json.dumps(uuid(widget))})")
+
+
 def remember(client: viser.ClientHandle, text: str) -> None:
     """Have the tab keep ``text`` for its next report, past reloads and this server's end."""
     _run(client, f"abi.remember({json.dumps(text)})", "remember")

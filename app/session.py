@@ -26,6 +26,7 @@ from app.labels import sentence
 from app.lessons.cue import Cue
 from app.lessons.lesson import Library
 from app.look import Look
+from app.page_area import PageWatch
 from app.panels.classroom import ClassroomPanel
 from app.pause import IDLE, REST, Pause
 from app.shared_plans import SharedPlans
@@ -74,10 +75,11 @@ class Session:
         self._planned = planned
         self._closing = False
         page.install(client)
+        watch = PageWatch(client)
         self._memory = TabMemory(client, self.wake)
         self._look = look
         with client.atomic():
-            self._view = TabView(client, name, scene, self.wake, bool(look.dark), library)
+            self._view = TabView(client, name, scene, self.wake, bool(look.dark), library, watch)
             self.panels, self.playback = self._view.panels, self._view.playback
             self._class: ClassroomPanel | None = None
             if classroom is not None:
@@ -163,7 +165,7 @@ class Session:
     def _step(self, woken: bool) -> None:
         """Do what there is to do: on input, in a pause, and for the playback."""
         demo = self._pause.demo
-        self._view.viewpoint.fit()
+        self._view.fit()
         if woken:
             self._demonstrated = demo.running
             demo.end()
@@ -263,7 +265,7 @@ class Session:
 
     def _restore(self, report: Report) -> bool:
         """Bring back what the page or a link remembers; False where that is nothing."""
-        self._view.fit_page(report, self._look.dark)
+        self._view.take(report, self._look.dark)
         if not report.state:
             self._pause.demo.wanted = self._look.demo and report.query.get("demo") != "0"
             return False

@@ -29,14 +29,12 @@ class Report:
         query: parameters of its address.
         lessons: progress in the lessons that the browser keeps, whatever the tab.
         dark: whether the system prefers dark pages.
-        width: of the page, [px].
     """
 
     state: str = ""
     query: dict[str, str] = field(default_factory=dict)
     lessons: str = ""
     dark: bool = False
-    width: float = 1280.0
 
 
 class TabMemory:
@@ -111,7 +109,6 @@ def _parse(text: object) -> Report:
             query={str(name): str(value) for name, value in query.items()},
             lessons=str(data.get("lessons", ""))[:MAX_PROGRESS],
             dark=data["dark"] is True,
-            width=float(data.get("width", Report.width)),
         )
     except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
         return Report()

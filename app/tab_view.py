@@ -11,16 +11,17 @@ import viser
 from abi.arm.urdf_arm import UrdfArm
 from abi.planner.plan import Plan
 from abi.scene.scene import Scene
-from app import page
 from app.camera import View, Viewpoint
 from app.classroom import Classroom
 from app.demo import FRAME
+from app.extent import extent
 from app.frame import Drawable, Frame, Switchable
 from app.layers.catalogue import DETAILS, LAYERS, SLOW_LAYERS
 from app.layers.details import Details
-from app.layout import TITLE
 from app.lessons.cue import Cue
 from app.lessons.lesson import Library
+from app.page_area import PageWatch
+from app.panel_folding import PanelFolding
 from app.panels.all_panels import AllPanels
 from app.panels.classroom import ClassroomPanel
 from app.panels.obstacle_gizmos import ObstacleGizmos
@@ -33,10 +34,6 @@ from app.turns import TURNS
 
 TICK = 0.25
 """Seconds after which links that touch are red, and the arm's ghost follows, while it plays."""
-PHONE = 600
-"""Width of a page, [px], below which viser makes the panels one sheet over the scene."""
-NARROW = 1000
-"""Width of a page, [px], below which both panels would leave the scene little room."""
 _FACED = 40
 """Points of the curve that the camera looks for."""
 _SWITCHABLE: tuple[type[Switchable], ...] = (*LAYERS, ObstacleGizmos, *SLOW_LAYERS)
@@ -65,13 +62,17 @@ class TabView:
         wake: Wake,
         dark: bool,
         library: Library,
+        watch: PageWatch,
     ) -> None:
         """Add panels and layers, in the order of the page where they share a tab or a folder."""
         self._client = client
+        self._watch = watch
         self.viewpoint = Viewpoint(client.camera, scene)
         self._to_face = True
+        self._surrounded: Plan | None = None
         self._before: TabState | None = None
         self.panels = AllPanels(client, name, scene, SWITCHES, wake, dark, library)
+        self._folding = PanelFolding(self.panels.layout)
         layers: list[Drawable] = [layer(self.panels.layout) for layer in LAYERS]
         slow_layers: list[Drawable] = [layer(self.panels.layout) for layer in SLOW_LAYERS]
         with self.panels.layout.result:
@@ -98,7 +99,7 @@ class TabView:
         """Draw a frame at the time of the playback; the frame as it was drawn."""
         with self._client.atomic():
             frame = self._now(frame)
-            self.viewpoint.lift(frame.lecture)
+            self._fit(frame)
             for part in self.parts[0]:
                 part.draw(frame)
         with self._client.atomic():
@@ -128,17 +129,25 @@ class TabView:
         bases = self.panels.stages.bases.found(frame.plan.scene)
         return replace(frame, theatre=self.panels.theatre.advance(frame), bases=bases)
 
-    def fit_page(self, report: Report, dark: bool | None) -> None:
-        """Fit the panels to the page's size, and its colours to the system's unless ``dark`` says.
+    def _fit(self, frame: Frame) -> None:
+        """Fit panels and camera to a lecture, or end that."""
+        self._folding.update(self._watch.area(), frame.lecture)
+        if not frame.lecture:
+            self.viewpoint.surround(None)
+        elif frame.plan is not self._surrounded:
+            self.viewpoint.surround(extent(frame.plan))
+        self._surrounded = frame.plan if frame.lecture else None
 
-        What the browser remembers of lessons counts in every tab.
-        """
+    def fit(self) -> None:
+        """Fit panels and camera to the page as it is now."""
+        area = self._watch.area()
+        self._folding.update(area, self.panels.lecture.on)
+        self.viewpoint.fit(area)
+
+    def take(self, report: Report, dark: bool | None) -> None:
+        """Take over what the browser remembers, and the system's colours unless ``dark`` says."""
         if dark is None:
             self.panels.layer_switches.restore(None, report.dark)
-        if report.width < PHONE:
-            page.fold_sheet(self._client, TITLE)
-        elif report.width < NARROW:
-            self.panels.fold()
         self.panels.lessons.recall(report.lessons)
 
     def face(self, plan: Plan) -> None:

@@ -144,11 +144,6 @@ class AllPanels:
         if cue.setting.search is not None:
             self.theatre.set(**cue.setting.search.model_dump(exclude_none=True))
 
-    def fold(self) -> None:
-        """Fold the panels of a narrow page, where both would leave the scene no room."""
-        self.lecture.narrow = True
-        self.layout.fold(True)
-
     def left(self) -> bool:
         """Whether a lesson or the figures were left since the last call."""
         lessons, figures = self.lessons.left(), self.figures.left()

@@ -39,7 +39,6 @@ class Lecture:
     Attributes:
         toggle: button of the toolbar that begins and ends it; hidden itself.
         on: whether it is on.
-        narrow: whether panels stay folded at its end, since both would leave the scene no room.
     """
 
     def __init__(self, layout: Layout, theatre: TheatrePanel, wake: Wake) -> None:
@@ -54,10 +53,8 @@ class Lecture:
         self._views: dict[str, Any] = {
             name: gui.add_button(f"View: {name}", visible=False) for name in VIEWS
         }
-        self.on = self.narrow = False
-        self._switch = False
+        self.on = self._switch = self._large = False
         self._stage: int | None = None
-        self._folded = False
         for widget in (self._back, self._forward, *self._views.values()):
             widget.on_click(wake)
         self.toggle.on_click(self._press)
@@ -89,10 +86,9 @@ class Lecture:
         return None
 
     def draw(self, frame: Frame) -> None:
-        """Fold the panels and show the strip, or unfold them."""
-        if self.on != self._folded:
-            self._folded = self.on
-            self._layout.fold(self.on or self.narrow)
+        """Show the strip and large letters, or neither."""
+        if self.on != self._large:
+            self._large = self.on
             page.set_lecture(self._layout.client, self.on)
         content = self._strip() if self.on else ""
         if self.on and self.shows_search:

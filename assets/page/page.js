@@ -29,8 +29,30 @@ window.abi = {
       lessons: lessons ?? "",
       query: Object.fromEntries(url.searchParams),
       dark: matchMedia("(prefers-color-scheme: dark)").matches,
-      width: innerWidth,
     }));
+  },
+
+  // Tell the server what panels and text leave to the scene: see app/page_area.py.
+  watch(uuid) {
+    this.watched = {uuid, told: ""};
+    this.tellArea();
+  },
+  tellArea() {
+    const canvas = window.__viserMutable?.canvas?.getBoundingClientRect();
+    if (!this.watched || !canvas?.height) return;
+    const edges = (part, edge) => [...document.querySelectorAll(`#abi-overlay .abi-${part} > *`)]
+      .map(each => each.getBoundingClientRect()).filter(box => box.height > 0).map(box => box[edge]);
+    const covered = part => Math.min(Math.max(part / canvas.height, 0), 1).toFixed(2);
+    const area = JSON.stringify({
+      width: innerWidth,
+      left: Math.max(Math.round(canvas.left), 0),
+      right: Math.max(Math.round(innerWidth - canvas.right), 0),
+      above: covered(Math.max(canvas.top, ...edges("top", "bottom")) - canvas.top),
+      below: covered(canvas.bottom - Math.min(canvas.bottom, ...edges("bottom", "top"))),
+    });
+    if (area === this.watched.told) return;
+    this.watched.told = area;
+    this.send(this.watched.uuid, area);
   },
 
   // Keep a text for as long as the tab lives, whatever becomes of page and server.
@@ -288,7 +310,7 @@ window.abiNotices = new MutationObserver(() => {
 });
 window.abiNotices.observe(document.body, {childList: true, subtree: true, characterData: true});
 clearInterval(window.abiMending);
-window.abiMending = setInterval(() => abi.mendCharts(), 400);
+window.abiMending = setInterval(() => { abi.mendCharts(); abi.tellArea(); }, 400);
 
 document.getElementById("abi-style")?.remove();
 document.head.insertAdjacentHTML("beforeend", `<style id="abi-style">
@@ -327,9 +349,15 @@ document.head.insertAdjacentHTML("beforeend", `<style id="abi-style">
 #abi-overlay .abi-track input { display: block; width: 100%; margin: 0; accent-color: #1f84d6; }
 #abi-overlay [data-part=tour], #abi-overlay [data-part=tour]:empty, #abi-overlay [data-part=class] { flex: 1 0 100%; }
 #abi-overlay [data-part=class] * { font-size: inherit !important; }
-#abi-overlay.abi-lecture { font-size: 20px; }
-#abi-overlay.abi-lecture .abi-numbers b { font-size: clamp(26px, 4.4cqw, 60px); }
-#abi-overlay.abi-lecture .abi-numbers span { font-size: clamp(16px, 2.2cqw, 26px); }
+/* a lecture: letters for a hall, in rows that leave the height to the scene */
+#abi-overlay.abi-lecture { font-size: clamp(16px, 2.8vh, 26px); }
+#abi-overlay.abi-lecture .abi-numbers b { font-size: clamp(24px, 5.2vh, 60px); }
+#abi-overlay.abi-lecture .abi-numbers span { font-size: clamp(15px, 2.6vh, 26px); }
+#abi-overlay.abi-lecture .abi-bottom { flex-flow: row wrap; align-items: end; padding-block: 0 6px; }
+#abi-overlay.abi-lecture [data-part=lecture] { flex: 1 0 100%; display: flex; flex-wrap: wrap; gap: 6px; }
+#abi-overlay.abi-lecture [data-part=player] { flex: 1 1 18em; }
+#abi-overlay.abi-lecture .abi-card { padding-block: 3px; }
+#abi-overlay.abi-lecture .abi-bottom button { padding-block: 2px; }
 #abi-overlay [data-part=lecture] .abi-buttons { display: inline-flex; align-items: center; }
 #abi-overlay [data-part=lecture] b { min-width: 7.5em; text-align: center; }
 #abi-overlay [data-part=lecture] span { width: 12px; }
@@ -357,7 +385,7 @@ document.head.insertAdjacentHTML("beforeend", `<style id="abi-style">
   .mantine-ScrollArea-content .mantine-Paper-root:not(.mantine-Paper-root *) { margin-block: 7px; }
   .mantine-ScrollArea-content div:has(> .mantine-Flex-root) { padding-bottom: 3.4px !important; }
 }
-@media (max-width: 600px) { #abi-overlay .abi-bottom { padding-bottom: 56px; } }
+@media (max-width: 600px) { #abi-overlay .abi-bottom, #abi-overlay.abi-lecture .abi-bottom { padding-bottom: 56px; } }
 /* viser's scroll bar lies over what it scrolls, and its notices over the sentence and the buttons */
 @media (min-width: 601px) {  /* the phone's sheet is of a fixed width */
   .mantine-ScrollArea-root:has(> .mantine-ScrollArea-scrollbar[data-orientation=vertical][data-state=visible])

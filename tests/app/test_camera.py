@@ -3,6 +3,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from app.extent import extent
+from app.framing import axes
 from app.session import Session
 from tests.app.fake_tab import FakeTab, until
 
@@ -35,13 +37,32 @@ def test_a_camera_that_the_hand_has_moved_stays(tab: tuple[FakeTab, Session]) ->
     np.testing.assert_allclose(session.client.camera.position, [1.0, -9.0, 2.0])
 
 
-def test_in_a_lecture_the_scene_stands_higher(tab: tuple[FakeTab, Session]) -> None:
+def test_in_a_lecture_all_is_seen_from_the_same_side(tab: tuple[FakeTab, Session]) -> None:
     fake, session = tab
     camera, lecture = session.client.camera, session.panels.lecture
-    before, away = camera.look_at, camera.position - camera.look_at
+    before, away = camera.position, camera.position - camera.look_at
     fake.set(lecture.toggle, True)
-    until(lambda: lecture.on and camera.look_at[2] < before[2])
-    # moved only, not turned
-    np.testing.assert_allclose(camera.position - camera.look_at, away)
+    until(lambda: lecture.on and not np.allclose(camera.position, before))
+    away_now = camera.position - camera.look_at
+    np.testing.assert_allclose(np.cross(away_now, away), 0, atol=1e-6)
+    assert session.plan is not None
+    right, up, forward = axes(away)
+    seen = extent(session.plan) - camera.position
+    half = np.tan(camera.fov / 2)
+    assert (np.abs(seen @ up) < half * (seen @ forward)).all()
+    assert (np.abs(seen @ right) < half * camera.aspect * (seen @ forward)).all()
     fake.set(lecture.toggle, True)
-    until(lambda: not lecture.on and camera.look_at == pytest.approx(before))
+    until(lambda: not lecture.on and np.allclose(camera.position, before))
+
+
+def test_a_view_that_is_chosen_follows_the_picture(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    camera, lecture = session.client.camera, session.panels.lecture
+    fake.set(lecture.toggle, True)
+    until(lambda: lecture.on)
+    fake.set(lecture._views["Front"], True)
+    until(lambda: session.resting and bool(camera.position[1] > camera.look_at[1]))
+    near = distance(session)
+    fake.look(camera, 300)
+    until(lambda: distance(session) > 1.2 * near)
+    assert camera.position[1] > camera.look_at[1]

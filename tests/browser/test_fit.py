@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
+from numpy.typing import NDArray
 from playwright.sync_api import Browser
 
+from app.extent import extent
 from app.server import Server
 from app.session import Session
 from tests.browser.page import Page
@@ -44,6 +47,9 @@ _BARS = """() => [...document.querySelectorAll(
   .filter(bar => bar.clientWidth > 0)
   .map(bar => [bar.parentElement.querySelector(".mantine-ScrollArea-content")
     .getBoundingClientRect().right, bar.getBoundingClientRect().left])"""
+
+_STRIP = """() => Math.min(...[...document.querySelectorAll("#abi-overlay .abi-bottom > *")]
+  .map(part => part.getBoundingClientRect()).filter(box => box.height > 0).map(box => box.top))"""
 
 # Boxes of what is written over the scene, and of the scene: left, top, right, bottom, [px].
 _OVERLAY = """() => {
@@ -163,6 +169,53 @@ def test_a_narrow_page_begins_with_folded_panels(chromium: Browser, server: Serv
         assert not page.errors
     finally:
         page.close()
+
+
+def test_a_window_made_narrow_folds_its_panels_until_it_is_wide_again(page: Page) -> None:
+    try:
+        for width, least, most in ((900, 0.85, 1.0), (1280, 0.2, 0.6)):
+            page.tab.set_viewport_size({"width": width, "height": 720})
+            page.until(
+                lambda: least < page.tab.evaluate(_SCENE_WIDTH) / width < most,  # noqa: B023
+                f"the panels at {width} px",
+            )
+    finally:
+        _put_back(page)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("size", _SIZES)
+def test_a_lecture_shows_the_whole_arm_above_its_strip(
+    size: tuple[int, int], page: Page, session: Session
+) -> None:
+    width, height = size
+    page.click("Lecture")
+    page.tab.set_viewport_size({"width": width, "height": height})
+    try:
+        assert session.plan is not None
+        points = extent(session.plan)
+        page.until(lambda: _is_seen(page, points, height), "the arm above the strip")
+        share = 1 - _strip(page) / height
+        assert share <= (0.25 if width > 600 else 0.4)
+    finally:
+        page.tab.set_viewport_size({"width": 1280, "height": 720})
+        page.click("End lecture")
+        _put_back(page)
+
+
+def _strip(page: Page) -> float:
+    """Where the strip of a lecture begins, [px] from the top."""
+    return float(page.tab.evaluate(_STRIP))
+
+
+def _is_seen(page: Page, points: NDArray[np.float64], height: int) -> bool:
+    """Whether the scene has all points, and nothing of a lecture's strip over them."""
+    left, _, right, _ = page.tab.evaluate(_OVERLAY)[0]
+    chosen = np.vstack([points[:9], points[9 :: len(points) // 50]])
+    pixels = np.array([page.pixel("/workspace", list(point)) for point in chosen])
+    low, high = pixels.min(axis=0), pixels.max(axis=0)
+    inside = left <= low[0] and high[0] <= right and low[1] >= 0 and high[1] <= _strip(page)
+    return bool(inside and np.ptp(pixels, axis=0).max() > 0.3 * min(right - left, height))
 
 
 def test_the_name_of_every_layer_is_on_one_line(page: Page) -> None:

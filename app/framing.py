@@ -1,0 +1,70 @@
+"""Camera that sees given points in the part of its picture that nothing covers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from abi.arrays import FloatArray
+
+_MARGIN = 0.07
+"""Part of the free picture that stays empty around the points, for names at what is drawn."""
+
+
+@dataclass(frozen=True)
+class Window:
+    """Shape of a picture, and what of it is covered.
+
+    Attributes:
+        fov: angle from its lower to its upper edge, [rad].
+        aspect: width over height.
+        above: covered part of its height, from the upper edge, 0 to 1.
+        below: the same from the lower edge; both together cover less than all of it.
+    """
+
+    fov: float
+    aspect: float
+    above: float = 0.0
+    below: float = 0.0
+
+
+def stand(
+    points: FloatArray, direction: FloatArray, window: Window
+) -> tuple[FloatArray, FloatArray]:
+    """Position and target, (3,) each, of the nearest camera that sees all points.
+
+    Each edge of the window is the trace of a plane through the eye. In the camera's axes, z into
+    the picture, a point is on the inner side of the right one where x − cx ≤ s·(z − cz), s the
+    edge's slope. So the points bound cx − s·cz for each edge, and the bounds of opposite edges
+    meet at the greatest cz.
+
+    Args:
+        points: (n, 3), [unit], world.
+        direction: from the points to the camera, not upright; of any length.
+        window: where they are to be seen.
+    """
+    right, up, forward = axes(direction)
+    x, y, z = points @ right, points @ up, points @ forward
+    half = (1 - _MARGIN) * np.tan(window.fov / 2)
+    side = half * window.aspect
+    top, bottom = half * (1 - 2 * window.above), half * (1 - 2 * window.below)
+    to_right, to_left = (x - side * z).max(), (-x - side * z).max()
+    to_top, to_bottom = (y - top * z).max(), (-y - bottom * z).max()
+    depth = min(-(to_right + to_left) / (2 * side), -(to_top + to_bottom) / (top + bottom))
+    across = (to_right - to_left) / 2
+    height = (to_top - to_bottom + (top - bottom) * depth) / 2
+    position = across * right + height * up + depth * forward
+    return position, position + (z.mean() - depth) * forward
+
+
+def axes(direction: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Axes (3,) of a camera: to the right, upwards and into the picture; world z is upwards.
+
+    Args:
+        direction: from what it looks at to the camera, not upright; of any length.
+    """
+    forward = -np.asarray(direction, dtype=float) / np.linalg.norm(direction)
+    right = np.cross(forward, (0.0, 0.0, 1.0))
+    right /= np.linalg.norm(right)
+    return right, np.cross(right, forward), forward

@@ -1,0 +1,67 @@
+"""Size of a page, and what panels and text take of it from the scene."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass, fields
+
+import viser
+
+from app import page
+
+_MOST = 100_000.0
+"""Longest side of a page, [px]."""
+
+
+@dataclass(frozen=True)
+class PageArea:
+    """Size of a page, and what panels and text take of it from the scene.
+
+    Attributes:
+        width: of the page, [px].
+        left: width of what panels take on the left, [px].
+        right: the same on the right.
+        above: part of the scene's height that text covers from above, 0 to 1.
+        below: the same from below.
+    """
+
+    width: float = 1280.0
+    left: float = 0.0
+    right: float = 0.0
+    above: float = 0.0
+    below: float = 0.0
+
+    @classmethod
+    def of(cls, text: object) -> PageArea | None:
+        """The area of a text, which a hostile page may have written; None of any other text."""
+        try:
+            data = json.loads(str(text))
+            numbers = [float(data[field.name]) for field in fields(cls)]
+        except (ValueError, TypeError, KeyError, RecursionError):
+            return None
+        area = cls(*numbers)
+        sizes = (area.width, area.left, area.right)
+        if not all(0 <= size <= _MOST for size in sizes):
+            return None
+        covered = (area.above, area.below)
+        return area if all(0 <= part <= 1 for part in covered) else None
+
+
+class PageWatch:
+    """Hidden text box into which the page types its area whenever that changes.
+
+    No callback: a new area is no input. Who needs it looks here.
+    """
+
+    def __init__(self, client: viser.ClientHandle) -> None:
+        self._box = client.gui.add_text("area", "", visible=False)
+        self._read: object = ""
+        self._area: PageArea | None = None
+        page.watch(client, self._box)
+
+    def area(self) -> PageArea | None:
+        """The page's area; None before its first word."""
+        if self._box.value != self._read:
+            self._read = self._box.value
+            self._area = PageArea.of(self._read) or self._area
+        return self._area
