@@ -81,6 +81,8 @@ class TabMemory:
             state.lessons,
             state.challenge,
             state.theatre,
+            state.before,
+            state.figure,
         )
         due = now or time.monotonic() - self._sent >= _PERIOD
         if not self._read or kept == self._kept or not due:

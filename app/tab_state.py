@@ -6,6 +6,7 @@ import base64
 import json
 import math
 import zlib
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -41,6 +42,9 @@ class TabState:
         lessons: where the student is in which lesson, as the player writes it; empty for nowhere.
         theatre: the search that is stepped through, as its panel writes it; empty for none.
         missing: names of mesh files that this server has not; the scene is without them.
+        before: the state to which the end of a lesson or of the paper's figures leads; itself
+            without one. No link has it.
+        figure: number of the paper's figure that is shown since; 0 for none.
     """
 
     name: str
@@ -54,17 +58,23 @@ class TabState:
     challenge: str = ""
     theatre: str = ""
     missing: tuple[str, ...] = ()
+    before: TabState | None = None
+    figure: int = 0
 
     def with_challenge(self, challenge: str) -> TabState:
         """The state with a challenge, for a link to it."""
         return replace(self, challenge=challenge)
+
+    def alone(self) -> TabState:
+        """The state without the one before it, as others are shown it."""
+        return replace(self, before=None, figure=0)
 
     def encode(self) -> str:
         """The state in letters that an address takes as they are."""
         return StateEncoder().encode(self)
 
     def settings(self) -> dict[str, Any]:
-        """All but the scene, as plain data."""
+        """All but the scene and the state before, as plain data."""
         return {
             "version": _VERSION,
             "name": self.name,
@@ -92,21 +102,8 @@ class TabState:
         data = _unpack(text)
         if not isinstance(data, dict) or data.get("version") != _VERSION:
             raise SceneError(_FIELD, _shortened(text), "one that this version has made")
-        dark, shown = data.get("dark"), data.get("shown")
-        scene, missing = _scene(data.get("scene"), data.get("files"), meshes)
-        return cls(
-            name=str(data.get("name", ""))[:200],
-            scene=scene,
-            missing=missing,
-            view=View.of(data.get("view")),
-            time=_time(data.get("time")),
-            playing=data.get("playing") is not False,
-            shown=frozenset(map(str, shown)) if isinstance(shown, list) else None,
-            dark=dark if isinstance(dark, bool) else None,
-            lessons=str(data.get("lessons", ""))[:MAX_PROGRESS],
-            challenge=str(data.get("challenge", ""))[:MAX_PROGRESS],
-            theatre=str(data.get("theatre", ""))[:MAX_PROGRESS],
-        )
+        state, before = _state(data, meshes), _before(data.get("before"), meshes)
+        return state if before is None else replace(state, before=before, figure=_figure(data))
 
 
 class StateEncoder:
@@ -117,28 +114,92 @@ class StateEncoder:
     """
 
     def __init__(self) -> None:
-        self._scene: Scene | None = None
-        self._text = self._packed = b""
+        self._scene = _Stretch()
+        self._before = _Stretch()
 
     def encode(self, state: TabState) -> str:
         """The state in letters that an address takes as they are."""
-        if state.scene is not self._scene:
-            files = json.dumps(mesh_store.keys(state.scene.meshes.files))
-            scene = state.scene.model_dump_json()
-            self._text = f'{{"scene":{scene},"files":{files}'.encode()
-            self._packed, self._scene = _deflate(self._text, zlib.Z_FULL_FLUSH), state.scene
+        self._scene.write(state.scene, lambda: "{" + _scene_fields(state))
+        self._before.write(state.before, lambda: _before_field(state))
         rest = json.dumps(state.settings(), separators=(",", ":")).encode()
         rest = b"," + rest.removeprefix(b"{")
-        # a zlib stream (RFC 1950) in two stretches, neither of which looks back into the other
-        checksum = zlib.adler32(rest, zlib.adler32(self._text))
-        stream = _ZLIB_HEADER + self._packed + _deflate(rest, zlib.Z_FINISH) + checksum.to_bytes(4)
+        parts = [self._scene, self._before]
+        if sum(len(part.text) for part in parts) + len(rest) > MAX_JSON_BYTES:
+            parts.pop()  # what is shown now comes back rather than nothing
+        # a zlib stream (RFC 1950) in stretches, none of which looks back into another
+        checksum = zlib.adler32(b"")
+        for part in parts:
+            checksum = zlib.adler32(part.text, checksum)
+        checksum = zlib.adler32(rest, checksum)
+        packed = b"".join(part.packed for part in parts)
+        stream = _ZLIB_HEADER + packed + _deflate(rest, zlib.Z_FINISH) + checksum.to_bytes(4)
         return base64.urlsafe_b64encode(stream).decode().rstrip("=")
+
+
+class _Stretch:
+    """Part of the stream that is compressed again only where another object is written."""
+
+    def __init__(self) -> None:
+        self._written: object = None
+        self.text = self.packed = b""
+
+    def write(self, written: object, text: Callable[[], str]) -> None:
+        """Compress ``text()`` unless this very object was written last."""
+        if written is not self._written:
+            self._written, self.text = written, text().encode()
+            self.packed = _deflate(self.text, zlib.Z_FULL_FLUSH) if self.text else b""
+
+
+def _scene_fields(state: TabState) -> str:
+    files = json.dumps(mesh_store.keys(state.scene.meshes.files))
+    return f'"scene":{state.scene.model_dump_json()},"files":{files}'
+
+
+def _before_field(state: TabState) -> str:
+    """The state before and the figure, as fields of a JSON object; nothing where there is none."""
+    before = state.before
+    if before is None:
+        return ""
+    settings = json.dumps(before.settings(), separators=(",", ":")).removeprefix("{")
+    return f',"figure":{state.figure},"before":{{{_scene_fields(before)},{settings}'
 
 
 def _deflate(data: bytes, end: int) -> bytes:
     """Stretch of a deflate stream, which goes on after it unless ``end`` is ``Z_FINISH``."""
     packer = zlib.compressobj(wbits=-zlib.MAX_WBITS)
     return packer.compress(data) + packer.flush(end)
+
+
+def _state(data: dict[str, Any], meshes: MeshSource) -> TabState:
+    """The state of plain data, without the one before."""
+    dark, shown = data.get("dark"), data.get("shown")
+    scene, missing = _scene(data.get("scene"), data.get("files"), meshes)
+    return TabState(
+        name=str(data.get("name", ""))[:200],
+        scene=scene,
+        missing=missing,
+        view=View.of(data.get("view")),
+        time=_time(data.get("time")),
+        playing=data.get("playing") is not False,
+        shown=frozenset(map(str, shown)) if isinstance(shown, list) else None,
+        dark=dark if isinstance(dark, bool) else None,
+        lessons=str(data.get("lessons", ""))[:MAX_PROGRESS],
+        challenge=str(data.get("challenge", ""))[:MAX_PROGRESS],
+        theatre=str(data.get("theatre", ""))[:MAX_PROGRESS],
+    )
+
+
+def _before(data: object, meshes: MeshSource) -> TabState | None:
+    """The state before; None for one that cannot be shown, which need not cost the other."""
+    try:
+        return _state(data, meshes) if isinstance(data, dict) else None
+    except SceneError:
+        return None
+
+
+def _figure(data: dict[str, Any]) -> int:
+    number = data.get("figure")
+    return number if type(number) is int and number >= 0 else 0
 
 
 def _scene(data: object, keys: object, meshes: MeshSource) -> tuple[Scene, tuple[str, ...]]:

@@ -11,6 +11,7 @@ import viser
 from abi.arm.urdf_arm import UrdfArm
 from abi.planner.plan import Plan
 from abi.scene.scene import Scene
+from app import page
 from app.camera import View, Viewpoint
 from app.classroom import Classroom
 from app.demo import FRAME
@@ -171,6 +172,11 @@ class TabView:
             self.viewpoint.restore(state.view)
         self.playback.restore(state.time, state.playing)
         self.panels.history.begin(state.scene)
+        if state.before is not None:
+            self.panels.figures.restore(state.figure)
+            # of a lesson that this server does not have there is no end
+            if self.panels.lessons.chosen or self.panels.figures.number:
+                self._before = state.before
 
     def follow(self, cue: Cue, before: TabState) -> None:
         """Show what a lesson or a figure sets.
@@ -195,7 +201,7 @@ class TabView:
     def go_back(self, scene: Scene) -> Scene:
         """Show what was shown before a lesson or a figure; the scene to plan.
 
-        After a reload nobody knows what that was: then ``scene``, with the layers of a new tab.
+        Who came by a link had none: then ``scene``, with the layers of a new tab.
         """
         before, self._before = self._before, None
         if before is not None:
@@ -203,6 +209,8 @@ class TabView:
                 "Your scene is back", "Undo returns to the other.", auto_close_seconds=5
             )
         state = before or replace(self.state(scene, 0.0), shown=SHOWN, view=None, theatre="")
+        if state.missing:
+            page.notify_missing(self._client, state.missing)
         self.panels.go_back(state)
         self.look_at(state.scene, state.view is None)
         if state.view is not None:
@@ -224,4 +232,6 @@ class TabView:
             lessons=self.panels.lessons.progress,
             challenge=self.panels.share.kept,
             theatre=self.panels.theatre.kept,
+            before=self._before,
+            figure=self.panels.figures.number,
         )

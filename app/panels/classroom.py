@@ -116,7 +116,7 @@ class ClassroomPanel:
         if once or due:
             self._published_at = now
             view = replace(
-                state, dark=None, challenge="", time=0.0 if state.playing else state.time
+                state.alone(), dark=None, challenge="", time=0.0 if state.playing else state.time
             )
             text = self._encoder.encode(view)
             if once or text != self._published:

@@ -22,13 +22,19 @@ _SIGNS = {"holds": "✓", "depends on the mesh": "≈", "does not hold": "✗"}
 
 
 class FiguresPanel:
-    """Nine buttons, a caption, and a button for the table."""
+    """Nine buttons, a caption, and a button for the table.
+
+    Attributes:
+        number: of the figure shown, from 1; 0 for none.
+    """
 
     def __init__(self, gui: viser.GuiApi, wake: Wake) -> None:
         self._wake = wake
         self._pressed: int | None = None
+        self.number = 0
         self._left = False
-        with gui.add_folder("The paper's figures", expand_by_default=False):
+        self._folder = gui.add_folder("The paper's figures", expand_by_default=False)
+        with self._folder:
             numbers = [str(number) for number in range(1, len(figures()) + 1)]
             self.buttons = (
                 gui.add_button_group("figure", numbers[:5]),
@@ -62,10 +68,7 @@ class FiguresPanel:
             return None
         number, self._pressed = self._pressed, None
         figure = figures()[number]
-        self._caption.content = (
-            f"{style.BOX}<b>Fig. {number + 1}.</b> {html.escape(figure.caption)}</div>"
-        )
-        self._caption.visible = self.back.visible = True
+        self.restore(number + 1)
         return Cue(figure.set, scene_of(figure.set, scene, assets.path("scenes")))
 
     def left(self) -> bool:
@@ -73,8 +76,19 @@ class FiguresPanel:
         left, self._left = self._left, False
         return left
 
+    def restore(self, number: int) -> None:
+        """Show the caption of a figure, and the way back; ignore a number that there is not."""
+        if not 1 <= number <= len(figures()):
+            return
+        self.number = number
+        caption = html.escape(figures()[number - 1].caption)
+        self._caption.content = f"{style.BOX}<b>Fig. {number}.</b> {caption}</div>"
+        self._caption.visible = self.back.visible = True
+        self._folder.expand_by_default = True  # in a new page, or the way back is not seen
+
     def close(self) -> None:
         """Show no caption, since no figure is shown."""
+        self.number = 0
         self._caption.visible = self.back.visible = False
 
     def draw(self, frame: Frame) -> None:

@@ -72,7 +72,7 @@ class SharePanel:
         self._overlay.show("challenge", text)
 
     def _copy(self, state: TabState) -> None:
-        text = state.encode()
+        text = state.alone().encode()
         if len(text) > LONGEST_LINK:
             page.notify_refusal(
                 self._client, "Too much for a link", "Save the scene as a file instead."

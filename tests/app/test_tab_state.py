@@ -160,3 +160,115 @@ def test_only_what_changed_is_kept(
     memory.keep(TabState("paper", load_scene("paper"), time=2.0), now=True)
     assert [TabState.decode(text, MESHES).time for text in texts] == [0.0, 2.0]
     memory._box.remove()
+
+
+def _with_before() -> TabState:
+    view = View((1.0, 2.0, 3.0), (0.0, 0.5, 0.0), (0.0, 0.0, 1.0))
+    before = TabState("two-boxes", load_scene("two-boxes"), view, shown=frozenset({"arm"}))
+    return TabState("two-boxes", load_scene("paper"), time=0.5, before=before, figure=3)
+
+
+def test_what_was_before_a_lesson_comes_back_too_but_not_by_a_link() -> None:
+    state = _with_before()
+    assert TabState.decode(state.encode(), MESHES) == state
+    link = state.alone().encode()
+    assert link == TabState("two-boxes", load_scene("paper"), time=0.5).encode()
+    assert TabState.decode(link, MESHES).before is None
+
+
+def test_what_was_before_is_packed_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    encoder, state = StateEncoder(), _with_before()
+    text = encoder.encode(state)
+    packed: list[bytes] = []
+    deflate = tab_state._deflate
+    monkeypatch.setattr(
+        tab_state, "_deflate", lambda data, end: packed.append(data) or deflate(data, end)
+    )
+    assert encoder.encode(state) == text
+    assert len(packed) == 1
+    later = encoder.encode(state.alone())
+    assert later == state.alone().encode()
+
+
+@pytest.mark.parametrize("before", [{}, [], 3, {"scene": 1}, {"scene": {"version": 1, "start": 7}}])
+def test_a_damaged_state_before_is_left_out(before: object) -> None:
+    data = {"version": 1, "scene": {"version": 1}, "figure": 2, "before": before}
+    packed = zlib.compress(json.dumps(data).encode())
+    state = TabState.decode(base64.urlsafe_b64encode(packed).decode(), MESHES)
+    assert state.before is None
+    assert state.figure == 0
+
+
+def test_before_a_state_is_no_other_before_it() -> None:
+    inner = {"version": 1, "scene": {"version": 1}}
+    outer = {"version": 1, "scene": {"version": 1}, "before": {**inner, "before": inner}}
+    for figure in (-1, 1e300, True, "2", None):
+        packed = zlib.compress(json.dumps({**outer, "figure": figure}).encode())
+        state = TabState.decode(base64.urlsafe_b64encode(packed).decode(), MESHES)
+        assert state.before is not None
+        assert state.before.before is None
+        assert state.figure == 0
+
+
+def test_a_state_before_that_is_too_much_is_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    state = _with_before()
+    room = len(state.scene.model_dump_json()) + 1000
+    monkeypatch.setattr(tab_state, "MAX_JSON_BYTES", room)
+    back = TabState.decode(state.encode(), MESHES)
+    assert back == state.alone()
+
+
+def _reloaded(
+    server: Server, text: str, monkeypatch: pytest.MonkeyPatch
+) -> tuple[FakeTab, Session]:
+    """A tab whose page remembers ``text``."""
+    boxes: list[Any] = []
+    monkeypatch.setattr(page, "ask", lambda _, box: boxes.append(box))
+    fake = FakeTab(server.url)
+    until(lambda: len(server.sessions) == 1 and bool(boxes))
+    (session,) = server.sessions.values()
+    until(lambda: session.plan is not None)
+    fake.set(boxes[0], json.dumps({"state": text, "query": {}, "dark": False}))
+    return fake, session
+
+
+def test_after_a_reload_a_figure_still_leads_back(
+    server: Server, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    state = _with_before()
+    assert state.before is not None
+    fake, session = _reloaded(server, state.encode(), monkeypatch)
+    until(lambda: session._scene == state.scene and session.resting)
+    kept = session._state()
+    assert kept.before == state.before
+    assert kept.figure == 3
+    fake.set(session.panels.figures.back, True)
+    until(lambda: session.plan is not None and session.plan.scene == state.before.scene)  # type: ignore[union-attr]
+    assert session.client.camera.position == pytest.approx(state.before.view.position)  # type: ignore[union-attr]
+    assert session.panels.layer_switches.shown() == {"arm"}
+    assert session._state().before is None
+    fake.close()
+    until(lambda: not server.sessions)
+
+
+@pytest.mark.slow
+def test_after_a_reload_a_lesson_still_leads_back(
+    server: Server, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    mine = load_scene("two-boxes").replace(spline={"degree": 3})
+    fake, session = _reloaded(server, TabState("two-boxes", mine).encode(), monkeypatch)
+    until(lambda: session.plan is not None and session.plan.scene == mine and session.resting)
+    lessons = session.panels.lessons
+    until(lambda: len(lessons.choice.options) > 1)
+    fake.set(lessons.choice, lessons.choice.options[1])
+    until(lambda: session.resting and session.plan.scene == load_scene("paper"))  # type: ignore[union-attr]
+    text = session._state().encode()
+    fake.close()
+    until(lambda: not server.sessions)
+
+    fake, session = _reloaded(server, text, monkeypatch)
+    until(lambda: session.panels.lessons.chosen and session.resting)
+    fake.set(session.panels.lessons.choice, session.panels.lessons.choice.options[0])
+    until(lambda: session.plan is not None and session.plan.scene == mine)
+    fake.close()
+    until(lambda: not server.sessions)
