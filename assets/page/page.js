@@ -350,9 +350,9 @@ document.head.insertAdjacentHTML("beforeend", `<style id="abi-style">
 #abi-overlay [data-part=tour], #abi-overlay [data-part=tour]:empty, #abi-overlay [data-part=class] { flex: 1 0 100%; }
 #abi-overlay [data-part=class] * { font-size: inherit !important; }
 /* a lecture: letters for a hall, in rows that leave the height to the scene */
-#abi-overlay.abi-lecture { font-size: clamp(16px, 2.8vh, 26px); }
-#abi-overlay.abi-lecture .abi-numbers b { font-size: clamp(24px, 5.2vh, 60px); }
-#abi-overlay.abi-lecture .abi-numbers span { font-size: clamp(15px, 2.6vh, 26px); }
+#abi-overlay.abi-lecture { font-size: clamp(16px, min(2.8vh, 3vw), 26px); }
+#abi-overlay.abi-lecture .abi-numbers b { font-size: clamp(22px, min(5.2vh, 5cqw), 60px); }
+#abi-overlay.abi-lecture .abi-numbers span { font-size: clamp(14px, min(2.6vh, 3cqw), 26px); }
 #abi-overlay.abi-lecture .abi-bottom { flex-flow: row wrap; align-items: end; padding-block: 0 6px; }
 #abi-overlay.abi-lecture [data-part=lecture] { flex: 1 0 100%; display: flex; flex-wrap: wrap; gap: 6px; }
 #abi-overlay.abi-lecture [data-part=player] { flex: 1 1 18em; }
