@@ -6,7 +6,7 @@ import re
 from collections.abc import Mapping
 from pathlib import PurePosixPath
 
-from abi.arrays import FloatArray, IntArray
+from abi.arrays import ByteArray, FloatArray, IntArray
 from abi.errors import SceneError
 from abi.obstacles.triangle_mesh import stl_obj, trimesh_formats
 
@@ -14,6 +14,8 @@ MAX_TRIANGLES = 500_000
 """Of all shapes of a robot, one that is there twice counted twice."""
 _PLAIN = ".plain.stl"
 """Added to the name of a file that has been turned into an STL."""
+Mesh = tuple[FloatArray, IntArray, ByteArray]
+"""Vertices (n, 3), faces (m, 3) and colours of these, (m, 3) or (0, 3)."""
 _LARGEST_UNIT = 1e4
 _UNIT = re.compile(rb"""<unit\b[^>]{0,200}?\bmeter\s*=\s*["']\s*([0-9.eE+-]{1,40})\s*["']""")
 
@@ -28,12 +30,12 @@ class MeshLookup:
 
     def __init__(self, files: Mapping[str, bytes], folder: PurePosixPath) -> None:
         self._files, self._folder = files, folder
-        self._read: dict[str, tuple[FloatArray, IntArray]] = {}
+        self._read: dict[str, Mesh] = {}
         self._taken: set[str] = set()
         self._triangles = 0
 
-    def __call__(self, name: str) -> tuple[FloatArray, IntArray]:
-        """Vertices and faces of the mesh that a URDF calls ``name``.
+    def __call__(self, name: str) -> Mesh:
+        """Vertices, faces and colours of the mesh that a URDF calls ``name``.
 
         Raises:
             SceneError: it is not there, not read, or one too many.
@@ -41,13 +43,13 @@ class MeshLookup:
         found = self._path(name)
         if found not in self._read:
             self._read[found] = _mesh(self._files[found], PurePosixPath(found).name)
-        vertices, faces = self._read[found]
+        vertices, faces, colours = self._read[found]
         if self._triangles + len(faces) > MAX_TRIANGLES:
             expected = f"meshes of at most {MAX_TRIANGLES:,} triangles in all"
             raise SceneError("arm.urdf mesh", name, expected)
         self._triangles += len(faces)
         self._taken.add(found)
-        return vertices, faces
+        return vertices, faces, colours
 
     def plain(self) -> dict[str, bytes]:
         """Files of the meshes that were taken; an STL each of those that trimesh reads."""
@@ -77,16 +79,16 @@ def is_plain(path: str) -> bool:
     return PurePosixPath(path).suffix.lower() not in trimesh_formats.SUFFIXES
 
 
-def _mesh(content: bytes, name: str) -> tuple[FloatArray, IntArray]:
+def _mesh(content: bytes, name: str) -> Mesh:
     suffix = PurePosixPath(name).suffix.lower()
     if suffix not in stl_obj.SUFFIXES:
         expected = f"a mesh that ends in {', '.join(stl_obj.SUFFIXES)}"
         raise SceneError("arm.urdf mesh", name, expected)
     try:
-        vertices, faces = stl_obj.read(content, name)
+        vertices, faces, colours = stl_obj.read_coloured(content, name)
     except SceneError as error:
         raise SceneError("arm.urdf mesh", error.value, error.expected) from None
-    return (vertices * _unit(content, name) if suffix == ".dae" else vertices), faces
+    return (vertices * _unit(content, name) if suffix == ".dae" else vertices), faces, colours
 
 
 def _unit(content: bytes, name: str) -> float:

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
-from abi.arrays import FloatArray, IntArray
+from abi.arrays import ByteArray, FloatArray, IntArray
 from abi.errors import SceneError
 from abi.obstacles.pose import Vec3
 
@@ -32,6 +32,7 @@ class Shape:
         pose: link from shape, shape (4, 4).
         vertices: of a mesh, scaled, shape (n, 3) in the shape's frame; empty otherwise.
         faces: of a mesh, shape (m, 3).
+        colours: red, green and blue of each face, (m, 3), of all, (1, 3), or none given, (0, 3).
     """
 
     kind: Literal["box", "sphere", "cylinder", "mesh"]
@@ -39,6 +40,7 @@ class Shape:
     pose: FloatArray
     vertices: FloatArray
     faces: IntArray
+    colours: ByteArray
 
 
 @dataclass(frozen=True, eq=False)

@@ -18,9 +18,10 @@ import numpy as np
 import scipy
 from lxml import etree
 
-from abi.arrays import FloatArray, IntArray, read_only
+from abi.arrays import ByteArray, FloatArray, IntArray, read_only
 from abi.errors import SceneError
 from abi.obstacles.pose import Vec3
+from abi.robot.materials import NO_COLOURS, colour_of, materials
 from abi.robot.robot import Joint, JointKind, Link, Mimic, Robot, Shape
 
 MAX_BYTES = 2_000_000
@@ -29,8 +30,8 @@ MAX_LINKS, MAX_SHAPES, MAX_ELEMENTS = 150, 50, 20_000
 _NAMED = 5
 """Links that a sentence names, at most."""
 
-Meshes = Callable[[str], tuple[FloatArray, IntArray]]
-"""Vertices and faces of the mesh file of that name."""
+Meshes = Callable[[str], tuple[FloatArray, IntArray, ByteArray]]
+"""Vertices, faces and their colours of the mesh file of that name."""
 
 _NUMBER = re.compile(r"[+-]?(\d{1,30}(\.\d{0,30})?|\.\d{1,30})([eE][+-]?\d{1,3})?", re.ASCII)
 _NAME = re.compile(r"[\w.+-][\w .:+-]{0,98}", re.ASCII)
@@ -64,6 +65,7 @@ def read_urdf(content: bytes, name: str, meshes: Meshes) -> Robot:
     joints = [_joint(element.called()) for element in root.all("joint")]
     ordered, base = _ordered(root, links, joints)
     notes = _add_visuals(root, links, meshes)
+    _add_colours(root, links)
     title = root.text("name", "robot")
     return Robot(title, base, MappingProxyType(links), ordered, notes)
 
@@ -227,7 +229,9 @@ def _add_visuals(root: _Element, links: dict[str, Link], meshes: Meshes) -> tupl
         link = links[element.text("name")]
         if element.child("collision") is not None:
             try:
-                links[link.name] = replace(link, visuals=_shapes(element, "visual", meshes))
+                visuals = _shapes(element, "visual", meshes)
+                if not _are_same(visuals, link.shapes):
+                    links[link.name] = replace(link, visuals=visuals)
             except SceneError:
                 plain.append(link.name)
     if not plain:
@@ -235,6 +239,37 @@ def _add_visuals(root: _Element, links: dict[str, Link], meshes: Meshes) -> tupl
     names = ", ".join(plain[:_NAMED])
     more = f" and {len(plain) - _NAMED} more" if len(plain) > _NAMED else ""
     return (f"Drawn by collision shapes, as visuals cannot be read: {names}{more}.",)
+
+
+def _are_same(first: Sequence[Shape], second: Sequence[Shape]) -> bool:
+    """Whether shapes are the same solids at the same places."""
+    return len(first) == len(second) and all(
+        (a.kind, a.size) == (b.kind, b.size)
+        and np.array_equal(a.pose, b.pose)
+        and np.array_equal(a.vertices, b.vertices)
+        for a, b in zip(first, second, strict=True)
+    )
+
+
+def _add_colours(root: _Element, links: dict[str, Link]) -> None:
+    """Give what links are drawn with the colours of their materials, which go before a mesh's own.
+
+    Shapes that stand for visuals take the first one's.
+    """
+    named = materials(root.xml)
+    for element in root.all("link"):
+        link = links[element.text("name")]
+        given = [colour_of(visual.xml, named) for visual in element.all("visual")]
+        if not any(map(len, given)):
+            continue
+        if len(given) != len(link.drawn):
+            given = [given[0]] * len(link.drawn)
+        drawn = tuple(
+            replace(shape, colours=colour) if len(colour) else shape
+            for shape, colour in zip(link.drawn, given, strict=True)
+        )
+        changed = replace(link, visuals=drawn) if link.visuals else replace(link, shapes=drawn)
+        links[link.name] = changed
 
 
 def _shapes(element: _Element, kind: str, meshes: Meshes) -> tuple[Shape, ...]:
@@ -254,7 +289,7 @@ def _tensor(inertial: _Element) -> FloatArray:
 def _shape(element: _Element, meshes: Meshes) -> Shape:
     geometry = element.needed("geometry")
     pose = _origin(element)
-    vertices, faces = np.empty((0, 3)), np.empty((0, 3), dtype=np.int32)
+    vertices, faces, colours = np.empty((0, 3)), np.empty((0, 3), dtype=np.int32), NO_COLOURS
     part = next((_Element(x, element.file, element.title) for x in geometry.xml), None)
     kind = None if part is None else part.xml.tag
     if part is None or kind not in ("box", "sphere", "cylinder", "mesh"):
@@ -267,7 +302,7 @@ def _shape(element: _Element, meshes: Meshes) -> Shape:
         size = (part.number("radius", None, 1e-9, 100), part.number("length", None, 1e-9, 100), 0.0)
     else:
         size = part.vector("scale", (1.0, 1.0, 1.0), -1e4, 1e4)
-        vertices, faces = meshes(_file_name(part))
+        vertices, faces, colours = meshes(_file_name(part))
         vertices = vertices * size
         if not np.isfinite(vertices).all() or np.abs(vertices).max(initial=0) > 100:
             raise part.refuse("scale", size, "a mesh of at most 100 m")
@@ -281,6 +316,7 @@ def _shape(element: _Element, meshes: Meshes) -> Shape:
         pose,
         read_only(np.ascontiguousarray(vertices)),
         read_only(np.ascontiguousarray(faces, dtype=np.int32)),
+        read_only(colours),
     )
 
 

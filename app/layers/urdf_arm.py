@@ -16,10 +16,11 @@ from abi.arrays import FloatArray
 from abi.robot.robot import Link, Shape
 from app import style
 from app.frame import Frame, Switch
+from app.layers.link_colours import muted
 from app.layout import Layout
 
 _COLOURS = ((226, 230, 234), (96, 108, 122))
-"""Of every other link, so that one sees where they meet."""
+"""Of every other link without a colour of its own, so that one sees where they meet."""
 
 
 class UrdfArmLayer:
@@ -86,7 +87,8 @@ class UrdfArmLayer:
                 ("own", _COLOURS[number % 2], self._links),
                 ("red", style.TOUCHING, self._red),
             ):
-                mesh = link_mesh(link, pose, 1 / arm.metres, colour)
+                second = bool(number % 2) if label == "own" else None
+                mesh = link_mesh(link, pose, 1 / arm.metres, colour, second)
                 handle = self._scene.add_mesh_trimesh(f"{node}/{label}", mesh)
                 handle.visible = label == "own"
                 handles.setdefault(carried.link, []).append(handle)
@@ -114,12 +116,32 @@ class UrdfArmLayer:
         self._touching = links
 
 
-def link_mesh(link: Link, pose: FloatArray, scale: float, colour: style.Colour) -> trimesh.Trimesh:
-    """Mesh of what a link is drawn with, in the frame that moves it, its metres times ``scale``."""
+def link_mesh(
+    link: Link,
+    pose: FloatArray,
+    scale: float,
+    colour: style.Colour,
+    second: bool | None = None,
+) -> trimesh.Trimesh:
+    """Mesh of what a link is drawn with, in the frame that moves it, its metres times ``scale``.
+
+    Args:
+        link: the link.
+        pose: of the link in that frame, (4, 4), [m].
+        scale: factor.
+        colour: of what has none of its own.
+        second: whether it is every other link; None where all of it has ``colour``.
+    """
     parts = [_shape_mesh(shape, pose @ shape.pose) for shape in link.drawn]
     mesh = functools.reduce(operator.add, parts)
     mesh.apply_scale(scale)  # type: ignore[no-untyped-call]
     colours = np.tile(np.array([*colour, 255], dtype=np.uint8), (len(mesh.faces), 1))
+    if second is not None:
+        row = 0
+        for part, shape in zip(parts, link.drawn, strict=True):
+            if len(shape.colours):
+                colours[row : row + len(part.faces), :3] = muted(shape.colours, second)
+            row += len(part.faces)
     mesh.visual = trimesh.visual.ColorVisuals(mesh, face_colors=colours)
     return mesh
 

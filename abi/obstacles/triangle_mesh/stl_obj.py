@@ -16,7 +16,7 @@ from pathlib import PurePosixPath
 
 import numpy as np
 
-from abi.arrays import FloatArray, IntArray
+from abi.arrays import ByteArray, FloatArray, IntArray, read_only
 from abi.errors import SceneError
 from abi.obstacles.pose import LARGEST
 from abi.obstacles.triangle_mesh import glb, trimesh_formats
@@ -39,6 +39,10 @@ _OTHER_FORMATS = (
 _OWN = {b"PK\x03\x04": ".3mf", b"<": ".dae", b"ply": ".ply"}
 """Endings of files that may begin so."""
 
+_Mesh = tuple[FloatArray, IntArray, ByteArray]
+_NO_COLOURS: ByteArray = read_only(np.empty((0, 3), dtype=np.uint8))
+_HEADER = b"abi".ljust(80)
+_COLOURED = 1 << 15
 _TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 _FACET = b"facet normal _ _ _ outer loop vertex _ _ _ vertex _ _ _ vertex _ _ _ endloop endfacet"
 
@@ -53,6 +57,16 @@ def read(data: bytes, name: str) -> tuple[FloatArray, IntArray]:
     Raises:
         SceneError: empty, cut off, damaged, too large or not a mesh; says which.
     """
+    vertices, faces, _ = read_coloured(data, name)
+    return vertices, faces
+
+
+def read_coloured(data: bytes, name: str) -> tuple[FloatArray, IntArray, ByteArray]:
+    """Vertices and triangles as of :func:`read`, and colours (m, 3) of these.
+
+    Without colours, which :mod:`abi.obstacles.triangle_mesh.trimesh_formats` alone and the STL of
+    :func:`stl` give, the last are (0, 3).
+    """
     if len(data) > MAX_BYTES:
         raise SceneError("file", name, f"a file of at most {MAX_BYTES // 1_000_000} MB")
     if not data.strip(b"\0 \t\r\n"):
@@ -64,30 +78,48 @@ def read(data: bytes, name: str) -> tuple[FloatArray, IntArray]:
             raise SceneError("file", name, expected)
     try:
         with np.errstate(invalid="ignore", over="ignore"):  # NaN and inf are looked for below
-            vertices, faces = _READERS[suffix](data)
+            vertices, faces, colours = _READERS[suffix](data)
     except ValueError as error:
         raise SceneError("file", name, str(error)) from None
     if not np.isfinite(vertices).all():
         raise SceneError("file", name, "finite coordinates, some are NaN or infinite")
     if np.abs(vertices).max() > LARGEST:
         raise SceneError("file", name, f"coordinates of at most {LARGEST:g}")
-    return vertices, faces
+    return vertices, faces, colours
 
 
-def stl(vertices: FloatArray, faces: IntArray) -> bytes:
-    """A binary STL of vertices (n, 3) and triangles (m, 3)."""
+def stl(vertices: FloatArray, faces: IntArray, colours: ByteArray = _NO_COLOURS) -> bytes:
+    """A binary STL of vertices (n, 3), triangles (m, 3) and their colours (m, 3) or (0, 3).
+
+    Colours are where many programs have them: five bits each in the attribute, the sixteenth set.
+    """
     table = np.zeros(len(faces), _TRIANGLE)
     table["corners"] = vertices[faces]
-    return bytes(80) + len(table).to_bytes(4, "little") + table.tobytes()
+    if len(colours):
+        red, green, blue = (colours.T >> 3).astype(np.uint16)
+        table["attribute"] = _COLOURED | red << 10 | green << 5 | blue
+    return _HEADER + len(table).to_bytes(4, "little") + table.tobytes()
 
 
-def _read_stl(data: bytes) -> tuple[FloatArray, IntArray]:
+def _stl_colours(data: bytes) -> ByteArray:
+    """Colours of the triangles of an STL that :func:`stl` has made, (m, 3); else (0, 3)."""
+    count = int.from_bytes(data[80:84], "little")
+    attributes = np.frombuffer(data, _TRIANGLE, count, 84)["attribute"]
+    if not data.startswith(_HEADER) or not (attributes & _COLOURED).all():
+        return _NO_COLOURS
+    parts = np.stack([attributes >> shift & 31 for shift in (10, 5, 0)], axis=1)
+    return (parts << 3 | parts >> 2).astype(np.uint8)
+
+
+def _read_stl(data: bytes) -> _Mesh:
     """Triangles of an STL; binary when the length fits the count in its header."""
+    colours = _NO_COLOURS
     count = int.from_bytes(data[80:84], "little") if len(data) >= 84 else 0
     length = 84 + _TRIANGLE.itemsize * count
     if len(data) >= 84 and len(data) == length:
         _refuse_count(count)
         corners = np.frombuffer(data, _TRIANGLE, count, 84)["corners"]
+        colours = _stl_colours(data)
     elif data.lstrip()[:5].lower() == b"solid" and b"\0" not in data:
         corners = _text_facets(data)
     elif len(data) < 84:
@@ -99,7 +131,7 @@ def _read_stl(data: bytes) -> tuple[FloatArray, IntArray]:
             f"{state} at {len(data):,} bytes"
         )
     vertices = corners.reshape(-1, 3).astype(np.float64)
-    return vertices, np.arange(len(vertices), dtype=np.int32).reshape(-1, 3)
+    return vertices, np.arange(len(vertices), dtype=np.int32).reshape(-1, 3), colours
 
 
 def _text_facets(data: bytes) -> FloatArray:
@@ -123,7 +155,7 @@ def _text_facets(data: bytes) -> FloatArray:
         raise ValueError("an STL text, one of its coordinates is not a number") from None
 
 
-def _read_obj(data: bytes) -> tuple[FloatArray, IntArray]:
+def _read_obj(data: bytes) -> _Mesh:
     """Vertices and faces alone; a polygon becomes a fan of triangles."""
     try:
         text = data.decode("utf-8-sig")
@@ -151,7 +183,7 @@ def _read_obj(data: bytes) -> tuple[FloatArray, IntArray]:
         elif words[0] == "mtllib" and not re.fullmatch(r"[^/\\:]+", " ".join(words[1:])):
             raise ValueError(f"an OBJ on its own, line {number} names a file in another folder")
     _refuse_count(len(faces))
-    return np.array(vertices, dtype=np.float64), np.array(faces, dtype=np.int32)
+    return np.array(vertices, dtype=np.float64), np.array(faces, dtype=np.int32), _NO_COLOURS
 
 
 def _numbers(words: list[str], line: int) -> list[float]:
@@ -178,14 +210,14 @@ def _corner(word: str, vertices: int, line: int) -> int:
     )
 
 
-def _read_glb(data: bytes) -> tuple[FloatArray, IntArray]:
-    return glb.read(data, MAX_FACES)
+def _read_glb(data: bytes) -> _Mesh:
+    return *glb.read(data, MAX_FACES), _NO_COLOURS
 
 
-def _read_other(data: bytes, suffix: str) -> tuple[FloatArray, IntArray]:
-    vertices, faces = trimesh_formats.read(data, suffix)
+def _read_other(data: bytes, suffix: str) -> _Mesh:
+    vertices, faces, colours = trimesh_formats.read(data, suffix)
     _refuse_count(len(faces))
-    return vertices, faces
+    return vertices, faces, colours
 
 
 def _refuse_count(faces: int) -> None:
@@ -195,7 +227,7 @@ def _refuse_count(faces: int) -> None:
         raise ValueError(f"at most {MAX_FACES:,} triangles, simplify the mesh first")
 
 
-_READERS: dict[str, Callable[[bytes], tuple[FloatArray, IntArray]]] = {
+_READERS: dict[str, Callable[[bytes], _Mesh]] = {
     ".stl": _read_stl,
     ".obj": _read_obj,
     ".glb": _read_glb,

@@ -12,11 +12,15 @@ import re
 import struct
 import zipfile
 import zlib
+from collections.abc import Iterable
+from typing import Any
 
 import numpy as np
 
-from abi.arrays import FloatArray, IntArray
+from abi.arrays import ByteArray, FloatArray, IntArray
 
+_GREY = 200
+"""Of a part without a colour beside others that have one."""
 _MOST_UNPACKED = 200_000_000
 _MOST_ENTRIES = 1000
 _MOST_FACES = 2_000_000
@@ -32,8 +36,10 @@ _ENCODINGS = (b"utf-8", b"us-ascii", b"ascii", b"iso-8859-1", b"windows-1252")
 _PLY_COUNT = re.compile(rb"element[ \t]+(vertex|face)[ \t]+([0-9]{1,9})[ \t]*\r?\n")
 
 
-def read(data: bytes, suffix: str) -> tuple[FloatArray, IntArray]:
+def read(data: bytes, suffix: str) -> tuple[FloatArray, IntArray, ByteArray]:
     """Vertices (n, 3) and triangles (m, 3) of a file, in its units, all its parts in their places.
+
+    Last come the colours of its triangles, (m, 3); (0, 3) where it gives none.
 
     Args:
         data: content.
@@ -51,6 +57,7 @@ def read(data: bytes, suffix: str) -> tuple[FloatArray, IntArray]:
         mesh = scene.to_mesh()
         vertices = np.asarray(mesh.vertices, dtype=np.float64)
         faces = np.asarray(mesh.faces, dtype=np.int64)
+        colours = _colours(scene.dump(), len(faces))
     except Exception as error:  # its readers raise whatever goes wrong in them
         reason = " ".join(str(error).split())[:80] or type(error).__name__
         raise ValueError(f"a whole {kind.upper()} file, this cannot be read ({reason})") from None
@@ -62,7 +69,23 @@ def read(data: bytes, suffix: str) -> tuple[FloatArray, IntArray]:
         )
     if faces.min() < 0 or faces.max() >= len(vertices):
         raise ValueError(f"a {kind.upper()} file whose faces have vertices")
-    return vertices, faces.astype(np.int32)
+    return vertices, faces.astype(np.int32), colours
+
+
+def _colours(parts: Iterable[Any], count: int) -> ByteArray:
+    """Colours of the triangles of a scene's parts, in their order, (m, 3); (0, 3) without any."""
+    found, given = [np.empty((0, 3), dtype=np.uint8)], False
+    for part in parts:
+        visual = part.visual
+        if visual.kind == "texture":
+            colours, given = np.asarray(visual.material.main_color)[None], True
+        elif visual.kind is None:
+            colours = np.full((1, 4), _GREY)
+        else:
+            colours, given = np.asarray(visual.face_colors), True
+        found.append(np.broadcast_to(colours[:, :3], (len(part.faces), 3)).astype(np.uint8))
+    whole = np.concatenate(found)
+    return whole if given and len(whole) == count else found[0]
 
 
 def _ply_faces(data: bytes) -> int:
