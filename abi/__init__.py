@@ -10,8 +10,10 @@ The six stages, in order; :mod:`abi.planner` runs them, :mod:`abi.scene` is thei
 6. :mod:`abi.arm`: inverse kinematics of the arm, and its motion
 
 Below them: :mod:`abi.obstacles` and distances to them, :mod:`abi.clearance` of curves and its
-certificates. Beside them: :mod:`abi.verify` checks certificates in exact numbers, and
-:mod:`abi.paper` compares our results with those printed in the paper.
+certificates, and :mod:`abi.robot`, which reads the URDF files of arms. Beside them:
+:mod:`abi.verify` checks certificates in exact numbers, :mod:`abi.export` writes plans for other
+programs, :mod:`abi.sweep` makes many plans as a table, and :mod:`abi.paper` compares our results
+with those printed in the paper.
 """
 
 from __future__ import annotations

@@ -133,7 +133,7 @@ def all_kernels() -> list[Kernel[..., Any]]:
 
 
 def compile() -> None:
-    """Compile all kernels and wait for it: a second if an earlier run did, else half a minute.
+    """Compile all kernels and wait for it: a second if an earlier run did, else a minute or a few.
 
     Plans are made without it too, slower at first: from the first one on kernels are compiled in
     the background.

@@ -9,9 +9,9 @@
         ├── PointBlocked      start or goal lies inside an obstacle or its clearance
         ├── NoPath            no path joins start and goal on this mesh
         ├── ClearanceNotHeld  a curve could not be kept clear of the obstacles
-        ├── OutOfReach        the arm cannot follow the curve all the way
-        ├── ArmNotClear       no motion was found whose whole arm keeps clear
-        └── NotFollowed       the same of an arm that a URDF describes
+        ├── OutOfReach        the paper's arm cannot follow the curve all the way
+        ├── NotFollowed       an arm that a URDF describes cannot
+        └── ArmNotClear       no motion was found whose whole arm keeps clear
 """
 
 from __future__ import annotations

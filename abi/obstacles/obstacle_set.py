@@ -209,7 +209,9 @@ class ObstacleSet:
         return blocked
 
     def polyline_clearance(self, points: FloatArray) -> float:
-        """Exact least signed distance of a polyline, [unit]; inf without obstacles.
+        """Least signed distance of a polyline, [unit]; inf without obstacles.
+
+        It is exact but for rounding, and a lower bound inside a closed mesh.
 
         Args:
             points: vertices (k, 3), k >= 1, [unit], world.

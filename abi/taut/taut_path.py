@@ -63,7 +63,7 @@ class TautPath:
     Attributes:
         points: (k, 3), k >= 2, [unit], world.
         length: [unit].
-        clearance: exact least distance to the obstacles, [unit]; inf without obstacles.
+        clearance: least distance to the obstacles, exact but for rounding, [unit]; inf without.
     """
 
     points: FloatArray
@@ -96,7 +96,7 @@ def taut(graph: Graph, obstacles: ObstacleSet, margin: float, path: SearchResult
 
     Returns:
         The path, never longer than the one given. Each segment is an edge of it or keeps the margin
-        by the exact distance, ``abi.clearance.curve_clearance``.
+        by the exact distance, ``ObstacleSet.segment_clearances``.
     """
     ends = path.points[[0, -1]]
     boxed = obstacles.boxed
