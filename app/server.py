@@ -172,9 +172,9 @@ def start(
 
 
 def _load(name: str) -> Scene:
-    from abi.scene.scene import load_scene
+    from app.guard.local_scene import load_local
 
-    return load_scene(name)
+    return load_local(name)
 
 
 def _library(folder: Path | None) -> Library:

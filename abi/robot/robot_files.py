@@ -40,7 +40,7 @@ def load_robot(name: str, source: MeshSource) -> Robot:
     """
     if name in SHIPPED:
         return _shipped(name)
-    return robot_from_archive(_archive(name, source))
+    return robot_from_archive(archive_of(name, source))
 
 
 def load_plain_robot(name: str, source: MeshSource) -> Robot:
@@ -51,10 +51,15 @@ def load_plain_robot(name: str, source: MeshSource) -> Robot:
     """
     if name in SHIPPED:
         return _shipped(name)
-    return robot_from_archive(_plain(_archive(name, source)))
+    return robot_from_archive(_plain(archive_of(name, source)))
 
 
-def _archive(name: str, source: MeshSource) -> bytes:
+def archive_of(name: str, source: MeshSource) -> bytes:
+    """A ``.zip``, or a ``.urdf`` packed with the meshes that it names, none of which is read.
+
+    Raises:
+        SceneError: it has another ending, or a file that it needs is not there.
+    """
     ending = PurePosixPath(name).suffix.lower()
     if ending in (".zip", ".urdf"):
         content = _content(source, name)

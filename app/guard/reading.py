@@ -144,7 +144,7 @@ def _scene(name: str, content: bytes) -> Answer:
     except (TypeError, ValueError):  # a key that is a list, a number of thousands of digits
         raise SceneError("scene", name, "plain numbers, lists and mappings") from None
     answer = Answer(data=text.encode())
-    meshes, arms = _named(data)
+    meshes, arms = named_files(data)
     for file in meshes & files.keys():
         answer.surfaces |= _mesh(file, files[file]).surfaces
     for file in arms & files.keys():
@@ -152,13 +152,13 @@ def _scene(name: str, content: bytes) -> Answer:
     return answer
 
 
-def _named(data: object) -> tuple[set[str], set[str]]:
+def named_files(data: object) -> tuple[set[str], set[str]]:
     """Names of the files of obstacles and of the arm in a scene that is not checked yet."""
     fields = data if isinstance(data, dict) else {}
     obstacles, arm = fields.get("obstacles"), fields.get("arm")
     entries = obstacles if isinstance(obstacles, list) else []
     meshes = [one.get("file") for one in entries if isinstance(one, dict)]
-    arms = [arm.get("urdf")] if isinstance(arm, dict) else []
+    arms = [arm.get("urdf")] if isinstance(arm, dict) and arm.get("model") == "urdf" else []
     return (
         {name for name in meshes if isinstance(name, str)},
         {name for name in arms if isinstance(name, str)},
