@@ -23,11 +23,11 @@ def painted(*colours: tuple[int, int, int]) -> bytes:
     for k, colour in enumerate(colours):
         ball = trimesh.creation.icosphere(2, 0.05)
         ball.apply_translation((0, 0, 0.2 * k))
-        material = trimesh.visual.material.PBRMaterial(baseColorFactor=[*colour, 255])
-        ball.visual = trimesh.visual.TextureVisuals(material=material)
+        material = trimesh.visual.material.PBRMaterial(baseColorFactor=[*colour, 255])  # type: ignore[no-untyped-call]
+        ball.visual = trimesh.visual.TextureVisuals(material=material)  # type: ignore[no-untyped-call]
         scene.add_geometry(ball, geom_name=f"g{k}")
     parts = scene.dump()
-    content = trimesh.exchange.dae.export_collada(parts)
+    content = trimesh.exchange.dae.export_collada(parts)  # type: ignore[no-untyped-call]
     assert isinstance(content, bytes)
     return content
 
