@@ -16,7 +16,7 @@ from abi.curves.bspline import BSpline
 from abi.curves.curve import ArcLength, Curve
 from abi.curves.quadratic import Quadratic
 from abi.curves.timed_profile import PathProfile
-from abi.obstacles.obstacle_set import Obstacle, ObstacleSet
+from abi.obstacles.obstacle_set import ObstacleSet
 from abi.scene.scene import Scene
 from abi.scene.settings import ArmSettings
 from abi.tet_mesh.tet_mesh import TetMesh
@@ -66,10 +66,14 @@ class Places(Protocol):
     def reached(self, points: FloatArray) -> BoolArray:
         """Nodes (n, 3) of the mesh that the arm reaches, clear of floor and itself, (n,)."""
 
-    def touching(
-        self, points: FloatArray, obstacle: Obstacle, lowest: float, reached: BoolArray
-    ) -> BoolArray:
-        """Nodes (n, 3) at which the arm touches an obstacle, or nearly, of those reached (n,)."""
+    def touching(self, points: FloatArray, number: int, reached: BoolArray) -> BoolArray:
+        """Nodes (n, 3) at which the arm touches an obstacle, or nearly, of those reached (n,).
+
+        Args:
+            points: the nodes, [unit], world.
+            number: of the obstacle, from 0.
+            reached: nodes to look at.
+        """
 
 
 class Sight(Places, Protocol):

@@ -14,12 +14,11 @@ from abi.arm.arm_certificate import ArmCertificate, ArmRefutation, certify_arm
 from abi.arm.leg_kernels import MOST_TRIES, ArmLegs
 from abi.arm.pose_kernels import ArmTable
 from abi.arm.separate_arm_kernels import UNREACHED, Slide, separate_arm
-from abi.arm.surroundings import Surroundings, surroundings
+from abi.arm.surroundings import Surroundings
 from abi.arm.surroundings_kernels import Obstacles
 from abi.arrays import BoolArray, FloatArray, flat, read_only
 from abi.clearance.bezier import PolynomialCurve
 from abi.clearance.separation_kernels import CERTIFIED, MOST_HALVINGS, REFUTED
-from abi.obstacles.obstacle_set import Obstacle, ObstacleSet
 
 _SPARE = 0.01
 """Distance that legs and places keep from the limits of q2 and q3, for curves to round, [rad]."""
@@ -108,12 +107,9 @@ class ArmSight:
         mask_kernels.reached_places(flat(points), self._table.numbers, *self._forearm, reached)
         return reached & ~self._touching(points, self.around.only(self.around.numbers < 0), reached)
 
-    def touching(
-        self, points: FloatArray, obstacle: Obstacle, lowest: float, reached: BoolArray
-    ) -> BoolArray:
-        """Places (n, 3) at which the arm touches an obstacle, or nearly, of those reached (n,)."""
-        around = surroundings(self.arm, ObstacleSet((obstacle,)), lowest)
-        return self._touching(points, around.only(around.numbers >= 0), reached)
+    def touching(self, points: FloatArray, number: int, reached: BoolArray) -> BoolArray:
+        """Places (n, 3) at which it nearly touches obstacle ``number``, of those reached (n,)."""
+        return self._touching(points, self.around.only(self.around.numbers == number), reached)
 
     def _touching(self, points: FloatArray, around: Surroundings, reached: BoolArray) -> BoolArray:
         touching = np.zeros(len(points), dtype=np.bool_)

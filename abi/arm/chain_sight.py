@@ -10,7 +10,7 @@ import numpy as np
 from abi.arm import chain_mask_kernels
 from abi.arm.arm_certificate import ArmCertificate, ArmRefutation
 from abi.arm.chain_certificate import certify_chain
-from abi.arm.chain_surroundings import bodies_of, chain_surroundings
+from abi.arm.chain_surroundings import bodies_of
 from abi.arm.joint_course import course_from
 from abi.arm.leg_kernels import MOST_TRIES
 from abi.arm.stances import Stances
@@ -19,7 +19,6 @@ from abi.arm.urdf_arm import REACHED, UrdfArm
 from abi.arm.urdf_motion import JointCourse
 from abi.arrays import BoolArray, FloatArray, flat
 from abi.curves.curve import ArcLength, Curve
-from abi.obstacles.obstacle_set import Obstacle, ObstacleSet
 
 _STEP = 1 / 60
 """Way of the tool between poses of a leg, at most, over the arm's reach."""
@@ -115,13 +114,10 @@ class ChainSight:
         around = self.around.only(self.around.numbers < 0)
         return reached & ~self._touching(around, self.slack, reached)
 
-    def touching(
-        self, points: FloatArray, obstacle: Obstacle, lowest: float, reached: BoolArray
-    ) -> BoolArray:
-        """Nodes (n, 3) at which it touches an obstacle, or nearly, of those reached (n,)."""
+    def touching(self, points: FloatArray, number: int, reached: BoolArray) -> BoolArray:
+        """Nodes (n, 3) at which it nearly touches obstacle ``number``, of those reached (n,)."""
         assert len(points) == len(reached)
-        around = chain_surroundings(self.arm, ObstacleSet((obstacle,)), lowest)
-        return self._touching(around.only(around.numbers >= 0), -1.0, reached)
+        return self._touching(self.around.only(self.around.numbers == number), -1.0, reached)
 
     @property
     def _beyond(self) -> float:

@@ -164,9 +164,8 @@ class ArmAware:
             fault = sight.leg_refutation(np.array([point]))
             if fault is not None:
                 raise _not_clear(task, sight, which, *_named(fault, task.model.arm))
-        lowest = scene.workspace.min[2]
         exclude = self._exclude.setdefault(memory, ArmExclusionCache())
-        free = exclude(task.free, sight, task.obstacles, lowest)
+        free = exclude(task.free, sight, task.obstacles)
         search = partial(_search, scene.search.algorithm, scene.search.weight)
         try:
             graph = build_graph(

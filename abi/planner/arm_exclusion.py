@@ -22,19 +22,15 @@ class ArmExclusionCache:
     def __init__(self) -> None:
         self._state: tuple[object, ...] = ()
         self._reached: BoolArray = np.zeros(0, dtype=np.bool_)
-        self._own = Exclusion(_NO_IDS, _NO_IDS, _NO_IDS, _NO_IDS)
-        self._exclusions: dict[Obstacle, Exclusion] = {}
+        self._touching: dict[Obstacle, BoolArray] = {}
 
-    def __call__(
-        self, free: FreeMesh, sight: Places, obstacles: ObstacleSet, lowest: float
-    ) -> FreeMesh:
+    def __call__(self, free: FreeMesh, sight: Places, obstacles: ObstacleSet) -> FreeMesh:
         """The mesh without the nodes that the arm excludes, too.
 
         Args:
             free: the mesh without those that the tool excludes.
-            sight: the arm.
+            sight: the arm, among these obstacles.
             obstacles: the solids.
-            lowest: height of the workspace's bottom, [unit].
         """
         mesh = free.mesh
         state = (mesh, *sight.key)
@@ -42,17 +38,19 @@ class ArmExclusionCache:
             a is not b and (isinstance(a, TetMesh) or a != b)
             for a, b in zip(state, self._state, strict=True)
         ):
-            self._state, self._exclusions = state, {}
+            self._state, self._touching = state, {}
             self._reached = sight.reached(mesh.points)
-            self._own = _nodes(~self._reached, mesh)
-        exclusions = {}
-        for obstacle in obstacles:
-            if obstacle not in self._exclusions:
-                touching = sight.touching(mesh.points, obstacle, lowest, self._reached)
-                self._exclusions[obstacle] = _nodes(touching, mesh)
-            exclusions[obstacle] = self._exclusions[obstacle]
-        self._exclusions = exclusions
-        return apply(free, [self._own, *exclusions.values()])
+        touching: dict[Obstacle, BoolArray] = {}
+        for number, obstacle in enumerate(obstacles):
+            known = self._touching.get(obstacle)
+            if known is None:
+                known = sight.touching(mesh.points, number, self._reached)
+            touching[obstacle] = known
+        self._touching = touching
+        taken = ~self._reached
+        for nodes in touching.values():
+            taken |= nodes
+        return apply(free, [_nodes(taken & ~free.excluded, mesh)])
 
 
 def _nodes(excluded: BoolArray, mesh: TetMesh) -> Exclusion:

@@ -25,8 +25,7 @@ _SAMPLES = 60
 def test_places_touch_an_obstacle_where_the_capsules_do(seed: int, elbow: Elbow) -> None:
     scene = arm_scene(seed)
     arm, obstacles = Arm.from_settings(scene.arm), ObstacleSet(scene.obstacles)
-    lowest = scene.workspace.min[2]
-    around = surroundings(arm, obstacles, lowest)
+    around = surroundings(arm, obstacles, scene.workspace.min[2])
     sight = ArmSight(arm, elbow, around, (0.0, 0.0), 0.0, _SLACK)
     points = np.random.default_rng(seed).uniform(0, 6, (300, 3))
     points = points[sight.reached(points)]
@@ -36,8 +35,8 @@ def test_places_touch_an_obstacle_where_the_capsules_do(seed: int, elbow: Elbow)
     ends = place(arm, joints)
     moving = [k for k, capsule in enumerate(arm.capsules) if capsule.body != COLUMN]
     shares = np.linspace(0, 1, _SAMPLES)
-    for obstacle in obstacles:
-        touching = sight.touching(points, obstacle, lowest, np.ones(len(points), dtype=bool))
+    for number, obstacle in enumerate(obstacles):
+        touching = sight.touching(points, number, np.ones(len(points), dtype=bool))
         away = np.full(len(points), np.inf)
         for k in moving:
             low, high = ends[:, k, 0], ends[:, k, 1]

@@ -42,8 +42,8 @@ def test_the_shadow_is_where_the_arm_touches_an_obstacle(elbow: Elbow) -> None:
     sight = ArmSight(arm, elbow, free, (0.0, 0.0), 0.0, 0.0)
     points = np.random.default_rng(0).uniform(0.1, 5.9, (300, 3))
     touching = np.zeros(len(points), dtype=bool)
-    for obstacle in obstacles:
-        touching |= sight.touching(points, obstacle, 0.0, np.ones(len(points), dtype=bool))
+    for number in range(len(obstacles)):
+        touching |= sight.touching(points, number, np.ones(len(points), dtype=bool))
     reached = sight.reached(points)
     near = np.abs(mesh.nearest.on_surface(points)[1]) < 0.12
     inside = _winding(triangles, points) > 0.5

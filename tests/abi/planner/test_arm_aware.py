@@ -169,7 +169,7 @@ def test_excluded_nodes_are_those_where_the_arm_is_not_clear(elbow: Elbow) -> No
     scene = arm_scene(3, pitch=1.4)
     mesh = tetrahedralise(scene.workspace, scene.mesh)
     sight, obstacles = sight_of(scene, elbow), ObstacleSet(scene.obstacles)
-    free = ArmExclusionCache()(FreeMesh.of(mesh), sight, obstacles, scene.workspace.min[2])
+    free = ArmExclusionCache()(FreeMesh.of(mesh), sight, obstacles)
     for node, point in enumerate(mesh.points):
         fault = sight.leg_refutation(point[None])
         assert free.excluded[node] == (fault is not None and fault.decided)
