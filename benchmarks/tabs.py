@@ -31,7 +31,7 @@ from abi.scene.scene import load_scene
 from app.layers.curves import SAMPLES
 from app.layers.lines import segments
 from benchmarks.interrupt import Interrupt
-from benchmarks.web_tab import WebTab
+from benchmarks.web_tab import WebTab, is_same_curve
 
 SCENE = "two-boxes"
 """Its path changes with every move."""
@@ -63,10 +63,14 @@ class ServerProcess:
             text=True,
             start_new_session=True,  # Ctrl+C is for the one who measures
         )
-        assert self._process.stdout is not None
-        link = re.search(r"http://\S+", self._process.stdout.readline())
+        link = re.search(r"http://\S+", self.line())
         assert link is not None, "the server did not start"
         self.url, self.number = link.group(), self._process.pid
+
+    def line(self) -> str:
+        """The next line that it prints."""
+        assert self._process.stdout is not None
+        return self._process.stdout.readline()
 
     def stop(self) -> int:
         """End it as a person would; its exit code."""
@@ -201,7 +205,7 @@ def observe(tab: WebTab, begin: float, released: float, expected: FloatArray) ->
     """One tab's drag: rate, gaps [s], how late the last curve came [s], and whether it is right."""
     during = [moment for moment, _ in tab.curves if begin <= moment <= released]
     gaps = np.diff([begin, *during, released])
-    same = [_equal(points, expected) for _, points in tab.curves]
+    same = [is_same_curve(points, expected) for _, points in tab.curves]
     right = bool(same) and same[-1]
     # the first of the last run of curves that are right
     first = len(same) - (same[::-1].index(False) if False in same else len(same))
@@ -213,10 +217,6 @@ def observe(tab: WebTab, begin: float, released: float, expected: FloatArray) ->
         "late": late,
         "right": right,
     }
-
-
-def _equal(points: FloatArray, expected: FloatArray) -> bool:
-    return points.shape == expected.shape and np.allclose(points, expected, atol=1e-4)
 
 
 _planning = threading.Lock()

@@ -7,6 +7,7 @@ import contextlib
 import math
 import struct
 import time
+from collections import deque
 from collections.abc import Callable
 from typing import Any
 
@@ -37,6 +38,7 @@ CAMERA = {
     "up_direction": [0.0, 0.0, 1.0],
 }
 _POLL = 0.02  # [s]
+_TEXTS = 50
 
 
 class WebTab:
@@ -46,6 +48,7 @@ class WebTab:
         curves: when one came, [s] of the monotonic clock, and its points as they were sent.
         received: bytes so far.
         labels: ids of the widgets, by their labels.
+        texts: HTML that was shown in the panels, the newest last.
         position: where the obstacle was dragged to last, (3,), [unit]; None before.
         frozen: set while it reads nothing, as a page whose laptop is shut.
     """
@@ -59,6 +62,7 @@ class WebTab:
         self.curves: list[tuple[float, FloatArray]] = []
         self.received = 0
         self.labels: dict[str, str] = {}
+        self.texts: deque[str] = deque(maxlen=_TEXTS)
         self.position: tuple[float, float, float] | None = None
 
     @classmethod
@@ -88,7 +92,11 @@ class WebTab:
 
     async def press(self, label: str) -> None:
         """Press the button with this label."""
-        update = {"uuid": self.labels[label], "updates": {"value": True}}
+        await self.type(label, True)
+
+    async def type(self, label: str, value: str | bool) -> None:
+        """Give the widget with this label a value."""
+        update = {"uuid": self.labels[label], "updates": {"value": value}}
         await self.send({"type": "GuiUpdateMessage", **update})
 
     async def move(self, position: tuple[float, float, float]) -> None:
@@ -132,6 +140,18 @@ class WebTab:
             while not condition():
                 await asyncio.sleep(_POLL)
 
+    async def shows(self, expected: FloatArray, patience: float = 120.0) -> float:
+        """When the curve came that is shown, if it is the ``expected`` one; else infinity."""
+
+        def right() -> bool:
+            return bool(self.curves) and is_same_curve(self.curves[-1][1], expected)
+
+        try:
+            await self.until(right, patience)
+        except TimeoutError:
+            return math.inf
+        return self.curves[-1][0]
+
     async def close(self) -> None:
         """Disconnect."""
         self.freeze(False)
@@ -160,6 +180,13 @@ class WebTab:
                 self._owner = message["owner"]
             elif fields.get("label") and "uuid" in message:
                 self.labels[fields["label"]] = message["uuid"]
+            elif fields.get("content") and "uuid" in message:
+                self.texts.append(fields["content"])
+
+
+def is_same_curve(points: FloatArray, expected: FloatArray) -> bool:
+    """Whether a curve is the expected one, as far as single precision tells."""
+    return points.shape == expected.shape and np.allclose(points, expected, atol=1e-4)
 
 
 def decode(frame: bytes) -> tuple[dict[str, Any], Callable[[dict[str, Any]], FloatArray]]:

@@ -1,7 +1,9 @@
 from __future__ import annotations
 
+import asyncio
 import json
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
@@ -11,6 +13,8 @@ from app.look import PLAIN
 from app.panels.classroom import ClassroomPanel, bars
 from app.server import Server, start
 from app.session import Session
+from benchmarks.classroom import follow
+from benchmarks.tabs import SCENE
 from tests.app.fake_tab import FakeTab, until
 
 
@@ -126,3 +130,18 @@ def test_a_question_needs_two_answers_and_counts_its_own() -> None:
     # students need not know how the others answer
     assert len(woken) == 2
     assert "width:100%" in bars(("a", "b"), (0, 2), 2)
+
+
+@pytest.mark.slow
+def test_every_student_sees_what_the_teacher_moves_and_every_answer_counts() -> None:
+    classroom = Classroom()
+    server = start(Address(port=0), SCENE, classroom=classroom, look=PLAIN)
+    work = follow(server.url, classroom.secret, tabs=4, moves=2, settle=0.5, pause=0.2)
+    try:
+        # in a thread of its own: browser tests leave a loop running in the main one
+        with ThreadPoolExecutor(1) as pool:
+            result = pool.submit(asyncio.run, work).result()
+    finally:
+        server.stop()
+    assert result["wrong"] == 0
+    assert result["answers"]
