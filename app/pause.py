@@ -80,7 +80,7 @@ class Pause:
             return self._diagnose(frame)
         if self._panels.stages.bases.running:
             self._panels.stages.bases.step(scene)
-            return replace(frame)
+            return replace(frame)  # another frame, since the bases are drawn with it
         if not self._has_lights and self.seconds >= LIGHTS_DELAY:
             self._add_lights()
         elif not self.compiled and compiling.is_done():

@@ -181,8 +181,9 @@ def _library(folder: Path | None) -> Library:
     if folder is None:
         return _shipped_lessons
     from app.lessons.lesson import library
+    from app.tab_view import SWITCHES
 
-    return library(folder)
+    return library(folder, {switch.name for switch in SWITCHES})
 
 
 _reading = threading.Lock()

@@ -194,12 +194,12 @@ class Session:
         self._fault = describe_fault(error)
         metrics.FAULTS.inc()
         _log.exception("fault", extra={"tab": self.client.client_id})
-        sentence = (
+        words = (
             "There was not enough memory for this; a coarser mesh takes less."
             if isinstance(error, MemoryError)
             else "The visualiser met a fault of its own. The Scene tab has a text for a bug report."
         )
-        page.notify_refusal(self.client, "This did not work", f"{sentence} The last picture stays.")
+        page.notify_refusal(self.client, "This did not work", f"{words} The last picture stays.")
 
     def _timeout(self) -> float:
         """Time to wait for input, [s]."""

@@ -14,7 +14,7 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
-from abi.arrays import BoolArray, FloatArray, read_only
+from abi.arrays import FloatArray, read_only
 from abi.obstacles.pose import Length, Posed, rotation
 
 
@@ -129,33 +129,6 @@ class _Primitive(Posed):
         d = b - a
         least = self._distance(a + self._nearest_parameter(a, d)[:, None] * d)
         return np.minimum(least, np.minimum(self._distance(a), self._distance(b)))
-
-    def within(self, points: FloatArray, margin: float) -> BoolArray:
-        """Mask (n,) of the points (n, 3) with a signed distance under ``margin``, [unit]."""
-        return self.signed_distance(points) < margin
-
-    def blocks(self, p: FloatArray, q: FloatArray, margins: FloatArray) -> BoolArray:
-        """Mask (n,) of the segments from p (n, 3) to q (n, 3) nearer than ``margins`` (n,), [unit].
-
-        Only the segments that their ends leave undecided are measured along their whole length.
-        """
-        at_p, at_q = self.signed_distance(p), self.signed_distance(q)
-        length = np.sqrt(_dot(q - p, q - p))
-        blocked = np.minimum(at_p, at_q) < margins
-        # The distance is 1-Lipschitz; the pad leaves ties to the exact test.
-        pad = 1e-12 * (length + np.abs(at_p) + np.abs(at_q))
-        rows = np.flatnonzero(~blocked & ((at_p + at_q - length) / 2 < margins + pad))
-        p, q, at_p, at_q, pad, margins = (v[rows] for v in (p, q, at_p, at_q, pad, margins))
-        # The tangents at both ends bound a convex function from below where they meet.
-        slope_p = _dot(self.gradient(p), q - p)
-        slope_q = _dot(self.gradient(q), q - p)
-        bend = slope_q - slope_p
-        t = np.clip((at_p - at_q + slope_q) / np.where(bend > 0, bend, 1), 0, 1)
-        floor = np.maximum(at_p + slope_p * t, at_q + slope_q * (t - 1))
-        undecided = (bend > 0) & (slope_p < 0) & (slope_q > 0) & (floor < margins + pad)
-        p, q, margins = p[undecided], q[undecided], margins[undecided]
-        blocked[rows[undecided]] = self.segment_distance(p, q) < margins
-        return blocked
 
 
 class Box(_Primitive):

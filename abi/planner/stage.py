@@ -30,14 +30,15 @@ class Stage(Generic[_P, _R]):
 
     def __call__(self, *args: _P.args, **kwargs: _P.kwargs) -> _R:
         """Call the function, or repeat its last result or error for equal arguments."""
-        if self._arguments is None or not _same(self._arguments, args):
+        given = (*args, *kwargs, *kwargs.values())
+        if self._arguments is None or not _same(self._arguments, given):
             self._arguments, self._result, self._error = None, None, None
             begin = time.perf_counter()
             try:
                 self._result = self._function(*args, **kwargs)
             except StageError as error:
                 self._error = error
-            self._arguments = args
+            self._arguments = given
             self.ms = 1e3 * (time.perf_counter() - begin)
         if self._error is not None:
             raise self._error

@@ -55,10 +55,6 @@ class Workspace(Settings):
         x, y, z = (high - low for low, high in zip(self.min, self.max, strict=True))
         return (x, y, z)
 
-    def contains(self, point: Vec3) -> bool:
-        """Whether ``point`` lies in the closed box."""
-        return all(a <= p <= b for a, p, b in zip(self.min, point, self.max, strict=True))
-
 
 class MeshSettings(Settings):
     """Stage 1. ``pitch`` is the distance between neighbouring nodes, [unit]."""

@@ -19,6 +19,7 @@ from typing import Any, ParamSpec
 from abi import assets
 from abi.errors import SceneError
 from abi.obstacles.mesh_shape import MeshShape
+from abi.obstacles.primitives import Box, Capsule, Cylinder, Sphere
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.obstacles.triangle_mesh.surface import Surface
 from abi.scene.scene import Scene
@@ -304,11 +305,13 @@ def _obstacle(entry: dict[str, Any], shape: object) -> ExactSolid | ExactMesh:
         )
     zero = Fraction(0)
     half, disc, ball = (zero, zero, zero), zero, zero
-    if entry["shape"] == "box":
+    if isinstance(shape, Box):
         a, b, c = vector_of("scene.obstacles.size", entry["size"])
         half = (a / 2, b / 2, c / 2)
     else:
+        if not isinstance(shape, Sphere | Cylinder | Capsule):
+            raise SceneError("scene.obstacles.shape", entry.get("shape"), "one that can be checked")
         radius = Fraction(entry["radius"])
-        disc, ball = (radius, zero) if entry["shape"] == "cylinder" else (zero, radius)
+        disc, ball = (radius, zero) if isinstance(shape, Cylinder) else (zero, radius)
         half = (zero, zero, Fraction(entry.get("height", 0)) / 2)
     return ExactSolid(half, disc, ball, position, (w, x, y, z))

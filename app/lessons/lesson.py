@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from pathlib import Path
 from types import MappingProxyType
 from typing import Annotated, Any, Self
@@ -217,16 +217,43 @@ def load_lessons(folder: Path | None = None) -> Lessons:
     return found
 
 
-def library(folder: Path | None) -> Library:
+def library(folder: Path | None, layers: Collection[str]) -> Library:
     """The shipped lessons and those of a folder, which is checked at once.
 
+    Args:
+        folder: of a teacher's own; None for none.
+        layers: names that ``shown`` may have.
+
     Raises:
-        LessonError: as :func:`load_lessons`.
+        LessonError: as :func:`load_lessons`, or a layer has another name.
     """
     read = functools.cache(functools.partial(load_lessons, folder))
     if folder is not None:
-        read()
+        for name, (lesson, place) in read().items():
+            if place is folder:
+                check_layers(name, lesson, layers)
     return read
+
+
+def check_layers(name: str, lesson: Lesson, layers: Collection[str]) -> None:
+    """Check the layers that a lesson shows.
+
+    Raises:
+        LessonError: there is none of that name.
+    """
+    for number, step in enumerate(lesson.steps):
+        for part in _settings(step):
+            for layer in part.shown or ():
+                if layer not in layers:
+                    known = ", ".join(sorted(layers))
+                    raise LessonError(
+                        f"{name}.yaml: steps.{number}: shown has {layer!r}; expected: {known}."
+                    )
+
+
+def _settings(step: Step) -> list[Setting]:
+    parts = (step.set, step.reveal, step.task.shown_by if step.task else None)
+    return [part for part in parts if part is not None]
 
 
 def _read(file: Path, check_scenes: bool) -> Lesson:
@@ -236,9 +263,8 @@ def _read(file: Path, check_scenes: bool) -> Lesson:
             return lesson
         scene = load_scene("paper")
         for number, step in enumerate(lesson.steps):
-            for part in (step.set, step.reveal, step.task.shown_by if step.task else None):
-                if part is not None:
-                    scene = _checked(part, scene, file, number)
+            for part in _settings(step):
+                scene = _checked(part, scene, file, number)
     except SceneError as error:
         raise LessonError(f"{file.name}: {error.message}") from None
     except ValidationError as error:

@@ -21,8 +21,7 @@ _PLACE = re.compile(r"\{\{\s*([a-z_.0-9]+)\s*\}\}")
 
 
 def _of_search(name: str, attribute: str) -> Measure:
-    def_ = (name, attribute)
-    return lambda frame: _searched(frame.plan, *def_)
+    return lambda frame: _searched(frame.plan, name, attribute)
 
 
 def _searched(plan: Plan, name: str, attribute: str) -> float | None:

@@ -32,7 +32,6 @@ _STAGE_OF_FIELD = {
     "spline": "bspline",
     "quadratic": "quadratic",
     "motion": "quadratic",
-    "timing": "quadratic",
     "arm": "arm",
 }
 

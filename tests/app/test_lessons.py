@@ -19,6 +19,7 @@ from app.lessons.lesson import (
     LessonError,
     Setting,
     Step,
+    library,
     load_lessons,
     scene_of,
 )
@@ -172,6 +173,12 @@ def test_a_wrong_lesson_is_named_in_one_sentence(
     assert named in caught.value.message
     assert "own.yaml" in caught.value.message
     assert "\n" not in caught.value.message
+
+
+def test_a_layer_that_does_not_exist_is_named_at_the_start(tmp_path: Path) -> None:
+    content = GOOD.replace("{scene: mine.yaml}", "{shown: [nodes, nods]}")
+    with pytest.raises(LessonError, match=r"own.yaml: steps.0: shown has 'nods'; expected"):
+        library(folder_with(tmp_path, content), NAMES)
 
 
 def test_an_empty_folder_is_refused(tmp_path: Path) -> None:

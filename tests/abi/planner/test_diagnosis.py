@@ -25,6 +25,11 @@ from abi.scene.settings import MeshSettings, Workspace
 from abi.tet_mesh import tet_mesh as mesh
 from tests.abi.scene.test_scene import obstacles, points
 
+
+def is_within(box: Workspace, point: Any) -> bool:
+    return bool(np.all(np.array(box.min) <= point) and np.all(point <= np.array(box.max)))
+
+
 STAGES = ["mesh", "graph", "search", "bspline", "quadratic", "timing", "arm"]
 
 
@@ -289,7 +294,7 @@ def test_a_blocked_end_is_told_the_nearest_free_point(
     free = known[ObstacleSet(scene.obstacles).nearest(known)[0] >= clearance + slack]
     for which, point in blocked.items():
         place = np.array(found.change[which])
-        assert scene.workspace.contains(found.change[which])
+        assert is_within(scene.workspace, place)
         assert ObstacleSet(scene.obstacles).nearest(place[None])[0][0] >= clearance
         away = np.linalg.norm(free - point, axis=1).min()
         assert np.linalg.norm(place - point) <= away + slack
@@ -326,7 +331,7 @@ def test_rounding_moves_a_point_by_no_more_than_told(place: Any, error: float) -
     box = load_scene("paper").workspace
     moved = rounded(np.array(place), box, error)
 
-    assert box.contains(tuple(moved.tolist()))
+    assert is_within(box, moved)
     assert np.linalg.norm(moved - place) <= error * (1 + 1e-9)
 
 

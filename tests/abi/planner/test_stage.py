@@ -73,3 +73,10 @@ def test_an_error_of_the_stage_is_remembered_and_any_other_is_not(work: Work) ->
         with pytest.raises(MemoryError):
             stage(broken)
     assert work.calls == 3
+
+
+def test_named_arguments_count_as_well() -> None:
+    stage = Stage(lambda a, b=0: (a, b))
+    assert stage(1, b=0) == (1, 0)
+    assert stage(1, b=5) == (1, 5)
+    assert stage(1, b=5) is stage(1, b=5)
