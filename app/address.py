@@ -21,7 +21,7 @@ _ANY_ADDRESS = {"0.0.0.0": "127.0.0.1", "::": "[::1]"}
 
 @dataclass(frozen=True)
 class Address:
-    """Where a server listens.
+    """Host and port at which a server listens.
 
     Attributes:
         host: a name or an address of this machine.

@@ -31,7 +31,7 @@ _log = logging.getLogger("abi.store")
 
 
 def folder() -> Path:
-    """Where the files are."""
+    """Folder of the files."""
     if named := os.environ.get("ABI_STORE"):
         return Path(named)
     cache = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"

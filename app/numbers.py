@@ -23,7 +23,7 @@ def format_lower_bound(distance: float) -> str:
 
 
 def format_excess(length: float, shortest: float, exact: bool) -> str:
-    """How much longer than the shortest, [%]; rounded up where that is only a lower bound."""
+    """Excess over the shortest length, [%]; rounded up where that is only a lower bound."""
     tenths = 1000 * max(length / shortest - 1, 0)
     return f"{(tenths if exact else math.ceil(tenths - 1e-6)) / 10:.1f} %"
 

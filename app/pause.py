@@ -29,7 +29,7 @@ LIGHTS_DELAY = 1.5
 
 
 class Pause:
-    """What a tab does while there is no input.
+    """Work of a tab while there is no input.
 
     Attributes:
         demo: of a new tab.

@@ -1,4 +1,4 @@
-"""What one tab shows: panels, layers, playback and viewpoint, drawn and brought back as one."""
+"""View of one tab: panels, layers, playback and viewpoint, drawn and brought back as one."""
 
 from __future__ import annotations
 

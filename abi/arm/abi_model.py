@@ -67,11 +67,11 @@ class AbiCourse:
         return np.stack([found.q1, found.q2, found.q3], axis=1)
 
     def motion(self, profile: PathProfile, samples: int) -> ArmMotion:
-        """As of every course."""
+        """Motion by a profile, at uniform times."""
         return trajectory.follow(self.curve, self.arc, profile, self.arm, self.settings, samples)
 
     def is_refuted(self, profile: PathProfile, around: Surroundings, required: float) -> bool:
-        """As of every course: one try to prove it, without samples."""
+        """Whether one try to prove the arm clear, without samples, shows that it is not."""
         slide = slide_bounds(self.curve, self.arc, profile, self.settings)
         elbow = self.settings.branches[0]
         found = certify_arm(self.curve, slide, self.arm, elbow, around, required, _TRIES_TO_REFUTE)
@@ -80,7 +80,7 @@ class AbiCourse:
     def clearance(
         self, motion: ArmMotion, obstacles: ObstacleSet, around: Surroundings, required: float
     ) -> ArmClearance:
-        """As of every course."""
+        """Clearance of the whole arm in that motion, measured and proven."""
         return arm_clearance(motion, self.arm, obstacles, around, required)
 
 
@@ -119,7 +119,7 @@ class AbiModel:
     def other_sights(
         self, scene: Scene, mesh: TetMesh, around: Surroundings, slack: float
     ) -> OtherSights:
-        """None: an elbow has two sides."""
+        """Nothing else to try: an elbow has two sides."""
         return OtherSights(iter(()))
 
 
@@ -130,7 +130,7 @@ class AbiSight(ArmSight):
     settings: ArmSettings
 
     def course(self, curve: Curve, arc: ArcLength) -> AbiCourse:
-        """As of every sight."""
+        """The joints along a curve."""
         return AbiCourse(curve, arc, self.arm, self.settings.on(self.elbow))
 
 

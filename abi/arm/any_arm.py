@@ -35,7 +35,7 @@ class AnyArm(Protocol):
 
     @property
     def base(self) -> FloatArray:
-        """Where it stands, (3,), [unit], world."""
+        """Place where it stands, (3,), [unit], world."""
 
     @property
     def unit(self) -> Literal["m", "cm", "mm"]:

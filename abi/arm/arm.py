@@ -128,7 +128,7 @@ class Arm:
 
     @property
     def has_elbow(self) -> bool:
-        """True: its branches are the two sides of its elbow."""
+        """Whether its branches are the two sides of its elbow: they are."""
         return True
 
     def placed(self, positions: FloatArray) -> list[PlacedCapsule]:

@@ -1,4 +1,4 @@
-"""What the planner asks of any arm."""
+"""The questions that the planner asks of any arm."""
 
 from __future__ import annotations
 
@@ -107,7 +107,7 @@ class Sight(Places, Protocol):
 
 
 class OtherSights(NamedTuple):
-    """What is tried where no branch leads to a motion.
+    """Further sights, tried where no branch leads to a motion.
 
     Attributes:
         sights: made one by one when they are asked for.

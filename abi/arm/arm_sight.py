@@ -1,4 +1,4 @@
-"""What an arm may do on one elbow branch: places, legs and curves of its tool."""
+"""Places, legs and curves that an arm allows its tool on one elbow branch."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a URDF arm may do from one of its first poses: places, legs and curves of its tool."""
+"""Places, legs and curves that a URDF arm allows its tool from one of its first poses."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ class ChainSight:
 
     @property
     def legs(self) -> None:
-        """None: compiled loops do not know the arm."""
+        """No legs for compiled loops, which do not know the arm."""
 
     @property
     def key(self) -> tuple[object, ...]:

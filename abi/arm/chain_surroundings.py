@@ -1,4 +1,4 @@
-"""What the links of a URDF arm are to keep clear of, and its capsules, as the kernels take them."""
+"""Surroundings that a URDF arm keeps clear of, and its capsules, as the kernels take them."""
 
 from __future__ import annotations
 

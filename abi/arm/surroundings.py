@@ -1,4 +1,4 @@
-"""What the links of an arm are to keep clear of: obstacles, the floor, and its own column."""
+"""Surroundings that an arm keeps clear of: obstacles, the floor, and its own column."""
 
 from __future__ import annotations
 
@@ -139,7 +139,7 @@ def mesh_numbers(obstacles: ObstacleSet, numbers: IntArray) -> IntArray:
 
 
 def outermost(inside: IntArray) -> BoolArray:
-    """Which of k rows are in no other, and that of the floor behind them, (k + 1,)."""
+    """Flags of the rows that are in no other, and of the floor behind them, (k + 1,)."""
     steps = np.zeros(len(inside) + 2, dtype=np.int32)
     np.add.at(steps, inside[:, 0], inside[:, 1] > 0)
     np.subtract.at(steps, inside[:, 1], inside[:, 1] > 0)

@@ -134,7 +134,7 @@ class UrdfArm:
 
     @property
     def has_elbow(self) -> bool:
-        """False: its branches are poses that put the tool on the start."""
+        """Whether it has an elbow: no, its branches are poses that put the tool on the start."""
         return False
 
     def placed(self, positions: FloatArray) -> list[PlacedCapsule]:

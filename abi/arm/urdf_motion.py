@@ -65,17 +65,17 @@ class JointCourse:
         return np.asarray(np.clip(self._spline(distances), limits[:, 0], limits[:, 1]))
 
     def motion(self, profile: PathProfile, samples: int) -> ArmMotion:
-        """As of every course."""
+        """Motion by a profile, at uniform times."""
         return _follow(self, profile, samples)
 
     def is_refuted(self, profile: PathProfile, around: Surroundings, required: float) -> bool:
-        """False: it does not show without the motion."""
+        """Whether it shows at once that the arm is not clear: never without the motion."""
         return False
 
     def clearance(
         self, motion: ArmMotion, obstacles: ObstacleSet, around: Surroundings, required: float
     ) -> ArmClearance:
-        """As of every course."""
+        """Clearance of the whole arm in that motion, measured and proven."""
         return _clearance(motion, self.arm, obstacles, around, required)
 
 

@@ -19,7 +19,7 @@ _WAYS = ((1, 0, 0), (-1, 0, 0), (0, -1, 0), (0, 1, 0), (0, 0, 1), (0, 0, -1))
 
 
 def arm_reason(scene: Scene, plan: Plan, error: ArmNotClear, what_if: WhatIf) -> Reason:
-    """Which link is in the way of what, and what helps.
+    """Link that is in the way, of what, and a change that helps.
 
     Tried, in this order: both elbows, links nearer to the obstacles, the base elsewhere, finer
     pitches; and each obstacle left out.

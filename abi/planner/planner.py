@@ -122,36 +122,30 @@ class Planner:
         model = self._arm(scene.arm, scene.unit)
         results["arm"] = model.arm
 
-        # 1 tetrahedral mesh of the workspace without the obstacles
         results["mesh"] = mesh = self._mesh(workspace, scene.mesh)
         results["free"] = free = self._exclude(mesh, obstacles, margin)
 
-        # 2 graph
         results["graph"] = graph = self._graph(
             free, obstacles, margin, scene.start, scene.goal, clearance
         )
 
-        # 3 A*, Dijkstra, Bellman-Ford
         names: list[str] = [search.algorithm] if chosen_only else list(SEARCHES)
         searches = {name: self._searches[name](graph, search.weight) for name in names}
         results["searches"] = tuple(searches.values())
         results["path"] = path = searches[search.algorithm]
         results["path_clearance"] = self._path_clearance(obstacles, path.points)
 
-        # 3½ path pulled taut, and lower bound of the length of any curve
         vertices = path.points
         if search.taut:
             results["taut"] = taut = self._taut(graph, obstacles, margin, path)
             vertices = taut.points
         results["optimum"] = self._optimum(scene.start, scene.goal, obstacles, clearance, workspace)
 
-        # 4 B-spline, kept clear of the obstacles
         results["bspline"] = bspline = self._bspline(
             vertices, scene.spline.degree, obstacles, clearance, search.taut
         )
         results["bspline_arc"] = bspline_arc = self._bspline_arc(bspline.curve)
 
-        # 5 quadratic curve with exact ends
         results["quadratic"] = quadratic = self._quadratic(
             bspline, bspline_arc, obstacles, clearance, scene.quadratic.mode
         )
@@ -161,7 +155,6 @@ class Planner:
         curve: Curve = bspline.curve if is_bspline else quadratic.curve
         arc = bspline_arc if is_bspline else quadratic_arc
 
-        # 6 inverse kinematics of the arm along that motion
         around = self._surroundings(model, obstacles, workspace.min[2])
         courses = self._courses(model, curve, arc, scene.arm, obstacles, around)
         task = ArmTask(scene, model, obstacles, around, free, margin, SAMPLES)

@@ -65,7 +65,7 @@ class Link:
 
     @property
     def drawn(self) -> tuple[Shape, ...]:
-        """What it looks like."""
+        """Shapes by which it is drawn."""
         return self.visuals or self.shapes
 
 

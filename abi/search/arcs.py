@@ -50,7 +50,7 @@ class Arcs:
 
     @property
     def little(self) -> float:
-        """By how much a cost must fall to be worth it."""
+        """Least fall of a cost that is worth it."""
         return LITTLE * float(np.abs(self.rows.weights).max(initial=1.0))
 
     def length_of(self, vertices: IntArray) -> float:

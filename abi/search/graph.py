@@ -88,7 +88,7 @@ class Graph:
 
     @property
     def indptr(self) -> IntArray:
-        """Where the neighbours of each node begin (n + 1,)."""
+        """Places in ``indices`` at which the neighbours of each node begin (n + 1,)."""
         return self._rows[0]
 
     @property
@@ -127,7 +127,7 @@ class Graph:
         return max(longest, float(self.link_lengths.max())) if len(self.tails) else longest
 
     def places(self, nodes: IntArray) -> FloatArray:
-        """Where nodes (m,) are, (m, 3), [unit], world."""
+        """Places (m, 3) of nodes (m,), [unit], world."""
         mesh = self.mesh.points
         if not len(self.own):
             return mesh[nodes]

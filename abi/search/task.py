@@ -1,4 +1,4 @@
-"""What a search for comparison is given."""
+"""Task of a search for comparison."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a search did, step by step: the order of expansion and every change of cost and parent."""
+"""Steps of a search: the order of expansion and every change of cost and parent."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the reader process does with a file from outside: bytes in, checked data out.
+"""Work of the reader process on a file from outside: bytes in, checked data out.
 
 Everything between the processes is plain data with a schema, so that nothing in a file can make the
 server run anything.

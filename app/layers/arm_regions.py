@@ -1,4 +1,4 @@
-"""Where the tool may not go for the arm's sake, and where it can go at all: two regions."""
+"""Two regions: places the tool may not go for the arm's sake, and those it can reach at all."""
 
 from __future__ import annotations
 

@@ -11,7 +11,7 @@ from abi.planner.plan import Plan
 
 
 def acceleration(motion: ArmMotion) -> FloatArray:
-    """Of the tool: size and components, (m, 4), [unit/s²], by differences of its velocity.
+    """Acceleration of the tool: size and components, (m, 4), [unit/s²], by differences.
 
     It jumps where the three phases meet. Within them it is what the curve's bends ask for, which
     shows the steps of a B-spline's second derivative.

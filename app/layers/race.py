@@ -140,7 +140,7 @@ class RaceLayer:
 
 
 def offset(scene: Scene, place: int, count: int) -> FloatArray:
-    """Where a copy is, (3,), from the workspace, [unit]."""
+    """Step from the workspace to a copy, (3,), [unit]."""
     longest = max(scene.workspace.size)
     across = (place - (count - 1) / 2) * _GAP * longest * _ROW
     return np.asarray(across + np.array([0.0, 0.0, _HEIGHT * longest]))

@@ -1,4 +1,4 @@
-"""What a tab is told to show at once: by a lesson, a figure of the paper, or a teacher."""
+"""A view that a tab is told to show: by a lesson, a figure of the paper, or a teacher."""
 
 from __future__ import annotations
 

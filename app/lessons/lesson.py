@@ -59,7 +59,7 @@ class Condition(_Part):
 
 
 class Camera(_Part):
-    """Where the eye is and what it looks at, [unit], world."""
+    """Place of the eye and the point it looks at, [unit], world."""
 
     position: Numbers3
     target: Numbers3

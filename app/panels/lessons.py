@@ -73,7 +73,7 @@ class LessonPanel:
 
     @property
     def progress(self) -> str:
-        """Where the student is and what has been passed, as a text to keep."""
+        """Place of the student and the steps passed, as a text to keep."""
         if not self._name and not self._passed:
             return ""
         passed = sorted(self._passed)

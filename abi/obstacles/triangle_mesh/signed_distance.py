@@ -55,7 +55,7 @@ class BodyFrame:
 def placement(
     frame: BodyFrame, position: Vec3, wxyz: tuple[float, float, float, float], factor: float
 ) -> Placement:
-    """Where a body frame is in the world.
+    """Placement of a body frame in the world.
 
     Args:
         frame: the frame.
