@@ -181,9 +181,12 @@ def test_what_was_before_is_packed_once(monkeypatch: pytest.MonkeyPatch) -> None
     text = encoder.encode(state)
     packed: list[bytes] = []
     deflate = tab_state._deflate
-    monkeypatch.setattr(
-        tab_state, "_deflate", lambda data, end: packed.append(data) or deflate(data, end)
-    )
+
+    def noted(data: bytes, end: int) -> bytes:
+        packed.append(data)
+        return deflate(data, end)
+
+    monkeypatch.setattr(tab_state, "_deflate", noted)
     assert encoder.encode(state) == text
     assert len(packed) == 1
     later = encoder.encode(state.alone())
