@@ -171,7 +171,7 @@ def main() -> None:
         help=", ".join([*STAGES, *PAGES, BASES, KITCHEN, "film"]),
     )
     names = parser.parse_args().names
-    if unknown := set(names) - {*STAGES, *PAGES, BASES, "film"}:
+    if unknown := set(names) - {*STAGES, *PAGES, BASES, KITCHEN, "film"}:
         parser.error(f"no picture {sorted(unknown)[0]!r}")
     abi.compile()
     with chromium() as browser:
