@@ -393,6 +393,9 @@ document.head.insertAdjacentHTML("beforeend", `<style id="abi-style">
 }
 .mantine-ScrollArea-scrollbar[data-orientation=vertical] { width: 9px !important; padding: 1px; }
 .mantine-Notifications-root { top: 92px !important; }
+body:has(#abi-overlay :is([data-part=class], [data-part=tour], [data-part=challenge]) > *) .mantine-Notifications-root {
+  top: 45vh !important;  /* not over a question, the tour or a challenge */
+}
 .abi-now {
   position: absolute; top: 0; bottom: 0; left: 0; width: 1px; background: #868e96;
   pointer-events: none;
