@@ -11,7 +11,7 @@ import numpy as np
 from numba.extending import register_jitable
 
 from abi.arm.chain_kernels import POSE, TABLE, ChainTable
-from abi.arm.mask_kernels import touches
+from abi.arm.mask_kernels import touched_row
 from abi.arm.separate_chain_kernels import BODIES, Bodies, between_segments, place_bodies
 from abi.arm.surroundings_kernels import NO_OBSTACLES, Obstacles
 from abi.arrays import BoolArray, FloatArray
@@ -46,7 +46,7 @@ def _touches_solids(bodies: Bodies, ends: FloatArray, around: Obstacles) -> bool
             if s == count - 1:
                 if min(a[2], b[2]) - around.floor < need:
                     return True
-            elif touches(around, s, a, b, need):
+            elif touched_row(around, s, a, b, need, -1) >= 0:
                 return True
     return False
 

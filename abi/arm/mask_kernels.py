@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 from numba.extending import register_jitable
 
 from abi.arm.pose_kernels import (
@@ -37,6 +38,7 @@ from abi.obstacles.primitive_kernels import (
     in_body,
     segment_within,
 )
+from abi.obstacles.triangle_mesh.segment_kernels import inverse_of, stretch_in
 from abi.obstacles.vector_kernels import Vec3, axpy, dot, sub, vec3_at
 
 
@@ -72,23 +74,41 @@ def _near(primitives: FloatArray, s: int, a: Vec3, b: Vec3, need: float) -> bool
     return segment_within(core_of(primitives, s), need, p, in_body(axes, sub(b, a)))
 
 
-@register_jitable(forceinline=True)
-def touches(around: Obstacles, s: int, a: Vec3, b: Vec3, need: float) -> bool:
-    """Whether a..b is nearer than ``need`` to row s, or to what is inside it."""
-    if not _near(around.primitives, s, a, b, need):
-        return False
-    if around.inside[2 * s + 1] == 0:
-        return True
+@register_jitable
+def touched_row(around: Obstacles, s: int, a: Vec3, b: Vec3, need: float, guess: int) -> int:
+    """Row s, or one inside it, that is solid and from which a..b is nearer than ``need``; or -1.
+
+    Args:
+        around: what to keep clear of.
+        s: its row.
+        a, b: ends of the segment, [unit], world.
+        need: [unit].
+        guess: a row that is likely to be one, as of a segment beside; -1 without.
+    """
+    primitives, inside = around.primitives, around.inside
+    if inside[2 * s + 1] == 0:
+        return s if _near(primitives, s, a, b, need) else -1
+    if (
+        guess >= 0
+        and around.meshes[guess] == around.meshes[s]
+        and _near(primitives, guess, a, b, need)
+    ):
+        return guess
+    inverse = inverse_of(sub(b, a))
     work = [s]
     while len(work) > 0:
         box = work.pop()
-        for row in range(around.inside[2 * box], around.inside[2 * box + 1]):
-            if not _near(around.primitives, row, a, b, need):
+        for row in range(inside[2 * box], inside[2 * box + 1]):
+            k = WIDTH * row + BOUNDS
+            low, high = vec3_at(primitives, k), vec3_at(primitives, k + 3)
+            if stretch_in(a, inverse, low, high, need) < 0.0:
                 continue
-            if around.inside[2 * row + 1] == 0:
-                return True
+            if not _near(primitives, row, a, b, need):
+                continue
+            if inside[2 * row + 1] == 0:
+                return row
             work.append(row)
-    return False
+    return -1
 
 
 @register_jitable(forceinline=True)
@@ -173,6 +193,7 @@ def touching_places(
     count, moving = len(around.margins), len(capsules) // CAPSULE
     still, widest, out_of_upper, out_of_fore = outline(table)
     rows = asked_rows(around, moving)
+    latest = np.full(moving, -1)  # what each capsule touched last
     for i in range(len(reached)):
         if not reached[i]:
             continue
@@ -207,7 +228,9 @@ def touching_places(
                 if s == count - 1:
                     touching[i] = min(a[2], b[2]) - around.floor < need
                 else:
-                    touching[i] = touches(around, s, a, b, need)
+                    row = touched_row(around, s, a, b, need, latest[c])
+                    touching[i] = row >= 0
+                    latest[c] = row if row >= 0 else latest[c]
                 if touching[i]:
                     break
             if touching[i]:

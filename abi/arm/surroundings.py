@@ -9,9 +9,10 @@ from typing import NamedTuple
 import numpy as np
 
 from abi.arm.arm import Arm
+from abi.arm.box_row_kernels import box_rows
 from abi.arm.link_capsules import COLUMN
 from abi.arm.surroundings_kernels import Obstacles
-from abi.arrays import BoolArray, FloatArray, IntArray, read_only
+from abi.arrays import BoolArray, FloatArray, IntArray, flat, read_only
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.pose import rotation
@@ -19,6 +20,7 @@ from abi.obstacles.primitive_kernels import BOUNDS, WIDTH
 from abi.obstacles.primitive_tree_kernels import TREE
 from abi.obstacles.triangle_mesh.bvh import tree_of
 from abi.obstacles.triangle_mesh.surface import Surface
+from abi.obstacles.vector_kernels import vec3_at
 
 FLOOR, OWN = -1, -2
 """Numbers among those of obstacles: of the floor, and of the arm's first capsule; -3 is its second,
@@ -129,7 +131,9 @@ def solid_rows(obstacles: ObstacleSet) -> SolidRows:
         rows.append(_boxes(mesh))
         numbers.append(np.full(len(boxes), number, dtype=np.int32))
     within = np.concatenate(inside).astype(np.int32)
-    return SolidRows(np.concatenate(rows), np.concatenate(numbers), within)
+    some = [one for one in rows if len(one)] or rows  # a large mesh alone is not copied
+    packed = some[0] if len(some) == 1 else np.concatenate(some)
+    return SolidRows(packed, np.concatenate(numbers), within)
 
 
 def mesh_numbers(obstacles: ObstacleSet, numbers: IntArray) -> IntArray:
@@ -140,9 +144,9 @@ def mesh_numbers(obstacles: ObstacleSet, numbers: IntArray) -> IntArray:
 
 def outermost(inside: IntArray) -> BoolArray:
     """Flags of the rows that are in no other, and of the floor behind them, (k + 1,)."""
-    steps = np.zeros(len(inside) + 2, dtype=np.int32)
-    np.add.at(steps, inside[:, 0], inside[:, 1] > 0)
-    np.subtract.at(steps, inside[:, 1], inside[:, 1] > 0)
+    first, last = inside[inside[:, 1] > 0].T
+    count = len(inside) + 2
+    steps = np.bincount(first, minlength=count) - np.bincount(last, minlength=count)
     return np.asarray(np.cumsum(steps)[:-1] == 0)
 
 
@@ -152,14 +156,16 @@ def largest_coordinate(rows: FloatArray) -> float:
     return float(np.abs(bounds).max(initial=0.0))
 
 
+@lru_cache(maxsize=1)  # of large meshes they take up to 100 MB
 def _boxes(mesh: MeshShape) -> FloatArray:
-    """Rows of the boxes of a mesh, flat."""
+    """Rows of the boxes of a mesh, flat; those of the last one are kept."""
     boxes = _boxes_of(mesh.surface)
-    turn = rotation(mesh.wxyz)
-    centres = mesh.position + mesh.factor * boxes.middles @ turn.T
-    sizes = mesh.factor * boxes.halves
-    sizes += 1e-12 * (sizes.max() + np.abs(centres).max())
-    return _rows(centres, turn @ boxes.axes, sizes, 0.0)
+    turned = rotation(mesh.wxyz)
+    a, b, c = (vec3_at(flat(axis), 0) for axis in turned.T)
+    rows = np.zeros(WIDTH * len(boxes.inside))
+    flat_boxes = flat(boxes.middles), flat(boxes.halves), flat(boxes.axes)
+    box_rows(*flat_boxes, (a, b, c), mesh.position, mesh.factor, rows)
+    return read_only(rows)
 
 
 class _Boxes(NamedTuple):
@@ -191,7 +197,7 @@ def _boxes_of(surface: Surface) -> _Boxes:
     inner = nodes // 2
     inside = np.zeros((nodes, 2), dtype=np.int32)
     inside[:inner] = 2 * np.arange(inner)[:, None] + (1, 3)
-    upright = np.broadcast_to(np.eye(3), (nodes, 3, 3))
+    upright = np.tile(np.eye(3), (nodes, 1, 1))
     if len(surface.faces) > _MOST_TRIANGLES:
         return _Boxes((low + high) / 2, (high - low) / 2, upright, inside)
     inside[inner:, 0], inside[inner:, 1] = tree.leaves[:-1] + nodes, tree.leaves[1:] + nodes

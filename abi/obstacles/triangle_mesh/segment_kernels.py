@@ -14,14 +14,17 @@ from abi.obstacles.triangle_mesh.bvh import TriangleTree, box_of
 from abi.obstacles.triangle_mesh.closest_point_kernels import nearest_triangle
 from abi.obstacles.triangle_mesh.triangle_kernels import (
     closest_point,
+    on_side,
     segment_to_triangle,
     triangle_at,
 )
-from abi.obstacles.vector_kernels import Vec3, axpy, distance, dot, norm, sub
+from abi.obstacles.vector_kernels import Vec3, axpy, dot, norm, sub
+
+_TRIES = 4  # steps towards the nearest triangle, until it is the same again
 
 
 @register_jitable
-def _inverse(d: Vec3) -> Vec3:
+def inverse_of(d: Vec3) -> Vec3:
     """1 over each component; a component that is 0 counts as next to nothing."""
     x, y, z = d
     tiny = 1e-300
@@ -33,7 +36,7 @@ def _inverse(d: Vec3) -> Vec3:
 
 
 @register_jitable
-def _stretch_in(p: Vec3, inverse: Vec3, low: Vec3, high: Vec3, limit: float) -> float:
+def stretch_in(p: Vec3, inverse: Vec3, low: Vec3, high: Vec3, limit: float) -> float:
     """Part of a segment in a box that is widened by a limit; below 0 where it passes by.
 
     The slab method (Kay and Kajiya, 1986).
@@ -72,7 +75,7 @@ def comes_near(
     """
     _, leaves, corners, _ = tree
     inner = len(leaves) - 2
-    inverse = _inverse(sub(q, p))
+    inverse = inverse_of(sub(q, p))
     level = min(dot(normal, p), dot(normal, q)) - limit
     middle = axpy(0.5, sub(q, p), p)
     waiting[0] = 0
@@ -98,7 +101,7 @@ def comes_near(
                 continue
             low = (min(a[0], b[0], c[0]), min(a[1], b[1], c[1]), min(a[2], b[2], c[2]))
             high = (max(a[0], b[0], c[0]), max(a[1], b[1], c[1]), max(a[2], b[2], c[2]))
-            if _stretch_in(p, inverse, low, high, limit) < 0.0:
+            if stretch_in(p, inverse, low, high, limit) < 0.0:
                 continue
             if segment_to_triangle(p, q, triangle) <= limit * limit:
                 return True
@@ -125,7 +128,7 @@ def _stretch_near(
     low, high = box_of(tree, node)
     if _top(normal, low, high) < level:
         return -1.0
-    return _stretch_in(p, inverse, low, high, limit)
+    return stretch_in(p, inverse, low, high, limit)
 
 
 @register_jitable
@@ -140,77 +143,90 @@ def _top(normal: Vec3, low: Vec3, high: Vec3) -> float:
 
 
 @register_jitable
-def _box_to_box(low: Vec3, high: Vec3, boxes: FloatArray, node: int) -> float:
-    """Squared distance of the box low..high and that of a node of a tree."""
-    k = 6 * node
-    a: float = max(boxes[k] - high[0], low[0] - boxes[k + 3], 0.0)
-    b: float = max(boxes[k + 1] - high[1], low[1] - boxes[k + 4], 0.0)
-    c: float = max(boxes[k + 2] - high[2], low[2] - boxes[k + 5], 0.0)
-    return a * a + b * b + c * c
+def towards_nearest(
+    tree: TriangleTree,
+    segment: tuple[Vec3, Vec3],
+    t: float,
+    most: float,
+    waiting: IntArray,
+    squares: FloatArray,
+) -> tuple[float, Vec3]:
+    """A distance of the segment from p to q to a triangle, mostly the nearest, and the way to it.
+
+    From the place at p + t (q - p) it goes to the point nearest to the triangle nearest there, and
+    so on for some steps. Where no triangle is found nearer the distance is ``most``, the way 0.
+
+    Args:
+        tree: over the triangles.
+        segment: p and q, which may be the same.
+        t: where to begin, in [0, 1].
+        most: a distance.
+        waiting, squares: room for ``DEPTH`` nodes and their squared distances.
+    """
+    best, normal = most, (0.0, 0.0, 0.0)
+    p, q = segment
+    d = sub(q, p)
+    before = -1
+    for _ in range(_TRIES):
+        x = axpy(t, d, p)
+        _, found = nearest_triangle(tree, x, math.inf, 0.0, waiting, squares)
+        if found < 0 or found == before:
+            break
+        before = found
+        triangle = triangle_at(tree.corners, found)
+        away = math.sqrt(segment_to_triangle(p, q, triangle))
+        closest = closest_point(x, triangle)
+        t = on_side(closest, p, d)
+        if away < best:
+            best = away
+            normal = sub(axpy(t, d, p), closest)
+    size = norm(normal) * (1.0 + 1e-12)
+    if size > 0.0:
+        normal = (normal[0] / size, normal[1] / size, normal[2] / size)
+    return best, normal
 
 
 @register_jitable
 def segment_distance(
-    tree: TriangleTree,
-    p: Vec3,
-    q: Vec3,
-    most: float,
-    slack: float,
-    waiting: IntArray,
-    squares: FloatArray,
+    tree: TriangleTree, p: Vec3, q: Vec3, most: float, normal: Vec3, waiting: IntArray
 ) -> float:
     """Distance of the segment from p to q to the nearest triangle; ``most`` where that is less.
 
-    A box is passed over where the box around the segment is too far, or where the segment is too
-    far above it along the way from the triangle nearest to its middle: boxes are convex, and so
-    are triangles.
+    What is passed over is what :func:`comes_near` passes over, of the nearest distance so far.
 
     Args:
         tree: over the triangles.
-        p, q: ends of the segment, which may be the same; the shorter, the quicker.
+        p, q: ends of the segment, which may be the same.
         most: a distance.
-        slack: how much farther the triangle that is taken for the nearest to the middle may be.
-        waiting, squares: room for ``DEPTH`` nodes and their squared distances.
+        normal: about the way from the triangles to the segment, or 0; of a length up to 1.
+        waiting: room for ``DEPTH`` nodes.
     """
-    boxes, leaves, corners, _ = tree
+    _, leaves, corners, _ = tree
     inner = len(leaves) - 2
-    middle = axpy(0.5, sub(q, p), p)
-    most_there = most + distance(p, q) / 2
-    _, found = nearest_triangle(tree, middle, most_there, slack, waiting, squares)
-    if found < 0:
-        return most
-    triangle = triangle_at(corners, found)
-    best: float = min(most, math.sqrt(segment_to_triangle(p, q, triangle)))
-    normal = sub(middle, closest_point(middle, triangle))
-    size = norm(normal)
-    if size > 0.0:
-        normal = (normal[0] / size, normal[1] / size, normal[2] / size)
-    low = (min(p[0], q[0]), min(p[1], q[1]), min(p[2], q[2]))
-    high = (max(p[0], q[0]), max(p[1], q[1]), max(p[2], q[2]))
+    inverse = inverse_of(sub(q, p))
+    best = most
+    lowest = min(dot(normal, p), dot(normal, q))
     waiting[0] = 0
-    squares[0] = _box_to_box(low, high, boxes, 0)
     count = 1
     while count > 0:
         count -= 1
         node = waiting[count]
-        if squares[count] >= best * best:
+        if _stretch_near(tree, node, p, inverse, best, normal, lowest - best) < 0.0:
             continue
-        below, above = box_of(tree, node)
-        if min(dot(normal, p), dot(normal, q)) - _top(normal, below, above) >= best:
-            continue
-        if node < inner:
+        while 0 <= node < inner:
             near, far = 2 * node + 1, 2 * node + 2
-            to_near = _box_to_box(low, high, boxes, near)
-            to_far = _box_to_box(low, high, boxes, far)
-            if to_far < to_near:
-                near, far, to_near, to_far = far, near, to_far, to_near
-            waiting[count], squares[count] = far, to_far
-            waiting[count + 1], squares[count + 1] = near, to_near
-            count += 2
+            in_near = _stretch_near(tree, near, p, inverse, best, normal, lowest - best)
+            in_far = _stretch_near(tree, far, p, inverse, best, normal, lowest - best)
+            if in_far > in_near:
+                near, far, in_near, in_far = far, near, in_far, in_near
+            if in_far >= 0.0:
+                waiting[count] = far
+                count += 1
+            node = near if in_near >= 0.0 else -1
+        if node < 0:
             continue
-        level = min(dot(normal, p), dot(normal, q)) - best
         for number in range(leaves[node - inner], leaves[node - inner + 1]):
             a, b, c = triangle = triangle_at(corners, number)
-            if max(dot(normal, a), dot(normal, b), dot(normal, c)) > level:
+            if max(dot(normal, a), dot(normal, b), dot(normal, c)) >= lowest - best:
                 best = min(best, math.sqrt(segment_to_triangle(p, q, triangle)))
     return best

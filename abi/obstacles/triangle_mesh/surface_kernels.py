@@ -24,7 +24,11 @@ from abi.obstacles.triangle_mesh.distance_grid_kernels import (
     side_of,
     steepest,
 )
-from abi.obstacles.triangle_mesh.segment_kernels import comes_near, segment_distance
+from abi.obstacles.triangle_mesh.segment_kernels import (
+    comes_near,
+    segment_distance,
+    towards_nearest,
+)
 from abi.obstacles.triangle_mesh.triangle_kernels import closest_point, triangle_at
 from abi.obstacles.triangle_mesh.winding_kernels import is_inside
 from abi.obstacles.vector_kernels import Vec3, axpy, cross, distance, norm, sub, vec3_at
@@ -161,31 +165,36 @@ def distance_along(tables: SurfaceTables, p: Vec3, q: Vec3, most: float, room: R
     """Distance of a segment of the body frame to the surface; ``most`` where that is less.
 
     Walks along the segment as far as the grid's bounds leave nothing nearer (Hart, Sphere tracing,
-    1996); where that is less than half a step of the grid, the next step is measured.
+    1996). In the stretch where they leave something the nearest triangle is looked for, from the
+    place that seems nearest.
     """
-    grid = tables.grid
+    tree, grid = tables.tree, tables.grid
     d = sub(q, p)
     length = norm(d)
     inverse = 1.0 / length if length > 0.0 else 0.0
     lower, upper = distance_bounds(grid, axpy(0.5, d, p))
     pad = _TOUCHING * tables.extent
     best = min(most, max(-lower, upper) * (1.0 + 1e-9) + pad)
-    at = 0.0
+    nearest, there = max(lower, -upper), length / 2
+    first, last, at = length, -1.0, 0.0
     while at <= length:
-        x = axpy(at * inverse, d, p)
-        lower, upper = distance_bounds(grid, x)
+        lower, upper = distance_bounds(grid, axpy(at * inverse, d, p))
+        least = max(lower, -upper)
         best = min(best, max(-lower, upper) * (1.0 + 1e-9) + pad)
-        far = max(lower, -upper) - best
+        if least < nearest:
+            nearest, there = least, at
+        far = least - best
         if far < grid.step / 2:
             far = min(grid.step, length - at)
-            y = axpy((at + far) * inverse, d, p)
-            best = segment_distance(
-                tables.tree, x, y, best, grid.step / 8, room.waiting, room.squares
-            )
+            first, last = min(first, at), at + far
         if at + far >= length:
             break
         at += far
-    return best
+    if last < 0.0:
+        return best
+    best, normal = towards_nearest(tree, (p, q), there * inverse, best, room.waiting, room.squares)
+    x, y = axpy(first * inverse, d, p), axpy(last * inverse, d, p)
+    return segment_distance(tree, x, y, best, normal, room.waiting)
 
 
 @register_jitable
@@ -245,7 +254,7 @@ def is_blocked(tables: SurfaceTables, p: Vec3, q: Vec3, margin: float, room: Roo
     """Whether a segment of the body frame comes nearer to the surface than a margin, or touches it.
 
     Walks along the segment as far as the grid's bounds allow at each place (Hart, Sphere tracing,
-    1996); where that is less than half a step of the grid, the next step is tested against the
+    1996). The stretch in which they allow less than half a step of the grid is tested against the
     triangles.
     """
     tree, _, grid, closed, _, _ = tables
@@ -254,22 +263,26 @@ def is_blocked(tables: SurfaceTables, p: Vec3, q: Vec3, margin: float, room: Roo
     d = sub(q, p)
     inverse = 1.0 / length if length > 0.0 else 0.0
     at, outside = 0.0, not closed
+    first, last, nearest, there = length, -1.0, math.inf, 0.0
     while at <= length:
-        x = axpy(at * inverse, d, p)
-        lower, upper = distance_bounds(grid, x)
+        lower, upper = distance_bounds(grid, axpy(at * inverse, d, p))
         if upper < margin:
             return True
         outside = outside or lower > 0.0
         far = lower - limit
         if far < grid.step / 2:
+            if lower < nearest:
+                nearest, there = lower, at
             far = min(grid.step, length - at)
-            y = axpy((at + far) * inverse, d, p)
-            normal = steepest(grid, axpy(0.5, sub(y, x), x))
-            if comes_near(tree, x, y, limit, normal, room.waiting):
-                return True
+            first, last = min(first, at), at + far
         if at + far >= length:
             break
         at += far
+    if last >= 0.0:
+        normal = steepest(grid, axpy(there * inverse, d, p))
+        x, y = axpy(first * inverse, d, p), axpy(last * inverse, d, p)
+        if comes_near(tree, x, y, limit, normal, room.waiting):
+            return True
     # a segment that nothing touches is inside or outside as a whole
     return not outside and _is_inside(tables, p, room)
 

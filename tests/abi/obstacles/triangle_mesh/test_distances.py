@@ -151,3 +151,21 @@ def test_slivers_shorten_a_distance_but_never_lengthen_it(power: float, seed: in
     expected = np.array([min(exactly(x, t) for t in triangles) for x in points])
     assert (found <= expected + 1e-14).all()
     assert (found >= expected - 1e-6).all()
+
+
+@pytest.mark.parametrize("mesh", [meshes.sphere(4), meshes.knot(4_000), meshes.soup(2_000)])
+def test_a_long_segment_is_as_near_as_the_nearest_of_its_parts(mesh: Mesh) -> None:
+    shape = MeshShape.of(clean(*mesh))
+    rng = np.random.default_rng(5)
+    p, q = rng.uniform(-3, 3, (2, 200, 3))
+    outside = ~shape.blocks(p, q, np.zeros(200))
+    p, q = p[outside], q[outside]
+    share = np.linspace(0, 1, 41)[:, None, None]
+    places = p + share * (q - p)
+    parts = shape.segment_distance(places[:-1].reshape(-1, 3), places[1:].reshape(-1, 3))
+    nearest = parts.reshape(40, -1).min(axis=0)
+    assert len(p) > 20
+    assert np.allclose(shape.segment_distance(p, q), nearest, rtol=0, atol=1e-9)
+    # a segment is nearer than a margin where its nearest part is
+    assert shape.blocks(p, q, nearest + 1e-6).all()
+    assert not shape.blocks(p, q, nearest - 1e-6).any()
