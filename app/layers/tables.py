@@ -43,6 +43,7 @@ _LEGEND = (
     f"{style.BOX}✓ keeps the distance you asked for. ✗ comes closer: thick red in the scene. "
     "▸ the arm follows this one.</div>"
 )
+_UNPROVEN = f"{style.BOX}? keeps it at every place that was measured, but is not proven.</div>"
 _FASTEST_SHOWN = 1.0
 """Shorter times say more about the machine than about the search, [ms]."""
 
@@ -148,6 +149,8 @@ def _stages(plan: Plan) -> str:
     longer = "longer than best" if exact else "longer, at most"
     head = ("stage", f"length [{unit}]", longer, f"distance kept [{unit}]")
     legend = _LEGEND if plan.bspline is not None and plan.scene.obstacles else ""
+    if legend and any("?" in cell for row in rows for cell in row):
+        legend += _UNPROVEN
     return table(head, rows, note) + legend
 
 

@@ -55,7 +55,7 @@ class MotionPanel:
             wake,
         )
         self.speed = gui.add_number(
-            "cruise speed", 1.0, step=0.1, hint="Of the tool, once it has sped up (V in the paper)."
+            "speed", 1.0, step=0.1, hint="Of the tool, once it has sped up (V in the paper)."
         )
         self.rates = gui.add_vector2(
             "accel.",
