@@ -41,6 +41,11 @@ def format_count(count: int) -> str:
     return f"{count:,}" if count < _MILLION else f"{count / _MILLION:.3g} M"
 
 
+def format_time(ms: float) -> str:
+    """A time given in [ms]: in whole milliseconds, from one second on in seconds."""
+    return f"{ms:.0f} ms" if ms < 999.5 else f"{ms / 1000:.1f} s"
+
+
 def distance_to_show(clearance: Clearance) -> float:
     """Distance of a curve to the obstacles as page and headings give it, [unit]."""
     return clearance.distance if clearance.certified else clearance.nearest

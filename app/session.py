@@ -299,12 +299,17 @@ class Session:
 
         One that a teacher shows may be among ``shared``.
         """
-        if scene.workspace != self._scene.workspace or self.panels.files.loaded is scene:
+        loaded = self.panels.files.loaded is scene
+        if scene.workspace != self._scene.workspace or loaded:
             self._view.look_at(scene)
         self._scene = scene
         if (made := self._planner.take(scene, shared)) is not None:
             return made
-        if self.frame.plan.total_ms > SLOW_MS:
+        if loaded and self.plans:
+            # nothing that is told of the last scene is true of this one, nor of the right size
+            frame = replace(self.frame, plan=Plan(scene), reason=None, coarse=False, partial=False)
+            self._view.draw(replace(frame, outdated=True))
+        elif self.frame.plan.total_ms > SLOW_MS:
             self._draw(replace(self.frame, outdated=True))
         return self._planner(scene, shared)
 

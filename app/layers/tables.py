@@ -17,6 +17,7 @@ from app.numbers import (
     format_length,
     format_lower_bound,
     format_setting,
+    format_time,
 )
 
 _STYLE = (
@@ -30,7 +31,7 @@ _STYLE = (
     ".mantine-Tabs-tab{padding-left:9px;padding-right:9px}"
     ".abi-name{display:inline-block;max-width:7.6em;white-space:normal;vertical-align:middle}"
     "@media(max-height:760px){.abi-table th,.abi-table td{padding:2px 4px}}"
-    "@media(max-width:600px){.abi-table{font-size:10px}"
+    "@media(max-width:600px){.abi-table{font-size:12px}"
     ".abi-table th,.abi-table td{padding:2px}}</style>"
 )
 """Numbers stay on one line; names and headings wrap where the font is wide or the page narrow."""
@@ -100,7 +101,7 @@ def _searches(plan: Plan, partial: bool) -> str:
 def _times(plan: Plan) -> str:
     """Times of the searches that took long enough to be told apart."""
     times = [
-        f"{style.ALGORITHMS[result.algorithm][0]} {plan.ms[result.algorithm]:.0f} ms"
+        f"{style.ALGORITHMS[result.algorithm][0]} {format_time(plan.ms[result.algorithm])}"
         for result in plan.searches
         if plan.ms[result.algorithm] >= _FASTEST_SHOWN
     ]

@@ -8,6 +8,7 @@ import numpy as np
 import viser
 
 from abi.arrays import FloatArray, IntArray
+from abi.scene.scene import Scene
 from abi.search.replay import SearchState
 from app import glb, style
 from app.frame import Frame, Switch
@@ -57,7 +58,7 @@ class TheatreLayer:
         self._text.visible = alone
         if theatre is not None and alone:
             self._draw_state(theatre)
-            self._text.content = describe(theatre, frame.plan.scene.unit)
+            self._text.content = describe(theatre, frame.plan.scene)
         self._drawn = theatre
 
     def _draw_state(self, theatre: Theatre) -> None:
@@ -139,8 +140,9 @@ def _size(state: SearchState) -> float:
     return 0.2 * float((box.prod() / len(points)) ** (1 / 3))
 
 
-def describe(theatre: Theatre, unit: str) -> str:
+def describe(theatre: Theatre, scene: Scene) -> str:
     """The step in words and numbers, as HTML."""
+    unit = scene.unit
     state = theatre.state
     trace, n = state.trace, len(state.trace.arcs.points)
     what = "round" if trace.queue == "rounds" else "step"
@@ -176,7 +178,8 @@ def describe(theatre: Theatre, unit: str) -> str:
             )
     text = f"{style.BOX}{text}</div>"
     if rows:
-        text += table(("node", "g so far", "h to go", "f"), rows)
+        cost = unit if scene.search.weight == "length" else "edges"
+        text += table(("node", f"g so far [{cost}]", f"h to go [{cost}]", f"f [{cost}]"), rows)
     if theatre.asking and not state.done:
         text += f"{style.BOX}<b>Which node is expanded next?</b> Click one of the open ones.</div>"
     if theatre.answer:

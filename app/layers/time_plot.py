@@ -18,7 +18,10 @@ _FLAT = 1e-9
 PERIOD = 0.25
 """Seconds between two plots of changing motions while a hand drags: it looks elsewhere."""
 _DASHES: tuple[tuple[float, ...], ...] = ((), (8, 4), (2, 3), (12, 4, 2, 4), (5, 3, 1, 3))
-"""Of the lines of a plot, in turn: none is told from another by its colour alone."""
+"""Of the lines of a plot, in turn: none is told from another by its colour alone. The legend's are
+in ``assets/page/page.js``."""
+_PADDING = (9, 14, 0, 0)
+"""Above, right, below and left of the axes, [px]: half of the topmost number is above its line."""
 
 Lines = tuple[tuple[str, style.Colour], ...]
 """Name and colour of each line of a plot."""
@@ -63,7 +66,7 @@ def new_plot(gui: viser.GuiApi, title: str, lines: Lines, height: int) -> viser.
     grid = uplot.Axis_Grid(stroke=_GREY, width=1)
     upright = uplot.Axis(grid=grid, size=46, font=_FONT)
     along = uplot.Axis(
-        grid=grid, size=27, font=_FONT, label="time [s]", labelSize=14, labelGap=0, labelFont=_FONT
+        grid=grid, size=27, font=_FONT, label="time [s]", labelSize=14, labelGap=1, labelFont=_FONT
     )
     empty = np.array([0.0, 1.0])
     return gui.add_uplot(
@@ -74,6 +77,7 @@ def new_plot(gui: viser.GuiApi, title: str, lines: Lines, height: int) -> viser.
         legend=uplot.Legend(live=False),
         axes=(along, upright),
         height=height,
+        padding=_PADDING,
         visible=False,
     )
 

@@ -17,7 +17,7 @@ from app.arm_words import contact_sentence
 from app.frame import Frame
 from app.labels import LABELS, sentence
 from app.layout import Layout
-from app.numbers import format_length, format_setting
+from app.numbers import format_length, format_setting, format_time
 from app.overlay import button
 from app.panels.widgets import Wake
 
@@ -47,6 +47,8 @@ class Messages:
         self._reason = None if frame.refused is not None else frame.reason
         if frame.refused is not None:
             content = _error("Not changed. " + sentence(frame.refused), "")
+        elif frame.outdated and frame.plan.mesh is None:
+            content = '<div class="abi-card">This scene is being planned …</div>'
         elif frame.plan.error is not None:
             content = self._failure(frame.plan.error, frame.reason)
         else:
@@ -99,7 +101,7 @@ def _progress(frame: Frame) -> str:
         length = f", a curve of {format_length(plan.bspline_arc.length)} {plan.scene.unit}"
     did = (
         f"{coarse}{name} and B-spline through {plan.free.nodes:,} nodes in "
-        f"{max(plan.total_ms, 1):.0f} ms{length}."
+        f"{format_time(max(plan.total_ms, 1))}{length}."
     )
     return f"<b>{_invitation(plan)}</b> {did}"
 

@@ -31,6 +31,10 @@ FRAME = 1 / 20
 """Seconds between two pictures while it plays."""
 SPEEDS = {"2 steps a second": 2.0, "10 steps a second": 10.0, "all in 10 s": 0.0}
 _ALL_IN = 10.0
+_INTRO = (
+    f"{style.BOX}Watch any of eight searches node by node: what it has visited, what waits, and "
+    "what comes next. Or run them all on this grid and compare.</div>"
+)
 EDGES = {"none": "", "one": "negative", "one, with a cycle": "cycle"}
 _STEPS = {"to start": None, "◀ 1": -1, "1 ▶": 1}
 _COVERING = frozenset(
@@ -44,6 +48,7 @@ class TheatrePanel:
 
     def __init__(self, client: viser.ClientHandle, wake: Wake) -> None:
         gui, self._client, self._wake = client.gui, client, wake
+        self._intro = gui.add_html(_INTRO)
         self.on = gui.add_checkbox(
             "step through a search",
             False,
@@ -183,6 +188,7 @@ class TheatrePanel:
         if seen == self._seen:
             return
         self._seen = seen
+        self._intro.visible = not on
         for widget in (self.algorithm, self.edges, self.step, self.play, self.one, self.speed):
             widget.visible = on
         self.ask.visible = on and not self.race.value

@@ -182,6 +182,15 @@ window.abi = {
     parts.find(part => part.childElementCount === 0 && part.textContent === label)?.click();
   },
 
+  // In a phone's sheet the tabs are below the stages, in one line first: what is chosen of them comes
+  // into sight.
+  sheetClicked({target}) {
+    const chosen = target.closest?.("[role=tab]") || target.textContent?.startsWith("Result · ");
+    if (innerWidth > this.PHONE || !chosen) return;
+    setTimeout(() => document.querySelector("[role=tablist]")?.scrollIntoView({block: "start"}), 300);
+  },
+  PHONE: 600,  // [px]: the greatest width of one
+
   // "?" as H, for the sheet of keys, and Escape or a click beside the sheet as its own button: viser
   // leaves a sheet open until the server closes it.
   keyPressed(event) {
@@ -294,10 +303,11 @@ window.abi = {
 
 window.abiListeners?.abort();
 window.abiListeners = new AbortController();
-for (const [name, call] of Object.entries({
-  pointerdown: "plotPressed", pointerup: "plotReleased", click: "plotClicked", dblclick: "plotReset",
-  keydown: "keyPressed", mousedown: "besideClicked",
-})) {
+for (const [name, call] of [
+  ["pointerdown", "plotPressed"], ["pointerup", "plotReleased"], ["click", "plotClicked"],
+  ["click", "sheetClicked"], ["dblclick", "plotReset"], ["keydown", "keyPressed"],
+  ["mousedown", "besideClicked"],
+]) {
   const options = {capture: true, signal: window.abiListeners.signal};
   document.addEventListener(name, event => window.abi[call](event), options);
 }
@@ -373,7 +383,8 @@ document.head.insertAdjacentHTML("beforeend", `<style id="abi-style">
   --mantine-color-blue-outline: light-dark(#1a6fc0, #74b8f5);
 }
 [role=tab][aria-selected=true] * { color: light-dark(#1a6fc0, #74b8f5) !important; }
-.mantine-Slider-markLabel { color: var(--mantine-color-dimmed); }
+/* the numbers at its ends below a slider's knob */
+.mantine-Slider-markLabel { color: var(--mantine-color-dimmed); padding-top: 4px; }
 /* a checkbox before its label, which viser squeezes into the column of the others */
 .mantine-Flex-root:has(> div:last-child .mantine-Checkbox-root) {
   flex-direction: row-reverse; justify-content: flex-end; gap: 8px;
@@ -385,12 +396,23 @@ document.head.insertAdjacentHTML("beforeend", `<style id="abi-style">
   .mantine-ScrollArea-content .mantine-Paper-root:not(.mantine-Paper-root *) { margin-block: 7px; }
   .mantine-ScrollArea-content div:has(> .mantine-Flex-root) { padding-bottom: 3.4px !important; }
 }
-@media (max-width: 600px) { #abi-overlay .abi-bottom, #abi-overlay.abi-lecture .abi-bottom { padding-bottom: 56px; } }
-/* viser's scroll bar lies over what it scrolls, and its notices over the sentence and the buttons */
-@media (min-width: 601px) {  /* the phone's sheet is of a fixed width */
-  .mantine-ScrollArea-root:has(> .mantine-ScrollArea-scrollbar[data-orientation=vertical][data-state=visible])
-    > .mantine-ScrollArea-viewport { padding-inline-end: 9px; }
+@media (max-width: 600px) {
+  #abi-overlay .abi-bottom, #abi-overlay.abi-lecture .abi-bottom { padding-bottom: 56px; }
+  /* the sheet of the panels, which viser makes two thirds as wide as a phone */
+  .mantine-Paper-root[style*="max-height: 60%"],
+  .mantine-Paper-root[style*="max-height: 60%"] .mantine-ScrollArea-content,
+  .mantine-Paper-root[style*="max-height: 60%"] .mantine-ScrollArea-content > div {
+    width: 100% !important; min-width: 0 !important;
+  }
+  /* its heading, which folds it, stays when it is scrolled */
+  .mantine-Paper-root[style*="max-height: 60%"] .mantine-ScrollArea-content > div > div:first-child {
+    position: sticky !important; top: 0; z-index: 5; background: var(--mantine-color-body);
+  }
+  [role=tablist] { scroll-margin-top: 3.5em; }
 }
+/* viser's scroll bar lies over what it scrolls, and its notices over the sentence and the buttons */
+.mantine-ScrollArea-root:has(> .mantine-ScrollArea-scrollbar[data-orientation=vertical][data-state=visible])
+  > .mantine-ScrollArea-viewport { padding-inline-end: 9px; }
 .mantine-ScrollArea-scrollbar[data-orientation=vertical] { width: 9px !important; padding: 1px; }
 .mantine-Notifications-root { top: 92px !important; }
 body:has(#abi-overlay :is([data-part=class], [data-part=tour], [data-part=challenge]) > *) .mantine-Notifications-root {
@@ -400,6 +422,17 @@ body:has(#abi-overlay :is([data-part=class], [data-part=tour], [data-part=challe
   position: absolute; top: 0; bottom: 0; left: 0; width: 1px; background: #868e96;
   pointer-events: none;
 }
+/* a plot's legend shows each line with its dashes: those of app/layers/time_plot.py */
+.u-legend .u-marker { width: 20px !important; height: 0 !important; border-width: 2px 0 0 !important; }
+.u-legend .u-series:nth-child(2) .u-marker { mask: repeating-linear-gradient(90deg, #000 0 8px, #0000 0 12px); }
+.u-legend .u-series:nth-child(3) .u-marker { mask: repeating-linear-gradient(90deg, #000 0 2px, #0000 0 5px); }
+.u-legend .u-series:nth-child(4) .u-marker {
+  mask: repeating-linear-gradient(90deg, #000 0 12px, #0000 0 16px, #000 0 18px, #0000 0 20px);
+}
+.u-legend .u-series:nth-child(5) .u-marker {
+  mask: repeating-linear-gradient(90deg, #000 0 5px, #0000 0 8px, #000 0 9px, #0000 0 12px);
+}
+.u-legend .u-series > * { padding: 4px 3px; }
 /* the line that only spans a plot's scale */
 .u-legend .u-series:last-child { display: none; }
 </style>`);

@@ -21,6 +21,7 @@ from app.numbers import (
     format_length,
     format_lower_bound,
     format_setting,
+    format_time,
 )
 from app.panels.stage_headers import _TITLES, _results
 
@@ -87,3 +88,11 @@ def test_the_table_tells_no_time_that_says_nothing() -> None:
     for result in found.searches:
         assert f"<td>{result.relaxed:,}</td>" in _searches(fast, partial=False)
     assert math.isfinite(found.searches[0].length)
+
+
+@given(st.floats(0, 1e7))
+def test_a_time_is_never_four_digits_of_milliseconds(ms: float) -> None:
+    number, unit = format_time(ms).split()
+    factor, half = (1.0, 0.5) if unit == "ms" else (1000.0, 50.0)
+    assert abs(factor * float(number) - ms) <= half * (1 + 1e-6)
+    assert (unit == "ms") == (ms < 999.5)

@@ -10,12 +10,15 @@ import pytest
 import viser
 
 from abi.export.formats import FORMATS
-from abi.scene.scene import load_scene
+from abi.planner.plan import Plan
+from abi.scene.scene import Scene, load_scene
 from app import pause
 from app.address import Address
 from app.layers.arm import ArmLayer
 from app.server import Server, start
 from app.session import Session
+from app.shared_plans import SharedPlans
+from app.tab_planner import TabPlanner
 from tests.app.fake_tab import FakeTab, layer, until
 
 
@@ -45,6 +48,29 @@ def test_dragging_the_obstacle_ends_on_its_last_position(tab: tuple[FakeTab, Ses
     points = session.plan.free.mesh.points
     inside = ((points >= low) & (points <= high)).all(axis=1)
     assert session.plan.free.excluded[inside].all()
+
+
+def test_nothing_is_told_of_the_last_scene_while_another_is_planned(
+    tab: tuple[FakeTab, Session], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    fake, session = tab
+    shown = session.panels.layout.overlay.shown
+    fake.set(session.panels.files.choice, "no-way")
+    until(lambda: "Removing obstacle 1 opens a way" in shown["message"])
+    planned, told = type(session._planner).__call__, []
+
+    def plan(planner: TabPlanner, scene: Scene, shared: SharedPlans | None) -> Plan:
+        told.append((scene, dict(shown)))
+        return planned(planner, scene, shared)
+
+    monkeypatch.setattr(TabPlanner, "__call__", plan)
+    fake.set(session.panels.files.choice, "two-boxes")
+    until(lambda: session.plan is not None and session.plan.bspline is not None)
+    scene, parts = told[0]
+    assert scene == load_scene("two-boxes")
+    assert "being planned" in parts["message"]
+    assert "obstacle" not in parts["message"]
+    until(lambda: "8.713 cm" in shown["message"])
 
 
 @pytest.mark.slow

@@ -65,11 +65,11 @@ def test_a_sum_is_what_the_search_makes_least() -> None:
 @pytest.mark.parametrize("name", COMPARED)
 def test_what_is_written_has_the_numbers_of_the_step(name: str) -> None:
     state = state_of(name, 5)
-    text = describe(Theatre(name, state), "cm")
+    text = describe(Theatre(name, state), PLAN.scene)
     assert f"{len(state.open)} open" in text
     assert style.SEARCHES[name] in text
     end = replay(state.trace, state.trace.steps)
-    assert f"{end.trace.length:.3f} cm" in describe(Theatre(name, end), "cm")
+    assert f"{end.trace.length:.3f} cm" in describe(Theatre(name, end), PLAN.scene)
     shares = order_colours(end, end.closed)
     assert 0 <= shares.min() <= shares.max() <= 1
 

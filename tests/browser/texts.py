@@ -32,6 +32,9 @@ _TEXTS = r"""() => {
     const [a, b] = [light(ink), light(behind)];
     return (Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05);
   };
+  // headings below which their panel scrolls
+  const heads = [...document.querySelectorAll(".mantine-ScrollArea-content > div > div")]
+    .filter(part => getComputedStyle(part).position === "sticky");
   // the part of a box that is seen: on the page, and in every frame around it
   const seen = (part, {left, top, right, bottom}) => {
     const page = [0, 0, innerWidth, innerHeight], frames = [];
@@ -40,7 +43,8 @@ _TEXTS = r"""() => {
       if (visibility === "hidden" || Number(opacity) < 0.1) return null;
       if (overflowX === "visible" && overflowY === "visible") continue;
       const {left: a, top: b, right: c, bottom: d} = frame.getBoundingClientRect();
-      frames.push([a, b, c, d]);
+      const head = heads.find(one => frame.contains(one) && !one.contains(part));
+      frames.push([a, head?.getBoundingClientRect().bottom ?? b, c, d]);
     }
     const inner = k => k < 2 ? Math.max : Math.min;
     const box = [left, top, right, bottom]

@@ -1,0 +1,51 @@
+"""A phone: the panels are one sheet, as wide as the page, in which nothing has to be looked for."""
+
+from __future__ import annotations
+
+import pytest
+from playwright.sync_api import Browser
+
+from app.layout import TITLE
+from app.server import Server
+from tests.browser.page import Page
+
+# Width of the sheet and of its content, [px].
+_WIDTHS = """() => {
+  const sheet = document.querySelector(".mantine-ScrollArea-viewport");
+  return [sheet.clientWidth, sheet.scrollWidth];
+}"""
+
+# How far below the top of the sheet its tabs begin, [px], and how much can still be scrolled.
+_TABS_BEGIN = """() => {
+  const sheet = document.querySelector(".mantine-ScrollArea-viewport");
+  const tabs = document.querySelector("[role=tablist]").getBoundingClientRect();
+  return [tabs.top - sheet.getBoundingClientRect().top,
+    sheet.scrollHeight - sheet.clientHeight - sheet.scrollTop];
+}"""
+
+
+def _in_sight(page: Page) -> bool:
+    """Whether the tabs are at the top of the sheet, or as far up as their content lets them be."""
+    below, left = page.tab.evaluate(_TABS_BEGIN)
+    return bool(0 < below < 80 or left < 2)
+
+
+@pytest.mark.slow
+def test_a_sheet_shows_what_is_chosen_and_can_be_folded(chromium: Browser, server: Server) -> None:
+    page = Page(chromium, server.url, 390, 844)
+    try:
+        title = page.tab.get_by_text(TITLE, exact=True)
+        page.settle()
+        title.click()
+        page.tab.get_by_text("Result · Search ·").click()
+        page.until(lambda: _in_sight(page), "the tabs")
+        for name in ("Plots", "Scene", "Layers", "Learn", "Search", "Result"):
+            page.click(name)
+            page.until(lambda: _in_sight(page), f"the tab {name}")
+            page.settle()
+            assert page.tab.evaluate(_WIDTHS) == [390, 390]
+        title.click()
+        page.until(lambda: title.bounding_box()["y"] > 780, "the sheet to fold")  # type: ignore[index]
+        assert not page.errors
+    finally:
+        page.close()
