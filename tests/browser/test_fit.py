@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from playwright.sync_api import Browser
 
 from app.extent import extent
+from app.layout import TITLE
 from app.server import Server
 from app.session import Session
 from tests.browser.page import Page
@@ -141,7 +142,10 @@ def _darken(page: Page, dark: bool) -> None:
 def test_everything_can_be_read(page: Page, size: tuple[int, int]) -> None:
     page.tab.set_viewport_size({"width": size[0], "height": size[1]})
     try:
-        if size[0] < 600:  # there the panels are one sheet, of which the right one's is a line
+        if size[0] < 600:  # there the panels are one sheet, folded, and the right one's is a line
+            title = page.tab.get_by_text(TITLE, exact=True)
+            page.until(lambda: title.bounding_box()["y"] > 780, "the sheet to fold")  # type: ignore[index]
+            title.click()
             page.tab.get_by_text("Result · Search ·").or_(page.tab.get_by_role("tab")).first.click()
         elif size[0] < 1000:
             page.until(lambda: page.tab.evaluate(_SCENE_WIDTH) > 0.85 * size[0], "them to fold")
