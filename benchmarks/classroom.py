@@ -52,7 +52,8 @@ async def follow(
         the ``answers`` are counted right.
     """
     teacher, *students = await open_tabs(url, tabs)
-    await teacher.type("report", json.dumps({"state": "", "query": {"teach": secret}}))
+    report = {"state": "", "query": {"teach": secret}, "dark": False}
+    await teacher.type("report", json.dumps(report))
     await asyncio.sleep(settle)
     await teacher.type("all follow me", True)
     delays = []
