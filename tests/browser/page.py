@@ -297,7 +297,7 @@ class Page:
         """Click what a gizmo moves, and wait for its arrows."""
         if self.props(gizmo)["disable_axes"]:
             x, y = self.pixel(gizmo)
-            assert self.is_free((x, y)), f"{gizmo} is covered"
+            self.until(lambda: self.is_free((x, y)), f"{gizmo} not to be covered")
             self.tab.mouse.move(x, y)
             self.frames(3)
             self.tab.mouse.down()
