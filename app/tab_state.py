@@ -86,6 +86,7 @@ class TabState:
             "lessons": self.lessons,
             "challenge": self.challenge,
             "theatre": self.theatre,
+            **({"figure": self.figure} if self.figure else {}),
         }
 
     @classmethod
@@ -156,12 +157,12 @@ def _scene_fields(state: TabState) -> str:
 
 
 def _before_field(state: TabState) -> str:
-    """The state before and the figure, as fields of a JSON object; nothing where there is none."""
+    """The state before, as a field of a JSON object; nothing where there is none."""
     before = state.before
     if before is None:
         return ""
     settings = json.dumps(before.settings(), separators=(",", ":")).removeprefix("{")
-    return f',"figure":{state.figure},"before":{{{_scene_fields(before)},{settings}'
+    return f',"before":{{{_scene_fields(before)},{settings}'
 
 
 def _deflate(data: bytes, end: int) -> bytes:

@@ -5,6 +5,7 @@ import json
 import math
 import threading
 import zlib
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -43,15 +44,21 @@ def test_a_state_comes_back_as_it_was(name: str) -> None:
     assert TabState.decode(text, MESHES) == state
 
 
-def test_a_scene_that_stays_is_packed_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    packed: list[bytes] = []
+@pytest.fixture
+def packed(monkeypatch: pytest.MonkeyPatch) -> list[bytes]:
+    """Stretches that are compressed, in order."""
+    noted: list[bytes] = []
     deflate = tab_state._deflate
 
-    def noted(data: bytes, end: int) -> bytes:
-        packed.append(data)
+    def note(data: bytes, end: int) -> bytes:
+        noted.append(data)
         return deflate(data, end)
 
-    monkeypatch.setattr(tab_state, "_deflate", noted)
+    monkeypatch.setattr(tab_state, "_deflate", note)
+    return noted
+
+
+def test_a_scene_that_stays_is_packed_once(packed: list[bytes]) -> None:
     encoder = StateEncoder()
     forest, paper = load_scene("forest"), load_scene("paper")
     for number, scene in enumerate((forest, forest, paper, paper, forest)):
@@ -176,21 +183,21 @@ def test_what_was_before_a_lesson_comes_back_too_but_not_by_a_link() -> None:
     assert TabState.decode(link, MESHES).before is None
 
 
-def test_what_was_before_is_packed_once(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_was_before_is_packed_once(packed: list[bytes]) -> None:
     encoder, state = StateEncoder(), _with_before()
     text = encoder.encode(state)
-    packed: list[bytes] = []
-    deflate = tab_state._deflate
-
-    def noted(data: bytes, end: int) -> bytes:
-        packed.append(data)
-        return deflate(data, end)
-
-    monkeypatch.setattr(tab_state, "_deflate", noted)
+    packed.clear()
     assert encoder.encode(state) == text
     assert len(packed) == 1
     later = encoder.encode(state.alone())
     assert later == state.alone().encode()
+
+
+def test_the_figure_shown_last_comes_back() -> None:
+    encoder, state = StateEncoder(), _with_before()
+    for figure in (3, 5, 0, 1):
+        shown = replace(state, figure=figure)
+        assert TabState.decode(encoder.encode(shown), MESHES) == shown
 
 
 @pytest.mark.parametrize("before", [{}, [], 3, {"scene": 1}, {"scene": {"version": 1, "start": 7}}])
