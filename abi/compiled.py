@@ -30,8 +30,6 @@ IDS = read_only(np.zeros(1, np.int32))
 """Example of ids or of bits that are read, flat."""
 FLAGS = read_only(np.zeros(1, np.bool_))
 """Example of flags that are read, flat."""
-POINTS = np.zeros((1, 3))
-"""Example of points, read or written."""
 NEW_FLOATS = np.zeros(1)
 """Example of numbers that the kernel writes, flat."""
 NEW_IDS = np.zeros(1, np.int32)

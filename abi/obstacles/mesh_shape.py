@@ -107,11 +107,12 @@ class MeshShape(Posed):
         return placed
 
     def prepare(self) -> None:
-        """Build the trees and the grid of the surface: about a second for 80,000 triangles, once.
+        """Build trees, grid and hull of the surface: about a second for 80,000 triangles, once.
 
-        Otherwise the first distance waits for it.
+        Otherwise the first distance, or the first look at its bounds, waits for it.
         """
         body_frame(self.surface)
+        self.bounds()
 
     def bounds(self) -> tuple[FloatArray, FloatArray]:
         """Low and high corner, each (3,), of the tightest axis-parallel box, [unit], world."""

@@ -19,6 +19,10 @@ from abi.obstacles.vector_kernels import Vec3
 _TOUCHING = 1e-9
 """Part of the surface's size and a step that counts as touching it."""
 
+_SHORT = 1 / 16
+"""Part of a value by which it may be too near to 0, beyond the slack: far away, all of a round
+surface is about as near, and the nearest triangle takes long to find."""
+
 
 class DistanceGrid(NamedTuple):
     """A signed distance s at the nodes of a grid around a surface.
@@ -27,13 +31,16 @@ class DistanceGrid(NamedTuple):
 
         s(g) - |x - g| <= s(x) <= s(g) + |x - g|.
 
+    A value may be too large, without its sign, by the slack, and too small by the slack and 1/16 of
+    itself.
+
     Attributes:
         values: signed distances, flat, those along z one after the other.
         counts: numbers of nodes along x, y and z, each at least 2.
         low: first node.
         step: distance between neighbouring nodes, the same along each axis.
         box: low and high corner of the surface; outside, s is at least the distance to the box.
-        slack: bound of the error of the values.
+        slack: see above.
     """
 
     values: FloatArray
@@ -74,6 +81,9 @@ def distance_bounds(grid: DistanceGrid, x: Vec3) -> tuple[float, float]:
                 away = step * math.sqrt(aside + (w - r) * (w - r))
                 lower = max(lower, values[at + r] - away)
                 upper = min(upper, values[at + r] + away)
+    # of what all nodes say, too: a bound towards 0 grows by no less than the distance in it
+    lower *= 1.0 + _SHORT if lower < 0.0 else 1.0
+    upper *= 1.0 + _SHORT if upper > 0.0 else 1.0
     return lower - slack, upper + slack
 
 
@@ -112,16 +122,27 @@ def _before(values: FloatArray, place: tuple[int, int, int], strides: tuple[int,
 
 
 @register_jitable
+def _foreseen(before: Vec3, step: float, slack: float) -> tuple[float, float]:
+    """Upper bound of a node's distance, and by how much it may be found too large."""
+    least, most = 0.0, math.inf
+    for value in before:
+        if abs(value) < math.inf:
+            least = max(least, abs(value) - slack - step)
+            most = min(most, abs(value) * (1.0 + _SHORT) + slack + step)
+    return most * (1.0 + 1e-9), slack + least * _SHORT / (1.0 + _SHORT)
+
+
+@register_jitable
 def _side(
-    tree: TriangleTree, x: Vec3, before: Vec3, step: float, slack: float, waiting: IntArray
+    tree: TriangleTree, x: Vec3, free: float, before: Vec3, step: float, waiting: IntArray
 ) -> int:
     """Whether a node is inside (1), outside (0), or the nodes before it do not tell (-1).
 
-    One before is on the same side where it is farther from the surface than the step, or where
-    nothing is between.
+    One before is on the same side where balls around both that nothing is in overlap, or where
+    nothing is between. ``free`` is the radius of the node's, less the slack of the other.
     """
     for value in before:
-        if step + slack < abs(value) < math.inf:
+        if step < abs(value) + free < math.inf:
             return 1 if value < 0.0 else 0
     touching = _TOUCHING * (step + tree.size)
     nowhere = (0.0, 0.0, 0.0)
@@ -171,7 +192,7 @@ def grid_values(
     step: float,
     slack: float,
 ) -> FloatArray:
-    """Signed distances at the nodes of a grid, off by up to ``slack``.
+    """Signed distances at the nodes of a grid, as near as :class:`DistanceGrid` says.
 
     The nodes before each bound its distance, and mostly tell its side.
 
@@ -192,12 +213,16 @@ def grid_values(
             for k in range(nz):
                 x = (low[0] + i * step, low[1] + j * step, low[2] + k * step)
                 before = _before(values, (i, j, k), strides)
-                most = min(abs(before[0]), abs(before[1]), abs(before[2])) + step + 2 * slack
-                distance, _ = nearest_triangle(tree, x, most, slack, waiting, squares)
+                most, error = _foreseen(before, step, slack)
+                distance, _ = nearest_triangle(tree, x, most, error, waiting, squares)
                 side = 0
                 if closed:
-                    side = _side(tree, x, before, step, slack, waiting) if distance > slack else -1
+                    side = -1
+                    if distance > error:
+                        free = distance - error - slack
+                        side = _side(tree, x, free, before, step, waiting)
                     if side < 0:
                         side = 1 if is_inside(tree, dipoles, x, stack) else 0
+                distance -= error - slack
                 values[i * strides[0] + j * strides[1] + k] = -distance if side == 1 else distance
     return values

@@ -83,16 +83,7 @@ def comes_near(
     while count > 0:
         count -= 1
         node = waiting[count]
-        while 0 <= node < inner:
-            near, far = 2 * node + 1, 2 * node + 2
-            in_near = _stretch_near(tree, near, p, inverse, limit, normal, level)
-            in_far = _stretch_near(tree, far, p, inverse, limit, normal, level)
-            if in_far > in_near:
-                near, far, in_near, in_far = far, near, in_far, in_near
-            if in_far >= 0.0:
-                waiting[count] = far
-                count += 1
-            node = near if in_near >= 0.0 else -1
+        node, count = _leaf_below(tree, node, (p, inverse, normal), limit, level, waiting, count)
         if node < 0:
             continue
         for number in range(leaves[node - inner], leaves[node - inner + 1]):
@@ -115,16 +106,45 @@ def comes_near(
 
 
 @register_jitable
-def _stretch_near(
+def _leaf_below(
     tree: TriangleTree,
     node: int,
-    p: Vec3,
-    inverse: Vec3,
+    way: tuple[Vec3, Vec3, Vec3],
     limit: float,
-    normal: Vec3,
     level: float,
+    waiting: IntArray,
+    count: int,
+) -> tuple[int, int]:
+    """The leaf below a node where most of a segment may be near, -1 for none; how many wait then.
+
+    Args:
+        tree: over the triangles.
+        node: where to begin.
+        way: first end of the segment, what :func:`inverse_of` gives for it, and a direction.
+        limit: distance.
+        level: what is nowhere as far along the direction is not near.
+        waiting, count: nodes still to look at, and how many; those passed on the way join them.
+    """
+    inner = len(tree.leaves) - 2
+    while 0 <= node < inner:
+        near, far = 2 * node + 1, 2 * node + 2
+        in_near = _stretch_near(tree, near, way, limit, level)
+        in_far = _stretch_near(tree, far, way, limit, level)
+        if in_far > in_near:
+            near, far, in_near, in_far = far, near, in_far, in_near
+        if in_far >= 0.0:
+            waiting[count] = far
+            count += 1
+        node = near if in_near >= 0.0 else -1
+    return node, count
+
+
+@register_jitable
+def _stretch_near(
+    tree: TriangleTree, node: int, way: tuple[Vec3, Vec3, Vec3], limit: float, level: float
 ) -> float:
     """Part of a segment that may be near to the box of a node; below 0 where none is."""
+    p, inverse, normal = way
     low, high = box_of(tree, node)
     if _top(normal, low, high) < level:
         return -1.0
@@ -211,18 +231,10 @@ def segment_distance(
     while count > 0:
         count -= 1
         node = waiting[count]
-        if _stretch_near(tree, node, p, inverse, best, normal, lowest - best) < 0.0:
+        way = (p, inverse, normal)
+        if _stretch_near(tree, node, way, best, lowest - best) < 0.0:
             continue
-        while 0 <= node < inner:
-            near, far = 2 * node + 1, 2 * node + 2
-            in_near = _stretch_near(tree, near, p, inverse, best, normal, lowest - best)
-            in_far = _stretch_near(tree, far, p, inverse, best, normal, lowest - best)
-            if in_far > in_near:
-                near, far, in_near, in_far = far, near, in_far, in_near
-            if in_far >= 0.0:
-                waiting[count] = far
-                count += 1
-            node = near if in_near >= 0.0 else -1
+        node, count = _leaf_below(tree, node, way, best, lowest - best, waiting, count)
         if node < 0:
             continue
         for number in range(leaves[node - inner], leaves[node - inner + 1]):

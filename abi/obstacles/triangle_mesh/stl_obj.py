@@ -40,6 +40,9 @@ _OWN = {b"PK\x03\x04": ".3mf", b"<": ".dae", b"ply": ".ply"}
 """Endings of files that may begin so."""
 
 _Mesh = tuple[FloatArray, IntArray, ByteArray]
+_INDEX = re.compile(r"-?[0-9]{1,9}").fullmatch
+_USUAL_FACE = re.compile("f" + 3 * r"\s+([0-9]{1,9})(?:/\S*)?" + r"\s*").fullmatch
+"""A triangle's line, in all but a few files; it takes a third of the time."""
 _NO_COLOURS: ByteArray = read_only(np.empty((0, 3), dtype=np.uint8))
 _HEADER = b"abi".ljust(80)
 _COLOURED = 1 << 15
@@ -166,6 +169,13 @@ def _read_obj(data: bytes) -> _Mesh:
     vertices: list[list[float]] = []
     faces: list[tuple[int, int, int]] = []
     for number, line in enumerate(text.replace("\\\n", " ").split("\n"), 1):
+        if len(faces) > MAX_FACES:
+            break
+        if usual := _USUAL_FACE(line):
+            a, b, c = int(usual[1]), int(usual[2]), int(usual[3])
+            if min(a, b, c) > 0 and max(a, b, c) <= len(vertices):
+                faces.append((a - 1, b - 1, c - 1))
+                continue
         words = line.split()
         if not words:
             continue
@@ -176,8 +186,6 @@ def _read_obj(data: bytes) -> _Mesh:
             if not 3 <= len(corners) <= 1000:
                 raise ValueError(f"faces of 3 to 1000 corners, line {number} has {len(corners)}")
             faces += [(corners[0], b, c) for b, c in pairwise(corners[1:])]
-            if len(faces) > MAX_FACES:
-                _refuse_count(len(faces))
         elif words[0] in ("call", "csh"):
             raise ValueError(f"an OBJ on its own, line {number} calls another file")
         elif words[0] == "mtllib" and not re.fullmatch(r"[^/\\:]+", " ".join(words[1:])):
@@ -198,7 +206,7 @@ def _numbers(words: list[str], line: int) -> list[float]:
 def _corner(word: str, vertices: int, line: int) -> int:
     """Index from 0 of a corner such as ``7``, ``7/1/2`` or ``-1``, which counts from the end."""
     index = word.partition("/")[0]
-    if re.fullmatch(r"-?[0-9]{1,9}", index):
+    if _INDEX(index):
         value = int(index)
         if 1 <= value <= vertices:
             return value - 1
