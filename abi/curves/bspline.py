@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from abi.arrays import BoolArray, FloatArray, flat, read_only
 from abi.clearance.bezier import Bezier
@@ -76,6 +77,18 @@ class BSpline:
         weights = np.zeros(len(parameters) * len(self.control_points))
         kernels.basis(flat(self.knots), self.degree, flat(parameters), weights)
         return weights.reshape(len(parameters), -1)
+
+    def refined(self, edges: NDArray[np.integer[Any]]) -> BSpline:
+        """Halve edges of the control polygon, by their indices; one of no length stays."""
+        ends = self.control_points[edges], self.control_points[edges + 1]
+        long = np.linalg.norm(ends[1] - ends[0], axis=1) > 0
+        edges, middles = edges[long], (ends[0] + ends[1])[long] / 2
+        return clamped(
+            np.insert(self.control_points, edges + 1, middles, axis=0),
+            self.degree,
+            np.insert(self.added, edges + 1, True),
+            np.insert(self.pushed, edges + 1, False),
+        )
 
     def __call__(self, parameter: ArrayLike, order: int = 0) -> FloatArray:
         """Point, or derivative of that order by the parameter; see :class:`abi.curves.curve.Curve`.

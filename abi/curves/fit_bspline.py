@@ -100,7 +100,7 @@ def fit(
     least = clearance + min(0.0, gap - 2 * tolerance)
     goal = _Goal(obstacles, least, clearance + min(gap, gap / 2), tolerance)
     cleared = _cleared(direct, goal, _PUSHES)
-    longest = float(_edge_lengths(points).sum())
+    longest = float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
     if cleared.moved and arc_length(cleared).length > longest:
         cleared = _cleared(direct, goal, 0)
     if fitted is None or cleared is not direct:
@@ -184,22 +184,10 @@ def _refined(spline: BSpline, measured: Clearance) -> BSpline:
     last = np.clip(np.searchsorted(spline.knots, end, side="left") - 1, p, n - 1)
     # Edge k is under a piece when more intervals have opened up to it than closed before it.
     count = np.bincount(first, minlength=n) - np.bincount(last, minlength=n)
-    lengths = _edge_lengths(spline.control_points)
-    edges = np.flatnonzero((np.cumsum(count)[:-1] > 0) & (lengths > 0))
-    middles = (spline.control_points[edges] + spline.control_points[edges + 1]) / 2
-    return clamped(
-        np.insert(spline.control_points, edges + 1, middles, axis=0),
-        p,
-        np.insert(spline.added, edges + 1, True),
-        np.insert(spline.pushed, edges + 1, False),
-    )
+    return spline.refined(np.flatnonzero(np.cumsum(count)[:-1] > 0))
 
 
 def _failing(measured: Clearance) -> tuple[FloatArray, FloatArray]:
     """First and last parameters (k,) of the stretches that are too near, at least one."""
     stretches = np.array(measured.violations or ((measured.at, measured.at),))
     return stretches[:, 0], stretches[:, 1]
-
-
-def _edge_lengths(points: FloatArray) -> FloatArray:
-    return np.asarray(np.linalg.norm(np.diff(points, axis=0), axis=1))

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 import math
-from typing import Any
+from typing import Any, assert_never
 
 import numpy as np
 
@@ -19,7 +19,7 @@ from abi.errors import ExportError
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import Obstacle
 from abi.obstacles.pose import rotation
-from abi.obstacles.primitives import Box, Cylinder, Sphere
+from abi.obstacles.primitives import Box, Capsule, Cylinder, Sphere
 from abi.planner.plan import Plan
 from abi.search.subset import subset
 
@@ -168,10 +168,12 @@ def _faces(obstacle: Obstacle) -> FloatArray:
         mesh = creation.icosphere(subdivisions=2, radius=obstacle.radius)
     elif isinstance(obstacle, Cylinder):
         mesh = creation.cylinder(obstacle.radius, obstacle.height, sections=_ROUND_ANGLE)
-    else:
+    elif isinstance(obstacle, Capsule):
         count = (_ROUND_ANGLE, _ROUND_ANGLE // 2)
         mesh = creation.capsule(radius=obstacle.radius, height=obstacle.height, count=count)
         mesh.apply_translation((0, 0, -mesh.bounds.mean(axis=0)[2]))
+    else:
+        assert_never(obstacle)
     own = np.asarray(mesh.triangles, dtype=float)
     return np.asarray(own @ rotation(obstacle.wxyz).T + np.array(obstacle.position))
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Literal, assert_never
 
 import numpy as np
 
 from abi.arrays import FloatArray, read_only
 from abi.obstacles.mesh_shape import MeshShape
-from abi.obstacles.obstacle_set import Obstacles
+from abi.obstacles.obstacle_set import Obstacle, Obstacles
 from abi.obstacles.pose import METRES, Vec3, rotation
 from abi.obstacles.primitives import Box, Capsule, Cylinder, Sphere
 
@@ -45,10 +45,9 @@ def solids(obstacle: Obstacles, unit: Literal["m", "cm", "mm"]) -> tuple[tuple[S
     return tuple(_of(shape, METRES[unit]) for shape in obstacle)
 
 
-def _of(shape: object, metres: float) -> tuple[Solid, ...]:
+def _of(shape: Obstacle, metres: float) -> tuple[Solid, ...]:
     if isinstance(shape, MeshShape):
         return (Solid("mesh", (1.0, 1.0, 1.0), triangles=shape.triangles() * metres),)
-    assert isinstance(shape, Box | Sphere | Cylinder | Capsule)
     centre, wxyz = _scaled(shape.position, metres), shape.wxyz
     if isinstance(shape, Box):
         return (Solid("box", _scaled(shape.size, metres), centre, wxyz),)
@@ -60,6 +59,8 @@ def _of(shape: object, metres: float) -> tuple[Solid, ...]:
     column = Solid("cylinder", (width, width, height), centre, wxyz)
     if isinstance(shape, Cylinder):
         return (column,)
+    if not isinstance(shape, Capsule):
+        assert_never(shape)
     half = rotation(wxyz)[:, 2] * height / 2
     ends = (_scaled(np.add(centre, side * half), 1.0) for side in (-1, 1))
     return (column, *(Solid("sphere", ball, end, wxyz) for end in ends))

@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
@@ -35,10 +35,9 @@ from abi.planner.arm_path import ArmGraphPath, fit_clear, pull_clear, search_cle
 from abi.scene.scene import Scene
 from abi.search.graph import Graph
 from abi.search.graph import build as build_graph
+from abi.search.heuristic import Weight
 from abi.search.search import SEARCHES, SearchResult
 from abi.tet_mesh.exclusion import FreeMesh
-
-Weight = Literal["length", "hops"]
 
 _PATIENCE = 20
 """Times as many tries to prove a leg clear where there is no path else."""

@@ -19,7 +19,7 @@ from abi.planner.pull_by_legs import pull_by_legs
 from abi.search.graph import Graph
 from abi.search.search import SearchResult
 from abi.search.without_edges import without_edges
-from abi.taut.taut_path import TautPath, taut
+from abi.taut.taut_path import TautPath, polyline_length, taut
 from abi.taut.tighten_near_meshes import clear_of
 
 _MOST_REPAIRS = 60
@@ -86,7 +86,9 @@ def pull_clear(
     else:
         points = np.asarray(pulled(flat(path.points), clear_of(obstacles, margin), sight.legs))
         points = points.reshape(-1, 3)
-    return TautPath(read_only(points), _length(points), obstacles.polyline_clearance(points))
+    return TautPath(
+        read_only(points), polyline_length(points), obstacles.polyline_clearance(points)
+    )
 
 
 def fit_clear(
@@ -129,18 +131,4 @@ def _refined(spline: BSpline, parameter: float) -> BSpline:
     p, n = spline.degree, len(spline.control_points)
     at = int(np.searchsorted(spline.knots, parameter, side="right")) - 1
     at = min(max(at, p), n - 1)
-    edges = np.arange(at - p, at)
-    points = spline.control_points
-    lengths = np.linalg.norm(points[edges + 1] - points[edges], axis=1)
-    edges = edges[lengths > 0]
-    middles = (points[edges] + points[edges + 1]) / 2
-    return clamped(
-        np.insert(points, edges + 1, middles, axis=0),
-        p,
-        np.insert(spline.added, edges + 1, True),
-        np.insert(spline.pushed, edges + 1, False),
-    )
-
-
-def _length(points: FloatArray) -> float:
-    return float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
+    return spline.refined(np.arange(at - p, at))

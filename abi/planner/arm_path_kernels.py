@@ -13,7 +13,8 @@ from abi.arm.leg_kernels import NO_LEGS, ArmLegs, arm_is_clear
 from abi.arrays import FloatArray
 from abi.compiled import FLOATS, compiled
 from abi.obstacles.triangle_mesh.surface_kernels import Room, new_room
-from abi.obstacles.vector_kernels import Vec3, axpy, distance, dot, sub, vec3_at
+from abi.obstacles.vector_kernels import Vec3, axpy, dot, sub, vec3_at
+from abi.taut.tighten_kernels import length_of
 from abi.taut.tighten_near_meshes_kernels import NO_SURROUNDINGS, Surroundings, is_clear
 
 _ROUNDS = 3
@@ -94,14 +95,6 @@ def _cut_corners(path: list[Vec3], around: Surroundings, legs: ArmLegs, room: Ro
     return kept
 
 
-@register_jitable
-def _length(path: list[Vec3]) -> float:
-    total = 0.0
-    for k in range(1, len(path)):
-        total += distance(path[k - 1], path[k])
-    return total
-
-
 @compiled(example=(FLOATS, NO_SURROUNDINGS, NO_LEGS))
 def pulled(points: FloatArray, around: Surroundings, legs: ArmLegs) -> FloatArray:
     """Drop the vertices that a path can do without, move others, and cut corners.
@@ -117,9 +110,9 @@ def pulled(points: FloatArray, around: Surroundings, legs: ArmLegs) -> FloatArra
     room = new_room()
     path = _shortcuts([vec3_at(points, 3 * k) for k in range(len(points) // 3)], around, legs, room)
     for _ in range(_ROUNDS):
-        before = _length(path)
+        before = length_of(path)
         path = _cut_corners(_moved(path, around, legs, room), around, legs, room)
-        if _length(path) > (1 - _SETTLED) * before:
+        if length_of(path) > (1 - _SETTLED) * before:
             break
     taut = np.empty(3 * len(path))
     for k in range(len(path)):

@@ -56,11 +56,12 @@ class LivePlanner:
         self._last_settings = _path_settings(scene)
         return self._planner(scene)
 
-    def adopt(self, scene: Scene) -> None:
-        """Go on from a full plan of ``scene`` that another planner has made."""
-        self.coarse = self.partial = False
-        self.budget.release()
-        self._last_settings = _path_settings(scene)
+    def adopt(self, scene: Scene, coarse: bool = False, partial: bool = False) -> None:
+        """Go on from a plan of ``scene`` that another planner has made, as incomplete as told."""
+        self.coarse, self.partial = coarse, partial
+        if not partial:
+            self.budget.release()
+        self._last_settings = () if partial else _path_settings(scene)
 
 
 def _path_settings(scene: Scene) -> tuple[object, ...]:

@@ -9,6 +9,7 @@ import numpy as np
 from abi.arm.arm_model import Sight
 from abi.arrays import FloatArray
 from abi.obstacles.obstacle_set import ObstacleSet
+from abi.taut.taut_path import polyline_length
 
 _ROUNDS = 3
 _STEPS = (0.8, 0.3, 0.08)
@@ -31,9 +32,9 @@ def pull_by_legs(
     free = _Legs(obstacles, margin, sight)
     points = _shortcuts(points, free)
     for _ in range(_ROUNDS):
-        before = _length(points)
+        before = polyline_length(points)
         points = _cut_corners(_moved(points, free), free)
-        if _length(points) > (1 - _SETTLED) * before:
+        if polyline_length(points) > (1 - _SETTLED) * before:
             break
     return points
 
@@ -104,7 +105,3 @@ def _cut_corners(points: FloatArray, free: _Legs) -> FloatArray:
         else:
             kept.append(vertex)
     return np.array([*kept, points[-1]])
-
-
-def _length(points: FloatArray) -> float:
-    return float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())

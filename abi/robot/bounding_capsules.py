@@ -5,14 +5,16 @@ from __future__ import annotations
 import itertools
 import math
 from functools import lru_cache
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import scipy
-import trimesh
 
 from abi.arrays import FloatArray, read_only
 from abi.robot.robot import Link, Shape
+
+if TYPE_CHECKING:
+    import trimesh
 
 _SECTIONS = 32
 _PARTS = 3
@@ -90,6 +92,8 @@ def _triangles(shape: Shape) -> FloatArray:
 
 def _around_solid(shape: Shape) -> trimesh.Trimesh:
     """Triangles that contain a box, sphere or cylinder."""
+    import trimesh  # here, since it takes long to import
+
     solid: trimesh.Trimesh
     radius, length, _ = shape.size
     if shape.kind == "box":
@@ -119,6 +123,8 @@ def _row(triangles: FloatArray, count: int) -> tuple[Capsule, ...]:
 
 def _between(triangles: FloatArray, axis: FloatArray, low: float, high: float) -> FloatArray:
     """Corners (n, 3) of what of the triangles lies between two planes across ``axis``."""
+    import trimesh  # here, since it takes long to import
+
     for sign, height in ((1.0, low), (-1.0, high)):
         if not len(triangles):
             break

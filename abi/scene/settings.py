@@ -1,5 +1,6 @@
 """Settings of every stage, each as its section of a scene file holds it."""
 
+import functools
 import math
 from typing import Annotated, Literal, Self
 
@@ -84,13 +85,19 @@ class MeshSettings(Settings):
 
         The largest there is where none does.
         """
-        low, high = FINEST_PITCH, min(max(workspace.size) * 2, LARGEST)
-        for _ in range(80):
-            middle = math.sqrt(low * high)
-            fits = self.model_copy(update={"pitch": middle}).node_count(workspace) <= self.max_nodes
-            low, high = (low, middle) if fits else (middle, high)
-        digits = 2 - math.floor(math.log10(high))
-        return float(math.ceil(high * 10**digits) / 10**digits)
+        return _finest_pitch(self.lattice, self.max_nodes, workspace)
+
+
+@functools.lru_cache(64)
+def _finest_pitch(lattice: Lattice, max_nodes: int, workspace: Workspace) -> float:
+    settings = MeshSettings(lattice=lattice)
+    low, high = FINEST_PITCH, min(max(workspace.size) * 2, LARGEST)
+    for _ in range(80):
+        middle = math.sqrt(low * high)
+        fits = settings.model_copy(update={"pitch": middle}).node_count(workspace) <= max_nodes
+        low, high = (low, middle) if fits else (middle, high)
+    digits = 2 - math.floor(math.log10(high))
+    return float(math.ceil(high * 10**digits) / 10**digits)
 
 
 class SearchSettings(Settings):

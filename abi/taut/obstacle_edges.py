@@ -14,7 +14,7 @@ import numpy as np
 
 from abi.arrays import FloatArray, read_only
 from abi.obstacles.pose import Vec3, rotation
-from abi.obstacles.primitives import Box, Cylinder, Primitive, Sphere
+from abi.obstacles.primitives import Box, Capsule, Cylinder, Primitive, Sphere
 
 _SIDES = 8  # of the prism around a round solid
 _WIDER = 1e-6  # part of the margin that the edges keep beyond it
@@ -95,9 +95,8 @@ def _box_edges(solid: Box, margin: float) -> FloatArray:
     return np.asarray(_CUBE * (np.array(solid.size) / 2) + _ACROSS * margin)
 
 
-def _prism_edges(solid: Primitive, margin: float) -> FloatArray:
+def _prism_edges(solid: Cylinder | Capsule | Sphere, margin: float) -> FloatArray:
     """Ends (n, 2, 3) of the edges of a prism around a widened solid, body."""
-    assert not isinstance(solid, Box)
     radius, turn = solid.radius + margin, math.pi / _SIDES
     half_height = 0.0 if isinstance(solid, Sphere) else solid.height / 2
     angle = 2 * turn * np.arange(_SIDES)

@@ -110,9 +110,9 @@ def taut(graph: Graph, obstacles: ObstacleSet, margin: float, path: SearchResult
         candidates = [
             tighten_near_meshes(points, obstacles, limits) for points in (path.points, best)
         ]
-        candidates.sort(key=_length)
+        candidates.sort(key=polyline_length)
     points, clearance = _shortest_clear(path.points, candidates, obstacles, limits)
-    return TautPath(read_only(points), _length(points), clearance)
+    return TautPath(read_only(points), polyline_length(points), clearance)
 
 
 def _margins(ends: FloatArray, margin: float) -> FloatArray:
@@ -141,7 +141,9 @@ def _past_primitives(
     crowd = len(obstacles) > _FEW
     near = obstacles.primitives
     if crowd:
-        near = _nearest(obstacles, min((points for points in given if len(points)), key=_length))
+        near = _nearest(
+            obstacles, min((points for points in given if len(points)), key=polyline_length)
+        )
     edges = obstacle_edges(near, float(margins[0].max(initial=0)), (x, y, z))
     corners = tuple(low.tolist()), tuple(high.tolist())
     space = FreeSpace(obstacles.packed, packed_margins, *corners)
@@ -155,7 +157,7 @@ def _past_primitives(
 def _nearest(obstacles: ObstacleSet, path: FloatArray) -> tuple[Primitive, ...]:
     """The convex obstacles that are nearest to a path, at most ``_MOST_NEAR``."""
     primitives = obstacles.primitives
-    reach = _FIRST_REACH * _length(path)
+    reach = _FIRST_REACH * polyline_length(path)
     found, most = 0, min(_MOST_NEAR, len(primitives))
     while found < most:
         distances = near_polyline(flat(path), obstacles.packed, reach)
@@ -202,9 +204,9 @@ def _shortest_clear(
         limits: (4,) distance that a segment keeps, [unit]: in general, from the first point, to the
             last, from the first to the last.
     """
-    most = _length(path)
+    most = polyline_length(path)
     for points in candidates:
-        if _length(points) > most:
+        if polyline_length(points) > most:
             break
         distance = obstacles.segment_clearances(points, float(limits.max()))
         kind = np.zeros(len(distance), dtype=int)
@@ -215,6 +217,7 @@ def _shortest_clear(
     return path, obstacles.polyline_clearance(path)
 
 
-def _length(points: FloatArray) -> float:
+def polyline_length(points: FloatArray) -> float:
+    """Length of the line through points (n, 3)."""
     # as a path of the graph is measured: to the last bit the same for the same points
     return float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
