@@ -8,6 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from app.shared_plans import SharedPlans
+from app.tab_state import TabState
 
 MAX_CHOICES = 4
 _MAX_TEXT = 300
@@ -44,14 +45,14 @@ class Classroom:
         self.plans = SharedPlans()
         self._lock = threading.Lock()
         self._wakes: dict[int, Callable[[], None]] = {}
-        self._view: tuple[int, str] = (0, "")
+        self._view: tuple[int, TabState | None] = (0, None)
         self._poll: Poll | None = None
         self._answers: dict[int, int] = {}
         self._teachers: set[int] = set()
 
     @property
-    def view(self) -> tuple[int, str]:
-        """Number of the view sent last, 0 for none, and the view as :mod:`app.tab_state` has it."""
+    def view(self) -> tuple[int, TabState | None]:
+        """Number of the view sent last, 0 for none, and the view."""
         return self._view
 
     @property
@@ -80,8 +81,8 @@ class Classroom:
             self._teachers.discard(tab)
             self._answers.pop(tab, None)
 
-    def show(self, view: str) -> None:
-        """Send a view to all tabs."""
+    def show(self, view: TabState) -> None:
+        """Send a view to all tabs; one that has not taken the last yet goes on to this."""
         with self._lock:
             self._view = (self._view[0] + 1, view)
         self._wake_all()

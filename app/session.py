@@ -34,7 +34,7 @@ from app.tab_memory import Report, TabMemory
 from app.tab_planner import TabPlanner
 from app.tab_state import TabState
 from app.tab_view import TabView
-from app.turns import TURNS
+from app.turns import AT_ONCE, PATIENT, TURNS, Turn
 
 _log = logging.getLogger("abi.tab")
 
@@ -72,6 +72,7 @@ class Session:
         self._fault: str | None = None
         self._broken = False
         self._changed = threading.Event()
+        self._turn = Turn(TURNS)
         self._planned = planned
         self._closing = False
         page.install(client)
@@ -145,6 +146,7 @@ class Session:
             if not self._changed.is_set():
                 self._woken = time.monotonic()
             self._changed.set()
+            self._turn.hasten()
 
     def _work(self) -> None:
         """Plan and draw until the tab is closed: the worker's thread."""
@@ -153,7 +155,7 @@ class Session:
             self._changed.wait(self._timeout())
             if self._closing:
                 return
-            with TURNS:
+            with self._turn.after(self._patience()):
                 # not what wait() returned: the input may have come while it gave up
                 if woken := self._changed.is_set():
                     self._changed.clear()
@@ -161,6 +163,11 @@ class Session:
                     self._step(woken)
                 except Exception as error:
                     self._recover(error)
+
+    def _patience(self) -> float:
+        """Time for which what there is to do can wait behind the hands in other tabs, [s]."""
+        moving = self._pause.demo.running or self._view.timeout(self.frame) is not None
+        return AT_ONCE if moving or self.plans == 0 else PATIENT
 
     def _step(self, woken: bool) -> None:
         """Do what there is to do: on input, in a pause, and for the playback."""
@@ -212,13 +219,10 @@ class Session:
         """Plan and draw what the panels show."""
         report = self._memory.report()
         restored = report is not None and self._restore(report)
-        shared: SharedPlans | None = None
         if self._class is not None:
             if report is not None:
                 self._class.recognise(report.query.get("teach", ""))
-            if view := self._class.view():
-                restored |= self._restore(Report(state=view))
-                shared = self._class.plans
+            restored |= self._mirror(self._class)
         if (cue := self.panels.cue(self._scene)) is not None:
             restored |= self._follow(cue)
         elif self.panels.left():
@@ -234,7 +238,7 @@ class Session:
         else:
             self.frame = replace(self.frame, refused=None)
             if self.plans == 0 or restored or scene != self._scene:
-                self._show(self._replan(scene, shared), interactive=True)
+                self._show(self._replan(scene), interactive=True)
             else:
                 self._show(self.frame.plan, interactive=True)
         self.panels.files.save_if_requested(self._scene)
@@ -247,7 +251,7 @@ class Session:
     def _export(self) -> None:
         """Send the plan as a file, in full."""
         if self._planner.partial:
-            self._show(self._planner.finish(self._scene))
+            self._show(self._planner.finish(self._scene, self._shared))
         self.panels.exports.send(self.frame.plan)
 
     def _read(self) -> Scene:
@@ -281,6 +285,21 @@ class Session:
         self._scene = state.scene
         return True
 
+    def _mirror(self, classroom: ClassroomPanel) -> bool:
+        """Show what the teacher has sent; whether there is another scene to plan."""
+        view = classroom.view()
+        if view is not None:
+            before, self._scene = self._scene, view.scene
+            self._view.mirror(before, view)
+            return view.scene != before
+        return False
+
+    @property
+    def _shared(self) -> SharedPlans | None:
+        """Plans of the class, where this tab shows what its teacher shows."""
+        shares = self._class is not None and self._class.shares(self._scene)
+        return self._class.plans if shares and self._class is not None else None
+
     def _follow(self, cue: Cue) -> bool:
         """Show what a lesson or a figure sets; whether there is another scene to plan."""
         if not self._demonstrated:
@@ -294,16 +313,17 @@ class Session:
         """State that the page is to remember."""
         return self._view.state(self._scene, self.frame.time)
 
-    def _replan(self, scene: Scene, shared: SharedPlans | None) -> Plan:
+    def _replan(self, scene: Scene) -> Plan:
         """Plan another scene, with the last plan in grey where that may take long.
 
-        One that a teacher shows may be among ``shared``.
+        One that a teacher shows has been planned already.
         """
         loaded = self.panels.files.loaded is scene
         if scene.workspace != self._scene.workspace or loaded:
             self._view.look_at(scene)
         self._scene = scene
-        if (made := self._planner.take(scene, shared)) is not None:
+        shared = self._shared
+        if shared is not None and (made := self._planner.take(scene, shared)) is not None:
             return made
         if loaded and self.plans:
             # nothing that is told of the last scene is true of this one, nor of the right size
@@ -336,12 +356,11 @@ class Session:
     def _rest(self) -> None:
         """Complete what the input has left incomplete; after that, use the pause."""
         if self._planner.partial:
-            if self._planner.coarse:
-                self._draw(replace(self.frame, outdated=True))
-            self._show(self._planner.finish(self._scene))
+            self._complete()
             return
         if not self.panels.held:
             self.panels.history.note(self._scene)
+            self._view.viewpoint.follow()
         if self.frame.interactive:
             self._draw(replace(self.frame, interactive=False))
         frame = self._pause.use(self.frame, self._scene)
@@ -349,3 +368,18 @@ class Session:
             self._show(frame.plan)
         elif frame is not self.frame:
             self._draw(frame)
+
+    def _complete(self) -> None:
+        """Plan in full; where all tabs of a class are to, the first does it for the others."""
+        shared = self._shared
+        if shared is None:
+            self._finish(None)
+            return
+        with shared.claim(self._scene) as mine:
+            if mine:
+                self._finish(shared)
+
+    def _finish(self, shared: SharedPlans | None) -> None:
+        if self._planner.coarse:
+            self._draw(replace(self.frame, outdated=True))
+        self._show(self._planner.finish(self._scene, shared))

@@ -2,35 +2,83 @@
 
 from __future__ import annotations
 
+import contextlib
 import threading
 from collections import deque
+from collections.abc import Iterator
+from dataclasses import dataclass
 
 from abi import compiling
 from abi.planner.plan import Plan
 from abi.scene.scene import Scene
 
-_KEPT = 3
+_KEPT = 4
 _MAX_NODES = 30_000
 """Nodes of a mesh that is kept; a larger one takes much memory."""
 
 
+@dataclass(frozen=True, eq=False)
+class SharedPlan:
+    """Plan that a tab has made.
+
+    Attributes:
+        scene: what was to be planned; the plan's own scene may have a coarser mesh.
+        plan: what came out.
+        coarse: whether its mesh is coarser than the scene's.
+        partial: whether it is, or some searches are left out.
+        compiled: whether compiled code has made it.
+    """
+
+    scene: Scene
+    plan: Plan
+    coarse: bool
+    partial: bool
+    compiled: bool
+
+
 class SharedPlans:
-    """The last few full plans; may be asked from any thread, as a plan never changes."""
+    """The last few plans; may be asked from any thread, as a plan never changes."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
-        self._plans: deque[tuple[bool, Plan]] = deque(maxlen=_KEPT)
+        self._plans: deque[SharedPlan] = deque(maxlen=_KEPT)
+        self._claims: list[Scene] = []
 
-    def find(self, scene: Scene) -> Plan | None:
-        """The plan of an equal scene; None without one, or with one from before compilation."""
+    def find(self, scene: Scene, full: bool = False) -> SharedPlan | None:
+        """The plan of an equal scene, a ``full`` one if asked for; None for none.
+
+        One from before compilation does not count, once all code is compiled: its times would be
+        told as those of the searches.
+        """
         with self._lock:
             plans = tuple(self._plans)
         compiled = compiling.is_done()
-        return next((plan for key, plan in plans if key == compiled and plan.scene == scene), None)
+        usable = [one for one in plans if one.compiled == compiled and _equal(one.scene, scene)]
+        wanted = (one for one in usable if not (full and one.partial))
+        return min(wanted, key=lambda one: one.partial, default=None)
 
-    def keep(self, plan: Plan) -> None:
-        """Keep a full plan for others, unless it is large."""
+    def keep(self, scene: Scene, plan: Plan, coarse: bool = False, partial: bool = False) -> None:
+        """Keep a plan of ``scene`` for others, unless it is large."""
         if plan.mesh is None or len(plan.mesh.points) > _MAX_NODES:
             return
+        kept = SharedPlan(scene, plan, coarse, partial, compiling.is_done())
         with self._lock:
-            self._plans.appendleft((compiling.is_done(), plan))
+            self._plans.appendleft(kept)
+
+    @contextlib.contextmanager
+    def claim(self, scene: Scene) -> Iterator[bool]:
+        """Plan ``scene`` in full, for others, too: within the block; False where another does."""
+        with self._lock:
+            mine = not any(_equal(one, scene) for one in self._claims)
+            if mine:
+                self._claims.append(scene)
+        try:
+            yield mine
+        finally:
+            if mine:
+                with self._lock:
+                    self._claims = [one for one in self._claims if one is not scene]
+
+
+def _equal(a: Scene, b: Scene) -> bool:
+    return a is b or a == b

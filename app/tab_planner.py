@@ -40,24 +40,29 @@ class TabPlanner:
         """Whether the last plan has that, or one search alone."""
         return self.live.partial
 
-    def take(self, scene: Scene, shared: SharedPlans | None) -> Plan | None:
-        """The plan of ``scene`` that another tab of the class has made; None without one."""
-        if shared is None or (plan := shared.find(scene)) is None:
+    def take(self, scene: Scene, shared: SharedPlans, full: bool = False) -> Plan | None:
+        """The plan of ``scene`` that another tab has made, a ``full`` one if asked; or None."""
+        if (found := shared.find(scene, full)) is None:
             return None
-        self.live.adopt(scene)
-        self._ms = plan.ms
-        return plan
+        self.live.adopt(scene, found.coarse, found.partial)
+        self._ms = found.plan.ms
+        return found.plan
 
     def __call__(self, scene: Scene, shared: SharedPlans | None) -> Plan:
-        """Plan within a frame if possible; a full plan is kept among the ``shared`` ones."""
+        """Plan within a frame if possible, for the tabs, too, that have these ``shared``."""
         plan = self._count(self.live(scene))
-        if shared is not None and not self.partial:
-            shared.keep(plan)
+        if shared is not None:
+            shared.keep(scene, plan, self.coarse, self.partial)
         return plan
 
-    def finish(self, scene: Scene) -> Plan:
-        """Plan in full, however long it takes."""
-        return self._count(self.live.finish(scene))
+    def finish(self, scene: Scene, shared: SharedPlans | None = None) -> Plan:
+        """Plan in full, however long it takes, or take the full plan that another tab has made."""
+        if shared is not None and (made := self.take(scene, shared, full=True)) is not None:
+            return made
+        plan = self._count(self.live.finish(scene))
+        if shared is not None:
+            shared.keep(scene, plan)
+        return plan
 
     def begin_anew(self, scene: Scene) -> Plan:
         """Plan in full, with nothing kept from before: for the times of compiled code."""

@@ -178,6 +178,14 @@ class TabView:
             if self.panels.lessons.chosen or self.panels.figures.number:
                 self._before = state.before
 
+    def mirror(self, own: Scene, state: TabState) -> None:
+        """Show what another tab shows, instead of ``own``; what is so already is left alone."""
+        self.panels.restore(state)
+        self.viewpoint.mirror(state.scene, state.view)
+        self._to_face &= state.view is None
+        self.playback.follow(state.time, state.playing)
+        self.panels.history.follow(own, state.scene)
+
     def follow(self, cue: Cue, before: TabState) -> None:
         """Show what a lesson or a figure sets.
 

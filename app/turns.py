@@ -1,22 +1,29 @@
-"""Turns of the tabs at the interpreter, in the order in which they came.
+"""Turns of the tabs at the interpreter: a hand's first, then what can wait a little.
 
 Only one thread runs Python at a time. Thirty that all want to take it from each other every half
 millisecond, and it takes one that answers the network as long to get it back each time. In turns
 each tab's work is done in one go, and the others wait for it as long as they would anyhow.
+
+Who asks says how long it can wait, and whose patience ends first is next. So nothing waits for
+ever behind those who are in a hurry, and those of equal patience come in the order of asking.
 """
 
 from __future__ import annotations
 
+import math
 import threading
 import time
-from collections import deque
 
 LONGEST = 0.05
 """Seconds after which a turn no longer keeps the others waiting: it may be a long computation."""
+AT_ONCE = 0.0
+"""Patience of what a hand waits for, [s]."""
+PATIENT = 1.0
+"""Patience of what follows another's hand, or completes a picture once the hand rests, [s]."""
 
 
 class Turns:
-    """Turns, ``count`` at once; a context manager for threads that do not nest it.
+    """Turns at the interpreter, ``count`` at once.
 
     One that takes longer than ``longest`` [s] goes on, and the next begins beside it.
     """
@@ -24,47 +31,51 @@ class Turns:
     def __init__(self, count: int = 1, longest: float = LONGEST) -> None:
         self._count, self._longest = count, longest
         self._lock = threading.Lock()
-        self._waiting: deque[threading.Event] = deque()
-        self._running: dict[int, float] = {}
+        self._waiting: list[Turn] = []
+        self._running: dict[Turn, float] = {}
 
     @property
     def waiting(self) -> int:
         """Number of threads that wait for their turn."""
         return len(self._waiting)
 
-    def __enter__(self) -> Turns:
-        """Wait for a turn."""
-        called = threading.Event()
+    def begin(self, turn: Turn) -> None:
+        """Wait until ``turn`` is the next and there is room for it."""
         with self._lock:
-            if not self._waiting and self._room() <= 0:
-                self._begin()
-                return self
-            self._waiting.append(called)
+            turn.due = time.monotonic() + (AT_ONCE if turn.hurried else turn.patience)
+            self._waiting.append(turn)
         while True:
             with self._lock:
-                first = self._waiting[0] is called
-                delay = self._room() if first else None
+                delay = self._room() if self._next() is turn else None
                 if delay is not None and delay <= 0:
-                    self._waiting.popleft()
-                    self._begin()
+                    self._waiting.remove(turn)
+                    turn.hurried = False
+                    self._running[turn] = time.monotonic()
                     self._call()
-                    return self
-                called.clear()
-            called.wait(delay)
+                    return
+                turn.called.clear()
+            turn.called.wait(delay)
 
-    def __exit__(self, *_: object) -> None:
-        """End the turn."""
+    def end(self, turn: Turn) -> None:
+        """Let the next begin."""
         with self._lock:
-            del self._running[threading.get_ident()]
+            del self._running[turn]
             self._call()
 
-    def _begin(self) -> None:
-        self._running[threading.get_ident()] = time.monotonic()
+    def hasten(self, turn: Turn) -> None:
+        """Have ``turn``, or where it does not wait its next one, wait as those in a hurry do."""
+        with self._lock:
+            turn.hurried = True
+            turn.due = min(turn.due, time.monotonic() + AT_ONCE)
+            self._call()
+
+    def _next(self) -> Turn:
+        return min(self._waiting, key=lambda turn: turn.due)
 
     def _call(self) -> None:
-        """Have the first that waits look again."""
+        """Have the next look again."""
         if self._waiting:
-            self._waiting[0].set()
+            self._next().called.set()
 
     def _room(self) -> float:
         """Seconds until another turn may begin; 0 or less: now."""
@@ -72,6 +83,42 @@ class Turns:
         if len(ends) < self._count:
             return 0.0
         return ends[-self._count] - time.monotonic()
+
+
+class Turn:
+    """One thread's place among the turns; a context manager that it does not nest.
+
+    Attributes:
+        patience: how long it can wait while others are in a hurry, [s].
+        hurried: whether it is in a hurry itself, until it begins.
+        due: moment at which its patience ends, [s] of the monotonic clock.
+        called: set when it is to look whether it is the next.
+    """
+
+    def __init__(self, turns: Turns) -> None:
+        self._turns = turns
+        self.patience = AT_ONCE
+        self.hurried = False
+        self.due = math.inf
+        self.called = threading.Event()
+
+    def after(self, patience: float) -> Turn:
+        """The same turn, which can wait for ``patience`` [s] unless it is told to hurry."""
+        self.patience = patience
+        return self
+
+    def hasten(self) -> None:
+        """Hurry, now or, where it does not wait, the next time: from any thread."""
+        self._turns.hasten(self)
+
+    def __enter__(self) -> Turn:
+        """Wait for the turn."""
+        self._turns.begin(self)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """End the turn."""
+        self._turns.end(self)
 
 
 TURNS = Turns()

@@ -5,8 +5,8 @@
 The teacher's tab leads and moves the obstacle once in a while; the others follow. Each has to show
 the curve of the new place. Then the teacher asks, every student answers, and the teacher's tab has
 to show the right counts. The server is a process of its own; the tabs share another, on the same
-machine, so that they take some of its time. Ends with exit code 1 where a tab shows another curve
-or an answer is counted wrong.
+machine, so that they take some of its time: ``tabs_cores``, beside the server's ``cores``. Ends
+with exit code 1 where a tab shows another curve or an answer is counted wrong.
 """
 
 from __future__ import annotations
@@ -118,10 +118,11 @@ async def _measure(server: ServerProcess, tabs: int, moves: int) -> dict[str, An
     link = re.search(r"teach=([\w-]+)", server.line())
     assert link is not None, "the server has no class"
     await warm_up(server.url)
-    used, begin = server.usage()[0], time.monotonic()
+    used, begin, own = server.usage()[0], time.monotonic(), time.process_time()
     result = await follow(server.url, link.group(1), tabs, moves)
-    cores = (server.usage()[0] - used) / (time.monotonic() - begin)
-    return {"tabs": tabs, **result, "cores": cores}
+    elapsed = time.monotonic() - begin
+    cores, tabs_cores = (server.usage()[0] - used) / elapsed, (time.process_time() - own) / elapsed
+    return {"tabs": tabs, **result, "cores": cores, "tabs_cores": tabs_cores}
 
 
 def main() -> None:

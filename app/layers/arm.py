@@ -85,6 +85,7 @@ class ArmLayer:
         self._joint_nodes: list[_JointNode] = []
         self._joint_poses: list[JointPose] = []
         self._arm: Arm | None = None
+        self._lengths: tuple[float, ...] = ()
         self._built: tuple[str, float] | None = None
         self._posed: object = None
         self._meshes: dict[str, viser.GlbHandle] = {}
@@ -113,7 +114,11 @@ class ArmLayer:
 
     def _place(self, arm: Arm) -> None:
         """Put the arm on its base; build it anew when its links changed."""
+        self._arm = arm
         self._base.position = arm.base
+        lengths = arm.a1, arm.a2, arm.a3, arm.a4, arm.a5, arm.metres
+        if lengths == self._lengths:
+            return
         text, scale = urdf(arm), 1 / arm.metres
         if text != shipped_urdf():
             factor = _REACH / (arm.a1 + arm.a2 + arm.a3 + arm.a4 + arm.a5)
@@ -121,7 +126,7 @@ class ArmLayer:
         if self._built != (text, scale):
             self._build(arm_solids(text, scale))
             self._built = text, scale
-        self._arm = arm
+        self._lengths = lengths
 
     def _play(self, frame: Frame, motion: ArmMotion) -> None:
         """Have the page move the arm, and lengthen a trace of the whole motion."""

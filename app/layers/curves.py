@@ -10,11 +10,20 @@ from abi.curves.curve import Curve
 from abi.planner.plan import Plan
 from app import style
 from app.frame import Frame, Switch
-from app.layers.lines import NO_SEGMENTS, add_line, recolour, segments
+from app.layers.lines import NO_SEGMENTS, Segments, add_line, recolour, segments
 from app.layers.points import Points
 from app.layout import Layout
+from app.once_a_plan import once_a_plan
 
 SAMPLES = 160
+
+
+@once_a_plan
+def _line(plan: Plan, name: str) -> Segments:
+    """The curve of that name as segments."""
+    fit = plan.bspline if name == "bspline" else plan.quadratic
+    assert fit is not None
+    return segments(fit.curve(np.linspace(*fit.curve.interval, SAMPLES)))
 
 
 class CurvesLayer:
@@ -59,11 +68,7 @@ class CurvesLayer:
             if self._drawn.get(name, self) is curve:
                 continue
             self._drawn[name] = curve
-            line.points = (
-                NO_SEGMENTS
-                if curve is None
-                else segments(curve(np.linspace(*curve.interval, SAMPLES)))
-            )
+            line.points = NO_SEGMENTS if curve is None else _line(plan, name)
             if name == "bspline":
                 self._draw_control(plan)
             else:

@@ -10,6 +10,7 @@ from app import style
 from app.frame import Frame, Switch
 from app.layout import Layout
 from app.numbers import distance_to_show, format_excess, format_length, format_lower_bound
+from app.once_a_plan import once_a_plan
 
 
 class HeadlineLayer:
@@ -29,6 +30,7 @@ class HeadlineLayer:
         self._overlay.show("numbers", headline(frame.plan))
 
 
+@once_a_plan
 def headline(plan: Plan) -> str:
     """The three numbers as HTML; empty where no curve is followed."""
     fit, arc, unit = plan.followed_curve, plan.followed_arc, plan.scene.unit

@@ -10,7 +10,6 @@ from typing import ClassVar
 import numpy as np
 import viser
 
-from abi.arm.joint_rates import JointRates
 from abi.arrays import FloatArray
 from abi.planner.plan import Plan
 from app import style
@@ -18,6 +17,7 @@ from app.frame import Frame, Switch
 from app.layers.tables import table
 from app.layers.time_plot import Lines, TimePlots, new_plot
 from app.layout import Layout
+from app.once_a_plan import once_a_plan
 
 _TINY = 5e-4
 _ROUNDING = 1.001
@@ -64,7 +64,7 @@ class JointRatesLayer:
             return
         if self._made != (motion.joints, plan.scene.unit):
             self._make(motion.joints, motion.slides, plan.scene.unit)
-        self._peaks.content = _peaks(plan, rates)
+        self._peaks.content = _peaks(plan)
         samples = slice(None, None, max(1, len(motion.time) // 100))
         time = motion.time[samples]
         for name, values in (
@@ -76,7 +76,7 @@ class JointRatesLayer:
                 self._plots[name].visible = False
             else:
                 self._shown.add(self._plots[name], time, *values[samples].T)
-        used = [100 * share[samples] for share in _shares(plan, rates)]
+        used = [100 * share[samples] for share in _shares(plan)]
         self._shown.add(self._plots["limits"], time, *used, np.full(len(time), 100.0))
 
     def _make(self, joints: tuple[str, ...], slides: tuple[bool, ...], unit: str) -> None:
@@ -100,10 +100,13 @@ class JointRatesLayer:
         self._made = joints, unit
 
 
-def _shares(plan: Plan, rates: JointRates) -> list[FloatArray]:
+@once_a_plan
+def _shares(plan: Plan) -> list[FloatArray]:
     """Largest part of a joint's limit in use at each sample (m,): position to torque."""
+    rates = plan.joint_rates
     assert plan.arm is not None
     assert plan.motion is not None
+    assert rates is not None
     low, high = plan.arm.limits.T
     place = np.abs(plan.motion.positions - (low + high) / 2)
     torques = np.zeros_like(place) if rates.torques is None else np.abs(rates.torques)
@@ -116,9 +119,12 @@ def _shares(plan: Plan, rates: JointRates) -> list[FloatArray]:
     return [(values / limits).max(axis=1) for values, limits in pairs]
 
 
-def _peaks(plan: Plan, rates: JointRates) -> str:
+@once_a_plan
+def _peaks(plan: Plan) -> str:
     """Table of each joint's peaks beside its limits."""
+    rates = plan.joint_rates
     assert plan.motion is not None
+    assert rates is not None
     unit = plan.scene.unit
     peaks = (
         (rates.speeds, rates.speed_limits, f"{unit}/s"),

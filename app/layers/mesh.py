@@ -8,14 +8,14 @@ from typing import ClassVar
 import numpy as np
 import viser
 
-from abi.arrays import FloatArray, IntArray
 from abi.planner.plan import Plan
-from abi.search.subset import fits, subset
+from abi.search.subset import Subset, fits, subset
 from app import glb, style
 from app.frame import Frame, Switch
 from app.layers.points import Points
 from app.layout import Layout
 from app.numbers import format_setting
+from app.once_a_plan import once_a_plan
 
 EDGE_BUDGET = 30_000
 """Edges a tab is sent at the most; of a larger mesh only a part is shown."""
@@ -84,25 +84,23 @@ class MeshLayer:
         if self._stale:
             return
         self._drawn = state
-        near = plan.path.points if plan.path is not None else np.array([plan.scene.start])
-        part = subset(plan.free, plan.graph, plan.scene.obstacles, near, view, EDGE_BUDGET)
+        part = _part(plan, view)
         self._note = ""
         if len(part.edges) < part.edges_in_all:
             self._note = (
                 f"{len(part.edges):,} of {part.edges_in_all:,} edges shown: {_VIEW_NAMES[view]}"
             )
-        self._draw_edges(part.points, part.edges)
+        self._draw_edges(_picture(plan, view))
         size = min(0.05 * plan.free.mesh.pitch, 0.008 * max(plan.scene.workspace.size))
         self._clouds["nodes"].draw(part.points, style.MESH, size)
         self._clouds["excluded"].draw(part.excluded, style.EXCLUDED, 1.6 * size)
 
-    def _draw_edges(self, points: FloatArray, edges: IntArray) -> None:
-        if len(edges) == 0:
+    def _draw_edges(self, data: bytes) -> None:
+        if not data:
             if self._edges is not None:
                 self._edges.remove()
                 self._edges = None
             return
-        data = glb.line_set(points, edges, style.MESH, _opacity(len(edges)))
         if self._edges is None:
             self._edges = self._scene.add_glb(
                 "/mesh/edges", data, visible=False, cast_shadow=False, receive_shadow=False
@@ -111,11 +109,29 @@ class MeshLayer:
             self._edges.glb_data = data
 
 
+@once_a_plan
+def _part(plan: Plan, view: str) -> Subset:
+    """The part of a plan's mesh that a view shows."""
+    assert plan.free is not None
+    near = plan.path.points if plan.path is not None else np.array([plan.scene.start])
+    return subset(plan.free, plan.graph, plan.scene.obstacles, near, view, EDGE_BUDGET)
+
+
+@once_a_plan
+def _picture(plan: Plan, view: str) -> bytes:
+    """Edges of that part as binary glTF; empty where there are none."""
+    part = _part(plan, view)
+    if not len(part.edges):
+        return b""
+    return glb.line_set(part.points, part.edges, style.MESH, _opacity(len(part.edges)))
+
+
 def _opacity(edges: int) -> float:
     """Opacity of so many edges: fainter the more there are, to leave the paths visible."""
     return float(np.clip(0.22 * (1000 / max(edges, 1)) ** 0.5, 0.07, 0.22))
 
 
+@once_a_plan
 def _counts(plan: Plan, note: str) -> str:
     """Counts of the mesh and its graph as HTML, with the ``note`` on the part that is drawn."""
     if plan.graph is None or plan.mesh is None or plan.free is None:

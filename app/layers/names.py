@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from typing import ClassVar, Literal
 
 import numpy as np
@@ -15,6 +14,7 @@ from app.frame import Frame, Switch
 from app.layers.lines import add_line, segments
 from app.layout import Layout
 from app.numbers import distance_to_show, format_lower_bound
+from app.once_a_plan import once_a_plan
 
 _ANCHORS: dict[str, Literal["bottom-center", "top-center"]] = {
     "path": "bottom-center",
@@ -67,10 +67,10 @@ class NamesLayer:
         nearest, lines = _nearest(plan), _lines(plan)
         self._draw_distance(plan, nearest)
         if not interactive or set(lines) != set(self._places):
-            self._places = _apart(plan, lines, [] if nearest is None else list(nearest))
+            self._places = _apart(plan)
         for name, points in lines.items():
             self._labels[name].text = _title(plan, name)
-            self._labels[name].position = _point_at(points, self._places[name])
+            self._labels[name].position = _points_at(points, np.array([self._places[name]]))[0]
 
     def _draw_distance(self, plan: Plan, nearest: FloatArray | None) -> None:
         self._measured = nearest is not None
@@ -88,6 +88,7 @@ def _switch(plan: Plan, name: str) -> str:
     return plan.path.algorithm if name == "path" and plan.path is not None else name
 
 
+@once_a_plan
 def _lines(plan: Plan) -> dict[str, FloatArray]:
     """Points (n, 3) of the lines to name, [unit], world."""
     lines: dict[str, FloatArray] = {}
@@ -106,6 +107,7 @@ def _title(plan: Plan, name: str) -> str:
     return style.CURVES[name][0] + (" ▸" if name == plan.followed else "")
 
 
+@once_a_plan
 def _nearest(plan: Plan) -> FloatArray | None:
     """Nearest point of the followed curve and of the obstacle to each other, (2, 3); or None."""
     fit = plan.followed_curve
@@ -117,23 +119,24 @@ def _nearest(plan: Plan) -> FloatArray | None:
     return np.concatenate([here, here - distance[:, None] * gradient])
 
 
-def _apart(
-    plan: Plan, lines: dict[str, FloatArray], taken: Iterable[FloatArray]
-) -> dict[str, float]:
+@once_a_plan
+def _apart(plan: Plan) -> dict[str, float]:
     """Part of each line's length at which its name is farthest from the other labels."""
-    others = [np.array(plan.scene.start), np.array(plan.scene.goal), *taken]
+    nearest = _nearest(plan)
+    others = [np.array(plan.scene.start), np.array(plan.scene.goal)]
+    others += [] if nearest is None else list(nearest)
     places = {}
-    for name, points in lines.items():
-        candidates = [_point_at(points, place) for place in _PLACES[name]]
-        room = [min(float(np.linalg.norm(c - other)) for other in others) for c in candidates]
+    for name, points in _lines(plan).items():
+        candidates = _points_at(points, _PLACES[name])
+        room = np.linalg.norm(candidates[:, None] - np.array(others), axis=2).min(axis=1)
         best = int(np.argmax(room))
         places[name] = float(_PLACES[name][best])
         others.append(candidates[best])
     return places
 
 
-def _point_at(points: FloatArray, part: float) -> FloatArray:
-    """Point (3,) of a polyline (n, 3) at a part of its length."""
+def _points_at(points: FloatArray, parts: FloatArray) -> FloatArray:
+    """Points (m, 3) of a polyline (n, 3) at parts (m,) of its length."""
     steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
     arc = np.concatenate(([0.0], np.cumsum(steps)))
-    return np.array([np.interp(part * arc[-1], arc, axis) for axis in points.T])
+    return np.stack([np.interp(parts * arc[-1], arc, axis) for axis in points.T], axis=1)

@@ -104,7 +104,7 @@ class PlotsLayer:
             return
         samples = slice(None, None, max(1, len(motion.time) // 100))
         time = motion.time[samples]
-        self._shown.add(self._pull, time, *acceleration(motion)[samples].T)
+        self._shown.add(self._pull, time, *acceleration(plan)[samples].T)
         distances = tool_clearance(plan)
         if distances is None:
             self._tool.visible = False

@@ -17,6 +17,7 @@ from app.arm_words import clearance_sentence, contact_sentence
 from app.frame import Frame, Switch
 from app.layout import Layout
 from app.numbers import distance_to_show, format_length, format_lower_bound, format_setting
+from app.once_a_plan import once_a_plan
 
 _PIECES_SHOWN = 2
 _CONTACTS_SHOWN = 3
@@ -48,10 +49,21 @@ class StageNotesLayer:
         if plan is self._drawn:
             return
         self._drawn = plan
-        self._notes["bspline"].content = _clearance(plan, plan.bspline) + _control_points(plan)
-        self._notes["quadratic"].content = _clearance(plan, plan.quadratic) + _coefficients(plan)
-        self._phases.content = _motion(plan)
-        self._notes["arm"].content = _arm(plan)
+        notes = _notes(plan)
+        for stage, handle in self._notes.items():
+            handle.content = notes[stage]
+        self._phases.content = notes["motion"]
+
+
+@once_a_plan
+def _notes(plan: Plan) -> dict[str, str]:
+    """Text of each note, and of the motion, as HTML."""
+    return {
+        "bspline": _clearance(plan, plan.bspline) + _control_points(plan),
+        "quadratic": _clearance(plan, plan.quadratic) + _coefficients(plan),
+        "motion": _motion(plan),
+        "arm": _arm(plan),
+    }
 
 
 def _clearance(plan: Plan, fit: Fit[BSpline] | Fit[Quadratic] | None) -> str:

@@ -19,6 +19,7 @@ from app.numbers import (
     format_setting,
     format_time,
 )
+from app.once_a_plan import once_a_plan
 
 _STYLE = (
     "<style>.abi-table{width:100%;border-collapse:collapse;font-size:12.5px;"
@@ -72,6 +73,7 @@ class TablesLayer:
         self._tables.content = _searches(plan, frame.partial) + _stages(plan) + note
 
 
+@once_a_plan
 def _searches(plan: Plan, partial: bool) -> str:
     """Table I, with the work of each search; ``partial``: some searches still follow."""
     missing = "…" if partial else "–"
@@ -108,6 +110,7 @@ def _times(plan: Plan) -> str:
     return f"{style.BOX}Time: {', '.join(times)}.</div>" if times else ""
 
 
+@once_a_plan
 def _stages(plan: Plan) -> str:
     """Length, gap to the optimum and clearance of each stage's result."""
     required = plan.scene.spline.clearance

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import functools
 import operator
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
-import trimesh
 import viser
 import viser.transforms
 
@@ -18,6 +17,9 @@ from app import style
 from app.frame import Frame, Switch
 from app.layers.link_colours import muted
 from app.layout import Layout
+
+if TYPE_CHECKING:
+    import trimesh
 
 _COLOURS = ((226, 230, 234), (96, 108, 122))
 """Of every other link without a colour of its own, so that one sees where they meet."""
@@ -132,6 +134,8 @@ def link_mesh(
         colour: of what has none of its own.
         second: whether it is every other link; None where all of it has ``colour``.
     """
+    import trimesh  # here, since it takes long to import
+
     parts = [_shape_mesh(shape, pose @ shape.pose) for shape in link.drawn]
     mesh = functools.reduce(operator.add, parts)
     mesh.apply_scale(scale)  # type: ignore[no-untyped-call]
@@ -147,6 +151,8 @@ def link_mesh(
 
 
 def _shape_mesh(shape: Shape, pose: FloatArray) -> trimesh.Trimesh:
+    import trimesh  # here, since it takes long to import
+
     radius, length, _ = shape.size
     mesh: trimesh.Trimesh
     if shape.kind == "mesh":

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import html
-import time
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
@@ -11,17 +10,14 @@ from typing import Any
 
 import viser
 
+from abi.scene.scene import Scene
 from app import style
 from app.classroom import MAX_CHOICES, Classroom
 from app.frame import Frame
 from app.overlay import Overlay, button
 from app.panels.widgets import Wake
 from app.shared_plans import SharedPlans
-from app.tab_state import StateEncoder, TabState
-
-_PERIOD = 0.3
-"""Seconds between two views sent while the others follow."""
-
+from app.tab_state import TabState
 
 _FIRST = -1.0
 """Place in the tab: before all that is there."""
@@ -43,10 +39,10 @@ class ClassroomPanel:
         self._wake = wake
         self.teaches = False
         self._seen = 0
+        self._followed: Scene | None = None
         self._drawn: tuple[object, ...] = ()
         self._chosen: list[int] = []
-        self._published, self._published_at = "", 0.0
-        self._encoder = StateEncoder()
+        self._published: TabState | None = None
         # above the lessons, whose text is long
         self._folder = gui.add_folder("Class", order=_FIRST)
         with self._folder:
@@ -88,13 +84,17 @@ class ClassroomPanel:
                 widget.visible = True
             self.send.visible = self.ask.visible = True
 
-    def view(self) -> str:
-        """A view that the teacher has sent since the last call; empty for none."""
+    def view(self) -> TabState | None:
+        """The newest view that the teacher has sent since the last call; None for none."""
         number, view = self._classroom.view
         if self.teaches or not self.follow.value or number == self._seen:
-            return ""
-        self._seen = number
+            return None
+        self._seen, self._followed = number, None if view is None else view.scene
         return view
+
+    def shares(self, scene: Scene) -> bool:
+        """Whether ``scene`` is one that all show: the teacher's, or what a student follows."""
+        return self.teaches or (self._followed is not None and self._followed == scene)
 
     @property
     def plans(self) -> SharedPlans:
@@ -111,17 +111,11 @@ class ClassroomPanel:
         once = bool(self.send.value)
         if once:
             self.send.value = False
-        now = time.monotonic()
-        due = bool(self.lead.value) and now - self._published_at >= _PERIOD
-        if once or due:
-            self._published_at = now
-            view = replace(
-                state.alone(), dark=None, challenge="", time=0.0 if state.playing else state.time
-            )
-            text = self._encoder.encode(view)
-            if once or text != self._published:
-                self._published = text
-                self._classroom.show(text)
+        if once or self.lead.value:
+            view = replace(state.alone(), dark=None, challenge="")
+            if once or view != self._published:
+                self._published = view
+                self._classroom.show(view)
 
     def draw(self, frame: Frame) -> None:
         """Show the question with its answers, and the counts to the teacher; no frame counts."""

@@ -22,6 +22,7 @@ class History:
     def __init__(self, gui: viser.GuiApi, scene: Scene, wake: Wake) -> None:
         self._scenes = [scene]
         self._current = 0
+        self._follows = False  # whether the scene shown is another tab's
         # Any, since viser declares a button's value read-only
         self.undo: Any = gui.add_button("Undo", visible=False)
         self.redo: Any = gui.add_button("Redo", visible=False)
@@ -57,10 +58,25 @@ class History:
             return
         self._scenes = [*self._scenes[: self._current + 1], scene][-_LONGEST:]
         self._current = len(self._scenes) - 1
+        self._follows = False
+
+    def follow(self, own: Scene, scene: Scene) -> None:
+        """Note what another tab shows: one step back from it is what was shown before that tab's.
+
+        Args:
+            own: the scene shown until now, which may not have been noted yet.
+            scene: the other tab's.
+        """
+        self.note(own)
+        if self._follows:
+            self._scenes[self._current :] = [scene]
+        elif scene != self.noted:
+            self.note(scene)
+            self._follows = True
 
     def begin(self, scene: Scene) -> None:
         """Begin anew with ``scene``."""
-        self._scenes, self._current = [scene], 0
+        self._scenes, self._current, self._follows = [scene], 0, False
 
     def requested(self, scene: Scene) -> Scene | None:
         """The scene asked for since the last call; None for none, or where there is none.
@@ -72,6 +88,7 @@ class History:
         if steps == 0:
             return None
         self.note(scene)
+        self._follows = False
         self._current = min(max(self._current + steps, 0), len(self._scenes) - 1)
         return self._scenes[self._current]
 

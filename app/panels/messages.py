@@ -98,12 +98,18 @@ def _progress(frame: Frame) -> str:
     coarse = "≈ coarser while you drag · " if frame.coarse else ""
     length = ""
     if plan.bspline_arc is not None:
-        length = f", a curve of {format_length(plan.bspline_arc.length)} {plan.scene.unit}"
+        length = f"{format_length(plan.bspline_arc.length)} {plan.scene.unit}"
+        length = f", a curve of {_whole(length)}"
     did = (
-        f"{coarse}{name} and B-spline through {plan.free.nodes:,} nodes in "
-        f"{format_time(max(plan.total_ms, 1))}{length}."
+        f"{coarse}{name} and {_whole('B-spline')} through {plan.free.nodes:,} nodes in "
+        f"{_whole(format_time(max(plan.total_ms, 1)))}{length}."
     )
     return f"<b>{_invitation(plan)}</b> {did}"
+
+
+def _whole(text: str) -> str:
+    """HTML of a text in which no line ends."""
+    return f'<span style="white-space:nowrap">{html.escape(text)}</span>'
 
 
 def _invitation(plan: Plan) -> str:

@@ -79,6 +79,18 @@ class FakeTab:
             }
         )
 
+    def hold(self, gizmo: Any) -> None:
+        """Take a gizmo's handle into the hand."""
+        self._grip("Start", gizmo)
+
+    def let_go(self, gizmo: Any) -> None:
+        """Let go of a gizmo's handle."""
+        self._grip("End", gizmo)
+
+    def _grip(self, phase: str, gizmo: Any) -> None:
+        kind = f"TransformControlsDrag{phase}Message"
+        self.send({"type": kind, "name": gizmo._impl.name, "owner": gizmo._impl.api._owner_id})
+
     def look(self, camera: Any, width: int, position: Any = None) -> None:
         """Report the camera, by default where it was put, in a picture of such a width [px]."""
         position = camera.position if position is None else position

@@ -99,13 +99,41 @@ def test_only_the_secret_makes_a_teacher(room: tuple[Server, Classroom]) -> None
     server, classroom = room
     fake, session = open_tab(server, "guess")
     assert not panel(session).teaches
+    shown = classroom.view
     fake.set(panel(session).send, True)
     until(lambda: session.resting)
-    assert classroom.view[1] == "" or not panel(session).teaches
+    assert classroom.view == shown
     fake.close()
     assert not classroom.is_teacher("")
     assert not classroom.is_teacher("ä")
     assert classroom.is_teacher(classroom.secret)
+
+
+@pytest.mark.slow
+def test_a_student_takes_the_teachers_plan_and_undo_brings_back_the_own_work(
+    room: tuple[Server, Classroom],
+) -> None:
+    server, classroom = room
+    teacher, taught = open_tab(server, classroom.secret)
+    student, session = open_tab(server)
+    until(lambda: panel(taught).teaches)
+    student.set(session.panels.stages.mesh.pitch, 1.2)
+    until(lambda: session.resting and session.frame.plan.scene.mesh.pitch == 1.2)
+    gizmos = list(session.panels.obstacles.gizmos)
+    teacher.set(panel(taught).lead, True)
+    for x in (1.0, 1.5, 2.0):
+        teacher.drag(taught.panels.obstacles.gizmos[0], [x, 3.0, 3.0])
+        until(lambda x=x: session.frame.plan.scene.obstacles[0].position[0] == x)  # type: ignore[misc]
+    until(lambda: taught.resting and session.resting)
+    # planned once for all, and what is in place stays there
+    assert session.frame.plan is taught.frame.plan
+    assert session.panels.obstacles.gizmos == gizmos
+    teacher.set(panel(taught).lead, False)
+    student.set(session.panels.history.undo, True)
+    until(lambda: session.frame.plan.scene.mesh.pitch == 1.2)
+    for fake in (teacher, student):
+        fake.close()
+    until(lambda: classroom.tabs == 0)
 
 
 def test_a_question_needs_two_answers_and_counts_its_own() -> None:

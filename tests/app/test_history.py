@@ -57,6 +57,34 @@ def test_history_is_that_of_an_editor(steps: list[str | int]) -> None:
     assert history.requested(now) is None
 
 
+def test_undo_leads_from_what_a_teacher_shows_back_to_ones_own_work() -> None:
+    history = History(_Gui(), _scene(0), lambda _: None)  # type: ignore[arg-type]
+    shown = _scene(1)  # not noted yet: the hand has just let go
+    for number in (5, 6, 7):
+        history.follow(shown, _scene(number))
+        shown = _scene(number)
+        assert history.noted == shown
+    history._step_back(None)
+    assert history.requested(shown) == _scene(1)
+    # what the teacher shows next is a step of its own again
+    history.follow(_scene(1), _scene(8))
+    history.note(_scene(2))
+    history.follow(_scene(2), _scene(9))
+    steps = []
+    for _ in range(5):
+        history._step_back(None)
+        steps.append(history.requested(history.noted))
+    assert steps == [_scene(2), _scene(8), _scene(1), _scene(0), _scene(0)]
+
+
+def test_a_teacher_who_shows_ones_own_scene_takes_nothing_from_it() -> None:
+    history = History(_Gui(), _scene(0), lambda _: None)  # type: ignore[arg-type]
+    history.follow(_scene(0), _scene(0))
+    history.follow(_scene(0), _scene(3))
+    history._step_back(None)
+    assert history.requested(_scene(3)) == _scene(0)
+
+
 @pytest.mark.slow
 def test_everything_is_undone_and_done_again(tab: tuple[FakeTab, Session]) -> None:
     fake, session = tab

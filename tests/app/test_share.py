@@ -94,7 +94,7 @@ def test_curves_over_time_are_derivatives_and_distances() -> None:
     result = plan(PAPER)
     motion = result.motion
     assert motion is not None
-    pull = acceleration(motion)
+    pull = acceleration(result)
     middle = slice(5, 40)
     # in the first phase the tool's speed grows by a1
     along = motion.velocity / np.linalg.norm(motion.velocity, axis=1, keepdims=True).clip(1e-9)

@@ -8,14 +8,52 @@ from abi import compiling
 from abi.planner.planner import plan
 from abi.scene.scene import load_scene
 from app.shared_plans import SharedPlans
+from app.tab_planner import TabPlanner
 
 
 def test_a_plan_is_found_by_an_equal_scene_only(monkeypatch: pytest.MonkeyPatch) -> None:
     plans, made = SharedPlans(), plan(load_scene("two-boxes"))
     monkeypatch.setattr(compiling, "is_done", lambda: False)
-    plans.keep(made)
-    assert plans.find(load_scene("two-boxes")) is made
+    plans.keep(made.scene, made)
+    found = plans.find(load_scene("two-boxes"))
+    assert found is not None
+    assert found.plan is made
     assert plans.find(made.scene.replace(goal=(0.5, 0.5, 0.5))) is None
     # its times are those of code that was not compiled
     monkeypatch.setattr(compiling, "is_done", lambda: True)
     assert plans.find(made.scene) is None
+
+
+def test_a_full_plan_goes_before_a_newer_partial_one() -> None:
+    plans, made = SharedPlans(), plan(load_scene("two-boxes"))
+    plans.keep(made.scene, made, partial=True)
+    assert plans.find(made.scene, full=True) is None
+    plans.keep(made.scene, made)
+    plans.keep(made.scene, made, partial=True)
+    found = plans.find(made.scene)
+    assert found is not None
+    assert not found.partial
+
+
+def test_one_tab_of_many_plans_a_scene_in_full() -> None:
+    plans, scene = SharedPlans(), load_scene("two-boxes")
+    with plans.claim(scene) as first, plans.claim(load_scene("two-boxes")) as second:
+        assert (first, second) == (True, False)
+        with plans.claim(scene.replace(goal=(0.5, 0.5, 0.5))) as other:
+            assert other
+    # also after a fault
+    with pytest.raises(MemoryError), plans.claim(scene):
+        raise MemoryError
+    with plans.claim(scene) as again:
+        assert again
+
+
+def test_a_planner_takes_a_plan_as_incomplete_as_it_is() -> None:
+    plans, made = SharedPlans(), plan(load_scene("two-boxes"))
+    planner = TabPlanner(1)
+    plans.keep(made.scene, made, coarse=True, partial=True)
+    assert planner.take(made.scene, plans) is made
+    assert (planner.coarse, planner.partial) == (True, True)
+    plans.keep(made.scene, made)
+    assert planner.finish(made.scene, plans) is made
+    assert (planner.coarse, planner.partial) == (False, False)

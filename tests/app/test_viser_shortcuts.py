@@ -1,0 +1,89 @@
+"""Shortcuts in viser send what viser would, and nothing where nothing has changed."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from viser import _messages as scene_messages
+from viser.infra import _messages as messages
+
+from app import viser_shortcuts
+from app.session import Session
+from tests.app.fake_tab import FakeTab
+
+_UPDATE = {"points": np.arange(12.0).reshape(2, 2, 3), "thickness": 2}
+_MESSAGES: list[Any] = [
+    scene_messages.SceneNodeUpdateMessage("/line", _UPDATE),
+    scene_messages.GuiUpdateMessage("/line", _UPDATE),
+    scene_messages.SetPositionMessage("/a", (1, 2.5, np.float32(3))),  # type: ignore[arg-type]
+    scene_messages.SetSceneNodeVisibilityMessage("/a", visible=bool(np.True_)),
+    scene_messages.SceneNodeUpdateMessage("/a", {"nested": {"text": "x", "none": None}}),
+    scene_messages.SceneNodeUpdateMessage("/a", {"list": [1, True, np.int64(3), "x", 0.5]}),
+    scene_messages.RunJavascriptMessage("1 + 1"),
+]
+
+
+@pytest.mark.parametrize("message", _MESSAGES)
+def test_the_same_is_sent(message: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    def sent() -> tuple[Any, list[bytes]]:
+        buffers: list[memoryview] = []
+        return message.as_serializable_dict(buffers), [bytes(one) for one in buffers]
+
+    monkeypatch.setattr(messages, "_prepare_for_serialization", viser_shortcuts._prepare)
+    expected = sent()
+    monkeypatch.setattr(messages, "_prepare_for_serialization", viser_shortcuts._prepare_field)
+    assert repr(sent()) == repr(expected)  # also of the same types: 1 is not True
+
+
+@pytest.mark.slow
+def test_only_what_changes_is_sent(tab: tuple[FakeTab, Session]) -> None:
+    _, session = tab
+    buffer = session.client._websock_connection.get_message_buffer()
+    with session.client.atomic():
+        text = session.client.gui.add_html("one")
+        label = session.client.scene.add_label("/test", "one", position=(1.0, 2.0, 3.0))
+        for handle, change, times in (
+            (text, {"content": "one"}, 0),
+            (text, {"content": "two"}, 1),
+            (text, {"visible": True}, 0),
+            (text, {"visible": False}, 1),
+            (label, {"text": "one"}, 0),
+            (label, {"text": "two"}, 1),
+            (label, {"font_screen_scale": 2}, 1),
+            (label, {"position": (1.0, 2.0, 3.0)}, 0),
+            (label, {"position": np.array([1.0, 2.0, 4.0])}, 1),
+            (label, {"visible": True}, 0),
+        ):
+            before = buffer.message_counter
+            for name, value in change.items():
+                setattr(handle, name, value)
+                assert np.array_equal(getattr(handle, name), value)
+            assert buffer.message_counter - before == times
+        text.remove()
+        with pytest.raises(RuntimeError):
+            text.content = "two"
+
+
+def test_a_shortcut_is_taken_by_every_handle() -> None:
+    impl = SimpleNamespace(removed=False, props=SimpleNamespace(label="one"))
+    asked: list[str] = []
+
+    class Handle:
+        __setattr__ = viser_shortcuts._set_field
+
+        def __init__(self) -> None:
+            self.__dict__["_impl"] = impl
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(viser_shortcuts, "_set", lambda _, name, __: asked.append(name))
+        handle: Any = Handle()
+        handle.label = "one"
+        assert asked == []
+        handle.label = "two"
+        handle.other = "one"
+        impl.removed = True
+        handle.label = "one"
+    assert asked == ["label", "other", "label"]
