@@ -1,6 +1,7 @@
 """Files from outside, read in a process of its own: one that crashes or hangs takes nothing along.
 
-The process is started with the first file, kept for the next, and replaced when it was ended.
+The process is started with the first file or before, kept for the next, and replaced when it was
+ended.
 """
 
 from __future__ import annotations
@@ -99,6 +100,8 @@ class _Process:
         """End it and free what it held; its exit code."""
         with contextlib.suppress(OSError):  # what was still to be written
             self._jobs.close()
+        if not self._ready:  # it would go on loading first
+            self._process.kill()
         try:
             self._process.wait(_GRACE)
         except subprocess.TimeoutExpired:
@@ -123,6 +126,12 @@ class Reader:
         self._lock = threading.Lock()
         self._places = threading.BoundedSemaphore(_PROCESSES)
         atexit.register(self.close)
+
+    def warm(self) -> None:
+        """Start a process if none is idle: the first file need not wait seconds for it then."""
+        with self._lock:
+            if not self._idle:
+                self._idle.append(_Process(self.limits))
 
     def mesh(self, content: bytes, name: str, stopped: threading.Event | None = None) -> Surface:
         """The repaired surface of a mesh file.

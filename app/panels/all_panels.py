@@ -162,7 +162,8 @@ class AllPanels:
         self.layer_switches.restore(state.shown, state.dark)
         self.lessons.restore(state.lessons)
         self.theatre.restore(state.theatre)
-        self.share.challenge = parsed(state.challenge)
+        if state.challenge != self.share.kept:
+            self.share.challenge = parsed(state.challenge)
         self._write(state.scene)
 
     def apply_switches(self, frame: Frame) -> Frame:

@@ -58,8 +58,10 @@ class FilesPanel:
 
     def restore(self, name: str, scene: Scene) -> None:
         """Take the scene of that name for the one loaded; ``scene`` where none is listed."""
+        if name == self._chosen == self.choice.value:
+            return
         if name not in (*self._opened, *scene_names()):
-            name, self._loaded = self._list(_printable(name), scene), scene
+            name, self._loaded = self._list(shown_name(name), scene), scene
         else:
             self._loaded = self._opened.get(name) or load_scene(name)
             self.choice.value = name
@@ -76,7 +78,7 @@ class FilesPanel:
             return self._loaded
         if self.upload.value is not self._uploaded:
             self._uploaded = self.upload.value
-            name = _printable(self.upload.value.name)
+            name = shown_name(self.upload.value.name)
             try:
                 self._loaded = _parse(self.upload.value, name, meshes)
             except SceneError as error:
@@ -117,7 +119,7 @@ class FilesPanel:
             self._client.send_file_download(name, content, save_immediately=True)
 
 
-def _printable(name: str) -> str:
+def shown_name(name: str) -> str:
     """Name of a file as the page shows it."""
     return "".join(c for c in name if c.isprintable())[-_NAME_LENGTH:].strip() or "a file"
 

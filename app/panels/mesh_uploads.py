@@ -1,8 +1,8 @@
 """Mesh files on their way into the scene: read and prepared beside the planning, one at a time.
 
-The tab's worker asks what is finished. A thread of its own has each file read and repaired in a
+The tab's worker asks what became of them. A thread of its own has each file read and repaired in a
 process for files from outside, and prepares it, so that obstacles can be moved meanwhile; it can be
-told to let a file be.
+told to let a file be. Once it is read it can be drawn; planning with it waits until it is prepared.
 """
 
 from __future__ import annotations
@@ -21,9 +21,17 @@ from abi.obstacles.triangle_mesh.stl_obj import SUFFIXES
 from abi.obstacles.triangle_mesh.surface import Surface
 from app import page
 from app.guard.reader import READER, StoppedError
+from app.mesh_picture import drawn_triangles
 from app.panels.widgets import Wake
 
 _STEPS = ("reading and repairing", "preparing")
+
+
+@dataclass(frozen=True)
+class Read:
+    """A file that was read, and is being prepared."""
+
+    surface: Surface
 
 
 @dataclass(frozen=True)
@@ -32,11 +40,11 @@ class Prepared:
 
     Attributes:
         name: of the file, as the scene names it.
-        result: its surface, or why there is none.
+        result: its surface, or why there is none; None where it was stopped.
     """
 
     name: str
-    result: Surface | SceneError
+    result: Surface | SceneError | None
 
 
 class MeshUploads:
@@ -58,18 +66,23 @@ class MeshUploads:
         self._stop = gui.add_button("Stop reading", visible=False)
         self._wake = wake
         self._waiting: queue.SimpleQueue[tuple[viser.UploadedFile, Any]] = queue.SimpleQueue()
-        self._finished: queue.SimpleQueue[Prepared] = queue.SimpleQueue()
+        self._news: queue.SimpleQueue[Read | Prepared] = queue.SimpleQueue()
         self._stopped = threading.Event()
         self._lock = threading.Lock()
         self._pending = 0
         self.button.on_upload(self._receive)
         self._stop.on_click(self._cancel)
 
-    def finished(self) -> list[Prepared]:
-        """The files that were finished since the last call."""
+    @property
+    def stopped(self) -> bool:
+        """Whether what is being read or prepared is not wanted any more."""
+        return self._stopped.is_set()
+
+    def news(self) -> list[Read | Prepared]:
+        """What became of the files since the last call: each is read, then prepared, or refused."""
         found = []
-        while not self._finished.empty():
-            found.append(self._finished.get())
+        while not self._news.empty():
+            found.append(self._news.get())
         return found
 
     def _receive(self, event: viser.GuiEvent[viser.GuiUploadButtonHandle]) -> None:
@@ -83,38 +96,44 @@ class MeshUploads:
                 self._stopped.clear()
                 threading.Thread(target=self._work, name="meshes", daemon=True).start()
 
-    def _cancel(self, _: object) -> None:
+    def _cancel(self, event: viser.GuiEvent[viser.GuiButtonHandle]) -> None:
         self._stopped.set()
+        self._show(None, 0.0)
+        self._wake(event)
 
     def _work(self) -> None:
         """Deal with files until none is left: the thread."""
         while True:
             file, event = self._waiting.get()
-            prepared = None if self._stopped.is_set() else self._prepare(file)
+            name = safe_name(file.name)
+            result = None if self._stopped.is_set() else self._prepare(file, name, event)
             with self._lock:
                 self._pending -= 1
                 last = self._pending == 0
-            if prepared is not None and not self._stopped.is_set():
-                self._finished.put(prepared)
+            self._news.put(Prepared(name, None if self._stopped.is_set() else result))
             if last:
                 self._show(None, 0.0)
             self._wake(event)
             if last:
                 return
 
-    def _prepare(self, file: viser.UploadedFile) -> Prepared | None:
+    def _prepare(
+        self, file: viser.UploadedFile, name: str, event: object
+    ) -> Surface | SceneError | None:
         """Read, repair and prepare one file; None where it was stopped."""
-        name = safe_name(file.name)
         try:
             self._step(name, 0)
             surface = READER.mesh(file.content, name, self._stopped)
             self._step(name, 1)
+            drawn_triangles(surface)
+            self._news.put(Read(surface))
+            self._wake(event)
             MeshShape.of(surface, file=name).prepare()
         except SceneError as error:
-            return Prepared(name, error)
+            return error
         except StoppedError:
             return None
-        return Prepared(name, surface)
+        return surface
 
     def _step(self, name: str, step: int) -> None:
         if self._stopped.is_set():

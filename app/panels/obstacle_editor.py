@@ -26,12 +26,14 @@ from app.labels import sentence
 from app.panels.end_gizmos import EndGizmos
 from app.panels.free_place import Bounds, free_place
 from app.panels.mesh_note import MeshNote, fitted_scale
-from app.panels.mesh_uploads import MeshUploads
+from app.panels.mesh_uploads import MeshUploads, Read
 from app.panels.obstacle_gizmos import ObstacleGizmos
 from app.panels.obstacle_sizes import ObstacleSizes
 from app.panels.widgets import Vec3, VectorBox, Wake
 
 _NONE = "none"
+_FORESEEN = "mesh.stl"
+"""Name of a mesh that is only drawn yet."""
 _FIELDS = ("obstacles", "start", "goal")
 """Fields of a scene that are typed here."""
 
@@ -85,12 +87,7 @@ class ObstacleEditor:
         Raises:
             SceneError: a typed number is not finite.
         """
-        for prepared in self.uploads.finished():
-            if isinstance(prepared.result, Surface):
-                self._add_mesh(prepared.name, prepared.result, scene)
-            else:
-                message = prepared.result.message
-                page.notify_refusal(self._client, f"{prepared.name} is not added", message)
+        self._receive(scene)
         if (scale := self._mesh_note.resized()) is not None:
             self.sizes.scale.value = scale
         if (unit := self._mesh_note.accepted()) is not None:
@@ -124,21 +121,44 @@ class ObstacleEditor:
         """Surfaces that obstacles can name: those of ``scene`` and the uploaded ones."""
         return MeshSource({**scene.meshes.files, **self.surfaces})
 
+    def _receive(self, scene: Scene) -> None:
+        """Draw the uploaded meshes that are read, and add those that are prepared."""
+        for one in self.uploads.news():
+            if isinstance(one, Read):
+                self._obstacles.foresee(self._placed(_FORESEEN, one.surface, scene))
+                continue
+            if isinstance(one.result, Surface):
+                self._add_mesh(one.name, one.result, scene)
+            elif one.result is not None:
+                page.notify_refusal(self._client, f"{one.name} is not added", one.result.message)
+            self._obstacles.forget_foreseen()
+        if self.uploads.stopped:
+            self._obstacles.forget_foreseen()
+
     def _add_mesh(self, name: str, surface: Surface, scene: Scene) -> None:
-        """Add an uploaded mesh at the next free place, at a size that can be seen."""
+        """Add an uploaded mesh where it was foreseen, or else at the next free place."""
         known = self.meshes(scene).files
         while known.get(name, surface) != surface:  # another file of the same name
             name = f"_{name}"
         self.surfaces[name] = surface
+        mesh = self._placed(name, surface, scene)
+        self._added.append(mesh.bounds())
+        self._obstacles.add(mesh)
+        self._obstacles.choose(len(self._obstacles.gizmos) - 1)
+        self._forget()
+
+    def _placed(self, name: str, surface: Surface, scene: Scene) -> MeshShape:
+        """A mesh at a size that can be seen, where it was foreseen or else at a free place."""
+        foreseen = self._obstacles.foreseen
+        if foreseen is not None and foreseen.mesh.surface == surface:
+            pose: dict[str, Any] = {"position": foreseen.mesh.position}
+            return MeshShape.of(surface, file=name, scale=foreseen.mesh.scale, **pose)
         scale = fitted_scale(surface, scene)
         half = scale * np.ptp(surface.vertices, axis=0) / 2
         wanted = np.add(scene.workspace.min, scene.workspace.max) / 2
         place = free_place(half, wanted, scene, self._taken(scene))
-        self._added.append((place - half, place + half))
         x, y, z = (place - scale * _middle(surface)).tolist()
-        self._obstacles.add(MeshShape.of(surface, file=name, position=(x, y, z), scale=scale))
-        self._obstacles.choose(len(self._obstacles.gizmos) - 1)
-        self._forget()
+        return MeshShape.of(surface, file=name, position=(x, y, z), scale=scale)
 
     def _taken(self, scene: Scene) -> list[Bounds]:
         """Bounds of the obstacles of the last valid scene, and of those added since."""

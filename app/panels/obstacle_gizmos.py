@@ -6,6 +6,7 @@ A body is a child of its gizmo, so it moves in the browser at once; the server h
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
@@ -24,6 +25,23 @@ from app.panels.widgets import Wake, phase_holds
 _MOST_NUMBERED = 40
 """Obstacles that are numbered in the scene: more numbers would hide it."""
 _POSE = {"position", "wxyz"}
+_FORESEEN = 0.4
+"""Part of its opacity that a mesh has which is not planned with yet."""
+
+
+@dataclass(frozen=True, eq=False)
+class Foreseen:
+    """A mesh that is drawn while it is prepared.
+
+    Attributes:
+        mesh: as it will be.
+        gizmo: that it will have.
+        body: its surface.
+    """
+
+    mesh: MeshShape
+    gizmo: viser.TransformControlsHandle
+    body: Body
 
 
 class ObstacleGizmos:
@@ -34,6 +52,7 @@ class ObstacleGizmos:
         gizmos: in the order of the obstacles.
         chosen: number of the obstacle with the handles, from 0.
         held: whether a hand holds an obstacle or its handles.
+        foreseen: a mesh that is no obstacle yet.
     """
 
     switches: ClassVar[tuple[Switch, ...]] = (Switch("obstacles", "obstacles", style.OBSTACLE),)
@@ -56,6 +75,7 @@ class ObstacleGizmos:
         self._with_handles = -2
         self._touched = False
         self._grip: FloatArray | None = None
+        self.foreseen: Foreseen | None = None
         self.chosen = 0
         self.write(scene)
 
@@ -66,12 +86,19 @@ class ObstacleGizmos:
         return {"obstacles": [obstacle if new == old else new for new, (old, obstacle) in pairs]}
 
     def write(self, scene: Scene) -> None:
-        """Show ``scene``."""
-        while self.gizmos:
-            self.remove(0)
-        self._scene_size = max(scene.workspace.size)
-        for obstacle in scene.obstacles:
-            self.add(obstacle)
+        """Show ``scene``; gizmos of the same shapes stay, so that little is sent."""
+        self.forget_foreseen()
+        size = max(scene.workspace.size)
+        old = [obstacle for _, obstacle in self._validated]
+        if size == self._scene_size and _same_shapes(old, scene.obstacles):
+            for number, obstacle in enumerate(scene.obstacles):
+                self._put(number, obstacle)
+        else:
+            while self.gizmos:
+                self.remove(0)
+            self._scene_size = size
+            for obstacle in scene.obstacles:
+                self.add(obstacle)
         self._last_read = [data for data, _ in self._validated]
         self._update_bodies(scene.obstacles)
         self.chosen, self._touched, self.held = 0, False, False
@@ -102,15 +129,37 @@ class ObstacleGizmos:
             if self._drawn[number] == self.data[number]:
                 continue
             self._drawn[number] = dict(self.data[number])
-            gizmo = self.gizmos[number]
-            gizmo.scale = (
-                min(1.35 * _radius(obstacle), 0.4 * self._scene_size) + 0.03 * self._scene_size
-            )
-            share = 2 * _radius(obstacle) / (3**0.5 * self._scene_size)
-            body = add_body(self._scene, f"{gizmo.name}/body", obstacle, share)
-            self._bodies[number] = body
-            body.on_click(self._choose_clicked)
-            body.on_drag(self._drag)
+            self._embody(number, self._new_body(self.gizmos[number], obstacle, _radius(obstacle)))
+
+    def _new_body(
+        self, gizmo: viser.TransformControlsHandle, obstacle: Obstacle, radius: float
+    ) -> Body:
+        """The body of an obstacle of that radius, [unit], under a gizmo that is made to fit it."""
+        gizmo.scale = min(1.35 * radius, 0.4 * self._scene_size) + 0.03 * self._scene_size
+        share = 2 * radius / (3**0.5 * self._scene_size)
+        return add_body(self._scene, f"{gizmo.name}/body", obstacle, share)
+
+    def _embody(self, number: int, body: Body) -> None:
+        self._bodies[number] = body
+        body.on_click(self._choose_clicked)
+        body.on_drag(self._drag)
+
+    def foresee(self, mesh: MeshShape) -> None:
+        """Draw a mesh that is not turned, faintly, until it is added."""
+        self.forget_foreseen()
+        gizmo = self._new_gizmo(mesh)
+        # its bounds take longer, and are found while it is prepared
+        diagonal = mesh.factor * np.ptp(mesh.surface.vertices, axis=0)
+        radius = float(np.linalg.norm(diagonal) / 2)
+        body = self._new_body(gizmo, mesh, radius)
+        self.foreseen = Foreseen(mesh, gizmo, body)
+        body.opacity = _FORESEEN * (body.opacity or 1.0)
+
+    def forget_foreseen(self) -> None:
+        """Remove the mesh that is no obstacle yet."""
+        if self.foreseen is not None:
+            self.foreseen.gizmo.remove()
+            self.foreseen = None
 
     def show_edges(self, shown: bool) -> None:
         """Show or hide the edges of the meshes' triangles."""
@@ -127,7 +176,29 @@ class ObstacleGizmos:
                 self._edges[name] = (add_edges(self._scene, name, mesh), wanted[name])
 
     def add(self, obstacle: Obstacle) -> None:
-        """Add an obstacle's gizmo; the next frame gives it a body."""
+        """Add an obstacle's gizmo; the next frame gives it a body, if it was not foreseen."""
+        foreseen, self.foreseen = self.foreseen, None
+        if foreseen is not None and not _is_drawn_as(obstacle, foreseen.mesh):
+            foreseen.gizmo.remove()
+            foreseen = None
+        gizmo = self._new_gizmo(obstacle) if foreseen is None else foreseen.gizmo
+        self.gizmos.append(gizmo)
+        self._labels.append(
+            self._scene.add_label(f"{gizmo.name}/number", "", anchor="center-center", visible=False)
+        )
+        self.data.append(obstacle.model_dump(mode="json", exclude=_POSE))
+        self._validated.append((_with_pose(self.data[-1], gizmo), obstacle))
+        self._drawn.append({})
+        self._bodies.append(None)  # type: ignore[arg-type]
+        if foreseen is not None:
+            self._drawn[-1] = dict(self.data[-1])
+            foreseen.body.opacity = (foreseen.body.opacity or 1.0) / _FORESEEN
+            self._embody(-1, foreseen.body)
+        self._embodied = None
+        self._with_handles = -2
+
+    def _new_gizmo(self, obstacle: Obstacle) -> viser.TransformControlsHandle:
+        """A gizmo without handles where an obstacle is."""
         self._added += 1
         gizmo = self._scene.add_transform_controls(
             f"/obstacle_{self._added}",
@@ -144,16 +215,14 @@ class ObstacleGizmos:
         )
         gizmo.on_update(self._pull)
         page.own(gizmo)
-        self.gizmos.append(gizmo)
-        self._labels.append(
-            self._scene.add_label(f"{gizmo.name}/number", "", anchor="center-center", visible=False)
-        )
-        self.data.append(obstacle.model_dump(mode="json", exclude=_POSE))
-        self._validated.append((_with_pose(self.data[-1], gizmo), obstacle))
-        self._drawn.append({})
-        self._bodies.append(None)  # type: ignore[arg-type]
-        self._embodied = None
-        self._with_handles = -2
+        return gizmo
+
+    def _put(self, number: int, obstacle: Obstacle) -> None:
+        """Have gizmo ``number`` show another obstacle of its shape."""
+        gizmo = self.gizmos[number]
+        gizmo.position, gizmo.wxyz = obstacle.position, obstacle.wxyz
+        self.data[number] = obstacle.model_dump(mode="json", exclude=_POSE)
+        self._validated[number] = (_with_pose(self.data[number], gizmo), obstacle)
 
     def remove(self, number: int) -> None:
         """Remove obstacle ``number``, from 0."""
@@ -210,6 +279,14 @@ class ObstacleGizmos:
         self._wake(event)
 
 
+def _same_shapes(old: Sequence[Obstacle], new: Sequence[Obstacle]) -> bool:
+    """Whether each obstacle is of the old one's shape, and of the same surface."""
+    return len(old) == len(new) and all(
+        type(a) is type(b) and getattr(a, "surface", None) is getattr(b, "surface", None)
+        for a, b in zip(old, new, strict=True)
+    )
+
+
 def _with_pose(data: dict[str, Any], gizmo: viser.TransformControlsHandle) -> dict[str, Any]:
     """An obstacle's data with the pose of its gizmo, as in a scene file."""
     return {**data, "position": gizmo.position.tolist(), "wxyz": gizmo.wxyz.tolist()}
@@ -219,3 +296,11 @@ def _radius(obstacle: Obstacle) -> float:
     """Half the diagonal of the bounds, [unit]."""
     low, high = obstacle.bounds()
     return float(np.linalg.norm(high - low) / 2)
+
+
+def _is_drawn_as(obstacle: Obstacle, mesh: MeshShape) -> bool:
+    """Whether an obstacle has the same surface, of the same size, in the same place."""
+    if not isinstance(obstacle, MeshShape) or obstacle.surface != mesh.surface:
+        return False
+    pose = obstacle.factor, obstacle.position, obstacle.wxyz
+    return pose == (mesh.factor, mesh.position, mesh.wxyz)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import resource
+import signal
 import threading
 from collections.abc import Iterator
 
@@ -41,6 +42,24 @@ def file_of(suffix: str) -> bytes:
 def test_a_mesh_is_the_one_that_is_read_here(reader: Reader, suffix: str) -> None:
     content, name = file_of(suffix), f"ball{suffix}"
     assert reader.mesh(content, name) == clean(*read(content, name), name)
+
+
+def test_a_process_that_was_started_before_reads_the_first_file() -> None:
+    reader = Reader()
+    reader.warm()
+    (process,) = reader._idle
+    reader.warm()
+    assert reader._idle == [process]
+    content = meshes.stl(meshes.box())
+    assert len(reader.mesh(content, "a.stl").faces) == 12
+    assert reader._idle == [process]
+    reader.close()
+
+    reader.warm()  # one that is not wanted after all is not waited for
+    (process,) = reader._idle
+    reader.close()
+    assert process._process.returncode == -signal.SIGKILL
+    assert reader.lost == []
 
 
 def test_a_scene_comes_with_its_meshes_and_its_arm(reader: Reader) -> None:
