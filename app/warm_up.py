@@ -1,7 +1,10 @@
-"""Compilation of the kernels behind the first plan, with a notice where that takes long."""
+"""What is loaded behind the first plan: the kernels, with a notice where that takes long, and the
+process that reads files.
+"""
 
 from __future__ import annotations
 
+import contextlib
 import importlib
 import threading
 
@@ -48,6 +51,8 @@ class WarmUp:
         timer.start()
         try:
             compiling.compile()
+            if self.planned.is_set():
+                self._warm_reader()
         finally:
             timer.cancel()
             with self._lock:
@@ -56,6 +61,14 @@ class WarmUp:
                 for notice in self._notices:
                     notice.remove()
                 self._notices.clear()
+
+    @staticmethod
+    def _warm_reader() -> None:
+        """Start the process that reads files from outside, which takes two seconds."""
+        from app.guard.reader import READER
+
+        with contextlib.suppress(OSError):  # the first file tries again
+            READER.warm()
 
     def _notify_all(self) -> None:
         with self._lock:

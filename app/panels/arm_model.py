@@ -14,6 +14,7 @@ from abi.robot.robot_files import SHIPPED, load_robot
 from abi.scene.scene import Scene
 from app import page
 from app.guard.reader import READER
+from app.panels.files import shown_name
 from app.panels.widgets import Wake
 
 _PAPER = "the paper's arm"
@@ -28,7 +29,6 @@ _AXES: dict[str, tuple[float, float, float] | None] = {
     "along −y": (0.0, -1.0, 0.0),
 }
 _OTHER = "as in the scene"
-_NAME_LENGTH = 40
 
 
 class ArmModelPanel:
@@ -114,7 +114,7 @@ class ArmModelPanel:
         if self.upload.value is self._uploaded:
             return
         self._uploaded = self.upload.value
-        name = _printable(self.upload.value.name)
+        name = shown_name(self.upload.value.name)
         try:
             robot = READER.arm(self.upload.value.content, name)
         except SceneError as error:
@@ -140,8 +140,3 @@ class ArmModelPanel:
         self.tip.value = tip or usual
         self._unnamed_tip = None if tip else usual
         self._tips_of = name
-
-
-def _printable(name: str) -> str:
-    """Name of a file as the page shows it."""
-    return "".join(c for c in name if c.isprintable())[-_NAME_LENGTH:].strip() or "a file"

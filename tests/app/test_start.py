@@ -7,18 +7,33 @@ import subprocess
 import sys
 
 _LATE = ("numba", "scipy", "trimesh", "networkx", "yourdfpy", "pydantic")
+_NEVER = ("scipy.optimize", "scipy.spatial", "trimesh", "networkx", "yourdfpy")
+"""What the first plan of the paper's scene needs nothing of; it takes a second to load."""
 _CODE = """
 import json, sys
-import app.__main__, app.server
-print(json.dumps(sorted({name.partition(".")[0] for name in sys.modules})))
+{}
+print(json.dumps(sorted(sys.modules)))
 """
 
 
+def _loaded(code: str) -> list[str]:
+    """Modules that are there after the code."""
+    run = subprocess.run(
+        [sys.executable, "-c", _CODE.format(code)], capture_output=True, text=True, check=True
+    )
+    return list(json.loads(run.stdout))
+
+
 def test_the_port_opens_before_the_method_is_loaded() -> None:
-    run = subprocess.run([sys.executable, "-c", _CODE], capture_output=True, text=True, check=True)
-    loaded = json.loads(run.stdout)
+    loaded = _loaded("import app.__main__, app.server")
     assert "viser" in loaded
     assert [name for name in _LATE if name in loaded] == []
+
+
+def test_a_tab_and_its_first_plan_load_no_library_that_they_do_not_need() -> None:
+    loaded = _loaded("import app.session, abi; assert abi.plan(abi.load_scene('paper')).bspline")
+    assert "numba" in loaded
+    assert [name for name in _NEVER if name in loaded] == []
 
 
 def test_the_public_names_are_there_when_they_are_asked_for() -> None:
