@@ -11,7 +11,7 @@ from abi.arrays import FloatArray
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.primitives import Cylinder
 from abi.scene.scene import Scene
-from app.framing import Window, stand
+from app.framing import Window, holds, stand
 from app.page_area import PageArea
 
 _DIRECTION = np.array([0.82, -0.42, 0.38])
@@ -93,7 +93,7 @@ class Viewpoint:
         """Keep all points (n, 3), [unit], in what is free of the picture; None ends that.
 
         The camera moves at the begin, at the end, and with a new scene, unless the user moved it:
-        what a hand drags is not to move under it.
+        what a hand drags is not to move under it. :meth:`follow` is for when the hand has let go.
         """
         begins = (points is None) != (self._points is None)
         moved = self._is_moved()
@@ -101,6 +101,14 @@ class Viewpoint:
         if not moved and (begins or (self._shown and points is not None)):
             self._place()
         self._shown = False
+
+    def follow(self) -> None:
+        """Step to where all points to surround are seen again, unless the user moved the camera."""
+        if self._points is None or self._is_moved():
+            return
+        camera = self._camera
+        if not holds(self._points, camera.position, camera.look_at, self._window):
+            self._place()
 
     def look_from(self, direction: tuple[float, float, float]) -> None:
         """Look at the whole scene from a direction, which need not be of length 1."""
@@ -119,6 +127,15 @@ class Viewpoint:
         self._camera.up_direction = np.array(view.up)
         self._camera.position = np.array(view.position)
         self._camera.look_at = np.array(view.target)
+
+    def mirror(self, scene: Scene, view: View | None) -> None:
+        """Look at another tab's ``scene`` as that tab does; a camera in its place is left alone."""
+        around = self._scene.workspace, self._scene.arm.base
+        if around != (scene.workspace, scene.arm.base):
+            self.show(scene)
+        self._scene = scene
+        if view is not None and view != self.now():
+            self.restore(view)
 
     def fit(self, area: PageArea | None) -> None:
         """Follow the picture's shape and what covers it, unless the user moved the camera."""

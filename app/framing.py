@@ -58,6 +58,24 @@ def stand(
     return position, position + (z.mean() - depth) * forward
 
 
+def holds(points: FloatArray, position: FloatArray, target: FloatArray, window: Window) -> bool:
+    """Whether a camera sees all points in the free part of its picture.
+
+    Args:
+        points: (n, 3), [unit], world.
+        position: of the camera (3,), [unit].
+        target: what it looks at (3,), [unit], not straight above or below it.
+        window: where they are to be seen.
+    """
+    right, up, forward = axes(position - target)
+    away = points - position
+    x, y, z = away @ right, away @ up, away @ forward
+    half = np.tan(window.fov / 2)
+    top, bottom = half * (1 - 2 * window.above), half * (1 - 2 * window.below)
+    inside = (np.abs(x) <= half * window.aspect * z) & (y <= top * z) & (y >= -bottom * z)
+    return bool(inside.all())
+
+
 def axes(direction: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Axes (3,) of a camera: to the right, upwards and into the picture; world z is upwards.
 

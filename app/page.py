@@ -17,6 +17,7 @@ import viser
 from viser import _assignable_props_api, _messages
 
 from abi import assets
+from app import viser_shortcuts
 from app.style import VIOLATION, Colour, css
 
 assert viser.__version__ == "1.1.1", "app/page.py uses private names of viser 1.1.1"
@@ -33,6 +34,9 @@ _props.npt = SimpleNamespace(
         np.uint8: npt.NDArray[np.uint8],
     }
 )
+
+
+viser_shortcuts.install()
 
 
 class _AtOnce(Executor):

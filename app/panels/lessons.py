@@ -81,7 +81,7 @@ class LessonPanel:
 
     def restore(self, text: str) -> None:
         """Go on where a kept text says; ignore one that says nothing of these lessons."""
-        if not text:
+        if not text or text == self.progress:
             return
         if self._lessons is NO_LESSONS:
             self._list()

@@ -52,6 +52,11 @@ class PlaybackPanel:
         self.playing = playing
         self._time = time
 
+    def follow(self, time: float, playing: bool) -> None:
+        """Stand at another tab's ``time`` [s], or play as it does: each by its own clock."""
+        if not (playing and self.playing):
+            self.restore(time, playing)
+
     @property
     def rate(self) -> float:
         """Seconds of the motion for one of the clock."""

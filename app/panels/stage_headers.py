@@ -12,6 +12,7 @@ from app import style
 from app.arm_words import arm_result
 from app.frame import Frame
 from app.numbers import format_length
+from app.once_a_plan import once_a_plan
 
 STAGES = ("mesh", "graph", "search", "bspline", "quadratic", "arm")
 _TITLES = {
@@ -56,7 +57,7 @@ class StageHeaders:
         if state == self._drawn:
             return
         self._drawn = state
-        results = _results(plan)
+        results = dict(_results(plan))
         if frame.coarse and plan.free is not None:
             results["mesh"] = f"≈ {plan.free.nodes:,} nodes"
         if (stage := _stage(frame.refused)) is not None:
@@ -74,6 +75,7 @@ def _stage(error: AbiError | None) -> str | None:
     return _STAGE_OF_FIELD.get(error.field.split(".")[0].split("[")[0])
 
 
+@once_a_plan
 def _results(plan: Plan) -> dict[str, str]:
     """Each stage's result, short enough for a heading on one line."""
     results = dict.fromkeys(STAGES, "")

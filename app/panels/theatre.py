@@ -127,6 +127,8 @@ class TheatrePanel:
 
     def restore(self, text: str) -> None:
         """Show what a kept text says, which may come from anyone; nothing where it says nothing."""
+        if text == self.kept and not self.playing:
+            return
         try:
             cue = SearchCue.model_validate_json(text) if text else SearchCue(on=False)
         except ValidationError:

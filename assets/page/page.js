@@ -38,6 +38,7 @@ window.abi = {
     this.tellArea();
   },
   tellArea() {
+    this.liftScene();
     const canvas = window.__viserMutable?.canvas?.getBoundingClientRect();
     if (!this.watched || !canvas?.height) return;
     const edges = (part, edge) => [...document.querySelectorAll(`#abi-overlay .abi-${part} > *`)]
@@ -182,12 +183,24 @@ window.abi = {
     parts.find(part => part.childElementCount === 0 && part.textContent === label)?.click();
   },
 
+  // Above that sheet, open or folded, is the scene: both are seen at once.
+  liftScene() {
+    const sheet = innerWidth <= this.PHONE && document.querySelector(this.SHEET);
+    const height = sheet ? Math.round(sheet.getBoundingClientRect().height) : 0;
+    if (height === this.sheet) return;
+    this.sheet = height;
+    document.documentElement.style.setProperty("--abi-sheet", `${height}px`);
+    this.overlay().classList.toggle("abi-squeezed", height > 100);
+  },
+  SHEET: '.mantine-Paper-root[style*="max-height: 60%"]',
+
   // In a phone's sheet the tabs are below the stages, in one line first: what is chosen of them comes
-  // into sight.
+  // into sight, and stays there while it unfolds.
   sheetClicked({target}) {
     const chosen = target.closest?.("[role=tab]") || target.textContent?.startsWith("Result · ");
     if (innerWidth > this.PHONE || !chosen) return;
-    setTimeout(() => document.querySelector("[role=tablist]")?.scrollIntoView({block: "start"}), 300);
+    const show = () => document.querySelector("[role=tablist]")?.scrollIntoView({block: "start"});
+    for (const delay of [300, 600, 1000]) setTimeout(show, delay);
   },
   PHONE: 600,  // [px]: the greatest width of one
 
@@ -335,7 +348,7 @@ document.head.insertAdjacentHTML("beforeend", `<style id="abi-style">
 #abi-overlay .abi-bottom { flex-direction: column; }
 #abi-overlay .abi-card {
   background: color-mix(in srgb, var(--mantine-color-body) 88%, transparent);
-  border-radius: 6px; padding: 5px 9px;
+  border-radius: 6px; padding: 5px 9px; text-wrap: pretty;
 }
 #abi-overlay .abi-error { border-left: 4px solid #e03131; }
 #abi-overlay button, #abi-overlay input { pointer-events: auto; font: inherit; }
@@ -392,12 +405,20 @@ document.head.insertAdjacentHTML("beforeend", `<style id="abi-style">
 .mantine-Flex-root:has(> div:last-child .mantine-Checkbox-root) > div {
   width: auto !important; flex: 0 1 auto !important;
 }
+.mantine-Flex-root > div:last-child:has(> div > .mantine-Checkbox-root) { display: flex; }
+/* a heading is nearer to its own text than to the one before */
+.mantine-ScrollArea-content p ~ :is(h3, h4).mantine-Title-root { margin-top: .6em; }
+.mantine-ScrollArea-content h3.mantine-Title-root { font-size: 17px; text-wrap: balance; }
 @media (max-height: 760px) {  /* nothing scrolls on a small laptop, or at 200 % on a large screen */
   .mantine-ScrollArea-content .mantine-Paper-root:not(.mantine-Paper-root *) { margin-block: 7px; }
   .mantine-ScrollArea-content div:has(> .mantine-Flex-root) { padding-bottom: 3.4px !important; }
 }
 @media (max-width: 600px) {
-  #abi-overlay .abi-bottom, #abi-overlay.abi-lecture .abi-bottom { padding-bottom: 56px; }
+  /* the scene ends where the sheet begins */
+  div:has(> #abi-overlay) { bottom: var(--abi-sheet, 56px) !important; }
+  #abi-overlay.abi-squeezed [data-part=numbers] { display: none; }
+  #abi-overlay .abi-numbers { gap: 4px 10px; }
+  .mantine-Paper-root[style*="max-height: 60%"] { max-height: 50% !important; }
   /* the sheet of the panels, which viser makes two thirds as wide as a phone */
   .mantine-Paper-root[style*="max-height: 60%"],
   .mantine-Paper-root[style*="max-height: 60%"] .mantine-ScrollArea-content,
@@ -433,6 +454,7 @@ body:has(#abi-overlay :is([data-part=class], [data-part=tour], [data-part=challe
   mask: repeating-linear-gradient(90deg, #000 0 5px, #0000 0 8px, #000 0 9px, #0000 0 12px);
 }
 .u-legend .u-series > * { padding: 4px 3px; }
+.u-legend { margin-top: -3px !important; }  /* below the name of the axis */
 /* the line that only spans a plot's scale */
 .u-legend .u-series:last-child { display: none; }
 </style>`);

@@ -1,10 +1,12 @@
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
 from app.extent import extent
-from app.framing import axes
+from app.framing import Window, axes, holds
 from app.session import Session
 from tests.app.fake_tab import FakeTab, until
 
@@ -66,3 +68,47 @@ def test_a_view_that_is_chosen_follows_the_picture(tab: tuple[FakeTab, Session])
     fake.look(camera, 300)
     until(lambda: distance(session) > 1.2 * near)
     assert camera.position[1] > camera.look_at[1]
+
+
+def test_in_a_lecture_the_camera_follows_what_the_hand_has_let_go(
+    tab: tuple[FakeTab, Session],
+) -> None:
+    fake, session = tab
+    camera, lecture, goal = session.client.camera, session.panels.lecture, _goal(session)
+    before = camera.position
+    fake.set(lecture.toggle, True)
+    until(lambda: lecture.on and session.resting and not np.allclose(camera.position, before))
+    before, plans = camera.position, session.plans
+    fake.hold(goal)
+    fake.set(session.panels.stages.arm.base, [0.0, -12.0, 0.0])
+    until(lambda: session.plans > plans and session.resting)
+    assert not _sees_all(session)
+    np.testing.assert_array_equal(camera.position, before)
+    fake.let_go(goal)
+    until(lambda: _sees_all(session))
+
+
+def test_in_a_lecture_a_camera_that_the_hand_has_turned_does_not_follow(
+    tab: tuple[FakeTab, Session],
+) -> None:
+    fake, session = tab
+    camera, lecture = session.client.camera, session.panels.lecture
+    fake.set(lecture.toggle, True)
+    until(lambda: lecture.on and session.resting)
+    fake.look(camera, 900, position=[12.0, -6.0, 3.0])
+    until(lambda: bool(camera.position[0] == 12))
+    plans = session.plans
+    fake.set(session.panels.stages.arm.base, [0.0, -12.0, 0.0])
+    until(lambda: session.plans > plans and session.resting)
+    np.testing.assert_array_equal(camera.position, [12.0, -6.0, 3.0])
+
+
+def _goal(session: Session) -> Any:
+    return session.panels.ends.gizmos["goal"]
+
+
+def _sees_all(session: Session) -> bool:
+    assert session.plan is not None
+    camera = session.client.camera
+    window = Window(camera.fov, camera.aspect)
+    return holds(extent(session.plan), camera.position, camera.look_at, window)

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from abi.planner.planner import plan as planned
 from abi.scene.scene import load_scene, scene_names
 from app.extent import extent
-from app.framing import Window, axes, stand
+from app.framing import Window, axes, holds, stand
 
 _WINDOWS = st.builds(
     Window,
@@ -46,6 +46,11 @@ def test_all_points_are_in_the_window_and_two_at_opposite_edges(
     assert height.min() >= window.below
     assert height.max() <= 1 - window.above
     assert max(np.ptp(across), np.ptp(height) / free) > 0.9
+    assert holds(points, position, target, window)
+    # a picture's width aside nothing is seen, nor behind the camera
+    aside = (2.1 + seed % 3) * depth.max() * half * window.aspect * right
+    assert not holds(points, position + aside, target + aside, window)
+    assert not holds(points, position, 2 * position - target, window)
 
 
 @pytest.mark.slow

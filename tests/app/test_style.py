@@ -93,6 +93,12 @@ def test_every_line_shows_on_both_pages(colour: style.Colour) -> None:
         assert _contrast(colour, ground) > 2
 
 
+@pytest.mark.parametrize("colour", style.JOINTS)
+def test_thin_lines_of_plots_are_easily_seen_on_both_pages(colour: style.Colour) -> None:
+    for ground in ((255, 255, 255), DARK):
+        assert _contrast(colour, ground) >= 3  # WCAG 2.1, 1.4.11
+
+
 @pytest.mark.parametrize("signs", [style.GOOD, style.BAD])
 def test_signs_can_be_read_on_both_pages(signs: tuple[style.Colour, style.Colour]) -> None:
     for sign, ground in zip(signs, style.PAGES, strict=True):

@@ -296,9 +296,9 @@ class Page:
     def choose_body(self, gizmo: str) -> None:
         """Click what a gizmo moves, and wait for its arrows."""
         if self.props(gizmo)["disable_axes"]:
-            x, y = self.pixel(gizmo)
-            self.until(lambda: self.is_free((x, y)), f"{gizmo} not to be covered")
-            self.tab.mouse.move(x, y)
+            # anew each time: the camera may still be on its way
+            self.until(lambda: self.is_free(self.pixel(gizmo)), f"{gizmo} not to be covered")
+            self.tab.mouse.move(*self.pixel(gizmo))
             self.frames(3)
             self.tab.mouse.down()
             self.frames(2)

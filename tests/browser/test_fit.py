@@ -88,6 +88,34 @@ _SLIDERS = """() => [...document.querySelectorAll(".mantine-Slider-root")].map(s
   return [Math.max(...sides("thumb", "bottom"), ...sides("mark", "bottom")), Math.min(...digits)];
 }).filter(([knob, text]) => isFinite(knob) && isFinite(text))"""
 
+# For each checkbox that is seen: heights of its middle and of its label's, [px].
+_CHECKBOXES = """() => [...document.querySelectorAll("input[type=checkbox]")]
+  .filter(box => box.getBoundingClientRect().width > 0)
+  .map(box => [box, document.querySelector(`label[for="${box.id}"]`)].map(part => {
+    const {top, bottom} = part.getBoundingClientRect();
+    return (top + bottom) / 2;
+  }))"""
+
+# For each plot that is seen: where its axes' names end, a little above the end of the canvas, and
+# where the legend's text begins, [px].
+_LEGENDS = """() => [...document.querySelectorAll(".uplot")]
+  .filter(plot => plot.getBoundingClientRect().width > 0)
+  .map(plot => {
+    const range = document.createRange();
+    range.selectNodeContents(plot.querySelector(".u-legend .u-series:nth-child(2) .u-label"));
+    return [plot.querySelector("canvas").getBoundingClientRect().bottom,
+      range.getBoundingClientRect().top];
+  })"""
+
+# For each heading between paragraphs that is seen: the space above it and below, [px].
+_HEADINGS = """() => [...document.querySelectorAll("p ~ :is(h3, h4).mantine-Title-root")]
+  .filter(heading => heading.getBoundingClientRect().width > 0)
+  .map(heading => {
+    const {top, bottom} = heading.getBoundingClientRect();
+    return [top - heading.previousElementSibling.getBoundingClientRect().bottom,
+      heading.nextElementSibling.getBoundingClientRect().top - bottom];
+  })"""
+
 # Boxes of what is written over the scene, and of the scene: left, top, right, bottom, [px].
 _OVERLAY = """() => {
   const box = part => {
@@ -118,7 +146,7 @@ def _check(page: Page) -> None:
 def _check_overlay(page: Page) -> None:
     """Check that what is written over the scene is within it, each part beside the others."""
     scene, boxes = page.tab.evaluate(_OVERLAY)
-    assert len(boxes) >= 4
+    assert len(boxes) >= 3  # above a phone's open sheet there are no numbers
     for number, (left, top, right, bottom) in enumerate(boxes):
         assert scene[0] <= left < right <= scene[2] + 1
         assert scene[1] <= top < bottom <= scene[3] + 1
@@ -257,6 +285,40 @@ def test_the_numbers_under_a_slider_are_below_its_knob(page: Page) -> None:
     rows = page.tab.evaluate(_SLIDERS)
     assert len(rows) > 3
     assert all(knob <= text for knob, text in rows), rows
+
+
+def test_no_line_of_the_sentence_ends_within_a_word_or_before_a_unit(page: Page) -> None:
+    words = page.tab.locator("#abi-overlay [data-part=message] span")
+    assert words.count() == 3
+    lines = [
+        page.tab.evaluate("part => part.getClientRects().length", part)
+        for part in words.element_handles()
+    ]
+    assert lines == [1, 1, 1]
+
+
+def test_a_checkbox_is_level_with_its_label(page: Page) -> None:
+    page.click("Layers")
+    page.settle()
+    rows = page.tab.evaluate(_CHECKBOXES)
+    assert len(rows) > 15
+    assert all(abs(box - label) < 1.5 for box, label in rows), rows
+    page.click("Result")
+
+
+def test_a_plots_legend_is_below_the_name_of_its_axis(page: Page) -> None:
+    rows = page.tab.evaluate(_LEGENDS)
+    assert rows
+    assert all(axis <= legend <= axis + 8 for axis, legend in rows), rows
+
+
+def test_a_heading_is_nearer_to_its_own_text_than_to_the_text_before(page: Page) -> None:
+    page.click("Learn")
+    page.settle()
+    rows = page.tab.evaluate(_HEADINGS)
+    assert len(rows) > 4
+    assert all(above > 2 * below + 4 for above, below in rows), rows
+    page.click("Result")
 
 
 def test_the_name_of_every_layer_is_on_one_line(page: Page) -> None:

@@ -92,7 +92,8 @@ def test_the_demonstration_ends_at_the_first_touch(chromium: Browser, touched: s
             page.until(lambda: scene() == paper, "the scene as it was")
         else:
             (gizmo,) = drawn.obstacles(page)
-            x, y = page.pixel(gizmo)
+            # where it is at every moment of the demonstration
+            x, y = page.pixel("/workspace", paper.obstacles[0].position)
             page.drag((x, y), (x + 50, y + 40))
             page.until(lambda: session.resting and not session._pause.demo.running, "rest")
             page.until(lambda: drawn.shows(page, session.plan), "the plan")

@@ -23,6 +23,16 @@ _TABS_BEGIN = """() => {
     sheet.scrollHeight - sheet.clientHeight - sheet.scrollTop];
 }"""
 
+# Heights of the page, and of the scene; and where the sheet begins, [px].
+_SHARES = """() => [innerHeight, window.__viserMutable.canvas.getBoundingClientRect().bottom,
+  document.querySelector(".mantine-ScrollArea-viewport").getBoundingClientRect().top]"""
+
+
+def _are_both_seen(page: Page) -> bool:
+    """Whether the scene has half of the page, down to the sheet."""
+    height, scene, sheet = page.tab.evaluate(_SHARES)
+    return bool(0.45 * height <= scene <= sheet + 1 <= scene + 3)
+
 
 def _in_sight(page: Page) -> bool:
     """Whether the tabs are at the top of the sheet, or as far up as their content lets them be."""
@@ -37,6 +47,10 @@ def test_a_sheet_shows_what_is_chosen_and_can_be_folded(chromium: Browser, serve
         title = page.tab.get_by_text(TITLE, exact=True)
         page.settle()
         title.click()
+        page.until(lambda: _are_both_seen(page), "the scene above the sheet")
+        page.settle()
+        for corner in ([0.0, 0.0, 0.0], [6.0, 6.0, 6.0], [6.0, 0.0, 6.0], [0.0, 6.0, 0.0]):
+            assert page.is_free(page.pixel("/workspace", corner)), corner
         page.tab.get_by_text("Result · Search ·").click()
         page.until(lambda: _in_sight(page), "the tabs")
         for name in ("Plots", "Scene", "Layers", "Learn", "Search", "Result"):
@@ -44,8 +58,10 @@ def test_a_sheet_shows_what_is_chosen_and_can_be_folded(chromium: Browser, serve
             page.until(lambda: _in_sight(page), f"the tab {name}")
             page.settle()
             assert page.tab.evaluate(_WIDTHS) == [390, 390]
+            assert _are_both_seen(page)
         title.click()
         page.until(lambda: title.bounding_box()["y"] > 780, "the sheet to fold")  # type: ignore[index]
+        page.until(lambda: page.tab.evaluate(_SHARES)[1] > 0.9 * 844, "the scene to have it all")
         assert not page.errors
     finally:
         page.close()
