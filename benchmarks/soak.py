@@ -203,13 +203,15 @@ class _Account:
     """What the server takes, printed with the figures so far.
 
     Attributes:
-        figures: processor cores from the first account to the last; megabytes before the tabs, with
-            all open, at the end, and once they are closed; faults.
+        figures: processor cores of the server, and of the process that has the tabs, from the first
+            account to the last; megabytes before the tabs, with all open, at the end, and once they
+            are closed; faults.
     """
 
     def __init__(self, server: ServerProcess) -> None:
         self._server = server
         self._begin, self._used = time.monotonic(), server.usage()[0]
+        self._own = time.process_time()
         self.figures: dict[str, Any] = {"cores": 0.0, "megabytes": {"before": server.usage()[1]}}
 
     def tell(self, moment: str, figures: dict[str, Any]) -> None:
@@ -218,9 +220,11 @@ class _Account:
         self.figures["megabytes"][moment] = memory
         if moment == "open":
             self._begin, self._used = time.monotonic(), used
+            self._own = time.process_time()
         elif moment != "closed":
             seconds = time.monotonic() - self._begin
             self.figures |= {"cores": (used - self._used) / seconds, "seconds": seconds}
+            self.figures["tabs_cores"] = (time.process_time() - self._own) / seconds
             self.figures["faults"] = faults(self._server.url)
         if moment == "running":
             print(json.dumps({"so_far": True, **figures, **self.figures}), flush=True)

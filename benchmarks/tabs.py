@@ -110,7 +110,8 @@ async def drag(
         median tab and ``least`` of the slowest, ``gap_ms``, which 95 % of the gaps between two
         updates stay under, and ``longest_ms``; ``last_ms``, how long after the hand the last curve
         came, in the latest tab; ``cores`` and ``megabytes`` of the server, and these at its
-        ``begin_megabytes``; ``stale``, tabs whose last curve is not that of the last position.
+        ``begin_megabytes``; ``stale``, tabs whose last curve is not that of the last position;
+        ``tabs_cores`` of the process that has the tabs.
     """
     await warm_up(server.url)
     begin = time.monotonic()
@@ -119,10 +120,10 @@ async def drag(
     ready = time.monotonic()
     await asyncio.sleep(settle)
     before, begin_memory = server.usage()
-    started = time.monotonic()
+    started, own = time.monotonic(), time.process_time()
     released = await asyncio.gather(*(tab.drag(seconds, phase) for phase, tab in enumerate(opened)))
     after, memory = server.usage()
-    elapsed = time.monotonic() - started
+    elapsed, own = time.monotonic() - started, time.process_time() - own
     await asyncio.sleep(_REST)
     expected = await asyncio.gather(*(asyncio.to_thread(expected_curve, tab) for tab in opened))
     runs = [
@@ -141,6 +142,7 @@ async def drag(
         "longest_ms": 1e3 * float(gaps.max()),
         "last_ms": 1e3 * max(run["late"] for run in runs),
         "cores": (after - before) / elapsed,
+        "tabs_cores": own / elapsed,
         "ms_per_update": 1e3 * (after - before) / max(sum(run["count"] for run in runs), 1),
         "begin_megabytes": first,
         "open_megabytes": begin_memory,
