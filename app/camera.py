@@ -139,7 +139,9 @@ class Viewpoint:
 
     def fit(self, area: PageArea | None) -> None:
         """Follow the picture's shape and what covers it, unless the user moved the camera."""
-        factor = min(max(_ASPECT / self._camera.aspect, 1.0), _MAX_DISTANCE_FACTOR)
+        if not self._camera.image_height * self._camera.image_width:
+            return  # wholly covered for the moment, as by a phone's sheet
+        factor = min(max(_ASPECT / aspect(self._camera), 1.0), _MAX_DISTANCE_FACTOR)
         window = self._free(area)
         surrounds = self._points is not None
         if factor == self._distance_factor and not (surrounds and window != self._window):
@@ -150,7 +152,7 @@ class Viewpoint:
 
     def _free(self, area: PageArea | None) -> Window:
         """What is free of the picture; text that comes and goes counts while the shape stays."""
-        now = Window(self._camera.fov, self._camera.aspect)
+        now = Window(self._camera.fov, aspect(self._camera))
         if area is not None:
             above, below = min(area.above, _MOST_COVERED), min(area.below, _MOST_COVERED)
             if self._points is not None and now.aspect == self._window.aspect:
@@ -171,6 +173,11 @@ class Viewpoint:
         """Whether the user has moved the camera."""
         size = _view(self._scene, self._distance_factor)[2]
         return bool(np.linalg.norm(self._camera.position - self._home) >= _TOLERANCE * size)
+
+
+def aspect(camera: viser.CameraHandle) -> float:
+    """Width over height of a page's picture, which may have neither; 0.1 to 10."""
+    return min(max(camera.image_width / max(camera.image_height, 1), 0.1), 10.0)
 
 
 def look_at(

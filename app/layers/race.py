@@ -12,7 +12,7 @@ from abi.arrays import FloatArray
 from abi.scene.scene import Scene
 from abi.search.replay import SearchState
 from app import style
-from app.camera import View
+from app.camera import View, aspect
 from app.frame import Frame, Switch
 from app.layers.lines import add_line, segments
 from app.layers.theatre import few, order_colours
@@ -100,7 +100,7 @@ class RaceLayer:
         centre = np.add(scene.workspace.min, scene.workspace.max) / 2
         target = centre + offset(scene, 0, 1)
         away = np.array([_ROW[1], -_ROW[0], 0.42])
-        sideways = np.tan(camera.fov / 2) * min(camera.aspect, 1.5)
+        sideways = np.tan(camera.fov / 2) * min(aspect(camera), 1.5)
         camera.position = target + max(2.5 / sideways, 2.5) * longest * away
         camera.look_at = target
 

@@ -11,6 +11,7 @@ import viser
 from numpy.typing import NDArray
 
 from app import page
+from app.camera import aspect
 from app.challenge import GOALS, Challenge, challenge_of
 from app.frame import Frame
 from app.overlay import Overlay
@@ -92,7 +93,7 @@ class SharePanel:
         self._client.add_notification("The link is ready", told, auto_close_seconds=seconds)
 
     def _take_picture(self) -> None:
-        height = round(_WIDTH / max(self._client.camera.aspect, 0.2))
+        height = round(_WIDTH / max(aspect(self._client.camera), 0.2))
         try:
             picture = self._client.get_render(
                 height, _WIDTH, transport_format="png", timeout=_PATIENCE

@@ -103,6 +103,20 @@ def test_in_a_lecture_a_camera_that_the_hand_has_turned_does_not_follow(
     np.testing.assert_array_equal(camera.position, [12.0, -6.0, 3.0])
 
 
+def test_a_picture_without_area_is_none_to_follow(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    camera = session.client.camera
+    session.playback.playing = True
+    near = distance(session)
+    fake.look(camera, 0)
+    until(lambda: camera.image_width == 0)
+    plans = session.plans
+    fake.set(session.panels.stages.arm.base, [0.0, -12.0, 0.0])
+    until(lambda: session.plans > plans and session.resting)
+    assert session._fault is None
+    assert distance(session) == near
+
+
 def _goal(session: Session) -> Any:
     return session.panels.ends.gizmos["goal"]
 
