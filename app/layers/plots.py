@@ -30,7 +30,7 @@ class PlotsLayer:
         speed = (("speed", style.MARK), *zip("xyz", style.AXES, strict=True))
         angles = tuple((_JOINTS[i - 1], style.JOINTS[i - 1]) for i in (1, 2, 3, 4, 6))
         with layout.result:
-            self._speed = new_plot(gui, _speed_title(unit), speed, 146)
+            self._speed = new_plot(gui, _speed_title(unit), speed, 130)
         with layout.joints:
             self._no_motion = gui.add_html(_NO_MOTION)
             self._angles = new_plot(gui, "joint angles [rad]", angles, 250)
