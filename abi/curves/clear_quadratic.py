@@ -211,9 +211,9 @@ def _within_half_spaces(
     control = pieces.control @ target.control_points
     normals, bounds = [], []
     for obstacle in target.obstacles:
-        gradient = obstacle.gradient(near)
+        distance, gradient = obstacle.signed_distance_gradient(near)
         ahead = np.einsum("nkj,nj->nk", control - near[:, None], gradient)
-        bounds.append(aim - obstacle.signed_distance(near)[:, None] - ahead)
+        bounds.append(aim - distance[:, None] - ahead)
         normals.append(np.einsum("nkm,nj->nkmj", pieces.free, gradient))
     b = np.concatenate(bounds).ravel()
     a = np.concatenate(normals).reshape(len(b), -1)

@@ -120,6 +120,10 @@ class _Primitive(Posed):
         """
         return np.asarray(self._gradient(self._to_body(points)) @ rotation(self.wxyz).T)
 
+    def signed_distance_gradient(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Signed distance (n,) of points (n, 3), [unit], and its gradient (n, 3), world."""
+        return self.signed_distance(points), self.gradient(points)
+
     def segment_distance(self, p: FloatArray, q: FloatArray) -> FloatArray:
         """Least signed distance (n,) along the segments from p (n, 3) to q (n, 3), [unit].
 

@@ -16,7 +16,8 @@ from abi.arrays import FloatArray, IntArray
 from abi.compiled import IDS, compiled
 from abi.obstacles.primitive_kernels import in_body
 from abi.obstacles.triangle_mesh.distance_grid_kernels import distance_bounds, steepest
-from abi.obstacles.triangle_mesh.segment_kernels import comes_near
+from abi.obstacles.triangle_mesh.gather_kernels import comes_near_gathered, gather, no_triangles
+from abi.obstacles.triangle_mesh.segment_kernels import near_triangle
 from abi.obstacles.triangle_mesh.surface_kernels import (
     NO_PLACEMENT,
     NO_TABLES,
@@ -26,12 +27,14 @@ from abi.obstacles.triangle_mesh.surface_kernels import (
     new_room,
     to_surface,
 )
+from abi.obstacles.triangle_mesh.triangle_kernels import segment_to_triangle, triangle_at
 from abi.obstacles.vector_kernels import Vec3, add, axpy, norm, sub
 from abi.tet_mesh.adjacency_kernels import (
     CSR,
     INTERIOR_DIRECTIONS,
     NO_ADJACENCY,
     Adjacency,
+    Shape,
     across,
     cell,
     row_place,
@@ -45,6 +48,15 @@ from abi.tet_mesh.near_node_kernels import (
     near_nodes_of_lattice,
     near_nodes_of_rows,
 )
+
+_STRETCH = 8
+"""Nodes along a line, for whose edges triangles are gathered together."""
+
+_LONGEST_PAUSE = 15
+"""Stretches, at most, for which none are gathered after there were too many."""
+
+_OPEN, _TOO_MANY = -2, -1
+_ROUNDING = 4.0  # room for that of a plane that is kept
 
 Found = tuple[IntArray, IntArray, IntArray, IntArray]
 
@@ -117,9 +129,18 @@ def _edges_of_lattice(
         edges[k, 0], edges[k, 1], edges[k, 2] = in_body(placement.axes, along)
         sizes[k] = norm(along)
     cut_nodes, cut_bits = np.empty(256, np.int32), np.empty(256, np.int32)
-    count = 0
+    tables, _, _, room = surface
+    tree, gathered = tables.tree, no_triangles()
+    longest = (limits.reach - limits.margin) * (1.0 + 1e-9)
+    around = longest + limit_of(tables, limits.margin, longest)
+    doubt = _ROUNDING * (tables.error[0] + tables.error[1] * around)
+    count, hint, until, triangles = 0, -1, 0, _OPEN
+    skip, pause = 0, 0
     for i in range(len(near)):
         node = near[i]
+        if i == until:
+            until, triangles = _end_of_stretch(shape, near, i), _OPEN if skip == 0 else _TOO_MANY
+            skip = max(skip - 1, 0)
         bits, here = open_directions[node], bounds[node]
         a, b, c = cell(shape, node)
         p = to_surface(placement, (places[a], places[y0 + b], places[z0 + c]))
@@ -142,11 +163,36 @@ def _edges_of_lattice(
             if here + there - sizes[k] >= 2.0 * limits.margin:
                 continue
             q = add(p, (edges[k, 0], edges[k, 1], edges[k, 2]))
-            if _is_lost(surface, p, q, (here, there), sizes[k]):
+            if triangles == _OPEN:
+                last = cell(shape, near[until - 1])
+                end = (places[last[0]], places[y0 + last[1]], places[z0 + last[2]])
+                end = to_surface(placement, end)
+                triangles = gather(tree, (p, end), around, doubt, gathered, room.waiting)
+                pause = 0 if triangles >= 0 else min(2 * pause + 1, _LONGEST_PAUSE)
+                skip = pause
+            if triangles >= 0:
+                limit = limit_of(tables, limits.margin, sizes[k])
+                lost = comes_near_gathered(tree, gathered, triangles, (p, q), limit, doubt)
+            else:
+                lost, hint = _is_lost(surface, p, q, (here, there), sizes[k], hint)
+            if lost:
                 cut_nodes[count], cut_nodes[count + 1] = node, head
                 cut_bits[count], cut_bits[count + 1] = 1 << k, 1 << (k if k < cross else k + 1)
                 count += 2
     return cut_nodes[:count].copy(), cut_bits[:count].copy()
+
+
+@register_jitable
+def _end_of_stretch(shape: Shape, near: IntArray, first: int) -> int:
+    """Where in ``near`` a stretch of near nodes that begins at a place and is in one line ends."""
+    a, b, _ = cell(shape, near[first])
+    end = first + 1
+    while end < len(near) and near[end] - near[first] < _STRETCH:
+        i, j, _ = cell(shape, near[end])
+        if (i, j) != (a, b):
+            break
+        end += 1
+    return end
 
 
 @register_jitable
@@ -184,30 +230,48 @@ def _edges_of_rows(
                 continue
             # from the same end both times, for rounding
             if tail < head:
-                lost = _is_lost(surface, p, q, (here, there), size)
+                lost, _ = _is_lost(surface, p, q, (here, there), size, -1)
             else:
-                lost = _is_lost(surface, q, p, (there, here), size)
+                lost, _ = _is_lost(surface, q, p, (there, here), size, -1)
             count += 1 if lost else 0
     return gone[:count].copy(), np.zeros(count, np.int32)
 
 
 @register_jitable
 def _is_lost(
-    surface: PlacedSurface, p: Vec3, q: Vec3, bounds: tuple[float, float], size: float
-) -> bool:
+    surface: PlacedSurface,
+    p: Vec3,
+    q: Vec3,
+    bounds: tuple[float, float],
+    size: float,
+    hint: int,
+) -> tuple[bool, int]:
     """Whether an edge that the bounds at its ends do not clear comes nearer than the margin.
 
     Between places at a distance l whose signed distances are s and t, or more, the signed distance
     is at least (s + t - l) / 2.
+
+    Args:
+        surface: the triangle mesh.
+        p, q: the ends, body frame.
+        bounds: of the signed distances there.
+        size: length of the edge.
+        hint: a triangle that may be near, or -1.
+
+    Returns:
+        Whether it does, and a triangle that may be near to the next edge, or -1.
     """
     tables, _, limits, room = surface
-    margin, (at_p, at_q) = limits.margin, bounds
+    tree, margin, (at_p, at_q) = tables.tree, limits.margin, bounds
     middle = axpy(0.5, sub(q, p), p)
     lower, upper = distance_bounds(tables.grid, middle)
     if upper < margin:
-        return True
+        return True, hint
     if lower + min(at_p, at_q) - size / 2 >= 2.0 * margin:
-        return False
+        return False, hint
     # both ends are outside, so a segment that nothing touches is outside, too
-    limit, normal = limit_of(tables, margin, size), steepest(tables.grid, middle)
-    return comes_near(tables.tree, p, q, limit, normal, room.waiting)
+    limit = limit_of(tables, margin, size)
+    if hint >= 0 and segment_to_triangle(p, q, triangle_at(tree.corners, hint)) <= limit * limit:
+        return True, hint
+    found = near_triangle(tree, p, q, limit, steepest(tables.grid, middle), room.waiting)
+    return found >= 0, found if found >= 0 else hint

@@ -23,6 +23,7 @@ from abi.obstacles.triangle_mesh.surface_kernels import (
     limit_of,
     to_surface,
 )
+from abi.obstacles.triangle_mesh.triangle_kernels import point_to_triangle, triangle_at
 from abi.obstacles.triangle_mesh.winding_kernels import is_inside
 from abi.obstacles.vector_kernels import Vec3, norm, sub
 from abi.tet_mesh.adjacency_kernels import (
@@ -37,6 +38,9 @@ from abi.tet_mesh.adjacency_kernels import (
 
 EXCLUDED = -math.inf
 FAR = math.inf
+
+_OVERLAPPING = 2.0 * (1.0 - 1e-9)
+"""Distance of places, in margins that both keep, below which nothing is between them."""
 
 Window = tuple[Span, Span, Span]
 
@@ -72,30 +76,39 @@ class PlacedSurface(NamedTuple):
 
 
 @register_jitable
-def _bound(surface: PlacedSurface, x: Vec3, last: Vec3) -> float:
+def _bound(surface: PlacedSurface, x: Vec3, last: Vec3, hint: int) -> tuple[float, int]:
     """Lower bound of the signed distance of a node that is not excluded; else ``EXCLUDED``.
 
     Args:
         surface: the triangle mesh.
         x: the node, of which the grid does not tell whether it is excluded.
-        last: a place outside, if it is near.
+        last: a place that keeps the margin, if it is near.
+        hint: a triangle that may be near, or -1.
+
+    Returns:
+        The bound, and a triangle that may be near to the next node, or -1.
     """
     tables, _, limits, room = surface
-    tree = tables.tree
+    tree, near = tables.tree, limits.touching * limits.touching
+    if hint >= 0 and point_to_triangle(x, triangle_at(tree.corners, hint), near) < near:
+        return EXCLUDED, hint
     _, found = nearest_triangle(tree, x, limits.touching, math.inf, room.waiting, room.squares)
     if found >= 0:
-        return EXCLUDED
+        return EXCLUDED, found
     if not tables.closed:
-        return limits.margin
-    # what nothing is between is on the same side
+        return limits.margin, hint
+    # what nothing is between is on the same side: where balls that nothing is in overlap
+    apart = norm(sub(x, last))
+    if apart < _OVERLAPPING * limits.margin:
+        return limits.margin, hint
     touching = limit_of(tables, 0.0, 0.0)
-    if norm(sub(x, last)) < limits.reach and not comes_near(
+    if apart < limits.reach and not comes_near(
         tree, last, x, touching, steepest(tables.grid, x), room.waiting
     ):
-        return limits.margin
+        return limits.margin, hint
     if is_inside(tree, tables.dipoles, x, room.stack):
-        return EXCLUDED
-    return limits.margin
+        return EXCLUDED, hint
+    return limits.margin, hint
 
 
 @register_jitable
@@ -129,7 +142,7 @@ def near_nodes_of_lattice(
     most = _nodes_of(windows[0]) + (_nodes_of(windows[1]) if kinds == 2 else 0)
     starts, lengths = np.empty(most, np.int32), np.empty(most, np.int32)
     near = np.empty(most, np.int32)
-    runs, count = 0, 0
+    runs, count, hint = 0, 0, -1
     nowhere = (math.inf, math.inf, math.inf)
     for odd in range(kinds):
         (a0, a1), (b0, b1), (c0, c1) = windows[odd]
@@ -150,7 +163,7 @@ def near_nodes_of_lattice(
                         lower = EXCLUDED
                         many = min(int((limits.margin - upper) / step), (c1 - c) >> 1) + 1
                     elif lower < limits.margin:
-                        lower = _bound(surface, x, last)
+                        lower, hint = _bound(surface, x, last, hint)
                     node = line + (c >> 1)
                     if lower == EXCLUDED:
                         if end != node:
@@ -180,7 +193,7 @@ def near_nodes_of_rows(
     tables, placement, limits, _ = surface
     low, high = _reached(surface)
     excluded, near = np.empty(nodes, np.int32), np.empty(nodes, np.int32)
-    runs, count = 0, 0
+    runs, count, hint = 0, 0, -1
     nowhere = (math.inf, math.inf, math.inf)
     for node in range(nodes):
         x, y, z = place = row_place(places, nodes, node)
@@ -193,7 +206,7 @@ def near_nodes_of_rows(
         if upper < limits.margin:
             lower = EXCLUDED
         elif lower < limits.margin:
-            lower = _bound(surface, here, nowhere)
+            lower, hint = _bound(surface, here, nowhere, hint)
         bounds[node] = lower
         if lower == EXCLUDED:
             excluded[runs] = node

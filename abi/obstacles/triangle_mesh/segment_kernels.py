@@ -60,7 +60,19 @@ def stretch_in(p: Vec3, inverse: Vec3, low: Vec3, high: Vec3, limit: float) -> f
 def comes_near(
     tree: TriangleTree, p: Vec3, q: Vec3, limit: float, normal: Vec3, waiting: IntArray
 ) -> bool:
-    """Whether the segment from p to q is nowhere farther from some triangle than a limit.
+    """Whether the segment from p to q comes as near to some triangle as a limit.
+
+    Args:
+        tree, p, q, limit, normal, waiting: see :func:`near_triangle`.
+    """
+    return near_triangle(tree, p, q, limit, normal, waiting) >= 0
+
+
+@register_jitable
+def near_triangle(
+    tree: TriangleTree, p: Vec3, q: Vec3, limit: float, normal: Vec3, waiting: IntArray
+) -> int:
+    """A triangle as near to the segment from p to q as a limit: its place, or -1.
 
     A node is passed over where the segment passes by its box, widened by the limit, or is higher
     above it than the limit, and so is a triangle. The child with more of the segment comes first,
@@ -95,14 +107,14 @@ def comes_near(
             if stretch_in(p, inverse, low, high, limit) < 0.0:
                 continue
             if segment_to_triangle(p, q, triangle) <= limit * limit:
-                return True
+                return number
             # its neighbours are mostly as far along the way from it
             away = sub(middle, closest_point(middle, triangle))
             size = norm(away) * (1.0 + 1e-12)
             if size > 0.0:
                 normal = (away[0] / size, away[1] / size, away[2] / size)
                 level = min(dot(normal, p), dot(normal, q)) - limit
-    return False
+    return -1
 
 
 @register_jitable

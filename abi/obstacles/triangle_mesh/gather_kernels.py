@@ -1,0 +1,163 @@
+"""Triangles around a segment, gathered once for many short segments there.
+
+A descent of the tree costs more than a look at a few triangles, and of most segments the planes of
+the triangles tell that they are far. Plain Python that numba compiles with its caller.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numba.extending import register_jitable
+
+from abi.arrays import FloatArray, IntArray
+from abi.obstacles.triangle_mesh.bvh import TriangleTree, box_of
+from abi.obstacles.triangle_mesh.segment_kernels import inverse_of, stretch_in
+from abi.obstacles.triangle_mesh.triangle_kernels import (
+    THIN,
+    Triangle,
+    segment_to_triangle,
+    triangle_at,
+)
+from abi.obstacles.vector_kernels import Vec3, cross, dot, sub, vec3_at
+
+_MOST = 48  # with more, descents are quicker
+
+
+class Gathered(NamedTuple):
+    """Room for triangles.
+
+    Attributes:
+        numbers: (``_MOST``,) their places in the tree.
+        planes: of each a unit normal and the plane's product with it, flat (4 ``_MOST``,); 0 where
+            the triangle is too thin to have a plane.
+    """
+
+    numbers: IntArray
+    planes: FloatArray
+
+
+@register_jitable
+def no_triangles() -> Gathered:
+    """Room for triangles."""
+    return Gathered(np.empty(_MOST, np.int32), np.empty(4 * _MOST))
+
+
+@register_jitable
+def gather(
+    tree: TriangleTree,
+    segment: tuple[Vec3, Vec3],
+    reach: float,
+    doubt: float,
+    gathered: Gathered,
+    waiting: IntArray,
+) -> int:
+    """Gather the triangles that come within reach of the segment from p to q, and maybe others.
+
+    Args:
+        tree: over the triangles.
+        segment: p and q, which may be the same.
+        reach: distance, with room for rounding.
+        doubt: bound of the error of a distance to a triangle's plane.
+        gathered: written.
+        waiting: room for ``DEPTH`` nodes.
+
+    Returns:
+        Their number, or -1 where there is no room for all.
+    """
+    _, leaves, corners, _ = tree
+    inner = len(leaves) - 2
+    p, q = segment
+    inverse = inverse_of(sub(q, p))
+    away = reach + doubt
+    waiting[0] = 0
+    waits, count = 1, 0
+    while waits > 0:
+        waits -= 1
+        node = waiting[waits]
+        low, high = box_of(tree, node)
+        if stretch_in(p, inverse, low, high, reach) < 0.0:
+            continue
+        if node < inner:
+            waiting[waits], waiting[waits + 1] = 2 * node + 1, 2 * node + 2
+            waits += 2
+            continue
+        for number in range(leaves[node - inner], leaves[node - inner + 1]):
+            triangle = triangle_at(corners, number)
+            low, high = _box_around(triangle)
+            if stretch_in(p, inverse, low, high, reach) < 0.0:
+                continue
+            normal, level = _plane_of(triangle)
+            at_p, at_q = dot(normal, p) - level, dot(normal, q) - level
+            if min(at_p, at_q) > away or max(at_p, at_q) < -away:
+                continue
+            planes, k = gathered.planes, 4 * count
+            planes[k], planes[k + 1], planes[k + 2] = normal
+            planes[k + 3] = level
+            gathered.numbers[count] = number
+            count += 1
+            if count == _MOST:
+                return -1
+    return count
+
+
+@register_jitable
+def comes_near_gathered(
+    tree: TriangleTree,
+    gathered: Gathered,
+    count: int,
+    segment: tuple[Vec3, Vec3],
+    limit: float,
+    doubt: float,
+) -> bool:
+    """Whether a segment comes as near to one of the triangles gathered as a limit.
+
+    Args:
+        tree: over the triangles.
+        gathered, count: what :func:`gather` found.
+        segment: its ends.
+        limit: distance, at least 0.
+        doubt: bound of the error of a distance to a triangle's plane.
+    """
+    p, q = segment
+    inverse = inverse_of(sub(q, p))
+    away = limit + doubt
+    for k in range(count):
+        normal, level = vec3_at(gathered.planes, 4 * k), gathered.planes[4 * k + 3]
+        at_p, at_q = dot(normal, p) - level, dot(normal, q) - level
+        if min(at_p, at_q) > away or max(at_p, at_q) < -away:
+            continue
+        triangle = triangle_at(tree.corners, gathered.numbers[k])
+        low, high = _box_around(triangle)
+        if stretch_in(p, inverse, low, high, limit) < 0.0:
+            continue
+        if segment_to_triangle(p, q, triangle) <= limit * limit:
+            return True
+    return False
+
+
+@register_jitable
+def _plane_of(triangle: Triangle) -> tuple[Vec3, float]:
+    """Unit normal of a triangle, and the plane's product with it; 0 of one that is thin."""
+    a, b, c = triangle
+    ab, ac, bc = sub(b, a), sub(c, a), sub(c, b)
+    n = cross(ab, ac)
+    nn = dot(n, n)
+    longest = max(dot(ab, ab), dot(ac, ac), dot(bc, bc))
+    if nn <= THIN * THIN * longest * longest:
+        return (0.0, 0.0, 0.0), 0.0
+    size = math.sqrt(nn)
+    n = (n[0] / size, n[1] / size, n[2] / size)
+    return n, dot(n, a)
+
+
+@register_jitable
+def _box_around(triangle: Triangle) -> tuple[Vec3, Vec3]:
+    """Lowest and highest corner of the box around a triangle."""
+    a, b, c = triangle
+    return (
+        (min(a[0], b[0], c[0]), min(a[1], b[1], c[1]), min(a[2], b[2], c[2])),
+        (max(a[0], b[0], c[0]), max(a[1], b[1], c[1]), max(a[2], b[2], c[2])),
+    )
