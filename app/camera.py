@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -25,6 +26,8 @@ _MOST_COVERED = 0.4
 """Part of the picture's height to which text on one edge counts; the rest is for the scene."""
 _TOLERANCE = 1e-3
 """Part of the scene's size by which the page's camera, unmoved, may differ from ours."""
+_REMEMBERED = 8
+"""Number of our last places for the camera that the page may still tell of."""
 
 
 @dataclass(frozen=True)
@@ -62,7 +65,7 @@ class Viewpoint:
         self._direction: FloatArray = _DIRECTION
         self._points: FloatArray | None = None
         self._window = Window(camera.fov, _ASPECT)
-        self._home = np.zeros(3)
+        self._places: deque[FloatArray] = deque(maxlen=_REMEMBERED)
         self._shown = False
         self.show(scene)
 
@@ -167,12 +170,16 @@ class Viewpoint:
         else:
             position, target = stand(self._points, self._direction, self._window)
             self._camera.position, self._camera.look_at = position, target
-        self._home = np.array(self._camera.position)
+        self._places.append(np.array(self._camera.position))
 
     def _is_moved(self) -> bool:
-        """Whether the user has moved the camera."""
+        """Whether the user has moved the camera.
+
+        What the page tells may be older than our last word: a place before that is ours as well.
+        """
         size = _view(self._scene, self._distance_factor)[2]
-        return bool(np.linalg.norm(self._camera.position - self._home) >= _TOLERANCE * size)
+        away = np.linalg.norm(self._camera.position - np.array(self._places), axis=1)
+        return bool(away.min() >= _TOLERANCE * size)
 
 
 def aspect(camera: viser.CameraHandle) -> float:

@@ -117,6 +117,18 @@ def test_a_picture_without_area_is_none_to_follow(tab: tuple[FakeTab, Session]) 
     assert distance(session) == near
 
 
+def test_a_page_that_tells_of_the_place_before_has_not_moved_its_camera(
+    tab: tuple[FakeTab, Session],
+) -> None:
+    fake, session = tab
+    camera, lecture = session.client.camera, session.panels.lecture
+    before = camera.position
+    fake.set(lecture.toggle, True)
+    until(lambda: lecture.on and session.resting and not np.allclose(camera.position, before))
+    fake.look(camera, 300, position=list(before))
+    until(lambda: camera.image_width == 300 and _sees_all(session))
+
+
 def _goal(session: Session) -> Any:
     return session.panels.ends.gizmos["goal"]
 
