@@ -49,7 +49,9 @@ class Frame:
         bases: places tried for the arm's base; None while none are.
         time: since the begin of the motion, [s].
         playing: whether it advances by itself.
-        lecture: whether labels are to be read from afar.
+        lesson: whether one is gone through: what else there is to read waits.
+        lecture: whether the page is to be read from afar.
+        label_scale: of the labels in the scene.
         rate: seconds of the motion for one of the clock, while it does.
     """
 
@@ -67,7 +69,9 @@ class Frame:
     bases: BaseMap | None = None
     time: float = 0.0
     playing: bool = False
+    lesson: bool = False
     lecture: bool = False
+    label_scale: float = 1.0
     rate: float = 1.0
 
     @property

@@ -84,9 +84,13 @@ def ask(client: viser.ClientHandle, widget: viser.GuiTextHandle) -> None:
     _run(client, f"abi.report({json.dumps(uuid(widget))})")
 
 
-def watch(client: viser.ClientHandle, widget: viser.GuiTextHandle) -> None:
-    """Have the tab type into ``widget`` what panels and text leave to the scene, at each change."""
-    _run(client, f"abi.watch({json.dumps(uuid(widget))})")
+def watch(client: viser.ClientHandle, widget: viser.GuiTextHandle, label: str) -> None:
+    """Have the tab type into ``widget`` what panels and text leave to the scene, at each change.
+
+    On a page that is or becomes a phone's the tab folds the sheet with the panels, which has the
+    heading ``label``; viser has no command for that.
+    """
+    _run(client, f"abi.watch({json.dumps(uuid(widget))}, {json.dumps(label)})")
 
 
 def remember(client: viser.ClientHandle, text: str) -> None:
@@ -112,11 +116,6 @@ def uuid(widget: viser.GuiInputHandle[Any] | viser.GuiButtonHandle) -> str:
 def show_part(client: viser.ClientHandle, part: str, content: str) -> None:
     """Show HTML in a part of the layer over the scene."""
     _run(client, f"abi.show({json.dumps(part)}, {json.dumps(content)})", f"show {part}")
-
-
-def fold_sheet(client: viser.ClientHandle, label: str) -> None:
-    """Fold the sheet that holds the panels on a phone, which viser has no command for."""
-    _run(client, f"setTimeout(() => abi.foldSheet({json.dumps(label)}), 300)")
 
 
 def set_lecture(client: viser.ClientHandle, on: bool) -> None:

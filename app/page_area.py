@@ -8,9 +8,16 @@ from dataclasses import dataclass, fields
 import viser
 
 from app import page
+from app.layout import TITLE
 
 _MOST = 100_000.0
 """Longest side of a page, [px]."""
+_USUAL = 12.0
+"""Height of the letters of a label of scale 1, [px]: viser's."""
+_LETTERS = (0.036, 0.03)
+"""The same in a lecture, as parts of the scene's width and height."""
+_SMALLEST, _LARGEST = 14.0, 26.0
+"""Between these, [px]."""
 
 
 @dataclass(frozen=True)
@@ -19,6 +26,7 @@ class PageArea:
 
     Attributes:
         width: of the page, [px].
+        height: of the scene, [px].
         left: width of what panels take on the left, [px].
         right: the same on the right.
         above: part of the scene's height that text covers from above, 0 to 1.
@@ -26,6 +34,7 @@ class PageArea:
     """
 
     width: float = 1280.0
+    height: float = 720.0
     left: float = 0.0
     right: float = 0.0
     above: float = 0.0
@@ -40,11 +49,21 @@ class PageArea:
         except (ValueError, TypeError, KeyError, RecursionError):
             return None
         area = cls(*numbers)
-        sizes = (area.width, area.left, area.right)
+        sizes = (area.width, area.height, area.left, area.right)
         if not all(0 <= size <= _MOST for size in sizes):
             return None
         covered = (area.above, area.below)
         return area if all(0 <= part <= 1 for part in covered) else None
+
+
+def label_scale(area: PageArea | None, lecture: bool) -> float:
+    """Scale of the labels in the scene: in a lecture as large as the scene has room for them."""
+    if not lecture:
+        return 1.0
+    area = area or PageArea()
+    width = area.width - area.left - area.right
+    letters = min(_LETTERS[0] * width, _LETTERS[1] * area.height)
+    return round(min(max(letters, _SMALLEST), _LARGEST) / _USUAL, 1)
 
 
 class PageWatch:
@@ -57,7 +76,7 @@ class PageWatch:
         self._box = client.gui.add_text("area", "", visible=False)
         self._read: object = ""
         self._area: PageArea | None = None
-        page.watch(client, self._box)
+        page.watch(client, self._box, TITLE)
 
     def area(self) -> PageArea | None:
         """The page's area; None before its first word."""

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import viser
 
-from app import page
-from app.layout import TITLE, Layout
+from app.layout import Layout
 from app.page_area import PageArea
 
 PHONE = 600
-"""Width of a page, [px], below which viser makes the panels one sheet over the scene."""
+"""Width of a page, [px], below which viser makes the panels one sheet, which the page folds."""
 NARROW = 1000
 """Width of a page, [px], below which both panels would leave the scene little room."""
 _RAIL = 60
@@ -20,7 +19,6 @@ class PanelFolding:
     """Folds panels where they are in the way, and unfolds after that what no hand has touched."""
 
     def __init__(self, layout: Layout) -> None:
-        self._client = layout.client
         self._sides = [_Side(panel) for panel in layout.panels]
         self._lecture = self._narrow = self._phone = False
 
@@ -31,8 +29,6 @@ class PanelFolding:
         if area is not None and not phone and not self._phone:
             for side, width in zip(self._sides, (area.left, area.right), strict=True):
                 side.look(width < _RAIL)
-        if phone and not self._phone:
-            page.fold_sheet(self._client, TITLE)
         if (lecture and not self._lecture) or (narrow and not self._narrow):
             for side in self._sides:
                 side.fold()

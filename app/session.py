@@ -172,7 +172,7 @@ class Session:
     def _step(self, woken: bool) -> None:
         """Do what there is to do: on input, in a pause, and for the playback."""
         demo = self._pause.demo
-        self._view.fit()
+        resized = self._view.fit(self.frame)
         if woken:
             self._demonstrated = demo.running
             demo.end()
@@ -186,7 +186,7 @@ class Session:
         elif not self._broken:
             if self._pause.seconds >= REST:
                 self._rest()
-            if self._view.timeout(self.frame) is not None:
+            if resized or self._view.timeout(self.frame) is not None:
                 self._draw(self.frame)
         if not demo.running:
             state = self._state()

@@ -66,9 +66,6 @@ CURVES: dict[str, tuple[str, Colour]] = {
 BOX = '<div style="margin:0 10px 4px;line-height:1.35;font-size:12.5px">'
 """Opening tag of a paragraph between widgets, as HTML."""
 
-LABEL_SCALES = {False: 1.0, True: 1.8}
-"""Of the labels in the scene, in lecture mode and else."""
-
 LEFT_WIDTH = 344
 RIGHT_WIDTH = 384
 

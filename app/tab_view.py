@@ -21,7 +21,7 @@ from app.layers.catalogue import DETAILS, LAYERS, SLOW_LAYERS
 from app.layers.details import Details
 from app.lessons.cue import Cue
 from app.lessons.lesson import Library
-from app.page_area import PageWatch
+from app.page_area import PageWatch, label_scale
 from app.panel_folding import PanelFolding
 from app.panels.all_panels import AllPanels
 from app.panels.classroom import ClassroomPanel
@@ -126,7 +126,8 @@ class TabView:
         now = self.playback.advance(frame.duration)
         self.playback.mark(frame.plan.arm_clearance, frame.duration)
         playing, rate = self.playback.playing, self.playback.rate
-        frame = replace(frame, time=now, playing=playing, rate=rate)
+        scale = label_scale(self._watch.area(), frame.lecture)
+        frame = replace(frame, time=now, playing=playing, rate=rate, label_scale=scale)
         bases = self.panels.stages.bases.found(frame.plan.scene)
         return replace(frame, theatre=self.panels.theatre.advance(frame), bases=bases)
 
@@ -139,11 +140,12 @@ class TabView:
             self.viewpoint.surround(extent(frame.plan))
         self._surrounded = frame.plan if frame.lecture else None
 
-    def fit(self) -> None:
-        """Fit panels and camera to the page as it is now."""
+    def fit(self, frame: Frame) -> bool:
+        """Fit panels and camera to the page as it is now; whether ``frame`` fits it no longer."""
         area = self._watch.area()
         self._folding.update(area, self.panels.lecture.on)
         self.viewpoint.fit(area)
+        return label_scale(area, frame.lecture) != frame.label_scale
 
     def take(self, report: Report, dark: bool | None) -> None:
         """Take over what the browser remembers, and the system's colours unless ``dark`` says."""

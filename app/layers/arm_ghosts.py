@@ -26,7 +26,7 @@ class ArmGhostsLayer:
     """The arm's capsules, see-through."""
 
     switches: ClassVar[tuple[Switch, ...]] = (
-        Switch("other_elbow", "other elbow (ghost)", style.DIJKSTRA, on=False),
+        Switch("other_elbow", "other elbow (ghost)", style.FADED, on=False),
         Switch("end_poses", "poses at start and goal (ghosts)", style.POINT, on=False),
         Switch("tool_only", "curve of the tool alone", style.FADED),
     )
@@ -75,7 +75,7 @@ class ArmGhostsLayer:
         vertices, faces = _capsule_meshes(
             place(arm, joints)[0], np.array([capsule.radius for capsule in arm.capsules])
         )
-        colour = style.DIJKSTRA if name == "now" else style.POINT
+        colour = style.FADED if name == "now" else style.POINT
         self._meshes[name] = self._scene.add_mesh_simple(
             f"/arm_ghost/{name}", vertices, faces, color=colour, opacity=0.22, cast_shadow=False
         )

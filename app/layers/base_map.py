@@ -41,16 +41,16 @@ class BaseMapLayer:
         """Draw the map, if there is one."""
         self._root.visible = "bases" in frame.shown
         found = frame.bases
-        if (found, frame.lecture) == self._drawn:
+        if (found, frame.label_scale) == self._drawn:
             return
-        self._drawn = found, frame.lecture
+        self._drawn = found, frame.label_scale
         for handle in (self._tiles, self._pin):
             if handle is not None:
                 handle.remove()
         self._tiles = self._pin = None
         if found is not None and found.cells:
             self._draw_tiles(found)
-            self._draw_best(found, frame.lecture)
+            self._draw_best(found, frame.label_scale)
 
     def _draw_tiles(self, found: BaseMap) -> None:
         layered = found.cells[0].cell[2] > 0
@@ -75,7 +75,7 @@ class BaseMapLayer:
             receive_shadow=False,
         )
 
-    def _draw_best(self, found: BaseMap, lecture: bool) -> None:
+    def _draw_best(self, found: BaseMap, scale: float) -> None:
         best = found.best
         if best is None or best.length is None:
             return
@@ -91,7 +91,7 @@ class BaseMapLayer:
             anchor="bottom-center",
             position=(0.0, 0.0, 2 * _PIN * size),
             depth_test=False,
-            font_screen_scale=style.LABEL_SCALES[lecture],
+            font_screen_scale=scale,
         )
 
 

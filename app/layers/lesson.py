@@ -21,9 +21,10 @@ class LessonLayer:
             self._text = layout.client.gui.add_markdown("")
 
     def draw(self, frame: Frame) -> None:
-        """Write the text; no frame changes it."""
+        """Write the text; show it but while a lesson is gone through."""
         if not self._text.content:
             self._text.content = _lesson()
+        self._text.visible = not frame.lesson
 
 
 @functools.cache

@@ -58,10 +58,11 @@ class NamesLayer:
             self._draw(plan, frame.interactive)
         on = "names" in frame.shown
         for label in (*self._labels.values(), self._distance):
-            label.font_screen_scale = style.LABEL_SCALES[frame.lecture]
+            label.font_screen_scale = frame.label_scale
         for name, label in self._labels.items():
             label.visible = on and name in self._places and _switch(plan, name) in frame.shown
-        self._line.visible = self._distance.visible = on and self._measured
+        measured = on and self._measured and plan.followed in frame.shown
+        self._line.visible = self._distance.visible = measured
 
     def _draw(self, plan: Plan, interactive: bool) -> None:
         nearest, lines = _nearest(plan), _lines(plan)

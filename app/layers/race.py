@@ -48,14 +48,15 @@ class RaceLayer:
         self._labels: list[viser.LabelHandle] = []
         self._built: tuple[object, ...] = ()
         self._drawn: Theatre | None = None
+        self._scale = 1.0
         self._view: View | None = None
 
     def draw(self, frame: Frame) -> None:
         """Draw the race; take the copies away where there is none."""
         theatre = frame.theatre if frame.theatre is not None and frame.theatre.race else None
-        if theatre is self._drawn:
+        if theatre is self._drawn and frame.label_scale == self._scale:
             return
-        self._drawn = theatre
+        self._drawn, self._scale = theatre, frame.label_scale
         self._text.visible = theatre is not None
         if theatre is None:
             self._clear()
@@ -68,6 +69,8 @@ class RaceLayer:
             self._built = built
         for place, (name, state) in enumerate(theatre.race):
             self._draw_one(place, name, state, scene)
+        for label in self._labels:
+            label.font_screen_scale = frame.label_scale
         unit = frame.plan.scene.unit
         lines = [report(name, state, unit) for name, state in theatre.race]
         self._text.content = f"{style.BOX}{'<br>'.join(lines)}<br>{_LEGEND}</div>"

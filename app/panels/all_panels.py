@@ -69,9 +69,9 @@ class AllPanels:
             self.pitch_study = PitchStudyPanel(client.gui, wake)
         with self.layout.scene:
             self.files = FilesPanel(client, name, scene, wake)
-            self.exports = ExportPanel(client, wake)
-            self.share = SharePanel(client, self.layout.overlay, wake)
             self.editor = ObstacleEditor(client, self.obstacles, self.ends, wake)
+            self.share = SharePanel(client, self.layout.overlay, wake)
+            self.exports = ExportPanel(client, wake)
             self.bug_report = BugReportButton(client, wake)
         self.messages = Messages(self.layout, wake)
         self.history = History(client.gui, scene, wake)
@@ -174,6 +174,7 @@ class AllPanels:
         return replace(
             frame,
             shown=shown,
+            lesson=self.lessons.chosen,
             lecture=self.lecture.on,
             mesh_view=self.layer_switches.chosen_mesh_view(),
             expanded_share=self.stages.search.expanded_share(),

@@ -14,6 +14,7 @@ class BugReportButton:
         self._client = client
         self.button = client.gui.add_button(
             "Text for a bug report",
+            color="gray",
             hint="Downloads versions, scene and times as a text; nothing is sent anywhere.",
         )
         self.button.on_click(wake)

@@ -106,7 +106,7 @@ class EndGizmos:
             for name, gizmo in self.gizmos.items():
                 gizmo.disable_axes = name != self._chosen
         for label in self._labels.values():
-            label.font_screen_scale = style.LABEL_SCALES[frame.lecture]
+            label.font_screen_scale = frame.label_scale
         if frame.current and frame.plan.scene is not self._labelled:
             self._label(frame.plan.scene)
 

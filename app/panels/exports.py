@@ -22,7 +22,9 @@ class ExportPanel:
         self.format = gui.add_dropdown(
             "export", tuple(_LABELS), hint="What the file holds, and which program reads it."
         )
-        self.button = gui.add_button("Export", hint="Downloads the plan in this format.")
+        self.button = gui.add_button(
+            "Export", color="gray", hint="Downloads the plan in this format."
+        )
         self.button.on_click(wake)
 
     @property

@@ -92,7 +92,8 @@ class FiguresPanel:
         self._caption.visible = self.back.visible = False
 
     def draw(self, frame: Frame) -> None:
-        """Compute the table if its button was pressed; no frame changes it."""
+        """Compute the table if its button was pressed; hide while a lesson is gone through."""
+        self._folder.visible = not frame.lesson
         if self.reproduce.value:
             self.reproduce.value = False
             self._text.content = _table()

@@ -38,7 +38,7 @@ class FilesPanel:
         self.save = gui.add_button(
             "Save this scene", hint="Downloads scene.yaml; with meshes, scene.zip has them, too."
         )
-        self.reset = gui.add_button("Back to the scene as loaded")
+        self.reset = gui.add_button("Back to the scene as loaded", color="gray")
         self._loaded, self._chosen = scene, name
         self._uploaded: object = self.upload.value
         self.choice.on_update(wake)

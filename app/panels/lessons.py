@@ -14,7 +14,7 @@ from app import page, style
 from app.formulas import with_formulas
 from app.frame import Frame
 from app.lessons.cue import Cue
-from app.lessons.lesson import NO_LESSONS, Library, Setting, Step, scene_of
+from app.lessons.lesson import NO_LESSONS, Choice, Library, Setting, Step, scene_of
 from app.lessons.measures import filled
 from app.panels.widgets import Wake
 
@@ -55,10 +55,14 @@ class LessonPanel:
         )
         self.next = gui.add_button("Next", visible=False)
         self.back = gui.add_button("Back", visible=False, color="gray")
+        self.leave = gui.add_button(
+            "End lesson", visible=False, color="gray", hint="Back to your own scene."
+        )
         self.choice.on_update(wake)
         for number, button in enumerate(self.answers):
             button.on_click(partial(self._press, str(number)))
-        for name, button in (("show", self.show_me), ("next", self.next), ("back", self.back)):
+        steps = {"show": self.show_me, "next": self.next, "back": self.back, "leave": self.leave}
+        for name, button in steps.items():
             button.on_click(partial(self._press, name))
 
     @property
@@ -193,6 +197,9 @@ class LessonPanel:
             if last:
                 self.choice.value = _NONE
             self._go("" if last else self._name, 0 if last else self._number + 1)
+        elif press == "leave":
+            self.choice.value = _NONE
+            self._go("", 0)
         elif press == "show" and step.task is not None:
             self._cue = step.task.shown_by
         elif press.isdigit() and step.question is not None:
@@ -217,7 +224,7 @@ class LessonPanel:
     def _write(self, frame: Frame) -> None:
         """Write the page into the widgets."""
         step, passed = self._step, self._is_passed
-        for widget in (self._place, self._text, self.next, self.back):
+        for widget in (self._place, self._text, self.next, self.back, self.leave):
             widget.visible = step is not None
         if step is None:
             for text in (self._question, self._reply, self._after):
@@ -242,7 +249,7 @@ class LessonPanel:
         for number, button in enumerate(self.answers):
             button.visible = number < len(choices)
             if number < len(choices):
-                button.label = choices[number].text
+                button.label = self._label(choices[number], number)
         reply = ""
         if question is not None and 0 <= self._answer < len(choices):
             choice = choices[self._answer]
@@ -254,6 +261,12 @@ class LessonPanel:
         last = self._number + 1 == len(lesson.steps)
         self.next.label = "Finish" if last else "Next"
         self.back.disabled = self._number == 0
+
+    def _label(self, choice: Choice, number: int) -> str:
+        """Text of an answer's button; the one that was given has a sign before it."""
+        if number != self._answer:
+            return choice.text
+        return f"{'✓' if choice.right else '✗'} {choice.text}"
 
     def _show(self, widget: viser.GuiMarkdownHandle, text: str, frame: Frame) -> None:
         """Write a text with its numbers and formulas, or hide the widget where there is none."""

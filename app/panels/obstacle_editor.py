@@ -130,7 +130,7 @@ class ObstacleEditor:
             if isinstance(one.result, Surface):
                 self._add_mesh(one.name, one.result, scene)
             elif one.result is not None:
-                page.notify_refusal(self._client, f"{one.name} is not added", one.result.message)
+                page.notify_refusal(self._client, f"{one.name} is not added", sentence(one.result))
             self._obstacles.forget_foreseen()
         if self.uploads.stopped:
             self._obstacles.forget_foreseen()

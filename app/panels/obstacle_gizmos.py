@@ -110,17 +110,17 @@ class ObstacleGizmos:
             self._visible = visible
             for gizmo in self.gizmos:
                 gizmo.visible = visible
-        self._number(frame.lecture)
+        self._number(frame.label_scale)
         if frame.current and frame.plan.scene.obstacles is not self._embodied:
             self._update_bodies(frame.plan.scene.obstacles)
             self._validated = list(zip(self._last_read, frame.plan.scene.obstacles, strict=True))
 
-    def _number(self, lecture: bool) -> None:
+    def _number(self, scale: float) -> None:
         """Write on each obstacle the number by which messages call it, where there are several."""
         for index, label in enumerate(self._labels):
             label.text = str(index + 1)
             label.visible = 1 < len(self._labels) <= _MOST_NUMBERED
-            label.font_screen_scale = style.LABEL_SCALES[lecture]
+            label.font_screen_scale = scale
 
     def _update_bodies(self, obstacles: Sequence[Obstacle]) -> None:
         """Draw the bodies anew whose obstacles have another shape or size."""

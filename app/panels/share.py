@@ -36,8 +36,10 @@ class SharePanel:
         self.goal = gui.add_dropdown(
             "challenge", tuple(GOALS), hint="What the one who opens the link is to reach."
         )
-        self.challenge_link: Any = gui.add_button("Copy challenge link")
-        self.picture: Any = gui.add_button("Save picture", hint=f"A PNG {_WIDTH} pixels wide.")
+        self.challenge_link: Any = gui.add_button("Copy challenge link", color="gray")
+        self.picture: Any = gui.add_button(
+            "Save picture", color="gray", hint=f"A PNG {_WIDTH} pixels wide."
+        )
         for button in (self.link, self.challenge_link, self.picture):
             button.on_click(wake)
         self.challenge: Challenge | None = None

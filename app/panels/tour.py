@@ -9,17 +9,25 @@ from app.layout import Layout
 from app.overlay import button
 from app.panels.widgets import Wake
 
+
+def _placed(wide: str, phone: str = "") -> str:
+    """HTML of words that are others on a phone, where the panels are one sheet."""
+    return f'<span class="abi-wide">{wide}</span><span class="abi-phone">{phone}</span>'
+
+
 STEPS = (
     "<b>Drag the orange obstacle</b>, or the black balls at start and goal. Everything follows: "
     "grid, searches, curves and arm.",
-    "<b>On the left</b> are the six stages in order; each heading tells the stage's result. "
-    "Try another spacing of the nodes.",
-    "<b>On the right</b> is what came out: the searches side by side, and how much longer each "
-    "stage's path is than the best possible. <i>Search</i> goes through each search step by step.",
-    "<b>Below</b> is the player. Press Space, or move the slider, and watch the arm follow the "
-    "curve; <i>Plots</i> draws its joints over time.",
+    f"<b>{_placed('On the left', 'Behind the heading at the bottom')}</b> are the six stages in "
+    "order; each heading tells the stage's result. Try another spacing of the nodes.",
+    f"<b>{_placed('On the right', 'Below the stages')}</b> is what came out: the searches side by "
+    "side, and how much longer each stage's path is than the best possible. <i>Search</i> goes "
+    "through each search step by step.",
+    f"<b>Below</b> is the player. Press {_placed('Space', 'Play')}, or move the slider, and watch "
+    "the arm follow the curve; <i>Plots</i> draws its joints over time.",
     "<b>In <i>Scene</i></b> you add obstacles, also an STL of your own, save, and copy a link. "
-    "<i>Learn</i> has lessons. <i>Undo</i> takes back anything; the key H shows all keys.",
+    "<i>Learn</i> has lessons. <i>Undo</i> takes back anything"
+    f"{_placed('; the key H shows all keys')}.",
 )
 
 

@@ -4,7 +4,7 @@ window.abiLabels = {
   EM: 12,  // [px] of a label of scale 1, and its font: viser's
   FONT: '16px -apple-system, BlinkMacSystemFont, "Segoe UI", "Roboto", "Helvetica Neue", Arial, sans-serif',
   PADDING: 0.2,  // of a line's height, around the text
-  GAP: 8,  // [px] between two labels: less, and two read as one
+  GAP: [16, 6],  // [px] between two labels, beside and above each other: less, and two read as one
   STEP: [9, 6],  // [px] between two places that are tried
   FARTHEST: 14,  // steps to each side
 
@@ -83,7 +83,8 @@ window.abiLabels = {
     for (const label of labels) {
       const shift = this.free(label, taken, view);
       const [a, b, c, d] = label.box, [x, y] = shift;
-      taken.push([a + x - this.GAP, b + y - this.GAP, c + x + this.GAP, d + y + this.GAP]);
+      const [beside, above] = this.GAP;
+      taken.push([a + x - beside, b + y - above, c + x + beside, d + y + above]);
       moved = this.move(label, shift, view) || moved;
     }
     if (moved) viser.requestRender();

@@ -33,11 +33,12 @@ window.abi = {
   },
 
   // Tell the server what panels and text leave to the scene: see app/page_area.py.
-  watch(uuid) {
-    this.watched = {uuid, told: ""};
+  watch(uuid, label) {
+    this.watched = {uuid, label, told: ""};
     this.tellArea();
   },
   tellArea() {
+    this.foldSheet();
     this.liftScene();
     const canvas = window.__viserMutable?.canvas?.getBoundingClientRect();
     if (!this.watched || !canvas?.height) return;
@@ -46,6 +47,7 @@ window.abi = {
     const covered = part => Math.min(Math.max(part / canvas.height, 0), 1).toFixed(2);
     const area = JSON.stringify({
       width: innerWidth,
+      height: Math.round(canvas.height),
       left: Math.max(Math.round(canvas.left), 0),
       right: Math.max(Math.round(innerWidth - canvas.right), 0),
       above: covered(Math.max(canvas.top, ...edges("top", "bottom")) - canvas.top),
@@ -175,12 +177,17 @@ window.abi = {
     }
   },
 
-  // On a phone the panels are one sheet over the scene: fold it, unless it is.
-  foldSheet(label) {
-    const parts = [...document.querySelectorAll("div, span, p")];
-    const open = [...document.querySelectorAll(".mantine-ScrollArea-viewport")];
-    if (!open.some(part => part.clientHeight > 60)) return;
-    parts.find(part => part.childElementCount === 0 && part.textContent === label)?.click();
+  // On a page that is a phone's, or becomes one, the panels are one sheet over the scene: fold it,
+  // unless a hand was there first.
+  folded: window.abi?.folded ?? false,
+  foldSheet() {
+    if (innerWidth > this.PHONE) this.folded = false;
+    const sheet = !this.folded && innerWidth <= this.PHONE && document.querySelector(this.SHEET);
+    if (!sheet || !(sheet.querySelector(".mantine-ScrollArea-viewport")?.clientHeight > 60)) return;
+    const heading = [...sheet.querySelectorAll("div, span, p")]
+      .find(part => part.childElementCount === 0 && part.textContent === this.watched?.label);
+    this.folded = heading !== undefined;
+    heading?.click();
   },
 
   // Above that sheet, open or folded, is the scene: both are seen at once.
@@ -196,7 +203,8 @@ window.abi = {
 
   // In a phone's sheet the tabs are below the stages, in one line first: what is chosen of them comes
   // into sight, and stays there while it unfolds.
-  sheetClicked({target}) {
+  sheetClicked({target, isTrusted}) {
+    this.folded ||= isTrusted && target.closest?.(this.SHEET) !== null;
     const chosen = target.closest?.("[role=tab]") || target.textContent?.startsWith("Result · ");
     if (innerWidth > this.PHONE || !chosen) return;
     const show = () => document.querySelector("[role=tablist]")?.scrollIntoView({block: "start"});
@@ -334,6 +342,7 @@ window.abiNotices = new MutationObserver(() => {
 window.abiNotices.observe(document.body, {childList: true, subtree: true, characterData: true});
 clearInterval(window.abiMending);
 window.abiMending = setInterval(() => { abi.mendCharts(); abi.tellArea(); }, 400);
+window.addEventListener("resize", () => abi.tellArea(), {signal: window.abiListeners.signal});
 
 document.getElementById("abi-style")?.remove();
 document.head.insertAdjacentHTML("beforeend", `<style id="abi-style">
@@ -362,14 +371,14 @@ document.head.insertAdjacentHTML("beforeend", `<style id="abi-style">
 #abi-overlay .abi-buttons { display: flex; flex-wrap: wrap; gap: 6px; }
 #abi-overlay .abi-numbers { display: inline-flex; gap: 4px 18px; flex-wrap: wrap; }
 #abi-overlay .abi-numbers b {
-  display: block; font-size: clamp(16px, 4.4cqw, 34px); line-height: 1.15;
+  display: block; font-size: clamp(16px, min(4.4cqw, 4.6vh), 34px); line-height: 1.15;
   font-variant-numeric: tabular-nums; white-space: nowrap;
 }
-#abi-overlay .abi-numbers span { font-size: clamp(11px, 2.3cqw, 16px); }
+#abi-overlay .abi-numbers span { font-size: clamp(11px, min(2.3cqw, 2.5vh), 16px); }
 #abi-overlay [data-part=numbers] { align-self: flex-start; }
 #abi-overlay .abi-player { display: flex; flex-wrap: wrap; align-items: center; gap: 4px 8px; }
 #abi-overlay .abi-track { flex: 1 1 90px; min-width: 0; padding: 6px 0; }
-#abi-overlay .abi-track input { display: block; width: 100%; margin: 0; accent-color: #1f84d6; }
+#abi-overlay .abi-track input { display: block; width: 100%; margin: 0; accent-color: light-dark(#1f84d6, #5aaef0); }
 #abi-overlay [data-part=tour], #abi-overlay [data-part=tour]:empty, #abi-overlay [data-part=class] { flex: 1 0 100%; }
 #abi-overlay [data-part=class] * { font-size: inherit !important; }
 /* a lecture: letters for a hall, in rows that leave the height to the scene */
@@ -385,6 +394,7 @@ document.head.insertAdjacentHTML("beforeend", `<style id="abi-style">
 #abi-overlay [data-part=lecture] b { min-width: 7.5em; text-align: center; }
 #abi-overlay [data-part=lecture] span { width: 12px; }
 #abi-overlay [data-part=marks] { display: none; }
+@media (min-width: 601px) { #abi-overlay .abi-phone { display: none; } }
 #abi-overlay .abi-tour { max-width: 34em; border-left: 4px solid #1f84d6; }
 #abi-overlay .abi-player output { white-space: nowrap; font-variant-numeric: tabular-nums; }
 #abi-overlay .abi-play { min-width: 4.6em; }
@@ -408,6 +418,7 @@ document.head.insertAdjacentHTML("beforeend", `<style id="abi-style">
 .mantine-Flex-root > div:last-child:has(> div > .mantine-Checkbox-root) { display: flex; }
 /* a heading is nearer to its own text than to the one before */
 .mantine-ScrollArea-content p ~ :is(h3, h4).mantine-Title-root { margin-top: .6em; }
+.mantine-ScrollArea-content p + p { margin-top: .5em; }
 .mantine-ScrollArea-content h3.mantine-Title-root { font-size: 17px; text-wrap: balance; }
 @media (max-height: 760px) {  /* nothing scrolls on a small laptop, or at 200 % on a large screen */
   .mantine-ScrollArea-content .mantine-Paper-root:not(.mantine-Paper-root *) { margin-block: 7px; }
@@ -429,15 +440,21 @@ document.head.insertAdjacentHTML("beforeend", `<style id="abi-style">
   .mantine-Paper-root[style*="max-height: 60%"] .mantine-ScrollArea-content > div > div:first-child {
     position: sticky !important; top: 0; z-index: 5; background: var(--mantine-color-body);
   }
+  /* what is under that heading while it is folded */
+  .mantine-Paper-root[style*="max-height: 60%"] .mantine-ScrollArea-content > div > div:first-child:has(+ [aria-hidden=true])::after {
+    content: "stages and results ▴"; color: var(--mantine-color-dimmed); white-space: nowrap;
+  }
   [role=tablist] { scroll-margin-top: 3.5em; }
+  #abi-overlay .abi-wide { display: none; }
 }
 /* viser's scroll bar lies over what it scrolls, and its notices over the sentence and the buttons */
 .mantine-ScrollArea-root:has(> .mantine-ScrollArea-scrollbar[data-orientation=vertical][data-state=visible])
   > .mantine-ScrollArea-viewport { padding-inline-end: 9px; }
 .mantine-ScrollArea-scrollbar[data-orientation=vertical] { width: 9px !important; padding: 1px; }
 .mantine-Notifications-root { top: 92px !important; }
-body:has(#abi-overlay :is([data-part=class], [data-part=tour], [data-part=challenge]) > *) .mantine-Notifications-root {
-  top: 45vh !important;  /* not over a question, the tour or a challenge */
+body:has(#abi-overlay :is([data-part=class] > *, [data-part=tour] > *, [data-part=challenge] > *, .abi-error))
+  .mantine-Notifications-root {
+  top: 45vh !important;  /* not over a question, the tour, a challenge, or why there is no path */
 }
 .abi-now {
   position: absolute; top: 0; bottom: 0; left: 0; width: 1px; background: #868e96;

@@ -17,6 +17,7 @@ from app.address import Address
 from app.frame import Frame
 from app.layers.arm import ArmLayer
 from app.layers.mesh import MeshLayer
+from app.layers.names import NamesLayer
 from app.layers.plots import PlotsLayer
 from app.layers.workspace import WorkspaceLayer
 from app.look import PLAIN
@@ -35,6 +36,20 @@ def test_the_mesh_shown_has_the_start_where_it_is(tab: tuple[FakeTab, Session]) 
 
     nodes = np.asarray(layer(session, MeshLayer)._clouds["nodes"].points, dtype=float)
     assert np.linalg.norm(nodes - np.array(place), axis=1).min() < 1e-4
+
+
+def test_the_distance_to_the_obstacles_is_shown_with_its_curve(
+    tab: tuple[FakeTab, Session],
+) -> None:
+    fake, session = tab
+    names, boxes = layer(session, NamesLayer), session.panels.layer_switches.boxes
+    assert session.plan is not None
+    assert session.plan.followed == "bspline"
+    for on in (True, False, True):
+        fake.set(boxes["bspline"], on)
+        until(lambda: names._line.visible == names._distance.visible == on)  # noqa: B023
+    fake.set(boxes["names"], False)
+    until(lambda: not names._distance.visible)
 
 
 @pytest.mark.slow

@@ -13,6 +13,7 @@ from abi.scene.scene import Scene
 from abi.search.compare import COMPARED
 from app.formulas import with_formulas
 from app.frame import Frame
+from app.layers.lesson import LessonLayer
 from app.lessons.figures import figures
 from app.lessons.lesson import (
     Lesson,
@@ -27,7 +28,7 @@ from app.lessons.measures import MEASURES, filled, text, value
 from app.panels.theatre import EDGES
 from app.session import Session
 from app.tab_view import SHOWN, SWITCHES
-from tests.app.fake_tab import FakeTab, until
+from tests.app.fake_tab import FakeTab, layer, until
 
 LESSONS = load_lessons()
 FOLDER = assets.path("lessons")
@@ -203,6 +204,8 @@ def test_a_lesson_goes_on_where_it_was_left(tab: tuple[FakeTab, Session]) -> Non
     fake.set(panel.next, True)
     fake.set(panel.answers[0], True)
     until(lambda: "✗ No." in panel._reply.content)
+    assert sum(button.label.startswith("✗") for button in panel.answers) == 1
+    assert panel.answers[0].label.startswith("✗ ")
     assert panel.next.disabled
     fake.set(panel.answers[1], True)
     until(lambda: "✓ Right." in panel._reply.content and not panel.next.disabled)
@@ -248,11 +251,18 @@ def test_lessons_and_figures_give_back_what_they_replaced(tab: tuple[FakeTab, Se
         if leave != "figure":
             fake.set(lessons.choice, lessons._titles()[2])
             until(lambda: session.frame.theatre is not None)
-            fake.set(lessons.choice, lessons.choice.options[0])
+            assert not panels.figures._folder.visible
+            assert not layer(session, LessonLayer)._text.visible
+            if leave == "lesson":
+                fake.set(lessons.leave, True)
+            else:
+                fake.set(lessons.choice, lessons.choice.options[0])
         else:
             fake.set(panels.figures.back, True)
         until(is_back)
         assert not panels.figures.back.visible
+        assert lessons.choice.value == lessons.choice.options[0]
+        until(lambda: panels.figures._folder.visible and layer(session, LessonLayer)._text.visible)
 
 
 def test_a_lesson_left_after_a_reload_shows_the_layers_again(tab: tuple[FakeTab, Session]) -> None:
