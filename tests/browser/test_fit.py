@@ -257,9 +257,13 @@ def test_a_lecture_shows_the_whole_arm_above_its_strip(
     try:
         assert session.plan is not None
         points = extent(session.plan)
-        page.until(lambda: _is_seen(page, points, height), "the arm above the strip", 120)
-        share = 1 - _strip(page) / height
-        assert share <= (0.25 if width > 600 else 0.4)
+        most = 0.25 if width > 600 else 0.4
+
+        def is_right() -> bool:
+            return _is_seen(page, points, height) and 1 - _strip(page) / height <= most
+
+        # a phone's sheet takes its time to fold
+        page.until(is_right, f"the arm above the strip of {most:.0%}", 120)
     finally:
         page.tab.set_viewport_size({"width": 1280, "height": 720})
         page.click("End lecture")
