@@ -51,6 +51,7 @@ class WarmUp:
         timer.start()
         try:
             compiling.compile()
+            self._call_kernels()
             if self.planned.is_set():
                 self._warm_reader()
         finally:
@@ -61,6 +62,14 @@ class WarmUp:
                 for notice in self._notices:
                     notice.remove()
                 self._notices.clear()
+
+    @staticmethod
+    def _call_kernels() -> None:
+        """Plan once: the first calls take milliseconds, which a tab would tell as a search's."""
+        from abi.planner.planner import plan
+        from abi.scene.scene import load_scene
+
+        plan(load_scene("paper"))
 
     @staticmethod
     def _warm_reader() -> None:

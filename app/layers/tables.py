@@ -46,7 +46,7 @@ _LEGEND = (
     "▸ the arm follows this one.</div>"
 )
 _UNPROVEN = f"{style.BOX}? keeps it at every place that was measured, but is not proven.</div>"
-_FASTEST_SHOWN = 1.0
+FASTEST_SHOWN = 1.0
 """Shorter times say more about the machine than about the search, [ms]."""
 
 
@@ -110,7 +110,7 @@ def _times(plan: Plan, missing: str) -> str:
 
 
 def _time(ms: float) -> str:
-    return format_time(ms) if ms >= _FASTEST_SHOWN else f"&lt;{format_time(_FASTEST_SHOWN)}"
+    return format_time(ms) if ms >= FASTEST_SHOWN else f"&lt;{format_time(FASTEST_SHOWN)}"
 
 
 @once_a_plan

@@ -164,7 +164,7 @@ def bars(choices: tuple[str, ...], counts: tuple[int, ...], students: int) -> st
     most = max(*counts, 1)
     rows = "".join(
         f'<div>{html.escape(choice)}: <b>{count}</b><div style="height:8px;border-radius:3px;'
-        f'background:{style.css(style.A_STAR)};width:{100 * count / most:.0f}%"></div></div>'
+        f'background:{style.css(style.POINT)};width:{100 * count / most:.0f}%"></div></div>'
         for choice, count in zip(choices, counts, strict=True)
     )
     return f"{style.BOX}{rows}{sum(counts)} of {students} have answered.</div>"

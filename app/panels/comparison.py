@@ -12,9 +12,10 @@ from abi.search.arcs import Arcs
 from abi.search.compare import COMPARED
 from abi.search.heuristic import Weight
 from abi.search.lifelong_a_star import Repair, can_repair, lifelong_a_star
+from abi.search.trace import SearchTrace
 from app import style
 from app.frame import Frame
-from app.layers.tables import table
+from app.layers.tables import FASTEST_SHOWN, table
 from app.numbers import format_count, format_length
 from app.panels.widgets import Wake
 from app.plan_before import PlanBefore
@@ -100,6 +101,12 @@ def _told(mended: Repair | None, a_star: Comparison) -> str:
     )
 
 
+def _visited(trace: SearchTrace) -> str:
+    """Nodes expanded; of a search that goes over all edges in rounds, how many of these."""
+    count = format_count(trace.steps)
+    return f"{count} rounds" if trace.queue == "rounds" else count
+
+
 def _table(found: tuple[Comparison, ...], weight: Weight, unit: str) -> str:
     """Table I, and the searches that the paper does not have."""
     least = min(one.trace.cost for one in found if COMPARED[one.algorithm].exact)
@@ -118,9 +125,9 @@ def _table(found: tuple[Comparison, ...], weight: Weight, unit: str) -> str:
                 str(trace.hops) if trace.hops >= 0 else "–",
                 format_length(trace.length) if trace.hops >= 0 else "–",
                 gap,
-                format_count(trace.steps),
+                _visited(trace),
                 format_count(trace.relaxed),
-                f"{one.ms:.1f}" if one.ms < 100 else f"{one.ms:.0f}",
+                f"{one.ms:.0f}" if one.ms >= FASTEST_SHOWN else f"&lt;{FASTEST_SHOWN:.0f}",
             )
         )
     head = ("search", "edges", f"length [{unit}]", "gap", "visited", "tried", "ms")

@@ -336,7 +336,7 @@ for (const [name, call] of [
 window.abiNotices?.disconnect();
 window.abiNotices = new MutationObserver(() => {
   for (const notice of document.querySelectorAll(".mantine-Notification-description")) {
-    if (notice.textContent === "File uploaded successfully.") notice.firstChild.data = "Sent; it is read now.";
+    if (notice.textContent === "File uploaded successfully.") notice.firstChild.data = "It has arrived.";
   }
 });
 window.abiNotices.observe(document.body, {childList: true, subtree: true, characterData: true});
@@ -381,6 +381,7 @@ document.head.insertAdjacentHTML("beforeend", `<style id="abi-style">
 #abi-overlay .abi-track input { display: block; width: 100%; margin: 0; accent-color: light-dark(#1f84d6, #5aaef0); }
 #abi-overlay [data-part=tour], #abi-overlay [data-part=tour]:empty, #abi-overlay [data-part=class] { flex: 1 0 100%; }
 #abi-overlay [data-part=class] * { font-size: inherit !important; }
+#abi-overlay [data-part=class] .abi-card > div { margin-inline: 0 !important; }
 /* a lecture: letters for a hall, in rows that leave the height to the scene */
 #abi-overlay.abi-lecture { font-size: clamp(16px, min(2.8vh, 3vw), 26px); }
 #abi-overlay.abi-lecture .abi-numbers b { font-size: clamp(22px, min(5.2vh, 5cqw), 60px); }

@@ -56,3 +56,10 @@ def test_lengths_and_numbers_of_edges_are_not_compared() -> None:
         gaps = {row[0]: row[3] for row in cells if row}
         assert gaps["Lazy Theta*"] == gap
         assert gaps["A*"] == gaps["Dijkstra"] == "="
+        # nodes and rounds are not compared, nor times that say more of the machine
+        visited = {row[0]: row[4] for row in cells if row}
+        assert [
+            name for name, count in visited.items() if not count.replace(",", "").isdigit()
+        ] == ["Bellman-Ford, by rounds"]
+        assert visited["Bellman-Ford, by rounds"].endswith(" rounds")
+        assert all(row[6] == "&lt;1" or float(row[6]) >= 1 for row in cells if row)

@@ -120,7 +120,7 @@ def test_what_is_no_mesh_is_refused_and_one_in_millimetres_is_asked_about(
     whole = meshes.stl(meshes.box((30, 30, 30)))
     page.upload(ADD, "cut off.stl", whole[:-10])
     page.reads("cut_off.stl is not added")
-    page.reads("Sent; it is read now.")
+    page.reads("It has arrived.")
     assert "successfully" not in page.text()
     assert session.plan is good
     assert len(drawn.obstacles(page)) == 1
