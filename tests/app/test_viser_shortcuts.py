@@ -56,6 +56,7 @@ def test_only_what_changes_is_sent(tab: tuple[FakeTab, Session]) -> None:
             (label, {"position": (1.0, 2.0, 3.0)}, 0),
             (label, {"position": np.array([1.0, 2.0, 4.0])}, 1),
             (label, {"visible": True}, 0),
+            (label, {"visible": False}, 1),
         ):
             before = buffer.message_counter
             for name, value in change.items():
@@ -65,6 +66,54 @@ def test_only_what_changes_is_sent(tab: tuple[FakeTab, Session]) -> None:
         text.remove()
         with pytest.raises(RuntimeError):
             text.content = "two"
+
+
+@pytest.mark.slow
+def test_an_array_is_sent_as_it_was_when_it_was_set(tab: tuple[FakeTab, Session]) -> None:
+    _, session = tab
+    buffer = session.client._websock_connection.get_message_buffer()
+    ones = np.ones((1, 2, 3), np.float32)
+
+    def sent() -> list[Any]:
+        """What was set and has not gone yet."""
+        waiting: list[Any] = list(buffer.message_from_id.values())
+        own = [one for one in waiting if getattr(one, "name", "") == "/array"]
+        return [one.updates for one in own if "points" in getattr(one, "updates", {})]
+
+    with session.client.atomic():
+        line = session.client.scene.add_line_segments("/array", ones, (255, 0, 0))
+        same: Any = 2.0 * np.ones((1, 2, 3))
+        for points, times in ((ones, 0), (2 * ones, 1), (same, 0), (ones, 1)):
+            before = buffer.message_counter
+            line.points = points
+            assert buffer.message_counter - before == times
+            np.testing.assert_array_equal(line.points, points)
+            assert line.points.dtype == np.float32
+        changed = 3 * ones
+        line.points = changed
+        changed[:] = 4.0  # whose array it is may go on using it
+        np.testing.assert_array_equal(line.points, 3 * ones)
+        (update,) = sent()
+        line.colors = np.array((1.0, 0.5, 0.0))  # as viser takes shares
+        np.testing.assert_array_equal(line.colors, (255, 127, 0))
+        line.points = np.concatenate([ones, ones])
+        np.testing.assert_array_equal(update["points"], 3 * ones)
+        assert line.points.shape == (2, 2, 3)
+        line.remove()
+
+
+@pytest.mark.slow
+def test_a_button_that_is_not_pressed_calls_nobody(tab: tuple[FakeTab, Session]) -> None:
+    _, session = tab
+    called: list[object] = []
+    button: Any = session.client.gui.add_button("test")
+    button.on_click(called.append)
+    button.value = False
+    assert not called
+    button.value = True
+    assert len(called) == 1
+    button.value = False
+    assert button.value is False
 
 
 def test_a_shortcut_is_taken_by_every_handle() -> None:
