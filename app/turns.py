@@ -64,10 +64,13 @@ class Turns:
 
     def hasten(self, turn: Turn) -> None:
         """Have ``turn``, or where it does not wait its next one, wait as those in a hurry do."""
+        if turn.hurried:
+            return  # a hand asks at each of its moves, and many of these wait for one turn
         with self._lock:
             turn.hurried = True
-            turn.due = min(turn.due, time.monotonic() + AT_ONCE)
-            self._call()
+            due, turn.due = turn.due, min(turn.due, time.monotonic() + AT_ONCE)
+            if turn.due < due and turn in self._waiting:
+                self._call()
 
     def _next(self) -> Turn:
         return min(self._waiting, key=lambda turn: turn.due)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import threading
 
+import pytest
+
 from app.turns import AT_ONCE, PATIENT, Turn, Turns
 from tests.app.fake_tab import until
 
@@ -109,6 +111,20 @@ def test_patience_ends() -> None:
 def test_one_that_is_hastened_while_it_waits_goes_before_the_patient() -> None:
     asking = [("student", PATIENT), ("dragged", PATIENT), ("hand", AT_ONCE)]
     assert _order(Turns(longest=60.0), asking, "dragged") == ["hand", "dragged", "student"]
+
+
+def test_of_all_a_hands_moves_one_hastens_a_turn(monkeypatch: pytest.MonkeyPatch) -> None:
+    turns = Turns(longest=60.0)
+    called: list[None] = []
+    monkeypatch.setattr(turns, "_call", lambda: called.append(None))
+    turn = Turn(turns)
+    for _ in range(2):
+        for _ in range(20):
+            turn.hasten()
+        assert turn.hurried
+        with turn.after(60.0):
+            assert not turn.hurried
+    assert len(called) == 2 * 2  # at the begin and the end of each turn
 
 
 def test_haste_before_a_turn_is_asked_for_counts_for_that_one_only() -> None:
