@@ -166,7 +166,7 @@ class Session:
 
     def _patience(self) -> float:
         """Time for which what there is to do can wait behind the hands in other tabs, [s]."""
-        moving = self._pause.demo.running or self._view.timeout(self.frame) is not None
+        moving = self._pause.demo.running or self._view.is_due(self.frame)
         return AT_ONCE if moving or self.plans == 0 else PATIENT
 
     def _step(self, woken: bool) -> None:
@@ -186,9 +186,9 @@ class Session:
         elif not self._broken:
             if self._pause.seconds >= REST:
                 self._rest()
-            if resized or self._view.timeout(self.frame) is not None:
+            if resized or self._view.is_due(self.frame):
                 self._draw(self.frame)
-        if not demo.running:
+        if not demo.running and (self._class is not None or self._memory.is_due):
             state = self._state()
             self._memory.keep(state)
             if self._class is not None:
@@ -242,7 +242,7 @@ class Session:
             else:
                 self._show(self.frame.plan, interactive=True)
         self.panels.files.save_if_requested(self._scene)
-        self.panels.share.share(self._state(), self.frame)
+        self.panels.share.share(self._state, self.frame)
         if self.panels.exports.requested:
             self._export()
         if self.panels.bug_report.requested:

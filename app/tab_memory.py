@@ -66,6 +66,11 @@ class TabMemory:
         self._read = text
         return _parse(text)
 
+    @property
+    def is_due(self) -> bool:
+        """Whether the page has reported, and may be sent another text again."""
+        return bool(self._read) and time.monotonic() - self._sent >= _PERIOD
+
     def keep(self, state: TabState, now: bool = False) -> None:
         """Have the page keep ``state`` unless it does; not too often, but for ``now``.
 
@@ -84,8 +89,7 @@ class TabMemory:
             state.before,
             state.figure,
         )
-        due = now or time.monotonic() - self._sent >= _PERIOD
-        if not self._read or kept == self._kept or not due:
+        if not self._read or kept == self._kept or not (now or self.is_due):
             return
         self._kept, self._sent = kept, time.monotonic()
         if state.scene is not self._scene:

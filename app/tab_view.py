@@ -34,7 +34,7 @@ from app.tab_state import TabState
 from app.turns import TURNS
 
 TICK = 0.25
-"""Seconds after which links that touch are red, and the arm's ghost follows, while it plays."""
+"""Seconds after which the arm's ghost follows while it plays."""
 _FACED = 40
 """Points of the curve that the camera looks for."""
 _SWITCHABLE: tuple[type[Switchable], ...] = (*LAYERS, ObstacleGizmos, *SLOW_LAYERS)
@@ -71,6 +71,7 @@ class TabView:
         self.viewpoint = Viewpoint(client.camera, scene)
         self._to_face = True
         self._surrounded: Plan | None = None
+        self._arm: object = self
         self._before: TabState | None = None
         self.panels = AllPanels(client, name, scene, SWITCHES, wake, dark, library)
         self._folding = PanelFolding(self.panels.layout)
@@ -97,29 +98,47 @@ class TabView:
         return panel
 
     def draw(self, frame: Frame) -> Frame:
-        """Draw a frame at the time of the playback; the frame as it was drawn."""
+        """Draw a frame at the time of the playback; the frame as it was drawn.
+
+        What takes the page longer comes in a message of its own, but for an arm that it has: then
+        one message takes less.
+        """
+        quick, slow = self.parts
+        same, self._arm = frame.plan.arm is self._arm, frame.plan.arm
         with self._client.atomic():
             frame = self._now(frame)
             self._fit(frame)
-            for part in self.parts[0]:
+            for part in (*quick, *slow) if same else quick:
                 part.draw(frame)
-        with self._client.atomic():
-            for part in self.parts[1]:
-                part.draw(frame)
+        if not same:
+            with self._client.atomic():
+                for part in slow:
+                    part.draw(frame)
         return frame
 
     def timeout(self, frame: Frame) -> float | None:
         """Time until the next picture, [s]; None where nothing moves but what the page plays."""
-        clearance = frame.plan.arm_clearance
+        times = (self._period(frame), self._until_contact(frame))
+        return min((max(seconds, 0.0) for seconds in times if seconds is not None), default=None)
+
+    def is_due(self, frame: Frame) -> bool:
+        """Whether there is another picture to draw now, after a wait for :meth:`timeout`."""
+        left = self._until_contact(frame)
+        return self._period(frame) is not None or (left is not None and left <= 0)
+
+    def _period(self, frame: Frame) -> float | None:
+        """Time between two pictures, [s]; None where none follows from the time alone."""
         playing: float | None = None
         if self.playback.playing and isinstance(frame.plan.arm, UrdfArm):
             playing = FRAME
-        elif self.playback.playing and (
-            "other_elbow" in frame.shown or (clearance is not None and clearance.contacts)
-        ):
+        elif self.playback.playing and "other_elbow" in frame.shown:
             playing = TICK
         times = (playing, self.panels.theatre.timeout())
         return min((seconds for seconds in times if seconds is not None), default=None)
+
+    def _until_contact(self, frame: Frame) -> float | None:
+        """Time until other links of the arm that plays are red, [s]; None where none ever are."""
+        return self.playback.until_contact(frame.duration) if self.playback.playing else None
 
     def _now(self, frame: Frame) -> Frame:
         """The frame at this moment of playback and theatre."""

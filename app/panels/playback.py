@@ -14,6 +14,8 @@ from app.panels.widgets import Wake
 
 SPEEDS = {"¼ ×": 0.25, "½ ×": 0.5, "real time": 1.0, "2 ×": 2.0}
 _PAUSE_AT_END = 0.8
+_JUST = 1e-3
+"""Time after a contact at which it is over, [s]."""
 _LATENCY = 3.0
 """Seconds that a frame may take to a page on a weak machine."""
 
@@ -97,6 +99,20 @@ class PlaybackPanel:
             self._sent = now
         self._overlay.set_clock(shown if self.playing else self._written, end, self.playing)
         return shown
+
+    def until_contact(self, duration: float) -> float | None:
+        """Time until a link of the arm that plays begins or ends to touch something, [s].
+
+        0 or less where one has since the motion advanced last; None where none ever does.
+        """
+        contacts = () if self._marked is None else self._marked.contacts
+        if not contacts:
+            return None
+        # a new round may begin with other links than the last one has ended with
+        moments = {0.0, *(one.first for one in contacts), *(one.last + _JUST for one in contacts)}
+        period = duration + _PAUSE_AT_END * self._rate
+        ahead = min((moment - self._time) % period or period for moment in moments)
+        return ahead / self._rate - (time.monotonic() - self._advanced)
 
     def mark(self, clearance: ArmClearance | None, duration: float) -> None:
         """Colour the times at which the arm touches something; no player without a motion."""

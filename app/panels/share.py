@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import struct
 import zlib
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -49,18 +50,18 @@ class SharePanel:
         """The challenge as a text to keep; empty for none."""
         return "" if self.challenge is None else self.challenge.model_dump_json()
 
-    def share(self, state: TabState, frame: Frame) -> None:
-        """Do what was asked for since the last call."""
+    def share(self, state: Callable[[], TabState], frame: Frame) -> None:
+        """Do what was asked for since the last call, with the tab's ``state()``."""
         if self.link.value:
             self.link.value = False
-            self._copy(state)
+            self._copy(state())
         if self.challenge_link.value:
             self.challenge_link.value = False
             challenge = challenge_of(self.goal.value, frame)
             if challenge is None:
                 page.notify_refusal(self._client, "No challenge", "There is no plan to start from.")
             else:
-                self._copy(state.with_challenge(challenge.model_dump_json()))
+                self._copy(state().with_challenge(challenge.model_dump_json()))
         if self.picture.value:
             self.picture.value = False
             self._take_picture()

@@ -1,0 +1,77 @@
+"""While the page plays, the server draws only when other links of the arm are to be red."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from abi.arm.arm_clearance import ArmClearance, Contact
+from app.overlay import Overlay
+from app.panels import playback
+from app.panels.playback import SPEEDS, PlaybackPanel
+from app.session import Session
+from tests.app.fake_tab import FakeTab
+
+_DURATION = 3.0
+_STEP = 0.0073  # [s]
+_ROUNDS = 3
+
+
+def _clearance(*stretches: tuple[str, float, float]) -> ArmClearance:
+    contacts = tuple(Contact(link, 0, first, last, first, 0.1) for link, first, last in stretches)
+    none: Any = None
+    return ArmClearance("up", none, 0.0, 0.0, 0.0, "", -1, contacts, none)
+
+
+def _panel(session: Session, clearance: ArmClearance | None, speed: str) -> PlaybackPanel:
+    client = session.client
+    panel = PlaybackPanel(client.gui, Overlay(client), lambda event: None)
+    panel.speed.value = speed  # type: ignore[misc]
+    panel.mark(clearance, _DURATION)
+    return panel
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("speed", SPEEDS)
+@pytest.mark.parametrize(
+    "clearance",
+    [
+        _clearance(("forearm", 1.0, 1.5)),
+        _clearance(("forearm", 0.0, 0.3), ("slide", 0.25, 2.0), ("slide", 2.8, 3.0)),
+        _clearance(("wrist", 2.9, 3.0)),
+    ],
+)
+def test_links_are_red_when_they_touch_with_few_pictures(
+    tab: tuple[FakeTab, Session],
+    clearance: ArmClearance,
+    speed: str,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    _, session = tab
+    clock = SimpleNamespace(now=0.0)
+    monkeypatch.setattr(playback, "time", SimpleNamespace(monotonic=lambda: clock.now))
+    seldom, often = _panel(session, clearance, speed), _panel(session, clearance, speed)
+    period = _DURATION / SPEEDS[speed] + playback._PAUSE_AT_END
+    drawn = clearance.touching(seldom.advance(_DURATION))
+    often.advance(_DURATION)
+    pictures = 1
+    while clock.now < _ROUNDS * period:
+        clock.now += _STEP
+        time = often.advance(_DURATION)
+        left = seldom.until_contact(_DURATION)
+        assert left is not None
+        if left <= 0:
+            drawn = clearance.touching(seldom.advance(_DURATION))
+            pictures += 1
+        assert drawn == clearance.touching(time) or any(
+            0 <= time - contact.last <= playback._JUST for contact in clearance.contacts
+        )
+    assert pictures <= 1 + _ROUNDS * (1 + 2 * len(clearance.contacts))
+
+
+def test_an_arm_that_touches_nothing_needs_no_picture(tab: tuple[FakeTab, Session]) -> None:
+    _, session = tab
+    for clearance in (None, _clearance()):
+        assert _panel(session, clearance, "real time").until_contact(_DURATION) is None
