@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import functools
 import json
+import time
 import uuid as uuids
 from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import Executor, Future
@@ -15,6 +16,7 @@ import numpy as np
 import numpy.typing as npt
 import viser
 from viser import _assignable_props_api, _messages
+from viser._threadpool_exceptions import print_threadpool_errors
 
 from abi import assets
 from app import viser_shortcuts
@@ -205,11 +207,44 @@ def run_on_loop(server: viser.ViserServer, call: Callable[[], object]) -> None:
 
 def widget(server: viser.ViserServer, connection: object, uuid: str) -> Any:
     """The widget with this id in the tab behind a websocket; None without one."""
+    client = tab(server, connection)
+    return None if client is None else client.gui._gui_input_handle_from_uuid.get(uuid)
+
+
+def tab(server: viser.ViserServer, connection: object) -> viser.ClientHandle | None:
+    """The tab behind a websocket; None before it has reported its camera."""
     for number, live in tuple(server._websock_server._live_connections.items()):
         if live is connection:
-            client = server.get_clients().get(number)
-            return None if client is None else client.gui._gui_input_handle_from_uuid.get(uuid)
+            return server._connected_clients.get(number)
     return None
+
+
+def move_gizmo(
+    client: viser.ClientHandle,
+    name: str,
+    owner: str,
+    wxyz: tuple[float, float, float, float],
+    position: tuple[float, float, float],
+) -> bool:
+    """Move a gizmo of a tab to where its page has it, and call those who wait for that.
+
+    A hand sends twenty such messages a second, and viser takes ten times as long over one.
+
+    Returns:
+        Whether it is done: not where other tabs, or other tabs' gizmos, have to do with it.
+    """
+    scene = client.scene
+    key: Any = (client.client_id, name)
+    held = scene._active_transform_drag_handles.get(key)
+    gizmo = held or scene._handle_from_transform_controls_name.get(name)
+    if gizmo is None or owner != scene._owner_id or gizmo._impl_aux.sync_cb is not None:
+        return False
+    gizmo._impl.wxyz, gizmo._impl.position = np.array(wxyz), np.array(position)
+    gizmo._impl_aux.last_updated = time.time()
+    event = viser.TransformControlsEvent(client, client.client_id, gizmo, "update")
+    for call in gizmo._impl_aux.update_cb:
+        scene._thread_executor.submit(call, event).add_done_callback(print_threadpool_errors)
+    return True
 
 
 def own(gizmo: viser.TransformControlsHandle) -> None:

@@ -10,7 +10,8 @@ from websockets.asyncio.server import ServerConnection
 from websockets.typing import Data
 
 from app.guard import request_line, responses
-from app.guard.messages import Message, UploadPart, UploadStart, WidgetUpdate, decode
+from app.guard.messages import GizmoUpdate, Message, UploadPart, UploadStart, WidgetUpdate
+from app.guard.messages import decode as decode_message
 from app.guard.rate import Rate
 from app.guard.uploads import Uploads
 from app.guard.values import fits
@@ -73,26 +74,23 @@ class GuardedConnection(ServerConnection):
             self.transport.close()
 
     async def recv(self, decode: bool | None = None) -> Data:  # type: ignore[override]
-        """The next message that may be read; waits where they come too fast."""
+        """The next message that viser is to read; waits where they come too fast."""
         while True:
             frame = await super().recv(decode)
             pause = max(self._messages.delay(1), self._bytes.delay(len(frame)))
             if pause > 0:
                 await asyncio.sleep(pause)
-            reason = self._refusal(frame)
-            if reason is None:
+            message = decode_message(frame)
+            reason = self._refusal(message)
+            if reason is not None:
+                await self._refuse(reason)
+            elif not (isinstance(message, GizmoUpdate) and self._guard.move_gizmo(self, message)):
                 return frame
-            await self._refuse(reason)
 
-    def _refusal(self, frame: Data) -> str | None:
+    def _refusal(self, message: Message | None) -> str | None:
         """Why a message may not be read; None where it may."""
-        message = decode(frame)
         if message is None:
             return "malformed"
-        return self._misuse(message)
-
-    def _misuse(self, message: Message) -> str | None:
-        """Fault of a message that its widget does not allow."""
         if isinstance(message, UploadPart):
             return None if self._uploads.continues(message) else "unannounced"
         if isinstance(message, WidgetUpdate):

@@ -14,6 +14,7 @@ from websockets.http11 import Request, Response
 from app import page
 from app.guard import responses, token
 from app.guard.host_check import is_known_host, is_own_origin, single
+from app.guard.messages import GizmoUpdate
 from app.guard.policy import Policy
 from app.guard.seats import Seats
 from app.guard.security_headers import secure, security_headers
@@ -93,6 +94,12 @@ class Guard:
     def widget(self, connection: ServerConnection, uuid: str) -> Any:
         """The widget of a tab that has this id; None without one."""
         return None if self.viser is None else page.widget(self.viser, connection, uuid)
+
+    def move_gizmo(self, connection: ServerConnection, update: GizmoUpdate) -> bool:
+        """Move a gizmo of a tab's own; whether there is nothing left for viser to do."""
+        if self.viser is None or (tab := page.tab(self.viser, connection)) is None:
+            return False
+        return page.move_gizmo(tab, update.name, update.owner, update.wxyz, update.position)
 
     def note_refusal(
         self, connection: ServerConnection, status: http.HTTPStatus, asked: str

@@ -50,6 +50,43 @@ def test_dragging_the_obstacle_ends_on_its_last_position(tab: tuple[FakeTab, Ses
     assert session.plan.free.excluded[inside].all()
 
 
+def test_a_hand_moves_gizmos_of_its_own_tab_only(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    gizmo = session.panels.obstacles.gizmos[0]
+    place = gizmo.position.tolist()
+    other = FakeTab(f"http://127.0.0.1:{session.client._viser_server.get_port()}")
+    message = {
+        "type": "TransformControlsUpdateMessage",
+        "name": gizmo.name,
+        "wxyz": [1.0, 0.0, 0.0, 0.0],
+        "position": [1.0, 2.0, 3.0],
+    }
+    own = gizmo._impl.api._owner_id
+    other.send({**message, "owner": own})
+    for owner in ("", "none", f"{own} "):
+        fake.send({**message, "owner": owner})
+    fake.drag(session.panels.ends.gizmos["goal"], [1.0, 1.0, 1.0])
+    until(lambda: session.panels.ends.gizmos["goal"].position.tolist() == [1.0, 1.0, 1.0])
+    other.close()
+    assert gizmo.position.tolist() == place
+    fake.send({**message, "owner": own})
+    until(lambda: gizmo.position.tolist() == [1.0, 2.0, 3.0])
+
+
+def test_a_hand_holds_a_gizmo_from_its_grip_until_it_lets_go(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    gizmo, obstacles = session.panels.obstacles.gizmos[0], session.panels.obstacles
+    for step in range(5):
+        fake.hold(gizmo)
+        for k in range(10):
+            fake.drag(gizmo, [3.0, 3.0, 2.0 + 0.1 * step + 0.01 * k])
+        last = pytest.approx([3.0, 3.0, 2.09 + 0.1 * step])
+        until(lambda last=last: gizmo.position.tolist() == last)  # type: ignore[misc]
+        until(lambda: obstacles.held)
+        fake.let_go(gizmo)
+        until(lambda: not obstacles.held)
+
+
 def test_nothing_is_told_of_the_last_scene_while_another_is_planned(
     tab: tuple[FakeTab, Session], monkeypatch: pytest.MonkeyPatch
 ) -> None:
