@@ -20,6 +20,8 @@ from app.layout import Layout
 
 _SIDES, _RINGS = 14, 4
 _SAMPLES = 120
+_GHOSTS = {"other_elbow": ("now",), "end_poses": ("start", "goal")}
+"""Names of the ghosts of each switch."""
 
 
 class ArmGhostsLayer:
@@ -41,18 +43,11 @@ class ArmGhostsLayer:
     def draw(self, frame: Frame) -> None:
         """Draw what is switched on."""
         plan = frame.plan
-        ghosts = {
-            "other_elbow": (("now", _tool_at(plan, frame.time), _other(elbow_of(plan))),),
-            "end_poses": (
-                ("start", np.array(plan.scene.start), elbow_of(plan)),
-                ("goal", np.array(plan.scene.goal), elbow_of(plan)),
-            ),
-        }
-        for switch, poses in ghosts.items():
-            for name, tool, elbow in poses:
-                shown = switch in frame.shown and isinstance(plan.arm, Arm)
+        for switch, names in _GHOSTS.items():
+            shown = switch in frame.shown and isinstance(plan.arm, Arm)
+            for name in names:
                 if shown and isinstance(plan.arm, Arm):
-                    self._pose(name, plan, plan.arm, tool, elbow)
+                    self._pose(name, plan, plan.arm, *_place_of(name, frame))
                 if name in self._meshes:
                     self._meshes[name].visible = shown
         if plan.tool_only is not self._curve:
@@ -79,6 +74,14 @@ class ArmGhostsLayer:
         self._meshes[name] = self._scene.add_mesh_simple(
             f"/arm_ghost/{name}", vertices, faces, color=colour, opacity=0.22, cast_shadow=False
         )
+
+
+def _place_of(name: str, frame: Frame) -> tuple[FloatArray, Elbow]:
+    """Place of a ghost's tool, (3,), [unit], world, and its branch."""
+    plan, elbow = frame.plan, elbow_of(frame.plan)
+    if name == "now":
+        return _tool_at(plan, frame.time), _other(elbow)
+    return np.array(plan.scene.start if name == "start" else plan.scene.goal), elbow
 
 
 def elbow_of(plan: Plan) -> Elbow:

@@ -7,13 +7,14 @@ The page interpolates joint positions between samples and turns each joint's nod
 from __future__ import annotations
 
 import base64
+import functools
 from dataclasses import dataclass
 
 import numpy as np
 import viser
 
 from abi.arm.trajectory import ArmMotion
-from abi.arrays import FloatArray
+from abi.arrays import FloatArray, read_only
 from app import page
 
 SAMPLES = 101
@@ -100,4 +101,10 @@ class ArmPlayback:
 
 def samples_of(motion: ArmMotion) -> np.ndarray[tuple[int], np.dtype[np.int64]]:
     """Numbers of the samples that the page gets, the first and the last among them."""
-    return np.unique(np.linspace(0, len(motion.time) - 1, SAMPLES).astype(np.int64))
+    return _numbers(len(motion.time))
+
+
+@functools.cache
+def _numbers(count: int) -> np.ndarray[tuple[int], np.dtype[np.int64]]:
+    """Numbers of those samples among so many."""
+    return read_only(np.unique(np.linspace(0, count - 1, SAMPLES).astype(np.int64)))

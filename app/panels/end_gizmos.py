@@ -13,7 +13,7 @@ from abi.scene.scene import Scene
 from app import page, style
 from app.frame import Frame
 from app.numbers import format_setting
-from app.panels.widgets import Wake, phase_holds
+from app.panels.widgets import Vec3, Wake, phase_holds
 
 _ROUNDING = 1e-9
 """Part of the workspace's size."""
@@ -37,6 +37,7 @@ class EndGizmos:
         self._balls: dict[str, viser.IcosphereHandle] = {}
         self._origins: dict[str, FloatArray] = {}
         self._grips: dict[str, FloatArray] = {}
+        self._written: dict[str, Vec3] = {}
         self._chosen = ""
         self._with_handles = ""
         self._wake = wake
@@ -138,7 +139,10 @@ class EndGizmos:
     def _label(self, scene: Scene) -> None:
         self._labelled = scene
         for name, label in self._labels.items():
-            place = (format_setting(round(number, 3)) for number in getattr(scene, name))
+            if self._written.get(name) == (written := getattr(scene, name)):
+                continue
+            self._written[name] = written
+            place = (format_setting(round(number, 3)) for number in written)
             label.text = f"{name} ({', '.join(place)})"
 
     def _within_rounding(self, position: FloatArray) -> FloatArray:

@@ -73,6 +73,7 @@ class ObstacleEditor:
         self._noted: tuple[Scene, int] | None = None
         self._refused = ""
         self._shown: dict[str, Any] = {}
+        self._turned: list[float] | None = None
         self._listed = -1
         self._pressed = False
         self._added: list[Bounds] = []
@@ -261,9 +262,12 @@ class ObstacleEditor:
             gizmo.position = position
         if (angles := self._angles.typed(f"{field}.wxyz")) is not None:
             gizmo.wxyz = SO3.from_rpy_radians(*np.radians(angles)).wxyz
+            self._turned = None
         self._position.show(gizmo.position)
-        if angles is None and (turned := _degrees(gizmo.wxyz)) is not None:
-            self._angles.show(turned)
+        turned = gizmo.wxyz.tolist()
+        if angles is None and turned != self._turned and (shown := _degrees(turned)) is not None:
+            self._angles.show(shown)
+            self._turned = turned
 
     def _keep_in_place(
         self,
