@@ -28,6 +28,9 @@ _VIEW_NAMES = {
     "slice_z": "a slice across z",
     "surface": "those at the workspace's sides and at the obstacles",
 }
+_FEW = 300
+"""Nodes taken out up to which each is drawn in full size."""
+_ARM_NOTE = ", or the arm would, with its tool there"
 
 
 class MeshLayer:
@@ -36,7 +39,7 @@ class MeshLayer:
     switches: ClassVar[tuple[Switch, ...]] = (
         Switch("edges", "mesh edges", style.MESH),
         Switch("nodes", "mesh nodes", style.MESH),
-        Switch("excluded", "nodes inside obstacles", style.EXCLUDED),
+        Switch("excluded", "excluded nodes", style.EXCLUDED),
     )
 
     def __init__(self, layout: Layout) -> None:
@@ -93,7 +96,9 @@ class MeshLayer:
         self._draw_edges(_picture(plan, view))
         size = min(0.05 * plan.free.mesh.pitch, 0.008 * max(plan.scene.workspace.size))
         self._clouds["nodes"].draw(part.points, style.MESH, size)
-        self._clouds["excluded"].draw(part.excluded, style.EXCLUDED, 1.6 * size)
+        # many, as where the whole arm avoids, are smaller: what matters lies among them
+        share = float(np.clip((_FEW / max(len(part.excluded), 1)) ** 0.5, 0.4, 1.0))
+        self._clouds["excluded"].draw(part.excluded, style.EXCLUDED, 1.6 * share * size)
 
     def _draw_edges(self, data: bytes) -> None:
         if not data:
@@ -140,7 +145,7 @@ def _counts(plan: Plan, note: str) -> str:
     lines = [
         f"Spacing {format_setting(plan.mesh.pitch)} {plan.scene.unit}{_divides(plan)}; "
         f"{plan.free.tetrahedra_kept:,} tetrahedra; {int(plan.free.excluded.sum()):,} nodes lie in "
-        "an obstacle or too near one.",
+        f"an obstacle or too near one{_ARM_NOTE if plan.scene.arm.avoid else ''}.",
         f"{graph.removed_edges:,} edges removed{_crossing_note(len(graph.crossing))}.",
     ]
     if note:

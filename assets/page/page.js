@@ -384,6 +384,7 @@ document.head.insertAdjacentHTML("beforeend", `<style id="abi-style">
 #abi-overlay [data-part=class] .abi-card > div { margin-inline: 0 !important; }
 /* a lecture: letters for a hall, in rows that leave the height to the scene */
 #abi-overlay.abi-lecture { font-size: clamp(16px, min(2.8vh, 3vw), 26px); }
+#abi-overlay.abi-lecture .abi-numbers { column-gap: 1.1em; }
 #abi-overlay.abi-lecture .abi-numbers b { font-size: clamp(22px, min(5.2vh, 5cqw), 60px); }
 #abi-overlay.abi-lecture .abi-numbers span { font-size: clamp(14px, min(2.6vh, 3cqw), 26px); }
 #abi-overlay.abi-lecture .abi-bottom { flex-flow: row wrap; align-items: end; padding-block: 0 6px; }
