@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from abi.arm.arm_model import Places
@@ -13,16 +15,30 @@ from abi.tet_mesh.tet_mesh import TetMesh
 _NO_IDS = read_only(np.zeros(0, dtype=np.int32))
 
 
+class _Asked(NamedTuple):
+    """Nodes (n,) of which it is known whether the arm touches an obstacle there, and where it does.
+
+    Of nothing known both are one flag.
+    """
+
+    nodes: BoolArray
+    touching: BoolArray
+
+
+_NOTHING = _Asked(*2 * (read_only(np.zeros(1, dtype=np.bool_)),))
+
+
 class ArmExclusionCache:
     """Nodes at which an arm is out of reach, past a limit or too near, taken from a free mesh.
 
-    It remembers the nodes that each obstacle takes, and those that the arm alone takes.
+    It remembers the nodes that each obstacle takes, and those that the arm alone takes. A node that
+    the tool or another obstacle excludes is not asked about; once it is free, it is.
     """
 
     def __init__(self) -> None:
         self._state: tuple[object, ...] = ()
         self._reached: BoolArray = np.zeros(0, dtype=np.bool_)
-        self._touching: dict[Obstacle, BoolArray] = {}
+        self._asked: dict[Obstacle, _Asked] = {}
 
     def __call__(self, free: FreeMesh, sight: Places, obstacles: ObstacleSet) -> FreeMesh:
         """The mesh without the nodes that the arm excludes, too.
@@ -38,19 +54,20 @@ class ArmExclusionCache:
             a is not b and (isinstance(a, TetMesh) or a != b)
             for a, b in zip(state, self._state, strict=True)
         ):
-            self._state, self._touching = state, {}
+            self._state, self._asked = state, {}
             self._reached = sight.reached(mesh.points)
-        touching: dict[Obstacle, BoolArray] = {}
+        asked: dict[Obstacle, _Asked] = {}
+        open_ = self._reached & ~free.excluded
         for number, obstacle in enumerate(obstacles):
-            known = self._touching.get(obstacle)
-            if known is None:
-                known = sight.touching(mesh.points, number, self._reached)
-            touching[obstacle] = known
-        self._touching = touching
-        taken = ~self._reached
-        for nodes in touching.values():
-            taken |= nodes
-        return apply(free, [_nodes(taken & ~free.excluded, mesh)])
+            known = self._asked.get(obstacle, _NOTHING)
+            new = open_ & ~known.nodes
+            if new.any():
+                touching = sight.touching(mesh.points, number, new)
+                known = _Asked(known.nodes | new, known.touching | touching)
+            asked[obstacle] = known
+            open_ &= ~known.touching
+        self._asked = asked
+        return apply(free, [_nodes(~(open_ | free.excluded), mesh)])
 
 
 def _nodes(excluded: BoolArray, mesh: TetMesh) -> Exclusion:

@@ -20,7 +20,7 @@ from abi.scene.scene import Scene
 from abi.scene.settings import Elbow
 from abi.search.graph import build
 from abi.search.without_edges import without_edges
-from abi.tet_mesh.exclusion import FreeMesh
+from abi.tet_mesh.exclusion import FreeMesh, exclude
 from abi.tet_mesh.tet_mesh import tetrahedralise
 from abi.verify.verify import verify
 from tests.random_arms import arm_scene, dense_clearance
@@ -173,6 +173,29 @@ def test_excluded_nodes_are_those_where_the_arm_is_not_clear(elbow: Elbow) -> No
     for node, point in enumerate(mesh.points):
         fault = sight.leg_refutation(point[None])
         assert free.excluded[node] == (fault is not None and fault.decided)
+
+
+def test_what_is_remembered_of_nodes_that_become_free_is_what_is_found_anew() -> None:
+    scene = arm_scene(3, pitch=0.8)
+    made = FreeMesh.of(tetrahedralise(scene.workspace, scene.mesh))
+    margin = scene.spline.clearance
+    cache = ArmExclusionCache()
+    moved = [
+        one.model_copy(update={"position": tuple(p + 0.7 for p in one.position)})
+        for one in scene.obstacles
+    ]
+    all_there = tuple(scene.obstacles)
+    for obstacles in (all_there, (*all_there[1:], moved[0]), all_there[:1], (*moved,), all_there):
+        there = scene.model_copy(update={"obstacles": obstacles})
+        sight, solids = sight_of(there), ObstacleSet(obstacles)
+        free = exclude(made.mesh, solids, margin)
+        remembered, anew = cache(free, sight, solids), ArmExclusionCache()(free, sight, solids)
+        assert (remembered.excluded == anew.excluded).all()
+        every = sight.reached(made.mesh.points)
+        expected = ~every | free.excluded
+        for number in range(len(obstacles)):
+            expected |= sight.touching(made.mesh.points, number, every)
+        assert (anew.excluded == expected).all()
 
 
 @pytest.mark.parametrize("lattice", ["bcc", "delaunay"])
