@@ -28,6 +28,11 @@ _MANY = 1_000
 """Rows around an arm, of triangle meshes above all, among which one proof is all that is tried."""
 
 
+_TOUCH = 1e-9
+"""Distance up to which it is measured how far the arm is from itself and the floor, [unit]: only
+what is touched is told."""
+
+
 class Contact(NamedTuple):
     """A stretch of time in which a link touches something.
 
@@ -105,8 +110,8 @@ def arm_clearance(
         required: distance to keep from obstacles, at least 0, [unit].
     """
     ends = place(arm, motion.positions)
-    own = _measured(ends, arm, around.only(around.numbers < 0))
-    solid = _measured(ends, arm, around.only(np.isin(around.numbers, obstacles.primitive_numbers)))
+    own = _measured(ends, arm, around.only(around.numbers < 0), _TOUCH)
+    solid = _measured(ends, arm, around.only((around.numbers >= 0) & (around.meshes < 0)))
     for number, mesh in zip(obstacles.mesh_numbers.tolist(), obstacles.meshes, strict=True):
         solid = _nearer(solid, _to_mesh(ends, arm, mesh, float(solid.distance.min())), number)
     contacts = _contacts(motion.time, own, arm) + _contacts(motion.time, solid, arm)
@@ -168,19 +173,23 @@ def best_proof(
 class _Measured(NamedTuple):
     """Least signed distances of capsules (m, c), [unit], and numbers of what is nearest (m, c).
 
-    Of a capsule that touches nothing and is not the nearest of its pose the distance may be inf.
+    Of a capsule that touches nothing and is not the nearest of its pose the distance may be inf,
+    and so may what is above the distance that is enough.
     """
 
     distance: FloatArray
     number: IntArray
 
 
-def _measured(ends: FloatArray, arm: Arm, around: Surroundings) -> _Measured:
-    """Distances of capsules to convex solids and the floor."""
+def _measured(
+    ends: FloatArray, arm: Arm, around: Surroundings, enough: float = math.inf
+) -> _Measured:
+    """Distances of capsules to convex solids and the floor, up to ``enough``, [unit]."""
     shape = ends.shape[:2]
     distance, row = np.empty(shape), np.empty(shape, dtype=np.int32)
     capsule_kernels.capsule_clearances(
-        *(flat(ends), arm.capsule_rows, around.beyond(0.0), distance.reshape(-1), row.reshape(-1))
+        *(flat(ends), arm.capsule_rows, around.beyond(0.0), enough),
+        *(distance.reshape(-1), row.reshape(-1)),
     )
     return _Measured(distance, around.numbers[row])
 

@@ -7,12 +7,17 @@ from __future__ import annotations
 
 import math
 
+from numba.extending import register_jitable
+
 from abi.arm.pose_kernels import CAPSULE, NO_NUMBERS, ArmNumbers, Pose, capsule_ends
 from abi.arm.surroundings_kernels import NO_OBSTACLES, Obstacles, asked_rows, between_boxes
 from abi.arrays import FloatArray, IntArray
 from abi.compiled import FLOATS, NEW_FLOATS, NEW_IDS, compiled
 from abi.obstacles.obstacle_set_kernels import distance_to_segment
-from abi.obstacles.vector_kernels import vec3_at
+from abi.obstacles.vector_kernels import distance, vec3_at
+
+_ROUNDING = 1e-12
+"""Part, and [unit], by which distances that are compared may be wrong."""
 
 
 @compiled(example=(FLOATS, NO_NUMBERS, FLOATS, NEW_FLOATS))
@@ -45,48 +50,75 @@ def place_capsules(
             ends[k + 3], ends[k + 4], ends[k + 5] = b
 
 
-@compiled(example=(FLOATS, FLOATS, NO_OBSTACLES, NEW_FLOATS, NEW_IDS))
+@register_jitable(forceinline=True)
+def _way(ends: FloatArray, k: int, before: int) -> float:
+    """How far the points of a segment are from where they were, at most; both by their rows."""
+    a, b = vec3_at(ends, 6 * k), vec3_at(ends, 6 * k + 3)
+    at_a, at_b = vec3_at(ends, 6 * before), vec3_at(ends, 6 * before + 3)
+    return (1 + _ROUNDING) * max(distance(a, at_a), distance(b, at_b)) + _ROUNDING
+
+
+@compiled(example=(FLOATS, FLOATS, NO_OBSTACLES, 0.0, NEW_FLOATS, NEW_IDS))
 def capsule_clearances(
     ends: FloatArray,
     capsules: FloatArray,
     around: Obstacles,
+    enough: float,
     clearances: FloatArray,
     nearest: IntArray,
 ) -> None:
     """Least signed distance of capsules' surfaces to what they are to keep clear of.
 
     Of a capsule that touches nothing and is not the nearest of its pose the distance may be inf.
+    One that has been far away is not measured again before it has come near by its own way.
 
     Args:
         ends: of each pose both ends of the capsules, flat (6 n c,), [unit], world.
         capsules: rows (4 c,).
         around: the obstacles; the last one is the floor.
+        enough: distances above it may be inf, too, [unit]; above 0.
         clearances: (n c,), [unit]; written.
         nearest: (n c,) the nearest obstacle, -1 where there is none; written.
     """
     moving, count = len(capsules) // CAPSULE, len(around.margins)
-    rows, least = asked_rows(around, moving), math.inf
-    for k in range(len(clearances)):
-        c = k % moving
-        if c == 0:
-            least = math.inf
-        radius = capsules[CAPSULE * c + 3]
-        a, b = vec3_at(ends, 6 * k), vec3_at(ends, 6 * k + 3)
-        best, whose = max(least, 0.0) + radius, -1
-        # what was nearest at the pose before rules out most of the others
-        guess = max(nearest[k - moving], 0) if k >= moving else 0
-        for turn in range(len(rows) + 1):
-            s = guess if turn == 0 else rows[turn - 1]
-            if not around.asked[c * count + s] or (turn > 0 and s == guess):
+    rows = asked_rows(around, moving)
+    least_yet = [-math.inf] * moving  # what each capsule's clearance is not below
+    latest = [0] * moving  # what each capsule was nearest to
+    likely = 0  # the nearest capsule of the pose before
+    for i in range(len(clearances) // moving):
+        least, first = enough, likely
+        for number in range(moving + 1):
+            c = first if number == 0 else number - 1
+            if number > 0 and c == first:
                 continue
-            if s == count - 1:
-                away = min(a[2], b[2]) - around.floor
-            else:
-                if between_boxes(around.primitives, s, a, b)[0] >= best:
+            k = i * moving + c
+            if i > 0:
+                least_yet[c] -= _way(ends, k, k - moving)
+            clearances[k], nearest[k] = math.inf, -1
+            if least_yet[c] > max(least, 0.0):
+                continue
+            radius = capsules[CAPSULE * c + 3]
+            a, b = vec3_at(ends, 6 * k), vec3_at(ends, 6 * k + 3)
+            # as far again as it counts, so that it need not be measured again soon
+            best, whose = 2 * max(least, 0.0) + radius, -1
+            beyond = math.inf
+            # what was nearest at the pose before rules out most of the others
+            for turn in range(len(rows) + 1):
+                s = latest[c] if turn == 0 else rows[turn - 1]
+                if not around.asked[c * count + s] or (turn > 0 and s == latest[c]):
                     continue
-                away = distance_to_segment(around.primitives, s, best, a, b)
-            if away < best:
-                best, whose = away, s
-        clearances[k] = best - radius if whose >= 0 else math.inf
-        least = min(least, clearances[k])
-        nearest[k] = whose
+                if s == count - 1:
+                    away = min(a[2], b[2]) - around.floor
+                else:
+                    away = between_boxes(around.primitives, s, a, b)[0]
+                    if away < best:
+                        away = distance_to_segment(around.primitives, s, best, a, b)
+                beyond = min(beyond, away)
+                if away < best:
+                    best, whose = away, s
+            least_yet[c] = beyond - radius
+            if whose < 0:
+                continue
+            clearances[k], nearest[k], latest[c] = best - radius, whose, whose
+            if clearances[k] < least:
+                least, likely = clearances[k], c

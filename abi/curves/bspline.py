@@ -58,7 +58,12 @@ class BSpline:
         return float(np.linalg.norm(np.ptp(self.control_points, axis=0)))
 
     def bezier(self) -> Bezier:
-        """Bézier points, by inserting every knot until it occurs ``degree`` times.
+        """Bézier points, by inserting every knot until it occurs ``degree`` times; made once."""
+        return self._bezier
+
+    @cached_property
+    def _bezier(self) -> Bezier:
+        """The Bézier points.
 
         Bézier point j of the polynomial on [a, b] is the blossom at a, degree - j times, and b, j
         times (Ramshaw, Blossoms are polar forms, 1989, section 6). De Boor's recursion for it

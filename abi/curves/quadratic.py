@@ -85,7 +85,12 @@ class Quadratic:
         return float(np.linalg.norm(np.ptp(samples, axis=0)))
 
     def bezier(self) -> Bezier:
-        """Bézier points of the pieces: the blossom at (a, a), (a, b), (b, b)."""
+        """Bézier points of the pieces; made once."""
+        return self._bezier
+
+    @cached_property
+    def _bezier(self) -> Bezier:
+        """Bézier points: the blossom at (a, a), (a, b), (b, b)."""
         start, end = self.breaks[:-1], self.breaks[1:]
         blossom = np.ones((len(start), 3, 3))
         blossom[:, :, 1] = np.stack([start, (start + end) / 2, end], axis=1)
