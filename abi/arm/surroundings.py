@@ -79,31 +79,52 @@ def surroundings(arm: Arm, obstacles: ObstacleSet, lowest: float) -> Surrounding
         obstacles: the solids.
         lowest: height of the workspace's bottom, [unit].
     """
-    solids = solid_rows(obstacles)
-    rows, numbers = [solids.rows], [solids.numbers]
-    still = [k for k, capsule in enumerate(arm.capsules) if capsule.body == COLUMN]
-    x, y, z = arm.base.tolist()
-    for capsule in (arm.capsules[k] for k in still):
-        half, radius = (capsule.high - capsule.low) / 2, capsule.radius
-        centre = np.array([[x, y, z + (capsule.low + capsule.high) / 2]])
-        rows.append(_rows(centre, np.eye(3)[None], np.array([[0.0, 0.0, half]]), radius))
-    numbers.append(np.array([*(OWN - k for k in still), FLOOR], dtype=np.int32))
-    number = np.concatenate(numbers)
-    moves = np.array([capsule.body != COLUMN for capsule in arm.capsules])[:, None]
-    jointed = np.array([capsule.neighbour for capsule in arm.capsules])[:, None]
-    grips = np.array([capsule.grips for capsule in arm.capsules])[:, None]
-    asked = (number >= 0) | (moves & ~jointed & (number <= OWN))
-    asked |= moves & ~grips & (number == FLOOR)
-    within = np.concatenate([solids.inside, np.zeros((len(still), 2), dtype=np.int32)])
-    asked &= outermost(within)
-    packed = np.concatenate(rows)
+    solids, own = solid_rows(obstacles), _own_rows(arm)
+    number = np.concatenate([solids.numbers, own.numbers])
+    within = np.concatenate([solids.inside, np.zeros((len(own.numbers) - 1, 2), dtype=np.int32)])
+    asked = np.ones((len(arm.capsules), len(number)), dtype=np.bool_)
+    asked[:, len(solids.numbers) :] = own.asked
+    if obstacles.meshes:
+        asked &= outermost(within)
+    packed = np.concatenate([solids.rows, own.rows])
     reach = arm.a1 + arm.a2 + arm.a3 + 2 * arm.a4 + arm.a5
     size = float(np.abs(arm.base).max()) + reach + largest_coordinate(packed)
     return Surroundings(
         *(read_only(packed), read_only(within.reshape(-1)), read_only(number)),
         mesh_numbers(obstacles, number),
-        *(read_only(asked), min(z, lowest), size),
+        *(read_only(asked), min(float(arm.base[2]), lowest), size),
     )
+
+
+class _OwnRows(NamedTuple):
+    """What an arm keeps clear of beside obstacles: its column, and the floor.
+
+    Attributes:
+        rows: of the column, flat (k WIDTH,).
+        numbers: ``OWN`` minus a capsule's number of each of them, last ``FLOOR``, (k + 1,).
+        asked: whether a capsule is to keep clear of it, (c, k + 1).
+    """
+
+    rows: FloatArray
+    numbers: IntArray
+    asked: BoolArray
+
+
+@lru_cache(maxsize=16)
+def _own_rows(arm: Arm) -> _OwnRows:
+    still = [k for k, capsule in enumerate(arm.capsules) if capsule.body == COLUMN]
+    x, y, z = arm.base.tolist()
+    rows = [np.zeros(0)]
+    for capsule in (arm.capsules[k] for k in still):
+        half, radius = (capsule.high - capsule.low) / 2, capsule.radius
+        centre = np.array([[x, y, z + (capsule.low + capsule.high) / 2]])
+        rows.append(_rows(centre, np.eye(3)[None], np.array([[0.0, 0.0, half]]), radius))
+    numbers = np.array([*(OWN - k for k in still), FLOOR], dtype=np.int32)
+    moves = np.array([capsule.body != COLUMN for capsule in arm.capsules])[:, None]
+    jointed = np.array([capsule.neighbour for capsule in arm.capsules])[:, None]
+    grips = np.array([capsule.grips for capsule in arm.capsules])[:, None]
+    asked = moves & np.where(numbers == FLOOR, ~grips, ~jointed)
+    return _OwnRows(read_only(np.concatenate(rows)), read_only(numbers), read_only(asked))
 
 
 class SolidRows(NamedTuple):
@@ -138,6 +159,8 @@ def solid_rows(obstacles: ObstacleSet) -> SolidRows:
 
 def mesh_numbers(obstacles: ObstacleSet, numbers: IntArray) -> IntArray:
     """The numbers that are of triangle meshes, -1 in the place of others."""
+    if not obstacles.meshes:
+        return read_only(np.full(len(numbers), -1, dtype=np.int32))
     of_mesh = np.isin(numbers, obstacles.mesh_numbers)
     return read_only(np.where(of_mesh, numbers, np.int32(-1)).astype(np.int32))
 

@@ -88,12 +88,13 @@ class BSpline:
         ends = self.control_points[edges], self.control_points[edges + 1]
         long = np.linalg.norm(ends[1] - ends[0], axis=1) > 0
         edges, middles = edges[long], (ends[0] + ends[1])[long] / 2
-        return clamped(
-            np.insert(self.control_points, edges + 1, middles, axis=0),
-            self.degree,
-            np.insert(self.added, edges + 1, True),
-            np.insert(self.pushed, edges + 1, False),
-        )
+        # edge k is between k and k + 1
+        places = np.sort(np.concatenate([np.arange(len(self.control_points)), edges + 0.5]))
+        before = places.astype(int)
+        new = places != before
+        points = self.control_points[before]
+        points[new] = middles
+        return clamped(points, self.degree, self.added[before] | new, self.pushed[before] & ~new)
 
     def __call__(self, parameter: ArrayLike, order: int = 0) -> FloatArray:
         """Point, or derivative of that order by the parameter; see :class:`abi.curves.curve.Curve`.

@@ -112,7 +112,8 @@ class Quadratic:
         """
         t = np.clip(np.asarray(parameter, dtype=float), 0.0, 1.0)
         piece = np.searchsorted(self.breaks[1:-1], t, side="right")
-        c0, c1, c2 = np.moveaxis(self.coefficients[piece], -2, 0)
+        rows = self.coefficients[piece]
+        c0, c1, c2 = rows[..., 0, :], rows[..., 1, :], rows[..., 2, :]
         t = t[..., None]
         if order == 0:
             return np.asarray(c0 + (c1 + c2 * t) * t)

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import lru_cache, partial
 from typing import Any
 
 import numpy as np
@@ -37,6 +37,7 @@ from abi.search.graph import Graph
 from abi.search.graph import build as build_graph
 from abi.search.heuristic import Weight
 from abi.search.search import SEARCHES, SearchResult
+from abi.taut.taut_path import taut
 from abi.tet_mesh.exclusion import FreeMesh
 
 _PATIENCE = 20
@@ -196,11 +197,12 @@ def _finish(task: ArmTask, branch: _Branch, names: list[str]) -> dict[str, Any]:
     results |= _fitted(task, branch)
     bspline: Fit[BSpline] = results["bspline"]
     results["bspline_arc"] = arc = arc_length(bspline.curve)
+    refutation = lru_cache(sight.refutation)  # the curve taken has been asked about already
     quadratic = fit_quadratic.fit(
         *(bspline, arc, obstacles, clearance, scene.quadratic.mode),
-        lambda curve: sight.refutation(curve) is None,
+        lambda curve: refutation(curve) is None,
     )
-    fault = sight.refutation(quadratic.curve) if quadratic.holds else None
+    fault = refutation(quadratic.curve) if quadratic.holds else None
     if fault is not None:
         quadratic = replace(quadratic, note=_note(fault, task.model.arm))
     results["quadratic"] = quadratic
@@ -223,13 +225,15 @@ def _fitted(task: ArmTask, branch: _Branch) -> dict[str, Any]:
     """
     scene, obstacles, graph = task.scene, task.obstacles, branch.found.graph
     path, wanted = branch.found.path, scene.spline
+    if scene.search.taut:
+        of_tool = taut(graph, obstacles, task.margin, path)
     for times in _ROOMS if scene.search.taut else _ROOMS[:1]:
         found: dict[str, Any] = {}
         vertices = path.points
         if scene.search.taut:
             roomy = branch.sight.wider(times)
-            found["taut"] = taut = pull_clear(graph, obstacles, task.margin, path, roomy)
-            vertices = taut.points
+            found["taut"] = pulled = pull_clear(of_tool, obstacles, task.margin, path, roomy)
+            vertices = pulled.points
         bspline = fit_clear(vertices, wanted.degree, obstacles, wanted.clearance, branch.sight)
         if bspline is not None:
             return found | {"bspline": bspline}

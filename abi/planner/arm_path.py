@@ -19,7 +19,7 @@ from abi.planner.pull_by_legs import pull_by_legs
 from abi.search.graph import Graph
 from abi.search.search import SearchResult
 from abi.search.without_edges import without_edges
-from abi.taut.taut_path import TautPath, polyline_length, taut
+from abi.taut.taut_path import TautPath, polyline_length
 from abi.taut.tighten_near_meshes import clear_of
 
 _MOST_REPAIRS = 60
@@ -61,7 +61,7 @@ def search_clear(
 
 
 def pull_clear(
-    graph: Graph, obstacles: ObstacleSet, margin: float, path: SearchResult, sight: Sight
+    of_tool: TautPath, obstacles: ObstacleSet, margin: float, path: SearchResult, sight: Sight
 ) -> TautPath:
     """Pull a path taut as far as tool and arm stay clear.
 
@@ -70,13 +70,12 @@ def pull_clear(
     until the length settles.
 
     Args:
-        graph: the graph of the path.
+        of_tool: the path pulled taut for the tool alone.
         obstacles: the solids.
         margin: distance that the tool keeps from them, [unit].
         path: clear for the arm.
         sight: the arm.
     """
-    of_tool = taut(graph, obstacles, margin, path)
     if sight.clear_legs(of_tool.points).all():
         return of_tool
     ends = obstacles.signed_distance(path.points[[0, -1]]).min()
@@ -111,18 +110,23 @@ def fit_clear(
         sight: the arm.
     """
     fitted = fit_bspline(points, degree, obstacles, clearance, True)
-    if fitted.holds and sight.refutation(fitted.curve) is None:
-        return fitted
-    # its control points may have been pushed off the path, along which alone the arm is clear
-    control, added = place_control_points(points, degree, obstacles, clearance)
-    spline = clamped(control, degree, added)
-    for _ in range(_REFINEMENTS):
+    spline, fault = fitted.curve, None
+    if fitted.holds:
         fault = sight.refutation(spline)
+        if fault is None:
+            return fitted
+    if fault is None or spline.moved:
+        # its control points may have been pushed off the path, along which alone the arm is clear
+        control, added = place_control_points(points, degree, obstacles, clearance)
+        spline = clamped(control, degree, added)
+        fault = sight.refutation(spline)
+    for _ in range(_REFINEMENTS):
         if fault is None:
             fitted = proven_fit(spline, spline.extent, obstacles, clearance)
             if fitted.holds:
                 return fitted
         spline = _refined(spline, fitted.clearance.at if fault is None else fault.parameter)
+        fault = sight.refutation(spline)
     return None
 
 

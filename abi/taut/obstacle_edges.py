@@ -47,7 +47,7 @@ def _edges(solid: Primitive, margin: float, ahead: Vec3 | None) -> FloatArray:
     ends, normals = (
         (_box_edges(solid, margin), _CUBE_NORMALS)
         if isinstance(solid, Box)
-        else (_prism_edges(solid, margin), _prism_normals(solid))
+        else (_prism_edges(solid, margin), _prism_normals(type(solid)))
     )
     return read_only(np.concatenate([ends @ axes + solid.position, normals @ axes], axis=1).ravel())
 
@@ -115,7 +115,8 @@ def _prism_edges(solid: Cylinder | Capsule | Sphere, margin: float) -> FloatArra
     return np.concatenate([sides, np.stack([rims, following], axis=2).reshape(-1, 2, 3)])
 
 
-def _prism_normals(solid: Primitive) -> FloatArray:
+@lru_cache(maxsize=3)
+def _prism_normals(kind: type[Primitive]) -> FloatArray:
     """Normals (n, 2, 3) of the faces at the edges of that prism, in the order of the edges."""
     turn = math.pi / _SIDES
     angle = 2 * turn * np.arange(_SIDES)
@@ -124,12 +125,12 @@ def _prism_normals(solid: Primitive) -> FloatArray:
         for middle in (angle - turn, angle + turn)
     )
     sides = np.stack([before, after], axis=1)
-    if isinstance(solid, Sphere):
-        return sides
+    if kind is Sphere:
+        return read_only(sides)
     rims = []
     for side in (-1.0, 1.0):
         over = np.broadcast_to([0.0, 0.0, side], after.shape)
         # a capsule's rim lies between an end and the bevel around it
-        beside = after if isinstance(solid, Cylinder) else (after + over) / math.sqrt(2)
+        beside = after if kind is Cylinder else (after + over) / math.sqrt(2)
         rims.append(np.stack([beside, over], axis=1))
-    return np.concatenate([sides, np.stack(rims).reshape(-1, 2, 3)])
+    return read_only(np.concatenate([sides, np.stack(rims).reshape(-1, 2, 3)]))

@@ -12,9 +12,10 @@ from hypothesis import strategies as st
 
 from abi.arm.arm import Arm, place
 from abi.arm.arm_clearance import ArmClearance, arm_clearance
+from abi.arm.capsule_kernels import capsule_clearances
 from abi.arm.surroundings import surroundings
 from abi.arm.trajectory import ArmMotion, follow
-from abi.arrays import FloatArray
+from abi.arrays import FloatArray, flat, read_only
 from abi.curves.bspline import clamped
 from abi.curves.curve import arc_length
 from abi.curves.speed_profile import three_phase
@@ -167,3 +168,37 @@ def test_a_box_on_the_column_is_seen() -> None:
     found = case(ArmSettings(), np.array([[1.0, 1.0, 3.0], [5.0, 1.0, 3.0]]), (box,), 31)
     links = {one.link for one in found.clearance.contacts}
     assert {"base_link", "turret"} & links
+
+
+@given(SEED)
+@settings(max_examples=20)
+def test_a_capsule_left_unmeasured_is_neither_the_nearest_nor_touching(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    obstacles = ObstacleSet(tuple(random_obstacle(random) for _ in range(3)))
+    arm, far = Arm.from_settings(ArmSettings(base=(3.0, -3.0, 0.0))), np.inf
+    around = surroundings(arm, obstacles, 0.0)
+    positions = np.zeros((60, 6))
+    first, last = random.uniform(-1.5, 1.5, (2, 3))
+    positions[:, :3] = np.linspace(first, last, 60)
+    ends, rows = place(arm, positions), around.beyond(0.0)
+    count = len(arm.capsules)
+    together, one_by_one = np.empty((60, count)), np.empty((60, count))
+    rows_of = np.empty(count, dtype=np.int32)
+    capsule_clearances(
+        *(flat(ends), arm.capsule_rows, rows, far, together.ravel()),
+        np.empty(60 * count, dtype=np.int32),
+    )
+    for pose, distances in zip(ends, one_by_one, strict=True):
+        for capsule in range(count):  # each alone, so that none is left out for another
+            alone = np.zeros((count, len(rows.margins)), dtype=np.bool_)
+            alone[capsule] = around.asked[capsule]
+            of_one = np.empty(count)
+            capsule_clearances(
+                *(flat(pose), arm.capsule_rows, rows._replace(asked=read_only(alone.ravel()))),
+                *(far, of_one, rows_of),
+            )
+            distances[capsule] = of_one[capsule]
+    measured = np.isfinite(together)
+    assert np.allclose(together[measured], one_by_one[measured], rtol=0, atol=1e-12)
+    assert np.allclose(together.min(axis=1), one_by_one.min(axis=1), rtol=0, atol=1e-12)
+    assert measured[one_by_one <= 0].all()
