@@ -9,11 +9,11 @@ from dataclasses import replace
 import viser
 
 from abi import compiling
-from abi.planner.diagnosis import explain
 from abi.planner.plan import Plan
 from abi.scene.scene import Scene
 from app import memory
 from app.demo import FRAME, Demo
+from app.diagnoses import DIAGNOSES
 from app.frame import Frame
 from app.panels.all_panels import AllPanels
 from app.tab_planner import TabPlanner
@@ -99,12 +99,11 @@ class Pause:
         return plan.error is not None and plan is not self._diagnosed
 
     def _diagnose(self, frame: Frame) -> Frame:
-        """The frame with why there is no plan; without, where input interrupts."""
-        reason = explain(frame.plan.scene, frame.plan, self._interrupted)
-        if self._interrupted():
+        """The frame with why there is no plan; without, where that has to wait."""
+        if not DIAGNOSES.make(frame.plan, self._interrupted):
             return frame
         self._diagnosed = frame.plan
-        return replace(frame, reason=reason)
+        return replace(frame, reason=DIAGNOSES.reason(frame.plan))
 
     def _add_lights(self) -> None:
         """Add lights and surroundings, which take weak graphics seconds to draw."""

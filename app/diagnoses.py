@@ -1,0 +1,49 @@
+"""Diagnoses of plans, each made once for all tabs that show the plan."""
+
+from __future__ import annotations
+
+import threading
+import weakref
+from collections.abc import Callable
+
+from abi.planner.diagnosis import explain
+from abi.planner.plan import Plan
+from abi.planner.reason import Reason
+
+
+class Diagnoses:
+    """Reasons of plans' errors, kept as long as the plans; may be asked from any thread."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._reasons: weakref.WeakKeyDictionary[Plan, Reason | None] = weakref.WeakKeyDictionary()
+        self._begun: weakref.WeakSet[Plan] = weakref.WeakSet()
+
+    def make(self, plan: Plan, interrupted: Callable[[], bool]) -> bool:
+        """Diagnose ``plan``, which takes as long as some ten plans; whether it is diagnosed then.
+
+        It is not where input has ``interrupted``, or while another tab is at it: ask again later.
+        """
+        with self._lock:
+            if plan in self._reasons or plan in self._begun:
+                return plan in self._reasons
+            self._begun.add(plan)
+        try:
+            reason = explain(plan.scene, plan, interrupted)
+            if interrupted():
+                return False
+            with self._lock:
+                self._reasons[plan] = reason
+            return True
+        finally:
+            with self._lock:
+                self._begun.discard(plan)
+
+    def reason(self, plan: Plan) -> Reason | None:
+        """Reason of a plan that is diagnosed; None where there is none to tell."""
+        with self._lock:
+            return self._reasons.get(plan)
+
+
+DIAGNOSES = Diagnoses()
+"""Of this process."""
