@@ -98,6 +98,9 @@ class Viewpoint:
         The camera moves at the begin, at the end, and with a new scene, unless the user moved it:
         what a hand drags is not to move under it. :meth:`follow` is for when the hand has let go.
         """
+        if points is None and self._points is None:
+            self._shown = False
+            return
         begins = (points is None) != (self._points is None)
         moved = self._is_moved()
         self._points = points

@@ -15,7 +15,7 @@ from abi.planner.plan import Plan
 from abi.scene.settings import Elbow
 from app import style
 from app.frame import Frame, Switch
-from app.layers.lines import NO_SEGMENTS, add_line, dashes
+from app.layers.lines import NO_SEGMENTS, add_line, dashes, parameters
 from app.layout import Layout
 
 _SIDES, _RINGS = 14, 4
@@ -55,7 +55,7 @@ class ArmGhostsLayer:
             self._line.points = NO_SEGMENTS
             if plan.tool_only is not None:
                 curve = plan.tool_only.curve
-                points = curve(np.linspace(*curve.interval, _SAMPLES))
+                points = curve(parameters(curve.interval, _SAMPLES))
                 self._line.points = dashes(points, 0.03 * max(plan.scene.workspace.size))
         self._line.visible = "tool_only" in frame.shown
 

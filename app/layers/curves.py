@@ -10,7 +10,7 @@ from abi.curves.curve import Curve
 from abi.planner.plan import Plan
 from app import style
 from app.frame import Frame, Switch
-from app.layers.lines import NO_SEGMENTS, Segments, add_line, recolour, segments
+from app.layers.lines import NO_SEGMENTS, Segments, add_line, parameters, recolour, segments
 from app.layers.points import Points
 from app.layout import Layout
 from app.once_a_plan import once_a_plan
@@ -23,7 +23,7 @@ def _line(plan: Plan, name: str) -> Segments:
     """The curve of that name as segments."""
     fit = plan.bspline if name == "bspline" else plan.quadratic
     assert fit is not None
-    return segments(fit.curve(np.linspace(*fit.curve.interval, SAMPLES)))
+    return segments(fit.curve(parameters(fit.curve.interval, SAMPLES)))
 
 
 class CurvesLayer:

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-import numpy as np
-
 from abi.planner.plan import Plan
 from app import style
 from app.frame import Frame, Switch
 from app.layers.curves import SAMPLES
-from app.layers.lines import NO_SEGMENTS, add_line, dashes
+from app.layers.lines import NO_SEGMENTS, add_line, dashes, parameters
 from app.layout import Layout
 from app.plan_before import PlanBefore
 
@@ -41,5 +39,5 @@ class GhostLayer:
         if plan is None or fit is None:
             self._line.points = NO_SEGMENTS
             return
-        points = fit.curve(np.linspace(*fit.curve.interval, SAMPLES))
+        points = fit.curve(parameters(fit.curve.interval, SAMPLES))
         self._line.points = dashes(points, 0.02 * max(plan.scene.workspace.size))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import functools
+
 import numpy as np
 import viser
 from numpy.typing import NDArray
@@ -12,6 +14,12 @@ from app import style
 Segments = NDArray[np.float32]
 NO_SEGMENTS: Segments = read_only(np.zeros((1, 2, 3), np.float32))
 """One of no length, since viser takes no empty line set."""
+
+
+@functools.lru_cache(64)
+def parameters(interval: tuple[float, float], count: int) -> FloatArray:
+    """So many parameters from the first of an interval to its last."""
+    return read_only(np.linspace(*interval, count))
 
 
 def add_line(

@@ -11,7 +11,7 @@ from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner.plan import Plan
 from app import style
 from app.frame import Frame, Switch
-from app.layers.lines import add_line, segments
+from app.layers.lines import add_line, parameters, segments
 from app.layout import Layout
 from app.numbers import distance_to_show, format_lower_bound
 from app.once_a_plan import once_a_plan
@@ -97,7 +97,7 @@ def _lines(plan: Plan) -> dict[str, FloatArray]:
         lines["path"] = plan.path.points
     for name, fit in (("bspline", plan.bspline), ("quadratic", plan.quadratic)):
         if fit is not None:
-            lines[name] = fit.curve(np.linspace(*fit.curve.interval, 60))
+            lines[name] = fit.curve(parameters(fit.curve.interval, 60))
     return {name: points for name, points in lines.items() if len(points) > 1}
 
 

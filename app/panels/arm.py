@@ -69,6 +69,7 @@ class ArmPanel:
         for box in (self.base, self.clearance, *boxes):
             box.precision = DIGITS
             box.on_update(wake)
+        self._shows_papers: bool | None = None
         self._papers = (self.elbow, self.dynamics.handle, *boxes)
         self.elbow.on_update(wake)
         self.avoid.on_update(wake)
@@ -128,5 +129,7 @@ class ArmPanel:
 
     def _show_papers(self) -> None:
         """Show what only the paper's arm has where that is chosen."""
-        for handle in self._papers:
-            handle.visible = self.model.is_paper
+        if (shown := self.model.is_paper) != self._shows_papers:
+            self._shows_papers = shown
+            for handle in self._papers:
+                handle.visible = shown

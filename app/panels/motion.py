@@ -67,6 +67,7 @@ class MotionPanel:
             "joints [rad/s²]", 1.0, step=0.1, hint="Largest acceleration of every joint."
         )
         self.jerk = gui.add_number("jerk", 1.0, step=1.0, hint="Largest jerk of the tool.")
+        self._shown = ""
         for box in (self.speed, self.rates, self.joint_acceleration, self.jerk):
             box.precision = DIGITS
             box.on_update(wake)
@@ -104,7 +105,9 @@ class MotionPanel:
 
     def _show_limits(self) -> None:
         """Show the boxes that the chosen law asks for."""
-        law = self.law.read()
+        if (law := self.law.read()) == self._shown:
+            return
+        self._shown = law
         self.speed.visible = self.rates.visible = law != "time_optimal"
         self.joint_acceleration.visible = law != "three_phase"
         self.jerk.visible = law == "jerk_limited"
