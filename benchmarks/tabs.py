@@ -160,8 +160,11 @@ async def play(
 ) -> dict[str, Any]:
     """Only watch: all tabs play, then all stand; ``cores`` of the server meanwhile.
 
-    Each lasts for ``seconds``, or until there is ``enough()``.
+    Each lasts for ``seconds``, or until there is ``enough()``. What does not count is the server's
+    start, after which all tabs plan again with compiled code, and the first ``settle`` [s] of the
+    tabs.
     """
+    await warm_up(server.url)
     opened = await open_tabs(server.url, tabs)
     await asyncio.sleep(settle)
     result: dict[str, Any] = {"tabs": tabs}
