@@ -7,7 +7,7 @@ from typing import Literal
 
 import numpy as np
 
-from abi.arm import trajectory
+from abi.arm import mask_kernels, trajectory
 from abi.arm.arm import Arm
 from abi.arm.arm_certificate import ArmRefutation, certify_arm, slide_bounds
 from abi.arm.arm_clearance import ArmClearance, arm_clearance
@@ -17,7 +17,7 @@ from abi.arm.inverse_kinematics import solve
 from abi.arm.surroundings import Surroundings, surroundings
 from abi.arm.trajectory import ArmMotion
 from abi.arm.wrist_drives import wrist_positions
-from abi.arrays import FloatArray
+from abi.arrays import FloatArray, flat, read_only
 from abi.curves import speed_profile
 from abi.curves.curve import ArcLength, Curve
 from abi.curves.timed_profile import PathProfile
@@ -32,7 +32,7 @@ JOINT_SPEED = np.pi
 MOVED = 3
 """Joints that the inverse kinematics moves, q1 to q3."""
 
-_TRIES_TO_REFUTE = 5_000
+_POSES_TO_REFUTE, _TRIES_TO_REFUTE = 49, 5_000
 _LONGER = 1.5
 """Longest path, as a multiple of the straight line, whose time bounds the slide beforehand."""
 
@@ -71,11 +71,28 @@ class AbiCourse:
         return trajectory.follow(self.curve, self.arc, profile, self.arm, self.settings, samples)
 
     def is_refuted(self, profile: PathProfile, around: Surroundings, required: float) -> bool:
-        """Whether one try to prove the arm clear, without samples, shows that it is not."""
+        """Whether a few poses show that the arm is not clear; where q5 slides, a try to prove it.
+
+        That takes longer, and q5 of a pose would have to be computed first.
+        """
         slide = slide_bounds(self.curve, self.arc, profile, self.settings)
         elbow = self.settings.branches[0]
-        found = certify_arm(self.curve, slide, self.arm, elbow, around, required, _TRIES_TO_REFUTE)
-        return isinstance(found, ArmRefutation) and found.decided
+        table = self.arm.table(elbow)
+        low, high = float(slide.low.min()), float(slide.high.max())
+        if low < high:
+            tries = _TRIES_TO_REFUTE
+            found = certify_arm(self.curve, slide, self.arm, elbow, around, required, tries)
+            return isinstance(found, ArmRefutation) and found.decided
+        points = flat(self.curve(np.linspace(*self.curve.interval, _POSES_TO_REFUTE)))
+        reached, touching = np.zeros((2, _POSES_TO_REFUTE), dtype=np.bool_)
+        forearm = float(self.arm.forearm(low))
+        mask_kernels.reached_places(points, table.numbers, forearm, 0.0, reached)
+        if not reached.all():
+            return True
+        mask_kernels.touching_places(
+            points, table, around.beyond(required), forearm, 0.0, read_only(reached), touching
+        )
+        return bool(touching.any())
 
     def clearance(
         self, motion: ArmMotion, obstacles: ObstacleSet, around: Surroundings, required: float
