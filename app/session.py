@@ -74,6 +74,7 @@ class Session:
         self._changed = threading.Event()
         self._turn = Turn(TURNS)
         self._planned = planned
+        self._built = False
         self._closing = False
         page.install(client)
         watch = PageWatch(client)
@@ -82,6 +83,7 @@ class Session:
         with client.atomic():
             self._view = TabView(client, name, scene, self.wake, bool(look.dark), library, watch)
             self.panels, self.playback = self._view.panels, self._view.playback
+            self._built = True
             self._class: ClassroomPanel | None = None
             if classroom is not None:
                 self._class = self._view.join(classroom, self.wake, self._changed.set)
@@ -143,6 +145,8 @@ class Session:
         viser leaves coroutines behind when it stops.
         """
         if getattr(event, "client", None) is not None:
+            if self._built:  # until then no widget has been read
+                self.panels.note(event)
             if not self._changed.is_set():
                 self._woken = time.monotonic()
             self._changed.set()
@@ -198,6 +202,7 @@ class Session:
         """Go back to the last plan after a fault of our own, and say so, until there is input."""
         self._broken = True
         self._scene = self.frame.plan.scene
+        self.panels.read_all()
         self._fault = describe_fault(error)
         metrics.FAULTS.inc()
         _log.exception("fault", extra={"tab": self.client.client_id})

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import viser
 
+from abi.errors import AbiError
 from abi.obstacles.triangle_mesh.surface import Surface
 from abi.scene.scene import Scene
 from app.challenge import parsed
@@ -82,6 +83,7 @@ class AllPanels:
         self.tour = Tour(self.layout, wake)
         self.lecture = Lecture(self.layout, self.theatre, wake)
         self._inputs = (self.stages, self.obstacles, self.ends)
+        self._typed = True
         self.drawn: tuple[Drawable, ...] = (
             self.messages,
             Toolbar(self.layout, self.history, self.tour, self.lecture),
@@ -107,6 +109,21 @@ class AllPanels:
         """Whether a hand holds an obstacle or an end: until it lets go the drag is one change."""
         return self.obstacles.held or self.ends.held
 
+    def note(self, event: object) -> None:
+        """Take note of an input, from any thread.
+
+        A hand that drags sends twenty a second, none of which changes what the stages' widgets
+        show: they are read again only after another.
+        """
+        moved = event.target if isinstance(event, viser.TransformControlsEvent) else None
+        gizmos = (*self.obstacles.gizmos, *self.ends.gizmos.values())
+        if moved is None or all(gizmo is not moved for gizmo in gizmos):
+            self.read_all()
+
+    def read_all(self) -> None:
+        """Read every widget the next time: the scene may not have what they show."""
+        self._typed = True
+
     def read(self, scene: Scene) -> Scene:
         """Read the scene that the panels show; only what differs from ``scene`` is checked.
 
@@ -116,6 +133,16 @@ class AllPanels:
         Raises:
             SceneError: names the field.
         """
+        if typed := self._typed:
+            self._typed = False  # before they are read: what is typed meanwhile counts next time
+        try:
+            return self._read(scene, typed)
+        except AbiError:
+            self.read_all()
+            raise
+
+    def _read(self, scene: Scene, typed: bool) -> Scene:
+        """Read what is posed and, where it was used, what is ``typed`` or chosen."""
         requested = self.files.requested(self.editor.meshes(scene))
         for panel in (self.messages, self.stages.bases):
             if requested is None and (change := panel.accepted_change()) is not None:
@@ -128,7 +155,8 @@ class AllPanels:
         if (number := self.messages.pointed_out()) is not None:
             self.obstacles.point_out(number)
         self.editor.apply(scene)
-        sections = {name: part for panel in self._inputs for name, part in panel.read().items()}
+        inputs = self._inputs if typed else (self.obstacles, self.ends)
+        sections = {name: part for panel in inputs for name, part in panel.read().items()}
         files: dict[str, bytes | Surface] = {**self.editor.surfaces, **self.stages.arm.model.files}
         return scene.replace(files, **sections)
 
@@ -182,6 +210,7 @@ class AllPanels:
 
     def _write(self, scene: Scene) -> None:
         """Show another scene."""
+        self.read_all()
         with self._client.atomic():
             for panel in self._inputs:
                 panel.write(scene)

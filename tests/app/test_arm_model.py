@@ -28,8 +28,10 @@ def planned_arm(session: Session) -> object:
 
 def upload(session: Session, name: str, content: bytes) -> None:
     """What viser does with an uploaded file."""
-    panel(session).model.upload._impl.value = viser.UploadedFile(name=name, content=content)
-    session._changed.set()
+    button = panel(session).model.upload
+    button._impl.value = viser.UploadedFile(name=name, content=content)
+    number = session.client.client_id
+    session.wake(viser.GuiEvent(client=session.client, client_id=number, target=button))
 
 
 @pytest.mark.slow

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -85,6 +86,49 @@ def test_a_hand_holds_a_gizmo_from_its_grip_until_it_lets_go(tab: tuple[FakeTab,
         until(lambda: obstacles.held)
         fake.let_go(gizmo)
         until(lambda: not obstacles.held)
+
+
+def test_what_is_typed_during_a_drag_counts(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    panels = session.panels
+    gizmo, stages = panels.obstacles.gizmos[0], panels.stages
+    for step in range(12):
+        spacing, clearance = 1.0 + 0.01 * step, 0.1 + 0.01 * step
+        for k in range(6):
+            fake.drag(gizmo, [3.0, 3.0, 2.0 + 0.1 * step + 0.01 * k])
+            if k == step % 6:
+                fake.set(stages.mesh.pitch, spacing)
+            if k == step // 2:
+                fake.set(stages.spline.clearance, clearance)
+        fake.drag(panels.ends.gizmos["goal"], [5.0, 5.0, 4.0 + 0.1 * step])
+
+        def arrived(step: int, spacing: float, clearance: float) -> bool:
+            scene = session._scene
+            return (
+                scene.obstacles[0].position == pytest.approx((3.0, 3.0, 2.05 + 0.1 * step))
+                and scene.goal == pytest.approx((5.0, 5.0, 4.0 + 0.1 * step))
+                and scene.mesh.pitch == spacing
+                and scene.spline.clearance == clearance
+            )
+
+        until(partial(arrived, step, spacing, clearance))
+
+
+def test_what_is_refused_stays_so_while_a_hand_drags(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    gizmo, pitch = session.panels.obstacles.gizmos[0], session.panels.stages.mesh.pitch
+    fake.set(session.panels.stages.motion.speed, -1.0)
+    until(lambda: session.frame.refused is not None)
+    for step in range(5):
+        frame = session.frame
+        fake.drag(gizmo, [3.0, 3.0, 2.0 + 0.1 * step])
+        until(lambda frame=frame: session.frame is not frame)  # type: ignore[misc]
+        assert session.frame.refused is not None
+    fake.set(session.panels.stages.motion.speed, 1.5)
+    fake.set(pitch, 1.1)
+    until(lambda: session.frame.refused is None and session._scene.mesh.pitch == 1.1)
+    assert session._scene.motion.speed == 1.5
+    assert session._scene.obstacles[0].position == pytest.approx((3.0, 3.0, 2.4))
 
 
 def test_nothing_is_told_of_the_last_scene_while_another_is_planned(
