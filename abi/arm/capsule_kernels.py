@@ -10,7 +10,7 @@ import math
 from numba.extending import register_jitable
 
 from abi.arm.pose_kernels import CAPSULE, NO_NUMBERS, ArmNumbers, Pose, capsule_ends
-from abi.arm.surroundings_kernels import NO_OBSTACLES, Obstacles, asked_rows, between_boxes
+from abi.arm.surroundings_kernels import NO_OBSTACLES, Obstacles, asked_rows, box_gap
 from abi.arrays import FloatArray, IntArray
 from abi.compiled import FLOATS, NEW_FLOATS, NEW_IDS, compiled
 from abi.obstacles.obstacle_set_kernels import distance_to_segment
@@ -110,7 +110,7 @@ def capsule_clearances(
                 if s == count - 1:
                     away = min(a[2], b[2]) - around.floor
                 else:
-                    away = between_boxes(around.primitives, s, a, b)[0]
+                    away = box_gap(around.primitives, s, a, b)
                     if away < best:
                         away = distance_to_segment(around.primitives, s, best, a, b)
                 beyond = min(beyond, away)

@@ -16,7 +16,7 @@ from abi.arm.pose_kernels import (
     capsule_ends,
     pose_of,
 )
-from abi.arm.surroundings_kernels import NO_OBSTACLES, Obstacles, asked_rows, between_boxes
+from abi.arm.surroundings_kernels import NO_OBSTACLES, Obstacles, asked_rows, box_gap
 from abi.arrays import BoolArray, FloatArray
 from abi.compiled import FLAGS, FLOATS, NEW_FLOATS, compiled
 from abi.obstacles.obstacle_set_kernels import distance_to_segment
@@ -76,7 +76,7 @@ def arm_gaps(
 @register_jitable
 def _gap(around: Obstacles, s: int, a: Vec3, b: Vec3, radius: float, best: float) -> float:
     """The lesser of ``best`` and the distance of a capsule to row s, or to what is inside it."""
-    if between_boxes(around.primitives, s, a, b)[0] - radius >= best:
+    if box_gap(around.primitives, s, a, b) - radius >= best:
         return best
     if around.inside[2 * s + 1] == 0:
         return distance_to_segment(around.primitives, s, best + radius, a, b) - radius
@@ -84,7 +84,7 @@ def _gap(around: Obstacles, s: int, a: Vec3, b: Vec3, radius: float, best: float
     while len(work) > 0:
         box = work.pop()
         for row in range(around.inside[2 * box], around.inside[2 * box + 1]):
-            if between_boxes(around.primitives, row, a, b)[0] - radius >= best:
+            if box_gap(around.primitives, row, a, b) - radius >= best:
                 continue
             if around.inside[2 * row + 1] == 0:
                 best = distance_to_segment(around.primitives, row, best + radius, a, b) - radius

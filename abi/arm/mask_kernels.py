@@ -26,7 +26,7 @@ from abi.arm.pose_kernels import (
     reaches,
     shoulder_holds,
 )
-from abi.arm.surroundings_kernels import NO_OBSTACLES, Obstacles, asked_rows, between_boxes
+from abi.arm.surroundings_kernels import NO_OBSTACLES, Obstacles, asked_rows, box_gap
 from abi.arrays import BoolArray, FloatArray
 from abi.compiled import FLAGS, FLOATS, NEW_FLAGS, compiled
 from abi.obstacles.primitive_kernels import (
@@ -67,7 +67,7 @@ def reached_places(
 @register_jitable(forceinline=True)
 def _near(primitives: FloatArray, s: int, a: Vec3, b: Vec3, need: float) -> bool:
     """Whether a..b is nearer than ``need`` to row s."""
-    if between_boxes(primitives, s, a, b)[0] >= need:
+    if box_gap(primitives, s, a, b) >= need:
         return False
     axes = axes_of(primitives, s)
     p = in_body(axes, sub(a, centre_of(primitives, s)))
@@ -114,7 +114,7 @@ def touched_row(around: Obstacles, s: int, a: Vec3, b: Vec3, need: float, guess:
 @register_jitable(forceinline=True)
 def is_far(primitives: FloatArray, s: int, a: Vec3, b: Vec3, most: float) -> bool:
     """Whether a..b is farther than ``most`` from the bounds of row s, or the ball around them."""
-    if between_boxes(primitives, s, a, b)[0] >= most:
+    if box_gap(primitives, s, a, b) >= most:
         return True
     k = WIDTH * s + BOUNDS
     low, high = vec3_at(primitives, k), vec3_at(primitives, k + 3)
@@ -194,6 +194,7 @@ def touching_places(
     still, widest, out_of_upper, out_of_fore = outline(table)
     rows = asked_rows(around, moving)
     latest = np.full(moving, -1)  # what each capsule touched last
+    likely = still  # the capsule that touched something last: beside its place it does so again
     for i in range(len(reached)):
         if not reached[i]:
             continue
@@ -216,7 +217,12 @@ def touching_places(
                 a, b = pose.shoulder, pose.elbow
                 upper = is_far(around.primitives, s, a, b, out_of_upper + most)
                 fore = is_far(around.primitives, s, b, pose.tool, out_of_fore + most)
-            for c in range(still, moving):
+            if upper and fore:
+                continue
+            for number in range(still - 1, moving):
+                c = likely if number < still else number
+                if number == likely:
+                    continue
                 if upper if capsules[CAPSULE * c] == UPPER_ARM else fore:
                     continue
                 if not around.asked[c * count + s]:
@@ -232,6 +238,7 @@ def touching_places(
                     touching[i] = row >= 0
                     latest[c] = row if row >= 0 else latest[c]
                 if touching[i]:
+                    likely = c
                     break
             if touching[i]:
                 break
