@@ -70,7 +70,8 @@ def box_gap(primitives: FloatArray, s: int, a: Vec3, b: Vec3) -> float:
     x = max(min(a[0], b[0]) - primitives[k + 3], primitives[k] - max(a[0], b[0]))
     y = max(min(a[1], b[1]) - primitives[k + 4], primitives[k + 1] - max(a[1], b[1]))
     z = max(min(a[2], b[2]) - primitives[k + 5], primitives[k + 2] - max(a[2], b[2]))
-    return max(x, max(y, z))
+    gap: float = max(x, max(y, z))
+    return gap
 
 
 @register_jitable(forceinline=True)
