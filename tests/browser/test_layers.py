@@ -17,7 +17,8 @@ NODES = {
     "dijkstra": ("/path/dijkstra",),
     "bellman_ford": ("/path/bellman_ford",),
     "taut": ("/path/taut",),
-    "bspline": ("/curve/bspline", "/name/bspline"),
+    # the arm follows it in this scene: the distance shown is the one that it keeps
+    "bspline": ("/curve/bspline", "/name/bspline", "/name/distance", "/name/line"),
     "control": ("/curve/control_points", "/curve/control_polygon"),
     "quadratic": ("/curve/quadratic", "/curve/entering", "/name/quadratic"),
     "ghost": ("/ghost",),
