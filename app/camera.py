@@ -169,11 +169,13 @@ class Viewpoint:
     def _place(self) -> None:
         """Put the camera to where it is as long as the user leaves it alone."""
         if self._points is None:
+            position, _, _ = _view(self._scene, self._distance_factor, self._direction)
             look_at(self._camera, self._scene, self._distance_factor, self._direction)
         else:
             position, target = stand(self._points, self._direction, self._window)
             self._camera.position, self._camera.look_at = position, target
-        self._places.append(np.array(self._camera.position))
+        # not what the camera says now, which may be the page's word from before
+        self._places.append(position)
 
     def _is_moved(self) -> bool:
         """Whether the user has moved the camera.

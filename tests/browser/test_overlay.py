@@ -95,9 +95,9 @@ def test_the_demonstration_ends_at_the_first_touch(chromium: Browser, touched: s
             # where it is at every moment of the demonstration
             x, y = page.pixel("/workspace", paper.obstacles[0].position)
             page.drag((x, y), (x + 50, y + 40))
-            page.until(lambda: session.resting and not session._pause.demo.running, "rest")
+            page.until(lambda: not session._pause.demo.running, "the end of the demonstration")
+            page.until(lambda: session.resting and scene() != paper, "the obstacle's new place")
             page.until(lambda: drawn.shows(page, session.plan), "the plan")
-            assert scene() != paper
             np.testing.assert_allclose(
                 scene().obstacles[0].position, page.position(gizmo), atol=1e-5
             )
