@@ -49,10 +49,11 @@ def shows_path(page: Page, plan: Plan) -> bool:
 
 
 def shows(page: Page, plan: Plan | None) -> bool:
-    """Whether path and curves in the page are those of ``plan``."""
+    """Whether path and curves in the page are those of ``plan``; not before it has any."""
     assert plan is not None
     return (
-        shows_path(page, plan)
+        {"/path/a_star", "/curve/bspline", "/curve/quadratic"} <= page.names()
+        and shows_path(page, plan)
         and shows_curve(page, "bspline", plan.bspline)
         and shows_curve(page, "quadratic", plan.quadratic)
     )
