@@ -230,6 +230,13 @@ def move_gizmo(
 
     A hand sends twenty such messages a second, and viser takes ten times as long over one.
 
+    Args:
+        client: the tab.
+        name: of the gizmo's node.
+        owner: of the node, as the page has it.
+        wxyz: unit quaternion of the gizmo in its parent's frame.
+        position: of the gizmo in that frame, [unit].
+
     Returns:
         Whether it is done: not where other tabs, or other tabs' gizmos, have to do with it.
     """
