@@ -89,7 +89,7 @@ class Server:
         look_at(self.viser.initial_camera, scene)
         self.viser.on_client_disconnect(self._close_session)
         self.viser.on_client_connect(
-            functools.partial(self._open_session, name, scene, library, WarmUp())
+            functools.partial(self._open_session, name, scene, library, WarmUp(scene))
         )
         self.guard.ready = True
 

@@ -1,5 +1,7 @@
-"""What is loaded behind the first plan: the kernels, with a notice where that takes long, and the
-process that reads files.
+"""What is loaded while the page is, and behind the first plan.
+
+First what a tab's first picture needs, then the kernels, with a notice where that takes long, and
+the process that reads files.
 """
 
 from __future__ import annotations
@@ -7,10 +9,14 @@ from __future__ import annotations
 import contextlib
 import importlib
 import threading
+from typing import TYPE_CHECKING
 
 import viser
 
 from abi import compiling
+
+if TYPE_CHECKING:
+    from abi.scene.scene import Scene
 
 PLAN_TIMEOUT = 10.0
 """Seconds after which compilation no longer waits for a first plan."""
@@ -19,13 +25,15 @@ NOTICE_DELAY = 2.0
 
 
 class WarmUp:
-    """Thread that compiles the kernels, or loads them from the cache.
+    """Thread that prepares the first picture, and compiles the kernels or loads them.
 
     Attributes:
         planned: to be set once a plan is drawn: until then the plan has the processor.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, scene: Scene) -> None:
+        """Begin; ``scene`` is what the first tab is to show."""
+        self._scene = scene
         self.planned = threading.Event()
         self._lock = threading.Lock()
         self._clients: list[viser.ClientHandle] = []
@@ -43,8 +51,7 @@ class WarmUp:
                 self._notify(client)
 
     def _work(self) -> None:
-        # slow to import, and needed to draw the arm
-        importlib.import_module("yourdfpy")
+        prepare_picture(self._scene)
         self.planned.wait(PLAN_TIMEOUT)
         timer = threading.Timer(NOTICE_DELAY, self._notify_all)
         timer.daemon = True
@@ -95,3 +102,16 @@ class WarmUp:
                 auto_close_seconds=None,
             )
         )
+
+
+def prepare_picture(scene: Scene) -> None:
+    """Import what a tab needs, and build the slowest parts of its first picture."""
+    importlib.import_module("app.session")
+    from abi.arm.arm import Arm
+    from abi.arm.models import model_of
+    from app.layers.arm_solids import solids_of
+    from app.layers.lesson import paper_text
+
+    if isinstance(arm := model_of(scene.arm, scene.unit).arm, Arm):
+        solids_of(arm)
+    paper_text()

@@ -9,7 +9,7 @@ import numpy as np
 import viser
 import viser.transforms
 
-from abi.arm.arm import JOINTS, Arm, urdf
+from abi.arm.arm import JOINTS, Arm
 from abi.arm.trajectory import ArmMotion, rest_pose
 from abi.arm.urdf_arm import UrdfArm
 from abi.arrays import FloatArray
@@ -17,12 +17,11 @@ from abi.planner.plan import Plan
 from app import style
 from app.frame import Frame, Switch
 from app.layers.arm_playback import ArmPlayback, JointPose, samples_of
-from app.layers.arm_solids import ArmSolids, Solid, arm_solids, shipped_urdf
+from app.layers.arm_solids import ArmSolids, Solid, solids_of
 from app.layers.lines import NO_SEGMENTS, Segments, add_line, segments
 from app.layout import Layout
 
 _TRACE_SAMPLES = 100
-_REACH = 100.0  # [m], since loading drops faces as small as those of a short arm may be
 
 
 @dataclass
@@ -86,7 +85,7 @@ class ArmLayer:
         self._joint_poses: list[JointPose] = []
         self._arm: Arm | None = None
         self._lengths: tuple[float, ...] = ()
-        self._built: tuple[str, float] | None = None
+        self._built: ArmSolids | None = None
         self._posed: object = None
         self._meshes: dict[str, viser.GlbHandle] = {}
         self._red: dict[str, viser.GlbHandle] = {}
@@ -119,13 +118,9 @@ class ArmLayer:
         lengths = arm.a1, arm.a2, arm.a3, arm.a4, arm.a5, arm.metres
         if lengths == self._lengths:
             return
-        text, scale = urdf(arm), 1 / arm.metres
-        if text != shipped_urdf():
-            factor = _REACH / (arm.a1 + arm.a2 + arm.a3 + arm.a4 + arm.a5)
-            text, scale = urdf(arm, factor), 1 / factor
-        if self._built != (text, scale):
-            self._build(arm_solids(text, scale))
-            self._built = text, scale
+        if (solids := solids_of(arm)) is not self._built:
+            self._build(solids)
+            self._built = solids
         self._lengths = lengths
 
     def _play(self, frame: Frame, motion: ArmMotion) -> None:

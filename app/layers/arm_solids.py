@@ -15,6 +15,7 @@ import numpy as np
 import viser.transforms
 
 from abi import assets
+from abi.arm.arm import Arm, urdf
 from abi.arrays import FloatArray, read_only
 from app import style
 
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     import yourdfpy
 
 _SHIPPED_FILE = assets.path("urdf", "abi.urdf")
+_REACH = 100.0  # [m], since loading drops faces as small as those of a short arm may be
 _KEPT = 8
 """Arms of different sizes that are kept."""
 
@@ -79,14 +81,19 @@ class ArmSolids:
 _reading = threading.Lock()
 
 
-def arm_solids(text: str, scale: float) -> ArmSolids:
-    """The arm of a URDF, its metres times ``scale``; the shipped one has its meshes beside it."""
+def solids_of(arm: Arm) -> ArmSolids:
+    """An arm's links and joints, the same object for arms of the same lengths."""
+    text, scale = urdf(arm), 1 / arm.metres
+    if text != shipped_urdf():
+        factor = _REACH / (arm.a1 + arm.a2 + arm.a3 + arm.a4 + arm.a5)
+        text, scale = urdf(arm, factor), 1 / factor
     with _reading:
         return _arm_solids(text, scale)
 
 
 @functools.lru_cache(_KEPT)
 def _arm_solids(text: str, scale: float) -> ArmSolids:
+    """The arm of a URDF, its metres times ``scale``; the shipped one has its meshes beside it."""
     robot = _load(text)
     joints = []
     for joint in robot.robot.joints:

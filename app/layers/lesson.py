@@ -23,11 +23,11 @@ class LessonLayer:
     def draw(self, frame: Frame) -> None:
         """Write the text; show it but while a lesson is gone through."""
         if not self._text.content:
-            self._text.content = _lesson()
+            self._text.content = paper_text()
         self._text.visible = not frame.lesson
 
 
 @functools.cache
-def _lesson() -> str:
-    """The lesson as Markdown, its formulas as MathML."""
+def paper_text() -> str:
+    """The paper's method as Markdown, its formulas as MathML."""
     return with_formulas(assets.path("lessons", "paper.md").read_text(encoding="utf-8"))

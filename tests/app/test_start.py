@@ -36,6 +36,24 @@ def test_a_tab_and_its_first_plan_load_no_library_that_they_do_not_need() -> Non
     assert [name for name in _NEVER if name in loaded] == []
 
 
+def test_what_the_first_picture_needs_is_there_before_a_tab_asks() -> None:
+    loaded = _loaded(
+        """
+import abi
+from app.warm_up import prepare_picture
+scene = abi.load_scene('paper')
+prepare_picture(scene)
+from app.layers import arm_solids, lesson
+kept = arm_solids._arm_solids.cache_info(), lesson.paper_text.cache_info()
+arm_solids.solids_of(abi.plan(scene).arm), lesson.paper_text()
+now = arm_solids._arm_solids.cache_info(), lesson.paper_text.cache_info()
+assert [after.misses - before.misses for before, after in zip(kept, now)] == [0, 0]
+assert [after.hits - before.hits for before, after in zip(kept, now)] == [1, 1]
+"""
+    )
+    assert {"app.session", "yourdfpy"} <= set(loaded)
+
+
 def test_the_public_names_are_there_when_they_are_asked_for() -> None:
     code = "import abi; print([getattr(abi, name).__name__ for name in abi.__all__], dir(abi))"
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
