@@ -202,6 +202,7 @@ class OutOfReach(StageError):
         self.first = first
         self.last = last
         self.shortfall = shortfall
+        self.slide = slide
 
 
 class ArmNotClear(StageError):

@@ -20,6 +20,8 @@ PERIOD = 0.25
 _DASHES: tuple[tuple[float, ...], ...] = ((), (8, 4), (2, 3), (12, 4, 2, 4), (5, 3, 1, 3))
 """Of the lines of a plot, in turn: none is told from another by its colour alone. The legend's are
 in ``assets/page/page.js``."""
+_SPACE = 18
+"""Least distance of two numbers beside a plot, [px]: more, and a low one has none but 0."""
 _PADDING = (9, 14, 0, 0)
 """Above, right, below and left of the axes, [px]: half of the topmost number is above its line."""
 
@@ -64,7 +66,7 @@ def new_plot(gui: viser.GuiApi, title: str, lines: Lines, height: int) -> viser.
     series.append(uplot.Series(label="", stroke="transparent", width=0))
     # without a stroke the page takes the one of its theme, light or dark
     grid = uplot.Axis_Grid(stroke=_GREY, width=1)
-    upright = uplot.Axis(grid=grid, size=46, font=_FONT)
+    upright = uplot.Axis(grid=grid, size=46, font=_FONT, space=_SPACE)
     along = uplot.Axis(
         grid=grid, size=27, font=_FONT, label="time [s]", labelSize=14, labelGap=1, labelFont=_FONT
     )

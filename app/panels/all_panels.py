@@ -74,7 +74,7 @@ class AllPanels:
             self.share = SharePanel(client, self.layout.overlay, wake)
             self.exports = ExportPanel(client, wake)
             self.bug_report = BugReportButton(client, wake)
-        self.messages = Messages(self.layout, wake)
+        self.messages = Messages(self.layout, self.stages.bases, wake)
         self.history = History(client.gui, scene, wake)
         with self.layout.paper:
             self.lessons = LessonPanel(client, library, wake)

@@ -19,6 +19,8 @@ from app.labels import LABELS, sentence
 from app.layout import Layout
 from app.numbers import format_length, format_setting, format_time
 from app.overlay import button
+from app.panels.base_offer import BaseOffer
+from app.panels.find_base import FindBasePanel
 from app.panels.widgets import Wake
 
 _SHAPES = ((Box, "box"), (Sphere, "ball"), (Cylinder, "cylinder"), (Capsule, "capsule"))
@@ -27,7 +29,8 @@ _SHAPES = ((Box, "box"), (Sphere, "ball"), (Cylinder, "cylinder"), (Capsule, "ca
 class Messages:
     """One sentence, and the buttons of the change that helps."""
 
-    def __init__(self, layout: Layout, wake: Wake) -> None:
+    def __init__(self, layout: Layout, bases: FindBasePanel, wake: Wake) -> None:
+        self._base = BaseOffer(bases)
         self._overlay = layout.overlay
         gui = layout.client.gui
         # Any, since viser declares a button's value read-only
@@ -40,7 +43,8 @@ class Messages:
 
     def draw(self, frame: Frame) -> None:
         """Write the sentence for a frame."""
-        state = frame.plan, frame.refused, frame.reason, frame.coarse, frame.interactive
+        shown = frame.plan, frame.refused, frame.reason, frame.coarse, frame.interactive
+        state = *shown, *self._base.state(frame)
         if state == self._drawn:
             return
         self._drawn = state
@@ -50,7 +54,7 @@ class Messages:
         elif frame.outdated and frame.plan.mesh is None:
             content = '<div class="abi-card">This scene is being planned …</div>'
         elif frame.plan.error is not None:
-            content = self._failure(frame.plan.error, frame.reason)
+            content = self._failure(frame, frame.plan.error)
         else:
             content = f'<div class="abi-card">{_progress(frame)}</div>{_contact(frame.plan)}'
         self._overlay.show("message", content)
@@ -65,16 +69,21 @@ class Messages:
         pressed, self.point_out.value = self.point_out.value, False
         return self._reason.obstacle if pressed and self._reason is not None else None
 
-    def _failure(self, error: AbiError, reason: Reason | None) -> str:
+    def _failure(self, frame: Frame, error: AbiError) -> str:
         """Why there is no plan, and the buttons of what would help."""
+        reason = frame.reason
         explained = error if reason is None else reason
-        dots = " The blue dots are what the start reaches." if isinstance(error, NoPath) else ""
-        content = _error(explained.message, explained.hint + dots)
-        if reason is None or reason.change is None:
+        dots = "The blue dots are what the start reaches." if isinstance(error, NoPath) else ""
+        hints = (explained.hint, dots, self._base.sentence(frame))
+        content = _error(explained.message, " ".join(filter(None, hints)))
+        buttons = ""
+        if reason is not None and reason.change is not None:
+            buttons = button(self.accept, _change_label(reason))
+            if reason.obstacle is not None:
+                buttons += button(self.point_out, f"Show obstacle {reason.obstacle + 1}")
+        buttons += self._base.buttons(frame)
+        if not buttons:
             return content
-        buttons = button(self.accept, _change_label(reason))
-        if reason.obstacle is not None:
-            buttons += button(self.point_out, f"Show obstacle {reason.obstacle + 1}")
         return f'{content}<div class="abi-buttons" style="margin-top:6px">{buttons}</div>'
 
 
@@ -133,12 +142,18 @@ def _change_label(reason: Reason) -> str:
         elif isinstance(value, dict):
             for name, number in value.items():
                 label = LABELS.get(f"{section}.{name}", name)
-                shown = format_setting(number) if isinstance(number, float) else str(number)
-                parts.append(f"set {label} to {shown}")
+                parts.append(f"set {label} to {_setting(number)}")
         else:
             parts.append(f"change {section}")
     text = " and ".join(parts)
     return text[:1].upper() + text[1:]
+
+
+def _setting(value: object) -> str:
+    """A setting as it is written on the page; coordinates in parentheses."""
+    if isinstance(value, list | tuple):
+        return f"({', '.join(map(_setting, value))})"
+    return format_setting(value) if isinstance(value, float) else str(value)
 
 
 def _error(message: str, hint: str) -> str:

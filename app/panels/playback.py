@@ -115,10 +115,14 @@ class PlaybackPanel:
         return ahead / self._rate - (time.monotonic() - self._advanced)
 
     def mark(self, clearance: ArmClearance | None, duration: float) -> None:
-        """Colour the times at which the arm touches something; no player without a motion."""
+        """Colour the times at which the arm touches something; no player without a motion.
+
+        Nor is there a speed to choose then.
+        """
         if clearance is self._marked and (duration > 0) == self._moves:
             return
         self._marked, self._moves = clearance, duration > 0
+        self.speed.visible = self._moves
         contacts = () if clearance is None else clearance.contacts
         stretches = [(one.first, one.last) for one in contacts]
         self._overlay.show("marks", page.player_style(stretches, duration))

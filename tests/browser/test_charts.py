@@ -11,6 +11,11 @@ _ENDS = """() => Object.values(window.__viserTestpoints.uplots).map(({chart}) =>
   .filter(chart => chart.over.clientWidth)
   .map(({scales, data}) => [scales.x.min, scales.x.max, data[0][0], data[0].at(-1)])"""
 
+# Of each plot over time that is seen: how many numbers stand beside it.
+_NUMBERS = """() => Object.values(window.__viserTestpoints.uplots).map(({chart}) => chart)
+  .filter(chart => chart.over.clientWidth && chart.series[0].label === "t")
+  .map(({axes}) => (axes[1]._values ?? []).filter(text => text !== null && text !== "").length)"""
+
 
 def _ends(page: Page) -> tuple[float, float, float, float]:
     """What the first plot shows, and its data: from, to, from, to, [s]."""
@@ -46,3 +51,15 @@ def test_the_time_axis_follows_the_motion(page: Page, session: Session) -> None:
     page.tab.mouse.dblclick(box["x"] + 0.5 * box["width"], y)
     page.until(lambda: _is_whole(page, duration), "the whole motion again")
     assert not page.errors
+
+
+def test_what_a_line_is_worth_can_be_read_beside_every_plot(page: Page, session: Session) -> None:
+    for name in ("arm-in-the-way", "two-boxes", "kitchen-ur5e", "paper"):
+        page.click("Scene")
+        page.choose("scene", name)
+        page.until(lambda: session.resting and session.panels.files.name == name, name)  # noqa: B023
+        for tab in ("Plots", "Result"):
+            page.click(tab)
+            page.settle()
+            page.until(lambda: bool(page.tab.evaluate(_NUMBERS)), "plots")
+            assert min(page.tab.evaluate(_NUMBERS)) >= 2, (name, tab)

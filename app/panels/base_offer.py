@@ -1,0 +1,55 @@
+"""Offer over the scene where no motion of the arm was found: look for another place for its base.
+
+The search itself, its region and its findings in numbers are in stage 6.
+"""
+
+from __future__ import annotations
+
+from abi.errors import ArmNotClear, NotFollowed, OutOfReach
+from app.frame import Frame
+from app.overlay import button
+from app.panels.find_base import FindBasePanel
+
+
+class BaseOffer:
+    """Sentence and buttons; both stay the same while the search runs, as a hand aims at them."""
+
+    def __init__(self, bases: FindBasePanel) -> None:
+        self._bases = bases
+
+    def state(self, frame: Frame) -> tuple[object, ...]:
+        """What the offer depends on."""
+        found = frame.bases
+        best = found is not None and found.best is not None
+        return self._bases.running, best, found is not None
+
+    def sentence(self, frame: Frame) -> str:
+        """What a search for a base does, is doing or has found; empty where none is offered."""
+        if not _may_help(frame):
+            return ""
+        running, has_best, was_sought = self.state(frame)
+        if running:
+            return "Other places for the arm's base are being tried …"
+        if has_best:
+            return "A place for the arm's base was found: see the map in the scene."
+        if was_sought:
+            return "No place for the arm's base helps in the region that stage 6 shows."
+        return "“Find a base” tries many other places for the arm's base."
+
+    def buttons(self, frame: Frame) -> str:
+        """Buttons as HTML: to begin, to stop, and to take what was found."""
+        if not _may_help(frame):
+            return ""
+        running, has_best, _ = self.state(frame)
+        take = button(self._bases.put, "Put the arm there") if has_best else ""
+        return take + button(self._bases.find, "Stop" if running else "Find a base")
+
+
+def _may_help(frame: Frame) -> bool:
+    """Whether another base may help; not known before an arm in the way is explained."""
+    error, reason = frame.plan.error, frame.reason
+    if isinstance(error, ArmNotClear):
+        return reason is not None and (reason.change is None or "arm" in reason.change)
+    if frame.interactive:
+        return False
+    return isinstance(error, NotFollowed) or (isinstance(error, OutOfReach) and error.slide is None)
