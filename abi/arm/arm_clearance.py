@@ -60,7 +60,8 @@ class ArmClearance:
     Attributes:
         elbow: branch of the motion.
         distances: of the links' surfaces to the nearest obstacle at each sample of the motion,
-            shape (m,), [unit], negative inside; inf without obstacles.
+            shape (m,), [unit], negative inside; inf without obstacles, and possibly where a
+            triangle mesh is nearest and another sample is nearer to it.
         required: distance to keep from obstacles, [unit].
         distance: least distance of the links' surfaces to an obstacle, [unit]; proven where there
             is a certificate, else that of the samples; inf without obstacles.

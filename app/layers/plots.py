@@ -12,7 +12,12 @@ from abi.arm.arm import JOINTS
 from abi.planner.plan import Plan
 from app import style
 from app.frame import Frame, Switch
-from app.layers.motion_curves import acceleration, tool_clearance
+from app.layers.motion_curves import (
+    acceleration,
+    has_meshes,
+    links_clearance,
+    tool_clearance,
+)
 from app.layers.time_plot import TimePlots, new_plot
 from app.layout import Layout
 
@@ -90,11 +95,10 @@ class PlotsLayer:
         else:
             self._angles.visible = self._slide.visible = False
             self._shown.add(self._others(motion.joints), time, *positions.T)
-        clearance = plan.arm_clearance
-        if clearance is not None and clearance.obstacle >= 0:
-            self._shown.add(self._clearance, time, clearance.distances[samples])
-        else:
+        if plan.arm_clearance is None or plan.arm_clearance.obstacle < 0:
             self._clearance.visible = False
+        elif not has_meshes(plan):
+            self._add_clearance(plan)
 
     def _add_slow(self, plan: Plan) -> None:
         """Add what is plotted once the hand rests."""
@@ -105,11 +109,21 @@ class PlotsLayer:
         samples = slice(None, None, max(1, len(motion.time) // 100))
         time = motion.time[samples]
         self._shown.add(self._pull, time, *acceleration(plan)[samples].T)
+        if has_meshes(plan):
+            self._add_clearance(plan)
         distances = tool_clearance(plan)
         if distances is None:
             self._tool.visible = False
         else:
             self._shown.add(self._tool, time, distances[samples])
+
+    def _add_clearance(self, plan: Plan) -> None:
+        """Add the clearance of the arm, which takes a while where there are meshes."""
+        assert plan.motion is not None
+        stride = max(1, len(plan.motion.time) // 100)
+        distances = links_clearance(plan, stride)
+        if distances is not None:
+            self._shown.add(self._clearance, plan.motion.time[::stride], distances)
 
     def _others(self, joints: tuple[str, ...]) -> viser.GuiUplotHandle:
         """The plot of joints with these names, made anew where they are others."""

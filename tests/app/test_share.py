@@ -8,12 +8,14 @@ import pytest
 from PIL import Image
 
 from abi import load_scene, plan
+from abi.arm.arm import Arm, place
+from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.scene.scene import Scene
 from app import page
 from app.challenge import GOALS, Challenge, challenge_of, parsed
 from app.frame import Frame
-from app.layers.motion_curves import acceleration, tool_clearance
+from app.layers.motion_curves import acceleration, links_clearance, tool_clearance
 from app.panels.share import png
 from app.session import Session
 from app.tab_state import TabState
@@ -107,6 +109,26 @@ def test_curves_over_time_are_derivatives_and_distances() -> None:
     assert distances is not None
     assert distances.min() >= PAPER.spline.clearance - 1e-6
     assert tool_clearance(plan(PAPER.replace(obstacles=[]))) is None
+
+
+def test_the_clearance_of_the_links_is_measured_at_all_times_beside_a_mesh() -> None:
+    result = plan(load_scene("sculpture"))
+    motion, arm = result.motion, result.arm
+    assert motion is not None
+    assert isinstance(arm, Arm)
+    stride = 20
+    distances = links_clearance(result, stride)
+    assert distances is not None
+    ends = place(arm, motion.positions[::stride])
+    parts = np.linspace(0, 1, 400)[:, None]
+    points = ends[:, :, None, 0] * (1 - parts) + ends[:, :, None, 1] * parts
+    gaps = ObstacleSet(result.scene.obstacles).nearest(points.reshape(-1, 3))[0]
+    radii = np.array([capsule.radius for capsule in arm.capsules])
+    sampled = (gaps.reshape(points.shape[:3]).min(axis=2) - radii).min(axis=1)
+    spacing = np.linalg.norm(ends[:, :, 1] - ends[:, :, 0], axis=2).max() / 399
+    assert (distances <= sampled + 1e-9).all()
+    assert (distances >= sampled - spacing).all()
+    assert links_clearance(plan(PAPER.replace(obstacles=[])), stride) is None
 
 
 def test_h_shows_the_keys(tab: tuple[FakeTab, Session]) -> None:

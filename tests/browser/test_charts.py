@@ -54,7 +54,7 @@ def test_the_time_axis_follows_the_motion(page: Page, session: Session) -> None:
 
 
 def test_what_a_line_is_worth_can_be_read_beside_every_plot(page: Page, session: Session) -> None:
-    for name in ("arm-in-the-way", "two-boxes", "kitchen-ur5e", "paper"):
+    for name in ("arm-in-the-way", "sculpture", "kitchen-ur5e", "paper"):
         page.click("Scene")
         page.choose("scene", name)
         page.until(lambda: session.resting and session.panels.files.name == name, name)  # noqa: B023
