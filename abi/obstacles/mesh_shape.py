@@ -214,7 +214,18 @@ class MeshShape(Posed):
 
 @lru_cache(maxsize=256)
 def _bounds(shape: MeshShape) -> tuple[FloatArray, FloatArray]:
-    corners = _to_world(shape, shape.surface.hull)
+    low, high = _turned_bounds(shape.surface, shape.wxyz, shape.factor)
+    # rounding is monotonic: what is least before the shift is least after
+    return read_only(low + np.array(shape.position)), read_only(high + np.array(shape.position))
+
+
+@lru_cache(maxsize=256)
+def _turned_bounds(
+    surface: Surface, wxyz: tuple[float, float, float, float], factor: float
+) -> tuple[FloatArray, FloatArray]:
+    """Bounds of a shape with its file's origin at the world's: of the round ones a hull has many
+    corners."""
+    corners = surface.hull * factor @ rotation(wxyz).T
     return read_only(corners.min(axis=0)), read_only(corners.max(axis=0))
 
 

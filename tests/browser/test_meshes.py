@@ -7,6 +7,7 @@ import pytest
 from scipy.spatial import cKDTree
 
 import abi
+from app.mesh_picture import MOST_DRAWN
 from app.numbers import format_lower_bound
 from app.session import Session
 from tests.abi import meshes
@@ -109,6 +110,36 @@ def test_a_mesh_works_as_an_obstacle_while_it_is_dragged(
     page.click("Result")
     page.reads(f"{format_lower_bound(plan.bspline.clearance.distance)} ✓")
     assert drawn.same(plan, abi.plan(plan.scene))
+    assert page.complaints() == []
+
+
+@pytest.mark.slow
+def test_a_large_mesh_can_be_stopped_and_is_drawn_with_fewer_triangles(
+    page: Page, session: Session
+) -> None:
+    mesh = meshes.bumpy(7)
+    content = meshes.stl(mesh)
+    page.click("Scene")
+    page.upload(ADD, "first.stl", content)
+    page.reads("first.stl: reading and repairing")
+    page.click("Stop reading")
+    stop = page.tab.get_by_text("Stop reading")
+    page.until(lambda: not any(one.is_visible() for one in stop.all()), "the button to go")
+    page.until(lambda: session.panels.editor.uploads._pending == 0, "the file to be let be")
+    page.until(lambda: session.resting, "the tab to rest")
+    assert session.plan is not None
+    assert len(session.plan.scene.obstacles) == 1
+    assert len(drawn.obstacles(page)) == 1
+
+    page.upload(ADD, "second.stl", content)
+    page.until(lambda: len(session.plan.scene.obstacles) == 2, "the mesh")  # type: ignore[union-attr]
+    page.reads("327,680 triangles")
+    page.reads("It is planned with all of them and drawn with fewer.")
+    page.until(lambda: len(drawn.obstacles(page)) == 2, "its gizmo")
+    gizmo = drawn.obstacles(page)[-1]
+    page.node(f"{gizmo}/body")
+    assert 10_000 < page.triangles(f"{gizmo}/body") <= MOST_DRAWN
+    assert len(session.plan.scene.obstacles[1].triangles()) == len(mesh[1])
     assert page.complaints() == []
 
 

@@ -6,6 +6,7 @@ Plain Python that numba compiles with its caller.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 from numba.extending import register_jitable
 
@@ -13,14 +14,33 @@ from abi.arrays import FloatArray, IntArray
 from abi.obstacles.triangle_mesh.bvh import TriangleTree, box_of
 from abi.obstacles.triangle_mesh.closest_point_kernels import nearest_triangle
 from abi.obstacles.triangle_mesh.triangle_kernels import (
+    clamp,
     closest_point,
     on_side,
     segment_to_triangle,
     triangle_at,
 )
-from abi.obstacles.vector_kernels import Vec3, axpy, dot, norm, sub
+from abi.obstacles.vector_kernels import Vec3, add, axpy, dot, norm, sub
 
 _TRIES = 4  # steps towards the nearest triangle, until it is the same again
+
+
+class Way(NamedTuple):
+    """A segment on its way through a tree.
+
+    Attributes:
+        first: its first end.
+        inverse: what :func:`inverse_of` gives for it.
+        normal: a direction, of a length up to 1.
+        along: its second end less the first.
+        per_square: 1 over the square of its length.
+    """
+
+    first: Vec3
+    inverse: Vec3
+    normal: Vec3
+    along: Vec3
+    per_square: float
 
 
 @register_jitable
@@ -87,7 +107,8 @@ def near_triangle(
     """
     _, leaves, corners, _ = tree
     inner = len(leaves) - 2
-    inverse = inverse_of(sub(q, p))
+    d = sub(q, p)
+    inverse, per_square = inverse_of(d), 1.0 / max(dot(d, d), 1e-300)
     level = min(dot(normal, p), dot(normal, q)) - limit
     middle = axpy(0.5, sub(q, p), p)
     waiting[0] = 0
@@ -95,7 +116,8 @@ def near_triangle(
     while count > 0:
         count -= 1
         node = waiting[count]
-        node, count = _leaf_below(tree, node, (p, inverse, normal), limit, level, waiting, count)
+        way = Way(p, inverse, normal, d, per_square)
+        node, count = _leaf_below(tree, node, way, limit, level, waiting, count)
         if node < 0:
             continue
         for number in range(leaves[node - inner], leaves[node - inner + 1]):
@@ -121,7 +143,7 @@ def near_triangle(
 def _leaf_below(
     tree: TriangleTree,
     node: int,
-    way: tuple[Vec3, Vec3, Vec3],
+    way: Way,
     limit: float,
     level: float,
     waiting: IntArray,
@@ -132,7 +154,7 @@ def _leaf_below(
     Args:
         tree: over the triangles.
         node: where to begin.
-        way: first end of the segment, what :func:`inverse_of` gives for it, and a direction.
+        way: the segment.
         limit: distance.
         level: what is nowhere as far along the direction is not near.
         waiting, count: nodes still to look at, and how many; those passed on the way join them.
@@ -152,15 +174,24 @@ def _leaf_below(
 
 
 @register_jitable
-def _stretch_near(
-    tree: TriangleTree, node: int, way: tuple[Vec3, Vec3, Vec3], limit: float, level: float
-) -> float:
-    """Part of a segment that may be near to the box of a node; below 0 where none is."""
-    p, inverse, normal = way
+def _stretch_near(tree: TriangleTree, node: int, way: Way, limit: float, level: float) -> float:
+    """Part of a segment that may be near to the box of a node; below 0 where none is.
+
+    A box that is widened reaches farther at its edges than the limit, so the ball around the box
+    counts, too.
+    """
+    p, inverse, normal, d, per_square = way
     low, high = box_of(tree, node)
     if _top(normal, low, high) < level:
         return -1.0
-    return stretch_in(p, inverse, low, high, limit)
+    stretch = stretch_in(p, inverse, low, high, limit)
+    if stretch < 0.0:
+        return stretch
+    half = (0.5 * (high[0] - low[0]), 0.5 * (high[1] - low[1]), 0.5 * (high[2] - low[2]))
+    centre = sub(add(low, half), p)
+    gap = axpy(-clamp(dot(centre, d) * per_square), d, centre)
+    reach = limit + norm(half) * (1.0 + 1e-6) + 1e-12 * (tree.size + limit)
+    return stretch if dot(gap, gap) <= reach * reach else -1.0
 
 
 @register_jitable
@@ -235,7 +266,8 @@ def segment_distance(
     """
     _, leaves, corners, _ = tree
     inner = len(leaves) - 2
-    inverse = inverse_of(sub(q, p))
+    d = sub(q, p)
+    inverse, per_square = inverse_of(d), 1.0 / max(dot(d, d), 1e-300)
     best = most
     lowest = min(dot(normal, p), dot(normal, q))
     waiting[0] = 0
@@ -243,7 +275,7 @@ def segment_distance(
     while count > 0:
         count -= 1
         node = waiting[count]
-        way = (p, inverse, normal)
+        way = Way(p, inverse, normal, d, per_square)
         if _stretch_near(tree, node, way, best, lowest - best) < 0.0:
             continue
         node, count = _leaf_below(tree, node, way, best, lowest - best, waiting, count)
