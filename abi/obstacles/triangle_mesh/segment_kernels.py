@@ -34,6 +34,7 @@ class Way(NamedTuple):
         normal: a direction, of a length up to 1.
         along: its second end less the first.
         per_square: 1 over the square of its length.
+        doubt: bound of the error of its distance to the middle of a box, by rounding.
     """
 
     first: Vec3
@@ -41,6 +42,7 @@ class Way(NamedTuple):
     normal: Vec3
     along: Vec3
     per_square: float
+    doubt: float
 
 
 @register_jitable
@@ -109,6 +111,7 @@ def near_triangle(
     inner = len(leaves) - 2
     d = sub(q, p)
     inverse, per_square = inverse_of(d), 1.0 / max(dot(d, d), 1e-300)
+    doubt = 1e-12 * (tree.size + norm(d))
     level = min(dot(normal, p), dot(normal, q)) - limit
     middle = axpy(0.5, sub(q, p), p)
     waiting[0] = 0
@@ -116,7 +119,7 @@ def near_triangle(
     while count > 0:
         count -= 1
         node = waiting[count]
-        way = Way(p, inverse, normal, d, per_square)
+        way = Way(p, inverse, normal, d, per_square, doubt)
         node, count = _leaf_below(tree, node, way, limit, level, waiting, count)
         if node < 0:
             continue
@@ -180,7 +183,7 @@ def _stretch_near(tree: TriangleTree, node: int, way: Way, limit: float, level: 
     A box that is widened reaches farther at its edges than the limit, so the ball around the box
     counts, too.
     """
-    p, inverse, normal, d, per_square = way
+    p, inverse, normal, d, per_square, doubt = way
     low, high = box_of(tree, node)
     if _top(normal, low, high) < level:
         return -1.0
@@ -190,7 +193,7 @@ def _stretch_near(tree: TriangleTree, node: int, way: Way, limit: float, level: 
     half = (0.5 * (high[0] - low[0]), 0.5 * (high[1] - low[1]), 0.5 * (high[2] - low[2]))
     centre = sub(add(low, half), p)
     gap = axpy(-clamp(dot(centre, d) * per_square), d, centre)
-    reach = limit + norm(half) * (1.0 + 1e-6) + 1e-12 * (tree.size + limit)
+    reach = (limit + norm(half)) * (1.0 + 1e-9) + doubt
     return stretch if dot(gap, gap) <= reach * reach else -1.0
 
 
@@ -268,6 +271,7 @@ def segment_distance(
     inner = len(leaves) - 2
     d = sub(q, p)
     inverse, per_square = inverse_of(d), 1.0 / max(dot(d, d), 1e-300)
+    doubt = 1e-12 * (tree.size + norm(d))
     best = most
     lowest = min(dot(normal, p), dot(normal, q))
     waiting[0] = 0
@@ -275,7 +279,7 @@ def segment_distance(
     while count > 0:
         count -= 1
         node = waiting[count]
-        way = Way(p, inverse, normal, d, per_square)
+        way = Way(p, inverse, normal, d, per_square, doubt)
         if _stretch_near(tree, node, way, best, lowest - best) < 0.0:
             continue
         node, count = _leaf_below(tree, node, way, best, lowest - best, waiting, count)
