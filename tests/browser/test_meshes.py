@@ -7,6 +7,7 @@ import pytest
 from scipy.spatial import cKDTree
 
 import abi
+from abi.obstacles.mesh_shape import MeshShape
 from app.mesh_picture import MOST_DRAWN
 from app.numbers import format_lower_bound
 from app.session import Session
@@ -139,7 +140,9 @@ def test_a_large_mesh_can_be_stopped_and_is_drawn_with_fewer_triangles(
     gizmo = drawn.obstacles(page)[-1]
     page.node(f"{gizmo}/body")
     assert 10_000 < page.triangles(f"{gizmo}/body") <= MOST_DRAWN
-    assert len(session.plan.scene.obstacles[1].triangles()) == len(mesh[1])
+    added = session.plan.scene.obstacles[-1]
+    assert isinstance(added, MeshShape)
+    assert len(added.triangles()) == len(mesh[1])
     assert page.complaints() == []
 
 
