@@ -39,7 +39,8 @@ from app.turns import AT_ONCE, PATIENT, TURNS, Turn
 _log = logging.getLogger("abi.tab")
 
 SLOW_MS = 120.0
-"""Where the last plan took longer, it is drawn in grey while the next is made."""
+"""Where the last plan took longer, without the time in which others had the processor, it is drawn
+in grey while the next is made: a picture more, which is what a crowd of tabs has no time for."""
 
 
 class Session:
@@ -334,7 +335,7 @@ class Session:
             # nothing that is told of the last scene is true of this one, nor of the right size
             frame = replace(self.frame, plan=Plan(scene), reason=None, coarse=False, partial=False)
             self._view.draw(replace(frame, outdated=True))
-        elif self.frame.plan.total_ms > SLOW_MS:
+        elif self._planner.processor_ms > SLOW_MS:
             self._draw(replace(self.frame, outdated=True))
         return self._planner(scene, shared)
 

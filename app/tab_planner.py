@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Mapping
+import time
+from collections.abc import Callable, Mapping
 
 from abi.planner.live_planner import LivePlanner
 from abi.planner.plan import Plan
@@ -22,6 +23,8 @@ class TabPlanner:
 
     Attributes:
         live: the planner itself.
+        processor_ms: time that the last plan took of the processor, [ms]; while many tabs plan at
+            once it may have waited much longer, for which the plan can do nothing.
     """
 
     def __init__(self, tab: int) -> None:
@@ -29,6 +32,7 @@ class TabPlanner:
         self.live = LivePlanner(compile=False)
         self._tab = tab
         self._ms: Mapping[str, float] = {}
+        self.processor_ms = 0.0
 
     @property
     def coarse(self) -> bool:
@@ -45,12 +49,12 @@ class TabPlanner:
         if (found := shared.find(scene, full)) is None:
             return None
         self.live.adopt(scene, found.coarse, found.partial)
-        self._ms = found.plan.ms
+        self._ms, self.processor_ms = found.plan.ms, found.plan.total_ms
         return found.plan
 
     def __call__(self, scene: Scene, shared: SharedPlans | None) -> Plan:
         """Plan within a frame if possible, for the tabs, too, that have these ``shared``."""
-        plan = self._count(self.live(scene))
+        plan = self._make(self.live, scene)
         if shared is not None:
             shared.keep(scene, plan, self.coarse, self.partial)
         return plan
@@ -59,7 +63,7 @@ class TabPlanner:
         """Plan in full, however long it takes, or take the full plan that another tab has made."""
         if shared is not None and (made := self.take(scene, shared, full=True)) is not None:
             return made
-        plan = self._count(self.live.finish(scene))
+        plan = self._make(self.live.finish, scene)
         if shared is not None:
             shared.keep(scene, plan)
         return plan
@@ -73,7 +77,11 @@ class TabPlanner:
         """Give up what is kept only to plan faster."""
         self.live.forget()
 
-    def _count(self, plan: Plan) -> Plan:
+    def _make(self, planner: Callable[[Scene], Plan], scene: Scene) -> Plan:
+        """Plan, and count it."""
+        begin = time.thread_time()
+        plan = planner(scene)
+        self.processor_ms = 1e3 * (time.thread_time() - begin)
         metrics.observe_plan(plan.total_ms / 1e3, self._ms, plan.ms)
         self._ms = plan.ms
         if plan.total_ms > LOGGED_MS:

@@ -17,6 +17,7 @@ import viser
 import zstandard
 from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import ConnectionClosed
+from websockets.protocol import State
 from websockets.typing import Subprotocol
 
 from abi.arrays import FloatArray
@@ -39,6 +40,9 @@ CAMERA = {
 }
 _POLL = 0.02  # [s]
 _TEXTS = 50
+_TOLD = (CURVE.encode(), b"TransformControlsMessage", b"label", b"content")
+"""Bytes, one of which is in every message that a tab notes."""
+_DECOMPRESSOR = zstandard.ZstdDecompressor()
 
 
 class WebTab:
@@ -102,15 +106,19 @@ class WebTab:
     async def move(self, position: tuple[float, float, float]) -> None:
         """Move the obstacle there, as one step of a drag."""
         self.position = position
-        await self.send(
-            {
-                "type": "TransformControlsUpdateMessage",
-                "name": GIZMO,
-                "wxyz": [1.0, 0.0, 0.0, 0.0],
-                "position": list(position),
-                "owner": self._owner,
-            }
-        )
+        message = {
+            "type": "TransformControlsUpdateMessage",
+            "name": GIZMO,
+            "wxyz": [1.0, 0.0, 0.0, 0.0],
+            "position": list(position),
+            "owner": self._owner,
+        }
+        if self._connection.state is not State.OPEN:
+            await self.send(message)  # which says why it cannot
+            return
+        # twenty a second of each tab, which otherwise are most of what the tabs cost
+        self._connection.protocol.send_binary(msgspec.msgpack.encode(message))
+        self._connection.send_data()
 
     async def drag(self, seconds: float, phase: float) -> float:
         """Drag the obstacle around a circle from ``phase`` [rad] on; when the hand let go, [s]."""
@@ -168,7 +176,10 @@ class WebTab:
                 self._note(frame)
 
     def _note(self, frame: bytes) -> None:
-        content, arrays = decode(frame)
+        raw = decompress(frame)
+        if not any(told in raw for told in _TOLD):
+            return
+        content, arrays = decode(frame, raw)
         for message in content["messages"]:
             name = message.get("name")
             fields = message.get("props") or message.get("updates") or {}
@@ -189,11 +200,18 @@ def is_same_curve(points: FloatArray, expected: FloatArray) -> bool:
     return points.shape == expected.shape and np.allclose(points, expected, atol=1e-4)
 
 
-def decode(frame: bytes) -> tuple[dict[str, Any], Callable[[dict[str, Any]], FloatArray]]:
-    """Content of a frame of viser's protocol, and what turns its placeholders into arrays."""
+def decompress(frame: bytes) -> bytes:
+    """Messages of a frame of viser's protocol, packed, without their arrays."""
     length, packed = struct.unpack_from("<QQ", frame)
-    raw = zstandard.ZstdDecompressor().decompress(frame[16 : 16 + packed], max_output_size=length)
-    content = msgspec.msgpack.decode(raw)
+    return _DECOMPRESSOR.decompress(frame[16 : 16 + packed], max_output_size=length)
+
+
+def decode(
+    frame: bytes, raw: bytes | None = None
+) -> tuple[dict[str, Any], Callable[[dict[str, Any]], FloatArray]]:
+    """Content of a frame, and what turns its placeholders into arrays; ``raw`` if decompressed."""
+    packed: int = struct.unpack_from("<Q", frame, 8)[0]
+    content = msgspec.msgpack.decode(decompress(frame) if raw is None else raw)
     places, place = [], 16 + packed
     for size in content["binaryBufferLengths"]:
         place += -place % 8

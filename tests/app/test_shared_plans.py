@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import time
+
 import pytest
 
 from abi import compiling
+from abi.planner.live_planner import LivePlanner
+from abi.planner.plan import Plan
 from abi.planner.planner import plan
-from abi.scene.scene import load_scene
+from abi.scene.scene import Scene, load_scene
 from app.shared_plans import SharedPlans
 from app.tab_planner import TabPlanner
 
@@ -57,3 +61,27 @@ def test_a_planner_takes_a_plan_as_incomplete_as_it_is() -> None:
     plans.keep(made.scene, made)
     assert planner.finish(made.scene, plans) is made
     assert (planner.coarse, planner.partial) == (False, False)
+
+
+def test_a_planner_counts_its_own_time_and_not_that_in_which_others_have_the_processor() -> None:
+    scene, planner = load_scene("two-boxes"), TabPlanner(1)
+    made = plan(scene)
+
+    class Waiting(LivePlanner):
+        def __call__(self, scene: Scene) -> Plan:
+            time.sleep(0.2)
+            return made
+
+    class Working(LivePlanner):
+        def __call__(self, scene: Scene) -> Plan:
+            begin = time.thread_time()
+            while time.thread_time() - begin < 0.2:
+                pass
+            return made
+
+    planner.live = Waiting()
+    planner(scene, None)
+    assert planner.processor_ms < 100
+    planner.live = Working()
+    planner(scene, None)
+    assert planner.processor_ms >= 200
