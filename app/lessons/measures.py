@@ -12,7 +12,13 @@ import numpy as np
 from abi.planner.plan import Plan
 from abi.search.search import SearchResult
 from app.frame import Frame
-from app.numbers import distance_to_show, format_count, format_length, format_lower_bound
+from app.numbers import (
+    distance_to_show,
+    format_count,
+    format_length,
+    format_lower_bound,
+    format_setting,
+)
 
 Measure = Callable[[Frame], float | None]
 """A number of the frame; None where there is none."""
@@ -131,6 +137,8 @@ MEASURES: Mapping[str, Measure] = MappingProxyType(
 _COUNTS = {"nodes", "excluded", "edges", "crossing", "hops", "expanded", "relaxed", "points"}
 _COUNTS |= {"degree", "pieces", "step"}
 _LENGTHS = {"length", "clearance", "wanted", "pitch"}
+_SETTINGS = {"wanted", "speed", "a1", "a3"}
+_LOWER_BOUNDS = {"optimum.length"}
 
 
 def value(name: str, frame: Frame) -> float | None:
@@ -139,7 +147,7 @@ def value(name: str, frame: Frame) -> float | None:
 
 
 def text(name: str, frame: Frame) -> str:
-    """A measure as it is read, lengths with their unit; a distance kept is rounded down."""
+    """A measure as it is read, lengths with their unit; lower bounds are rounded down."""
     number = value(name, frame)
     if number is None or not math.isfinite(number):
         return "–"
@@ -151,7 +159,10 @@ def text(name: str, frame: Frame) -> str:
         unit = f" {frame.plan.scene.unit}/s"
     if last == "gap":
         return f"{number:.1f}"
-    return (format_lower_bound if last == "clearance" else format_length)(number) + unit
+    if last in _SETTINGS:
+        return format_setting(number) + unit
+    is_bound = last == "clearance" or name in _LOWER_BOUNDS
+    return (format_lower_bound if is_bound else format_length)(number) + unit
 
 
 def names_in(template: str) -> list[str]:

@@ -11,6 +11,32 @@ window.abiLabels = {
   placed: new Map(),  // by name: position as the server gave it, as it was set here, and shift [px]
   sizes: new Map(),
 
+  // Ground and letters of labels, as viser draws them and on the dark page.
+  LIGHT: ["vec4(1.0, 1.0, 1.0, 0.85 * vAlpha)", "vec4(0.0, 0.0, 0.0, a)"],
+  DARK: ["vec4(0.15, 0.15, 0.15, 0.85 * vAlpha)", "vec4(0.92, 0.92, 0.92, a)"],
+
+  // What draws labels: the only meshes with their table of places.
+  materials() {
+    let root = window.__viserMutable.nodeRefFromName[""];
+    while (root?.parent) root = root.parent;
+    return (root?.children ?? []).flatMap(group => group.children.map(part => part.material))
+      .filter(material => material?.uniforms?.uLabelData);
+  },
+
+  // Labels are dark on the dark page, as everything else there.
+  tint() {
+    const isDark = document.documentElement.dataset.mantineColorScheme === "dark";
+    const [from, to] = isDark ? [this.LIGHT, this.DARK] : [this.DARK, this.LIGHT];
+    let changed = false;
+    for (const material of this.materials()) {
+      const shader = from.reduce((text, colour, k) => text.replace(colour, to[k]), material.fragmentShader);
+      if (shader === material.fragmentShader) continue;
+      material.fragmentShader = shader;
+      material.needsUpdate = changed = true;
+    }
+    if (changed) window.__viserMutable.requestRender();
+  },
+
   // Width and height [px] of a label's background.
   size(text, scale) {
     const key = `${scale} ${text}`;
@@ -76,6 +102,7 @@ window.abiLabels = {
   place() {
     const viser = window.__viserMutable;
     if (!viser?.camera || !viser.canvas || !window.__viserSceneTree) return;
+    this.tint();
     const view = viser.canvas.getBoundingClientRect();
     viser.camera.updateMatrixWorld();
     const labels = this.seen(view), taken = this.written(view);

@@ -83,3 +83,29 @@ def test_labels_keep_apart_when_the_camera_turns(page: Page) -> None:
         page.drag((600.0, 560.0), end)
         page.settle()
         page.until(lambda: _overlapping(page) == [], "labels apart", 20)
+
+
+# Ground and letters of labels as they are drawn: their grey, from 0 to 1.
+_TINTS = """() => abiLabels.materials().map(({fragmentShader}) =>
+  Number(fragmentShader.match(/gl_FragColor = vec4\\(([\\d.]+)/)[1]))"""
+
+
+def _luminance(grey: float) -> float:
+    """Relative luminance of a grey (WCAG 2.1)."""
+    return grey / 12.92 if grey <= 0.04045 else float(((grey + 0.055) / 1.055) ** 2.4)
+
+
+def test_labels_are_dark_on_the_dark_page_and_can_be_read(page: Page) -> None:
+    page.until(lambda: bool(page.tab.evaluate(_TINTS)), "labels")
+    for dark in (True, False):
+        page.click("Layers")
+        page.tick("dark page", dark)
+        page.until(lambda: (page.tab.evaluate(_TINTS)[0] < 0.5) == dark, "their ground")  # noqa: B023
+        page.settle()
+        *grounds, letters = page.tab.evaluate(_TINTS)
+        for ground in grounds:
+            # through a ground of 85 % shines, at the worst, what is as bright as the letters
+            light, pale = sorted((_luminance(letters), _luminance(0.85 * ground + 0.15 * letters)))
+            assert (pale + 0.05) / (light + 0.05) >= 4.5
+    page.click("Result")
+    assert not page.errors
