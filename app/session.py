@@ -193,7 +193,8 @@ class Session:
                 self._rest()
             if resized or self._view.is_due(self.frame):
                 self._draw(self.frame)
-        if not demo.running and (self._class is not None or self._memory.is_due):
+        leads = self._class is not None and self._class.teaches
+        if not demo.running and (leads or self._memory.is_due):
             state = self._state()
             self._memory.keep(state)
             if self._class is not None:

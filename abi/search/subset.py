@@ -71,7 +71,8 @@ def subset(
     seen = _seen(view, free, points, obstacles)
     if np.count_nonzero(seen & ~gone) * _EDGES_A_NODE > budget:
         seen &= _near(points, seen & ~gone, path_points, obstacles, budget // _EDGES_A_NODE)
-    shown = edges[seen[edges].all(axis=1)][:budget]
+    # numpy takes ten times as long to reduce rows of two
+    shown = edges[seen[edges[:, 0]] & seen[edges[:, 1]]][:budget]
     used = np.flatnonzero(seen & ~gone)
     place = np.zeros(len(points), dtype=np.int32)
     place[used] = np.arange(len(used))

@@ -12,7 +12,7 @@ from functools import cached_property
 import numpy as np
 import scipy
 
-from abi.arrays import FloatArray, IntArray, read_only
+from abi.arrays import ByteArray, FloatArray, IntArray, read_only
 from abi.scene.settings import MeshSettings, Workspace
 from abi.tet_mesh import adjacency, lattice
 from abi.tet_mesh.adjacency_kernels import Adjacency
@@ -78,15 +78,16 @@ class TetMesh:
         if self.stencil is None:
             tail, head = self.edges.T
             return read_only(np.linalg.norm(self.points[head] - self.points[tail], axis=1))
+        return read_only(self.stencil.lengths[self.edge_numbers])
+
+    @cached_property
+    def edge_numbers(self) -> ByteArray:
+        """Numbers (e,) in the stencil of the edges at their first nodes; of a regular mesh."""
+        assert self.stencil is not None
         ids = np.empty(len(self.points), dtype=np.bool_)
-        return read_only(
-            np.concatenate(
-                [
-                    np.full(a.size, self.stencil.lengths[self.stencil.ends(step)[0]])
-                    for a, _, step in lattice.edges(self.lattice, ids, self.cells)
-                ]
-            )
-        )
+        families = lattice.edges(self.lattice, ids, self.cells)
+        numbers = [np.full(a.size, self.stencil.ends(step)[0], np.uint8) for a, _, step in families]
+        return read_only(np.concatenate(numbers))
 
     @cached_property
     def box(self) -> tuple[FloatArray, FloatArray]:
