@@ -167,8 +167,9 @@ def summary(tabs: Sequence[Sequence[dict[str, Any]]]) -> dict[str, Any]:
         ``updates_per_s`` of the median tab, ``slowest`` of the slowest, and ``fairness``, their
         ratio; ``gap_ms`` between two updates, 50 % and 95 % of which stay under, and the longest;
         ``waits``, how many times as long as in the median tab that is, for 95 %, in the worst;
-        ``last_ms``, how long after the hand the last curve came, 95 % and the longest; ``drags``,
-        and ``stale``, those that ended with another curve. Without a drag only the last two.
+        ``last_ms``, how long after the hand the last curve came, 95 % and the longest; ``updates``
+        of all; ``drags``, and ``stale``, those that ended with another curve. Without a drag only
+        the last two.
     """
     tabs = [drags for drags in tabs if drags]
     drags = [drag for drags in tabs for drag in drags]
@@ -185,6 +186,7 @@ def summary(tabs: Sequence[Sequence[dict[str, Any]]]) -> dict[str, Any]:
         "gap_ms": [float(np.percentile(gaps, share)) for share in (50, 95, 100)],
         "waits": float(max(waits) / np.median(waits)),
         "last_ms": [float(np.percentile(lags, 95, method="nearest")), float(lags.max())],
+        "updates": sum(len(drag["gaps"]) - 1 for drag in drags),
         "drags": len(drags),
         "stale": sum(not drag["right"] for drag in drags),
     }
@@ -204,8 +206,8 @@ class _Account:
 
     Attributes:
         figures: processor cores of the server, and of the process that has the tabs, from the first
-            account to the last; megabytes before the tabs, with all open, at the end, and once they
-            are closed; faults.
+            account to the last; milliseconds of the server's processor for an update, at the end;
+            megabytes before the tabs, with all open, at the end, and once they are closed; faults.
     """
 
     def __init__(self, server: ServerProcess) -> None:
@@ -226,6 +228,8 @@ class _Account:
             self.figures |= {"cores": (used - self._used) / seconds, "seconds": seconds}
             self.figures["tabs_cores"] = (time.process_time() - self._own) / seconds
             self.figures["faults"] = faults(self._server.url)
+        if moment == "end" and figures.get("updates"):
+            self.figures["ms_per_update"] = 1e3 * (used - self._used) / figures["updates"]
         if moment == "running":
             print(json.dumps({"so_far": True, **figures, **self.figures}), flush=True)
 

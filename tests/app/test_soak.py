@@ -102,6 +102,7 @@ def test_a_summary_tells_the_slowest_tab_and_every_stale_drag() -> None:
     result = summary([[fast], [fast], [slow]])
     assert (result["updates_per_s"], result["slowest"], result["stale"]) == (10.0, 2.0, 1)
     assert result["fairness"] == pytest.approx(0.2)
+    assert result["updates"] == 3
     assert result["waits"] == pytest.approx(8.8)
     assert result["gap_ms"][2] == pytest.approx(900)
     assert result["last_ms"][1] == pytest.approx(400)
