@@ -84,11 +84,11 @@ def _control_points(plan: Plan) -> str:
     spline = None if plan.bspline is None else plan.bspline.curve
     if spline is None or not (spline.inserted or spline.moved):
         return ""
-    moved = f", {spline.moved} moved" if spline.moved else ""
-    return (
-        f"{style.BOX}{spline.inserted} points added{moved} to stay clear "
-        f"({len(spline.control_points)} now).</div>"
-    )
+    counts = ((spline.inserted, "added"), (spline.moved, "moved"))
+    first, *others = [(count, done) for count, done in counts if count]
+    text = f"{first[0]} point{'s' if first[0] > 1 else ''} {first[1]}"
+    text += "".join(f", {count} {done}" for count, done in others)
+    return f"{style.BOX}{text} to stay clear ({len(spline.control_points)} now).</div>"
 
 
 def _coefficients(plan: Plan) -> str:

@@ -131,18 +131,33 @@ window.abiLabels = {
     if (x === 0 && y === 0) {
       this.placed.delete(name);
       if (pose.position === base) return false;
-      pose.position = base;
+      Object.defineProperty(pose, "position", {value: base, writable: true, enumerable: true, configurable: true});
     } else {
       const moved = place.clone();
       moved.x += 2 * x / view.width;
       moved.y -= 2 * y / view.height;
       const set = parent.worldToLocal(moved.unproject(window.__viserMutable.camera)).toArray();
       if (pose.position !== base && set.every((value, k) => Math.abs(value - pose.position[k]) < 1e-6)) return false;
-      pose.position = set;
       this.placed.set(name, {base, set, shift});
+      this.follow(name, pose);
     }
     pose.poseUpdateState = "needsUpdate";
     return true;
+  },
+
+  // Have a shifted label keep its shift when the server moves it, until all are placed anew: it would
+  // lie over another for a moment.
+  follow(name, pose) {
+    const {placed} = this;
+    let position = placed.get(name).set;
+    const move = place => {
+      const known = window.abiLabels === this && placed.get(name);
+      position = place;
+      if (!known) return;
+      position = place.map((value, k) => value + known.set[k] - known.base[k]);
+      placed.set(name, {base: place, set: position, shift: known.shift});
+    };
+    Object.defineProperty(pose, "position", {get: () => position, set: move, enumerable: true, configurable: true});
   },
 };
 clearInterval(window.abiPlacing);

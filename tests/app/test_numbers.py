@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from abi import load_scene, plan
 from abi.scene.scene import scene_names
-from app.layers.stage_notes import _clearance
+from app.layers.stage_notes import _clearance, _control_points
 from app.layers.tables import _searches, _stages
 from app.numbers import (
     format_count,
@@ -96,3 +96,15 @@ def test_a_time_is_never_four_digits_of_milliseconds(ms: float) -> None:
     factor, half = (1.0, 0.5) if unit == "ms" else (1000.0, 50.0)
     assert abs(factor * float(number) - ms) <= half * (1 + 1e-6)
     assert (unit == "ms") == (ms < 999.5)
+
+
+def test_nothing_is_told_of_points_that_there_are_not() -> None:
+    paper = load_scene("paper")
+    boxes = [{"shape": "box", "size": [2, 2, 2], "position": [3.788, 3, 3]}]
+    moved = plan(paper.replace(obstacles=boxes))
+    assert moved.bspline is not None
+    assert moved.bspline.curve.inserted == 0 < moved.bspline.curve.moved
+    assert ">6 points moved to stay clear (9 now)." in _control_points(moved)
+    added = plan(load_scene("arm-in-the-way"))
+    assert ">8 points added to stay clear (17 now)." in _control_points(added)
+    assert _control_points(plan(paper)) == ""

@@ -85,6 +85,24 @@ def test_labels_keep_apart_when_the_camera_turns(page: Page) -> None:
         page.until(lambda: _overlapping(page) == [], "labels apart", 20)
 
 
+# How far each label beside its place is, once the server has moved it, from where it should be.
+_FOLLOWED = """() => [...abiLabels.placed].map(([name, {base, set}]) => {
+  const pose = window.__viserMutable.nodePoseData[name], by = [0.1, -0.2, 0.3];
+  pose.position = base.map((value, k) => value + by[k]);
+  const off = Math.hypot(...pose.position.map((value, k) => value - set[k] - by[k]));
+  pose.position = base;
+  return off;
+})"""
+
+
+def test_a_label_that_is_moved_keeps_apart_at_once(page: Page) -> None:
+    page.until(lambda: bool(_shifts(page)), "a label beside its place")
+    offs = page.tab.evaluate(_FOLLOWED)
+    assert offs
+    assert max(offs) < 1e-9
+    page.until(lambda: _overlapping(page) == [], "labels apart", 20)
+
+
 # Ground and letters of labels as they are drawn: their grey, from 0 to 1.
 _TINTS = """() => abiLabels.materials().map(({fragmentShader}) =>
   Number(fragmentShader.match(/gl_FragColor = vec4\\(([\\d.]+)/)[1]))"""
