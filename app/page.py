@@ -110,7 +110,9 @@ def copy_link(client: viser.ClientHandle, state: str) -> None:
     _run(client, f"abi.copyLink({json.dumps(state)})")
 
 
-def uuid(widget: viser.GuiInputHandle[Any] | viser.GuiButtonHandle) -> str:
+def uuid(
+    widget: viser.GuiInputHandle[Any] | viser.GuiButtonHandle | viser.GuiUploadButtonHandle,
+) -> str:
     """Name by which the page sets a widget."""
     return widget._impl.uuid
 
@@ -133,6 +135,25 @@ def set_clock(client: viser.ClientHandle, time: float, end: float, playing: bool
 def next_file(client: viser.ClientHandle) -> None:
     """Have the tab send the next of several files that were chosen at once."""
     _run(client, "abi.next()")
+
+
+def on_upload_begun(
+    gui: viser.GuiApi, button: viser.GuiUploadButtonHandle, tell: Callable[[str], None]
+) -> None:
+    """Have ``tell`` called with a file's name as soon as the tab begins to send it to ``button``.
+
+    viser itself calls back once the whole file is there. This call comes in the thread of the
+    connections.
+    """
+    heard = functools.partial(_begun, uuid(button), tell)
+    gui._websock_interface.register_handler(_messages.FileTransferStartUpload, heard)
+
+
+def _begun(
+    button: str, tell: Callable[[str], None], _: int, message: _messages.FileTransferStartUpload
+) -> None:
+    if message.source_component_uuid == button:
+        tell(message.filename)
 
 
 def play(client: viser.ClientHandle, motion: Mapping[str, object]) -> None:

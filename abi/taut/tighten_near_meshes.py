@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 
-from abi.arrays import FloatArray, flat
+from abi.arrays import FloatArray, flat, read_only
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.taut.tighten_near_meshes_kernels import Surroundings, tightened
 
@@ -26,7 +28,14 @@ def tighten_near_meshes(
     Returns:
         (m, 3) the new path; the ends stay.
     """
-    return np.asarray(tightened(flat(points), _around(obstacles, limits))).reshape(-1, 3)
+    return _tightened(flat(points).tobytes(), obstacles, flat(limits).tobytes())
+
+
+@lru_cache(maxsize=4)
+def _tightened(points: bytes, obstacles: ObstacleSet, limits: bytes) -> FloatArray:
+    """The new path: the arm's plan often begins with one that the tool's plan has tightened."""
+    path = tightened(flat(np.frombuffer(points)), _around(obstacles, np.frombuffer(limits)))
+    return read_only(np.asarray(path).reshape(-1, 3))
 
 
 def clear_of(obstacles: ObstacleSet, margin: float) -> Surroundings:

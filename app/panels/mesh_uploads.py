@@ -70,6 +70,7 @@ class MeshUploads:
         self._stopped = threading.Event()
         self._lock = threading.Lock()
         self._pending = 0
+        page.on_upload_begun(gui, self.button, self._announce)
         self.button.on_upload(self._receive)
         self._stop.on_click(self._cancel)
 
@@ -84,6 +85,12 @@ class MeshUploads:
         while not self._news.empty():
             found.append(self._news.get())
         return found
+
+    def _announce(self, name: str) -> None:
+        """Tell that a file is on its way, unless another one is being dealt with."""
+        with self._lock:
+            if self._pending == 0:
+                self._say(f"{safe_name(name)}: on its way…")
 
     def _receive(self, event: viser.GuiEvent[viser.GuiUploadButtonHandle]) -> None:
         file = event.target.value
@@ -142,10 +149,13 @@ class MeshUploads:
         self._show(f"{name}: {_STEPS[step]}{more}…", (step + 0.5) / len(_STEPS))
 
     def _show(self, line: str | None, share: float) -> None:
-        visible = line is not None
-        self._line.content = f'<div style="margin:0 10px">{html.escape(line or "")}</div>'
+        self._say(line)
         self._bar.value = 100 * share
-        self._line.visible = self._bar.visible = self._stop.visible = visible
+        self._bar.visible = self._stop.visible = line is not None
+
+    def _say(self, line: str | None) -> None:
+        self._line.content = f'<div style="margin:0 10px">{html.escape(line or "")}</div>'
+        self._line.visible = line is not None
 
 
 def safe_name(name: str) -> str:

@@ -122,6 +122,7 @@ def test_a_large_mesh_can_be_stopped_and_is_drawn_with_fewer_triangles(
     content = meshes.stl(mesh)
     page.click("Scene")
     page.upload(ADD, "first.stl", content)
+    page.reads("first.stl: on its way")
     page.reads("first.stl: reading and repairing")
     page.click("Stop reading")
     stop = page.tab.get_by_text("Stop reading")
