@@ -44,9 +44,13 @@ def headline(plan: Plan) -> str:
         numbers.append((share if exact else f"≤ {share}", "longer than the best"))
     distance = distance_to_show(fit.clearance)
     if math.isfinite(distance):
-        colour, sign = (style.GOOD, "✓") if fit.holds else (style.BAD, "✗")
-        kept = f'<span style="font-size:inherit;color:{style.readable(colour)}">'
         shown = format_lower_bound(max(distance, 0.0) if fit.holds else distance)
-        numbers.append((f"{kept}{shown} {unit} {sign}</span>", "from the obstacles"))
+        if fit.holds and plan.arm_clearance is not None and plan.arm_clearance.contacts:
+            # no sign that all is well, while a link goes through something
+            numbers.append((f"{shown} {unit}", "kept by the tool alone"))
+        else:
+            colour, sign = (style.GOOD, "✓") if fit.holds else (style.BAD, "✗")
+            kept = f'<span style="font-size:inherit;color:{style.readable(colour)}">'
+            numbers.append((f"{kept}{shown} {unit} {sign}</span>", "from the obstacles"))
     blocks = "".join(f"<div><b>{value}</b><span>{name}</span></div>" for value, name in numbers)
     return f'<div class="abi-card abi-numbers">{blocks}</div>'

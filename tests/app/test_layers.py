@@ -16,6 +16,7 @@ from abi.scene.scene import Scene
 from app.address import Address
 from app.frame import Frame
 from app.layers.arm import ArmLayer
+from app.layers.headline import headline
 from app.layers.mesh import MeshLayer
 from app.layers.names import NamesLayer
 from app.layers.plots import PlotsLayer
@@ -249,3 +250,17 @@ def test_the_usual_layers_come_back(tab: tuple[FakeTab, Session]) -> None:
     until(lambda: session.frame.shown == {"shadow"})
     fake.set(switches.usual, True)
     until(lambda: session.frame.shown == usual)
+
+
+def test_the_distance_kept_is_no_good_news_while_the_arm_goes_through_something() -> None:
+    scene = load_scene("arm-in-the-way")
+    through = plan(scene.replace(arm={"avoid": False}))
+    assert through.arm_clearance is not None
+    assert through.arm_clearance.contacts
+    assert through.followed_curve is not None
+    assert through.followed_curve.holds
+    assert "✓" not in headline(through)
+    around = plan(scene)
+    assert around.arm_clearance is not None
+    assert around.arm_clearance.certified
+    assert "✓" in headline(around)
