@@ -14,8 +14,12 @@ import math
 import threading
 import time
 
-LONGEST = 0.05
-"""Seconds after which a turn no longer keeps the others waiting: it may be a long computation."""
+LONGEST = 0.25
+"""Seconds after which a turn no longer keeps the others waiting: it may be a long computation.
+
+Far more than a picture takes: where other programs want the processor, too, turns that overlap for
+that reason slow each other down, so that still more of them overlap, and tabs wait for seconds.
+"""
 AT_ONCE = 0.0
 """Patience of what a hand waits for, [s]."""
 PATIENT = 1.0
