@@ -24,6 +24,9 @@ from app.style import VIOLATION, Colour, css
 
 assert viser.__version__ == "1.1.1", "app/page.py uses private names of viser 1.1.1"
 
+SILENCE = 60.0
+"""Seconds after which a file of which nothing more has come is taken for lost."""
+
 # viser looks up the types of a handle's fields anew for each handle, most of the time that it
 # takes, and makes three array types for each field that is set, most of the time of that
 _props: Any = _assignable_props_api
@@ -137,23 +140,57 @@ def next_file(client: viser.ClientHandle) -> None:
     _run(client, "abi.next()")
 
 
-def on_upload_begun(
-    gui: viser.GuiApi, button: viser.GuiUploadButtonHandle, tell: Callable[[str], None]
-) -> None:
-    """Have ``tell`` called with a file's name as soon as the tab begins to send it to ``button``.
+def hear_refusals(client: viser.ClientHandle, widget: viser.GuiTextHandle, most: int) -> None:
+    """Have the tab type into ``widget`` which files it does not send, as :mod:`app.refused_files`.
 
-    viser itself calls back once the whole file is there. This call comes in the thread of the
-    connections.
+    Those are files of another kind than a button takes, of more than ``most`` bytes, and those that
+    the browser cannot read.
     """
-    heard = functools.partial(_begun, uuid(button), tell)
-    gui._websock_interface.register_handler(_messages.FileTransferStartUpload, heard)
+    _run(client, f"abi.hearFiles({json.dumps(uuid(widget))}, {most})")
 
 
-def _begun(
-    button: str, tell: Callable[[str], None], _: int, message: _messages.FileTransferStartUpload
+def on_arrival(
+    gui: viser.GuiApi,
+    button: viser.GuiUploadButtonHandle,
+    tell: Callable[[str, float | None], None],
 ) -> None:
-    if message.source_component_uuid == button:
-        tell(message.filename)
+    """Have ``tell`` called with the name of a file on its way to ``button``, and the part there.
+
+    viser itself calls back once the whole file is there. These calls come from the first word of a
+    file until then, and in the thread of the connections; with None for the part when nothing more
+    of it has come for ``SILENCE`` seconds.
+    """
+    arrivals = _Arrivals(gui, uuid(button), tell)
+    for message in (_messages.FileTransferStartUpload, _messages.FileTransferPart):
+        gui._websock_interface.register_handler(message, arrivals.hear)
+
+
+class _Arrivals:
+    """Files on their way to a button."""
+
+    def __init__(
+        self, gui: viser.GuiApi, button: str, tell: Callable[[str, float | None], None]
+    ) -> None:
+        self._gui, self._button, self._tell = gui, button, tell
+        self._silence: asyncio.TimerHandle | None = None
+
+    def hear(self, _: int, message: Any) -> None:
+        if message.source_component_uuid != self._button:
+            return
+        if self._silence is not None:
+            self._silence.cancel()
+        # viser has heard it before: of a file that is there it knows no more
+        state = self._gui._current_file_upload_states.get(message.transfer_uuid)
+        if state is None:
+            return
+        loop = asyncio.get_running_loop()
+        self._silence = loop.call_later(SILENCE, self._give_up, message.transfer_uuid)
+        self._tell(state["filename"], state["transferred_bytes"] / max(state["total_bytes"], 1))
+
+    def _give_up(self, transfer: str) -> None:
+        state = self._gui._current_file_upload_states.get(transfer)
+        if state is not None:  # the tab is still there
+            self._tell(state["filename"], None)
 
 
 def play(client: viser.ClientHandle, motion: Mapping[str, object]) -> None:
@@ -291,5 +328,5 @@ def _run(client: viser.ClientHandle, script: str, slot: str = "") -> None:
 
 @functools.cache
 def _script() -> str:
-    files = (assets.path("page", name) for name in ("page.js", "labels.js"))
+    files = (assets.path("page", name) for name in ("page.js", "files.js", "labels.js"))
     return "\n".join(file.read_text(encoding="utf-8") for file in files)

@@ -29,6 +29,7 @@ from app.look import Look
 from app.page_area import PageWatch
 from app.panels.classroom import ClassroomPanel
 from app.pause import IDLE, REST, Pause
+from app.refused_files import RefusedFiles
 from app.shared_plans import SharedPlans
 from app.tab_memory import Report, TabMemory
 from app.tab_planner import TabPlanner
@@ -79,6 +80,7 @@ class Session:
         self._closing = False
         page.install(client)
         watch = PageWatch(client)
+        self._refused = RefusedFiles(client)
         self._memory = TabMemory(client, self.wake)
         self._look = look
         with client.atomic():

@@ -70,7 +70,7 @@ class MeshUploads:
         self._stopped = threading.Event()
         self._lock = threading.Lock()
         self._pending = 0
-        page.on_upload_begun(gui, self.button, self._announce)
+        page.on_arrival(gui, self.button, self._announce)
         self.button.on_upload(self._receive)
         self._stop.on_click(self._cancel)
 
@@ -86,11 +86,17 @@ class MeshUploads:
             found.append(self._news.get())
         return found
 
-    def _announce(self, name: str) -> None:
-        """Tell that a file is on its way, unless another one is being dealt with."""
+    def _announce(self, name: str, part: float | None) -> None:
+        """Tell how much of a file is there, unless another one is being dealt with."""
         with self._lock:
-            if self._pending == 0:
+            if self._pending:
+                return
+            if part is None:
+                self._say(f"{safe_name(name)}: nothing more of it comes. Reload the page.")
+            else:
                 self._say(f"{safe_name(name)}: on its way…")
+            self._bar.value = 100 * (part or 0.0)
+            self._bar.visible = part is not None
 
     def _receive(self, event: viser.GuiEvent[viser.GuiUploadButtonHandle]) -> None:
         file = event.target.value

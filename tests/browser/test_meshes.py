@@ -15,6 +15,27 @@ from tests.abi import meshes
 from tests.browser import drawn
 from tests.browser.page import Page
 
+DROP = """files => {
+  const dropped = new DataTransfer();
+  for (const [name, bytes] of files) {
+    const content = bytes === null ? new Uint8Array(50_000_001) : Uint8Array.from(bytes);
+    dropped.items.add(new File([content], name));
+  }
+  const drop = {dataTransfer: dropped, bubbles: true, cancelable: true};
+  document.body.dispatchEvent(new DragEvent("drop", drop));
+}"""
+# A file that is on its way, of which only the first of two parts comes until ABI_REST is called.
+HALF = """([label, bytes]) => {
+  const button = [...document.querySelectorAll("button")].find(each => each.textContent === label);
+  const file = {source_component_uuid: button.id, transfer_uuid: crypto.randomUUID()};
+  const send = message => window.__viserMutable.sendMessage({...file, ...message});
+  const whole = Uint8Array.from(bytes), half = whole.length >> 1;
+  const part = (part_index, content) => send({type: "FileTransferPart", part_index, content});
+  send({type: "FileTransferStartUpload", filename: "half.stl", mime_type: "", part_count: 2,
+        size_bytes: whole.length});
+  part(0, whole.slice(0, half));
+  window.ABI_REST = () => part(1, whole.slice(half));
+}"""
 ADD = "Add a mesh (STL, OBJ, GLB …)"
 # What is dragged, the note it comes with, and whether its middle is inside.
 KINDS = {
@@ -207,3 +228,57 @@ def test_several_files_are_added_apart_and_saved_with_the_scene(
     page.until(lambda: len(session.plan.scene.obstacles) == 3, "all again")  # type: ignore[union-attr]
     for one, other in zip(session.plan.scene.obstacles, scene.obstacles, strict=True):
         assert one.position == other.position
+
+
+def test_files_dropped_together_are_added_but_for_those_that_are_refused(
+    page: Page, session: Session
+) -> None:
+    page.click("Scene")
+    vertices, faces = meshes.bumpy(2)
+    files = [
+        ("letter.txt", list(b"Dear student,")),
+        ("whole.stl", list(meshes.stl((0.5 * vertices, faces)))),
+        ("huge.stl", None),
+        (
+            "box.OBJ",
+            list(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4"),
+        ),
+    ]
+    page.tab.evaluate(DROP, files)
+    page.reads("letter.txt is not sent")
+    page.reads("huge.stl is not sent")
+    page.reads("It is larger than 50 MB.")
+    page.until(lambda: len(session.plan.scene.obstacles) == 3, "both meshes")  # type: ignore[union-attr]
+    # two drops, the second while the first is on its way: neither is lost
+    page.tab.evaluate(DROP, files[1:2] * 2)
+    page.tab.evaluate(DROP, files[3:])
+    page.until(lambda: len(session.plan.scene.obstacles) == 6, "three more")  # type: ignore[union-attr]
+
+
+def test_a_file_that_cannot_be_read_leaves_the_button_as_it_was(
+    page: Page, session: Session
+) -> None:
+    page.click("Scene")
+    content = meshes.stl(meshes.bumpy(2))
+    refuse = "() => Promise.reject(new DOMException('', 'NotReadableError'))"
+    page.tab.evaluate(f"() => {{ File.prototype.arrayBuffer = {refuse}; }}")
+    page.upload(ADD, "gone.stl", content)
+    page.reads("gone.stl is not sent")
+    assert "on its way" not in page.text()
+    assert "Uploading gone.stl" not in page.text()
+    page.tab.evaluate("() => { delete File.prototype.arrayBuffer; }")
+    page.upload(ADD, "here.stl", content)
+    page.until(lambda: len(session.plan.scene.obstacles) == 2, "the mesh")  # type: ignore[union-attr]
+
+
+def test_a_file_that_stays_away_is_told_of(
+    page: Page, session: Session, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("app.page.SILENCE", 0.3)
+    page.click("Scene")
+    page.tab.evaluate(HALF, [ADD, list(meshes.stl(meshes.bumpy(2)))])
+    page.reads("half.stl: nothing more of it comes.")
+    assert "on its way" not in page.text()
+    page.tab.evaluate("window.ABI_REST()")  # it comes at last
+    page.until(lambda: len(session.plan.scene.obstacles) == 2, "the mesh")  # type: ignore[union-attr]
+    page.until(lambda: "of it comes" not in page.text(), "the line to go")
