@@ -18,6 +18,17 @@ _lock = threading.Lock()
 _pending = False
 
 
+def load_at_once() -> None:
+    """Look for no garbage until :func:`loaded`: what is imported stays, and there is much of it."""
+    gc.disable()
+
+
+def loaded() -> None:
+    """Look for garbage from now on, but never again among what is there already."""
+    gc.freeze()
+    gc.enable()
+
+
 def give_back_soon() -> None:
     """Give back what is free in a while; the C library keeps it otherwise, for later."""
     global _pending

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import viser
 
 from abi import compiling
+from app.memory import loaded
 
 if TYPE_CHECKING:
     from abi.scene.scene import Scene
@@ -51,7 +52,10 @@ class WarmUp:
                 self._notify(client)
 
     def _work(self) -> None:
-        prepare_picture(self._scene)
+        try:
+            prepare_picture(self._scene)
+        finally:
+            loaded()
         self.planned.wait(PLAN_TIMEOUT)
         timer = threading.Timer(NOTICE_DELAY, self._notify_all)
         timer.daemon = True

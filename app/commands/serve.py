@@ -16,6 +16,7 @@ from app.address import Address
 from app.guard.policy import MAX_TABS, Policy, policy_for
 from app.logs import LEVELS, configure
 from app.look import Look
+from app.memory import load_at_once
 from app.scratch import remove_abandoned
 from app.workers import Workers, are_possible, end_with_starter, seat
 
@@ -100,6 +101,7 @@ def serve(
     On any address but this machine's own, and with --origin, visitors need a token: it is part of
     the link that is printed.
     """
+    load_at_once()
     from app.server import start
 
     ended = threading.Event()

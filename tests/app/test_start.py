@@ -54,6 +54,28 @@ assert [after.hits - before.hits for before, after in zip(kept, now)] == [1, 1]
     assert {"app.session", "yourdfpy"} <= set(loaded)
 
 
+def test_garbage_is_looked_for_again_once_all_is_loaded() -> None:
+    code = """
+import gc
+from abi.scene.scene import load_scene
+from app import memory, warm_up
+warm_up.compiling.compile = lambda: None
+def loading(scene):
+    assert not gc.isenabled() and gc.get_freeze_count() == 0
+    {then}
+warm_up.prepare_picture = loading
+memory.load_at_once()
+work = warm_up.WarmUp(load_scene('paper'))
+work.planned.set()
+import time
+while not gc.isenabled():
+    time.sleep(0.01)
+assert gc.get_freeze_count() > 50_000
+"""
+    for then in ("pass", "raise OSError"):
+        _loaded(code.format(then=then))
+
+
 def test_the_public_names_are_there_when_they_are_asked_for() -> None:
     code = "import abi; print([getattr(abi, name).__name__ for name in abi.__all__], dir(abi))"
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
