@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import re
+from pathlib import Path
+
 import viser
 
 from abi.errors import SceneError
@@ -14,6 +17,12 @@ from app.panels.widgets import Wake
 
 _NAME_LENGTH = 40
 """Letters of a file's name that are shown."""
+_OPENED = " (opened)"
+"""Behind the name of a file that is called as a shipped scene."""
+_FOLDER = re.compile(r"^.*[/\\]")
+_ENDING = re.compile(r"\.(ya?ml|json|zip)$", re.IGNORECASE)
+_UNFIT = re.compile(r"[^\w.]+")
+"""Letters that one system or another has no file name with."""
 
 
 class FilesPanel:
@@ -36,7 +45,8 @@ class FilesPanel:
             "zip archive with its meshes.",
         )
         self.save = gui.add_button(
-            "Save this scene", hint="Downloads scene.yaml; with meshes, scene.zip has them, too."
+            "Save this scene",
+            hint="Downloads it under its name: as YAML, or with meshes as a zip that has them, too.",
         )
         self.reset = gui.add_button("Back to the scene as loaded", color="gray")
         self._loaded, self._chosen = scene, name
@@ -96,7 +106,7 @@ class FilesPanel:
 
     def _list(self, name: str, scene: Scene) -> str:
         """Add an opened scene to the choices, choose it and return its label."""
-        name = f"{name} (opened)" if name in scene_names() else name
+        name = f"{name}{_OPENED}" if name in scene_names() else name
         self._opened[name] = scene
         self.choice.options = (*scene_names(), *self._opened)
         self.choice.value = name
@@ -109,19 +119,30 @@ class FilesPanel:
         self.save.value = False
         try:
             if scene.meshes.files:
-                name, content = "scene.zip", scene.pack()
+                kind, content = ".zip", scene.pack()
             else:
-                name, text = text_of(scene.to_dict())
-                content = text.encode()
+                usual, text = text_of(scene.to_dict())
+                kind, content = Path(usual).suffix, text.encode()
         except SceneError as error:
             page.notify_refusal(self._client, "Not saved", error.message)
         else:
+            name = file_stem(self._chosen) + kind
             self._client.send_file_download(name, content, save_immediately=True)
 
 
 def shown_name(name: str) -> str:
     """Name of a file as the page shows it."""
     return "".join(c for c in name if c.isprintable())[-_NAME_LENGTH:].strip() or "a file"
+
+
+def file_stem(name: str) -> str:
+    """Name for the file of a scene, without its ending, that every system takes.
+
+    Args:
+        name: of the scene, as the page lists it.
+    """
+    stem = _ENDING.sub("", _FOLDER.sub("", name.removesuffix(_OPENED)))
+    return _UNFIT.sub("-", stem).strip("-.") or "scene"
 
 
 def _parse(file: viser.UploadedFile, name: str, meshes: MeshSource) -> Scene:

@@ -16,6 +16,7 @@ from app.camera import aspect
 from app.challenge import GOALS, Challenge, challenge_of
 from app.frame import Frame
 from app.overlay import Overlay
+from app.panels.files import file_stem
 from app.panels.widgets import Wake
 from app.tab_state import LONGEST_LINK, TabState
 
@@ -64,7 +65,7 @@ class SharePanel:
                 self._copy(state().with_challenge(challenge.model_dump_json()))
         if self.picture.value:
             self.picture.value = False
-            self._take_picture()
+            self._take_picture(file_stem(state().name))
 
     def draw(self, frame: Frame) -> None:
         """Show the challenge, and whether it is met."""
@@ -95,7 +96,7 @@ class SharePanel:
         # a browser that refuses the clipboard shows the link in a box instead
         self._client.add_notification("The link is ready", told, auto_close_seconds=seconds)
 
-    def _take_picture(self) -> None:
+    def _take_picture(self, name: str) -> None:
         height = round(_WIDTH / max(aspect(self._client.camera), 0.2))
         try:
             picture = self._client.get_render(
@@ -104,7 +105,7 @@ class SharePanel:
         except Exception as error:  # viser raises a plain Exception where the page is gone
             page.notify_refusal(self._client, "No picture", f"The page did not draw it ({error}).")
         else:
-            self._client.send_file_download("abi.png", png(picture), save_immediately=True)
+            self._client.send_file_download(f"{name}.png", png(picture), save_immediately=True)
 
 
 def png(picture: NDArray[np.uint8]) -> bytes:

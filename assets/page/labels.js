@@ -99,9 +99,18 @@ window.abiLabels = {
       .map(box => [box.left - view.left, box.top - view.top, box.right - view.left, box.bottom - view.top]);
   },
 
+  // Again after each picture that is drawn, since a camera that turns or a name that is new would
+  // leave two over each other until the next round.
+  watch({scene}) {
+    if (!scene || scene === this.scene) return;
+    this.scene = scene;
+    scene.onAfterRender = () => window.abiLabels.place();
+  },
+
   place() {
     const viser = window.__viserMutable;
     if (!viser?.camera || !viser.canvas || !window.__viserSceneTree) return;
+    this.watch(viser);
     this.tint();
     const view = viser.canvas.getBoundingClientRect();
     viser.camera.updateMatrixWorld();

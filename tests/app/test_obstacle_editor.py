@@ -105,10 +105,10 @@ def test_while_a_number_is_wrong_the_rest_goes_on(
     tab: tuple[FakeTab, Session], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     fake, session = tab
-    sent: list[bytes] = []
+    sent: list[tuple[str, bytes]] = []
 
     def keep(name: str, content: bytes, save_immediately: bool) -> None:
-        sent.append(content)
+        sent.append((name, content))
 
     monkeypatch.setattr(session.client, "send_file_download", keep)
     good = session.plan
@@ -121,7 +121,7 @@ def test_while_a_number_is_wrong_the_rest_goes_on(
     fake.set(session.panels.files.save, True)
     until(lambda: len(sent) == 1)
     assert good is not None
-    assert sent[0].decode() == dump(good.scene.to_dict(), "scene.yaml")
+    assert sent[0] == ("paper.yaml", dump(good.scene.to_dict(), "scene.yaml").encode())
 
     fake.set(session.panels.stages.motion.speed, 2.0)
     until(lambda: session.plan.scene.motion.speed == 2.0)  # type: ignore[union-attr]

@@ -220,7 +220,7 @@ def test_several_files_are_added_apart_and_saved_with_the_scene(
         page.click("Save this scene")
     name = download.value.suggested_filename
     content = download.value.path().read_bytes()
-    assert name == "scene.zip"
+    assert name == "paper.zip"
     page.until(lambda: page.tab.get_by_text("Uploading").count() == 0, "the notices to end")
     page.choose("change", "Delete")
     page.until(lambda: len(session.plan.scene.obstacles) == 2, "one less")  # type: ignore[union-attr]
