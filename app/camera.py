@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections import deque
 from dataclasses import dataclass, replace
 
@@ -12,7 +13,7 @@ from abi.arrays import FloatArray
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.primitives import Cylinder
 from abi.scene.scene import Scene
-from app.framing import Window, holds, stand
+from app.framing import Window, holds, lift, stand
 from app.page_area import PageArea
 
 _DIRECTION = np.array([0.82, -0.42, 0.38])
@@ -24,6 +25,8 @@ _TURNING = 1.0
 """Part of a curve that is worth a quarter turn away from the usual direction."""
 _MOST_COVERED = 0.4
 """Part of the picture's height to which text on one edge counts; the rest is for the scene."""
+_FOOT = 0.07
+"""Radius of the arm's foot and column, as a part of the scene's size."""
 _TOLERANCE = 1e-3
 """Part of the scene's size by which the page's camera, unmoved, may differ from ours."""
 _REMEMBERED = 8
@@ -104,6 +107,8 @@ class Viewpoint:
         begins = (points is None) != (self._points is None)
         moved = self._is_moved()
         self._points = points
+        if points is None:
+            self._window = replace(self._window, above=0.0, below=0.0)
         if not moved and (begins or (self._shown and points is not None)):
             self._place()
         self._shown = False
@@ -149,19 +154,24 @@ class Viewpoint:
             return  # wholly covered for the moment, as by a phone's sheet
         factor = min(max(_ASPECT / aspect(self._camera), 1.0), _MAX_DISTANCE_FACTOR)
         window = self._free(area)
-        surrounds = self._points is not None
-        if factor == self._distance_factor and not (surrounds and window != self._window):
+        if (factor, window) == (self._distance_factor, self._window):
             return
         moved, self._distance_factor, self._window = self._is_moved(), factor, window
         if not moved:
             self._place()
 
     def _free(self, area: PageArea | None) -> Window:
-        """What is free of the picture; text that comes and goes counts while the shape stays."""
+        """What is free of the picture; text that comes and goes counts while the shape stays.
+
+        The text above counts only where all points are to be surrounded: it changes with each plan,
+        at which the scene is not to move.
+        """
         now = Window(self._camera.fov, aspect(self._camera))
         if area is not None:
             above, below = min(area.above, _MOST_COVERED), min(area.below, _MOST_COVERED)
-            if self._points is not None and now.aspect == self._window.aspect:
+            if self._points is None:
+                above = 0.0
+            if now.aspect == self._window.aspect:
                 above, below = max(above, self._window.above), max(below, self._window.below)
             now = replace(now, above=above, below=below)
         return now
@@ -169,11 +179,12 @@ class Viewpoint:
     def _place(self) -> None:
         """Put the camera to where it is as long as the user leaves it alone."""
         if self._points is None:
-            position, _, _ = _view(self._scene, self._distance_factor, self._direction)
             look_at(self._camera, self._scene, self._distance_factor, self._direction)
+            position, target, _ = _view(self._scene, self._distance_factor, self._direction)
+            position, target = lift(_outline(self._scene), position, target, self._window)
         else:
             position, target = stand(self._points, self._direction, self._window)
-            self._camera.position, self._camera.look_at = position, target
+        self._camera.position, self._camera.look_at = position, target
         # not what the camera says now, which may be the page's word from before
         self._places.append(position)
 
@@ -207,12 +218,21 @@ def _rounded(vector: FloatArray) -> tuple[float, ...]:
     return tuple(float(f"{number:.6g}") for number in vector)
 
 
+def _outline(scene: Scene) -> FloatArray:
+    """Corners of the workspace, and points around the arm's foot (n, 3), [unit], world."""
+    low, high = np.array(scene.workspace.min), np.array(scene.workspace.max)
+    corners = [np.where(choice, high, low) for choice in itertools.product((0, 1), repeat=3)]
+    radius = _FOOT * _view(scene, 1.0)[2]
+    around = radius * np.array([(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0)])
+    return np.vstack([corners, np.array(scene.arm.base) + around])
+
+
 def _column(scene: Scene, size: float) -> Cylinder:
     """Cylinder about where the arm stands."""
     x, y, z = scene.arm.base
     height = 0.5 * size
     return Cylinder(
-        shape="cylinder", radius=0.07 * size, height=height, position=(x, y, z + height / 2)
+        shape="cylinder", radius=_FOOT * size, height=height, position=(x, y, z + height / 2)
     )
 
 

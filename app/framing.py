@@ -58,6 +58,28 @@ def stand(
     return position, position + (z.mean() - depth) * forward
 
 
+def lift(
+    points: FloatArray, position: FloatArray, target: FloatArray, window: Window
+) -> tuple[FloatArray, FloatArray]:
+    """Position and target, (3,) each, of a camera moved down until no point is below the window.
+
+    As far away and turned as before; not so far that a point leaves the window's upper edge.
+
+    Args:
+        points: (n, 3), [unit], world.
+        position: of the camera (3,), [unit].
+        target: what it looks at (3,), [unit], not straight above or below it.
+        window: where they are to be seen.
+    """
+    _, up, forward = axes(position - target)
+    away = points - position
+    y, z = away @ up, away @ forward
+    half = (1 - _MARGIN) * np.tan(window.fov / 2)
+    top, bottom = half * (1 - 2 * window.above), half * (1 - 2 * window.below)
+    step = max(min((-y - bottom * z).max(), (top * z - y).min()), 0.0)
+    return position - step * up, target - step * up
+
+
 def holds(points: FloatArray, position: FloatArray, target: FloatArray, window: Window) -> bool:
     """Whether a camera sees all points in the free part of its picture.
 

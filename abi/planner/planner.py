@@ -72,7 +72,9 @@ class Planner:
         self._mesh = Stage(tetrahedralise)
         self._exclude = Stage(ExclusionCache())
         self._graph = Stage(build_graph)
-        self._searches = {name: Stage(search) for name, search in SEARCHES.items()}
+        # compared with each other: what else the machine did meanwhile is not theirs
+        clock = time.thread_time
+        self._searches = {name: Stage(search, clock) for name, search in SEARCHES.items()}
         self._path_clearance = Stage(ObstacleSet.polyline_clearance)
         self._taut = Stage(pull_taut)
         self._optimum = Stage(lower_bound)

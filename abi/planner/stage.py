@@ -21,8 +21,12 @@ class Stage(Generic[_P, _R]):
         ms: time of the last call that was not remembered, [ms].
     """
 
-    def __init__(self, function: Callable[_P, _R]) -> None:
+    def __init__(
+        self, function: Callable[_P, _R], clock: Callable[[], float] = time.perf_counter
+    ) -> None:
+        """Remember no call yet; ``clock`` tells the time, [s]."""
         self.ms = 0.0
+        self._clock = clock
         self._function = function
         self._arguments: tuple[object, ...] | None = None
         self._result: _R | None = None
@@ -33,13 +37,13 @@ class Stage(Generic[_P, _R]):
         given = (*args, *kwargs, *kwargs.values())
         if self._arguments is None or not _same(self._arguments, given):
             self._arguments, self._result, self._error = None, None, None
-            begin = time.perf_counter()
+            begin = self._clock()
             try:
                 self._result = self._function(*args, **kwargs)
             except StageError as error:
                 self._error = error
             self._arguments = given
-            self.ms = 1e3 * (time.perf_counter() - begin)
+            self.ms = 1e3 * (self._clock() - begin)
         if self._error is not None:
             raise self._error
         return self._result  # type: ignore[return-value]

@@ -39,7 +39,7 @@ class MeshLayer:
     switches: ClassVar[tuple[Switch, ...]] = (
         Switch("edges", "mesh edges", style.MESH),
         Switch("nodes", "mesh nodes", style.MESH),
-        Switch("excluded", "excluded nodes", style.EXCLUDED),
+        Switch("excluded", "nodes in obstacles", style.EXCLUDED),
     )
 
     def __init__(self, layout: Layout) -> None:

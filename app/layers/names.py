@@ -20,11 +20,16 @@ _ANCHORS: dict[str, Literal["bottom-center", "top-center"]] = {
     "path": "bottom-center",
     "bspline": "bottom-center",
     "quadratic": "top-center",
+    **dict.fromkeys(style.ALGORITHMS, "bottom-center"),
 }
+"""Of the path used, the curves, and the searches whose path is not used."""
+_CURVES = frozenset({"bspline", "quadratic"})
+"""Beside these, only the path used has a name: three more words would hide them."""
 _PLACES = {
     "path": np.linspace(0.15, 0.35, 7),
     "bspline": np.linspace(0.62, 0.85, 7),
     "quadratic": np.linspace(0.4, 0.62, 7),
+    **dict.fromkeys(style.ALGORITHMS, np.linspace(0.3, 0.85, 12)),
 }
 """Parts of a line's length at which its name may stand."""
 
@@ -59,8 +64,10 @@ class NamesLayer:
         on = "names" in frame.shown
         for label in (*self._labels.values(), self._distance):
             label.font_screen_scale = frame.label_scale
+        named = {"path", *_CURVES} if _CURVES & frame.shown else set(self._labels)
         for name, label in self._labels.items():
-            label.visible = on and name in self._places and _switch(plan, name) in frame.shown
+            shown = name in named and _switch(plan, name) in frame.shown
+            label.visible = on and shown and name in self._places
         measured = on and self._measured and plan.followed in frame.shown
         self._line.visible = self._distance.visible = measured
 
@@ -98,6 +105,9 @@ def _lines(plan: Plan) -> dict[str, FloatArray]:
     for name, fit in (("bspline", plan.bspline), ("quadratic", plan.quadratic)):
         if fit is not None:
             lines[name] = fit.curve(parameters(fit.curve.interval, 60))
+    for result in plan.searches:
+        if plan.path is not None and result.algorithm != plan.path.algorithm:
+            lines[result.algorithm] = result.points
     return {name: points for name, points in lines.items() if len(points) > 1}
 
 
@@ -105,6 +115,8 @@ def _title(plan: Plan, name: str) -> str:
     if name == "path":
         assert plan.path is not None
         return style.ALGORITHMS[plan.path.algorithm][0]
+    if name in style.ALGORITHMS:
+        return style.ALGORITHMS[name][0]
     return style.CURVES[name][0] + (" ▸" if name == plan.followed else "")
 
 

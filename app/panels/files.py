@@ -19,6 +19,8 @@ _NAME_LENGTH = 40
 """Letters of a file's name that are shown."""
 _OPENED = " (opened)"
 """Behind the name of a file that is called as a shipped scene."""
+_MESH = re.compile(r"obstacles\[\d+\]\.file")
+"""Field of a scene that names a mesh."""
 _FOLDER = re.compile(r"^.*[/\\]")
 _ENDING = re.compile(r"\.(ya?ml|json|zip)$", re.IGNORECASE)
 _UNFIT = re.compile(r"[^\w.]+")
@@ -46,7 +48,7 @@ class FilesPanel:
         )
         self.save = gui.add_button(
             "Save this scene",
-            hint="Downloads it under its name: as YAML, or with meshes as a zip that has them, too.",
+            hint="Downloads it under its name: as YAML, or as a zip with its meshes.",
         )
         self.reset = gui.add_button("Back to the scene as loaded", color="gray")
         self._loaded, self._chosen = scene, name
@@ -147,4 +149,11 @@ def file_stem(name: str) -> str:
 
 def _parse(file: viser.UploadedFile, name: str, meshes: MeshSource) -> Scene:
     data, files = READER.scene(file.content, name)
-    return Scene.from_dict(data, MeshSource({**meshes.files, **files}, meshes.folder))
+    source = MeshSource({**meshes.files, **files}, meshes.folder)
+    try:
+        return Scene.from_dict(data, source)
+    except SceneError as error:
+        if _MESH.fullmatch(error.field) is None or error.value in source.files:
+            raise
+        expected = "it to be added here first (Add a mesh), or to be in one zip with the scene"
+        raise SceneError(error.field, error.value, expected) from None

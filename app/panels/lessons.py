@@ -20,6 +20,10 @@ from app.panels.widgets import Wake
 
 _NONE = "choose a lesson"
 _MOST_CHOICES = 4
+_INTRO = (
+    f"{style.BOX}A lesson takes some minutes. It asks before it shows, has you try for yourself, "
+    "and gives your own scene back at the end.</div>"
+)
 
 
 class LessonPanel:
@@ -42,6 +46,7 @@ class LessonPanel:
         self._pressed: list[str] = []
         self._drawn: tuple[object, ...] = ()
         self.choice = gui.add_dropdown("lesson", (_NONE,), hint="Each takes some minutes.")
+        self._intro = gui.add_html(_INTRO)
         self._place = gui.add_html("", visible=False)
         self._text = gui.add_markdown("", visible=False)
         self._question = gui.add_markdown("", visible=False)
@@ -226,6 +231,7 @@ class LessonPanel:
         step, passed = self._step, self._is_passed
         for widget in (self._place, self._text, self.next, self.back, self.leave):
             widget.visible = step is not None
+        self._intro.visible = step is None
         if step is None:
             for text in (self._question, self._reply, self._after):
                 text.visible = False

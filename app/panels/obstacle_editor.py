@@ -56,7 +56,7 @@ class ObstacleEditor:
         gui = client.gui
         self._obstacles, self._ends = obstacles, ends
         self._end_boxes = {
-            name: VectorBox(gui, name, 0.1, f"Where the tool's path has its {name}.", wake)
+            name: VectorBox(gui, name, 0.1, f"The gripper's {name}: x, y and z.", wake)
             for name in ("start", "goal")
         }
         self.choice = gui.add_dropdown(

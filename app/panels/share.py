@@ -91,7 +91,8 @@ class SharePanel:
             names = ", ".join(state.scene.meshes.files)
             seconds = 12.0
             told = (
-                f"It finds {names} on this server only. For another one, save the scene as a file."
+                f"Paste it where you like. It finds {names} on this server only: for elsewhere, "
+                "save the scene as a file."
             )
         # a browser that refuses the clipboard shows the link in a box instead
         self._client.add_notification("The link is ready", told, auto_close_seconds=seconds)

@@ -453,6 +453,7 @@ document.head.insertAdjacentHTML("beforeend", `<style id="abi-style">
 .mantine-ScrollArea-root:has(> .mantine-ScrollArea-scrollbar[data-orientation=vertical][data-state=visible])
   > .mantine-ScrollArea-viewport { padding-inline-end: 9px; }
 .mantine-ScrollArea-scrollbar[data-orientation=vertical] { width: 9px !important; padding: 1px; }
+.mantine-Notification-description { color: var(--mantine-color-dimmed) !important; }
 .mantine-Notifications-root { top: 92px !important; }
 body:has(#abi-overlay :is([data-part=class] > *, [data-part=tour] > *, [data-part=challenge] > *, .abi-error))
   .mantine-Notifications-root {

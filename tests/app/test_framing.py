@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from abi.planner.planner import plan as planned
 from abi.scene.scene import load_scene, scene_names
 from app.extent import extent
-from app.framing import Window, axes, holds, stand
+from app.framing import Window, axes, holds, lift, stand
 
 _WINDOWS = st.builds(
     Window,
@@ -51,6 +51,28 @@ def test_all_points_are_in_the_window_and_two_at_opposite_edges(
     aside = (2.1 + seed % 3) * depth.max() * half * window.aspect * right
     assert not holds(points, position + aside, target + aside, window)
     assert not holds(points, position, 2 * position - target, window)
+
+
+@given(st.integers(0, 10_000), _AWAY, _WINDOWS, st.floats(-2, 2))
+def test_a_camera_is_lowered_no_more_than_the_points_need(
+    seed: int, away: tuple[float, float, float], window: Window, above: float
+) -> None:
+    points = np.random.default_rng(seed).uniform(-3, 5, (30, 3))
+    direction = np.array(away)
+    _, up, _ = axes(direction)
+    placed, seen = stand(points, direction, window)
+    before, aimed = placed + above * up, seen + above * up
+    position, target = lift(points, before, aimed, window)
+    step = (before - position) @ up
+    np.testing.assert_allclose(position, before - step * up, atol=1e-9)
+    np.testing.assert_allclose(target - position, aimed - before, atol=1e-9)
+    assert step >= 0
+    if above >= 0:
+        # where it stood all could be seen, no higher than is needed
+        assert holds(points, position, target, window)
+        assert (before - step * up - placed) @ up >= -1e-9
+    again, _ = lift(points, position, target, window)
+    np.testing.assert_allclose(again, position, atol=1e-9)
 
 
 @pytest.mark.slow

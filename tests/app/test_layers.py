@@ -53,6 +53,24 @@ def test_the_distance_to_the_obstacles_is_shown_with_its_curve(
     until(lambda: not names._distance.visible)
 
 
+def test_every_search_has_its_name_where_no_curve_is_shown(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    names, boxes = layer(session, NamesLayer), session.panels.layer_switches.boxes
+
+    def named() -> set[str]:
+        return {label.text for label in names._labels.values() if label.visible}
+
+    until(lambda: session.resting and named() == {"A*", "B-spline ▸", "quadratic"})
+    fake.set(boxes["bspline"], False)
+    until(lambda: named() == {"A*", "quadratic"})
+    fake.set(boxes["quadratic"], False)
+    until(lambda: named() == {"A*", "Dijkstra", "Bellman-Ford (queue)"})
+    fake.set(boxes["dijkstra"], False)
+    until(lambda: named() == {"A*", "Bellman-Ford (queue)"})
+    fake.set(session.panels.stages.search.algorithm.handle, "Dijkstra")
+    until(lambda: named() == {"A*", "Bellman-Ford (queue)"} and session.resting)
+
+
 @pytest.mark.slow
 def test_the_part_of_a_fine_mesh_that_is_shown_goes_with_the_path(
     tab: tuple[FakeTab, Session],

@@ -177,8 +177,20 @@ def test_the_arm_is_as_large_as_the_scenes_unit_says(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize(
+    ("content", "reason"),
+    [
+        (b"workspace: [1, 2]", "workspace is [1, 2]; expected the fields min, max."),
+        (
+            b"obstacles: [{shape: mesh, file: nut.glb, position: [3, 3, 3]}]",
+            "obstacles[0].file is 'nut.glb'; expected it to be added here first (Add a mesh), or "
+            "to be in one zip with the scene.",
+        ),
+    ],
+    ids=["no scene", "without its mesh"],
+)
 def test_a_file_that_is_no_scene_is_named_and_changes_nothing(
-    tab: tuple[FakeTab, Session], monkeypatch: pytest.MonkeyPatch
+    tab: tuple[FakeTab, Session], monkeypatch: pytest.MonkeyPatch, content: bytes, reason: str
 ) -> None:
     fake, session = tab
     notices: list[tuple[str, str]] = []
@@ -188,14 +200,12 @@ def test_a_file_that_is_no_scene_is_named_and_changes_nothing(
         lambda title, body, **_: notices.append((title, body)),
     )
     good = session.plan
-    file = viser.UploadedFile("my scene.yaml", b"version: 1\nworkspace: [1, 2]")
+    file = viser.UploadedFile("my scene.yaml", b"version: 1\n" + content)
     session.panels.files.upload._impl.value = file
     fake.set(session.panels.stages.search.shown, 10)
     until(lambda: bool(notices))
 
-    assert notices == [
-        ("my scene.yaml is not opened", "workspace is [1, 2]; expected the fields min, max."),
-    ]
+    assert notices == [("my scene.yaml is not opened", reason)]
     assert session.plan is good
     assert session.frame.current
     assert "✗" not in session.panels.layout.overlay.shown["message"]

@@ -85,6 +85,32 @@ def test_labels_keep_apart_when_the_camera_turns(page: Page) -> None:
         page.until(lambda: _overlapping(page) == [], "labels apart", 20)
 
 
+# Turns the camera once round in so many jumps; for each jump, pairs that lie over each other in the
+# third picture after it, and labels that stand beside their places.
+_JUMPS = f"""async count => {{
+  const boxes = {_LABELS}, {{cameraControl}} = window.__viserMutable, found = [];
+  const info = window.__viserTestpoints.rendererInfo.render;
+  for (let jump = 0; jump < count; jump++) {{
+    cameraControl.rotate(2 * Math.PI / count, 0, false);
+    for (const last = info.frame + 3; info.frame < last;) {{
+      window.__viserMutable.requestRender();
+      await new Promise(requestAnimationFrame);
+    }}
+    const labels = boxes().map(([, box]) => box);
+    const over = labels.flatMap((a, k) => labels.slice(0, k)
+      .filter(b => a[0] < b[2] && b[0] < a[2] && a[1] < b[3] && b[1] < a[3]));
+    found.push([over.length, abiLabels.placed.size]);
+  }}
+  return found;
+}}"""
+
+
+def test_labels_are_apart_in_the_next_pictures_after_the_camera_jumps(page: Page) -> None:
+    rows = page.tab.evaluate(_JUMPS, 24)
+    assert sum(beside for _, beside in rows) > 24, "labels that would lie over each other"
+    assert [over for over, _ in rows] == [0] * 24
+
+
 # How far each label beside its place is, once the server has moved it, from where it should be.
 _FOLLOWED = """() => [...abiLabels.placed].map(([name, {base, set}]) => {
   const pose = window.__viserMutable.nodePoseData[name], by = [0.1, -0.2, 0.3];

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from app.server import Server
 from tests.browser.conftest import Tabs
+from tests.browser.texts import texts
 
 
 def test_a_challenge_link_opens_elsewhere(tabs: Tabs, server: Server) -> None:
@@ -18,6 +19,8 @@ def test_a_challenge_link_opens_elsewhere(tabs: Tabs, server: Server) -> None:
     page.click("Copy challenge link")
     page.until(lambda: "state=" in page.tab.evaluate("window.copied ?? ''"), "the link")
     page.reads("The link is ready")
+    (notice,) = (text for text in texts(page) if text.text.startswith("Paste it where"))
+    assert notice.contrast >= 4.5  # WCAG 2.1, 1.4.3
     link = str(page.tab.evaluate("window.copied"))
 
     other = tabs("?" + link[link.index("state=") :])

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import threading
+from typing import Any
+
 import pytest
 
 from abi import compiling
 from abi.curves import fit_bspline
+from abi.planner import planner
 from abi.planner.planner import Planner
 from abi.scene.scene import load_scene
+from abi.search.search import SEARCHES, a_star
 
 
 def test_a_stage_that_broke_is_run_again(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -30,6 +35,22 @@ def test_a_stage_that_broke_is_run_again(monkeypatch: pytest.MonkeyPatch) -> Non
     assert first.bspline_arc is not None
     assert again.bspline_arc is not None
     assert again.bspline_arc.length == first.bspline_arc.length
+
+
+def test_what_the_machine_does_meanwhile_is_not_a_searchs_time(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    kept_from_it = 0.05  # [s]
+
+    def search(*args: Any, **named: Any) -> Any:
+        threading.Event().wait(kept_from_it)
+        return a_star(*args, **named)
+
+    monkeypatch.setattr(planner, "SEARCHES", {**SEARCHES, "a_star": search})
+    plan = Planner()(load_scene("paper"))
+    assert plan.error is None
+    assert plan.ms["a_star"] < 1e3 * kept_from_it
+    assert plan.total_ms > 1e3 * kept_from_it
 
 
 def test_many_obstacles_wait_for_the_compiler(monkeypatch: pytest.MonkeyPatch) -> None:
