@@ -171,3 +171,4 @@ window.abiLabels = {
 };
 clearInterval(window.abiPlacing);
 window.abiPlacing = setInterval(() => window.abiLabels.place(), 120);
+window.abiLabels.place();

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 from playwright.sync_api import Browser
 
+from abi.scene.scene import load_scene, scene_names
 from app.extent import extent
 from app.layout import TITLE
 from app.server import Server
@@ -193,6 +196,57 @@ def test_everything_can_be_read(page: Page, size: tuple[int, int]) -> None:
         page.tab.evaluate(_SET_FONT, "")
         _darken(page, False)
         _put_back(page)
+
+
+@pytest.mark.slow
+def test_every_shipped_scene_can_be_read(page: Page, session: Session) -> None:
+    try:
+        for name in scene_names():
+            _show_scene(page, session, name)
+            for family in _FONTS.values():
+                page.tab.evaluate(_SET_FONT, family)
+                for tab in ("Plots", "Result"):
+                    page.click(tab)
+                    page.settle()
+                    _check(page)
+            page.tab.evaluate(_SET_FONT, "")
+    finally:
+        page.tab.evaluate(_SET_FONT, "")
+        _show_scene(page, session, "paper")
+
+
+@pytest.mark.slow
+def test_the_arms_foot_is_above_the_headline_numbers(page: Page, session: Session) -> None:
+    try:
+        for name in ("sculpture", "paper"):
+            _show_scene(page, session, name)
+            scene = load_scene(name)
+            low, high = scene.workspace.min, scene.workspace.max
+            seen = (scene.arm.base, low, (high[0], low[1], low[2]))
+            for width, height in (1280, 720), (1920, 1080), (960, 540), (1280, 720):
+                page.tab.set_viewport_size({"width": width, "height": height})
+                # its panels are folded
+                page.until(
+                    lambda: width > 1000 or page.tab.evaluate(_SCENE_WIDTH) > 0.85 * width,  # noqa: B023
+                    "the page",
+                )
+                page.until(lambda: _are_above(page, seen), f"the arm of {name} at {width}", 20)  # noqa: B023
+            page.until(lambda: page.tab.evaluate(_SCENE_WIDTH) < 0.6 * 1280, "the panels")
+    finally:
+        _put_back(page)
+
+
+def _are_above(page: Page, points: Sequence[Sequence[float]]) -> bool:
+    """Whether points, (n, 3), [unit], are above the headline numbers."""
+    return all(page.pixel("/workspace", list(one))[1] < _strip(page) for one in points)
+
+
+def _show_scene(page: Page, session: Session, name: str) -> None:
+    page.click("Scene")
+    page.choose("scene", name)
+    page.until(lambda: session.resting and session.panels.files.name == name, name)
+    page.click("Result")
+    page.settle()
 
 
 def _fits(page: Page) -> bool:

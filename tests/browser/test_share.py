@@ -19,8 +19,9 @@ def test_a_challenge_link_opens_elsewhere(tabs: Tabs, server: Server) -> None:
     page.click("Copy challenge link")
     page.until(lambda: "state=" in page.tab.evaluate("window.copied ?? ''"), "the link")
     page.reads("The link is ready")
-    (notice,) = (text for text in texts(page) if text.text.startswith("Paste it where"))
-    assert notice.contrast >= 4.5  # WCAG 2.1, 1.4.3
+    contrasts = [text.contrast for text in texts(page) if text.text.startswith("Paste it where")]
+    assert contrasts
+    assert min(contrasts) >= 4.5  # WCAG 2.1, 1.4.3
     link = str(page.tab.evaluate("window.copied"))
 
     other = tabs("?" + link[link.index("state=") :])
