@@ -35,7 +35,7 @@ BASE = ("workspace", "obstacles")
 STAGES: dict[str, tuple[str, ...]] = {
     "stage-1-mesh": (*BASE, "edges", "nodes", "excluded"),
     "stage-2-graph": (*BASE, "edges", "nodes"),
-    "stage-3-search": (*BASE, "a_star", "dijkstra", "bellman_ford"),
+    "stage-3-search": (*BASE, "names", "a_star", "dijkstra", "bellman_ford"),
     "stage-3-taut": (*BASE, "a_star", "taut"),
     "stage-4-bspline": (*BASE, "taut", "bspline", "control"),
     "stage-5-quadratic": (*BASE, "bspline", "quadratic"),
