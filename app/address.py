@@ -10,7 +10,9 @@ from typing import TYPE_CHECKING
 
 import viser
 
+from app.guard.porter import Porter
 from app.guard.seats import Seats
+from app.guard.side_door import SideDoor
 
 if TYPE_CHECKING:
     from abi.errors import AbiError
@@ -26,29 +28,31 @@ class Address:
     Attributes:
         host: a name or an address of this machine.
         port: 0 takes any free one.
-        seats: those of all processes that listen on the same port; None where this one is alone.
+        seats: those of all processes that serve the address; None where this one is alone.
+        entrance: by which connections come in then.
     """
 
     host: str = "127.0.0.1"
     port: int = 8080
     seats: Seats | None = None
+    entrance: Porter | SideDoor | None = None
 
-    @property
-    def shared(self) -> bool:
-        """Whether other processes listen on the same port."""
-        return self.seats is not None
+    def usable_host(self) -> str:
+        """Where to listen, tried out; as it is where another process does.
 
-    @property
-    def joins(self) -> bool:
-        """Whether one of them does already."""
-        return self.seats is not None and self.seats.own > 0
+        Raises:
+            AbiError: as for :func:`usable_address`.
+        """
+        if isinstance(self.entrance, SideDoor):
+            return self.host
+        return usable_address(self.host, self.port)
 
 
-def usable_address(host: str, port: int, shared: bool = False) -> str:
+def usable_address(host: str, port: int) -> str:
     """An address to listen on, tried out, since viser would go on to another port.
 
     It is ``host``; of a name with addresses that are not this machine's, such as ``::1`` without
-    IPv6, the first that is. ``shared``: another process of this server may have the port.
+    IPv6, the first that is.
 
     Raises:
         AbiError: no address of ``host`` is this machine's, or the port is not to be had.
@@ -64,8 +68,6 @@ def usable_address(host: str, port: int, shared: bool = False) -> str:
             with socket.socket(family, kind, protocol) as probe:
                 if os.name == "posix":  # as asyncio does; elsewhere it would share a busy port
                     probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-                if shared:
-                    probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEPORT, 1)
                 probe.bind(address)
         except OSError as error:
             refused.append(error)

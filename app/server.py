@@ -6,7 +6,9 @@ is used, so that both load at once.
 
 from __future__ import annotations
 
+import contextlib
 import functools
+import socket
 import sys
 import threading
 import warnings
@@ -17,10 +19,11 @@ from typing import TYPE_CHECKING
 import viser
 
 from app import page
-from app.address import Address, ensure_port, listening_url, usable_address
+from app.address import Address, ensure_port, listening_url
 from app.guard import guarded_server, token
 from app.guard.guard import Guard
 from app.guard.policy import Policy, policy_for
+from app.guard.porter import Porter
 from app.look import Look
 
 if TYPE_CHECKING:
@@ -63,12 +66,10 @@ class Server:
         self._lock = threading.Lock()
         self.sessions: dict[int, Session] = {}
         self.classroom: Classroom | None = None
-        host, port, joins = address.host, address.port, address.joins
-        self.guard = Guard(policy or policy_for(host), address.seats)
-        usable = usable_address(host, port, joins)
-        self.viser = guarded_server.build(
-            self.guard, usable, port, "ABI visualiser", address.shared
-        )
+        host, port = address.host, address.port
+        self.guard = Guard(policy or policy_for(host), address.seats, address.entrance)
+        usable = address.usable_host()
+        self.viser = guarded_server.build(self.guard, usable, port, "ABI visualiser")
         ensure_port(self.viser, port)
         self.guard.note_tabs()
         page.disable_sharing(self.viser)
@@ -92,6 +93,13 @@ class Server:
             functools.partial(self._open_session, name, scene, library, WarmUp(scene))
         )
         self.guard.ready = True
+
+    def meet(self, channel: socket.socket) -> None:
+        """Share tabs with the process at the other end of a channel."""
+        porter = self.guard.entrance
+        assert isinstance(porter, Porter)
+        with contextlib.suppress(RuntimeError):  # the server has stopped
+            page.run_on_loop(self.viser, functools.partial(porter.meet, channel))
 
     def stop(self) -> None:
         """Tell every tab, end its session and close the port."""

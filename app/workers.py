@@ -1,12 +1,13 @@
 """More processes behind the same address: one interpreter uses no more than one core.
 
-Each is an ``abi serve`` of its own that listens on the same port; the system gives every new
-connection to one of them. A tab needs no more than one connection and keeps its scene itself, so
-that any process can serve it, also after another has ended.
+Each is an ``abi serve`` of its own, but only the first listens and gives every new tab to the one
+that has the fewest (:mod:`app.guard.porter`). A tab needs no more than one connection and keeps its
+scene itself, so that any process can serve it, also after another has ended.
 """
 
 from __future__ import annotations
 
+import contextlib
 import logging
 import os
 import socket
@@ -14,11 +15,15 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
+from app.guard.porter import Porter
 from app.guard.seats import Seats
 from app.scratch import ScratchFolder
+
+Meet = Callable[[socket.socket], None]
+"""Introduces a process, at the other end of a socket, to the porter."""
 
 _log = logging.getLogger("abi.web")
 _PATIENCE = 10.0
@@ -31,8 +36,8 @@ _METRICS = "PROMETHEUS_MULTIPROC_DIR"
 
 
 def are_possible() -> bool:
-    """Whether the system shares a port's connections out, as Linux does."""
-    return sys.platform == "linux" and hasattr(socket, "SO_REUSEPORT")
+    """Whether processes can hand each other connections, one in a message, as on Linux."""
+    return sys.platform == "linux"
 
 
 class Workers:
@@ -40,28 +45,37 @@ class Workers:
 
     Attributes:
         seats: tabs of all processes; None where there are no others.
+        porter: who gives tabs to the processes; None where there are no others.
     """
 
     def __init__(self, count: int) -> None:
         self._count = count
-        self._processes: list[subprocess.Popen[bytes]] = []
+        self._processes: dict[subprocess.Popen[bytes], socket.socket] = {}
         self._lock = threading.Lock()
         self._ending = False
         self.seats: Seats | None = None
+        self.porter: Porter | None = None
         self._folder: ScratchFolder | None = None
         if count:
             self._folder = ScratchFolder()
             os.environ[_METRICS] = str(self._folder.path)
             self.seats = Seats(self._folder.path, 0, count + 1)
+            self.porter = Porter()
 
-    def start(self, arguments: Sequence[str], token: str | None) -> None:
-        """Start them with these arguments of ``abi serve``; the token is none for others to see."""
+    def start(self, arguments: Sequence[str], token: str | None, meet: Meet) -> None:
+        """Start them with these arguments of ``abi serve``; the token is none for others to see.
+
+        The porter is to ``meet`` each of them.
+        """
         environment = dict(os.environ)
         if token is not None:
             environment["ABI_TOKEN"] = token
         for place in range(1, self._count + 1):
             thread = threading.Thread(
-                target=self._keep, args=(place, arguments, environment), name="worker", daemon=True
+                target=self._keep,
+                args=(place, arguments, environment, meet),
+                name="worker",
+                daemon=True,
             )
             thread.start()
 
@@ -82,11 +96,11 @@ class Workers:
         """End them, and tell their tabs."""
         with self._lock:
             self._ending = True
-            processes = tuple(self._processes)
-        for process in processes:
+            processes = dict(self._processes)
+        for process, channel in processes.items():
             # one that has just begun may not hear the signal, and finds its input at the end
-            assert process.stdin is not None
-            process.stdin.close()
+            with contextlib.suppress(OSError):
+                channel.shutdown(socket.SHUT_RDWR)
             process.terminate()
         for process in processes:
             try:
@@ -97,7 +111,9 @@ class Workers:
         if self._folder is not None:
             self._folder.close()
 
-    def _keep(self, place: int, arguments: Sequence[str], environment: dict[str, str]) -> None:
+    def _keep(
+        self, place: int, arguments: Sequence[str], environment: dict[str, str], meet: Meet
+    ) -> None:
         """Keep the process at a place running until the end: a thread."""
         command = [sys.executable, "-P", "-m", "app", "serve", "--joins", str(place), *arguments]
         assert self.seats is not None
@@ -105,16 +121,19 @@ class Workers:
             with self._lock:
                 if self._ending:
                     return
-                # it reads its input to the end, which comes when this process is gone
-                process = subprocess.Popen(
-                    command, env=environment, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL
-                )
-                self._processes.append(process)
+                # its input brings it tabs, and ends when this process is gone
+                channel, other = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+                with other:
+                    process = subprocess.Popen(
+                        command, env=environment, stdin=other.fileno(), stdout=subprocess.DEVNULL
+                    )
+                self._processes[process] = channel
+            meet(channel)
             code = process.wait()
             with self._lock:
                 if self._ending:
                     return
-                self._processes.remove(process)
+                del self._processes[process]
             self.seats.vacate(place)
             from prometheus_client import multiprocess
 
@@ -127,14 +146,3 @@ class Workers:
 def seat(place: int) -> Seats:
     """The seats of the process that started this one, at its own place."""
     return Seats(Path(os.environ[_METRICS]), place)
-
-
-def end_with_starter(ended: threading.Event) -> None:
-    """Set ``ended`` in a worker once the process that started it is gone."""
-    thread = threading.Thread(target=_read_to_end, args=(ended,), name="starter", daemon=True)
-    thread.start()
-
-
-def _read_to_end(ended: threading.Event) -> None:
-    sys.stdin.buffer.read()
-    ended.set()

@@ -223,6 +223,7 @@ class _Account:
         if moment == "open":
             self._begin, self._used = time.monotonic(), used
             self._own = time.process_time()
+            self.figures["spread"] = self._server.spread()
         elif moment != "closed":
             seconds = time.monotonic() - self._begin
             self.figures |= {"cores": (used - self._used) / seconds, "seconds": seconds}

@@ -31,6 +31,7 @@ from abi.scene.scene import load_scene
 from app.layers.curves import SAMPLES
 from app.layers.lines import segments
 from benchmarks.interrupt import Interrupt
+from benchmarks.spread import process_family, spread
 from benchmarks.web_tab import WebTab, is_same_curve
 
 SCENE = "two-boxes"
@@ -79,6 +80,10 @@ class ServerProcess:
             self._process.terminate()
             return self._process.wait(60)
 
+    def spread(self) -> list[int]:
+        """Number of tabs of each of its processes, on Linux."""
+        return spread(self.number, self.url)
+
     def usage(self) -> tuple[float, float]:
         """Processor time [s] and resident memory [MB] of all its processes, on Linux."""
         seconds = pages = 0
@@ -110,7 +115,8 @@ async def drag(
         median tab and ``least`` of the slowest, ``gap_ms``, which 95 % of the gaps between two
         updates stay under, and ``longest_ms``; ``last_ms``, how long after the hand the last curve
         came, in the latest tab; ``cores`` and ``megabytes`` of the server, and these at its
-        ``begin_megabytes``; ``stale``, tabs whose last curve is not that of the last position;
+        ``begin_megabytes``; ``spread``, tabs of each process;
+        ``stale``, tabs whose last curve is not that of the last position;
         ``tabs_cores`` of the process that has the tabs.
     """
     await warm_up(server.url)
@@ -119,6 +125,7 @@ async def drag(
     opened = await open_tabs(server.url, tabs)
     ready = time.monotonic()
     await asyncio.sleep(settle)
+    shares = server.spread()
     before, begin_memory = server.usage()
     started, own = time.monotonic(), time.process_time()
     released = await asyncio.gather(*(tab.drag(seconds, phase) for phase, tab in enumerate(opened)))
@@ -147,6 +154,7 @@ async def drag(
         "begin_megabytes": first,
         "open_megabytes": begin_memory,
         "megabytes": memory,
+        "spread": shares,
         "stale": sum(not run["right"] for run in runs),
     }
 
@@ -237,16 +245,6 @@ def expected_curve(tab: WebTab) -> FloatArray:
     assert plan.bspline is not None
     curve = plan.bspline.curve
     return segments(curve(np.linspace(*curve.interval, SAMPLES))).ravel().astype(float)
-
-
-def process_family(number: int) -> list[int]:
-    """A process, and all that it and they have started."""
-    found = [number]
-    for task in Path(f"/proc/{number}/task").glob("*/children"):
-        with contextlib.suppress(OSError):
-            for child in task.read_text("ascii").split():
-                found += process_family(int(child))
-    return found
 
 
 def measure(counts: Sequence[int], seconds: float = 10.0, *arguments: str) -> list[dict[str, Any]]:

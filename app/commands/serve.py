@@ -14,11 +14,12 @@ import click
 
 from app.address import Address
 from app.guard.policy import MAX_TABS, Policy, policy_for
+from app.guard.side_door import SideDoor
 from app.logs import LEVELS, configure
 from app.look import Look
 from app.memory import load_at_once
 from app.scratch import remove_abandoned
-from app.workers import Workers, are_possible, end_with_starter, seat
+from app.workers import Workers, are_possible, seat
 
 if TYPE_CHECKING:
     from app.classroom import Classroom
@@ -112,15 +113,15 @@ def serve(
     helpers = _workers(workers, classroom)
     room = _classroom() if classroom else None
     announce = functools.partial(_announce, open_tab, room)
-    address = Address(host, port, helpers.seats if joins is None else seat(joins))
+    address = Address(host, port, helpers.seats, helpers.porter)
+    if joins is not None:
+        address = Address(host, port, seat(joins), SideDoor.of_input(ended.set))
     told = announce if helpers.seats is None else _tell_nobody
     server = start(address, scene, Look(plain, dark, demo), policy, lessons, room, told)
     options = {"plain": plain, "dark": dark, "demo": demo, "lessons": lessons, **visitors}
     place = {"host": host, "port": server.viser.get_port(), "log_level": log_level}
-    helpers.start(_arguments(scene, **place, **options), policy.token)
+    helpers.start(_arguments(scene, **place, **options), policy.token, server.meet)
     try:
-        if joins is not None:
-            end_with_starter(ended)
         if helpers.seats is not None:
             helpers.wait(ended)
             announce(server.link)

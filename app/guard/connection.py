@@ -12,6 +12,7 @@ from websockets.typing import Data
 from app.guard import request_line, responses
 from app.guard.messages import GizmoUpdate, Message, UploadPart, UploadStart, WidgetUpdate
 from app.guard.messages import decode as decode_message
+from app.guard.porter import LONGEST_HEAD
 from app.guard.rate import Rate
 from app.guard.uploads import Uploads
 from app.guard.values import fits
@@ -53,8 +54,17 @@ class GuardedConnection(ServerConnection):
         if self.request is None:
             self.transport.abort()
 
+    def connection_lost(self, exc: Exception | None) -> None:
+        """Count the connection no more."""
+        super().connection_lost(exc)
+        if self._guard.entrance is not None:
+            self._guard.entrance.leave(self)
+
     def data_received(self, data: bytes) -> None:
-        """Hand the bytes on, once the request's first line is one that can be answered."""
+        """Hand the bytes on, once the request's first line is one that can be answered.
+
+        Where several processes serve the address, the whole request decides whose it is.
+        """
         if self._head is None:
             super().data_received(data)
             return
@@ -63,6 +73,13 @@ class GuardedConnection(ServerConnection):
         if not end and len(line) <= request_line.MAX_LINE:
             return
         if (status := request_line.problem(line)) is None:
+            if self._guard.entrance is not None:
+                if b"\r\n\r\n" not in self._head and len(self._head) < LONGEST_HEAD:
+                    return
+                if self._guard.entrance.hands_on(self, self._head):
+                    self._head = b""
+                    self.transport.abort()
+                    return
             data, self._head = self._head, None
             super().data_received(data)
             return

@@ -16,6 +16,7 @@ from app.guard import responses, token
 from app.guard.host_check import is_known_host, is_own_origin, single
 from app.guard.messages import GizmoUpdate
 from app.guard.policy import Policy
+from app.guard.porter import Entrance
 from app.guard.seats import Seats
 from app.guard.security_headers import secure, security_headers
 
@@ -38,13 +39,17 @@ class Guard:
         connections: all that are open, requests for the page's files included.
         tabs: those of them that are tabs.
         seats: tabs of all processes behind the same address; None where this one is alone.
+        entrance: by which its connections come in then.
         viser: the server, once it is built.
         ready: whether plans can be made.
     """
 
-    def __init__(self, policy: Policy, seats: Seats | None = None) -> None:
+    def __init__(
+        self, policy: Policy, seats: Seats | None = None, entrance: Entrance | None = None
+    ) -> None:
         self.policy = policy
         self.seats = seats
+        self.entrance = entrance
         self.connections: weakref.WeakSet[ServerConnection] = weakref.WeakSet()
         self.tabs: set[ServerConnection] = set()
         self.viser: viser.ViserServer | None = None

@@ -2,10 +2,14 @@
 
 viser opens its port with ``websockets.asyncio.server.serve`` and offers no way to change how. While
 the server is built, that name stands for a function that adds the guard.
+
+A process that does not listen takes its connections through a side door: while ``serve`` is built,
+the loop's ``create_server``, which it calls at once, stands for that.
 """
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 import functools
 import http
@@ -22,6 +26,7 @@ from websockets.http11 import Request, Response
 
 from app.guard.connection import GuardedConnection
 from app.guard.guard import Guard
+from app.guard.side_door import SideDoor
 
 MAX_MESSAGE = 8_000_000
 """Bytes of one message; viser's page sends files in parts of 512 kB."""
@@ -58,13 +63,11 @@ _protocol_log = logging.getLogger("abi.web.protocol")
 _protocol_log.addFilter(_OneLine())
 
 
-def build(
-    guard: Guard, host: str, port: int, label: str, shared: bool = False
-) -> viser.ViserServer:
-    """Open the port, with other processes where it is ``shared``, and serve the page, guarded."""
+def build(guard: Guard, host: str, port: int, label: str) -> viser.ViserServer:
+    """Open the port, or the guard's side door, and serve the page, guarded."""
     plain = websockets.asyncio.server.serve
     with _lock:
-        websockets.asyncio.server.serve = functools.partial(_serve, plain, guard, shared)  # type: ignore[assignment, misc]
+        websockets.asyncio.server.serve = functools.partial(_serve, plain, guard)  # type: ignore[assignment, misc]
         try:
             # viser prints addresses, which lack the token
             with contextlib.redirect_stdout(io.StringIO()):
@@ -78,7 +81,6 @@ def build(
 def _serve(
     plain: Callable[..., websockets.asyncio.server.serve],
     guard: Guard,
-    shared: bool,
     handler: _Handler,
     host: str,
     port: int,
@@ -96,9 +98,15 @@ def _serve(
         server_header=None,
         logger=_protocol_log,
     )
-    if shared:
-        options["reuse_port"] = True
-    return plain(functools.partial(_handle, guard, handler), host, port, **options)
+    guarded = functools.partial(_handle, guard, handler)
+    if not isinstance(guard.entrance, SideDoor):
+        return plain(guarded, host, port, **options)
+    loop: Any = asyncio.get_running_loop()
+    loop.create_server = guard.entrance.open
+    try:
+        return plain(guarded, host, port, **options)
+    finally:
+        del loop.create_server
 
 
 async def _handle(guard: Guard, handler: _Handler, connection: ServerConnection) -> None:

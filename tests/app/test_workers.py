@@ -8,13 +8,15 @@ import sys
 import time
 import urllib.error
 import urllib.request
+from concurrent.futures import ThreadPoolExecutor
 
 import click
 import pytest
 from websockets.exceptions import InvalidStatus
 
 from app.commands.serve import serve
-from benchmarks.tabs import ServerProcess, process_family
+from benchmarks.spread import serving_processes
+from benchmarks.tabs import ServerProcess
 from tests.app.fake_tab import FakeTab, until
 
 needs_linux = pytest.mark.skipif(sys.platform != "linux", reason="connections are not shared out")
@@ -27,13 +29,7 @@ def _figure(url: str, name: str) -> float:
 
 
 def _serving(server: ServerProcess) -> list[int]:
-    """The processes that listen, without those that compile or read files."""
-    found = []
-    for number in process_family(server.number):
-        with open(f"/proc/{number}/cmdline", "rb") as file:
-            if b"\0serve\0" in file.read():
-                found.append(number)
-    return found
+    return serving_processes(server.number)
 
 
 @needs_linux
@@ -57,6 +53,30 @@ def test_tabs_of_all_processes_count_together_and_end_together() -> None:
     assert not any(os.path.exists(f"/proc/{number}") for number in processes)
     with pytest.raises(urllib.error.URLError):
         urllib.request.urlopen(server.url, timeout=5)
+
+
+@needs_linux
+@pytest.mark.slow
+def test_each_tab_comes_to_the_process_that_has_the_fewest() -> None:
+    server = ServerProcess("--workers", "3")
+    try:
+        with ThreadPoolExecutor(7) as pool:
+            tabs = list(pool.map(FakeTab, [server.url] * 7))
+        until(lambda: _figure(server.url, "abi_tabs") == 7)
+        until(lambda: sorted(server.spread()) == [2, 2, 3])
+        for tab in tabs[:4]:
+            tab.close()
+        until(lambda: _figure(server.url, "abi_tabs") == 3)
+        until(lambda: sum(server.spread()) == 3)
+        expected = server.spread()
+        for _ in range(3):
+            expected[expected.index(min(expected))] += 1
+        others = [FakeTab(server.url) for _ in range(3)]
+        until(lambda: sorted(server.spread()) == sorted(expected))
+        for tab in (*tabs[4:], *others):
+            tab.close()
+    finally:
+        server.stop()
 
 
 @needs_linux

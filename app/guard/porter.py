@@ -1,0 +1,102 @@
+"""Gives each tab that comes to the process that has the fewest.
+
+One process listens for all. Several that listen on one port, or accept from one socket, leave it to
+the system's hash, or to who wakes first, which of them gets a connection; and most connections are
+for the page's files, so that turns at them would not be turns at tabs. So the one that listens
+reads what a connection asks for, and hands the socket of one that is to be a tab's to another
+process, with what it has read: over a pair of sockets, through which open files go, too.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import re
+import socket
+from typing import Protocol
+
+from websockets.asyncio.server import ServerConnection
+
+LONGEST_HEAD = 65_536
+"""Bytes of a request that is handed on."""
+_NUMBER = 8
+"""Bytes of a message from the other end."""
+_WEBSOCKET = re.compile(rb"\nupgrade:[ \t]*websocket", re.IGNORECASE)
+
+
+class Entrance(Protocol):
+    """Way by which connections come in where several processes serve one address."""
+
+    def hands_on(self, connection: ServerConnection, head: bytes) -> bool:
+        """Whether a connection is another process's from now on; ``head``: its whole request."""
+
+    def leave(self, connection: ServerConnection) -> None:
+        """Count a connection no more: it is lost."""
+
+
+class Porter:
+    """Entrance of the process that listens; all in the thread of its connections.
+
+    A tab counts from its request on, so that those that come at once are shared out, too.
+    """
+
+    def __init__(self) -> None:
+        self._own = set[ServerConnection]()
+        self._given = dict[socket.socket, int]()
+        self._lost = dict[socket.socket, int]()
+
+    @property
+    def tabs(self) -> tuple[int, ...]:
+        """Number of tabs here, and of each process that takes some."""
+        return len(self._own), *(self._count(channel) for channel in self._lost)
+
+    def meet(self, channel: socket.socket) -> None:
+        """Give tabs to the process at the other end, from its first word to its end."""
+        channel.setblocking(False)
+        self._given[channel] = 0
+        asyncio.get_running_loop().add_reader(channel, self._hear, channel)
+
+    def hands_on(self, connection: ServerConnection, head: bytes) -> bool:
+        """Give a tab's connection to whoever has the fewest; False where that is this process."""
+        if _WEBSOCKET.search(head) is None:
+            return False
+        channel = min(self._lost, key=self._count, default=None)
+        small = len(head) <= LONGEST_HEAD
+        if channel is not None and small and self._count(channel) <= len(self._own):
+            try:
+                wire = connection.transport.get_extra_info("socket")
+                socket.send_fds(channel, [head], [wire.fileno()])
+            except OSError:
+                pass  # it has ended, or is very busy
+            else:
+                self._given[channel] += 1
+                return True
+        self._own.add(connection)
+        return False
+
+    def leave(self, connection: ServerConnection) -> None:
+        """Count a connection no more."""
+        self._own.discard(connection)
+
+    def _count(self, channel: socket.socket) -> int:
+        return self._given[channel] - self._lost[channel]
+
+    def _hear(self, channel: socket.socket) -> None:
+        """Take the number of tabs that another process has had and has no more; 0 to begin."""
+        try:
+            word = channel.recv(_NUMBER)
+        except BlockingIOError:
+            return
+        except OSError:
+            word = b""
+        if word:
+            self._lost[channel] = int.from_bytes(word)
+            return
+        asyncio.get_running_loop().remove_reader(channel)
+        del self._given[channel]
+        self._lost.pop(channel, None)
+        channel.close()
+
+
+def lost_tabs(number: int) -> bytes:
+    """What another process tells the porter."""
+    return number.to_bytes(_NUMBER)

@@ -1,0 +1,118 @@
+"""Entrance of a process that does not listen: its connections come from the one that does.
+
+The other side is :mod:`app.guard.porter`.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import os
+import socket
+from collections.abc import Callable
+from typing import Any
+
+from websockets.asyncio.server import ServerConnection
+
+from app.guard.porter import LONGEST_HEAD, lost_tabs
+
+_INPUT = 0
+"""Standard input, which such a process is given its channel as."""
+
+
+class SideDoor:
+    """Server as asyncio has them, but for connections that another process has accepted.
+
+    Attributes:
+        sockets: none to listen at.
+    """
+
+    sockets = ()
+
+    def __init__(self, channel: socket.socket, ended: Callable[[], object]) -> None:
+        """Take connections from a channel; ``ended`` is called once the other end is gone."""
+        self._channel = channel
+        self._ended = ended
+        self._lost = 0
+        self._is_open = False
+        self._loop: asyncio.AbstractEventLoop | None = None
+        self._factory: Callable[[], asyncio.Protocol] | None = None
+        self._entering = set[asyncio.Task[None]]()
+
+    @classmethod
+    def of_input(cls, ended: Callable[[], object]) -> SideDoor:
+        """The door whose channel is this process's standard input."""
+        channel = socket.socket(fileno=os.dup(_INPUT))
+        # a child would keep the channel open past this process's end
+        empty = os.open(os.devnull, os.O_RDONLY)
+        os.dup2(empty, _INPUT)
+        os.close(empty)
+        return cls(channel, ended)
+
+    async def open(
+        self, factory: Callable[[], asyncio.Protocol], *address: Any, **options: Any
+    ) -> SideDoor:
+        """Take connections: in place of a loop's ``create_server``, but for the address."""
+        self._loop, self._factory = asyncio.get_running_loop(), factory
+        self._is_open = True
+        self._channel.setblocking(False)
+        self._loop.add_reader(self._channel, self._take)
+        self._tell()
+        return self
+
+    def hands_on(self, connection: ServerConnection, head: bytes) -> bool:
+        """Keep every connection."""
+        return False
+
+    def leave(self, connection: ServerConnection) -> None:
+        """Tell the process that listens of a connection that is lost."""
+        self._lost += 1
+        self._tell()
+
+    def close(self) -> None:
+        """Take no more connections."""
+        if self._is_open:
+            self._is_open = False
+            self.get_loop().remove_reader(self._channel)
+            self._channel.close()
+
+    def get_loop(self) -> asyncio.AbstractEventLoop:
+        """The loop of the connections."""
+        assert self._loop is not None
+        return self._loop
+
+    def is_serving(self) -> bool:
+        """Whether connections are taken."""
+        return self._is_open
+
+    async def wait_closed(self) -> None:
+        """Wait for nothing: there is no socket to listen at."""
+
+    def _tell(self) -> None:
+        # one that does not go out now is part of the next
+        with contextlib.suppress(OSError):
+            self._channel.send(lost_tabs(self._lost))
+
+    def _take(self) -> None:
+        """Take a connection, with what it has said so far."""
+        try:
+            head, files, _, _ = socket.recv_fds(self._channel, LONGEST_HEAD, 1)
+        except BlockingIOError:
+            return
+        except OSError:
+            head, files = b"", []
+        if not head:
+            self.close()
+            self._ended()
+            return
+        for file in files:
+            task = self.get_loop().create_task(self._enter(socket.socket(fileno=file), head))
+            self._entering.add(task)
+            task.add_done_callback(self._entering.discard)
+
+    async def _enter(self, wire: socket.socket, head: bytes) -> None:
+        wire.setblocking(False)
+        assert self._factory is not None
+        _, connection = await self.get_loop().connect_accepted_socket(self._factory, wire)
+        # before anything that the socket still has, which is not looked at in this turn of the loop
+        connection.data_received(head)

@@ -1,0 +1,58 @@
+"""How the tabs of a server are spread over its processes, on Linux."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+from collections.abc import Iterator
+from pathlib import Path
+from urllib.parse import urlsplit
+
+_ESTABLISHED = "01"
+_FAMILIES = ("tcp", "tcp6")
+
+
+def process_family(number: int) -> list[int]:
+    """A process, and all that it and they have started."""
+    found = [number]
+    for task in Path(f"/proc/{number}/task").glob("*/children"):
+        with contextlib.suppress(OSError):
+            for child in task.read_text("ascii").split():
+                found += process_family(int(child))
+    return found
+
+
+def serving_processes(number: int) -> list[int]:
+    """The processes of ``abi serve``, without those that compile or read files."""
+    found = []
+    for one in process_family(number):
+        with contextlib.suppress(OSError):
+            if b"\0serve\0" in Path(f"/proc/{one}/cmdline").read_bytes():
+                found.append(one)
+    return found
+
+
+def spread(number: int, url: str) -> list[int]:
+    """Number of open connections of each process, of a server of this number at this address."""
+    wanted = set(_connections(urlsplit(url).port or 0))
+    return [len(wanted & set(_sockets(one))) for one in serving_processes(number)]
+
+
+def _connections(port: int) -> Iterator[str]:
+    """Identities of the open connections that others have made to a port of this machine."""
+    for family in _FAMILIES:
+        with contextlib.suppress(OSError):
+            for line in Path(f"/proc/net/{family}").read_text("ascii").splitlines()[1:]:
+                fields = line.split()
+                own_port = int(fields[1].rpartition(":")[2], 16)
+                if own_port == port and fields[3] == _ESTABLISHED:
+                    yield fields[9]
+
+
+def _sockets(number: int) -> Iterator[str]:
+    """Identities of a process's sockets."""
+    for file in Path(f"/proc/{number}/fd").glob("*"):
+        with contextlib.suppress(OSError):
+            target = os.readlink(file)
+            if target.startswith("socket:["):
+                yield target.removeprefix("socket:[").removesuffix("]")
