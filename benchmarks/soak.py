@@ -1,10 +1,13 @@
-"""Many tabs for minutes: all drag and play, one reads slowly, one not at all.
+"""Many tabs for minutes: all drag and play, one reads slowly, one hardly ever, one not at all.
 
     python -m benchmarks.soak --tabs 30 --minutes 10 --workers 2
 
 Each tab drags for a while, lets go, presses "Play or pause", and has to show the curve of the last
-position. The slow and the frozen tab drag, too; what they have not read must neither grow in the
-server nor keep the others waiting, and once they read again they must show the last position.
+position. The slow tab and one that is frozen for half a minute at a time drag, too; what they have
+not read must neither grow in the server nor keep the others waiting, and once they read again they
+must show the last position. Another is shut like a laptop, without a hand, until the end; the
+server gives such a one up after two minutes or so. It then connects again by itself, as the page
+does, and must show what it showed.
 Every half minute it prints a line with the figures so far, and Ctrl+C ends it with those, as the
 last line. Ends with exit code 1 where a tab shows another curve in the end or lost its connection,
 or the server had a fault.
@@ -23,6 +26,8 @@ from typing import Any
 
 import numpy as np
 
+from abi.obstacles.triangle_mesh.mesh_source import MeshSource
+from app.tab_state import TabState
 from benchmarks.interrupt import Interrupt
 from benchmarks.tabs import (
     SETTLE,
@@ -39,13 +44,18 @@ DRAG = 20.0
 """Seconds of one drag."""
 REST = 3.0
 """Seconds after it in which the last curve has to come."""
-SLOW_PAUSE = 1.0
-"""Seconds between two looks of the slow tab at what it was sent."""
-_SLOW_READ = 0.1
+SLOW_PAUSE, _SLOW_READ = 1.0, 0.1
+"""Seconds between two looks of the slow tab at what it was sent, and of such a look."""
+FROZEN, _THAWED = 30.0, 2.0
+"""The same of the frozen one: a page that a hand still moves is not frozen for much longer."""
+_LAST_DRAG = 1.0
+"""Seconds of the drag of the tab that is shut then."""
 PERIOD = 30.0
 """Seconds between two accounts of the figures so far."""
 _LOOK = 0.5
 """Seconds after which an early end is noticed."""
+OTHERS = 3
+"""Tabs besides those that are tested."""
 _PATIENCE = 60.0
 """Seconds in which a tab that reads again catches up."""
 
@@ -89,7 +99,7 @@ async def soak(
     watch: Watch = lambda moment, figures: None,
     enough: Callable[[], bool] = lambda: False,
 ) -> dict[str, Any]:
-    """Drag and play in ``tabs`` tabs for so long, besides a slow and a frozen one.
+    """Drag and play in ``tabs`` tabs for so long, besides a slow, a frozen and a shut one.
 
     Args:
         url: of the server.
@@ -102,16 +112,20 @@ async def soak(
         enough: whether to end early.
 
     Returns:
-        What :func:`summary` tells; ``stale_slow_or_frozen``, how many of the slow and the frozen
-        tab show another curve once they read again; ``broken``, tabs that were cut off.
+        What :func:`summary` tells; ``stale_slow_or_frozen``, how many of the slow, the frozen and
+        the shut tab show another curve once they read again; ``given_up``, whether the server had
+        cut the shut one off; ``broken``, other tabs that were.
     """
-    opened = await open_tabs(url, tabs + 2)
+    opened = await open_tabs(url, tabs + OTHERS)
     await asyncio.sleep(settle)
-    *tested, slow, frozen = opened
+    *tested, slow, frozen, sleeper = opened
+    await shut(sleeper, tabs + 2)
     end = time.monotonic() + seconds
     workers = [Worker(tab, phase) for phase, tab in enumerate(tested)]
-    dozing = asyncio.create_task(_doze(slow))
-    frozen.freeze(True)
+    dozing = [
+        asyncio.create_task(_doze(slow, SLOW_PAUSE, _SLOW_READ)),
+        asyncio.create_task(_doze(frozen, FROZEN, _THAWED)),
+    ]
     watch("open", {})
     tasks = [
         asyncio.create_task(work)
@@ -127,10 +141,13 @@ async def soak(
             told = time.monotonic()
             watch("running", summary([worker.drags for worker in workers]))
     broken = await _ended(tasks)
-    dozing.cancel()
-    late = sum([not await catches_up(tab) for tab in (slow, frozen)])
+    await _ended(dozing)
+    sleeper.freeze(False)
+    if given_up := not await sleeper.answers():
+        await sleeper.connect()
+    late = sum([not await catches_up(tab) for tab in (slow, frozen, sleeper)])
     result = summary([worker.drags for worker in workers])
-    result |= {"stale_slow_or_frozen": late, "broken": broken}
+    result |= {"stale_slow_or_frozen": late, "given_up": given_up, "broken": broken}
     watch("end", result)
     await asyncio.gather(*(tab.close() for tab in opened))
     return result
@@ -144,13 +161,29 @@ async def _ended(tasks: Sequence[asyncio.Task[Any]]) -> int:
     return sum(isinstance(result, Exception) for result in results)
 
 
-async def _doze(tab: WebTab) -> None:
-    """Have the tab read in short moments only."""
+async def _doze(tab: WebTab, frozen: float, thawed: float) -> None:
+    """Have the tab read now and then only; both in [s]."""
     while True:
         tab.freeze(True)
-        await asyncio.sleep(SLOW_PAUSE)
+        await asyncio.sleep(frozen)
         tab.freeze(False)
-        await asyncio.sleep(_SLOW_READ)
+        await asyncio.sleep(thawed)
+
+
+async def shut(tab: WebTab, phase: float) -> None:
+    """Drag in a tab until it shows and remembers another scene, and have it read no more."""
+    await tab.drag(_LAST_DRAG, phase)
+    await catches_up(tab)
+    await tab.until(lambda: _remembers(tab), _PATIENCE)
+    tab.freeze(True)
+
+
+def _remembers(tab: WebTab) -> bool:
+    """Whether what the tab remembers has the obstacle where it was dragged to last."""
+    if not tab.remembered:
+        return False
+    scene = TabState.decode(tab.remembered, MeshSource()).scene
+    return scene.obstacles[0].position == tab.position
 
 
 async def catches_up(tab: WebTab) -> bool:
@@ -255,7 +288,7 @@ def main() -> None:
     parser.add_argument("--minutes", type=float, default=10.0)
     parser.add_argument("--workers", type=int, default=1)
     options, arguments = parser.parse_known_args()
-    room = str(options.tabs + 2)
+    room = str(options.tabs + OTHERS)
     settings = ("--workers", str(options.workers), "--max-tabs", room, *arguments)
     with Interrupt() as interrupt, serving(*settings) as server:
         result = asyncio.run(_measure(server, options.tabs, 60 * options.minutes, interrupt))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import json
 import math
 import struct
 import time
@@ -40,7 +41,10 @@ CAMERA = {
 }
 _POLL = 0.02  # [s]
 _TEXTS = 50
-_TOLD = (CURVE.encode(), b"TransformControlsMessage", b"label", b"content")
+_REPORT, _REMEMBER = "abi.report(", "abi.remember("
+"""Calls of the page: to report what it remembers, and to remember a text."""
+_CALLS = (_REPORT.encode(), _REMEMBER.encode())
+_TOLD = (CURVE.encode(), b"TransformControlsMessage", b"label", b"content", *_CALLS)
 """Bytes, one of which is in every message that a tab notes."""
 _DECOMPRESSOR = zstandard.ZstdDecompressor()
 
@@ -54,12 +58,14 @@ class WebTab:
         labels: ids of the widgets, by their labels.
         texts: HTML that was shown in the panels, the newest last.
         position: where the obstacle was dragged to last, (3,), [unit]; None before.
-        frozen: set while it reads nothing, as a page whose laptop is shut.
+        remembered: text that the page keeps, and reports where it connects.
     """
 
-    def __init__(self, connection: ClientConnection) -> None:
-        self._connection = connection
+    def __init__(self, url: str, headers: dict[str, str] | None = None) -> None:
+        """Begin unconnected, with the address of a page and headers of its requests."""
+        self._address = url.replace("http", "ws", 1), headers
         self._owner: str | None = None
+        self._connection: ClientConnection
         self._reading: asyncio.Task[None] | None = None
         self._awake = asyncio.Event()
         self._awake.set()
@@ -68,22 +74,46 @@ class WebTab:
         self.labels: dict[str, str] = {}
         self.texts: deque[str] = deque(maxlen=_TEXTS)
         self.position: tuple[float, float, float] | None = None
+        self.remembered = ""
 
     @classmethod
     async def open(cls, url: str, headers: dict[str, str] | None = None) -> WebTab:
         """Connect to the server at ``url``; the tab has its picture once :meth:`until` says so."""
-        connection = await connect(
-            url.replace("http", "ws", 1),
+        tab = cls(url, headers)
+        await tab.connect()
+        return tab
+
+    async def connect(self) -> None:
+        """Connect, or connect again as a page does that was cut off, with what it remembers."""
+        if self._reading is not None:
+            await self._reading
+        self._owner = None
+        self.curves.clear()
+        self.labels.clear()
+        address, headers = self._address
+        self._connection = await connect(
+            address,
             subprotocols=[Subprotocol(f"viser-v{viser.__version__}")],
             additional_headers=headers,
             max_size=None,
             compression=None,
             ping_interval=None,
         )
-        tab = cls(connection)
-        await tab.send(CAMERA)
-        tab._reading = asyncio.create_task(tab._read())
-        return tab
+        await self.send(CAMERA)
+        self._reading = asyncio.create_task(self._read())
+
+    async def answers(self) -> bool:
+        """Whether the server answers, rather than having cut the tab off; reads all it had sent."""
+        try:
+            await (await self._connection.ping())
+        except ConnectionClosed:
+            return False
+        return True
+
+    @property
+    def is_connected(self) -> bool:
+        """Whether the connection is open, as far as has been read."""
+        return self._connection.state is State.OPEN
 
     @property
     def drawn(self) -> bool:
@@ -113,12 +143,10 @@ class WebTab:
             "position": list(position),
             "owner": self._owner,
         }
-        if self._connection.state is not State.OPEN:
+        if not self.is_connected:
             await self.send(message)  # which says why it cannot
             return
-        # twenty a second of each tab, which otherwise are most of what the tabs cost
-        self._connection.protocol.send_binary(msgspec.msgpack.encode(message))
-        self._connection.send_data()
+        self._send_at_once(message)
 
     async def drag(self, seconds: float, phase: float) -> float:
         """Drag the obstacle around a circle from ``phase`` [rad] on; when the hand let go, [s]."""
@@ -132,10 +160,15 @@ class WebTab:
         return last
 
     def freeze(self, on: bool) -> None:
-        """Read no more, or read again."""
+        """Read no more, or read again.
+
+        A frozen tab does not answer to pings, either: nothing is taken from its socket.
+        """
         if on:
             self._awake.clear()
+            self._connection.transport.pause_reading()
         else:
+            self._connection.transport.resume_reading()
             self._awake.set()
 
     async def until(self, condition: Callable[[], bool], patience: float = 120.0) -> None:
@@ -193,6 +226,23 @@ class WebTab:
                 self.labels[fields["label"]] = message["uuid"]
             elif fields.get("content") and "uuid" in message:
                 self.texts.append(fields["content"])
+            elif message["type"] == "RunJavascriptMessage":
+                self._run(message["source"])
+
+    def _run(self, source: str) -> None:
+        """Do what the page does that is told to report, or to remember: see ``page.js``."""
+        if source.startswith(_REMEMBER):
+            self.remembered = json.loads(source.removeprefix(_REMEMBER).removesuffix(")"))
+        elif source.startswith(_REPORT) and self.is_connected:
+            box = json.loads(source.removeprefix(_REPORT).removesuffix(")"))
+            report = {"state": self.remembered, "lessons": "", "query": {}, "dark": False}
+            update = {"uuid": box, "updates": {"value": json.dumps(report)}}
+            self._send_at_once({"type": "GuiUpdateMessage", **update})
+
+    def _send_at_once(self, message: dict[str, Any]) -> None:
+        """Send without waiting: the moves of all hands would be most of what the tabs cost."""
+        self._connection.protocol.send_binary(msgspec.msgpack.encode(message))
+        self._connection.send_data()
 
 
 def is_same_curve(points: FloatArray, expected: FloatArray) -> bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import socket
 from typing import TYPE_CHECKING, Any
 
 from websockets.asyncio.server import ServerConnection
@@ -27,6 +28,10 @@ BYTES_PER_SECOND = 8e6
 _BURST = 2.0  # [s] of those rates
 REQUEST_TIMEOUT = 10.0
 """Seconds in which a request must have come."""
+UNREAD = 60.0
+"""Seconds in which a page that has too much left to read must have read some of it."""
+MAX_UNSENT = 65_536
+"""Bytes that the system takes to send later: what is in its hands cannot be left out any more."""
 MAX_REFUSED = 100
 """Refused messages after which a tab is closed."""
 _POLICY_VIOLATION = 1008
@@ -43,11 +48,15 @@ class GuardedConnection(ServerConnection):
         self._bytes = Rate(BYTES_PER_SECOND, _BURST * BYTES_PER_SECOND)
         self._uploads = Uploads()
         self._refused = 0
+        self._looking: asyncio.TimerHandle | None = None
         guard.connections.add(self)
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         """Give whoever has connected a few seconds to say what for."""
         super().connection_made(transport)
+        if hasattr(socket, "TCP_NOTSENT_LOWAT"):
+            wire = transport.get_extra_info("socket")
+            wire.setsockopt(socket.IPPROTO_TCP, socket.TCP_NOTSENT_LOWAT, MAX_UNSENT)
         self.loop.call_later(REQUEST_TIMEOUT, self._hang_up_on_silence)
 
     def _hang_up_on_silence(self) -> None:
@@ -57,6 +66,7 @@ class GuardedConnection(ServerConnection):
     def connection_lost(self, exc: Exception | None) -> None:
         """Count the connection no more."""
         super().connection_lost(exc)
+        self._look_no_more()
         if self._guard.entrance is not None:
             self._guard.entrance.leave(self)
 
@@ -89,6 +99,34 @@ class GuardedConnection(ServerConnection):
             answer = self._guard.secured(responses.misunderstood(status))
             self.transport.write(answer.serialize())
             self.transport.close()
+
+    def pause_writing(self) -> None:
+        """Give the connection up if nothing of what it is sent is read for long.
+
+        A ping, which is to find that out, would wait behind it.
+        """
+        super().pause_writing()
+        self._look_later()
+
+    def resume_writing(self) -> None:
+        """Go on: the page has read."""
+        super().resume_writing()
+        self._look_no_more()
+
+    def _look_later(self) -> None:
+        unread = self.transport.get_write_buffer_size()
+        self._looking = self.loop.call_later(UNREAD, self._look, unread)
+
+    def _look(self, unread: int) -> None:
+        if self.transport.get_write_buffer_size() < unread:
+            self._look_later()
+        else:
+            self.transport.abort()
+
+    def _look_no_more(self) -> None:
+        if self._looking is not None:
+            self._looking.cancel()
+            self._looking = None
 
     async def recv(self, decode: bool | None = None) -> Data:  # type: ignore[override]
         """The next message that viser is to read; waits where they come too fast."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import itertools
 import os
 import signal
 from collections.abc import Coroutine, Iterator
@@ -13,10 +14,11 @@ import pytest
 
 from app import page
 from app.address import Address
+from app.guard import connection
 from app.look import PLAIN
 from app.server import Server, start
 from benchmarks.interrupt import Interrupt
-from benchmarks.soak import catches_up, soak, summary
+from benchmarks.soak import catches_up, shut, soak, summary
 from benchmarks.tabs import SCENE, open_tabs
 from benchmarks.web_tab import WebTab
 from tests.app.fake_tab import until
@@ -27,6 +29,8 @@ FEW = 150
 """Messages that a page can be behind with: one for each thing that a drag changes."""
 ENOUGH = 5.0
 """Seconds between two looks at a run that would last longer, until there were enough drags."""
+LOOKS = 5
+"""Looks at what a tab has not read yet, at each of which there is less."""
 PLANS = 10
 """Plans whose messages, about 35 each, would be far more than that."""
 
@@ -94,6 +98,33 @@ def test_what_a_frozen_tab_has_not_read_does_not_grow(crowd: Server) -> None:
         await tab.close()
 
     run_apart(run())
+
+
+@pytest.mark.slow
+def test_a_tab_that_reads_nothing_for_long_is_given_up_and_comes_back_with_its_scene(
+    crowd: Server, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(connection, "UNREAD", 0.1)
+    sizes = itertools.chain(range(LOOKS, 0, -1), itertools.repeat(1))
+
+    async def run() -> None:
+        (tab,) = await open_tabs(crowd.url, 1)
+        await shut(tab, 1.0)
+        ((_, server_side),) = crowd.viser._websock_server._live_connections.items()
+        # as long as some of it is read, it may go on
+        monkeypatch.setattr(server_side.transport, "get_write_buffer_size", sizes.__next__)
+        page.run_on_loop(crowd.viser, server_side.pause_writing)
+        await tab.until(lambda: not crowd.sessions)
+        assert next(sizes) == 1
+        tab.freeze(False)
+        assert not await tab.answers()
+        await tab.connect()
+        assert not tab.curves
+        assert await catches_up(tab)
+        await tab.close()
+
+    run_apart(run())
+    until(lambda: not crowd.sessions)
 
 
 def test_a_summary_tells_the_slowest_tab_and_every_stale_drag() -> None:
