@@ -11,9 +11,11 @@ from typing import Any
 
 import msgspec
 import pytest
+import viser
 from websockets.exceptions import InvalidStatus
 
 from abi.errors import AbiError
+from app import page
 from app.address import Address
 from app.guard import token
 from app.guard.connection import MAX_REFUSED
@@ -23,6 +25,8 @@ from app.server import Server, start
 from app.session import Session
 from tests.app.fake_tab import FakeTab, until
 
+MUCH = 2_000_000
+"""Bytes that a page does not read."""
 TOKEN = "a secret/?&"
 HEADERS = (
     "content-security-policy",
@@ -189,6 +193,27 @@ def test_malformed_messages_are_dropped_and_many_of_them_close_only_their_tab(
     fake.set(pitch, 1.0)
     until(lambda: session.plan.scene.mesh.pitch == 1.0)  # type: ignore[union-attr]
     assert not any(record.exc_info for record in caplog.records)
+
+
+@pytest.mark.skipif(not hasattr(socket, "TCP_NOTSENT_LOWAT"), reason="the system has no such limit")
+def test_what_a_page_does_not_read_is_not_in_the_system_s_hands(server: Server) -> None:
+    """What is there is old by the time a slow line has carried it, and newer pictures follow it."""
+    version = f"Sec-WebSocket-Protocol: viser-v{viser.__version__}\r\n"
+    request = (
+        f"GET / HTTP/1.1\r\nHost: localhost\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+        f"Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: {'A' * 22}==\r\n{version}\r\n"
+    )
+    known = set(server.guard.tabs)
+    with socket.socket() as wire:
+        wire.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 16_384)
+        wire.connect(("127.0.0.1", server.viser.get_port()))
+        wire.sendall(request.encode())
+        until(lambda: len(set(server.guard.tabs) - known) == 1)
+        (tab,) = set(server.guard.tabs) - known
+        page.run_on_loop(server.viser, lambda: tab.transport.write(bytes(MUCH)))
+        until(lambda: tab.transport.get_write_buffer_size() > 0)
+        assert tab.transport.get_write_buffer_size() > 0.8 * MUCH
+    until(lambda: tab not in server.guard.tabs)
 
 
 def test_a_file_that_no_button_takes_is_not_stored(tab: tuple[FakeTab, Session]) -> None:
