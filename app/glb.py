@@ -17,7 +17,11 @@ from numpy.typing import NDArray
 from abi.arrays import FloatArray, IntArray
 from app.style import Colour
 
-_LINES, _FLOAT, _UINT = 1, 5126, 5125
+_LINES, _FLOAT = 1, 5126
+_INTEGERS = {"<u2": 5123, "<u4": 5125}
+"""Component types of indices, by numpy's names."""
+_SHORT = 65_535
+"""Points up to which an index takes two bytes; the last number ends a strip (section 3.7.2.1)."""
 
 
 def line_set(points: FloatArray, edges: IntArray, colour: Colour, opacity: float) -> bytes:
@@ -30,7 +34,9 @@ def line_set(points: FloatArray, edges: IntArray, colour: Colour, opacity: float
         opacity: 0 to 1.
     """
     vertices = np.ascontiguousarray(points, dtype="<f4")
-    indices = np.ascontiguousarray(edges, dtype="<u4")
+    # most of the bytes, and those of a hand's every move
+    kind = "<u2" if len(vertices) <= _SHORT else "<u4"
+    indices = np.ascontiguousarray(edges, dtype=kind)
     primitive = {"attributes": {"POSITION": 0}, "indices": 1, "mode": _LINES, "material": 0}
     header = {
         "asset": {"version": "2.0"},
@@ -40,7 +46,7 @@ def line_set(points: FloatArray, edges: IntArray, colour: Colour, opacity: float
         "meshes": [{"primitives": [primitive]}],
         "materials": [_unlit(colour, opacity)],
         "extensionsUsed": ["KHR_materials_unlit"],
-        **_buffers(vertices, indices),
+        **_buffers(vertices, indices, _INTEGERS[kind]),
     }
     text = json.dumps(header, separators=(",", ":")).encode()
     text += b" " * (-len(text) % 4)
@@ -59,8 +65,10 @@ def _unlit(colour: Colour, opacity: float) -> dict[str, Any]:
     }
 
 
-def _buffers(vertices: NDArray[np.float32], indices: NDArray[np.uint32]) -> dict[str, Any]:
-    """Header entries for a body of vertices (n, 3) and indices (e, 2), one after the other."""
+def _buffers(
+    vertices: NDArray[np.float32], indices: NDArray[np.unsignedinteger[Any]], kind: int
+) -> dict[str, Any]:
+    """Header entries for a body of vertices (n, 3) and indices (e, 2) of a component type."""
     position = {
         "bufferView": 0,
         "componentType": _FLOAT,
@@ -71,7 +79,7 @@ def _buffers(vertices: NDArray[np.float32], indices: NDArray[np.uint32]) -> dict
     }
     index = {
         "bufferView": 1,
-        "componentType": _UINT,
+        "componentType": kind,
         "count": indices.size,
         "type": "SCALAR",
     }
