@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 import viser
 from viser import _assignable_props_api, _messages
-from viser._threadpool_exceptions import print_threadpool_errors
+from viser._threadpool_exceptions import print_awaited_callback_error
 
 from abi import assets
 from app import viser_shortcuts
@@ -308,7 +308,10 @@ def move_gizmo(
     gizmo._impl_aux.last_updated = time.time()
     event = viser.TransformControlsEvent(client, client.client_id, gizmo, "update")
     for call in gizmo._impl_aux.update_cb:
-        scene._thread_executor.submit(call, event).add_done_callback(print_threadpool_errors)
+        try:
+            call(event)
+        except Exception as error:
+            print_awaited_callback_error(error)
     return True
 
 

@@ -8,6 +8,8 @@ import socket
 from typing import TYPE_CHECKING, Any
 
 from websockets.asyncio.server import ServerConnection
+from websockets.frames import Frame, Opcode
+from websockets.protocol import Event
 from websockets.typing import Data
 
 from app.guard import request_line, responses
@@ -25,7 +27,7 @@ _log = logging.getLogger("abi.web")
 
 MESSAGES_PER_SECOND = 240.0
 BYTES_PER_SECOND = 8e6
-_BURST = 2.0  # [s] of those rates
+BURST = 2.0  # [s] of those rates
 REQUEST_TIMEOUT = 10.0
 """Seconds in which a request must have come."""
 UNREAD = 60.0
@@ -44,8 +46,8 @@ class GuardedConnection(ServerConnection):
         super().__init__(*args, **options)
         self._guard = guard
         self._head: bytes | None = b""
-        self._messages = Rate(MESSAGES_PER_SECOND, _BURST * MESSAGES_PER_SECOND)
-        self._bytes = Rate(BYTES_PER_SECOND, _BURST * BYTES_PER_SECOND)
+        self._messages = Rate(MESSAGES_PER_SECOND, BURST * MESSAGES_PER_SECOND)
+        self._bytes = Rate(BYTES_PER_SECOND, BURST * BYTES_PER_SECOND)
         self._uploads = Uploads()
         self._refused = 0
         self._looking: asyncio.TimerHandle | None = None
@@ -128,12 +130,36 @@ class GuardedConnection(ServerConnection):
             self._looking.cancel()
             self._looking = None
 
+    def process_event(self, event: Event) -> None:
+        """Move a gizmo at once; all else waits for ``recv``, and so do moves behind it.
+
+        Hands send twenty moves a second, and a queue and two turns of the loop take longer than
+        the move.
+        """
+        if not (isinstance(event, Frame) and self._has_moved(event)):
+            super().process_event(event)
+
+    def _has_moved(self, frame: Frame) -> bool:
+        """Whether a frame was a gizmo's move, and is done."""
+        if frame.opcode is not Opcode.BINARY or not frame.fin or len(self.recv_messages.frames):
+            return False
+        message = decode_message(frame.data)
+        # who is too fast waits with the others
+        return (
+            isinstance(message, GizmoUpdate)
+            and self._delay(len(frame.data)) <= 0
+            and self._guard.move_gizmo(self, message)
+        )
+
+    def _delay(self, size: int) -> float:
+        """Time to wait before the next message after one of so many bytes, [s]."""
+        return max(self._messages.delay(1), self._bytes.delay(size))
+
     async def recv(self, decode: bool | None = None) -> Data:  # type: ignore[override]
         """The next message that viser is to read; waits where they come too fast."""
         while True:
             frame = await super().recv(decode)
-            pause = max(self._messages.delay(1), self._bytes.delay(len(frame)))
-            if pause > 0:
+            if (pause := self._delay(len(frame))) > 0:
                 await asyncio.sleep(pause)
             message = decode_message(frame)
             reason = self._refusal(message)

@@ -174,7 +174,7 @@ Message: TypeAlias = (
 _DECODER: msgspec.msgpack.Decoder[Message] = msgspec.msgpack.Decoder(Message)
 
 
-def decode(frame: bytes | str) -> Message | None:
+def decode(frame: bytes | bytearray | memoryview | str) -> Message | None:
     """Message in a frame; None where it is none that a tab may send."""
     if isinstance(frame, str):
         return None

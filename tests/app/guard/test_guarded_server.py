@@ -6,6 +6,7 @@ import http.client
 import logging
 import math
 import socket
+import time
 from collections.abc import Iterator
 from typing import Any
 
@@ -18,7 +19,7 @@ from abi.errors import AbiError
 from app import page
 from app.address import Address
 from app.guard import token
-from app.guard.connection import MAX_REFUSED
+from app.guard.connection import BURST, MAX_REFUSED, MESSAGES_PER_SECOND
 from app.guard.policy import policy_for
 from app.look import PLAIN
 from app.server import Server, start
@@ -27,6 +28,8 @@ from tests.app.fake_tab import FakeTab, until
 
 MUCH = 2_000_000
 """Bytes that a page does not read."""
+TOO_MANY = 800
+"""Moves that a page would send in 40 s."""
 TOKEN = "a secret/?&"
 HEADERS = (
     "content-security-policy",
@@ -193,6 +196,24 @@ def test_malformed_messages_are_dropped_and_many_of_them_close_only_their_tab(
     fake.set(pitch, 1.0)
     until(lambda: session.plan.scene.mesh.pitch == 1.0)  # type: ignore[union-attr]
     assert not any(record.exc_info for record in caplog.records)
+
+
+def test_moves_that_come_too_fast_wait_and_end_where_the_hand_does(
+    tab: tuple[FakeTab, Session],
+) -> None:
+    fake, session = tab
+    (gizmo, *_) = session.panels.obstacles.gizmos
+    x, y, z = (float(number) for number in gizmo.position)
+    begin = time.monotonic()
+    for step in range(TOO_MANY):
+        fake.drag(gizmo, [x + 1e-3 * step, y, z])
+    fake.set(session.panels.stages.mesh.pitch, 0.7)
+    last = x + 1e-3 * (TOO_MANY - 1)
+    until(lambda: session.plan.scene.mesh.pitch == 0.7)  # type: ignore[union-attr]
+    # what came before the other is done before it, and all of it at the rate that is let through
+    assert gizmo.position[0] == pytest.approx(last)
+    assert time.monotonic() - begin > (TOO_MANY / MESSAGES_PER_SECOND - BURST) / 2
+    until(lambda: session.plan.scene.obstacles[0].position[0] == pytest.approx(last))  # type: ignore[union-attr]
 
 
 @pytest.mark.skipif(not hasattr(socket, "TCP_NOTSENT_LOWAT"), reason="the system has no such limit")
