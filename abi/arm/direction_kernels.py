@@ -1,4 +1,7 @@
-"""Directions that separate a capsule from one part of a mesh, tried on the parts beside it."""
+"""Directions that separate a capsule from one part of a mesh, tried on the parts beside it.
+
+What decides most pairs is inlined by force: arrays that are handed over are counted in and out.
+"""
 
 from __future__ import annotations
 
@@ -31,15 +34,20 @@ NO_DIRECTION = Direction((0.0, 0.0, 1.0), 0.0, -1)
 """Example."""
 
 
-@register_jitable
+@register_jitable(forceinline=True)
 def is_separated(around: Obstacles, s: int, latest: list[Direction]) -> bool:
     """Whether one of the latest directions keeps the part of a mesh in row s from a capsule.
 
     Near triangles have one in common with those beside and behind them.
     """
+    separated: bool = around.meshes[s] >= 0 and len(latest) > 0 and _is_beyond(around, s, latest)
+    return separated
+
+
+@register_jitable
+def _is_beyond(around: Obstacles, s: int, latest: list[Direction]) -> bool:
+    """Whether row s is beyond one of the directions."""
     mesh = around.meshes[s]
-    if mesh < 0 or len(latest) == 0:
-        return False
     axes, core = axes_of(around.primitives, s), core_of(around.primitives, s)
     centre, margin = centre_of(around.primitives, s), around.margins[s]
     for k in range(len(latest) - 1, -1, -1):
@@ -54,7 +62,6 @@ def is_separated(around: Obstacles, s: int, latest: list[Direction]) -> bool:
 @register_jitable
 def keep_direction(latest: list[Direction], way: Vec3, level: float, mesh: int) -> None:
     """Add a direction, see :class:`Direction`, to the latest, of which the oldest go."""
-    if mesh >= 0:
-        if len(latest) == _LATEST:
-            latest.pop(0)
-        latest.append(Direction(way, level, mesh + 0))
+    if len(latest) == _LATEST:
+        latest.pop(0)
+    latest.append(Direction(way, level, mesh + 0))

@@ -87,7 +87,7 @@ NO_LEGS = ArmLegs(NO_ARM, NO_OBSTACLES, IDS, (0.0, 0.0), MOST_TRIES)
 """Example."""
 
 
-@register_jitable
+@register_jitable(forceinline=True)
 def _judged_on(legs: ArmLegs, s: int, capsule: Moving, piece: _Piece) -> tuple[int, Vec3]:
     """Whether a capsule is CERTIFIED clear of row s on a piece, REFUTED in its middle, or neither.
 
@@ -136,7 +136,7 @@ def _bow(legs: ArmLegs, c: int, piece: _Piece) -> float:
     return bow
 
 
-@register_jitable
+@register_jitable(forceinline=True)
 def _level(legs: ArmLegs, capsule: Moving, piece: _Piece, way: Vec3) -> float:
     """Of a :class:`Direction` that is to separate a capsule all along a piece, [unit]."""
     arm, capsules = legs.table

@@ -263,4 +263,6 @@ def capsule_rates(
             at = end + (forearm - arm.forearm if slides else 0.0)
             a, b = _along(rates, at / forearm, slides)
             most, slid = max(most, a), max(slid, b)
+        if rates.shortest == rates.longest:  # nothing slides
+            break
     return most, slid

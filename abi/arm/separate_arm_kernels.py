@@ -83,7 +83,7 @@ NO_SLIDE = Slide(FLOATS, FLOATS, FLOATS)
 """Example."""
 
 
-@register_jitable
+@register_jitable(forceinline=True)
 def _slide_within(slide: Slide, start: float, end: float) -> tuple[float, float]:
     """Bounds of q5 from one parameter to another."""
     last = len(slide.parameters) - 1
@@ -159,7 +159,7 @@ def separating_gap(around: Obstacles, capsule: Moving, rates: Rates) -> float:
     return capsule.radius + _allowance(around, rates) + capsule.way
 
 
-@register_jitable
+@register_jitable(forceinline=True)
 def separates(around: Obstacles, s: int, capsule: Moving, rates: Rates) -> tuple[int, float, Vec3]:
     """Whether a direction keeps a capsule clear of an obstacle near a pose.
 
@@ -222,7 +222,7 @@ class _Room(NamedTuple):
     latest: list[Direction]
 
 
-@register_jitable
+@register_jitable(forceinline=True)
 def _farthest(points: FloatArray, piece: Piece, middle: Vec3) -> float:
     """Distance of a piece from its middle, at most."""
     farthest = 0.0
@@ -231,7 +231,7 @@ def _farthest(points: FloatArray, piece: Piece, middle: Vec3) -> float:
     return farthest * (1 + 2.0**-40)
 
 
-@register_jitable
+@register_jitable(forceinline=True)
 def _separate_pairs(
     table: ArmTable, around: Obstacles, piece: Piece, at: float, stance: _Stance, room: _Room
 ) -> tuple[int, int, float, int]:
@@ -262,9 +262,10 @@ def _separate_pairs(
             return REFUTED, pair, away, tries
         if stance.bounded and outcome == CERTIFIED:
             room.planes.append(Plane(piece.start, piece.end, pair, way, at))
-            level = min(dot(way, capsule.first), dot(way, capsule.last))
-            level -= separating_gap(around, capsule, stance.rates)
-            keep_direction(room.latest, way, level, around.meshes[s])
+            if around.meshes[s] >= 0:
+                level = min(dot(way, capsule.first), dot(way, capsule.last))
+                level -= separating_gap(around, capsule, stance.rates)
+                keep_direction(room.latest, way, level, around.meshes[s])
         elif not open_box(around, pair, capsule.way, (capsule.first, capsule.last), room.work):
             room.candidates.append(pair)
             # the piece is halved anyhow: the rest of the mesh is as good tried on its halves

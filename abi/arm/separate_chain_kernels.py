@@ -285,7 +285,7 @@ def separate_chain(
                 return REFUTED, at, pair, away, table_of(planes)
             if outcome == CERTIFIED:
                 planes.append(Plane(stretch.start, stretch.end, pair, way, at))
-                if not of_links:
+                if not of_links and around.meshes[pair % rows] >= 0:
                     a, b = vec3_at(ends, 6 * c), vec3_at(ends, 6 * c + 3)
                     level = min(dot(way, a), dot(way, b)) - bodies.radii[c] - moves
                     level -= _ALLOWANCE * around.size

@@ -139,7 +139,15 @@ def judged(core: Core, p: Vec3, d: Vec3, near: float, far: float) -> tuple[int, 
     return UNDECIDED, best, way
 
 
-@register_jitable
+@register_jitable(forceinline=True)
+def is_solid(around: Obstacles, pair: int) -> bool:
+    """Whether the obstacle of a pair is solid, not a box around others."""
+    count = len(around.margins)
+    s = pair % count
+    return s == count - 1 or around.inside[2 * s + 1] == 0
+
+
+@register_jitable(forceinline=True)
 def open_box(
     around: Obstacles, pair: int, moves: float, segment: tuple[Vec3, Vec3], work: list[int]
 ) -> bool:
@@ -147,10 +155,15 @@ def open_box(
 
     What is nearest to the capsule's segment comes last, to be tried first.
     """
-    count = len(around.margins)
-    s = pair % count
-    if s == count - 1 or around.inside[2 * s + 1] == 0:
-        return False
+    return not is_solid(around, pair) and _opened(around, pair, moves, segment, work)
+
+
+@register_jitable
+def _opened(
+    around: Obstacles, pair: int, moves: float, segment: tuple[Vec3, Vec3], work: list[int]
+) -> bool:
+    """The same of a row that has boxes inside."""
+    s = pair % len(around.margins)
     k = WIDTH * s + BOUNDS
     size = 0.0
     for axis in range(3):
@@ -184,11 +197,3 @@ def asked_rows(around: Obstacles, moving: int) -> list[int]:
         if asked:
             rows.append(s)
     return rows
-
-
-@register_jitable
-def is_solid(around: Obstacles, pair: int) -> bool:
-    """Whether the obstacle of a pair is solid, not a box around others."""
-    count = len(around.margins)
-    s = pair % count
-    return s == count - 1 or around.inside[2 * s + 1] == 0

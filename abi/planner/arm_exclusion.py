@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from abi.arm.arm_model import Places
-from abi.arrays import BoolArray, IntArray, read_only
+from abi.arrays import BoolArray, read_only
 from abi.obstacles.obstacle_set import Obstacle, ObstacleSet
 from abi.tet_mesh.exclusion import Exclusion, FreeMesh, apply
 from abi.tet_mesh.tet_mesh import TetMesh
@@ -38,6 +38,7 @@ class ArmExclusionCache:
     def __init__(self) -> None:
         self._state: tuple[object, ...] = ()
         self._reached: BoolArray = np.zeros(0, dtype=np.bool_)
+        self._line_starts: BoolArray = np.zeros(0, dtype=np.bool_)
         self._asked: dict[Obstacle, _Asked] = {}
 
     def __call__(self, free: FreeMesh, sight: Places, obstacles: ObstacleSet) -> FreeMesh:
@@ -56,6 +57,7 @@ class ArmExclusionCache:
         ):
             self._state, self._asked = state, {}
             self._reached = sight.reached(mesh.points)
+            self._line_starts = _line_starts(mesh)
         asked: dict[Obstacle, _Asked] = {}
         open_ = self._reached & ~free.excluded
         for number, obstacle in enumerate(obstacles):
@@ -67,14 +69,20 @@ class ArmExclusionCache:
             asked[obstacle] = known
             open_ &= ~known.touching
         self._asked = asked
-        return apply(free, [_nodes(~(open_ | free.excluded), mesh)])
+        return apply(free, [_nodes(~(open_ | free.excluded), self._line_starts)])
 
 
-def _nodes(excluded: BoolArray, mesh: TetMesh) -> Exclusion:
+def _line_starts(mesh: TetMesh) -> BoolArray:
+    """Nodes (n,) that are not in a line along z with the one before."""
+    across = mesh.points[:, :2]
+    return np.concatenate([[True], (across[1:] != across[:-1]).any(axis=1)])
+
+
+def _nodes(excluded: BoolArray, line_starts: BoolArray) -> Exclusion:
     """Exclusion of nodes alone, by runs in a line along z."""
-    ids: IntArray = np.flatnonzero(excluded).astype(np.int32)
-    across = mesh.points[ids, :2]
-    same_line = (np.diff(ids) == 1) & (across[1:] == across[:-1]).all(axis=1)
-    firsts = np.flatnonzero(np.concatenate([[True], ~same_line])[: len(ids)])
-    lengths = np.diff(firsts, append=len(ids)).astype(np.int32)
-    return Exclusion(read_only(ids[firsts]), read_only(lengths), _NO_IDS, _NO_IDS)
+    begins, ends = excluded & line_starts, excluded.copy()
+    begins[1:] |= excluded[1:] & ~excluded[:-1]
+    ends[:-1] &= ~excluded[1:] | line_starts[1:]
+    firsts = np.flatnonzero(begins).astype(np.int32)
+    lasts = np.flatnonzero(ends).astype(np.int32)
+    return Exclusion(read_only(firsts), read_only(lasts - firsts + 1), _NO_IDS, _NO_IDS)
