@@ -8,7 +8,7 @@ import pytest
 from abi.arrays import BoolArray, FloatArray, read_only
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner.arm_exclusion import ArmExclusionCache
-from abi.scene.settings import MeshSettings, Workspace
+from abi.scene.settings import Lattice, MeshSettings, Workspace
 from abi.tet_mesh.exclusion import Exclusion, FreeMesh, apply
 from abi.tet_mesh.tet_mesh import tetrahedralise
 
@@ -35,7 +35,9 @@ class _Reach:
 
 @pytest.mark.parametrize("lattice", ["bcc", "kuhn", "delaunay"])
 @pytest.mark.parametrize("share", [0.0, 0.1, 0.5, 0.9, 1.0])
-def test_runs_of_excluded_nodes_leave_what_single_nodes_leave(lattice: str, share: float) -> None:
+def test_runs_of_excluded_nodes_leave_what_single_nodes_leave(
+    lattice: Lattice, share: float
+) -> None:
     workspace = Workspace(min=(0.0, 0.0, 0.0), max=(3.0, 4.0, 5.0))
     mesh = tetrahedralise(workspace, MeshSettings(lattice=lattice, pitch=0.8))
     random = np.random.default_rng(int(10 * share))
