@@ -8,7 +8,7 @@ from pathlib import PurePosixPath
 
 from abi.arrays import ByteArray, FloatArray, IntArray
 from abi.errors import SceneError
-from abi.obstacles.triangle_mesh import stl_obj, trimesh_formats
+from abi.obstacles.triangle_mesh import mesh_reader, stl, trimesh_formats
 
 MAX_TRIANGLES = 500_000
 """Of all shapes of a robot, one that is there twice counted twice."""
@@ -58,7 +58,7 @@ class MeshLookup:
             if is_plain(path):
                 plain[path] = self._files[path]
             else:
-                plain[path + _PLAIN] = stl_obj.stl(*self._read[path])
+                plain[path + _PLAIN] = stl.write(*self._read[path])
         return plain
 
     def _path(self, name: str) -> str:
@@ -81,11 +81,11 @@ def is_plain(path: str) -> bool:
 
 def _mesh(content: bytes, name: str) -> Mesh:
     suffix = PurePosixPath(name).suffix.lower()
-    if suffix not in stl_obj.SUFFIXES:
-        expected = f"a mesh that ends in {', '.join(stl_obj.SUFFIXES)}"
+    if suffix not in mesh_reader.SUFFIXES:
+        expected = f"a mesh that ends in {', '.join(mesh_reader.SUFFIXES)}"
         raise SceneError("arm.urdf mesh", name, expected)
     try:
-        vertices, faces, colours = stl_obj.read_coloured(content, name)
+        vertices, faces, colours = mesh_reader.read_coloured(content, name)
     except SceneError as error:
         raise SceneError("arm.urdf mesh", error.value, error.expected) from None
     return (vertices * _unit(content, name) if suffix == ".dae" else vertices), faces, colours

@@ -16,7 +16,9 @@ from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.obstacles.triangle_mesh.trimesh_formats import DAMAGED_ZIP
 from abi.robot.mesh_lookup import MeshLookup, is_plain
 from abi.robot.robot import Robot
-from abi.robot.urdf_reader import mesh_names, read_srdf, read_urdf
+from abi.robot.srdf_reader import read_srdf
+from abi.robot.urdf_meshes import mesh_names
+from abi.robot.urdf_reader import read_urdf
 
 SHIPPED: Mapping[str, str] = {"ur5e": "tool0", "panda": "panda_hand_tcp", "xarm7": "link_eef"}
 """Usual tip of each arm that comes with the package, by its name."""

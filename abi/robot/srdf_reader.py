@@ -1,0 +1,22 @@
+"""SRDF files: pairs of links whose collisions are not looked for."""
+
+from __future__ import annotations
+
+from abi.robot.strict_xml import Element, parse
+
+
+def read_srdf(content: bytes, name: str) -> frozenset[frozenset[str]]:
+    """Pairs of links that an SRDF takes out of the checks for collisions.
+
+    The format: http://wiki.ros.org/srdf. Nothing else of it is looked at, and a link that the URDF
+    does not have counts for nothing.
+
+    Raises:
+        SceneError: it is no SRDF, or cut off.
+    """
+    root = Element(parse(content, name), name, "robot")
+    pairs = (
+        frozenset((pair.text("link1"), pair.text("link2")))
+        for pair in root.all("disable_collisions")
+    )
+    return frozenset(pair for pair in pairs if len(pair) == 2 and all(pair))

@@ -1,0 +1,133 @@
+"""XML of robot descriptions: parsed strictly, and elements that refuse in one sentence."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+
+from lxml import etree
+
+from abi.errors import SceneError
+from abi.obstacles.pose import Vec3
+
+MAX_BYTES, MAX_ELEMENTS = 2_000_000, 20_000
+
+_NUMBER = re.compile(r"[+-]?(\d{1,30}(\.\d{0,30})?|\.\d{1,30})([eE][+-]?\d{1,3})?", re.ASCII)
+_NAME = re.compile(r"[\w.+-][\w .:+-]{0,98}", re.ASCII)
+_MARKUP = re.compile(r"<!(DOCTYPE|ENTITY|ELEMENT|ATTLIST|NOTATION)")
+_DECLARATION = re.compile(r"\A\s*<\?xml[^>]{0,200}\?>")
+
+
+class Element:
+    """An XML element, and what it is called in sentences.
+
+    Attributes:
+        xml: the element.
+        file: name of the file.
+        title: what sentences call the element.
+    """
+
+    def __init__(self, element: etree._Element, file: str, title: str) -> None:
+        self.xml, self.file, self.title = element, file, title
+
+    def refuse(self, what: str, value: object, expected: str) -> SceneError:
+        """The error that names this element, a part of it, its value and what would work."""
+        return SceneError(f"arm.urdf {self.file}: {self.title}, {what}", value, expected)
+
+    def called(self) -> Element:
+        """The same under its own name."""
+        name = self.xml.get("name", "")
+        tag = str(self.xml.tag)
+        if not _NAME.fullmatch(name):
+            raise Element(self.xml, self.file, tag).refuse("name", name, "a plain name")
+        return Element(self.xml, self.file, f"{tag} {name}")
+
+    def all(self, tag: str) -> Iterator[Element]:
+        """Its children of a tag, called as it is."""
+        for element in self.xml.iterfind(tag):
+            yield Element(element, self.file, self.title)
+
+    def child(self, tag: str) -> Element | None:
+        """Its first child of a tag."""
+        return next(self.all(tag), None)
+
+    def needed(self, tag: str) -> Element:
+        """Its first child of a tag; SceneError without."""
+        found = self.child(tag)
+        if found is None:
+            raise self.refuse(tag, None, f"one <{tag}>")
+        return found
+
+    def text(self, attribute: str, default: str = "") -> str:
+        """An attribute without spaces around it."""
+        return str(self.xml.get(attribute, default)).strip()
+
+    def number(self, attribute: str, default: float | None, low: float, high: float) -> float:
+        """An attribute as a number from ``low`` to ``high``; SceneError where it is none."""
+        text = self.xml.get(attribute)
+        if text is None and default is not None:
+            return default
+        return self._number(attribute, str(text or ""), low, high)
+
+    def vector(self, attribute: str, default: Vec3, low: float = -100, high: float = 100) -> Vec3:
+        """An attribute as three numbers from ``low`` to ``high``; SceneError where it is none."""
+        text = self.xml.get(attribute)
+        if text is None:
+            return default
+        words = str(text).split()
+        if len(words) != 3:
+            raise self.refuse(attribute, text, "three numbers")
+        x, y, z = (self._number(attribute, word, low, high) for word in words)
+        return (x, y, z)
+
+    def _number(self, attribute: str, text: str, low: float, high: float) -> float:
+        word = text.strip()
+        if len(word) > 40 or not _NUMBER.fullmatch(word) or not low <= float(word) <= high:
+            raise self.refuse(attribute, text, f"a number from {low:g} to {high:g}")
+        return float(word)
+
+
+def parse(content: bytes, name: str) -> etree._Element:
+    """Root of the XML, without document types, entities or what only xacro understands.
+
+    Args:
+        content: of the file.
+        name: of the file, for the sentences.
+
+    Raises:
+        SceneError: it is too large, cut off, not XML, or its root is no robot.
+    """
+    field = f"arm.urdf {name}"
+    if len(content) > MAX_BYTES:
+        raise SceneError(field, f"{len(content):,} bytes", f"at most {MAX_BYTES // 10**6} MB")
+    try:
+        wide = content[:2] in (b"\xff\xfe", b"\xfe\xff")
+        text = content.decode("utf-16" if wide else "utf-8-sig")
+    except UnicodeDecodeError:
+        raise SceneError(field, content[:20], "URDF text in UTF-8") from None
+    if markup := _MARKUP.search(text):
+        raise SceneError(field, markup[0], "no document type and no entities")
+    parser = etree.XMLParser(
+        resolve_entities=False,
+        no_network=True,
+        load_dtd=False,
+        huge_tree=False,
+        recover=False,
+        remove_comments=True,
+        remove_pis=True,
+        encoding="utf-8",
+    )
+    try:
+        # the encoding that the text declares must not matter any more
+        root = etree.fromstring(_DECLARATION.sub("", text).encode(), parser)
+    except (etree.XMLSyntaxError, ValueError) as error:
+        raise SceneError(field, str(error)[:90], "a whole XML text") from None
+    for count, element in enumerate(root.iter()):
+        values = [str(value) for value in element.attrib.values()]
+        if count >= MAX_ELEMENTS:
+            raise SceneError(field, f"{count} elements", f"at most {MAX_ELEMENTS:,}")
+        if "xacro" in str(element.tag) or any("${" in v or "$(" in v for v in values):
+            raise SceneError(field, "xacro", "URDF; write it with: xacro FILE.xacro > FILE.urdf")
+    if root.tag != "robot":
+        raise SceneError(field, f"<{root.tag}>"[:60], "<robot>, as a URDF begins")
+    return root

@@ -1,0 +1,152 @@
+"""Links of a URDF: their shapes, what they are drawn with, and their masses."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from abi.arrays import ByteArray, FloatArray, IntArray, read_only
+from abi.errors import SceneError
+from abi.obstacles.pose import Vec3
+from abi.robot.materials import NO_COLOURS, colour_of, materials
+from abi.robot.robot import Link, Shape
+from abi.robot.strict_xml import Element
+from abi.robot.urdf_meshes import file_name
+from abi.robot.urdf_origin import origin_of
+
+MAX_SHAPES = 50
+
+_NAMED = 5
+"""Links that a sentence names, at most."""
+
+Meshes = Callable[[str], tuple[FloatArray, IntArray, ByteArray]]
+"""Vertices, faces and their colours of the mesh file of that name."""
+
+_ZERO: Vec3 = (0.0, 0.0, 0.0)
+
+
+def read_link(element: Element, meshes: Meshes) -> Link:
+    """A link with its mass and the shapes that it collides with.
+
+    Raises:
+        SceneError: a number or a mesh of it cannot be meant.
+    """
+    kind = "visual" if element.child("collision") is None else "collision"
+    mass, centre, inertia = 0.0, np.zeros(3), np.zeros((3, 3))
+    inertial = element.child("inertial")
+    if inertial is not None:
+        pose = origin_of(inertial)
+        mass = inertial.needed("mass").number("value", None, 0, 1e5)
+        centre, turn = pose[:3, 3], pose[:3, :3]
+        inertia = turn @ _tensor(inertial) @ turn.T
+    return Link(
+        element.text("name"),
+        _shapes(element, kind, meshes),
+        mass,
+        read_only(centre.copy()),
+        read_only(inertia),
+    )
+
+
+def add_visuals(root: Element, links: dict[str, Link], meshes: Meshes) -> tuple[str, ...]:
+    """Give links what they are drawn with beside their shapes; the sentence on what was left out.
+
+    It comes after all shapes, so that looks take no triangles from them.
+    """
+    plain: list[str] = []
+    for element in root.all("link"):
+        link = links[element.text("name")]
+        if element.child("collision") is not None:
+            try:
+                visuals = _shapes(element, "visual", meshes)
+                if not _are_same(visuals, link.shapes):
+                    links[link.name] = replace(link, visuals=visuals)
+            except SceneError:
+                plain.append(link.name)
+    if not plain:
+        return ()
+    names = ", ".join(plain[:_NAMED])
+    more = f" and {len(plain) - _NAMED} more" if len(plain) > _NAMED else ""
+    return (f"Drawn by collision shapes, as visuals cannot be read: {names}{more}.",)
+
+
+def _are_same(first: Sequence[Shape], second: Sequence[Shape]) -> bool:
+    """Whether shapes are the same solids at the same places."""
+    return len(first) == len(second) and all(
+        (a.kind, a.size) == (b.kind, b.size)
+        and np.array_equal(a.pose, b.pose)
+        and np.array_equal(a.vertices, b.vertices)
+        for a, b in zip(first, second, strict=True)
+    )
+
+
+def add_colours(root: Element, links: dict[str, Link]) -> None:
+    """Give what links are drawn with the colours of their materials, which go before a mesh's own.
+
+    Shapes that stand for visuals take the first one's.
+    """
+    named = materials(root.xml)
+    for element in root.all("link"):
+        link = links[element.text("name")]
+        given = [colour_of(visual.xml, named) for visual in element.all("visual")]
+        if not any(map(len, given)):
+            continue
+        if len(given) != len(link.drawn):
+            given = [given[0]] * len(link.drawn)
+        drawn = tuple(
+            replace(shape, colours=colour) if len(colour) else shape
+            for shape, colour in zip(link.drawn, given, strict=True)
+        )
+        changed = replace(link, visuals=drawn) if link.visuals else replace(link, shapes=drawn)
+        links[link.name] = changed
+
+
+def _shapes(element: Element, kind: str, meshes: Meshes) -> tuple[Shape, ...]:
+    shapes = list(element.all(kind))
+    if len(shapes) > MAX_SHAPES:
+        raise element.refuse("shapes", len(shapes), f"at most {MAX_SHAPES}")
+    return tuple(_shape(shape, meshes) for shape in shapes)
+
+
+def _tensor(inertial: Element) -> FloatArray:
+    part = inertial.needed("inertia")
+    xx, yy, zz = (part.number(name, None, 0, 1e6) for name in ("ixx", "iyy", "izz"))
+    xy, xz, yz = (part.number(name, 0.0, -1e6, 1e6) for name in ("ixy", "ixz", "iyz"))
+    return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+
+
+def _shape(element: Element, meshes: Meshes) -> Shape:
+    geometry = element.needed("geometry")
+    pose = origin_of(element)
+    vertices, faces, colours = np.empty((0, 3)), np.empty((0, 3), dtype=np.int32), NO_COLOURS
+    part = next((Element(x, element.file, element.title) for x in geometry.xml), None)
+    kind = None if part is None else part.xml.tag
+    if part is None or kind not in ("box", "sphere", "cylinder", "mesh"):
+        raise element.refuse("geometry", kind, "box, sphere, cylinder or mesh")
+    if kind == "box":
+        size = part.vector("size", _ZERO, 1e-9, 100)
+    elif kind == "sphere":
+        size = (part.number("radius", None, 1e-9, 100), 0.0, 0.0)
+    elif kind == "cylinder":
+        size = (part.number("radius", None, 1e-9, 100), part.number("length", None, 1e-9, 100), 0.0)
+    else:
+        size = part.vector("scale", (1.0, 1.0, 1.0), -1e4, 1e4)
+        vertices, faces, colours = meshes(file_name(part))
+        vertices = vertices * size
+        if not np.isfinite(vertices).all() or np.abs(vertices).max(initial=0) > 100:
+            raise part.refuse("scale", size, "a mesh of at most 100 m")
+        if math.prod(size) < 0:
+            faces = faces[:, ::-1]
+    if kind == "box" and not all(size):
+        raise part.refuse("size", None, "three numbers above 0")
+    return Shape(
+        str(kind),  # type: ignore[arg-type]
+        size,
+        pose,
+        read_only(np.ascontiguousarray(vertices)),
+        read_only(np.ascontiguousarray(faces, dtype=np.int32)),
+        read_only(colours),
+    )

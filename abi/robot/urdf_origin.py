@@ -1,0 +1,24 @@
+"""Pose that an element of a URDF has in its parent."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from abi.arrays import FloatArray, read_only
+from abi.obstacles.pose import Vec3
+from abi.robot.strict_xml import Element
+
+_ZERO: Vec3 = (0.0, 0.0, 0.0)
+
+
+def origin_of(element: Element) -> FloatArray:
+    """The parent's frame from the element's, (4, 4), [m], from ``<origin>``; without, identity."""
+    pose = np.eye(4)
+    origin = element.child("origin")
+    if origin is not None:
+        pose[:3, 3] = origin.vector("xyz", _ZERO)
+        # about the fixed axes x, y and z in that order
+        turn = Rotation.from_euler("xyz", origin.vector("rpy", _ZERO))
+        pose[:3, :3] = turn.as_matrix()
+    return read_only(pose)
