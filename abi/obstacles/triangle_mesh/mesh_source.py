@@ -7,8 +7,8 @@ from functools import lru_cache
 from pathlib import Path, PurePosixPath
 
 from abi.errors import SceneError
+from abi.obstacles.triangle_mesh.mesh_reader import MAX_BYTES, SUFFIXES, read
 from abi.obstacles.triangle_mesh.repair import clean
-from abi.obstacles.triangle_mesh.stl_obj import MAX_BYTES, SUFFIXES, read
 from abi.obstacles.triangle_mesh.surface import Surface
 
 

@@ -11,8 +11,8 @@ import pytest
 import trimesh
 
 from abi.errors import SceneError
+from abi.obstacles.triangle_mesh.mesh_reader import read
 from abi.obstacles.triangle_mesh.repair import clean
-from abi.obstacles.triangle_mesh.stl_obj import read
 from abi.obstacles.triangle_mesh.trimesh_formats import SUFFIXES
 
 ENTITY = b'<?xml version="1.0"?><!DOCTYPE a [<!ENTITY b SYSTEM "file:///etc/passwd">]><a>&b;</a>'

@@ -14,8 +14,8 @@ from hypothesis import strategies as st
 from abi.arrays import FloatArray
 from abi.errors import SceneError
 from abi.obstacles.pose import rotation
-from abi.obstacles.triangle_mesh import stl_obj
-from abi.obstacles.triangle_mesh.stl_obj import read
+from abi.obstacles.triangle_mesh import mesh_reader
+from abi.obstacles.triangle_mesh.mesh_reader import read
 from tests.abi import meshes
 
 VERTICES, FACES = meshes.bumpy(1)
@@ -226,14 +226,14 @@ def test_deep_json_is_refused() -> None:
 def test_the_limits_are_those_of_the_file_not_of_its_promises(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(stl_obj, "MAX_FACES", len(FACES) - 1)
+    monkeypatch.setattr(mesh_reader, "MAX_FACES", len(FACES) - 1)
     for name, data in (("m.stl", STL), ("t.stl", TEXT_STL), ("m.obj", OBJ)):
         with pytest.raises(SceneError, match="at most"):
             read(data, name)
     many = {"nodes": [{"mesh": 0}] * 100, "scenes": [{"nodes": list(range(100))}]}
     with pytest.raises(SceneError, match="at most"):
         read(glb(many), "m.glb")
-    monkeypatch.setattr(stl_obj, "MAX_BYTES", len(STL) - 1)
+    monkeypatch.setattr(mesh_reader, "MAX_BYTES", len(STL) - 1)
     with pytest.raises(SceneError, match="MB"):
         read(STL, "m.stl")
 
