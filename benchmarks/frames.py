@@ -4,7 +4,7 @@
 
 An obstacle moves a little from frame to frame. A frame is all that a user pays for: the mask
 (nodes and edges that the obstacles exclude) and a search. Ours is the planner's exclusion,
-``graph.build`` and one of the searches. Libraries store their edges, and search with what they do
+``build_graph`` and one of the searches. Libraries store their edges, and search with what they do
 best. Their frame is a compiled mask over these edges, the weights or rows that the library
 takes, and its search. That mask (``benchmarks.stored_mesh``) is compared with ours, edge by edge.
 
@@ -36,7 +36,7 @@ from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner.exclusion_cache import ExclusionCache
 from abi.planner.planner import SLACK, Planner
 from abi.scene.scene import Scene
-from abi.search import graph
+from abi.search.build_graph import build_graph
 from abi.search.search import SEARCHES
 from abi.taut.taut_path import taut
 from abi.tet_mesh.tet_mesh import TetMesh, tetrahedralise
@@ -116,7 +116,7 @@ def _turn(
     for scene in scenes:
         with _Clock(times, "mask"):
             free = exclude(mesh, ObstacleSet(scene.obstacles), margin)
-            problem = graph.build(
+            problem = build_graph(
                 free, ObstacleSet(scene.obstacles), margin, scene.start, scene.goal, CLEARANCE
             )
         results = {}

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import trimesh
 
-from abi.obstacles.triangle_mesh.stl_obj import SUFFIXES
+from abi.obstacles.triangle_mesh.mesh_reader import SUFFIXES
 from app.guard.reading import Job
 
 Chance = random.Random

@@ -35,7 +35,7 @@ from abi.planner.exclusion_cache import ExclusionCache
 from abi.planner.plan import Plan
 from abi.planner.planner import SLACK, Planner
 from abi.scene.scene import Scene
-from abi.search import graph
+from abi.search.build_graph import build_graph
 from abi.search.search import SEARCHES
 from abi.sweep.random_boxes import CLEARANCE
 from abi.taut.taut_path import taut
@@ -103,7 +103,7 @@ def _times(mesh: TetMesh, scene: Scene, plan: Plan) -> dict[str, float]:
         exclude(mesh, ObstacleSet(scene.obstacles[1:]), margin)
         begin = time.process_time_ns()
         free = exclude(mesh, ObstacleSet(scene.obstacles), margin)
-        problem = graph.build(
+        problem = build_graph(
             free, ObstacleSet(scene.obstacles), margin, scene.start, scene.goal, CLEARANCE
         )
         path = SEARCHES["a_star"](problem, "length")

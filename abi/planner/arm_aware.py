@@ -33,8 +33,8 @@ from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner.arm_exclusion import ArmExclusionCache
 from abi.planner.arm_path import ArmGraphPath, fit_clear, pull_clear, search_clear
 from abi.scene.scene import Scene
+from abi.search.build_graph import build_graph
 from abi.search.graph import Graph
-from abi.search.graph import build as build_graph
 from abi.search.heuristic import Weight
 from abi.search.search import SEARCHES, SearchResult
 from abi.taut.taut_path import taut

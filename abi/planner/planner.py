@@ -31,7 +31,7 @@ from abi.planner.plan import Plan
 from abi.planner.stage import Stage
 from abi.scene.scene import Scene
 from abi.scene.settings import MotionSettings
-from abi.search.graph import build as build_graph
+from abi.search.build_graph import build_graph
 from abi.search.search import SEARCHES
 from abi.taut.lower_bound import lower_bound
 from abi.taut.taut_path import taut as pull_taut

@@ -18,8 +18,8 @@ from abi.planner.plan import Plan
 from abi.planner.planner import SLACK, Planner
 from abi.scene.scene import Scene
 from abi.scene.settings import FINEST_PITCH
+from abi.search.build_graph import build_graph
 from abi.search.graph import Graph
-from abi.search.graph import build as build_graph
 from abi.tet_mesh.tet_mesh import TetMesh, tetrahedralise
 
 MOST_NODES = 60_000

@@ -15,7 +15,8 @@ from abi.arrays import FloatArray, flat, read_only
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.polyline_kernels import near_polyline
 from abi.obstacles.primitives import Primitive
-from abi.search.graph import REACH, Graph
+from abi.search.build_graph import REACH
+from abi.search.graph import Graph
 from abi.search.search import SearchResult
 from abi.taut.free_space_kernels import FreeSpace
 from abi.taut.obstacle_edges import obstacle_edges

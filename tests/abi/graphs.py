@@ -9,7 +9,8 @@ import numpy as np
 from abi.obstacles.obstacle_set import Obstacles, ObstacleSet
 from abi.obstacles.primitives import Box, Sphere
 from abi.scene.settings import MeshSettings, Workspace
-from abi.search.graph import Graph, build
+from abi.search.build_graph import build_graph
+from abi.search.graph import Graph
 from abi.tet_mesh.exclusion import exclude
 from abi.tet_mesh.tet_mesh import tetrahedralise
 from tests.random_geometry import random_obstacles
@@ -36,7 +37,7 @@ def graph_of(
     workspace: Workspace, settings: MeshSettings, obstacles: Obstacles, start: Any, goal: Any
 ) -> Graph:
     free = exclude(tetrahedralise(workspace, settings), ObstacleSet(obstacles), 0.05)
-    return build(free, ObstacleSet(obstacles), 0.05, start, goal, 0.02)
+    return build_graph(free, ObstacleSet(obstacles), 0.05, start, goal, 0.02)
 
 
 def walled() -> Graph:

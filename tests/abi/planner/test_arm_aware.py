@@ -18,7 +18,7 @@ from abi.planner.arm_exclusion import ArmExclusionCache
 from abi.planner.diagnosis import explain
 from abi.scene.scene import Scene
 from abi.scene.settings import Elbow
-from abi.search.graph import build
+from abi.search.build_graph import build_graph
 from abi.search.without_edges import without_edges
 from abi.tet_mesh.exclusion import FreeMesh, exclude
 from abi.tet_mesh.tet_mesh import tetrahedralise
@@ -202,7 +202,7 @@ def test_what_is_remembered_of_nodes_that_become_free_is_what_is_found_anew() ->
 def test_edges_are_taken_from_a_graph_both_ways(lattice: str) -> None:
     scene = Scene.from_dict({"version": 1, "mesh": {"lattice": lattice, "pitch": 2.0}})
     free = FreeMesh.of(tetrahedralise(scene.workspace, scene.mesh))
-    graph = build(free, ObstacleSet(()), 0.0, (0.1, 0.2, 0.3), (5.7, 5.6, 5.5), 0.0)
+    graph = build_graph(free, ObstacleSet(()), 0.0, (0.1, 0.2, 0.3), (5.7, 5.6, 5.5), 0.0)
     a, b = map(int, graph.edges[len(graph.edges) // 2])
     link = (int(graph.tails[0]), int(graph.heads[0]))
 

@@ -15,7 +15,8 @@ from abi.obstacles.obstacle_set import NO_OBSTACLES, Obstacles, ObstacleSet
 from abi.obstacles.pose import Vec3
 from abi.obstacles.primitives import Box, Sphere
 from abi.scene.settings import MeshSettings, Workspace
-from abi.search.graph import Graph, build
+from abi.search.build_graph import build_graph
+from abi.search.graph import Graph
 from abi.tet_mesh.exclusion import FreeMesh, exclude
 from abi.tet_mesh.tet_mesh import tetrahedralise
 from tests.random_geometry import random_obstacles
@@ -61,7 +62,7 @@ def test_no_edge_comes_nearer_than_the_margin(seed: int) -> None:
     margin = clearance + float(rng.choice([0.0, 0.05]))
     free = free_mesh(obstacles, margin, LATTICES[seed % 3])
     start, goal = (free_point(rng, obstacles, clearance) for _ in range(2))
-    graph = build(free, ObstacleSet(obstacles), margin, start, goal, clearance)
+    graph = build_graph(free, ObstacleSet(obstacles), margin, start, goal, clearance)
 
     distance = sampled_distance(graph, obstacles)
     of_mesh = (graph.edges < len(free.mesh.points)).all(axis=1)
@@ -81,7 +82,7 @@ def test_only_edges_that_come_too_near_are_removed(seed: int) -> None:
     margin = 0.1
     free = free_mesh(obstacles, margin, LATTICES[seed % 3])
     start, goal = (free_point(rng, obstacles, margin) for _ in range(2))
-    graph = build(free, ObstacleSet(obstacles), margin, start, goal, margin)
+    graph = build_graph(free, ObstacleSet(obstacles), margin, start, goal, margin)
 
     mesh = free.mesh
     kept = {tuple(edge) for edge in graph.edges.tolist()}
@@ -103,7 +104,7 @@ def test_crossings_occur_at_all() -> None:
     free = free_mesh(obstacles, 0.0)
     clear = free_point(np.random.default_rng(1), obstacles, 0.0)
     corner = free_point(np.random.default_rng(2), obstacles, 0.0)
-    assert len(build(free, ObstacleSet(obstacles), 0.0, clear, corner, 0.0).crossing) > 0
+    assert len(build_graph(free, ObstacleSet(obstacles), 0.0, clear, corner, 0.0).crossing) > 0
 
 
 @pytest.mark.parametrize("lattice", LATTICES)
@@ -111,7 +112,7 @@ def test_a_plate_between_free_nodes_parts_the_graph(lattice: Lattice) -> None:
     plate = (Box(position=(1.5, 1.5, 1.4567), size=(9.0, 9.0, 1e-4)),)
     free = free_mesh(plate, 1e-5, lattice)
     assert not free.excluded.any()
-    graph = build(free, ObstacleSet(plate), 1e-5, (0.1, 0.2, 0.3), (2.9, 2.8, 2.7), 1e-5)
+    graph = build_graph(free, ObstacleSet(plate), 1e-5, (0.1, 0.2, 0.3), (2.9, 2.8, 2.7), 1e-5)
     n = len(graph.points)
     matrix = csr_array((graph.lengths, graph.indices, graph.indptr), shape=(n, n))
     count, label = connected_components(matrix, directed=False)
@@ -132,9 +133,9 @@ def test_start_and_goal_can_be_anywhere_in_the_box(a: Vec3, b: Vec3, lattice: La
     arguments: Any = (free, NO_OBSTACLES, 0.0, tuple(start), tuple(goal), 0.0)
     if np.linalg.norm(start - goal) <= 1e-9:
         with pytest.raises(StageError, match="same point"):
-            build(*arguments)
+            build_graph(*arguments)
         return
-    graph = build(*arguments)
+    graph = build_graph(*arguments)
     assert np.abs(graph.points[[graph.start, graph.goal]] - [start, goal]).max() <= 1e-8
     assert graph.free_nodes == len(graph.points)
     n = len(graph.points)
@@ -148,7 +149,7 @@ def test_rows_hold_each_edge_twice_with_its_length(seed: int) -> None:
     obstacles = random_obstacles(rng, 3, SIDE, 1.5)
     free = free_mesh(obstacles, 0.05, LATTICES[seed % 3])
     start, goal = (free_point(rng, obstacles, 0.05) for _ in range(2))
-    graph = build(free, ObstacleSet(obstacles), 0.05, start, goal, 0.05)
+    graph = build_graph(free, ObstacleSet(obstacles), 0.05, start, goal, 0.05)
 
     tail = np.repeat(np.arange(len(graph.points)), np.diff(graph.indptr))
     pairs = np.stack([tail, graph.indices], axis=1)
@@ -170,7 +171,7 @@ def test_a_point_is_joined_to_all_near_nodes_it_sees(seed: int) -> None:
     obstacles = random_obstacles(rng, 6, SIDE, 1.5)
     free = free_mesh(obstacles, 0.05, LATTICES[seed % 3])
     start, goal = (free_point(rng, obstacles, 0.05) for _ in range(2))
-    graph = build(free, ObstacleSet(obstacles), 0.05, start, goal, 0.05)
+    graph = build_graph(free, ObstacleSet(obstacles), 0.05, start, goal, 0.05)
     for node, point in ((graph.start, start), (graph.goal, goal)):
         assert node >= len(free.mesh.points)
         away = np.linalg.norm(free.mesh.points - point, axis=1)
@@ -185,7 +186,7 @@ def test_a_point_is_joined_to_all_near_nodes_it_sees(seed: int) -> None:
 def test_a_point_on_a_free_node_is_that_node() -> None:
     free = free_mesh()
     x, y, z = free.mesh.points[40].tolist()
-    graph = build(free, NO_OBSTACLES, 0.0, (x + 1e-10, y, z), (SIDE, SIDE, SIDE), 0.0)
+    graph = build_graph(free, NO_OBSTACLES, 0.0, (x + 1e-10, y, z), (SIDE, SIDE, SIDE), 0.0)
     assert graph.start == 40
     assert graph.goal == len(free.mesh.points) - 1
     assert len(graph.points) == len(free.mesh.points)
@@ -197,7 +198,7 @@ def test_a_point_between_clearance_and_margin_is_a_node_of_its_own() -> None:
     free = free_mesh(ball, 0.3)
     near = int(np.flatnonzero(free.excluded & (free.mesh.points[:, 0] > 1.1))[0])
     x, y, z = free.mesh.points[near].tolist()
-    graph = build(free, ObstacleSet(ball), 0.3, (x, y, z), (SIDE, SIDE, SIDE), 0.1)
+    graph = build_graph(free, ObstacleSet(ball), 0.3, (x, y, z), (SIDE, SIDE, SIDE), 0.1)
     assert graph.start == len(free.mesh.points)
     assert graph.free_nodes == free.nodes + 1
     assert graph.indptr[graph.start + 1] > graph.indptr[graph.start]
@@ -210,16 +211,16 @@ def test_near_start_and_goal_are_joined_directly_unless_a_plate_hides_them() -> 
     plate = (Box(position=(1.5, 1.5, 1.5), size=(3.0, 3.0, 0.01)),)
     for obstacles, expected in (((), True), (plate, False)):
         free = free_mesh(obstacles)
-        graph = build(free, ObstacleSet(obstacles), 0.0, start, goal, 0.0)
+        graph = build_graph(free, ObstacleSet(obstacles), 0.0, start, goal, 0.0)
         linked = graph.indices[graph.indptr[graph.start] : graph.indptr[graph.start + 1]]
         assert (graph.goal in linked) == expected
 
 
 def test_nodes_two_steps_apart_are_joined_once() -> None:
     free = free_mesh(pitch=1.0)
-    graph = build(free, NO_OBSTACLES, 0.0, (0, 0, 0), (0, 0, 1), 0.0)
+    graph = build_graph(free, NO_OBSTACLES, 0.0, (0, 0, 0), (0, 0, 1), 0.0)
     assert graph.edge_count == len(free.mesh.edges)
-    graph = build(free, NO_OBSTACLES, 0.0, (0, 0, 0), (0, 0, 2), 0.0)
+    graph = build_graph(free, NO_OBSTACLES, 0.0, (0, 0, 0), (0, 0, 2), 0.0)
     assert graph.edge_count == len(free.mesh.edges) + 1
 
 
@@ -229,7 +230,9 @@ def test_a_lonely_point_looks_farther(factor: int) -> None:
     speck = (Sphere(position=(0.0, 0.0, 0.0), radius=1e-3),)
     margin = 0.75 * factor * reach
     free = free_mesh(speck, margin, pitch=0.25)
-    graph = build(free, ObstacleSet(speck), margin, (0.01, 0.01, 0.01), (SIDE, SIDE, SIDE), 0.0)
+    graph = build_graph(
+        free, ObstacleSet(speck), margin, (0.01, 0.01, 0.01), (SIDE, SIDE, SIDE), 0.0
+    )
     links = slice(graph.indptr[graph.start], graph.indptr[graph.start + 1])
     assert reach * factor / 2 < graph.lengths[links].min()
     assert graph.lengths[links].max() <= reach * factor
@@ -237,7 +240,7 @@ def test_a_lonely_point_looks_farther(factor: int) -> None:
 
 def test_start_is_goal() -> None:
     with pytest.raises(StageError) as caught:
-        build(free_mesh(), NO_OBSTACLES, 0.0, (1, 2, 1), (1, 2, 1 + 1e-10), 0.0)
+        build_graph(free_mesh(), NO_OBSTACLES, 0.0, (1, 2, 1), (1, 2, 1 + 1e-10), 0.0)
     assert (caught.value.stage, caught.value.kind) == ("graph", "start_is_goal")
 
 
@@ -253,7 +256,7 @@ def test_a_blocked_point_is_named_with_the_nearest_free_node(which: str, clearan
     blocked, clear = (x, 2.0, 2.0), (x + 2e-6, 1.0, 1.0)
     ends = (blocked, clear) if which == "start" else (clear, blocked)
     with pytest.raises(PointBlocked) as caught:
-        build(free, ObstacleSet(obstacles), clearance, *ends, clearance)
+        build_graph(free, ObstacleSet(obstacles), clearance, *ends, clearance)
     error = caught.value
     assert error.which == which
     assert error.kind == f"{which}_blocked"
@@ -266,7 +269,7 @@ def test_a_blocked_point_is_named_with_the_nearest_free_node(which: str, clearan
 
 def test_a_point_at_exactly_the_clearance_is_not_blocked() -> None:
     obstacles = (Box(position=(2.0, 2.0, 2.0), size=(1.0, 1.0, 1.0)),)
-    graph = build(
+    graph = build_graph(
         free_mesh(obstacles, 0.2), ObstacleSet(obstacles), 0.2, (2.7, 2.0, 2.0), (0, 0, 0), 0.2
     )
     assert graph.indptr[graph.start + 1] > graph.indptr[graph.start]
@@ -275,7 +278,7 @@ def test_a_point_at_exactly_the_clearance_is_not_blocked() -> None:
 def test_without_a_free_node_no_nearest_is_named() -> None:
     obstacles = (Sphere(position=(1.5, 1.5, 1.5), radius=9.0),)
     with pytest.raises(PointBlocked) as caught:
-        build(free_mesh(obstacles), ObstacleSet(obstacles), 0.0, (1, 1, 1), (2, 2, 2), 0.0)
+        build_graph(free_mesh(obstacles), ObstacleSet(obstacles), 0.0, (1, 1, 1), (2, 2, 2), 0.0)
     assert caught.value.nearest is None
 
 
@@ -285,7 +288,7 @@ def test_networkx_graph_is_the_same_graph(seed: int) -> None:
     obstacles = random_obstacles(rng, 4, SIDE, 1.5)
     free = free_mesh(obstacles, 0.1)
     start, goal = (free_point(rng, obstacles, 0.1) for _ in range(2))
-    graph = build(free, ObstacleSet(obstacles), 0.1, start, goal, 0.1)
+    graph = build_graph(free, ObstacleSet(obstacles), 0.1, start, goal, 0.1)
     other = graph.to_networkx()
     assert {tuple(sorted(edge)) for edge in other.edges} == set(map(tuple, graph.edges.tolist()))
     assert set(other) == {*graph.edges.ravel().tolist(), graph.start, graph.goal}
@@ -298,6 +301,6 @@ def test_networkx_graph_is_the_same_graph(seed: int) -> None:
 def test_networkx_graph_holds_a_start_without_edges() -> None:
     lid, floor = (Box(position=(1.5, 1.5, z), size=(9.0, 9.0, 0.01)) for z in (1.51, 1.59))
     free = free_mesh((lid, floor))
-    graph = build(free, ObstacleSet((lid, floor)), 0.0, (1.5, 1.5, 1.55), (0, 0, 0), 0.0)
+    graph = build_graph(free, ObstacleSet((lid, floor)), 0.0, (1.5, 1.5, 1.55), (0, 0, 0), 0.0)
     assert graph.indptr[graph.start] == graph.indptr[graph.start + 1]
     assert list(graph.to_networkx()[graph.start]) == []

@@ -17,7 +17,8 @@ from abi.obstacles.obstacle_set import NO_OBSTACLES
 from abi.obstacles.primitives import Box
 from abi.scene.settings import MeshSettings, Workspace
 from abi.search import bellman_ford_kernels, best_first_kernels, heuristic
-from abi.search.graph import Graph, build
+from abi.search.build_graph import build_graph
+from abi.search.graph import Graph
 from abi.search.heuristic import Weight
 from abi.search.heuristic_kernels import INSIDE, NO_METRIC, ON_A_FACE, Metric, to_go
 from abi.search.search import SEARCHES, a_star, dijkstra
@@ -106,7 +107,9 @@ def test_between_near_points_of_a_fine_mesh_all_cost_the_same(
     free = exclude(tetrahedralise(workspace, settings), NO_OBSTACLES, 0.05)
     for start in rng.uniform(0.1, 5.9, (60, 3)):
         goal = np.clip(start + rng.uniform(-4, 4, 3), 0, 6)
-        graph = build(free, NO_OBSTACLES, 0.05, tuple(start.tolist()), tuple(goal.tolist()), 0.02)
+        graph = build_graph(
+            free, NO_OBSTACLES, 0.05, tuple(start.tolist()), tuple(goal.tolist()), 0.02
+        )
         least = costs_from(graph, weight, graph.start)[graph.goal]
         for find in SEARCHES.values():
             assert find(graph, weight).cost == pytest.approx(least, abs=1e-9)

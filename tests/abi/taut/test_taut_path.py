@@ -17,7 +17,7 @@ from abi.obstacles.triangle_mesh.repair import clean
 from abi.obstacles.triangle_mesh.surface import Surface
 from abi.planner.planner import SLACK, plan
 from abi.scene.scene import Scene, load_scene
-from abi.search import graph
+from abi.search.build_graph import build_graph
 from abi.search.graph import Graph
 from abi.search.search import SearchResult, a_star
 from abi.sweep.random_boxes import CLEARANCE
@@ -39,7 +39,7 @@ def made(scene: Scene, margin: float, clearance: float) -> tuple[Graph, SearchRe
     free = exclude(
         mesh.tetrahedralise(scene.workspace, scene.mesh), ObstacleSet(scene.obstacles), margin
     )
-    nodes = graph.build(
+    nodes = build_graph(
         free, ObstacleSet(scene.obstacles), margin, scene.start, scene.goal, clearance
     )
     return nodes, a_star(nodes, "length")
@@ -308,7 +308,7 @@ def test_a_mesh_is_passed_as_the_box_that_it_is() -> None:
     scene = scene_of([box.model_dump()], pitch=0.8)
     margin = 0.15
     free = exclude(mesh.tetrahedralise(scene.workspace, scene.mesh), ObstacleSet((shape,)), margin)
-    nodes = graph.build(free, ObstacleSet((shape,)), margin, scene.start, scene.goal, margin)
+    nodes = build_graph(free, ObstacleSet((shape,)), margin, scene.start, scene.goal, margin)
     path = a_star(nodes, "length")
 
     found = taut(nodes, ObstacleSet((shape,)), margin, path)

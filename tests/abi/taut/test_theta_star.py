@@ -15,7 +15,7 @@ from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.packing import pack
 from abi.obstacles.primitives import Primitive
 from abi.scene.scene import Scene
-from abi.search.graph import REACH
+from abi.search.build_graph import REACH
 from abi.taut import theta_star_kernels as kernels
 from abi.taut.taut_path import _margins
 from abi.tet_mesh import tet_mesh as mesh

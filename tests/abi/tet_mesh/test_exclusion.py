@@ -16,7 +16,7 @@ from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.primitives import Box, Capsule, Cylinder, Sphere
 from abi.obstacles.triangle_mesh.repair import clean
 from abi.scene.settings import MeshSettings, Workspace
-from abi.search import graph
+from abi.search.build_graph import _graph, build_graph
 from abi.search.graph import Graph
 from abi.search.heuristic import Weight
 from abi.search.search import SEARCHES
@@ -108,7 +108,7 @@ def test_the_graph_is_what_its_definition_says(case: Any, compiled: bool) -> Non
     with kernels_as(compiled):
         free = exclude(made, solids, margin)
         try:
-            found = graph.build(free, solids, margin, start, goal, clearance)
+            found = build_graph(free, solids, margin, start, goal, clearance)
         except StageError:
             return
     ends = np.array([start, goal])
@@ -168,7 +168,7 @@ def test_what_is_passed_over_in_a_fine_lattice_is_clear(
                 free = exclude(made, ObstacleSet((solid,)), 0.05)
             away = solid.signed_distance(made.points)
             assert np.array_equal(free.excluded, away < 0.05) or np.abs(away - 0.05).min() < TIE
-            found = graph._graph(free, free.open_directions, [], [], [0, 1])
+            found = _graph(free, free.open_directions, [], [], [0, 1])
             expected, ties = explicit(made, ObstacleSet((solid,)), 0.05)
             assert set(map(tuple, found.edges.tolist())) ^ set(expected) <= ties
 
@@ -183,7 +183,7 @@ def test_the_searches_find_what_scipy_finds_in_the_table(
     with kernels_as(compiled):
         free = exclude(made, solids, margin)
         try:
-            found = graph.build(free, solids, margin, start, goal, clearance)
+            found = build_graph(free, solids, margin, start, goal, clearance)
         except StageError:
             return
         expected = shortest(found, weight)
@@ -218,7 +218,7 @@ def test_a_ball_of_triangles_takes_what_lies_between_the_balls_around_it(lattice
     kept = []
     for solid in (Sphere(radius=0.9, position=(1.5, 1.5, 1.5)), shape):
         free = exclude(made, ObstacleSet((solid,)), 0.1)
-        found = graph.build(free, ObstacleSet((solid,)), 0.1, (0.0, 0.0, 0.0), (3.0, 3.0, 3.0), 0.1)
+        found = build_graph(free, ObstacleSet((solid,)), 0.1, (0.0, 0.0, 0.0), (3.0, 3.0, 3.0), 0.1)
         kept.append(set(map(tuple, found.edges.tolist())))
         assert found.removed_edges > found.mesh.edge_count // 20
         assert found.edge_count == len(found.edges)

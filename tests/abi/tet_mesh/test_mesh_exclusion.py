@@ -15,7 +15,7 @@ from abi.obstacles.pose import rotation
 from abi.obstacles.triangle_mesh.repair import clean
 from abi.obstacles.triangle_mesh.surface import Surface
 from abi.scene.settings import MeshSettings, Workspace
-from abi.search import graph
+from abi.search.build_graph import _graph
 from abi.tet_mesh import tet_mesh
 from abi.tet_mesh.exclusion import exclude
 from tests.abi import mesh_oracles, meshes
@@ -53,7 +53,7 @@ def test_an_edge_is_open_where_samples_of_it_are_clear(
     chosen = MeshSettings(lattice=lattice, pitch=float(rng.uniform(0.4, 0.7)), seed=seed)
     made = tet_mesh.tetrahedralise(Workspace(max=(3.0, 2.6, 3.3)), chosen)
     free = exclude(made, ObstacleSet((solid,)), margin)
-    found = graph._graph(free, free.open_directions, [], [], [0, 1])
+    found = _graph(free, free.open_directions, [], [], [0, 1])
     is_open = {(a, b) for a, b in found.edges.tolist()}
 
     ends = made.points[made.edges]
