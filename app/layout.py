@@ -23,10 +23,10 @@ class Layout:
         folders: of the stages, in the left panel.
         result: tab of the right panel, as are the others.
         search: the search step by step, and all of them compared.
-        joints: plots of the joints.
+        plots: plots of the motion.
         scene: files, and positions as numbers.
         layers: the legend.
-        paper: lessons, the paper's figures, and its text.
+        learn: lessons, the paper's figures, and its text.
         overlay: text and controls over the scene.
         right: the right panel.
     """
@@ -36,10 +36,10 @@ class Layout:
     folders: Mapping[str, viser.GuiFolderHandle]
     result: viser.GuiTabHandle
     search: viser.GuiTabHandle
-    joints: viser.GuiTabHandle
+    plots: viser.GuiTabHandle
     scene: viser.GuiTabHandle
     layers: viser.GuiTabHandle
-    paper: viser.GuiTabHandle
+    learn: viser.GuiTabHandle
     overlay: Overlay
     right: viser.PanelHandle
 
@@ -58,10 +58,10 @@ class Layout:
         tabs = [right.add_tab(name) for name in names]
         right.dock_right()
         right.set_width(style.RIGHT_WIDTH)
-        result, search, plots, scene, layers, paper = tabs
+        result, search, plots, scene, layers, learn = tabs
         overlay = Overlay(client)
         return cls(
-            client, unit, folders, result, search, plots, scene, layers, paper, overlay, right
+            client, unit, folders, result, search, plots, scene, layers, learn, overlay, right
         )
 
     @property

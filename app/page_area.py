@@ -17,7 +17,7 @@ _USUAL = 12.0
 _LETTERS = (0.036, 0.03)
 """The same in a lecture, as parts of the scene's width and height."""
 _SMALLEST, _LARGEST = 14.0, 26.0
-"""Between these, [px]."""
+"""Limits of these letters, [px]."""
 
 
 @dataclass(frozen=True)

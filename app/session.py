@@ -1,7 +1,7 @@
 """One browser tab: its worker thread reads the panels, plans what changed, and draws the frame.
 
-Callbacks only wake the worker. It gives one frozen :class:`Frame` to every layer and panel inside
-an ``atomic`` block. Only the newest input is planned; what came before it is skipped.
+Callbacks only wake the worker. It gives one frozen :class:`Frame` to every layer and panel. Only
+the newest input is planned; what came before it is skipped.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ in grey while the next is made: a picture more, which is what a crowd of tabs ha
 
 
 class Session:
-    """State and worker of one tab; nothing is shared with another.
+    """State and worker of one tab; shared are the turns alone, and the plans of a class.
 
     Attributes:
         frame: what is drawn.

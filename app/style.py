@@ -36,11 +36,11 @@ CLOSED: Colour = (84, 110, 158)
 OPEN: Colour = (122, 190, 0)
 FADED: Colour = (150, 156, 163)
 HEAT: tuple[Colour, ...] = ((228, 160, 0), (10, 128, 96), (44, 40, 130))
-"""From the shortest length to the longest."""
+"""Colours of lengths, from the shortest to the longest."""
 GOOD: tuple[Colour, Colour] = ((10, 122, 90), (60, 196, 152))
-"""Of ✓ on the light page and on the dark one; a text's, so apart from its ground by 4.5 to 1."""
+"""Colours of ✓ on the light page and the dark one; as texts apart from their ground by 4.5 to 1."""
 BAD: tuple[Colour, Colour] = ((201, 42, 42), (255, 135, 135))
-"""Of ✗, likewise."""
+"""Colours of ✗, likewise."""
 PAGES: tuple[Colour, Colour] = ((255, 255, 255), (46, 46, 46))
 """Grounds of the panels: the light page's, and the lighter of the dark one's."""
 

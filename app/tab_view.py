@@ -90,7 +90,7 @@ class TabView:
 
     def join(self, classroom: Classroom, wake: Wake, nudge: Callable[[], None]) -> ClassroomPanel:
         """Add the panel of the class that the tab joins."""
-        with self.panels.layout.paper:
+        with self.panels.layout.learn:
             overlay = self.panels.layout.overlay
             panel = ClassroomPanel(self._client, overlay, classroom, wake, nudge)
         quick, slow = self.parts

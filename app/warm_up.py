@@ -114,7 +114,7 @@ def prepare_picture(scene: Scene) -> None:
     from abi.arm.arm import Arm
     from abi.arm.models import model_of
     from app.layers.arm_solids import solids_of
-    from app.layers.lesson import paper_text
+    from app.layers.paper_text import paper_text
 
     if isinstance(arm := model_of(scene.arm, scene.unit).arm, Arm):
         solids_of(arm)

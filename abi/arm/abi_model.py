@@ -119,14 +119,14 @@ class AbiModel:
         obstacles: ObstacleSet,
         around: Surroundings,
     ) -> tuple[AbiCourse, ...]:
-        """One for each elbow branch that may be taken."""
+        """Joints along a curve, on each elbow branch that may be taken."""
         branches = settings.branches
         return tuple(AbiCourse(curve, arc, self.arm, settings.on(elbow)) for elbow in branches)
 
     def sights(
         self, scene: Scene, mesh: TetMesh, around: Surroundings, slack: float
     ) -> tuple[AbiSight, ...]:
-        """One for each elbow branch that may be taken."""
+        """What legs, curves and nodes allow, on each elbow branch that may be taken."""
         extensions, clearance = _extensions(scene), scene.arm.clearance
         return tuple(
             AbiSight(self.arm, elbow, around, extensions, clearance, slack, scene.arm)

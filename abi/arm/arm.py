@@ -222,7 +222,7 @@ def urdf(arm: Arm, scale: float | None = None) -> str:
     """
     # here, since yourdfpy takes long to import
     from abi.arm import arm_links
-    from abi.arm.urdf import joint, write
+    from abi.arm.urdf_writer import joint, write
 
     metres = arm.metres if scale is None else scale
     lengths = [float(length * metres) for length in (arm.a1, arm.a2, arm.a3, arm.a4, arm.a5)]

@@ -31,7 +31,7 @@ class Direction(NamedTuple):
 
 
 NO_DIRECTION = Direction((0.0, 0.0, 1.0), 0.0, -1)
-"""Example."""
+"""Example for the compiler."""
 
 
 @register_jitable(forceinline=True)

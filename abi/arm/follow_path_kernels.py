@@ -163,7 +163,7 @@ class Drift(NamedTuple):
 
 
 NO_DRIFT = Drift(FLOATS, 0.0)
-"""Example."""
+"""Example for the compiler."""
 
 
 @register_jitable

@@ -47,7 +47,7 @@ from abi.obstacles.primitive_kernels import axes_of, centre_of, core_of, in_body
 from abi.obstacles.vector_kernels import Vec3, axpy, distance, dot, sub, vec3_at
 
 MOST_TRIES = 20_000
-"""To prove a leg clear, before it counts as shut."""
+"""Largest number of tries to prove a leg clear, before it counts as shut."""
 
 
 class ArmLegs(NamedTuple):
@@ -84,7 +84,7 @@ class _Piece(NamedTuple):
 
 
 NO_LEGS = ArmLegs(NO_ARM, NO_OBSTACLES, IDS, (0.0, 0.0), MOST_TRIES)
-"""Example."""
+"""Example for the compiler."""
 
 
 @register_jitable(forceinline=True)
@@ -138,7 +138,7 @@ def _bow(legs: ArmLegs, c: int, piece: _Piece) -> float:
 
 @register_jitable(forceinline=True)
 def _level(legs: ArmLegs, capsule: Moving, piece: _Piece, way: Vec3) -> float:
-    """Of a :class:`Direction` that is to separate a capsule all along a piece, [unit]."""
+    """Level of a :class:`Direction` that is to separate a capsule all along a piece, [unit]."""
     arm, capsules = legs.table
     level = min(dot(way, capsule.first), dot(way, capsule.last)) - capsule.way
     bow = _bow(legs, capsule.number, piece)

@@ -80,7 +80,7 @@ class Slide(NamedTuple):
 
 
 NO_SLIDE = Slide(FLOATS, FLOATS, FLOATS)
-"""Example."""
+"""Example for the compiler."""
 
 
 @register_jitable(forceinline=True)

@@ -49,7 +49,7 @@ class Obstacles(NamedTuple):
 
 
 NO_OBSTACLES = Obstacles(FLOATS, IDS, IDS, FLOATS, FLAGS, 0.0, 1.0)
-"""Example."""
+"""Example for the compiler."""
 
 
 @register_jitable(forceinline=True)

@@ -19,7 +19,7 @@ from abi.obstacles.vector_kernels import Vec3, dot, vec3_at
 
 CERTIFIED, REFUTED, UNDECIDED = 0, 1, 2
 MOST_HALVINGS = 48
-"""Of one polynomial: it is then finer than any distance worth deciding."""
+"""Largest number of halvings of one polynomial: finer than any distance worth deciding."""
 FINEST = 2.0**-36
 """Pieces smaller than this part of the largest coordinate are not halved."""
 

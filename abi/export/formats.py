@@ -15,9 +15,9 @@ from abi.errors import ExportError
 from abi.export import (
     csv_table,
     html_page,
-    json_plan,
     mcap_recording,
     moveit_scene,
+    plan_file,
     robot_description,
     ros_trajectory,
     spline_curves,
@@ -45,7 +45,7 @@ class Format:
 
 FORMATS: dict[str, Format] = {
     "csv": Format("motion as a table (CSV)", "motion.csv", (".csv",), csv_table.write),
-    "json": Format("whole plan (JSON)", "plan.json", (".json",), json_plan.write),
+    "json": Format("whole plan (JSON)", "plan.json", (".json",), plan_file.write),
     "ros": Format(
         "motion for ROS 2 (JointTrajectory)",
         "trajectory.ros.yaml",

@@ -20,8 +20,10 @@ _CUT = (0.45, 0.2)
 def pull_by_legs(
     points: FloatArray, obstacles: ObstacleSet, margin: float, sight: Sight
 ) -> FloatArray:
-    """Drop vertices that are not needed, move others towards the chord of their neighbours, cut
-    corners, until the length settles.
+    """Path pulled taut leg by leg, each of them clear for the arm, too.
+
+    Vertices that are not needed are dropped, others move towards the chord of their neighbours, and
+    corners are cut, until the length settles.
 
     Args:
         points: path (k, 3), [unit], world.

@@ -13,7 +13,7 @@ from pathlib import PurePosixPath
 from typing import Any
 
 from abi.errors import SceneError
-from abi.obstacles.triangle_mesh.stl_obj import SUFFIXES
+from abi.obstacles.triangle_mesh.mesh_reader import SUFFIXES
 from abi.obstacles.triangle_mesh.surface import Surface
 from abi.obstacles.triangle_mesh.trimesh_formats import DAMAGED_ZIP
 from abi.scene.scene_file import parse_bytes, text_of

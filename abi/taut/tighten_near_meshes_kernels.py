@@ -57,7 +57,7 @@ class Surroundings(NamedTuple):
 
 
 NO_SURROUNDINGS = Surroundings(FLOATS, FLOATS, NO_SURFACES, FLOATS)
-"""Example."""
+"""Example for the compiler."""
 
 
 @register_jitable

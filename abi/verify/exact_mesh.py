@@ -26,7 +26,7 @@ Side = tuple[Fraction, Fraction, Vec3, Fraction]
 
 @dataclass(frozen=True, eq=False)
 class ExactMesh:
-    """Triangles, rankd.
+    """Triangle mesh, placed in the world.
 
     Attributes:
         vertices: (n, 3), body frame, in the file's unit.

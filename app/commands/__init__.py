@@ -1,0 +1,1 @@
+"""Commands of ``abi``, a file each."""

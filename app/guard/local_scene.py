@@ -6,8 +6,8 @@ import contextlib
 from pathlib import Path, PurePosixPath
 
 from abi.errors import SceneError
+from abi.obstacles.triangle_mesh.mesh_reader import SUFFIXES
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
-from abi.obstacles.triangle_mesh.stl_obj import SUFFIXES
 from abi.obstacles.triangle_mesh.surface import Surface
 from abi.robot.robot_files import SHIPPED, archive_of
 from abi.scene import scene_archive

@@ -14,7 +14,7 @@ import numpy as np
 
 from abi.arrays import read_only
 from abi.errors import SceneError
-from abi.obstacles.triangle_mesh import stl_obj
+from abi.obstacles.triangle_mesh import mesh_reader
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.obstacles.triangle_mesh.repair import clean
 from abi.obstacles.triangle_mesh.surface import Surface
@@ -114,7 +114,7 @@ def rehearse() -> None:
     pair: Any = trimesh.util.concatenate([box, other])
     files = [Job("scene", f"a.{ending}", b'{"version": 1}') for ending in ("json", "yaml")]
     files += [Job("arm", "a.urdf", b'<robot name="a"><link name="b"/></robot>')]
-    for suffix in stl_obj.SUFFIXES:
+    for suffix in mesh_reader.SUFFIXES:
         content = pair.export(file_type=suffix[1:])
         mesh = content if isinstance(content, bytes) else content.encode()
         files += [Job("mesh", f"a{suffix}", mesh), Job("mesh", f"a{suffix}", mesh[:200])]
@@ -125,7 +125,7 @@ def rehearse() -> None:
 
 
 def _mesh(name: str, content: bytes) -> Answer:
-    surface = clean(*stl_obj.read(content, name), name)
+    surface = clean(*mesh_reader.read(content, name), name)
     return Answer(surfaces={name: Triangles.of(surface)})
 
 

@@ -59,7 +59,7 @@ def token_needed() -> Response:
 
 
 def see_other(place: str, cookie: str = "") -> Response:
-    """Lead the browser on to ``place``, with a cookie in its pocket if there is one."""
+    """Redirect to ``place``, setting ``cookie`` where it is not empty."""
     response = text(http.HTTPStatus.SEE_OTHER, "")
     response.headers["Location"] = place
     if cookie:

@@ -14,10 +14,10 @@ from app.layers.curves import CurvesLayer
 from app.layers.ghost import GhostLayer
 from app.layers.headline import HeadlineLayer
 from app.layers.joint_rates import JointRatesLayer
-from app.layers.lesson import LessonLayer
 from app.layers.markers import MarkersLayer
 from app.layers.mesh import MeshLayer
 from app.layers.names import NamesLayer
+from app.layers.paper_text import PaperTextLayer
 from app.layers.paths import PathsLayer
 from app.layers.plots import PlotsLayer
 from app.layers.race import RaceLayer
@@ -48,5 +48,5 @@ LAYERS = (
 )
 DETAILS = (TablesLayer, StageNotesLayer, PlotsLayer, MeshLayer, NamesLayer)
 """Layers that a drag can do without for a moment while many tabs drag."""
-SLOW_LAYERS = (ArmLayer, UrdfArmLayer, ArmGhostsLayer, ArmRegionsLayer, LessonLayer)
+SLOW_LAYERS = (ArmLayer, UrdfArmLayer, ArmGhostsLayer, ArmRegionsLayer, PaperTextLayer)
 """Sent in a message of their own: the page takes longer to show them than all the others."""

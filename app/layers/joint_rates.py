@@ -44,7 +44,7 @@ class JointRatesLayer:
         self._made: tuple[tuple[str, ...], str] | None = None
         self._plots: dict[str, viser.GuiUplotHandle] = {}
         self._shown = TimePlots()
-        with layout.joints:
+        with layout.plots:
             self._peaks = layout.client.gui.add_html("", visible=False)
 
     def draw(self, frame: Frame) -> None:
@@ -92,7 +92,7 @@ class JointRatesLayer:
             "accelerations": f"joint accelerations [rad/s²{also[1]}]",
             "torques": f"joint torques [N·m{also[2]}]",
         }
-        with self._layout.joints:
+        with self._layout.plots:
             self._plots = {
                 key: new_plot(gui, title, _USES if key == "limits" else names, 250)
                 for key, title in titles.items()

@@ -36,7 +36,7 @@ class PlotsLayer:
         angles = tuple((_JOINTS[i - 1], style.JOINTS[i - 1]) for i in (1, 2, 3, 4, 6))
         with layout.result:
             self._speed = new_plot(gui, _speed_title(unit), speed, 130)
-        with layout.joints:
+        with layout.plots:
             self._no_motion = gui.add_html(_NO_MOTION)
             self._angles = new_plot(gui, "joint angles [rad]", angles, 250)
             self._slide = new_plot(gui, _slide_title(unit), ((_JOINTS[4], style.JOINTS[4]),), 170)
@@ -131,7 +131,7 @@ class PlotsLayer:
             if self._other is not None:
                 self._other.remove()
             lines = zip(joints, itertools.cycle(style.JOINTS), strict=False)
-            with self._layout.joints:
+            with self._layout.plots:
                 title = "joint positions [rad, m]"
                 self._other = new_plot(self._layout.client.gui, title, tuple(lines), 250)
             self._named = joints

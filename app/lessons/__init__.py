@@ -1,0 +1,1 @@
+"""Lessons: their files, steps, checks and measures."""

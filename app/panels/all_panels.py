@@ -76,7 +76,7 @@ class AllPanels:
             self.bug_report = BugReportButton(client, wake)
         self.messages = Messages(self.layout, self.stages.bases, wake)
         self.history = History(client.gui, scene, wake)
-        with self.layout.paper:
+        with self.layout.learn:
             self.lessons = LessonPanel(client, library, wake)
             self.figures = FiguresPanel(client.gui, wake)
         self.keys = KeysPanel(client.gui, wake)

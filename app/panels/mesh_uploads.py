@@ -17,7 +17,7 @@ import viser
 
 from abi.errors import SceneError
 from abi.obstacles.mesh_shape import MeshShape
-from abi.obstacles.triangle_mesh.stl_obj import SUFFIXES
+from abi.obstacles.triangle_mesh.mesh_reader import SUFFIXES
 from abi.obstacles.triangle_mesh.surface import Surface
 from app import page
 from app.guard.reader import READER, StoppedError

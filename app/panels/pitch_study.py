@@ -19,7 +19,7 @@ from app.panels.widgets import Wake
 STEPS = 8
 """Pitches that are tried."""
 _FINEST, _COARSEST = 0.45, 1.5
-"""Of the scene's pitch."""
+"""Range of these, as parts of the scene's pitch."""
 _MOST_NODES = 40_000
 _NOTHING = f"{style.BOX}Fewer than two of {STEPS} spacings gave a path: nothing to plot.</div>"
 _LAST = 1e9 + 10

@@ -150,7 +150,7 @@ def test_a_plot_has_its_data_before_it_is_shown(tab: tuple[FakeTab, Session]) ->
     _, session = tab
     tabs = session.client.gui.add_tab_group()
     one = tabs.add_tab("all of it")
-    layout = replace(session.panels.layout, result=one, joints=one)
+    layout = replace(session.panels.layout, result=one, plots=one)
     layer = PlotsLayer(layout)
     updates: list[tuple[object, str]] = []
     for plot in layer._plots:

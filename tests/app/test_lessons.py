@@ -13,7 +13,7 @@ from abi.scene.scene import Scene
 from abi.search.compare import COMPARED
 from app.formulas import with_formulas
 from app.frame import Frame
-from app.layers.lesson import LessonLayer
+from app.layers.paper_text import PaperTextLayer
 from app.lessons.figures import figures
 from app.lessons.lesson import (
     Lesson,
@@ -261,7 +261,7 @@ def test_lessons_and_figures_give_back_what_they_replaced(tab: tuple[FakeTab, Se
             fake.set(lessons.choice, lessons._titles()[2])
             until(lambda: session.frame.theatre is not None)
             assert not panels.figures._folder.visible
-            assert not layer(session, LessonLayer)._text.visible
+            assert not layer(session, PaperTextLayer)._text.visible
             if leave == "lesson":
                 fake.set(lessons.leave, True)
             else:
@@ -271,7 +271,9 @@ def test_lessons_and_figures_give_back_what_they_replaced(tab: tuple[FakeTab, Se
         until(is_back)
         assert not panels.figures.back.visible
         assert lessons.choice.value == lessons.choice.options[0]
-        until(lambda: panels.figures._folder.visible and layer(session, LessonLayer)._text.visible)
+        until(
+            lambda: panels.figures._folder.visible and layer(session, PaperTextLayer)._text.visible
+        )
 
 
 def test_a_lesson_left_after_a_reload_shows_the_layers_again(tab: tuple[FakeTab, Session]) -> None:

@@ -43,10 +43,10 @@ import abi
 from app.warm_up import prepare_picture
 scene = abi.load_scene('paper')
 prepare_picture(scene)
-from app.layers import arm_solids, lesson
-kept = arm_solids._arm_solids.cache_info(), lesson.paper_text.cache_info()
-arm_solids.solids_of(abi.plan(scene).arm), lesson.paper_text()
-now = arm_solids._arm_solids.cache_info(), lesson.paper_text.cache_info()
+from app.layers import arm_solids, paper_text
+kept = arm_solids._arm_solids.cache_info(), paper_text.paper_text.cache_info()
+arm_solids.solids_of(abi.plan(scene).arm), paper_text.paper_text()
+now = arm_solids._arm_solids.cache_info(), paper_text.paper_text.cache_info()
 assert [after.misses - before.misses for before, after in zip(kept, now)] == [0, 0]
 assert [after.hits - before.hits for before, after in zip(kept, now)] == [1, 1]
 """

@@ -18,7 +18,7 @@ from abi import assets
 from abi.arm import arm_links
 from abi.arm.arm import JOINTS, STROKE, Arm, forward, skeleton, urdf
 from abi.arm.link_solid import LinkSolid
-from abi.arm.urdf import DENSITY, inertia
+from abi.arm.urdf_writer import DENSITY, inertia
 from abi.arrays import FloatArray
 from abi.scene.settings import ArmSettings
 

@@ -13,8 +13,8 @@ import pytest
 import trimesh
 
 from abi.errors import SceneError
+from abi.obstacles.triangle_mesh.mesh_reader import SUFFIXES, read
 from abi.obstacles.triangle_mesh.repair import clean
-from abi.obstacles.triangle_mesh.stl_obj import SUFFIXES, read
 from abi.robot.robot_files import robot_from_archive
 from abi.scene.scene import Scene
 from app.guard.reader import Limits, Reader, StoppedError

@@ -1,4 +1,4 @@
-"""The method and the paper's misprints, to be read beside the picture."""
+"""The paper's method and misprints as text in the Learn tab, but while a lesson runs."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from app.frame import Frame, Switch
 from app.layout import Layout
 
 
-class LessonLayer:
-    """Text of the Paper tab, sent after the first picture, which it would delay."""
+class PaperTextLayer:
+    """Text in the Learn tab, sent after the first picture, which it would delay."""
 
     switches: ClassVar[tuple[Switch, ...]] = ()
 
     def __init__(self, layout: Layout) -> None:
-        with layout.paper:
+        with layout.learn:
             self._text = layout.client.gui.add_markdown("")
 
     def draw(self, frame: Frame) -> None:
