@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.spatial.transform import Rotation
+import scipy
 
 from abi.arrays import FloatArray, read_only
 from abi.obstacles.pose import Vec3
@@ -19,6 +19,6 @@ def origin_of(element: Element) -> FloatArray:
     if origin is not None:
         pose[:3, 3] = origin.vector("xyz", _ZERO)
         # about the fixed axes x, y and z in that order
-        turn = Rotation.from_euler("xyz", origin.vector("rpy", _ZERO))
+        turn = scipy.spatial.transform.Rotation.from_euler("xyz", origin.vector("rpy", _ZERO))
         pose[:3, :3] = turn.as_matrix()
     return read_only(pose)
