@@ -146,15 +146,19 @@ class MeshShape(Posed):
         kernels.signed_distance_gradients(*self.placed, flat(points), distances, gradients)
         return distances, gradients.reshape(-1, 3)
 
-    def segment_distance(self, p: FloatArray, q: FloatArray) -> FloatArray:
+    def segment_distance(
+        self, p: FloatArray, q: FloatArray, most: FloatArray | float = math.inf
+    ) -> FloatArray:
         """Least signed distance (n,) along the segments from p (n, 3) to q (n, 3), [unit].
+
+        ``most``, of all or of each (n,), where that is less.
 
         Exact up to rounding where a segment stays outside; p may equal q. Rounding is least at
         triangles that are not thin, and below 1e-8 of the mesh's size at any. Where a segment
         enters a closed mesh, the value is a bound from below, under the true one by at most 1/64 of
         its length.
         """
-        distances = np.full(len(p), np.inf)
+        distances = np.full(len(p), most)
         kernels.least_distances(*self.placed, flat(p), flat(q), distances)
         return distances
 

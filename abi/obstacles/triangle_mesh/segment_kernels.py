@@ -246,6 +246,8 @@ def towards_nearest(
         if away < best:
             best = away
             normal = sub(axpy(t, d, p), closest)
+        if best == 0.0:
+            break
     size = norm(normal) * (1.0 + 1e-12)
     if size > 0.0:
         normal = (normal[0] / size, normal[1] / size, normal[2] / size)
@@ -276,7 +278,7 @@ def segment_distance(
     lowest = min(dot(normal, p), dot(normal, q))
     waiting[0] = 0
     count = 1
-    while count > 0:
+    while count > 0 and best > 0.0:  # nothing is nearer than what it passes through
         count -= 1
         node = waiting[count]
         way = Way(p, inverse, normal, d, per_square, doubt)

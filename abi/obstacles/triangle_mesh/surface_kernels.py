@@ -26,10 +26,15 @@ from abi.obstacles.triangle_mesh.distance_grid_kernels import (
 )
 from abi.obstacles.triangle_mesh.segment_kernels import (
     comes_near,
+    near_triangle,
     segment_distance,
     towards_nearest,
 )
-from abi.obstacles.triangle_mesh.triangle_kernels import closest_point, triangle_at
+from abi.obstacles.triangle_mesh.triangle_kernels import (
+    closest_point,
+    segment_to_triangle,
+    triangle_at,
+)
 from abi.obstacles.triangle_mesh.winding_kernels import is_inside
 from abi.obstacles.vector_kernels import Vec3, axpy, cross, distance, norm, sub, vec3_at
 
@@ -41,6 +46,10 @@ _PARALLEL = 1e-8
 
 _TOUCHING = 1e-12
 """Part of the surface's size that counts as touching it."""
+
+_BETWEEN = 1e-9
+"""Part of the surface's size and a step of its grid: what is nearer to the way between two points
+may be between them."""
 
 _IN_DOUBT = 1e-14
 """Part of the surface's size: nearer points may be on either side, by rounding."""
@@ -88,11 +97,18 @@ class Room(NamedTuple):
         waiting: (``DEPTH``,) nodes.
         squares: (``DEPTH``,) their squared distances.
         stack: (128,) nodes of a tree of dipoles.
+        latest: (1,) place of the triangle that the last segment was too near to, or -1: the next
+            one, beside it, often is, too.
+        samples: (``SAMPLES`` + 1,) signed distances along a segment, or bounds of them from below.
+        known: (``SAMPLES`` + 1,) which are no bounds.
     """
 
     waiting: IntArray
     squares: FloatArray
     stack: IntArray
+    latest: IntArray
+    samples: FloatArray
+    known: BoolArray
 
 
 NO_TABLES = SurfaceTables(NO_TREE, NO_DIPOLES, NO_GRID, True, 1.0, (0.0, 0.0))
@@ -105,7 +121,9 @@ NO_PLACEMENT = Placement((0.0, 0.0, 0.0), ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.
 @register_jitable
 def new_room() -> Room:
     """Room for descents."""
-    return Room(np.empty(DEPTH, np.int32), np.empty(DEPTH), np.empty(128, np.int32))
+    waiting, stack = np.empty(DEPTH, np.int32), np.empty(128, np.int32)
+    latest, known = np.full(1, -1, np.int32), np.zeros(SAMPLES + 1, np.bool_)
+    return Room(waiting, np.empty(DEPTH), stack, latest, np.empty(SAMPLES + 1), known)
 
 
 @register_jitable
@@ -128,28 +146,30 @@ def signed_distance_at(tables: SurfaceTables, x: Vec3, room: Room) -> tuple[floa
 
     The triangle is its place in the tree.
     """
-    return _signed_distance_beside(tables, x, 0.0, math.inf, room)
+    return _signed_distance_beside(tables, x, 0.0, x, math.inf, room)
 
 
 @register_jitable
 def _signed_distance_beside(
-    tables: SurfaceTables, x: Vec3, beside: float, apart: float, room: Room
+    tables: SurfaceTables, x: Vec3, beside: float, other: Vec3, apart: float, room: Room
 ) -> tuple[float, int]:
     """As :func:`signed_distance_at`, given that of another point.
 
-    They are on one side where balls around both that nothing is in overlap, which costs less to see
-    than to find out anew.
+    They are on one side where balls around both that nothing is in overlap, or where nothing is
+    between them, which costs less to see than to find out anew.
 
     Args:
         tables: the surface.
         x: the point.
-        beside: signed distance of the other, as it is returned.
+        beside: signed distance of the other, as it is returned; 0 where it is not known.
+        other: the other point.
         apart: the distance of both.
         room: for descents.
     """
     tree, _, grid, closed, extent, error = tables
     lower, upper = distance_bounds(grid, x)
-    most = max(-lower, upper) * (1.0 + 1e-9) + _TOUCHING * extent
+    most = min(max(-lower, upper), abs(beside) * (1.0 + error[1]) + error[0] + apart)
+    most = most * (1.0 + 1e-9) + _TOUCHING * extent
     away, number = nearest_triangle(tree, x, most, 0.0, room.waiting, room.squares)
     doubt = error[0] + error[1] * away
     if not closed:
@@ -160,7 +180,11 @@ def _signed_distance_beside(
             inside = True
         else:
             free = abs(beside) - 2.0 * (error[0] + error[1] * abs(beside))
-            if free > 0.0 and free + away - doubt > apart * (1.0 + 1e-9):
+            touching = _BETWEEN * (grid.step + tree.size)
+            if free > 0.0 and (
+                free + away - doubt > apart * (1.0 + 1e-9)
+                or not comes_near(tree, other, x, touching, (0.0, 0.0, 0.0), room.waiting)
+            ):
                 inside = beside < 0.0
             else:
                 inside = _is_inside(tables, x, room)
@@ -190,21 +214,25 @@ def gradient_at(tables: SurfaceTables, x: Vec3, room: Room) -> tuple[float, Vec3
 def distance_along(tables: SurfaceTables, p: Vec3, q: Vec3, most: float, room: Room) -> float:
     """Distance of a segment of the body frame to the surface; ``most`` where that is less.
 
-    Walks along the segment as far as the grid's bounds leave nothing nearer (Hart, Sphere tracing,
-    1996). In the stretch where they leave something the nearest triangle is looked for, from the
-    place that seems nearest.
+    0 where some of it is seen to be inside. Walks along the segment as far as the grid's bounds
+    leave nothing nearer (Hart, Sphere tracing, 1996). In the stretch where they leave something the
+    nearest triangle is looked for, from the place that seems nearest.
     """
     tree, grid = tables.tree, tables.grid
     d = sub(q, p)
     length = norm(d)
     inverse = 1.0 / length if length > 0.0 else 0.0
     lower, upper = distance_bounds(grid, axpy(0.5, d, p))
+    if upper < 0.0 and tables.closed:
+        return 0.0
     pad = _TOUCHING * tables.extent
     best = min(most, max(-lower, upper) * (1.0 + 1e-9) + pad)
     nearest, there = max(lower, -upper), length / 2
     first, last, at = length, -1.0, 0.0
     while at <= length:
         lower, upper = distance_bounds(grid, axpy(at * inverse, d, p))
+        if upper < 0.0 and tables.closed:
+            return 0.0
         least = max(lower, -upper)
         best = min(best, max(-lower, upper) * (1.0 + 1e-9) + pad)
         if least < nearest:
@@ -237,27 +265,54 @@ def least_distance(tables: SurfaceTables, p: Vec3, q: Vec3, most: float, room: R
         return min(away, most)
     d = sub(q, p)
     step = norm(d) / SAMPLES
-    deepest, first = math.inf, 0
+    samples, known = room.samples, room.known
     for k in range(SAMPLES + 1):
-        lower, _ = distance_bounds(tables.grid, axpy(k / SAMPLES, d, p))
-        if lower < deepest:
-            deepest, first = lower, k
+        samples[k], known[k] = distance_bounds(tables.grid, axpy(k / SAMPLES, d, p))[0], False
     least = most
-    for turn in range(2):  # where it is likely to be deepest, then where it may be deeper
-        low, high = (max(first - 1, 0), min(first + 1, SAMPLES)) if turn == 0 else (0, SAMPLES)
-        known, before = -1, 0.0
-        bound, _ = distance_bounds(tables.grid, axpy(low / SAMPLES, d, p))
-        for k in range(low, high):
-            x = axpy((k + 1) / SAMPLES, d, p)
-            below, (bound, _) = bound, distance_bounds(tables.grid, x)
-            if ((before if known == k else below) + bound - step) / 2 >= least:
-                continue
-            if known != k:
-                before, _ = signed_distance_at(tables, axpy(k / SAMPLES, d, p), room)
-            here, _ = _signed_distance_beside(tables, x, before, step, room)
-            least = min(least, (before + here - step) / 2)
-            known, before = k + 1, here
-    return least
+    while True:
+        first, lowest = -1, least
+        for k in range(SAMPLES):
+            bound = (samples[k] + samples[k + 1] - step) / 2
+            if bound < lowest:
+                first, lowest = k, bound
+        if first < 0:
+            return least
+        # the lower of the two that is not known
+        k = first + 1 if samples[first + 1] < samples[first] else first
+        k = 2 * first + 1 - k if known[k] else k
+        _take_sample(tables, (p, d), k, step, room)
+        if known[first] and known[first + 1]:
+            least = min(least, (samples[first] + samples[first + 1] - step) / 2)
+
+
+@register_jitable
+def _take_sample(
+    tables: SurfaceTables, way: tuple[Vec3, Vec3], k: int, step: float, room: Room
+) -> None:
+    """Find a sample's signed distance, which bounds the others: it is 1-Lipschitz.
+
+    Args:
+        tables: the surface.
+        way: first end of a segment and its second end less that.
+        k: number of the sample.
+        step: between samples.
+        room: see ``Room``; the sample and the bounds are written.
+    """
+    samples, known = room.samples, room.known
+    p, d = way
+    x = axpy(k / SAMPLES, d, p)
+    other = k - 1 if k > 0 and known[k - 1] else k + 1
+    if other <= SAMPLES and known[other]:
+        beside = samples[other]
+        here, _ = _signed_distance_beside(
+            tables, x, beside, axpy(other / SAMPLES, d, p), step, room
+        )
+    else:
+        here, _ = signed_distance_at(tables, x, room)
+    samples[k], known[k] = here, True
+    for i in range(SAMPLES + 1):
+        if not known[i]:
+            samples[i] = max(samples[i], here - abs(i - k) * step)
 
 
 @register_jitable
@@ -286,6 +341,12 @@ def is_blocked(tables: SurfaceTables, p: Vec3, q: Vec3, margin: float, room: Roo
     tree, _, grid, closed, _, _ = tables
     length = distance(p, q)
     limit = limit_of(tables, margin, length)
+    # it may be of another surface, but is a triangle of this one all the same
+    latest = room.latest[0]
+    if 0 <= latest < len(tree.corners) // 9:
+        triangle = triangle_at(tree.corners, latest)
+        if segment_to_triangle(p, q, triangle) <= limit * limit:
+            return True
     d = sub(q, p)
     inverse = 1.0 / length if length > 0.0 else 0.0
     at, outside = 0.0, not closed
@@ -307,7 +368,9 @@ def is_blocked(tables: SurfaceTables, p: Vec3, q: Vec3, margin: float, room: Roo
     if last >= 0.0:
         normal = steepest(grid, axpy(there * inverse, d, p))
         x, y = axpy(first * inverse, d, p), axpy(last * inverse, d, p)
-        if comes_near(tree, x, y, limit, normal, room.waiting):
+        found = near_triangle(tree, x, y, limit, normal, room.waiting)
+        if found >= 0:
+            room.latest[0] = found
             return True
     # a segment that nothing touches is inside or outside as a whole
     return not outside and _is_inside(tables, p, room)

@@ -169,3 +169,29 @@ def test_a_long_segment_is_as_near_as_the_nearest_of_its_parts(mesh: Mesh) -> No
     # a segment is nearer than a margin where its nearest part is
     assert shape.blocks(p, q, nearest + 1e-6).all()
     assert not shape.blocks(p, q, nearest - 1e-6).any()
+
+
+@pytest.mark.slow
+@settings(max_examples=20)
+@given(st.sampled_from(["ball", "knot", "soup"]), seeds)
+def test_an_answer_does_not_depend_on_what_was_asked_before(name: str, seed: int) -> None:
+    mesh = {"ball": meshes.sphere(3), "knot": meshes.knot(800), "soup": meshes.soup(200)}[name]
+    shape = MeshShape.of(clean(*mesh))
+    rng = np.random.default_rng(seed)
+    p = rng.uniform(-1.5, 1.5, (80, 3))
+    q = p + rng.normal(0, 0.3, (80, 3))
+    # margins about as large as the distances, so that both answers come, and change
+    away = shape.segment_distance(p, q)
+    margins = np.maximum(away + rng.normal(0, 0.02, 80), 0)
+    blocked = shape.blocks(p, q, margins)
+    assert blocked.any()
+    assert not blocked.all()
+    # of a set the wall that shut the last leg is tried first
+    for order in (rng.permutation(80), np.argsort(p[:, 0])):
+        assert (shape.blocks(p[order], q[order], margins[order]) == blocked[order]).all()
+    alone = [shape.blocks(p[[i]], q[[i]], margins[[i]])[0] for i in range(80)]
+    assert (blocked == alone).all()
+    # with a distance that is enough: that one, or the same as without
+    most = away + rng.normal(0, 0.05, 80)
+    found = shape.segment_distance(p, q, most)
+    assert np.allclose(found, np.minimum(away, most), rtol=0, atol=1e-12)
