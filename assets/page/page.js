@@ -427,6 +427,8 @@ document.head.insertAdjacentHTML("beforeend", `<style id="abi-style">
   .mantine-ScrollArea-content div:has(> .mantine-Flex-root) { padding-bottom: 3.4px !important; }
 }
 @media (max-width: 600px) {
+  /* a tab that is chosen moves the sheet below the pointer: what opens so would stay open */
+  .mantine-Tooltip-tooltip { display: none !important; }
   /* the scene ends where the sheet begins */
   div:has(> #abi-overlay) { bottom: var(--abi-sheet, 56px) !important; }
   #abi-overlay.abi-squeezed [data-part=numbers] { display: none; }

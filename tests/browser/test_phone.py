@@ -40,6 +40,23 @@ def _in_sight(page: Page) -> bool:
     return bool(0 < below < 80 or left < 2)
 
 
+def test_no_hint_lies_over_the_sheet(chromium: Browser, server: Server) -> None:
+    page = Page(chromium, server.url, 390, 844)
+    hint = page.tab.locator(".mantine-Tooltip-tooltip")
+    try:
+        page.settle()
+        page.tab.get_by_text(TITLE, exact=True).click()
+        page.tab.get_by_text("Result · Search ·").click()
+        page.click("Scene")
+        page.until(lambda: _in_sight(page), "the tab")
+        page.row("obstacle").get_by_role("combobox").hover()
+        page.until(lambda: hint.count() == 1, "the hint")
+        page.frames(3)
+        assert not hint.is_visible()
+    finally:
+        page.close()
+
+
 @pytest.mark.slow
 def test_a_sheet_shows_what_is_chosen_and_can_be_folded(chromium: Browser, server: Server) -> None:
     page = Page(chromium, server.url, 390, 844)
