@@ -31,19 +31,18 @@ class Demo:
         self._obstacles = obstacles
         self.wanted = self.running = False
         self._origin: FloatArray = np.zeros(3)
-        self._placed: FloatArray = np.zeros(3)
         self._size: FloatArray = np.zeros(3)
         self._begun = 0.0
 
     def begin(self, scene: Scene) -> None:
-        """Begin, where the scene has an obstacle."""
+        """Begin, where the scene has an obstacle that no hand has moved."""
         self.wanted = False
-        if not self._obstacles.gizmos:
+        if not self._obstacles.gizmos or self._obstacles.pulled:
             return
         self.running = True
         self._begun = time.monotonic()
         self._size = np.array(scene.workspace.size)
-        self._origin = self._placed = np.array(self._obstacles.gizmos[0].position)
+        self._origin = np.array(self._obstacles.gizmos[0].position)
 
     def step(self) -> None:
         """Move the obstacle to where it is now; back to its place at the end."""
@@ -55,17 +54,12 @@ class Demo:
         weight = min(1.0, elapsed, _DURATION - elapsed)
         phase = 2 * math.pi * elapsed / _PERIOD
         shift = np.array(_REACH) * (0.0, math.sin(phase), math.sin(2 * phase))
-        self._place(self._origin + weight * shift * self._size)
+        self._obstacles.place(0, self._origin + weight * shift * self._size)
 
     def end(self) -> None:
         """Put the obstacle back, unless a hand has it."""
         if not self.running:
             return
         self.running = False
-        gizmos = self._obstacles.gizmos
-        if gizmos and np.array_equal(gizmos[0].position, self._placed):
-            self._place(self._origin)
-
-    def _place(self, position: FloatArray) -> None:
-        self._placed = position
-        self._obstacles.gizmos[0].position = position
+        if self._obstacles.gizmos:
+            self._obstacles.place(0, self._origin)

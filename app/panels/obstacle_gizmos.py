@@ -5,6 +5,7 @@ A body is a child of its gizmo, so it moves in the browser at once; the server h
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
@@ -52,6 +53,7 @@ class ObstacleGizmos:
         gizmos: in the order of the obstacles.
         chosen: number of the obstacle with the handles, from 0.
         held: whether a hand holds an obstacle or its handles.
+        pulled: whether a hand has ever moved one.
         foreseen: a mesh that is no obstacle yet.
     """
 
@@ -75,6 +77,8 @@ class ObstacleGizmos:
         self._with_handles = -2
         self._touched = False
         self._grip: FloatArray | None = None
+        self._placing = threading.Lock()  # hands are heard in another thread than places one
+        self.pulled = False
         self.foreseen: Foreseen | None = None
         self.chosen = 0
         self.write(scene)
@@ -233,6 +237,12 @@ class ObstacleGizmos:
             column.pop(number)
         self._with_handles = -2
 
+    def place(self, number: int, position: FloatArray) -> None:
+        """Move obstacle ``number``, from 0, unless a hand has ``pulled`` one."""
+        with self._placing:
+            if not self.pulled:
+                self.gizmos[number].position = position
+
     def point_out(self, number: int) -> None:
         """Choose obstacle ``number``, from 0, and give it the handles."""
         self._touched = True
@@ -253,6 +263,7 @@ class ObstacleGizmos:
             gizmo.disable_axes = gizmo.disable_sliders = gizmo.disable_rotations = hidden
 
     def _pull(self, event: viser.TransformControlsEvent) -> None:
+        self.pulled = True
         self.held = phase_holds(event.phase, self.held)
         self._wake(event)
 
@@ -271,7 +282,9 @@ class ObstacleGizmos:
             self._grip = np.subtract(gizmo.position, event.start_position)
         position = np.add(event.end_position, self._grip)
         if np.isfinite(position).all():
-            gizmo.position = position
+            with self._placing:
+                self.pulled = True
+                gizmo.position = position
         self.held = phase_holds(event.phase, self.held)
         if event.phase == "end":
             self._grip = None

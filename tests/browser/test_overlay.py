@@ -92,8 +92,8 @@ def test_the_demonstration_ends_at_the_first_touch(chromium: Browser, touched: s
             page.until(lambda: scene() == paper, "the scene as it was")
         else:
             (gizmo,) = drawn.obstacles(page)
-            # where it is at every moment of the demonstration
-            x, y = page.pixel("/workspace", paper.obstacles[0].position)
+            # it moves on, by less than its size in the few frames until the press
+            x, y = page.pixel(gizmo)
             page.drag((x, y), (x + 50, y + 40))
             page.until(lambda: not session._pause.demo.running, "the end of the demonstration")
             page.until(lambda: session.resting and scene() != paper, "the obstacle's new place")

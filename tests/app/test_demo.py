@@ -1,0 +1,88 @@
+"""The demonstration of a new tab gives way to a hand, whenever the hand comes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from types import SimpleNamespace
+from typing import Any, cast
+
+import numpy as np
+import pytest
+import viser
+
+from app.address import Address
+from app.demo import Demo
+from app.look import PLAIN
+from app.panels.obstacle_gizmos import ObstacleGizmos
+from app.server import start
+from app.session import Session
+from tests.app.fake_tab import FakeTab, until
+
+
+@pytest.fixture(scope="module")
+def session() -> Iterator[Session]:
+    running = start(Address(port=0), look=PLAIN)
+    fake = FakeTab(running.url)
+    until(lambda: bool(running.sessions))
+    (session,) = running.sessions.values()
+    until(lambda: session.plan is not None, patience=90)
+    yield session
+    fake.close()
+    running.stop()
+
+
+@pytest.fixture
+def obstacles(session: Session) -> ObstacleGizmos:
+    """Of the session, as nobody has touched them."""
+    obstacles = session.panels.obstacles
+    obstacles.write(session.frame.plan.scene)
+    obstacles.pulled = False
+    return obstacles
+
+
+def pull(obstacles: ObstacleGizmos, shift: tuple[float, float, float]) -> None:
+    """Drag the first obstacle's body from where it is."""
+    event = SimpleNamespace(
+        client=None,  # wakes nobody
+        target=obstacles._bodies[0],
+        start_position=np.zeros(3),
+        end_position=np.array(shift),
+        phase="end",
+    )
+    obstacles._drag(cast("viser.SceneNodeDragEvent[Any]", event))
+
+
+def test_it_moves_an_obstacle_and_puts_it_back(session: Session, obstacles: ObstacleGizmos) -> None:
+    (gizmo,) = obstacles.gizmos
+    origin = gizmo.position.copy()
+    demo = Demo(obstacles)
+    demo.begin(session.frame.plan.scene)
+    demo._begun -= 1.5
+    demo.step()
+    assert np.linalg.norm(gizmo.position - origin) > 0.5
+    demo.end()
+    assert not demo.running
+    np.testing.assert_array_equal(gizmo.position, origin)
+
+
+def test_a_pull_that_comes_amid_a_step_is_kept(session: Session, obstacles: ObstacleGizmos) -> None:
+    (gizmo,) = obstacles.gizmos
+    demo = Demo(obstacles)
+    demo.begin(session.frame.plan.scene)
+    demo._begun -= 1.5
+    demo.step()
+    pull(obstacles, (0.0, 3.0, 0.0))
+    pulled = gizmo.position.copy()
+    demo.step()  # of a worker that has not yet been told
+    np.testing.assert_array_equal(gizmo.position, pulled)
+    demo.end()
+    np.testing.assert_array_equal(gizmo.position, pulled)
+
+
+def test_it_does_not_begin_once_a_hand_has_pulled(
+    session: Session, obstacles: ObstacleGizmos
+) -> None:
+    pull(obstacles, (0.0, 3.0, 0.0))
+    demo = Demo(obstacles)
+    demo.begin(session.frame.plan.scene)
+    assert not demo.running
