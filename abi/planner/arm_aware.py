@@ -37,7 +37,7 @@ from abi.search.build_graph import build_graph
 from abi.search.graph import Graph
 from abi.search.heuristic import Weight
 from abi.search.search import SEARCHES, SearchResult
-from abi.taut.taut_path import taut
+from abi.taut.taut_path import TautPath
 from abi.tet_mesh.exclusion import FreeMesh
 
 _PATIENCE = 20
@@ -56,6 +56,7 @@ class ArmTask:
         obstacles: its obstacles.
         around: everything around the arm.
         free: the mesh that the tool may use.
+        taut: the path of the tool alone pulled taut; None where that is not asked for.
         margin: distance that edges keep from the obstacles, [unit].
         samples: of the motion.
     """
@@ -65,6 +66,7 @@ class ArmTask:
     obstacles: ObstacleSet
     around: Surroundings
     free: FreeMesh
+    taut: TautPath | None
     margin: float
     samples: int
 
@@ -223,16 +225,13 @@ def _fitted(task: ArmTask, branch: _Branch) -> dict[str, Any]:
     Where no curve near the taut path is proven clear, it is pulled with more room to round its
     corners, which makes it a little longer.
     """
-    scene, obstacles, graph = task.scene, task.obstacles, branch.found.graph
-    path, wanted = branch.found.path, scene.spline
-    if scene.search.taut:
-        of_tool = taut(graph, obstacles, task.margin, path)
-    for times in _ROOMS if scene.search.taut else _ROOMS[:1]:
+    obstacles, path, wanted = task.obstacles, branch.found.path, task.scene.spline
+    for times in _ROOMS if task.taut is not None else _ROOMS[:1]:
         found: dict[str, Any] = {}
         vertices = path.points
-        if scene.search.taut:
+        if task.taut is not None:
             roomy = branch.sight.wider(times)
-            found["taut"] = pulled = pull_clear(of_tool, obstacles, task.margin, path, roomy)
+            found["taut"] = pulled = pull_clear(task.taut, obstacles, task.margin, path, roomy)
             vertices = pulled.points
         bspline = fit_clear(vertices, wanted.degree, obstacles, wanted.clearance, branch.sight)
         if bspline is not None:

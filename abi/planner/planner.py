@@ -159,7 +159,7 @@ class Planner:
 
         around = self._surroundings(model, obstacles, workspace.min[2])
         courses = self._courses(model, curve, arc, scene.arm, obstacles, around)
-        task = ArmTask(scene, model, obstacles, around, free, margin, SAMPLES)
+        task = ArmTask(scene, model, obstacles, around, free, results.get("taut"), margin, SAMPLES)
         self._move(task, courses, names, results)
 
     def _move(
