@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+from scipy.spatial.distance import cdist
 
 from abi.arrays import FloatArray
 from tests.abi.meshes import Mesh
@@ -49,6 +51,27 @@ class Distances:
 def distances(mesh: Mesh, points: FloatArray) -> FloatArray:
     """Distances (n,) of points (n, 3) to the triangles of a mesh."""
     return Distances(mesh)(points)
+
+
+def nearest(
+    triangles: FloatArray, points: FloatArray, distances: Callable[[FloatArray, FloatArray], Any]
+) -> FloatArray:
+    """Least distances (n,) of points (n, 3) to triangles (m, 3, 3).
+
+    ``distances`` gives those (k,) of points (k, 3) to a triangle (k, 3, 3) each. It is asked only
+    about triangles that can be the nearest.
+    """
+    middle = triangles.mean(axis=1)
+    radius = np.linalg.norm(triangles - middle[:, None], axis=2).max(axis=1)
+    least = np.full(len(points), np.inf)
+    for some in np.array_split(np.arange(len(points)), 1 + len(points) * len(middle) // 1_000_000):
+        away = cdist(points[some], middle)
+        # the ball around a triangle must reach as near as all of another's; rounding is far smaller
+        surely = (away + radius).min(axis=1, keepdims=True) * (1 + 1e-9)
+        row, triangle = np.nonzero(away - radius <= surely)
+        point = some[row]
+        np.minimum.at(least, point, distances(points[point], triangles[triangle]))
+    return least
 
 
 def winding_numbers(triangles: FloatArray, points: FloatArray) -> FloatArray:

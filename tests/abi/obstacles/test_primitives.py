@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -60,7 +61,11 @@ def body(solid: Obstacle, points: FloatArray) -> FloatArray:
 
 def level(solid: Obstacle, points: FloatArray) -> FloatArray:
     """A function that is zero on the surface and negative inside; no distance elsewhere."""
-    x = body(solid, points)
+    return level_in_body(solid, body(solid, points))
+
+
+def level_in_body(solid: Obstacle, x: FloatArray) -> FloatArray:
+    """``level`` of points in body coordinates."""
     if isinstance(solid, Box):
         return np.asarray((2 * np.abs(x) / solid.size).max(axis=1) - 1)
     if isinstance(solid, Sphere):
@@ -73,15 +78,17 @@ def level(solid: Obstacle, points: FloatArray) -> FloatArray:
     return np.asarray((x[:, :2] ** 2).sum(axis=1) + beyond**2 - solid.radius**2)
 
 
+@cache
 def surface(solid: Obstacle, n: int = 120_000) -> FloatArray:
     """Points of the surface, found by shooting rays from the centre at ``level``."""
     rng = np.random.default_rng(1)
     rays = rng.normal(size=(n, 3))
     rays /= np.linalg.norm(rays, axis=1, keepdims=True)
+    directions = body(solid, solid.position + rays)
     near, far = np.zeros(n), np.full(n, 4.0)
     for _ in range(55):
         t = (near + far) / 2
-        outside = level(solid, solid.position + t[:, None] * rays) > 0
+        outside = level_in_body(solid, t[:, None] * directions) > 0
         near, far = np.where(outside, near, t), np.where(outside, t, far)
     return np.asarray(solid.position + near[:, None] * rays)
 

@@ -16,7 +16,7 @@ from abi.obstacles.triangle_mesh.surface import Surface
 from tests.abi import mesh_oracles, meshes
 from tests.abi.meshes import Mesh
 
-Vector = list[Fraction]
+Vector = list[int]
 
 seeds = st.integers(0, 2**32 - 1)
 MESHES = {
@@ -33,8 +33,8 @@ def minus(a: Vector, b: Vector) -> Vector:
     return [x - y for x, y in zip(a, b, strict=True)]
 
 
-def dot(a: Vector, b: Vector) -> Fraction:
-    return sum((x * y for x, y in zip(a, b, strict=True)), Fraction(0))
+def dot(a: Vector, b: Vector) -> int:
+    return sum(x * y for x, y in zip(a, b, strict=True))
 
 
 def cross(a: Vector, b: Vector) -> Vector:
@@ -42,19 +42,26 @@ def cross(a: Vector, b: Vector) -> Vector:
 
 
 def exactly(point: FloatArray, triangle: FloatArray) -> float:
-    """Distance of a point to a triangle, in rationals up to the root."""
-    x, *corners = ([Fraction(v) for v in row] for row in [point.tolist(), *triangle.tolist()])
+    """Distance of a point to a triangle, in whole multiples of a power of two up to the root."""
+    rows = [[v.as_integer_ratio() for v in row] for row in [point.tolist(), *triangle.tolist()]]
+    unit = max(denominator for row in rows for _, denominator in row)
+    x, *corners = ([v * (unit // denominator) for v, denominator in row] for row in rows)
     sides = [(corners[k - 1], minus(corners[k], corners[k - 1])) for k in range(3)]
     normal = cross(sides[1][1], sides[2][1])
     if any(normal) and all(dot(cross(d, minus(x, a)), normal) >= 0 for a, d in sides):
         height = dot(minus(x, corners[0]), normal)
-        return math.sqrt(height * height / dot(normal, normal))
-    ways = []
+        return math.sqrt(Fraction(height**2, unit**2 * dot(normal, normal)))
+    squares = []
     for a, d in sides:
-        t = min(max(dot(minus(x, a), d) / dot(d, d), Fraction(0)), Fraction(1))
-        way = minus(minus(x, a), [t * v for v in d])
-        ways.append(dot(way, way))
-    return math.sqrt(min(ways))
+        way, length = minus(x, a), dot(d, d)
+        along = min(max(dot(way, d), 0), length)
+        square = dot(way, way) * length - 2 * along * dot(way, d) + along**2
+        squares.append(Fraction(square, unit**2 * length))
+    return math.sqrt(min(squares))
+
+
+def exact_each(points: FloatArray, triangles: FloatArray) -> list[float]:
+    return [exactly(x, triangle) for x, triangle in zip(points, triangles, strict=True)]
 
 
 def errors_at(mesh: Mesh, distances: FloatArray) -> FloatArray:
@@ -79,17 +86,15 @@ def test_distances_are_those_of_rational_numbers(name: str, seed: int) -> None:
     on = vertices[faces[rng.integers(len(faces), size=4)]].mean(axis=1)
     points = np.concatenate([low + rng.uniform(-0.3, 1.3, (4, 3)) * size, on, vertices[:1]])
     found, gradients = opened(mesh).signed_distance_gradient(points)
-    expected = np.array([min(exactly(x, corners) for corners in vertices[faces]) for x in points])
+    expected = mesh_oracles.nearest(vertices[faces], points, exact_each)
     errors = errors_at(mesh, expected)
     assert errors.max() < 1e-11 * size.max()
     # exact or less
     assert (found <= expected * (1 + 1e-14) + 1e-16 * size.max()).all()
     assert (found >= expected - 3 * errors).all()
-    for x, away, gradient in zip(points, expected, gradients, strict=True):
-        assert np.linalg.norm(gradient) == pytest.approx(1)
-        foot = x - away * gradient
-        nearest = min(exactly(foot, corners) for corners in vertices[faces])
-        assert nearest <= 1e-9 * size.max()
+    np.testing.assert_allclose(np.linalg.norm(gradients, axis=1), 1, rtol=1e-6)
+    feet = points - expected[:, None] * gradients
+    assert mesh_oracles.nearest(vertices[faces], feet, exact_each).max() <= 1e-9 * size.max()
 
 
 @pytest.mark.slow
@@ -147,8 +152,7 @@ def test_slivers_shorten_a_distance_but_never_lengthen_it(power: float, seed: in
     surface = clean(corners.reshape(-1, 3), faces)
     points = np.concatenate([rng.uniform(-1.5, 1.5, (6, 3)), corners[:2, 0]])
     found = MeshShape.of(surface).signed_distance(points)
-    triangles = surface.vertices[surface.faces]
-    expected = np.array([min(exactly(x, t) for t in triangles) for x in points])
+    expected = mesh_oracles.nearest(surface.vertices[surface.faces], points, exact_each)
     assert (found <= expected + 1e-14).all()
     assert (found >= expected - 1e-6).all()
 

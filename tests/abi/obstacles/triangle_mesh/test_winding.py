@@ -13,8 +13,7 @@ from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.triangle_mesh import winding_kernels
 from abi.obstacles.triangle_mesh.bvh import Dipoles, TriangleTree, build_tree, dipoles
 from abi.obstacles.triangle_mesh.repair import clean
-from tests.abi import meshes
-from tests.abi.mesh_oracles import winding_numbers
+from tests.abi import mesh_oracles, meshes
 from tests.abi.meshes import Mesh
 
 seeds = st.integers(0, 2**32 - 1)
@@ -92,7 +91,7 @@ def test_the_numbers_are_the_sums_of_all_solid_angles(name: str, seed: int) -> N
     mesh = {**CLOSED, **OPEN}[name]
     rng = np.random.default_rng(seed)
     points = somewhere(mesh, rng, 10)
-    expected = winding_numbers(corners(mesh), points)
+    expected = mesh_oracles.winding_numbers(corners(mesh), points)
     # the oracle takes roots of what rounds to 0 where a triangle is seen as a line
     np.testing.assert_allclose(numbers(mesh, points, np.inf), expected, atol=1e-5)
     np.testing.assert_allclose(numbers(mesh, points, winding_kernels.OPENING), expected, atol=0.06)
@@ -123,7 +122,7 @@ def test_sides_are_right_next_to_the_surface(name: str, gap: float) -> None:
     triangles = corners(mesh)
     # next to an edge or a corner the way along a normal may leave by another triangle
     above, below = on + outward, on - outward
-    sure = np.array([_nearest(triangles, p) for p in np.concatenate([above, below])])
+    sure = mesh_oracles.nearest(triangles, np.concatenate([above, below]), _distances)
     sure = (sure > 0.99 * np.linalg.norm(outward, axis=1).mean()).reshape(2, -1).all(axis=0)
     assert sure.mean() > 0.4
     above, below = above[sure], below[sure]
@@ -135,8 +134,9 @@ def test_sides_are_right_next_to_the_surface(name: str, gap: float) -> None:
     np.testing.assert_array_equal(inside(mesh, below), np.abs(np.round(bottom)) > 0.5)
 
 
-def _nearest(triangles: FloatArray, x: FloatArray) -> float:
-    """Distance of one point to the triangles, each as a small convex problem over its corners."""
+def _distances(points: FloatArray, triangles: FloatArray) -> FloatArray:
+    """Distance of each point to its triangle, a small convex problem over the corners."""
+    x = points
     a, ab, ac = triangles[:, 0] - x, *(triangles[:, k] - triangles[:, 0] for k in (1, 2))
     d00, d01, d11 = (np.einsum("ij,ij->i", p, q) for p, q in ((ab, ab), (ab, ac), (ac, ac)))
     r0, r1 = -np.einsum("ij,ij->i", ab, a), -np.einsum("ij,ij->i", ac, a)
@@ -144,12 +144,12 @@ def _nearest(triangles: FloatArray, x: FloatArray) -> float:
     on = (u >= 0) & (v >= 0) & (u + v <= 1)
     normal = np.cross(ab, ac)
     height = np.abs(np.einsum("ij,ij->i", normal, a)) / np.linalg.norm(normal, axis=1)
-    best = height[on].min(initial=np.inf)
+    best = np.where(on, height, np.inf)
     for start, end in ((0, 1), (1, 2), (2, 0)):
         p, d = triangles[:, start] - x, triangles[:, end] - triangles[:, start]
         t = np.clip(-np.einsum("ij,ij->i", p, d) / np.einsum("ij,ij->i", d, d), 0, 1)
-        best = min(best, np.linalg.norm(p + t[:, None] * d, axis=1).min())
-    return float(best)
+        best = np.minimum(best, np.linalg.norm(p + t[:, None] * d, axis=1))
+    return best
 
 
 @pytest.mark.slow
