@@ -49,7 +49,7 @@ ALGORITHMS: dict[str, tuple[str, Colour]] = {
     "dijkstra": ("Dijkstra", DIJKSTRA),
     "bellman_ford": ("Bellman-Ford (queue)", BELLMAN_FORD),
 }
-SEARCHES: dict[str, str] = {
+SEARCH_NAMES: dict[str, str] = {
     **{name: label for name, (label, _) in ALGORITHMS.items()},
     "bellman_ford_rounds": "Bellman-Ford, by rounds",
     "weighted_a_star": "weighted A*",

@@ -153,14 +153,14 @@ def report(name: str, state: SearchState, unit: str) -> str:
     """Counters of one search, as HTML."""
     done = f"found {format_length(state.trace.length)} {unit}" if _found(state) else "no path"
     return (
-        f"<b>{style.SEARCHES[name]}</b>: {_steps(state)}, "
+        f"<b>{style.SEARCH_NAMES[name]}</b>: {_steps(state)}, "
         f"{format_count(state.examined)} edges tried, {done if state.done else 'searching'}"
     )
 
 
 def _label(name: str, state: SearchState, unit: str) -> str:
     """The same in short lines, since the three stand side by side."""
-    lines = [style.SEARCHES[name], _steps(state), f"{format_count(state.examined)} edges"]
+    lines = [style.SEARCH_NAMES[name], _steps(state), f"{format_count(state.examined)} edges"]
     if state.done:
         lines.append(f"{format_length(state.trace.length)} {unit}" if _found(state) else "no path")
     return "\n".join(lines)

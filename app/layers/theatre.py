@@ -147,7 +147,7 @@ def describe(theatre: Theatre, scene: Scene) -> str:
     trace, n = state.trace, len(state.trace.arcs.points)
     what = "round" if trace.queue == "rounds" else "step"
     text = (
-        f"<b>{style.SEARCHES[theatre.name]}</b>, {what} {format_count(state.step)} of "
+        f"<b>{style.SEARCH_NAMES[theatre.name]}</b>, {what} {format_count(state.step)} of "
         f"{format_count(trace.steps)}: "
         f"{_swatch(style.CLOSED)}{format_count(len(state.closed))} closed, "
         f"{_swatch(style.OPEN)}{format_count(len(state.open))} open, "

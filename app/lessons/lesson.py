@@ -78,8 +78,8 @@ class SearchCue(_Part):
 
     @model_validator(mode="after")
     def _search_exists(self) -> Self:
-        if self.algorithm is not None and self.algorithm not in style.SEARCHES:
-            raise ValueError(f"one of the searches {', '.join(style.SEARCHES)}")
+        if self.algorithm is not None and self.algorithm not in style.SEARCH_NAMES:
+            raise ValueError(f"one of the searches {', '.join(style.SEARCH_NAMES)}")
         return self
 
 

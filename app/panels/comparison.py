@@ -121,7 +121,7 @@ def _table(found: tuple[Comparison, ...], weight: Weight, unit: str) -> str:
             gap = "=" if abs(cost - least) < 1e-9 * max(least, 1) else gap
         rows.append(
             (
-                f'<span style="white-space:normal">{style.SEARCHES[one.algorithm]}</span>',
+                f'<span style="white-space:normal">{style.SEARCH_NAMES[one.algorithm]}</span>',
                 str(trace.hops) if trace.hops >= 0 else "–",
                 format_length(trace.length) if trace.hops >= 0 else "–",
                 gap,

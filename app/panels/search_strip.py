@@ -37,7 +37,7 @@ class SearchStrip:
             step = max(one.step for _, one in theatre.race)
             title = "Race"
         else:
-            steps, step, title = state.trace.steps, state.step, style.SEARCHES[theatre.name]
+            steps, step, title = state.trace.steps, state.step, style.SEARCH_NAMES[theatre.name]
         text = f"{title}: {format_count(step)} of {format_count(steps)}"
         if theatre.asking and not state.done:
             text += ". Which node next?"

@@ -54,7 +54,7 @@ class TheatrePanel:
             False,
             hint="Any search, node by node. Paths, curves and arm are hidden meanwhile.",
         )
-        self.algorithm = gui.add_dropdown("algorithm", tuple(style.SEARCHES.values()))
+        self.algorithm = gui.add_dropdown("algorithm", tuple(style.SEARCH_NAMES.values()))
         self.weight = gui.add_slider(
             "heuristic weight w",
             0.0,
@@ -107,7 +107,9 @@ class TheatrePanel:
     @property
     def chosen(self) -> str:
         """Name of the search in :data:`abi.search.compare.COMPARED`."""
-        name = next((k for k, v in style.SEARCHES.items() if v == self.algorithm.value), "a_star")
+        name = next(
+            (k for k, v in style.SEARCH_NAMES.items() if v == self.algorithm.value), "a_star"
+        )
         return name if not self._kind else one_way_search(name)
 
     @property
@@ -151,7 +153,7 @@ class TheatrePanel:
                 self._position = float(value)
                 self.playing = False
             elif name == "algorithm":
-                self.algorithm.value = style.SEARCHES[value]
+                self.algorithm.value = style.SEARCH_NAMES[value]
             else:
                 getattr(self, name).value = value
 
@@ -200,7 +202,7 @@ class TheatrePanel:
 
     def _replace_search(self) -> None:
         """Choose one that takes a negative edge, where the one chosen does not."""
-        label = style.SEARCHES[self.chosen]
+        label = style.SEARCH_NAMES[self.chosen]
         if self.on.value and self._kind and label != self.algorithm.value:
             page.notify_refusal(
                 self._client,
