@@ -32,7 +32,7 @@ def some_spline(random: np.random.Generator) -> BSpline:
 
 
 @pytest.mark.slow
-@settings(max_examples=150)
+@settings(max_examples=60)
 @given(seeds, st.integers(2, 6), st.booleans())
 def test_polylines_are_as_near_as_their_nearest_segment(seed: int, size: int, snap: bool) -> None:
     random = np.random.default_rng(seed)
@@ -91,7 +91,7 @@ def test_a_measurement_is_the_same_compiled_and_plain(seed: int, tolerance: floa
 
 
 @pytest.mark.slow
-@settings(max_examples=60)
+@settings(max_examples=30)
 @given(seeds, st.integers(0, 4))
 def test_a_spline_is_that_of_scipy(seed: int, order: int) -> None:
     spline = some_spline(np.random.default_rng(seed))

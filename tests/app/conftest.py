@@ -1,10 +1,11 @@
 from __future__ import annotations
 
+import logging
 from collections.abc import Iterator
 
 import pytest
 
-from app import tab_memory
+from app import logs, tab_memory
 from app.address import Address
 from app.look import PLAIN
 from app.server import Server, start
@@ -16,6 +17,15 @@ from tests.app.fake_tab import FakeTab, until
 def no_report() -> None:
     """Do not wait for what a page reports: no fake tab does."""
     tab_memory.TIMEOUT = 0.0
+
+
+@pytest.fixture(autouse=True)
+def quiet() -> Iterator[None]:
+    """Nobody's log goes on into the next test."""
+    yield
+    logging.getLogger().removeHandler(logs._TERMINAL)
+    for name in logs._LOGGERS:
+        logging.getLogger(name).setLevel(logging.NOTSET)
 
 
 @pytest.fixture(scope="module")

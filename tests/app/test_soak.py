@@ -27,7 +27,7 @@ Result = TypeVar("Result")
 
 FEW = 150
 """Messages that a page can be behind with: one for each thing that a drag changes."""
-ENOUGH = 5.0
+ENOUGH = 0.5
 """Seconds between two looks at a run that would last longer, until there were enough drags."""
 LOOKS = 5
 """Looks at what a tab has not read yet, at each of which there is less."""

@@ -78,7 +78,7 @@ def test_forward_is_the_printed_formula(arm: Arm, seed: int) -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=100)
+@settings(max_examples=50)
 @given(arms(), st.integers(0, 2**32 - 1))
 def test_links_keep_their_lengths_and_their_plane(arm: Arm, seed: int) -> None:
     positions = random_positions(arm, 10, seed)
@@ -150,7 +150,7 @@ def test_the_text_has_no_rounding_noise() -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=200)
+@settings(max_examples=60)
 @given(arms())
 def test_every_solid_has_a_size(arm: Arm) -> None:
     for solid in solids(arm):
@@ -160,7 +160,7 @@ def test_every_solid_has_a_size(arm: Arm) -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=200)
+@settings(max_examples=60)
 @given(arms())
 def test_solids_of_different_colours_never_share_a_face(arm: Arm) -> None:
     """Faces in one plane flicker: caps of cylinders along one axis must lie apart or inside."""
@@ -177,7 +177,7 @@ def test_solids_of_different_colours_never_share_a_face(arm: Arm) -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=200)
+@settings(max_examples=60)
 @given(arms())
 def test_the_base_stands_on_the_floor_and_the_fingers_end_at_the_tool(arm: Arm) -> None:
     links = arm_links.links(arm.a1, arm.a2, arm.a3, arm.a4, arm.a5)
@@ -189,7 +189,7 @@ def test_the_base_stands_on_the_floor_and_the_fingers_end_at_the_tool(arm: Arm) 
 
 
 @pytest.mark.slow
-@settings(max_examples=200)
+@settings(max_examples=60)
 @given(arms())
 def test_the_rod_never_leaves_its_sleeve(arm: Arm) -> None:
     links = arm_links.links(arm.a1, arm.a2, arm.a3, arm.a4, arm.a5)

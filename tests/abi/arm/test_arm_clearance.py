@@ -84,7 +84,7 @@ def random_case(seed: int, samples: int = 301) -> Case:
 
 
 @pytest.mark.slow
-@settings(max_examples=30)
+@settings(max_examples=16)
 @given(SEED)
 def test_nothing_proven_is_refuted_by_dense_samples(seed: int) -> None:
     found = random_case(seed)

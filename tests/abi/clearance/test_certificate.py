@@ -52,15 +52,15 @@ def covered(result: Certificate, obstacle: int) -> list[tuple[float, float]]:
 
 @pytest.mark.slow
 def test_no_certified_curve_is_refuted_and_no_clear_one_rejected() -> None:
-    found = campaign(2500, seed=10**6)
+    found = campaign(800, seed=10**6)
     assert found.false_accepts == []
     assert found.false_rejects == []
     assert found.wrong_witnesses == []
     assert found.wrongly_refused == []
     # Otherwise the campaign would have shown nothing.
-    assert found.certified > 500
-    assert found.refuted > 500
-    assert found.checked > 10
+    assert found.certified > 160
+    assert found.refuted > 160
+    assert found.checked > 3
 
 
 @settings(max_examples=60)

@@ -79,7 +79,7 @@ some_obstacles = st.sets(st.sampled_from(OBSTACLES), min_size=1).map(tuple)
 
 @pytest.mark.slow
 @given(curves, some_obstacles, st.floats(-0.5, 1.5), st.sampled_from([1e-1, 1e-3, 1e-5]))
-@settings(max_examples=120)
+@settings(max_examples=60)
 def test_no_dense_sample_contradicts_the_measurement(
     curve: Spline, obstacles: Obstacles, required: float, tolerance: float
 ) -> None:
@@ -285,7 +285,7 @@ def test_where_a_mesh_is_too_near_is_told_as_finely_as_of_a_solid(
 
 @pytest.mark.slow
 @given(curves, st.integers(0, 2**32 - 1))
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=15, deadline=None)
 def test_meshes_among_solids_are_measured_as_the_solids_they_are(curve: Spline, seed: int) -> None:
     random = np.random.default_rng(seed)
     solids: list[Obstacle] = []

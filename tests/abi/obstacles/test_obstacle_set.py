@@ -37,7 +37,7 @@ def _mesh(random: np.random.Generator) -> Obstacle:
 
 
 @pytest.mark.slow
-@settings(max_examples=60)
+@settings(max_examples=30)
 @given(seeds)
 def test_distances_are_those_of_the_obstacles_one_by_one(seed: int) -> None:
     random = np.random.default_rng(seed)
@@ -58,7 +58,7 @@ def test_distances_are_those_of_the_obstacles_one_by_one(seed: int) -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=60)
+@settings(max_examples=30)
 @given(seeds, st.floats(0, 1))
 def test_a_segment_is_blocked_where_its_distance_is_below_the_margin(
     seed: int, margin: float
@@ -77,7 +77,7 @@ def test_a_segment_is_blocked_where_its_distance_is_below_the_margin(
 
 
 @pytest.mark.slow
-@settings(max_examples=40)
+@settings(max_examples=20)
 @given(seeds)
 def test_bounds_and_boxes_hold_the_obstacles(seed: int) -> None:
     random = np.random.default_rng(seed)

@@ -159,7 +159,7 @@ def test_bounds_are_tight(solid: Obstacle) -> None:
 
 
 @given(solids, st.lists(triples, min_size=2, max_size=8))
-@settings(max_examples=150)
+@settings(max_examples=80)
 def test_distance_is_1_lipschitz_and_convex(
     solid: Obstacle, places: list[tuple[float, float, float]]
 ) -> None:
@@ -172,7 +172,7 @@ def test_distance_is_1_lipschitz_and_convex(
 
 @pytest.mark.slow
 @given(solids, quaternions, triples, st.lists(triples, min_size=2, max_size=6))
-@settings(max_examples=100)
+@settings(max_examples=50)
 def test_a_rigid_motion_of_everything_changes_nothing(
     solid: Obstacle,
     turn: tuple[float, float, float, float],
@@ -217,7 +217,7 @@ def test_gradient_agrees_with_central_differences(solid: Obstacle) -> None:
 
 @pytest.mark.slow
 @given(aligned, ends, st.lists(ends, min_size=1, max_size=8))
-@settings(max_examples=300)
+@settings(max_examples=120)
 def test_gradient_is_a_unit_subgradient_everywhere(
     solid: Obstacle,
     place: tuple[float, float, float],
@@ -250,7 +250,7 @@ def test_segment_distance_is_the_least_distance_along_the_segment(solid: Obstacl
 
 @pytest.mark.slow
 @given(st.one_of(solids, aligned), st.lists(st.tuples(ends, ends), min_size=1, max_size=10))
-@settings(max_examples=200)
+@settings(max_examples=80)
 def test_segment_distance_in_special_positions(
     solid: Obstacle, pairs: list[tuple[tuple[float, float, float], tuple[float, float, float]]]
 ) -> None:
@@ -261,7 +261,7 @@ def test_segment_distance_in_special_positions(
 
 
 @given(solids, ends, st.floats(0, 1e-9))
-@settings(max_examples=100)
+@settings(max_examples=50)
 def test_segment_of_no_length_is_a_point(
     solid: Obstacle, place: tuple[float, float, float], length: float
 ) -> None:
@@ -273,7 +273,7 @@ def test_segment_of_no_length_is_a_point(
 
 @pytest.mark.slow
 @given(solids, triples, triples, st.floats(0.05, 3))
-@settings(max_examples=200)
+@settings(max_examples=80)
 def test_a_segment_is_as_near_as_its_nearer_part(
     solid: Obstacle,
     start: tuple[float, float, float],
@@ -319,7 +319,7 @@ def test_segment_distance_keeps_its_digits_far_from_the_origin() -> None:
     st.lists(st.tuples(ends, ends), min_size=1, max_size=25),
     st.floats(-0.5, 1.5),
 )
-@settings(max_examples=200)
+@settings(max_examples=80)
 def test_blocked_segments_are_those_nearer_than_the_margin(
     obstacles: list[Obstacle],
     pairs: list[tuple[tuple[float, float, float], tuple[float, float, float]]],
@@ -361,7 +361,7 @@ def test_a_segment_that_keeps_the_margin_exactly_is_free() -> None:
 
 
 @given(st.lists(solids, min_size=1, max_size=5), st.lists(triples, min_size=1, max_size=10))
-@settings(max_examples=60)
+@settings(max_examples=40)
 def test_nearest_is_the_least_distance_and_its_owner(
     obstacles: list[Obstacle], places: list[tuple[float, float, float]]
 ) -> None:
@@ -396,7 +396,7 @@ def test_no_points_give_no_distances(solid: Obstacle) -> None:
 
 
 @given(solids)
-@settings(max_examples=100)
+@settings(max_examples=50)
 def test_a_solid_survives_saving_and_compares_by_value(solid: Obstacle) -> None:
     again = ADAPTER.validate_json(ADAPTER.dump_json(solid))
     assert again == solid
@@ -406,7 +406,7 @@ def test_a_solid_survives_saving_and_compares_by_value(solid: Obstacle) -> None:
 
 
 @given(quaternions, st.sampled_from([5e-324, 1e-300, 1e-3, 1.0, 1e3, 1.5e308]))
-@settings(max_examples=200)
+@settings(max_examples=80)
 def test_a_quaternion_of_any_length_is_the_same_rotation(
     wxyz: tuple[float, float, float, float], scale: float
 ) -> None:

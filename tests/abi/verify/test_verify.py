@@ -85,7 +85,7 @@ def test_of_a_plan_without_curves_nothing_is_proven() -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=60)
+@settings(max_examples=30)
 @given(seeds, st.sampled_from([0.5, 0.999, 1 - 1e-7]))
 def test_honest_certificates_are_accepted(seed: int, part: float) -> None:
     random = np.random.default_rng(seed)
@@ -535,7 +535,7 @@ def test_a_curve_inside_a_closed_mesh_is_refused() -> None:
 
 @pytest.mark.slow
 @given(seeds)
-@settings(max_examples=60)
+@settings(max_examples=30)
 def test_inside_is_where_the_mesh_winds_around(seed: int) -> None:
     random = np.random.default_rng(seed)
     vertices, faces = meshes.box((2, 2, 2))

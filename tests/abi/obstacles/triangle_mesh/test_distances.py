@@ -98,7 +98,7 @@ def test_distances_are_those_of_rational_numbers(name: str, seed: int) -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=300)
+@settings(max_examples=120)
 @given(st.floats(-17, 0), st.sampled_from(["needle", "cap", "lattice"]), seeds)
 def test_no_triangle_is_too_thin(power: float, kind: str, seed: int) -> None:
     """The area of some is lost to rounding."""
@@ -141,7 +141,7 @@ def test_distances_are_those_of_another_library(name: str, seed: int) -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=40)
+@settings(max_examples=25)
 @given(st.floats(-17, -2), seeds)
 def test_slivers_shorten_a_distance_but_never_lengthen_it(power: float, seed: int) -> None:
     rng = np.random.default_rng(seed)
