@@ -122,7 +122,7 @@ def _tab(scene: Scene, browser: Browser) -> Iterator[tuple[Page, Session]]:
         file = Path(folder) / "scene.json"
         scene.save(file)
         server = start(Address(port=0), scene=str(file), look=PLAIN)
-    page = Page(browser, server.url)
+    page = Page(browser, server.url, draws=True)
     try:
         page.until(lambda: len(server.sessions) == 1, "a session")
         (session,) = server.sessions.values()

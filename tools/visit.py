@@ -87,7 +87,7 @@ def visit(browser: Browser, scene: Scene | str, width: int = WIDTH) -> Iterator[
     """The scene, or the shipped one of that name, in a tab of a server of its own."""
     server = _server(scene)
     # of two ratios in an address the first counts: every pixel, where tests take few
-    page = Page(browser, server.url + "/?fixedDpr=1", width, HEIGHT)
+    page = Page(browser, server.url + "/?fixedDpr=1", width, HEIGHT, draws=True)
     page.tab.set_default_timeout(1000 * PATIENCE)
     try:
         page.until(lambda: len(server.sessions) == 1, "a session")

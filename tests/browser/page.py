@@ -38,6 +38,16 @@ PATIENCE = 60.0  # [s]; the first frames in software GL compile shaders for seco
 # resizes the canvas when drawing is slow.
 _RATIO = 0.05
 
+# In software a picture takes as long as ten steps of a test, and few look at it: the page does
+# all that it does for one but the last step, the graphics card's. ``window.draws`` has that done.
+_UNDRAWN = """for (const name of ["drawArrays", "drawElements", "drawRangeElements",
+    "drawArraysInstanced", "drawElementsInstanced"]) {
+  const draw = WebGL2RenderingContext.prototype[name];
+  WebGL2RenderingContext.prototype[name] = function (...numbers) {
+    if (window.draws) draw.apply(this, numbers);
+  };
+}"""
+
 _READY = """() => {
   const viser = window.__viserMutable;
   return !!(viser && viser.camera && viser.canvas && window.__viserTestpoints?.rendererInfo);
@@ -71,6 +81,27 @@ _FRAMES = """async count => {
     viser.requestRender();
     await new Promise(requestAnimationFrame);
   }
+}"""
+
+# The scene as it is drawn for once: what WebGL complains of (0: nothing), and grey for each pixel,
+# as the code of a letter.
+_PICTURE = """async () => {
+  const viser = window.__viserMutable, {render} = window.__viserTestpoints.rendererInfo;
+  const gl = viser.canvas.getContext("webgl2");
+  const [width, height] = [gl.drawingBufferWidth, gl.drawingBufferHeight];
+  const pixels = new Uint8Array(4 * width * height);
+  window.draws = true;
+  for (let drawn = 0, frame = render.frame; drawn < 3; frame = render.frame) {
+    viser.requestRender();
+    await new Promise(requestAnimationFrame);
+    if (render.frame === frame) continue;
+    drawn++;
+    gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
+  }
+  window.draws = false;
+  const greys = Array.from({length: width * height}, (_, k) =>
+    String.fromCharCode(pixels[4 * k] + pixels[4 * k + 1] + pixels[4 * k + 2]));
+  return [gl.getError(), greys.join("")];
 }"""
 
 _PIXEL = """([name, point]) => {
@@ -138,14 +169,21 @@ class Page:
     ``errors`` collects what the page threw or logged as an error; ``client`` is the id under which
     the server knows the tab, for whoever opened it to set; ``connections`` counts how often it has
     connected.
+
+    Unless it ``draws``, its pictures of the scene stay empty but for :meth:`picture`.
     """
 
-    def __init__(self, browser: Browser, url: str, width: int = 1280, height: int = 720) -> None:
+    def __init__(
+        self, browser: Browser, url: str, width: int = 1280, height: int = 720, draws: bool = False
+    ) -> None:
         self.errors: list[str] = []
         self.client = -1
         self.connections = 0
         self._connected = False
-        self.tab: Tab = browser.new_context(viewport={"width": width, "height": height}).new_page()
+        context = browser.new_context(viewport={"width": width, "height": height})
+        if not draws:
+            context.add_init_script(_UNDRAWN)
+        self.tab: Tab = context.new_page()
         self.tab.set_default_timeout(1000 * PATIENCE)
         self.tab.on("console", self._hear)
         self.tab.on("pageerror", lambda error: self.errors.append(str(error)))
@@ -305,6 +343,12 @@ class Page:
             self.tab.mouse.up()
             self.until(lambda: not self.props(gizmo)["disable_axes"], f"the arrows of {gizmo}")
             self.frames(3)
+
+    def picture(self) -> NDArray[np.uint16]:
+        """The scene's picture, drawn for once: the sum of red, green and blue for each pixel."""
+        error, greys = self.tab.evaluate(_PICTURE)
+        assert error == 0, f"WebGL error {error}"
+        return np.frombuffer(greys.encode("utf-16-le"), dtype=np.uint16)
 
     def frames(self, count: int) -> None:
         """Let the page draw that many frames."""

@@ -19,12 +19,21 @@ from tests.browser.page import Page
 _CHARTS = """() => Object.values(window.__viserTestpoints.uplots).map(
   ({chart}) => [chart.scales.x.min, chart.scales.x.max, chart.data[0][0], chart.data[0].at(-1)])"""
 
+# Layers by their switches, and a node of each: meshes, thin lines, points, fat lines, labels.
+_IN_THE_PICTURE = {
+    "arm": "/arm",
+    "mesh edges": "/mesh/edges",
+    "mesh nodes": "/mesh/nodes",
+    "quadratic": "/curve/quadratic",
+    "names, distance": "/name/line",
+}
+
 
 @pytest.fixture(scope="module")
 def page(chromium: Browser, server: Server) -> Iterator[Page]:
-    """A tab in which nothing was touched."""
+    """A tab in which nothing was touched, its canvas large enough for a picture."""
     tabs = Tabs(chromium, server)
-    yield tabs()
+    yield tabs("?fixedDpr=0.4")
     tabs.close()
 
 
@@ -178,3 +187,19 @@ def test_nothing_comes_from_elsewhere(page: Page, server: Server) -> None:
     elsewhere = [url for url in loaded if not re.match(r"(data|blob):", url)]
     assert [url for url in elsewhere if not url.startswith(server.url)] == []
     assert page.tab.title() == "ABI visualiser"
+
+
+def test_what_is_shown_is_in_the_picture(page: Page) -> None:
+    page.click("Pause")
+    page.click("Layers")
+    page.settle()
+    assert set(_IN_THE_PICTURE.values()) <= page.shown()
+    before = page.picture()
+    for layer, node in _IN_THE_PICTURE.items():
+        page.tick(layer, False)
+        page.until(lambda node=node: node not in page.shown(), f"{node} to go")  # type: ignore[misc]
+        page.settle()
+        after = page.picture()
+        assert (after != before).sum() > 20, f"{node} was in the picture"
+        before = after
+    assert (page.picture() == before).all(), "it stands still"
