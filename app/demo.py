@@ -57,7 +57,8 @@ class Demo:
         self._obstacles.place(0, self._origin + weight * shift * self._size)
 
     def end(self) -> None:
-        """Put the obstacle back, unless a hand has it."""
+        """Put the obstacle back, unless a hand has it; one that is still to come never begins."""
+        self.wanted = False
         if not self.running:
             return
         self.running = False

@@ -86,3 +86,10 @@ def test_it_does_not_begin_once_a_hand_has_pulled(
     demo = Demo(obstacles)
     demo.begin(session.frame.plan.scene)
     assert not demo.running
+
+
+def test_it_does_not_begin_once_there_was_input(obstacles: ObstacleGizmos) -> None:
+    demo = Demo(obstacles)
+    demo.wanted = True
+    demo.end()
+    assert not demo.wanted
