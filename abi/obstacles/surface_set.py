@@ -31,7 +31,7 @@ class SurfaceSet(NamedTuple):
     """Surfaces and where they are.
 
     Attributes:
-        boxes, leaves, corners: of the trees, see ``TriangleTree``.
+        boxes, leaves, corners, slabs: of the trees, see ``TriangleTree``.
         centres, radii, normals, areas: of their far fields, see ``Dipoles``.
         values: of the grids, see ``DistanceGrid``.
         begins: (s ``_IDS``,) of each surface where its nodes, leaves, triangles and values begin;
@@ -46,6 +46,7 @@ class SurfaceSet(NamedTuple):
     boxes: FloatArray
     leaves: IntArray
     corners: FloatArray
+    slabs: FloatArray
     centres: FloatArray
     radii: FloatArray
     normals: FloatArray
@@ -58,21 +59,24 @@ class SurfaceSet(NamedTuple):
     bounds: FloatArray
 
 
-NO_SURFACES = SurfaceSet(*(FLOATS, IDS, *6 * (FLOATS,), IDS, FLOATS, IDS[:0], FLOATS, FLOATS[:0]))
+NO_SURFACES = SurfaceSet(*(FLOATS, IDS, *7 * (FLOATS,), IDS, FLOATS, IDS[:0], FLOATS, FLOATS[:0]))
 """In an example, and where a scene has no meshes."""
 
 
 @register_jitable
 def surface_at(surfaces: SurfaceSet, mesh: int) -> tuple[SurfaceTables, Placement]:
     """A mesh of the set, and where it is."""
-    boxes, leaves, corners, centres, radii, normals, areas, values = surfaces[:8]
+    boxes, leaves, corners, slabs, centres, radii, normals, areas, values = surfaces[:9]
     begins, numbers, poses = surfaces.begins, surfaces.numbers, surfaces.poses
     k = _IDS * surfaces.whose[mesh]
     a, b, c, d = begins[k], begins[k + 1], begins[k + 2], begins[k + 3]
     e, f = begins[k + _IDS], begins[k + _IDS + 1]
     g, h = begins[k + _IDS + 2], begins[k + _IDS + 3]
     n = _NUMBERS * surfaces.whose[mesh]
-    tree = TriangleTree(boxes[6 * a : 6 * e], leaves[b:f], corners[9 * c : 9 * g], numbers[n])
+    tree = TriangleTree(
+        *(boxes[6 * a : 6 * e], leaves[b:f], corners[9 * c : 9 * g], slabs[5 * a : 5 * e]),
+        numbers[n],
+    )
     far_field = Dipoles(centres[3 * a : 3 * e], radii[a:e], normals[3 * a : 3 * e], areas[a:e])
     counts = (begins[k + 4] + 0, begins[k + 5] + 0, begins[k + 6] + 0)
     box = (vec3_at(numbers, n + 5), vec3_at(numbers, n + 8))
@@ -116,14 +120,14 @@ def _joined(surfaces: tuple[Surface, ...]) -> SurfaceSet:
         numbers.append([tree.size, *grid.low, grid.step, *low, *high, slack, extent, *error])
     begins.append([*at, 0, 0, 0, 0])
     columns = zip(
-        *((*tables.tree[:3], *tables.dipoles, tables.grid.values) for tables in all_tables),
+        *((*tables.tree[:4], *tables.dipoles, tables.grid.values) for tables in all_tables),
         strict=True,
     )
-    boxes, leaves, corners, centres, radii, normals, areas, values = map(
+    boxes, leaves, corners, slabs, centres, radii, normals, areas, values = map(
         _one_after_another, columns
     )
     return SurfaceSet(
-        *(boxes, leaves, corners, centres, radii, normals, areas, values),
+        *(boxes, leaves, corners, slabs, centres, radii, normals, areas, values),
         read_only(np.array(begins, dtype=np.int32).ravel()),
         read_only(np.array(numbers, dtype=float).ravel()),
         *(IDS[:0], FLOATS, FLOATS[:0]),

@@ -11,9 +11,9 @@ from numba.extending import register_jitable
 
 from abi.arrays import FloatArray, IntArray, flat, read_only
 from abi.compiled import FLOATS, IDS
-from abi.obstacles.triangle_mesh.bvh_kernels import order_of_leaves
+from abi.obstacles.triangle_mesh.bvh_kernels import order_of_leaves, slabs_of_nodes
 from abi.obstacles.triangle_mesh.surface import Surface
-from abi.obstacles.vector_kernels import Vec3, vec3_at
+from abi.obstacles.vector_kernels import Vec3, axpy, dot, vec3_at
 
 _LEAF = 4  # triangles that a leaf has, about: fewer cost memory, more cost tests
 
@@ -26,23 +26,51 @@ class TriangleTree(NamedTuple):
         leaves: leaf i, which is node (n - 1) / 2 + i, holds the triangles from ``leaves[i]`` up to
             ``leaves[i + 1]``.
         corners: corners of the triangles, in the order of the leaves, flat (9 m,).
+        slabs: of each node a unit vector, 0 where its triangles have no common side, and the most
+            and the least of its products with their corners, flat (5 n,). Of a smooth surface they
+            are much thinner than the boxes.
         size: largest coordinate, without its sign.
     """
 
     boxes: FloatArray
     leaves: IntArray
     corners: FloatArray
+    slabs: FloatArray
     size: float
 
 
-NO_TREE = TriangleTree(FLOATS, IDS, FLOATS, 1.0)
+NO_TREE = TriangleTree(FLOATS, IDS, FLOATS, FLOATS, 1.0)
 """In an example: a tree."""
 
 
-@register_jitable
+@register_jitable(forceinline=True)
 def box_of(tree: TriangleTree, node: int) -> tuple[Vec3, Vec3]:
     """Lowest and highest corner of a node's box."""
     return vec3_at(tree.boxes, 6 * node), vec3_at(tree.boxes, 6 * node + 3)
+
+
+@register_jitable(forceinline=True)
+def highest(direction: Vec3, low: Vec3, high: Vec3) -> float:
+    """Largest product of a direction with the points of a box."""
+    x, y, z = direction
+    top: float = x * (high[0] if x > 0.0 else low[0])
+    top += y * (high[1] if y > 0.0 else low[1])
+    top += z * (high[2] if z > 0.0 else low[2])
+    return top
+
+
+@register_jitable(forceinline=True)
+def highest_in_slab(tree: TriangleTree, node: int, direction: Vec3) -> float:
+    """Upper bound, but for rounding, of a direction's product with what a node holds.
+
+    The part of the direction along the normal of the slab counts in that, the rest in the box.
+    """
+    low, high = box_of(tree, node)
+    normal = vec3_at(tree.slabs, 5 * node)
+    along = dot(direction, normal)
+    height = tree.slabs[5 * node + (3 if along > 0.0 else 4)]
+    top: float = along * height + highest(axpy(-along, normal, direction), low, high)
+    return top
 
 
 def build_tree(triangles: FloatArray) -> TriangleTree:
@@ -56,10 +84,12 @@ def build_tree(triangles: FloatArray) -> TriangleTree:
     low = np.minimum.reduceat(sorted_.min(axis=1), leaves[:-1])
     high = np.maximum.reduceat(sorted_.max(axis=1), leaves[:-1])
     boxes = np.concatenate([_of_all_nodes(low, np.min), _of_all_nodes(high, np.max)], axis=1)
+    begins, corners = read_only(leaves.astype(np.int32)), read_only(sorted_.ravel())
     return TriangleTree(
         read_only(boxes.ravel()),
-        read_only(leaves.astype(np.int32)),
-        read_only(sorted_.ravel()),
+        begins,
+        corners,
+        _slabs(begins, corners),
         float(np.abs(triangles).max()),
     )
 
@@ -75,8 +105,21 @@ def moved(tree: TriangleTree, centre: FloatArray, scale: float) -> TriangleTree:
     # rounding is monotonic: what is least before is least after
     boxes = (tree.boxes.reshape(-1, 3) - centre) * scale
     corners = (tree.corners.reshape(-1, 3) - centre) * scale
+    packed = read_only(corners.ravel())
     size = float(np.abs(boxes[:2]).max())
-    return TriangleTree(read_only(boxes.ravel()), tree.leaves, read_only(corners.ravel()), size)
+    return TriangleTree(
+        read_only(boxes.ravel()),
+        tree.leaves,
+        packed,
+        _slabs(tree.leaves, packed),  # anew: far from the origin they have fewer digits
+        size,
+    )
+
+
+def _slabs(leaves: IntArray, corners: FloatArray) -> FloatArray:
+    slabs = np.zeros(5 * (2 * len(leaves) - 3))
+    slabs_of_nodes(leaves, corners, slabs)
+    return read_only(slabs)
 
 
 def coarser(tree: TriangleTree) -> TriangleTree:
@@ -84,8 +127,8 @@ def coarser(tree: TriangleTree) -> TriangleTree:
     count = len(tree.leaves) - 1
     if count == 1:
         return tree
-    boxes = tree.boxes[: -6 * count]
-    return TriangleTree(boxes, read_only(tree.leaves[::2].copy()), tree.corners, tree.size)
+    boxes, slabs = tree.boxes[: -6 * count], tree.slabs[: -5 * count]
+    return TriangleTree(boxes, read_only(tree.leaves[::2].copy()), tree.corners, slabs, tree.size)
 
 
 class Dipoles(NamedTuple):

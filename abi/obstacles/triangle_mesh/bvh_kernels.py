@@ -1,11 +1,14 @@
-"""Order of the triangles in a bounding volume hierarchy: boxes are halved at their medians."""
+"""Order of the triangles in a bounding volume hierarchy, and the slabs of its nodes."""
 
 from __future__ import annotations
+
+import math
 
 from numba.extending import register_jitable
 
 from abi.arrays import FloatArray, IntArray
-from abi.compiled import FLOATS, NEW_FLOATS, NEW_IDS, compiled
+from abi.compiled import FLOATS, IDS, NEW_FLOATS, NEW_IDS, compiled
+from abi.obstacles.vector_kernels import Vec3, add, cross, dot, norm, sub, vec3_at
 
 
 @register_jitable
@@ -54,6 +57,8 @@ def _part(keys: FloatArray, order: IntArray, low: int, high: int, middle: int) -
 def order_of_leaves(centres: FloatArray, depth: int, keys: FloatArray, order: IntArray) -> None:
     """Order triangles so that those of each box of a complete tree follow one another.
 
+    Boxes are halved at their medians.
+
     Args:
         centres: of the triangles, flat (3 m,).
         depth: of the tree; its level k has 2^k boxes, as equal in number as can be.
@@ -70,3 +75,42 @@ def order_of_leaves(centres: FloatArray, depth: int, keys: FloatArray, order: In
             for i in range(first, last):
                 keys[i] = centres[3 * order[i] + axis]
             _part(keys, order, first, last - 1, (count * (2 * block + 1)) >> (level + 1))
+
+
+@register_jitable
+def _normal_of(corners: FloatArray, first: int, last: int) -> Vec3:
+    """Unit vector along the sum of triangles' normals, each as long as the area; 0 if that is."""
+    total = (0.0, 0.0, 0.0)
+    for number in range(first, last):
+        k = 9 * number
+        a, b, c = vec3_at(corners, k), vec3_at(corners, k + 3), vec3_at(corners, k + 6)
+        total = add(total, cross(sub(b, a), sub(c, a)))
+    size = norm(total)
+    if size <= 1e-300:
+        return (0.0, 0.0, 0.0)
+    return (total[0] / size, total[1] / size, total[2] / size)
+
+
+@compiled(example=(IDS, FLOATS, NEW_FLOATS), fallback=False)
+def slabs_of_nodes(leaves: IntArray, corners: FloatArray, slabs: FloatArray) -> None:
+    """Slabs of all nodes of a tree, see ``TriangleTree``.
+
+    Args:
+        leaves: where the triangles of each leaf begin, and where the last one's end (k + 1,).
+        corners: of the triangles, flat (9 m,).
+        slabs: flat (5 (2 k - 1),); written.
+    """
+    count = len(leaves) - 1
+    width, node = count, 0
+    while width > 0:
+        for block in range(count // width):
+            first, last = leaves[block * width], leaves[(block + 1) * width]
+            normal = _normal_of(corners, first, last)
+            top, bottom = -math.inf, math.inf
+            for k in range(3 * first, 3 * last):
+                height = dot(normal, vec3_at(corners, 3 * k))
+                top, bottom = max(top, height), min(bottom, height)
+            slabs[5 * node], slabs[5 * node + 1], slabs[5 * node + 2] = normal
+            slabs[5 * node + 3], slabs[5 * node + 4] = top, bottom
+            node += 1
+        width //= 2

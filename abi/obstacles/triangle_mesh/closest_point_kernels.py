@@ -10,7 +10,7 @@ import math
 from numba.extending import register_jitable
 
 from abi.arrays import FloatArray, IntArray
-from abi.obstacles.triangle_mesh.bvh import TriangleTree
+from abi.obstacles.triangle_mesh.bvh import TriangleTree, highest_in_slab
 from abi.obstacles.triangle_mesh.triangle_kernels import (
     closest_point,
     point_to_box,
@@ -24,6 +24,18 @@ DEPTH = 64
 
 
 @register_jitable
+def _plane_of(tree: TriangleTree, x: Vec3, number: int, away: float) -> tuple[Vec3, float, float]:
+    """The plane through the point of a triangle nearest to x, across the way from it to x.
+
+    Returns:
+        The way; its product with the points of the plane; and what rounding may add to it.
+    """
+    normal = sub(x, closest_point(x, triangle_at(tree.corners, number)))
+    level = dot(normal, x) - away * norm(normal) * (1.0 + 1e-12)
+    return normal, level, 1e-12 * (tree.size + away) * away
+
+
+@register_jitable
 def nearest_triangle(
     tree: TriangleTree,
     x: Vec3,
@@ -31,6 +43,7 @@ def nearest_triangle(
     slack: float,
     waiting: IntArray,
     squares: FloatArray,
+    guess: int = -1,
 ) -> tuple[float, int]:
     """Distance of x to the nearest triangle, and the triangle's place in the tree.
 
@@ -42,13 +55,21 @@ def nearest_triangle(
         most: a distance; where no triangle is nearer the outcome is this, and -1.
         slack: the outcome may be above the distance by as much.
         waiting, squares: room for ``DEPTH`` nodes and their squared distances.
+        guess: place of a triangle that may be the nearest, or -1: what is beyond it is then passed
+            over from the first.
     """
-    boxes, leaves, corners, _ = tree
+    boxes, leaves, corners, _, _ = tree
     inner = len(leaves) - 2
     square, best, found = most * most, most, -1
     normal, level = (0.0, 0.0, 0.0), -math.inf
+    doubt = 0.0
+    if guess >= 0:
+        distance = point_to_triangle(x, triangle_at(corners, guess), square)
+        if distance < square:
+            square, best, found = distance, math.sqrt(distance), guess
+            normal, level, doubt = _plane_of(tree, x, found, best)
     # what is farther than this is passed over
-    limit = square
+    limit = square if slack == 0.0 or found < 0 else max(best - slack, 0.0) ** 2
     waiting[0], squares[0] = 0, point_to_box(x, boxes, 0)
     count = 1
     while count > 0:
@@ -69,6 +90,8 @@ def nearest_triangle(
                 break
         if node < inner or point_to_box(x, boxes, node) >= limit:
             continue
+        if found >= 0 and highest_in_slab(tree, node, normal) + doubt < level:
+            continue
         before = found
         for number in range(leaves[node - inner], leaves[node - inner + 1]):
             a, b, c = triangle = triangle_at(corners, number)
@@ -81,7 +104,6 @@ def nearest_triangle(
         if found == before:
             continue
         best = math.sqrt(square)
-        normal = sub(x, closest_point(x, triangle_at(corners, found)))
-        level = dot(normal, x) - best * norm(normal) * (1.0 + 1e-12)
+        normal, level, doubt = _plane_of(tree, x, found, best)
         limit = square if slack == 0.0 else max(best - slack, 0.0) ** 2
     return best, found

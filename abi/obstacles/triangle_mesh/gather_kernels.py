@@ -67,7 +67,7 @@ def gather(
     Returns:
         Their number, or -1 where there is no room for all.
     """
-    _, leaves, corners, _ = tree
+    _, leaves, corners, _, _ = tree
     inner = len(leaves) - 2
     p, q = segment
     inverse = inverse_of(sub(q, p))

@@ -11,9 +11,10 @@ from typing import NamedTuple
 from numba.extending import register_jitable
 
 from abi.arrays import FloatArray, IntArray
-from abi.obstacles.triangle_mesh.bvh import TriangleTree, box_of
+from abi.obstacles.triangle_mesh.bvh import TriangleTree, box_of, highest, highest_in_slab
 from abi.obstacles.triangle_mesh.closest_point_kernels import nearest_triangle
 from abi.obstacles.triangle_mesh.triangle_kernels import (
+    Triangle,
     clamp,
     closest_point,
     on_side,
@@ -57,7 +58,7 @@ def inverse_of(d: Vec3) -> Vec3:
     )
 
 
-@register_jitable
+@register_jitable(forceinline=True)
 def stretch_in(p: Vec3, inverse: Vec3, low: Vec3, high: Vec3, limit: float) -> float:
     """Part of a segment in a box that is widened by a limit; below 0 where it passes by.
 
@@ -69,12 +70,12 @@ def stretch_in(p: Vec3, inverse: Vec3, low: Vec3, high: Vec3, limit: float) -> f
         low, high: corners of the box.
         limit: distance.
     """
-    first, last = 0.0, 1.0
-    for k in range(3):
-        s = (low[k] - limit - p[k]) * inverse[k]
-        t = (high[k] + limit - p[k]) * inverse[k]
-        first = max(first, min(s, t))
-        last = min(last, max(s, t))
+    # written out: a loop over the axes takes half as long again
+    a, b = (low[0] - limit - p[0]) * inverse[0], (high[0] + limit - p[0]) * inverse[0]
+    c, d = (low[1] - limit - p[1]) * inverse[1], (high[1] + limit - p[1]) * inverse[1]
+    e, f = (low[2] - limit - p[2]) * inverse[2], (high[2] + limit - p[2]) * inverse[2]
+    first = max(max(min(a, b), min(c, d)), max(min(e, f), 0.0))
+    last = min(min(max(a, b), max(c, d)), min(max(e, f), 1.0))
     return last - first
 
 
@@ -107,19 +108,21 @@ def near_triangle(
         normal: about the way from the triangles to the segment, or 0; of a length up to 1.
         waiting: room for ``DEPTH`` nodes.
     """
-    _, leaves, corners, _ = tree
+    _, leaves, corners, _, _ = tree
     inner = len(leaves) - 2
     d = sub(q, p)
     inverse, per_square = inverse_of(d), 1.0 / max(dot(d, d), 1e-300)
     doubt = 1e-12 * (tree.size + norm(d))
     level = min(dot(normal, p), dot(normal, q)) - limit
-    middle = axpy(0.5, sub(q, p), p)
+    nearest, at = math.inf, 0.5
     waiting[0] = 0
     count = 1
     while count > 0:
         count -= 1
         node = waiting[count]
         way = Way(p, inverse, normal, d, per_square, doubt)
+        if _stretch_near(tree, node, way, limit, level) < 0.0:
+            continue
         node, count = _leaf_below(tree, node, way, limit, level, waiting, count)
         if node < 0:
             continue
@@ -131,15 +134,32 @@ def near_triangle(
             high = (max(a[0], b[0], c[0]), max(a[1], b[1], c[1]), max(a[2], b[2], c[2]))
             if stretch_in(p, inverse, low, high, limit) < 0.0:
                 continue
-            if segment_to_triangle(p, q, triangle) <= limit * limit:
+            square = segment_to_triangle(p, q, triangle)
+            if square <= limit * limit:
                 return number
-            # its neighbours are mostly as far along the way from it
-            away = sub(middle, closest_point(middle, triangle))
-            size = norm(away) * (1.0 + 1e-12)
-            if size > 0.0:
-                normal = (away[0] / size, away[1] / size, away[2] / size)
+            if square < nearest:
+                # beyond its plane there is little when it is the nearest of all
+                nearest = square
+                at, normal = _way_from(triangle, p, d, at)
                 level = min(dot(normal, p), dot(normal, q)) - limit
     return -1
+
+
+@register_jitable
+def _way_from(triangle: Triangle, p: Vec3, d: Vec3, t: float) -> tuple[float, Vec3]:
+    """Place on the segment p + t d nearest to a triangle, about, and the way to it: a unit vector.
+
+    Goes to and fro between both from the place t on.
+    """
+    way = (0.0, 0.0, 0.0)
+    for _ in range(_TRIES):
+        closest = closest_point(axpy(t, d, p), triangle)
+        t = on_side(closest, p, d)
+        way = sub(axpy(t, d, p), closest)
+    size = norm(way) * (1.0 + 1e-12)
+    if size > 0.0:
+        way = (way[0] / size, way[1] / size, way[2] / size)
+    return t, way
 
 
 @register_jitable
@@ -176,7 +196,7 @@ def _leaf_below(
     return node, count
 
 
-@register_jitable
+@register_jitable(forceinline=True)
 def _stretch_near(tree: TriangleTree, node: int, way: Way, limit: float, level: float) -> float:
     """Part of a segment that may be near to the box of a node; below 0 where none is.
 
@@ -185,7 +205,7 @@ def _stretch_near(tree: TriangleTree, node: int, way: Way, limit: float, level: 
     """
     p, inverse, normal, d, per_square, doubt = way
     low, high = box_of(tree, node)
-    if _top(normal, low, high) < level:
+    if highest(normal, low, high) < level:
         return -1.0
     stretch = stretch_in(p, inverse, low, high, limit)
     if stretch < 0.0:
@@ -194,18 +214,9 @@ def _stretch_near(tree: TriangleTree, node: int, way: Way, limit: float, level: 
     centre = sub(add(low, half), p)
     gap = axpy(-clamp(dot(centre, d) * per_square), d, centre)
     reach = (limit + norm(half)) * (1.0 + 1e-9) + doubt
-    return stretch if dot(gap, gap) <= reach * reach else -1.0
-
-
-@register_jitable
-def _top(normal: Vec3, low: Vec3, high: Vec3) -> float:
-    """Largest product of a direction with the points of a box."""
-    x, y, z = normal
-    return (
-        x * (high[0] if x > 0.0 else low[0])
-        + y * (high[1] if y > 0.0 else low[1])
-        + z * (high[2] if z > 0.0 else low[2])
-    )
+    if dot(gap, gap) > reach * reach or highest_in_slab(tree, node, normal) < level - doubt:
+        return -1.0
+    return stretch
 
 
 @register_jitable
@@ -269,7 +280,7 @@ def segment_distance(
         normal: about the way from the triangles to the segment, or 0; of a length up to 1.
         waiting: room for ``DEPTH`` nodes.
     """
-    _, leaves, corners, _ = tree
+    _, leaves, corners, _, _ = tree
     inner = len(leaves) - 2
     d = sub(q, p)
     inverse, per_square = inverse_of(d), 1.0 / max(dot(d, d), 1e-300)

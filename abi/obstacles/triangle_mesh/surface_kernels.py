@@ -99,6 +99,7 @@ class Room(NamedTuple):
         stack: (128,) nodes of a tree of dipoles.
         latest: (1,) place of the triangle that the last segment was too near to, or -1: the next
             one, beside it, often is, too.
+        nearest: (1,) place of the triangle that the last point was nearest to, or -1.
         samples: (``SAMPLES`` + 1,) signed distances along a segment, or bounds of them from below.
         known: (``SAMPLES`` + 1,) which are no bounds.
     """
@@ -107,6 +108,7 @@ class Room(NamedTuple):
     squares: FloatArray
     stack: IntArray
     latest: IntArray
+    nearest: IntArray
     samples: FloatArray
     known: BoolArray
 
@@ -122,8 +124,9 @@ NO_PLACEMENT = Placement((0.0, 0.0, 0.0), ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.
 def new_room() -> Room:
     """Room for descents."""
     waiting, stack = np.empty(DEPTH, np.int32), np.empty(128, np.int32)
-    latest, known = np.full(1, -1, np.int32), np.zeros(SAMPLES + 1, np.bool_)
-    return Room(waiting, np.empty(DEPTH), stack, latest, np.empty(SAMPLES + 1), known)
+    latest, nearest = np.full(1, -1, np.int32), np.full(1, -1, np.int32)
+    samples, known = np.empty(SAMPLES + 1), np.zeros(SAMPLES + 1, np.bool_)
+    return Room(waiting, np.empty(DEPTH), stack, latest, nearest, samples, known)
 
 
 @register_jitable
@@ -170,7 +173,10 @@ def _signed_distance_beside(
     lower, upper = distance_bounds(grid, x)
     most = min(max(-lower, upper), abs(beside) * (1.0 + error[1]) + error[0] + apart)
     most = most * (1.0 + 1e-9) + _TOUCHING * extent
-    away, number = nearest_triangle(tree, x, most, 0.0, room.waiting, room.squares)
+    # it may be of another surface, but is a triangle of this one all the same
+    guess = room.nearest[0] if room.nearest[0] < len(tree.corners) // 9 else -1
+    away, number = nearest_triangle(tree, x, most, 0.0, room.waiting, room.squares, guess)
+    room.nearest[0] = number
     doubt = error[0] + error[1] * away
     if not closed:
         return max(away - doubt, 0.0), number

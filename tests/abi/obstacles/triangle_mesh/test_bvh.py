@@ -4,7 +4,13 @@ import numpy as np
 import pytest
 
 from abi.arrays import FloatArray
-from abi.obstacles.triangle_mesh.bvh import TriangleTree, build_tree, coarser, moved
+from abi.obstacles.triangle_mesh.bvh import (
+    TriangleTree,
+    build_tree,
+    coarser,
+    highest_in_slab,
+    moved,
+)
 from tests.abi import meshes
 
 
@@ -47,6 +53,26 @@ def test_boxes_hold_their_triangles_and_no_more(name: str) -> None:
             held = corners[tree.leaves[first] : tree.leaves[last]].reshape(-1, 3)
             assert np.array_equal(boxes[node], [held.min(axis=0), held.max(axis=0)])
         assert tree.size == np.abs(triangles).max()
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_nothing_is_higher_than_its_slab_and_something_is_as_high_along_it(name: str) -> None:
+    triangles = triangles_of(name)
+    far = moved(build_tree(triangles + 1e6), np.full(3, 1e6), 0.5)
+    random = np.random.default_rng(5)
+    for tree in (build_tree(triangles), coarser(build_tree(triangles)), far):
+        corners = tree.corners.reshape(-1, 3)
+        for node in random.integers(0, len(tree.boxes) // 6, 20).tolist():
+            first, last = leaf_of(tree, node)
+            held = corners[3 * tree.leaves[first] : 3 * tree.leaves[last]]
+            normal = tree.slabs[5 * node : 5 * node + 3]
+            for direction in (normal, -normal, *random.normal(size=(5, 3))):
+                x, y, z = direction.tolist()
+                bound = highest_in_slab(tree, node, (x, y, z))
+                most = (held @ direction).max()
+                assert bound >= most - 1e-13 * tree.size
+                if np.array_equal(abs(direction), abs(normal)) and normal.any():
+                    assert bound == pytest.approx(most, abs=1e-12 * tree.size)
 
 
 @pytest.mark.parametrize("name", NAMES)
