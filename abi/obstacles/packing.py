@@ -28,7 +28,7 @@ def pack(primitives: tuple[Primitive, ...]) -> FloatArray:
     else:
         rows, changed = _of_last(primitives)
     for k in changed:
-        rows[k, :TREE] = _row(primitives[k])
+        rows[k, :TREE] = row(primitives[k])
     packed = rows.ravel()
     if len(rows):
         link(packed)
@@ -61,7 +61,8 @@ def _of_last(primitives: tuple[Primitive, ...]) -> tuple[FloatArray, list[int]]:
 
 
 @lru_cache(maxsize=8192)
-def _row(primitive: Primitive) -> FloatArray:
+def row(primitive: Primitive) -> FloatArray:
+    """Row of a primitive without its place in a tree, (``TREE``,)."""
     axes = _axes(primitive.wxyz)
     a, b, c, radius, is_cylinder = core = _core(primitive)
     half = [
@@ -71,9 +72,9 @@ def _row(primitive: Primitive) -> FloatArray:
         for k in range(3)
     ]
     (x, y, z), (u, v, w) = primitive.position, half
-    row = np.array([x, y, z, *axes, *core, x - u, y - v, z - w, x + u, y + v, z + w])
-    assert len(row) == TREE
-    return read_only(row)
+    numbers = np.array([x, y, z, *axes, *core, x - u, y - v, z - w, x + u, y + v, z + w])
+    assert len(numbers) == TREE
+    return read_only(numbers)
 
 
 @lru_cache(maxsize=1024)

@@ -15,7 +15,7 @@ import numpy as np
 from abi.arrays import BoolArray, FloatArray, IntArray, read_only
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import Obstacle, ObstacleSet
-from abi.obstacles.packing import pack
+from abi.obstacles.packing import row
 from abi.tet_mesh import exclusion_kernels as kernels
 from abi.tet_mesh import lattice
 from abi.tet_mesh.mesh_exclusion_kernels import exclusion_near_mesh
@@ -122,8 +122,9 @@ def exclusion(mesh: TetMesh, obstacle: Obstacle, margin: float) -> Exclusion:
             mesh.adjacency, mesh.open_directions, *obstacle.placed, margin, mesh.longest_edge
         )
     else:
-        row, reach = pack((obstacle,)), mesh.longest_edge
-        parts = kernels.exclusion(mesh.adjacency, mesh.open_directions, row, margin, reach)
+        parts = kernels.exclusion(
+            mesh.adjacency, mesh.open_directions, row(obstacle), margin, mesh.longest_edge
+        )
     return Exclusion(*(read_only(part) for part in parts))
 
 

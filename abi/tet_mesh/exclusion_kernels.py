@@ -42,7 +42,7 @@ def exclusion(
     Args:
         adjacency: the mesh.
         open_directions: (n,) directions that exist.
-        solid: (WIDTH,) row.
+        solid: (TREE,) row.
         margin: [unit].
         reach: the longest edge, [unit].
 
