@@ -6,6 +6,7 @@ are bounded from both sides.
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,6 +14,7 @@ from fractions import Fraction
 from functools import lru_cache
 
 Vec3 = tuple[Fraction, Fraction, Fraction]
+_Whole = tuple[int, int, int]
 
 _DIGITS = 100
 """Binary digits to which roots are bounded."""
@@ -46,16 +48,19 @@ def sqrt_bounds(square: Fraction) -> tuple[Fraction, Fraction]:
 
 def in_body(v: Vec3, wxyz: Sequence[float]) -> Vec3:
     """World vector in the body frame of a quaternion of any length but zero, exactly."""
+    x, y, z = _axes(tuple(wxyz))
+    return dot(x, v), dot(y, v), dot(z, v)
+
+
+@lru_cache(maxsize=1024)
+def _axes(wxyz: tuple[float, ...]) -> tuple[Vec3, Vec3, Vec3]:
+    """Axes of the body in the world."""
     w, x, y, z = map(Fraction, wxyz)
-    a, b, c = v
-    scale = 1 / (w * w + x * x + y * y + z * z)
+    s = 1 / (w * w + x * x + y * y + z * z)
     return (
-        scale * ((w * w + x * x - y * y - z * z) * a + 2 * (x * y + w * z) * b)
-        + scale * 2 * (x * z - w * y) * c,
-        scale * (2 * (x * y - w * z) * a + (w * w - x * x + y * y - z * z) * b)
-        + scale * 2 * (y * z + w * x) * c,
-        scale * (2 * (x * z + w * y) * a + 2 * (y * z - w * x) * b)
-        + scale * (w * w - x * x - y * y + z * z) * c,
+        (s * (w * w + x * x - y * y - z * z), s * 2 * (x * y + w * z), s * 2 * (x * z - w * y)),
+        (s * 2 * (x * y - w * z), s * (w * w - x * x + y * y - z * z), s * 2 * (y * z + w * x)),
+        (s * 2 * (x * z + w * y), s * 2 * (y * z - w * x), s * (w * w - x * x - y * y + z * z)),
     )
 
 
@@ -124,9 +129,28 @@ class ExactSpline:
 
     def points(self, span: int, start: Fraction, end: Fraction) -> list[Vec3]:
         """Bézier points of the span's polynomial on [start, end]."""
-        p = self.degree
-        if start == end:
-            return [self._blossom(span, [start] * p)] * (p + 1)
+        rows, unit = _bezier(self, span)
+        first, last = self.knots[span], self.knots[span + 1]
+        shares = (start - first) / (last - first), (end - first) / (last - first)
+        # in whole numbers, which need no common factors taken out after each step
+        whole = math.lcm(*(share.denominator for share in shares))
+        a, b = (share.numerator * (whole // share.denominator) for share in shares)
+        unit *= whole**self.degree
+        points: list[Vec3] = []
+        for _ in range(self.degree + 1):
+            left = rows
+            while len(left) > 1:
+                left = _halfway(left, a, whole)
+            x, y, z = left[0]
+            points.append((Fraction(x, unit), Fraction(y, unit), Fraction(z, unit)))
+            if start == end:
+                return points * (self.degree + 1)
+            rows = _halfway(rows, b, whole)
+        return points
+
+    def bezier(self, span: int) -> list[Vec3]:
+        """Bézier points of the span's polynomial from its knot to the next."""
+        p, start, end = self.degree, self.knots[span], self.knots[span + 1]
         return [self._blossom(span, [start] * (p - j) + [end] * j) for j in range(p + 1)]
 
     def _blossom(self, span: int, arguments: list[Fraction]) -> Vec3:
@@ -186,6 +210,24 @@ def hull(curve: ExactCurve, start: Fraction, end: Fraction) -> list[Vec3]:
 @lru_cache(maxsize=4096)
 def _points(curve: ExactCurve, span: int, start: Fraction, end: Fraction) -> list[Vec3]:
     return curve.points(span, start, end)
+
+
+@lru_cache(maxsize=1024)
+def _bezier(curve: ExactSpline, span: int) -> tuple[list[_Whole], int]:
+    """A span's Bézier points times a number that makes them whole, and that number."""
+    points = curve.bezier(span)
+    unit = math.lcm(*(part.denominator for point in points for part in point))
+    rows = [tuple(part.numerator * (unit // part.denominator) for part in p) for p in points]
+    return [(x, y, z) for x, y, z in rows], unit
+
+
+def _halfway(points: list[_Whole], share: int, whole: int) -> list[_Whole]:
+    """A step of de Casteljau's algorithm to ``share`` / ``whole``, times ``whole``."""
+    rest = whole - share
+    return [
+        (rest * a[0] + share * b[0], rest * a[1] + share * b[1], rest * a[2] + share * b[2])
+        for a, b in itertools.pairwise(points)
+    ]
 
 
 def _interpolate(a: Vec3, b: Vec3, share: Fraction) -> Vec3:

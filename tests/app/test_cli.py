@@ -166,7 +166,7 @@ def test_a_broken_scene_file_names_the_field(
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", scene_names())
+@pytest.mark.parametrize("name", ["paper", "kitchen-ur5e", "sculpture", "no-way"])
 def test_the_plan_of_a_shipped_scene_can_be_verified_wherever_it_is(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path, name: str
 ) -> None:
@@ -174,7 +174,7 @@ def test_the_plan_of_a_shipped_scene_can_be_verified_wherever_it_is(
     run(monkeypatch, capsys, "plan", name, "--out", str(target))
     data = json.loads(target.read_text())
     if data["error"] is not None:
-        assert name in ("no-way", "find-a-base")
+        assert name == "no-way"
         return
     proven = all(data[curve]["certificate"] is not None for curve in ("bspline", "quadratic"))
     code, out, err = run(monkeypatch, capsys, "verify", str(target))

@@ -10,6 +10,7 @@ import pytest
 from abi.planner.find_base import default_region
 from abi.scene.scene import load_scene
 from app.layers.base_map import BaseMapLayer
+from app.panels import find_base
 from app.session import Session
 from tests.app.fake_tab import FakeTab, layer, until
 
@@ -17,7 +18,8 @@ Tab = tuple[FakeTab, Session]
 
 
 @pytest.fixture
-def behind_a_wall(tab: Tab) -> Tab:
+def behind_a_wall(tab: Tab, monkeypatch: pytest.MonkeyPatch) -> Tab:
+    monkeypatch.setattr(find_base, "_PORTION", 0.0)  # there is no other tab to leave a turn to
     fake, session = tab
     fake.set(session.panels.files.choice, "find-a-base")
     until(lambda: session.frame.plan.error is not None and session.resting)
