@@ -6,6 +6,7 @@ is on screen instead of for a number of seconds.
 
 from __future__ import annotations
 
+import json
 import re
 import time
 from collections.abc import Callable, Sequence
@@ -146,6 +147,9 @@ _TRIANGLES = """name => {
   return corners / 3;
 }"""
 
+_IS_OPEN = """name => [...document.querySelectorAll("[role=tab][aria-selected=true]")]
+  .some(tab => tab.textContent.trim() === name && tab.checkVisibility())"""
+
 _TYPE = "name => window.__viserSceneTree.getState()[name].message.type"
 
 _SEND = "message => window.__viserMutable.sendMessage(message)"
@@ -185,6 +189,10 @@ class Page:
             context.add_init_script(_UNDRAWN)
         self.tab: Tab = context.new_page()
         self.tab.set_default_timeout(1000 * PATIENCE)
+        # what folds and fades does so at once
+        animations = context.new_cdp_session(self.tab)
+        animations.send("Animation.enable")
+        animations.send("Animation.setPlaybackRate", {"playbackRate": 50})
         self.tab.on("console", self._hear)
         self.tab.on("pageerror", lambda error: self.errors.append(str(error)))
         demo = "" if "demo=" in url else "&demo=0"
@@ -405,9 +413,16 @@ class Page:
 
     def click(self, name: str) -> None:
         """Click the visible button or the panel's tab of that name."""
-        button = self.tab.get_by_role("button", name=name, exact=True)
-        panel_tab = self.tab.get_by_role("tab", name=name, exact=True)
-        button.or_(panel_tab).filter(visible=True).click()
+        # asked by roles, the page looks at the style of all that is above each button
+        text = re.compile(rf"^\s*{re.escape(name)}\s*$")
+        written = self.tab.locator("button, [role=tab]").filter(has_text=text, visible=True)
+        label = json.dumps(name, ensure_ascii=False)
+        told = self.tab.locator(f"button[aria-label={label}]").filter(visible=True)
+        written.or_(told).click()
+
+    def is_open(self, name: str) -> bool:
+        """Whether the panel's tab of that name is the one that is shown."""
+        return bool(self.tab.evaluate(_IS_OPEN, name))
 
     def upload(self, button: str, name: str, content: bytes) -> None:
         """Click an upload button and choose a file."""

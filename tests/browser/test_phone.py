@@ -67,7 +67,8 @@ def test_a_sheet_shows_what_is_chosen_and_can_be_folded(chromium: Browser, serve
         page.until(lambda: _are_both_seen(page), "the scene above the sheet")
         page.settle()
         for corner in ([0.0, 0.0, 0.0], [6.0, 6.0, 6.0], [6.0, 0.0, 6.0], [0.0, 6.0, 0.0]):
-            assert page.is_free(page.pixel("/workspace", corner)), corner
+            # the camera follows what the server hears of the sheet
+            page.until(lambda: page.is_free(page.pixel("/workspace", corner)), f"{corner}", 20)  # noqa: B023
         page.tab.get_by_text("Result · Search ·").click()
         page.until(lambda: _in_sight(page), "the tabs")
         for name in ("Plots", "Scene", "Layers", "Learn", "Search", "Result"):

@@ -12,26 +12,33 @@ from tests.browser.page import Page
 _TEXTS = r"""() => {
   const canvas = document.createElement("canvas");
   const paint = canvas.getContext("2d", {willReadFrequently: true});
-  const rgba = colour => {
+  // nothing changes meanwhile: each is asked for once
+  const once = find => {
+    const known = new Map();
+    return key => (known.has(key) || known.set(key, find(key)), known.get(key));
+  };
+  const style = once(part => getComputedStyle(part));
+  const box = once(part => part.getBoundingClientRect());
+  const rgba = once(colour => {
     paint.clearRect(0, 0, 1, 1);
     paint.fillStyle = colour;
     paint.fillRect(0, 0, 1, 1);
     const [r, g, b, a] = paint.getImageData(0, 0, 1, 1).data;
     return [r, g, b, a / 255];
-  };
+  });
   const over = ([r, g, b, a], below) => [r, g, b].map((c, i) => a * c + (1 - a) * below[i]);
-  const ground = part => {
-    const own = rgba(getComputedStyle(part ?? document.body).backgroundColor);
+  const ground = once(part => {
+    const own = rgba(style(part ?? document.body).backgroundColor);
     return !part || own[3] > 0.99 ? own : over(own, ground(part.parentElement));
-  };
+  });
   const light = colour => colour.slice(0, 3).map(c => c / 255)
     .map(c => c <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4)
     .reduce((sum, c, i) => sum + c * [0.2126, 0.7152, 0.0722][i], 0);
-  const contrast = part => {
-    const behind = ground(part), ink = over(rgba(getComputedStyle(part).color), behind);
+  const contrast = once(part => {
+    const behind = ground(part), ink = over(rgba(style(part).color), behind);
     const [a, b] = [light(ink), light(behind)];
     return (Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05);
-  };
+  });
   // headings below which their panel scrolls
   const heads = [...document.querySelectorAll(".mantine-ScrollArea-content > div > div")]
     .filter(part => getComputedStyle(part).position === "sticky");
@@ -39,17 +46,17 @@ _TEXTS = r"""() => {
   const seen = (part, {left, top, right, bottom}) => {
     const page = [0, 0, innerWidth, innerHeight], frames = [];
     for (let frame = part; frame && frame !== document.body; frame = frame.parentElement) {
-      const {visibility, opacity, overflowX, overflowY} = getComputedStyle(frame);
+      const {visibility, opacity, overflowX, overflowY} = style(frame);
       if (visibility === "hidden" || Number(opacity) < 0.1) return null;
       if (overflowX === "visible" && overflowY === "visible") continue;
-      const {left: a, top: b, right: c, bottom: d} = frame.getBoundingClientRect();
+      const {left: a, top: b, right: c, bottom: d} = box(frame);
       const head = heads.find(one => frame.contains(one) && !one.contains(part));
-      frames.push([a, head?.getBoundingClientRect().bottom ?? b, c, d]);
+      frames.push([a, (head && box(head).bottom) ?? b, c, d]);
     }
     const inner = k => k < 2 ? Math.max : Math.min;
-    const box = [left, top, right, bottom]
+    const inside = [left, top, right, bottom]
       .map((side, k) => inner(k)(side, page[k], ...frames.map(frame => frame[k])));
-    return box[2] - box[0] > 1 && box[3] - box[1] > 1 ? box : null;
+    return inside[2] - inside[0] > 1 && inside[3] - inside[1] > 1 ? inside : null;
   };
   // what is written over the scene may be below a phone's sheet
   const covered = (part, [left, top, right, bottom]) => {
@@ -64,12 +71,12 @@ _TEXTS = r"""() => {
     if (!text || part.closest("style, script, math")) continue;
     const range = document.createRange();
     range.selectNodeContents(node);
-    const cut = getComputedStyle(part).overflowX !== "visible" && part.clientWidth > 0
+    const cut = style(part).overflowX !== "visible" && part.clientWidth > 0
       && part.scrollWidth > part.clientWidth + 1;
     for (const rect of range.getClientRects()) {
-      const box = seen(part, rect);
+      const visible = seen(part, rect);
       const off = part.closest("[disabled], [data-disabled]") !== null;
-      if (box && !covered(part, box)) found.push([text, box, contrast(part), off, cut]);
+      if (visible && !covered(part, visible)) found.push([text, visible, contrast(part), off, cut]);
     }
   }
   return found;
