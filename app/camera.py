@@ -25,6 +25,8 @@ _TURNING = 1.0
 """Part of a curve that is worth a quarter turn away from the usual direction."""
 _MOST_COVERED = 0.4
 """Part of the picture's height to which text on one edge counts; the rest is for the scene."""
+_SAME_SHAPE = 0.1
+"""Part by which the picture's shape may differ from one that the page tells of, both rounded."""
 _FOOT = 0.07
 """Radius of the arm's foot and column, as a part of the scene's size."""
 _TOLERANCE = 1e-3
@@ -167,7 +169,8 @@ class Viewpoint:
         at which the scene is not to move.
         """
         now = Window(self._camera.fov, aspect(self._camera))
-        if area is not None:
+        # of another shape it is of before the picture took this one, as with its panels still open
+        if area is not None and abs(area.aspect / now.aspect - 1) < _SAME_SHAPE:
             above, below = min(area.above, _MOST_COVERED), min(area.below, _MOST_COVERED)
             if self._points is None:
                 above = 0.0

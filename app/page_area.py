@@ -40,6 +40,11 @@ class PageArea:
     above: float = 0.0
     below: float = 0.0
 
+    @property
+    def aspect(self) -> float:
+        """Width over height of the scene."""
+        return (self.width - self.left - self.right) / max(self.height, 1.0)
+
     @classmethod
     def of(cls, text: object) -> PageArea | None:
         """The area of a text, which a hostile page may have written; None of any other text."""
