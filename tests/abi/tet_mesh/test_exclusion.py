@@ -107,7 +107,7 @@ def numbered(made: TetMesh, edges: IntArray) -> IntArray:
 
 
 @pytest.mark.slow
-@settings(max_examples=70, suppress_health_check=list(HealthCheck))
+@settings(max_examples=150, suppress_health_check=list(HealthCheck))
 @given(cases(), st.booleans())
 def test_the_graph_is_what_its_definition_says(case: Any, compiled: bool) -> None:
     made, solids, margin, clearance, start, goal = case
