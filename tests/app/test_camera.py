@@ -7,6 +7,7 @@ import pytest
 
 from app.extent import extent
 from app.framing import Window, axes, holds
+from app.page_area import PageArea
 from app.session import Session
 from tests.app.fake_tab import FakeTab, until
 
@@ -127,6 +128,19 @@ def test_a_page_that_tells_of_the_place_before_has_not_moved_its_camera(
     until(lambda: lecture.on and session.resting and not np.allclose(camera.position, before))
     fake.look(camera, 300, position=list(before))
     until(lambda: camera.image_width == 300 and _sees_all(session))
+
+
+@pytest.mark.parametrize("same", [True, False])
+def test_text_counts_only_where_it_was_measured_in_a_picture_of_this_shape(
+    tab: tuple[FakeTab, Session], same: bool
+) -> None:
+    _, session = tab
+    viewpoint, camera = session._view.viewpoint, session.client.camera
+    width, height = float(camera.image_width), float(camera.image_height)
+    # with a panel still open the scene beside it had half the width
+    area = PageArea(width=width, height=height, left=0.0 if same else width / 2, below=0.3)
+    assert viewpoint._free(area).below == (0.3 if same else viewpoint._free(None).below)
+    assert viewpoint._free(None).below < 0.3
 
 
 def _goal(session: Session) -> Any:
