@@ -1,7 +1,7 @@
 """Compilation of all kernels in the background, kept from one run to the next.
 
-Kernels that an earlier run has kept are loaded, in about a second. The others are compiled in a
-process of their own, so that neither the plans nor the end of the program wait for it, and loaded
+Kernels that an earlier run has kept are loaded, in about a second. The others are compiled in
+processes of their own, so that neither the plans nor the end of the program wait for it, and loaded
 one by one as they come.
 """
 
@@ -15,6 +15,8 @@ import pkgutil
 import subprocess
 import sys
 import threading
+from collections import deque
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -31,6 +33,9 @@ _GRACE = 0.2
 
 _CHILD = "from abi.compiling import compile_named; compile_named()"
 
+_MOST_PROCESSES = 4
+"""Processes that compile: each takes a quarter of a gigabyte, and more are hardly faster."""
+
 
 class _Compilation:
     """The one background compilation of a process.
@@ -39,14 +44,17 @@ class _Compilation:
         loaded: set once all kernels that an earlier run has kept are loaded.
         done: set once all kernels run compiled that can.
         wanted: set once somebody waits for it, or the process ends.
+        spare: processors that are left to others; as many as there are but one, unless whoever
+            waits for it says so.
     """
 
     def __init__(self) -> None:
         self.loaded = threading.Event()
         self.done = threading.Event()
         self.wanted = threading.Event()
+        self.spare = _processors() - 1
         self._thread: threading.Thread | None = None
-        self._child: subprocess.Popen[str] | None = None
+        self._children: list[subprocess.Popen[str]] = []
         self._lock = threading.Lock()
         self._ending = False
 
@@ -65,8 +73,8 @@ class _Compilation:
         A thread inside the compiler's library when the process ends could crash it.
         """
         self._ending = True
-        if self._child is not None:
-            self._child.kill()
+        for child in self._children:
+            child.kill()
         self.wanted.set()
         if self._thread is not None:
             self._thread.join()
@@ -80,8 +88,7 @@ class _Compilation:
             if not missing:
                 return
             self.loaded.set()
-            if not self._ending:
-                self._from_child(missing)
+            self._from_children(missing)
             for kernel in missing:
                 # where nothing can be kept, or no process started
                 if not self._ending:
@@ -98,27 +105,70 @@ class _Compilation:
             kernel.compile()
         return kernel.compiled
 
-    def _from_child(self, missing: list[Kernel[..., Any]]) -> None:
-        """Let another process compile missing kernels, and load each when it is kept."""
-        paths = [str(_PACKAGE.parent), os.environ.get("PYTHONPATH", "")]
-        environment = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, paths))}
-        try:
-            self._child = subprocess.Popen(
-                [sys.executable, "-P", "-c", _CHILD, *(kernel.name for kernel in missing)],
-                env=environment,
-                stdin=subprocess.DEVNULL,
-                stdout=subprocess.PIPE,
-                stderr=subprocess.DEVNULL,
-                text=True,
-            )
-        except OSError:
+    def _from_children(self, missing: list[Kernel[..., Any]]) -> None:
+        """Let other processes compile missing kernels, and load each when it is kept."""
+        # by module: its kernels share what they call, which a process compiles once
+        modules: dict[str, list[str]] = {}
+        for kernel in missing:
+            modules.setdefault(kernel.py_func.__module__, []).append(kernel.name)
+        waiting = deque(modules.values())
+        count = min(_MOST_PROCESSES, len(waiting), max(_processors() - self.spare, 1))
+        threads = [
+            threading.Thread(target=self._from_child, args=(waiting,), daemon=True)
+            for _ in range(count)
+        ]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+
+    def _from_child(self, waiting: deque[list[str]]) -> None:
+        """Let another process compile one module's kernels after the other, until none waits."""
+        child = _start_child()
+        if child is None:
             return
+        self._children.append(child)
         if self._ending:
-            self._child.kill()
-        assert self._child.stdout is not None
-        with self._child:
-            for line in self._child.stdout:
-                self._load(KERNELS[line.strip()])
+            child.kill()
+        assert child.stdin is not None
+        assert child.stdout is not None
+        with child, suppress(BrokenPipeError):
+            while names := _next(waiting):
+                for name in names:
+                    print(name, file=child.stdin, flush=True)
+                    if child.stdout.readline().strip() != name:
+                        return
+                    self._load(KERNELS[name])
+
+
+def _next(waiting: deque[list[str]]) -> list[str] | None:
+    """Take the first, which other threads may do as well; None where none is left."""
+    with suppress(IndexError):
+        return waiting.popleft()
+    return None
+
+
+def _start_child() -> subprocess.Popen[str] | None:
+    """A process that compiles what it is told; None where none can be started."""
+    paths = [str(_PACKAGE.parent), os.environ.get("PYTHONPATH", "")]
+    try:
+        return subprocess.Popen(
+            [sys.executable, "-P", "-c", _CHILD],
+            env=os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, paths))},
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            text=True,
+        )
+    except OSError:
+        return None
+
+
+def _processors() -> int:
+    """Number of processors that this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
 
 
 _compilation = _Compilation()
@@ -132,12 +182,16 @@ def all_kernels() -> list[Kernel[..., Any]]:
     return list(KERNELS.values())
 
 
-def compile() -> None:
+def compile(spare: int = 0) -> None:
     """Compile all kernels and wait for it: a second if an earlier run did, else a minute or a few.
 
     Plans are made without it too, slower at first: from the first one on kernels are compiled in
     the background.
+
+    Args:
+        spare: number of processors that are left to others meanwhile.
     """
+    _compilation.spare = spare
     _compilation.begin()
     _compilation.wanted.set()
     _compilation.done.wait()
@@ -161,12 +215,13 @@ def wait_for_loading() -> None:
 
 
 def compile_named() -> None:
-    """Compile the kernels that the command line names, and print the name of each when it is kept.
+    """Compile the kernels named on the input, and print the name of each when it is kept.
 
-    The main function of the other process, which ends with the one that started it.
+    The main function of the other processes, which end with the one that started them.
     """
     all_kernels()
-    for name in sys.argv[1:]:
+    for line in sys.stdin:
+        name = line.strip()
         KERNELS[name].compile()
         print(name, flush=True)
 

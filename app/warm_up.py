@@ -61,7 +61,7 @@ class WarmUp:
         timer.daemon = True
         timer.start()
         try:
-            compiling.compile()
+            compiling.compile(spare=1)  # for the tabs
             self._call_kernels()
             if self.planned.is_set():
                 self._warm_reader()

@@ -63,7 +63,7 @@ def test_garbage_is_looked_for_again_once_all_is_loaded() -> None:
 import gc
 from abi.scene.scene import load_scene
 from app import memory, warm_up
-warm_up.compiling.compile = lambda: None
+warm_up.compiling.compile = lambda spare: None
 def loading(scene):
     assert not gc.isenabled() and gc.get_freeze_count() == 0
     {then}
