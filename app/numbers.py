@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import math
+import re
 
 import numpy as np
 
 from abi.clearance.curve_clearance import Clearance
 
 _MILLION = 1_000_000
+_UNIT = re.compile(r"(?<=\d) (?=(?:[cm]?m|m?s|%)(?![a-zA-Z])(?![^<>]*>))")
+"""Space between a number and its unit, not in a tag."""
 
 
 def format_length(length: float) -> str:
@@ -44,6 +47,11 @@ def format_count(count: int) -> str:
 def format_time(ms: float) -> str:
     """A time given in [ms]: in whole milliseconds, from one second on in seconds."""
     return f"{ms:.0f} ms" if ms < 999.5 else f"{ms / 1000:.1f} s"
+
+
+def unbroken(text: str) -> str:
+    """HTML in which no line ends between a number and its unit."""
+    return _UNIT.sub("\N{NO-BREAK SPACE}", text)
 
 
 def distance_to_show(clearance: Clearance) -> float:

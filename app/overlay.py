@@ -8,9 +8,19 @@ from typing import Literal
 import viser
 
 from app import page
+from app.numbers import unbroken
 
 Part = Literal[
-    "message", "tools", "tour", "challenge", "class", "lecture", "numbers", "player", "marks"
+    "message",
+    "tools",
+    "contact",
+    "tour",
+    "challenge",
+    "class",
+    "lecture",
+    "numbers",
+    "player",
+    "marks",
 ]
 
 
@@ -30,7 +40,7 @@ class Overlay:
         """Show HTML in a part; what a user may have typed must be escaped in it."""
         if self.shown.get(part, "") != content:
             self.shown[part] = content
-            page.show_part(self._client, part, content)
+            page.show_part(self._client, part, unbroken(content))
 
     def set_clock(self, time: float, end: float, playing: bool) -> None:
         """Show the motion's time and end, [s], in the player."""

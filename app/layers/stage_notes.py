@@ -16,7 +16,13 @@ from app import style
 from app.arm_words import clearance_sentence, contact_sentence
 from app.frame import Frame, Switch
 from app.layout import Layout
-from app.numbers import distance_to_show, format_length, format_lower_bound, format_setting
+from app.numbers import (
+    distance_to_show,
+    format_length,
+    format_lower_bound,
+    format_setting,
+    unbroken,
+)
 from app.once_a_plan import once_a_plan
 
 _PIECES_SHOWN = 2
@@ -51,8 +57,8 @@ class StageNotesLayer:
         self._drawn = plan
         notes = _notes(plan)
         for stage, handle in self._notes.items():
-            handle.content = notes[stage]
-        self._phases.content = notes["motion"]
+            handle.content = unbroken(notes[stage])
+        self._phases.content = unbroken(notes["motion"])
 
 
 @once_a_plan

@@ -18,6 +18,7 @@ from app.numbers import (
     format_lower_bound,
     format_setting,
     format_time,
+    unbroken,
 )
 from app.once_a_plan import once_a_plan
 
@@ -70,7 +71,7 @@ class TablesLayer:
         note = _PARTIAL if frame.partial else ""
         if frame.coarse:
             note = _COARSE.format(format_setting(plan.scene.mesh.pitch), plan.scene.unit)
-        self._tables.content = _searches(plan, frame.partial) + _stages(plan) + note
+        self._tables.content = unbroken(_searches(plan, frame.partial) + _stages(plan) + note)
 
 
 @once_a_plan

@@ -16,7 +16,7 @@ from app.layers.lines import NO_SEGMENTS, add_line, segments
 from app.layers.points import Points
 from app.layers.tables import table
 from app.layout import Layout
-from app.numbers import format_count, format_length
+from app.numbers import format_count, format_length, unbroken
 from app.theatre import Theatre, labels
 
 NODE_BUDGET = 20_000
@@ -58,7 +58,7 @@ class TheatreLayer:
         self._text.visible = alone
         if theatre is not None and alone:
             self._draw_state(theatre)
-            self._text.content = describe(theatre, frame.plan.scene)
+            self._text.content = unbroken(describe(theatre, frame.plan.scene))
         self._drawn = theatre
 
     def _draw_state(self, theatre: Theatre) -> None:

@@ -13,7 +13,7 @@ from abi.planner.find_base import base_maps
 from abi.scene.scene import Scene
 from app import style
 from app.frame import Frame
-from app.numbers import format_length, format_lower_bound, format_setting
+from app.numbers import format_length, format_lower_bound, format_setting, unbroken
 from app.panels.base_region import BaseRegion
 from app.panels.widgets import Wake
 
@@ -117,7 +117,7 @@ class FindBasePanel:
         if found is not None:
             done, of = found.planned
             self.progress.value = min(100.0, 100 * done / of)
-            self._text.content = f"{style.BOX}{_result(found)}</div>"
+            self._text.content = unbroken(f"{style.BOX}{_result(found)}</div>")
 
 
 def _with_base(scene: Scene, found: BaseMap) -> Scene:

@@ -36,6 +36,8 @@ class Messages:
         # Any, since viser declares a button's value read-only
         self.accept: Any = gui.add_button("Accept", visible=False)
         self.point_out: Any = gui.add_button("Show it", visible=False)
+        self.avoid: Any = gui.add_button("Avoid", visible=False)
+        self.avoid.on_click(wake)
         self.accept.on_click(wake)
         self.point_out.on_click(wake)
         self._reason: Reason | None = None
@@ -48,6 +50,7 @@ class Messages:
         if state == self._drawn:
             return
         self._drawn = state
+        contact = ""
         self._reason = None if frame.refused is not None else frame.reason
         if frame.refused is not None:
             content = _error("Not changed. " + sentence(frame.refused), "")
@@ -56,11 +59,16 @@ class Messages:
         elif frame.plan.error is not None:
             content = self._failure(frame, frame.plan.error)
         else:
-            content = f'<div class="abi-card">{_progress(frame)}</div>{_contact(frame.plan)}'
+            content = f'<div class="abi-card">{_progress(frame)}</div>'
+            contact = self._contact(frame.plan)
         self._overlay.show("message", content)
+        self._overlay.show("contact", contact)
 
     def accepted_change(self) -> dict[str, Any] | None:
         """The change of the scene whose button was pressed since the last call."""
+        avoid, self.avoid.value = self.avoid.value, False
+        if avoid:
+            return {"arm": {"avoid": True}}
         pressed, self.accept.value = self.accept.value, False
         return self._reason.change if pressed and self._reason is not None else None
 
@@ -86,16 +94,16 @@ class Messages:
             return content
         return f'{content}<div class="abi-buttons" style="margin-top:6px">{buttons}</div>'
 
-
-def _contact(plan: Plan) -> str:
-    """Worst contact of the arm; the rest stands in stage 6."""
-    contacts = () if plan.arm_clearance is None else plan.arm_clearance.contacts
-    if not contacts:
-        return ""
-    sentence = html.escape(contact_sentence(contacts[0], plan.scene.unit))
-    hint = "Only the tool's path is planned clear"
-    hint += "." if plan.scene.arm.avoid else "; stage 6 can avoid with the whole arm."
-    return f'<div class="abi-card abi-error"><b>{sentence} ✗</b> {hint}</div>'
+    def _contact(self, plan: Plan) -> str:
+        """Worst contact of the arm, and the button of what may help; the rest is in stage 6."""
+        contacts = () if plan.arm_clearance is None else plan.arm_clearance.contacts
+        if not contacts:
+            return ""
+        sentence = html.escape(contact_sentence(contacts[0], plan.scene.unit))
+        text = f"<b>{sentence} ✗</b> Only the tool's path is planned clear."
+        if not plan.scene.arm.avoid:
+            text += f" {button(self.avoid, 'Avoid with the whole arm')}"
+        return f'<div class="abi-card abi-error">{text}</div>'
 
 
 def _progress(frame: Frame) -> str:

@@ -91,7 +91,7 @@ window.abi = {
     root = document.createElement("div");
     root.id = "abi-overlay";
     root.innerHTML = `<div class="abi-top"><div data-part="message"></div>
-      <div data-part="tools"></div><div data-part="tour"></div>
+      <div data-part="tools"></div><div data-part="contact"></div><div data-part="tour"></div>
       <div data-part="challenge"></div><div data-part="class"></div></div>
       <div class="abi-bottom"><div data-part="lecture"></div>
       <div data-part="numbers"></div><div data-part="player"></div>
@@ -354,6 +354,9 @@ document.head.insertAdjacentHTML("beforeend", `<style id="abi-style">
 #abi-overlay .abi-top, #abi-overlay .abi-bottom { padding: 8px 10px; display: flex; gap: 6px; }
 #abi-overlay .abi-top { flex-wrap: wrap; justify-content: space-between; }
 #abi-overlay [data-part=message] { flex: 1 1 240px; }
+/* below sentence and buttons, in the fewest lines: what it lies over should be seen */
+#abi-overlay [data-part=contact]:not(:empty) { flex: 1 0 100%; }
+#abi-overlay [data-part=contact] .abi-card { width: fit-content; }
 #abi-overlay .abi-bottom { flex-direction: column; }
 #abi-overlay .abi-card {
   background: color-mix(in srgb, var(--mantine-color-body) 88%, transparent);

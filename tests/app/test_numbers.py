@@ -22,6 +22,7 @@ from app.numbers import (
     format_lower_bound,
     format_setting,
     format_time,
+    unbroken,
 )
 from app.panels.stage_headers import _TITLES, _results
 
@@ -108,3 +109,12 @@ def test_nothing_is_told_of_points_that_there_are_not() -> None:
     added = plan(load_scene("arm-in-the-way"))
     assert ">8 points added to stay clear (17 now)." in _control_points(added)
     assert _control_points(plan(paper)) == ""
+
+
+@pytest.mark.parametrize("unit", ["m", "cm", "mm", "s", "ms", "%", "cm/s", "cm/s²"])
+def test_no_line_ends_between_a_number_and_its_unit(unit: str) -> None:
+    text = f'<b style="top:2 {unit}">The rod, 2 of 3, comes to 0.5 {unit}</b> in 3 steps, 4 more.'
+    kept = unbroken(text)
+    assert kept.replace("\N{NO-BREAK SPACE}", " ") == text
+    places = [place for place, letter in enumerate(kept) if letter == "\N{NO-BREAK SPACE}"]
+    assert places == [text.index(f"5 {unit}</b>") + 1]

@@ -131,6 +131,21 @@ def test_what_is_refused_stays_so_while_a_hand_drags(tab: tuple[FakeTab, Session
     assert session._scene.obstacles[0].position == pytest.approx((3.0, 3.0, 2.4))
 
 
+def test_where_a_link_touches_something_a_button_avoids_that(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    shown = session.panels.layout.overlay.shown
+    fake.drag(session.panels.obstacles.gizmos[0], [3.5, 2.0, 3.0])
+    until(lambda: "touches obstacle 1" in shown.get("contact", ""))
+    assert not session.plan.scene.arm.avoid  # type: ignore[union-attr]
+    fake.set(session.panels.messages.avoid, True)
+    until(lambda: not shown["contact"] and session.resting)
+    assert session.plan is not None
+    assert session.plan.scene.arm.avoid
+    assert session.panels.stages.arm.avoid.value
+    assert session.plan.arm_clearance is not None
+    assert session.plan.arm_clearance.certified
+
+
 def test_nothing_is_told_of_the_last_scene_while_another_is_planned(
     tab: tuple[FakeTab, Session], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -202,7 +217,8 @@ def test_a_fine_mesh_is_coarser_while_the_hand_moves_and_whole_once_it_rests(
         assert session.plan.mesh is not None
         seen.add(len(session.plan.mesh.points))
         place = session.plan.scene.obstacles[0].position
-        return math.isclose(place[2], 2.0) and len(session.plan.searches) == 3
+        pitch = session.plan.scene.mesh.pitch  # one is heard by another thread than the other
+        return math.isclose(place[2], 2.0) and pitch == 0.25 and len(session.plan.searches) == 3
 
     session._planner.live.budget.nodes = 6_000
     fake.set(session.panels.stages.mesh.pitch, 0.25)

@@ -440,7 +440,7 @@ class Page:
 
     def text(self) -> str:
         """Everything that can be read on the page."""
-        return self.tab.locator("body").inner_text()
+        return self.tab.locator("body").inner_text().replace("\N{NO-BREAK SPACE}", " ")
 
     def reads(self, text: str) -> None:
         """Wait until ``text`` stands on the page."""
