@@ -25,7 +25,7 @@ DOCS := .venv/.installed-docs
 PARALLEL := --numprocesses auto --dist loadgroup
 PYTEST := $(BIN)/pytest $(PARALLEL)
 COMPILE := $(BIN)/uv pip compile pyproject.toml --no-config --no-header --quiet \
-	--universal --python-version 3.11 --fork-strategy fewest --generate-hashes
+	--universal --python-version 3.11 --fork-strategy fewest --no-strip-extras --generate-hashes
 
 .PHONY: run test check quick coverage test-wheel lint docs pictures bench attack fuzz soak restarts format lock clean
 .DEFAULT_GOAL := run
