@@ -98,7 +98,8 @@ class Planner:
             scene: the scene.
             chosen_only: whether to run only the search whose path goes on, which is faster.
         """
-        if self._planned:
+        # one that compiles waits for what another planner has begun to load; a tab's first does not
+        if self._planned or self._compile:
             compiling.wait_for_loading()
         begin = time.perf_counter()
         results: dict[str, Any] = {}

@@ -127,13 +127,13 @@ def test_a_stamp_changes_with_the_order_of_fields() -> None:
 
 PLANS = """
 import abi, sys, time
-planner = abi.Planner()
+plan = abi.plan if sys.argv[2:] else abi.Planner()
 scene = abi.load_scene("paper")
 x = 0.0
 used = []
 for _ in range(int(sys.argv[1])):
     x += 1e-3
-    planner(scene.replace(goal=[6 - x, 6, 6]))
+    plan(scene.replace(goal=[6 - x, 6, 6]))
     from abi.compiled import KERNELS
     used.append(sum(kernel.compiled for kernel in KERNELS.values()) / len(KERNELS))
 print(*used)
@@ -155,9 +155,10 @@ def run(code: str, *arguments: str, **environment: str) -> str:
 
 
 @pytest.mark.slow
-def test_the_second_plan_of_a_script_runs_compiled() -> None:
+@pytest.mark.parametrize("way", [[], ["abi.plan"]], ids=["one planner", "abi.plan"])
+def test_the_second_plan_of_a_script_runs_compiled(way: list[str]) -> None:
     abi.compile()
-    first, second = map(float, run(PLANS, "3").split()[:2])
+    first, second = map(float, run(PLANS, "3", *way).split()[:2])
     assert first < second == 1
 
 
