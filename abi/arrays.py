@@ -1,4 +1,4 @@
-"""Array types of the package; arrays that stay as they are."""
+"""Array types of the package, and read-only arrays."""
 
 from __future__ import annotations
 

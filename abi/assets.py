@@ -1,4 +1,4 @@
-"""Paths of the files that come with the package: scenes and arms."""
+"""Paths of the files that come with the package, such as scenes and arms."""
 
 from __future__ import annotations
 

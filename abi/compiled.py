@@ -1,8 +1,8 @@
 """Kernels: inner loops that run as plain Python until they are compiled.
 
-``@compiled(example=…)`` makes a kernel of a function and registers it; calls run the compiled form
-once there is one. :mod:`abi.compiling` compiles all kernels in the background of the first plan.
-Helpers that kernels share are decorated with numba's ``register_jitable``.
+``@compiled(example=…)`` turns a function into a kernel and registers it; calls run the compiled
+form as soon as there is one. :mod:`abi.compiling` compiles all kernels in the background of the
+first plan. Helpers that kernels share are decorated with numba's ``register_jitable``.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Errors of the package.
+"""Exceptions of the package.
 
 ::
 
@@ -10,8 +10,8 @@
         ├── NoPath            no path joins start and goal on this mesh
         ├── ClearanceNotHeld  a curve could not be kept clear of the obstacles
         ├── OutOfReach        the paper's arm cannot follow the curve all the way
-        ├── NotFollowed       an arm that a URDF describes cannot
-        └── ArmNotClear       no motion was found whose whole arm keeps clear
+        ├── NotFollowed       an arm that a URDF describes cannot follow it
+        └── ArmNotClear       no motion was found on which the whole arm keeps clear
 """
 
 from __future__ import annotations
@@ -27,7 +27,12 @@ UNIT = " [unit]"
 
 
 class AbiError(Exception):
-    """Base of every error of this package; ``str(error)`` is one sentence for a person."""
+    """Base class of all errors of this package; ``str(error)`` is one sentence for people.
+
+    Attributes:
+        message: what is wrong, in one sentence.
+        hint: what to try, in one sentence; empty if there is no advice.
+    """
 
     def __init__(self, message: str, hint: str = "") -> None:
         super().__init__(message)
@@ -36,12 +41,12 @@ class AbiError(Exception):
 
 
 class SceneError(AbiError):
-    """A scene field that is wrong.
+    """Error for a wrong field of a scene.
 
     Args:
-        field: its name, e.g. ``obstacles[0].size``.
+        field: name of the field, e.g. ``obstacles[0].size``.
         value: the value given.
-        expected: end of the sentence "expected …", naming a value that would work.
+        expected: end of the sentence "expected …", which says what would work.
     """
 
     def __init__(self, field: str, value: object, expected: str) -> None:
@@ -58,11 +63,11 @@ class ExportError(AbiError):
 
 
 class StageError(AbiError):
-    """A valid scene for which a stage has no result.
+    """Error of a stage that has no result for a valid scene; a plan keeps it in ``plan.error``.
 
     Args:
-        stage: the stage's name in the plan: mesh, graph, search, bspline, quadratic, timing, arm.
-        kind: a short identifier a script can compare.
+        stage: name of the stage: mesh, graph, search, bspline, quadratic, timing or arm.
+        kind: a short identifier that scripts can compare.
         message: one sentence on what is wrong.
         hint: one sentence on what to try.
     """
@@ -74,7 +79,7 @@ class StageError(AbiError):
         self.kind = kind
 
     def set_unit(self, unit: str) -> None:
-        """Put the unit behind the lengths in its sentences."""
+        """Write the unit after the lengths in message and hint."""
         self.message, self.hint = in_unit(self._sentences, unit)
         self.args = (self.message,)
 

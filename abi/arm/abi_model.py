@@ -1,4 +1,4 @@
-"""The paper's arm for the planner: its joints follow from formulas, on two elbow branches."""
+"""The paper's arm as the planner uses it: joints by formulas, on two elbow branches."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""An arm as everything but the planner sees it: the paper's, or one that a URDF describes."""
+"""Common interface of the paper's arm and of URDF arms, for everything except the planner."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Proofs that an arm's links keep clear while its tool runs along a curve.
+"""Proofs that the links of the paper's arm keep clear while its tool follows a curve.
 
 Theorem. Let a piece of the curve be within d of a point x, and the slide q5 within e of a number,
 so that every point of a capsule's segment a..b, as it is at x, moves by at most A d + B e
@@ -10,11 +10,11 @@ Proof. A point of the capsule is within its radius of one of the segment's, and 
 A d + B e of where it is at x; there n·y >= min(n·a, n·b), and for z in O n·z <= h(n).
 
 The piece lies in the convex hull of its Bézier points, so d is the largest distance of these from
-x. A pair of capsule and obstacle that no direction separates goes on with both halves of the piece.
-Of a triangle mesh one direction separates as many triangles as lie beyond it.
+x. If no direction separates a capsule from an obstacle, both halves of the piece are tried.
+One direction separates as many triangles of a mesh as lie beyond it.
 Rounding: the elbow is computed with errors of some 100 u S / sin q3, S being the largest
-coordinate; 2^-40 S (1 + 1 / sin q3) is asked for on top. :mod:`abi.verify.verify` checks the
-directions in exact numbers.
+coordinate; an extra 2^-40 S (1 + 1 / sin q3) is required. :mod:`abi.verify.verify` checks the
+directions in exact arithmetic.
 """
 
 from __future__ import annotations

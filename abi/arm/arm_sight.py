@@ -1,4 +1,4 @@
-"""Places, legs and curves that an arm allows its tool on one elbow branch."""
+"""Tool positions, segments and curves that the paper's arm allows on one elbow branch."""
 
 from __future__ import annotations
 

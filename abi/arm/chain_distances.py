@@ -1,4 +1,4 @@
-"""Distances of a URDF arm's links at joint positions: to obstacles, to each other, to the floor."""
+"""Distances of a URDF arm's links to obstacles, to each other and to the floor, at given joints."""
 
 from __future__ import annotations
 

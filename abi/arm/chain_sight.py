@@ -1,4 +1,4 @@
-"""Places, legs and curves that a URDF arm allows its tool from one of its first poses."""
+"""Tool positions, segments and curves that a URDF arm allows from one of its start poses."""
 
 from __future__ import annotations
 

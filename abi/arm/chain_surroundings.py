@@ -1,4 +1,4 @@
-"""Surroundings that a URDF arm keeps clear of, and its capsules, as the kernels take them."""
+"""Surroundings and capsules of a URDF arm, in the format of the kernels."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Torques of a serial arm's joints along a motion, from the masses of its links.
+"""Inverse dynamics: torques of a serial arm's joints along a motion, from its links' masses.
 
 The recursive Newton-Euler equations: velocities and accelerations from the base to the tip, forces
 back (Luh, Walker and Paul, On-line computational scheme for mechanical manipulators, 1980; in the

@@ -1,4 +1,4 @@
-"""Joints of a URDF arm along a curve, from a first pose that is chosen or given."""
+"""Joint positions of a URDF arm along a curve, from a chosen or a given start pose."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Capsules that contain the links of the arm as it is drawn.
+"""Capsules that contain the links of the paper's arm as it is drawn.
 
 Each lies along the axis of its link, so that the rolls q4 and q6 do not move it.
 """

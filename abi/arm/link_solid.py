@@ -1,4 +1,4 @@
-"""Solids that a link is drawn with, and points whose hull holds them."""
+"""Solids that a link is drawn with, and points whose convex hull contains them."""
 
 from __future__ import annotations
 

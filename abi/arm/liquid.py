@@ -1,4 +1,4 @@
-"""A cup of liquid on the tool: how far its level tilts while the tool moves."""
+"""Tilt of the liquid in a cup that the tool carries along."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The arms that a scene can name."""
+"""Table of the arm models that a scene can name."""
 
 from __future__ import annotations
 

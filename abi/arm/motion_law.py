@@ -1,4 +1,4 @@
-"""The motion along a curve by laws that know the joints' limits."""
+"""Motion along a curve by the laws that respect the joints' limits."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Pairs of poses at start and goal that a motion may join, where an arm has joints to spare."""
+"""Pairs of start and goal poses that a motion of an arm with redundant joints may join."""
 
 from __future__ import annotations
 

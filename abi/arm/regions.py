@@ -1,4 +1,4 @@
-"""Regions of tool positions as surfaces: the arm's shadow, and the set that it reaches."""
+"""Surfaces of two regions of tool positions: the arm's shadow and its reach."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Stances of a URDF arm: its joints with the tool at each node of a mesh."""
+"""Stances of a URDF arm: joint positions with the tool at each node of a mesh."""
 
 from __future__ import annotations
 

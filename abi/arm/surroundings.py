@@ -1,4 +1,4 @@
-"""Surroundings that an arm keeps clear of: obstacles, the floor, and its own column."""
+"""Surroundings of an arm, which it must keep clear of: obstacles, the floor and its own column."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Stage 6, the motion of the arm: a curve, a motion along it and the joints that follow it.
+"""Stage 6, the motion of the arm: a curve, the timing along it, and the joint positions.
 
 q1, q2 and q3 come from the inverse kinematics of the tool's position; q4, q5 and q6 from the
 constant generalised forces of their drives.

@@ -1,4 +1,4 @@
-"""An arm that a URDF describes, as the stages see it: in the scene's unit."""
+"""An arm that a URDF describes, in the scene's unit, as the stages use it."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""An arm of a URDF for the planner: its joints are found by damped least squares.
+"""A URDF arm as the planner uses it: joints by damped least squares.
 
-Its branches are different poses that put the tool on the start. Where none of them leads to a
-motion, spare joints are drawn to poses that put the tool on the goal.
+Its branches are different poses with the tool at the start. If none of them leads to a motion,
+redundant joints are drawn towards poses with the tool at the goal.
 """
 
 from __future__ import annotations

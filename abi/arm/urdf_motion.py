@@ -1,4 +1,4 @@
-"""Motion and clearance of a URDF arm: its joints go straight from sample to sample."""
+"""Motion and clearance of a URDF arm, whose joints move straight from sample to sample."""
 
 from __future__ import annotations
 

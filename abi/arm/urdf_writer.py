@@ -1,4 +1,4 @@
-"""URDF text from solids and joints; masses and inertias follow from the solids.
+"""Writer of URDF text from solids and joints; masses and inertias follow from the solids.
 
 The format: http://wiki.ros.org/urdf/XML. Lengths in [m], angles in [rad], masses in [kg].
 """

@@ -1,4 +1,4 @@
-"""Curves as Bézier pieces, on which clearance is measured and certified."""
+"""Bézier pieces of a curve, on which clearance is measured and certified."""
 
 from __future__ import annotations
 

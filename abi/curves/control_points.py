@@ -1,4 +1,4 @@
-"""Control points for a spline that rounds a path's bends and stays on its straight stretches."""
+"""Control points of a spline that rounds a path's bends and follows its straight stretches."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A fitted curve, with its clearance."""
+"""A fitted curve together with its clearance."""
 
 from __future__ import annotations
 

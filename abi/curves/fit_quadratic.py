@@ -1,4 +1,4 @@
-"""Stage 5: a quadratic curve as in the paper, clear in one piece, or clear in several."""
+"""Stage 5: the quadratic curve, as in the paper, clear in one piece, or clear in several."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Motions along a length that are polynomials in time, piece by piece."""
+"""Motions along a length as piecewise polynomials in time."""
 
 from __future__ import annotations
 

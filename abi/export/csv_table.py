@@ -1,4 +1,4 @@
-"""The motion as comma-separated values (RFC 4180), one row a sample."""
+"""The motion as comma-separated values (RFC 4180), one row per sample."""
 
 from __future__ import annotations
 

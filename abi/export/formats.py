@@ -1,7 +1,7 @@
-"""The formats a plan is exported in, as one table.
+"""Table of the formats in which a plan can be exported.
 
 A new format is a file beside this one and a row here. Its ``write(plan, name)`` returns the file's
-content and raises :class:`abi.errors.ExportError` where the format cannot hold the plan.
+content, or raises :class:`abi.errors.ExportError` if the format cannot hold the plan.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """The plan as one HTML file that plays by itself: its stages, its search, and the arm's motion.
 
-The page's script draws in two dimensions what it projects itself, so the file needs no server, no
-library and no graphics card; it holds the numbers that the drawing takes, rounded.
+The page's script does its own projection and draws in two dimensions, so the file needs no server,
+library or graphics card; it contains the numbers that the drawing needs, rounded.
 """
 
 from __future__ import annotations

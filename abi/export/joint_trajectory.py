@@ -1,4 +1,4 @@
-"""Joints over time, in the units of ROS: what robot controllers and recordings take."""
+"""Joint positions over time in the units of ROS, for robot controllers and recordings."""
 
 from __future__ import annotations
 

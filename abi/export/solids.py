@@ -1,4 +1,4 @@
-"""Obstacles as the solids that other programs know, in metres."""
+"""Obstacles as solids that other programs know, in metres."""
 
 from __future__ import annotations
 

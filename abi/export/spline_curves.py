@@ -1,4 +1,4 @@
-"""The curves as B-splines: degree, knots and control points, every number to its last bit.
+"""The curves as B-splines: degree, knots and control points, with every bit of their numbers.
 
 scipy's ``BSpline(knots, control_points, degree)``, OpenCASCADE and any CAD kernel take these.
 """

@@ -1,7 +1,7 @@
 """A triangle mesh as an obstacle.
 
-A closed mesh is a solid, with a negative distance inside; an open one is a surface that nothing
-passes through, with a distance that is nowhere negative. Neither need be convex.
+A closed mesh is a solid, with a negative distance inside. An open one is a surface that nothing may
+cross, with a distance that is never negative. Neither need be convex.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
 """The obstacles of a scene as one set, whatever their shapes.
 
-Primitives are measured by the kernels, triangle meshes by their own tree, and the nearest counts.
-Both stand in a tree of their bounds, so that a query looks at those near it. Only what rests on
-convexity asks for ``primitives`` and ``meshes``. Lengths are in the scene's [unit], points in the
-world frame.
+Kernels measure primitives, and a triangle mesh is measured by its own tree; the nearest counts.
+Both are in a tree of their bounds, so that a query looks only at those near it. Only code that
+relies on convexity asks for ``primitives`` and ``meshes``. Lengths are in the scene's [unit],
+points in the world frame.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Convex primitives as rows of numbers: their signed distance, and tests against a margin.
 
-Plain Python that numba compiles with its caller; uncompiled it runs on lists. Mostly numbers and
-tuples are handed over, for arrays are counted in and out at every call.
+Plain Python that numba compiles with its caller; uncompiled it runs on lists. Most arguments are
+numbers and tuples, because passing arrays costs reference counting at every call.
 
 A primitive is ``WIDTH`` numbers: centre (3), the body's axes in the world (9), half sizes of its
 core (3), radius around the core, 1 for a cylinder and 0 otherwise, its bounds low and high (6), and

@@ -1,7 +1,7 @@
-"""Triangle meshes as one, for kernels that take all of a scene's meshes.
+"""All triangle meshes of a scene as one set of arrays, for the kernels.
 
-Numba compiles a kernel for one number of arrays, so those of several surfaces lie one after the
-other. A surface that several meshes share is there once.
+Numba compiles a kernel for a fixed number of arrays, so those of several surfaces are concatenated.
+A surface that several meshes share is there once.
 """
 
 from __future__ import annotations

@@ -1,10 +1,10 @@
 """Plans for the whole arm: path and curves on the branch where they are shortest.
 
-The tool's own plan comes first; only where its arm is not clear, or not proven so, this one is
-made. Each branch has its own graph, without the nodes at which the arm would be out of reach, past
-a limit or too near. Branches are the sides of the paper's elbow, which meet only where the arm is
-stretched, or first poses of another arm; they are searched one by one. Where none of them leads to
-a motion, an arm with joints to spare has further ones.
+They are made only if the arm is not proven clear along the tool's own plan. Each branch has its own
+graph, without the nodes at which the arm would be out of reach, past a limit or too near. The
+branches of the paper's arm are the two sides of its elbow, which meet only where the arm is
+stretched; those of another arm are its start poses. They are searched one by one. If none of them
+leads to a motion, an arm with redundant joints has further ones.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Diagnosis of a scene whose tool has a path and whose arm has none: what would work, tried."""
+"""Diagnosis of a scene in which only the arm has no motion: changes that work, each tried."""
 
 from __future__ import annotations
 

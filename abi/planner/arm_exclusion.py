@@ -1,4 +1,4 @@
-"""Memory of what an arm excludes from a mesh, obstacle by obstacle, on one branch."""
+"""Cache of the nodes that an arm excludes from a mesh, obstacle by obstacle, on one branch."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Path and curves of a tool whose whole arm keeps clear, on one branch."""
+"""Path and curves along which the whole arm keeps clear, on one branch."""
 
 from __future__ import annotations
 

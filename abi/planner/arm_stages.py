@@ -1,4 +1,4 @@
-"""Questions to any arm as functions, so that stages remember the answers."""
+"""Questions to any arm as functions, so that stages can remember the answers."""
 
 from __future__ import annotations
 

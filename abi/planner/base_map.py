@@ -1,4 +1,4 @@
-"""Places tried for an arm's base in a region, and what came of each."""
+"""Map of the places tried for an arm's base in a region, with the result of each."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Searches that run on a plan's graph when somebody asks, beside the three of every plan."""
+"""Comparison of further searches on a plan's graph, beside the three of every plan."""
 
 from __future__ import annotations
 

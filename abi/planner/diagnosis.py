@@ -1,4 +1,4 @@
-"""Diagnosis of a scene without a plan: the reason, and a remedy in numbers that were tried."""
+"""Diagnosis of a scene without a plan: the reason, and a remedy that has been tried."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Memory of the exclusion of each obstacle from a mesh, for obstacles that move one at a time."""
+"""Cache of what each obstacle excludes from a mesh, for obstacles that move one at a time."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Node budget: the number of mesh nodes that are planned within a frame."""
+"""Node budget: the number of mesh nodes that can be planned within a frame."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The method: the stages in order, from a scene to a plan.
+"""The planner: runs the stages in order, from a scene to a plan.
 
 A :class:`Planner` remembers the last result of each stage, so that a change runs only the stages
 downstream of it.
@@ -54,15 +54,25 @@ _MANY_NODES, _MANY_OBSTACLES = 30_000, 300
 
 
 def plan(scene: Scene) -> Plan:
-    """Plan ``scene`` once; a :class:`Planner` plans many that differ little faster."""
+    """Plan a scene once; a :class:`Planner` is faster for many scenes that differ little.
+
+    Args:
+        scene: the scene.
+
+    Returns:
+        The plan. If the scene has none, its ``error`` says why, and nothing is raised.
+    """
     return Planner()(scene)
 
 
 class Planner:
-    """The stages of the method, with the last result of each."""
+    """The stages of the method, each of which remembers its last result.
+
+    A second plan reruns only the stages whose inputs have changed.
+    """
 
     def __init__(self, compile: bool = True) -> None:
-        """Begin with nothing remembered.
+        """Start without any remembered results.
 
         Args:
             compile: whether to compile the inner loops in the background from the first plan on.
@@ -92,11 +102,15 @@ class Planner:
         self._arm_aware, self._arm_aware_ms = ArmAware(), 0.0
 
     def __call__(self, scene: Scene, chosen_only: bool = False) -> Plan:
-        """Plan ``scene``; a scene without a plan returns a plan whose ``error`` is set.
+        """Plan a scene.
 
         Args:
             scene: the scene.
-            chosen_only: whether to run only the search whose path goes on, which is faster.
+            chosen_only: whether to run only the search that ``scene.search.algorithm`` names, which
+                is faster.
+
+        Returns:
+            The plan. If the scene has none, its ``error`` says why, and nothing is raised.
         """
         # one that compiles waits for what another planner has begun to load; a tab's first does not
         if self._planned or self._compile:

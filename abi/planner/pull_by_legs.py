@@ -1,4 +1,4 @@
-"""Tightening of a path for an arm that compiled loops do not know: as they do it, leg by leg."""
+"""Tightening of a path, leg by leg, for an arm that the compiled loops do not know."""
 
 from __future__ import annotations
 

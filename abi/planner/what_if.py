@@ -1,4 +1,4 @@
-"""Trials: plans of a scene with one thing changed."""
+"""Trial plans of a scene with one thing changed."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Capsules that contain a link: what a robot's shapes are taken for in distances."""
+"""Capsules that contain a link, which stand for its shapes when distances are measured."""
 
 from __future__ import annotations
 

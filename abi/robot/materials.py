@@ -1,6 +1,6 @@
-"""Colours that a URDF gives its visuals: in place, or by the name of a material.
+"""Colours that a URDF gives its visuals, directly or by the name of a material.
 
-The format: http://wiki.ros.org/urdf/XML/link. A colour that cannot be read is none.
+The format: http://wiki.ros.org/urdf/XML/link. A colour that cannot be read is ignored.
 """
 
 from __future__ import annotations

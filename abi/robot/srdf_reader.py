@@ -1,4 +1,4 @@
-"""SRDF files: pairs of links whose collisions are not looked for."""
+"""Reader of SRDF files: the pairs of links whose collisions are ignored."""
 
 from __future__ import annotations
 

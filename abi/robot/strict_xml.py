@@ -1,4 +1,4 @@
-"""XML of robot descriptions: parsed strictly, and elements that refuse in one sentence."""
+"""Strict parser of the XML of robot descriptions, whose errors are one sentence each."""
 
 from __future__ import annotations
 

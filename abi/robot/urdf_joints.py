@@ -1,4 +1,4 @@
-"""Joints of a URDF, and the one tree of links that they must make."""
+"""Joints of a URDF, and the single tree of links that they must form."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Links of a URDF: their shapes, what they are drawn with, and their masses."""
+"""Links of a URDF: their collision shapes, visuals and masses."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Pose that an element of a URDF has in its parent."""
+"""Pose of an element of a URDF relative to its parent."""
 
 from __future__ import annotations
 

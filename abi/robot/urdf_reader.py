@@ -1,7 +1,7 @@
-"""URDF files of other people's arms: read strictly, from bytes alone.
+"""Strict reader of URDF files, from bytes alone.
 
-Nothing that a file names is opened: meshes come from the same folder or upload. Every file that is
-damaged, ambiguous or too large is refused in one sentence.
+Nothing that a file names is opened: meshes come from the same folder or upload. A file that is
+damaged, ambiguous or too large is refused with one sentence.
 """
 
 from __future__ import annotations

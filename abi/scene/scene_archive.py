@@ -1,7 +1,7 @@
-"""A scene and its files as one: a zip archive with ``scene.yaml``, the meshes and the arm.
+"""Zip archive of a scene: ``scene.yaml``, the meshes and the arm.
 
-Meshes are stored repaired, as OBJ texts with all digits; an arm as it came. What is opened may come
-from anyone: sizes and names are checked before anything is unpacked.
+Meshes are stored repaired, as OBJ text with all digits; an arm is stored as it was uploaded. An
+archive may come from anyone, so sizes and names are checked before anything is unpacked.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
-"""Changes of a scene's fields, made of the scene's own objects wherever values are equal.
+"""Changes of a scene's fields that reuse the scene's own objects wherever values are equal.
 
-A scene's own values are checked already, and pydantic takes them as they are: only values that
+A scene's own values have been checked, and pydantic accepts them as they are, so only values that
 differ are checked again.
 """
 

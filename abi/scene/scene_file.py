@@ -1,7 +1,7 @@
-"""Scene files: YAML 1.2 or JSON into plain data, and back, with strict limits.
+"""Reader and writer of scene files: YAML 1.2 or JSON, as plain data, within strict limits.
 
-Duplicate keys, anchors, tags and NaN are refused: each of them has another meaning in some
-reader, or grows without limit.
+Duplicate keys, anchors, tags and NaN are refused: readers disagree about their meaning, or they can
+grow without limit.
 """
 
 from __future__ import annotations

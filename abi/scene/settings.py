@@ -1,4 +1,4 @@
-"""Settings of every stage, each as its section of a scene file holds it."""
+"""Settings of every stage, one class per section of a scene file."""
 
 import functools
 import math

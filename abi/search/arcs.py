@@ -1,4 +1,4 @@
-"""The graph as arcs with their costs, of which one may be negative: for searches to compare."""
+"""The graph as arcs with costs, one of which may be negative, for the searches to compare."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Bellman-Ford as in the textbook: rounds over all arcs, and negative cycles found."""
+"""Textbook Bellman-Ford: rounds over all arcs, with detection of negative cycles."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Joining of start and goal to the free mesh: the graph (paper, section III)."""
+"""Construction of the graph: start and goal are joined to the free mesh (paper, section III)."""
 
 from __future__ import annotations
 

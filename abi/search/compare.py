@@ -1,7 +1,7 @@
-"""The searches that can be compared and stepped through, by name.
+"""Table of the searches that can be compared and stepped through, by name.
 
-They run when somebody asks, not in every plan: a new one is a file beside this one, with a function
-from a task to a trace, an entry here, and its name for the page in ``app.style.SEARCH_NAMES``.
+They run on request, not in every plan. A new one is a file beside this one, with a function from a
+task to a trace, an entry here, and its name for the page in ``app.style.SEARCH_NAMES``.
 """
 
 from __future__ import annotations

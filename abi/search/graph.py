@@ -1,7 +1,7 @@
 """Stage 2: the graph of the free mesh, with start and goal joined to it (paper, section III).
 
-The paper takes the edges of the mesh as they are; an edge between two free nodes can still cross
-a corner or a thin obstacle, so here each edge is tested along its whole length.
+The paper keeps all edges between free nodes. Such an edge can still cross a corner or a thin
+obstacle, so here each edge is tested along its whole length.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Greedy best-first search: the node that seems nearest to the goal, whatever it cost."""
+"""Greedy best-first search: expands the node that seems nearest to the goal, whatever it cost."""
 
 from __future__ import annotations
 

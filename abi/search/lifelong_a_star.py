@@ -1,7 +1,7 @@
-"""Lifelong Planning A* (Koenig, Likhachev and Furcy, 2004): the last search mended, not begun anew.
+"""Lifelong Planning A* (Koenig, Likhachev and Furcy, 2004): repairs the last search's result.
 
-It keeps what it knows of every node. Where the obstacle moved, nodes disagree with their
-neighbours; only these, and those that hear of it, are expanded again.
+It keeps what it knows of every node. Where an obstacle has moved, nodes disagree with their
+neighbours; only these, and the nodes that this affects, are expanded again.
 """
 
 from __future__ import annotations

@@ -1,6 +1,7 @@
-"""An arc of a negative cost, put where Dijkstra's algorithm goes wrong, or costs fall for ever.
+"""An arc of negative cost, placed where Dijkstra's algorithm fails or a negative cycle arises.
 
-A one-way shortcut that pays who takes it: a lift down that gives power back, say.
+It is a one-way shortcut that pays those who take it, such as a lift that recovers power on its way
+down.
 """
 
 from __future__ import annotations

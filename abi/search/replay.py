@@ -1,4 +1,4 @@
-"""A search stopped after any number of steps: what is open and closed then, and what is next."""
+"""Replay of a search up to any step: its open and closed nodes then, and the next one."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The part of a mesh that is worth drawing when all of it is too much for eye and browser."""
+"""Subset of a mesh that is drawn if all of it would be too much for eye and browser."""
 
 from __future__ import annotations
 

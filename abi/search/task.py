@@ -1,4 +1,4 @@
-"""Task of a search for comparison."""
+"""Task of a search to compare: a graph, its costs and the settings."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Steps of a search: the order of expansion and every change of cost and parent."""
+"""Trace of a search: the order of expansion, and every change of cost and parent."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Weighted A* (Pohl, 1970): more trust in the heuristic, fewer nodes, a longer path."""
+"""Weighted A* (Pohl, 1970): trusts the heuristic more, for fewer nodes but a longer path."""
 
 from __future__ import annotations
 

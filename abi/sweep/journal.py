@@ -1,4 +1,4 @@
-"""Journal of a study: the rows so far, one a line, as they come; what a study goes on from."""
+"""Journal of a study: the rows so far, one per line, from which a stopped study resumes."""
 
 from __future__ import annotations
 

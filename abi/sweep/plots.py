@@ -1,6 +1,6 @@
 """Plots of a study: gaps, clearances and times against the first field that varies.
 
-The second field that varies has a line for each of its values.
+Each value of the second field that varies has a line of its own.
 """
 
 from __future__ import annotations

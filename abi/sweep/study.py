@@ -1,4 +1,4 @@
-"""A study: which scenes are planned, and under which settings.
+"""A study file: which scenes are planned, and under which settings.
 
 Every scene is planned with every combination of the settings that ``vary`` lists.
 """

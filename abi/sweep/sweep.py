@@ -1,4 +1,4 @@
-"""Planning a study, from its cases to its rows."""
+"""Planning of a study, from its cases to its rows."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Tables of a study: all rows as CSV or Parquet, and a short one of what they have in common."""
+"""Tables of a study: all rows as CSV or Parquet, and a short summary."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
-"""Processes that plan a study's tasks: this one, all cores of this machine, or a cluster's.
+"""Processes that plan a study's tasks: this one, one per core of this machine, or a cluster's.
 
-The last two are Dask's, which the extra ``sweep`` brings.
+The last two use Dask, which the extra ``sweep`` installs.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Edges of obstacles by which a short path may go round them.
+"""Edges of obstacles at which a short path around them may bend.
 
 A shortest path among polyhedra bends only at their edges (Sharir and Schorr, On Shortest Paths in
 Polyhedral Spaces, SIAM J. Comput. 15, 1986), wherever the nodes of the mesh are.

@@ -1,8 +1,8 @@
 """Stage 3½: the path pulled taut, free of the mesh's directions.
 
-A path along edges stays longer than it need be however fine the mesh, for an edge points only in a
-few directions. So an any-angle path and short paths by the obstacles' edges stand beside it, and
-all are tightened.
+A path along edges stays too long however fine the mesh, because its edges have only a few
+directions. So it is tightened together with an any-angle path and with short paths along the
+obstacles' edges, and the shortest result counts.
 """
 
 from __future__ import annotations

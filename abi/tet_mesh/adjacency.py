@@ -1,4 +1,4 @@
-"""A mesh as the compiled kernels take it; see ``adjacency_kernels`` for what is in it."""
+"""Adjacency of a mesh in the format of the kernels, which ``adjacency_kernels`` describes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Stage 1, what obstacles leave of the mesh: exclusion of nodes and of edges between free nodes.
+"""Stage 1, exclusion: the nodes and edges of the mesh that the obstacles exclude.
 
 Removing nodes alone is not enough: an edge between two free nodes can still cross an obstacle. So
 each edge is tested along its whole length.

@@ -1,7 +1,7 @@
-"""The directions of a lattice: which nodes are a node's neighbours, without a table of edges.
+"""Directions of a lattice: which nodes are a node's neighbours, without a table of edges.
 
-Places are counted in half cells: the corner (i, j, k) is at (2i, 2j, 2k) and the centre of a cube
-at (2i + 1, 2j + 1, 2k + 1). An edge has one number at each of its ends, its bit in
+Positions are counted in half cells: the corner (i, j, k) is at (2i, 2j, 2k) and the centre of a
+cube at (2i + 1, 2j + 1, 2k + 1). An edge has one number at each of its ends, its bit in
 ``open_directions``. The first ``cross`` of these join a corner to a centre and are the same at
 both; the others come in pairs, 2m one way and 2m + 1 the other.
 """

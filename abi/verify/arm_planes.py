@@ -1,4 +1,4 @@
-"""Directions of an arm's certificate, by the capsule and what they keep it from."""
+"""Directions of an arm's certificate, grouped by capsule and by what they keep it from."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
 """A chain of joints in exact numbers, for :mod:`abi.verify.verify_chain`.
 
-Sines and cosines are not rational: places are whole numbers of 2^-200 with a bound of their error.
-The matrices of a URDF, read as floating-point numbers, are rotations only nearly; they are taken as
-they are, and checked to change no length by more than 2^-40 of it.
+Sines and cosines are not rational, so positions are multiples of 2^-200 with an error bound. The
+matrices of a URDF, read as floating-point numbers, are only nearly rotations; they are taken as
+they are, and checked not to change any length by more than 2^-40 of it.
 """
 
 from __future__ import annotations

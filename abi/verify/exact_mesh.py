@@ -1,4 +1,4 @@
-"""Triangle mesh in exact rational numbers, for :mod:`abi.verify.verify`.
+"""A triangle mesh in exact rational numbers, for :mod:`abi.verify.verify`.
 
 Most of its many inequalities are far from equality. Those are decided in floating point with a
 bound of the error, and only the others in rationals, so every answer is exact.

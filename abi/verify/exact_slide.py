@@ -1,7 +1,7 @@
 """Bounds of the arm's slide q5 along a curve, in exact rational numbers.
 
-The length of a polynomial's part lies between that of its chord and that of its control polygon;
-summed over small parts this bounds the way of the tool, its time, and so q5 = q5(0) + t² q.
+The length of a polynomial's part lies between that of its chord and that of its control polygon.
+Summed over small parts, this bounds the tool's distance, the time, and so q5 = q5(0) + t² q.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """Check of a plan's certificates in exact rational numbers.
 
-Checked is the plan as written down: its curves' knots, control points and coefficients, its
-scene's obstacles and its certificates' planes, each number taken exactly. Nothing that made the
-certificates is used; mesh files are read and repaired as for planning. The proof is the one in
+The plan is checked as written: its curves' knots, control points and coefficients, its scene's
+obstacles and its certificates' planes, each number taken exactly. No code that makes certificates
+is used; mesh files are read and repaired as for planning. The proof is that of
 :mod:`abi.clearance.certificate`; here every inequality is decided exactly, and the pieces must
 cover the whole curve for every obstacle.
 """

@@ -1,7 +1,7 @@
-"""Check of the arm's certificate in exact rational numbers.
+"""Check of the certificate of the paper's arm in exact rational numbers.
 
-The proof is the one in :mod:`abi.arm.arm_certificate`. Checked are the capsules as written down:
-that they contain the links as drawn is for the eye, and for a test.
+The proof is that of :mod:`abi.arm.arm_certificate`. The capsules are checked as written; a test,
+not this check, shows that they contain the links as drawn.
 """
 
 from __future__ import annotations

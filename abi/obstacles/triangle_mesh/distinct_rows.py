@@ -1,4 +1,4 @@
-"""Equal rows of a table, found by sorting one number for each."""
+"""Search for equal rows of a table, by sorting one number for each row."""
 
 from __future__ import annotations
 

@@ -1,9 +1,9 @@
-"""Triangle meshes from the bytes of a file: STL, OBJ, GLB and others, read strictly.
+"""Strict reader of triangle meshes from the bytes of a file: STL, OBJ, GLB and others.
 
-Common loaders turn a file that is cut off or not a mesh at all into an empty mesh, and a missing
-obstacle is the worst mistake a planner can make. So here lengths must fit to the byte,
-and nothing but the bytes given is ever opened: textures, materials and other files a mesh may name
-are not looked for.
+Common loaders turn a file that is truncated, or no mesh at all, into an empty mesh, and a missing
+obstacle is the worst mistake a planner can make. So here lengths must match to the byte. Nothing
+but the given bytes is ever opened: textures, materials and other files that a mesh may name are
+not looked for.
 """
 
 from __future__ import annotations

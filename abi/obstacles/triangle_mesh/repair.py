@@ -1,4 +1,4 @@
-"""Repair of triangles, so that inside and outside are defined.
+"""Repair of a triangle mesh, so that inside and outside are defined.
 
 The steps follow what printing and simulation tools do before they trust a mesh (Attene, A
 lightweight approach to repairing digitized polygon meshes, The Visual Computer 26, 2010).

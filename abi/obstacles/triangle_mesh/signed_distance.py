@@ -1,8 +1,8 @@
-"""Signed distances to a surface: its tables for the kernels, made once.
+"""Signed distances to a surface, and the tables that the kernels need for them.
 
 Inside is where the surface winds around a point (Jacobson, Kavan and Sorkine-Hornung, Robust
-inside-outside segmentation using generalized winding numbers, 2013). Around a closed surface that
-number is whole, so an approximation decides.
+inside-outside segmentation using generalized winding numbers, 2013). For a closed surface that
+number is an integer, so an approximation decides.
 """
 
 from __future__ import annotations

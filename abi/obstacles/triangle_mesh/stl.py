@@ -1,4 +1,4 @@
-"""STL files: binary ones read to the byte, text ones facet by facet; binary ones written."""
+"""Reader of binary and text STL files, and writer of binary ones."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""Triangle meshes in PLY, OFF, 3MF and DAE, read by trimesh, with what it does not look at checked.
+"""Reader of PLY, OFF, 3MF and DAE files by trimesh, with the checks that trimesh omits.
 
-It gets the bytes alone, so it opens no other file. Archives are measured before they are unpacked,
-XML may declare no entities, and as many faces must come out as the file announces.
+trimesh gets only the bytes, so it opens no other file. Archives are measured before they are
+unpacked, XML may declare no entities, and the number of faces must be the one the file announces.
 """
 
 from __future__ import annotations
