@@ -1,4 +1,4 @@
-"""Sentences on the arm: whether it is clear, and what it touches."""
+"""Sentences about the arm: whether it is clear, and what it touches."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Challenges: a scene, and a condition to be met by whoever opens the link."""
+"""Challenges: a scene, and a goal for whoever opens the link."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""State of a tab's picture at one moment: the input of every layer and panel that draws."""
+"""Frame: the state of a tab's picture at one moment, which every layer and panel draws from."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Text of numbers on the page: lengths and distances look the same wherever they stand."""
+"""Text of numbers on the page, so that lengths and distances look the same everywhere."""
 
 from __future__ import annotations
 

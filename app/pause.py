@@ -1,4 +1,4 @@
-"""Pause of a tab: while there is no input, it does what takes longer than a frame."""
+"""Pause of a tab without input, in which it does what takes longer than a frame."""
 
 from __future__ import annotations
 

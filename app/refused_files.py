@@ -1,4 +1,4 @@
-"""Files that a page does not send: the server would not take them, or it cannot read them."""
+"""Files that the page itself refuses: it cannot read them, or the server would not take them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Plans that other tabs need, too: of the scenes that a teacher shows to all."""
+"""Plans that several tabs share, for the scenes that a teacher shows to all."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""Colours, widths and names: one place, one colour for one thing, in scene, table and plots.
+"""Colours, widths and names: one colour for one thing, in scene, tables and plots.
 
-The colours keep apart for the common kinds of colour blindness and show on white and on near
-black; none of them carries a meaning alone (dashes, widths, signs and words go with them).
+The colours stay distinct for the common kinds of colour blindness and are visible on white and on
+near black; none carries a meaning alone (dashes, widths, signs and words go with them).
 """
 
 from __future__ import annotations

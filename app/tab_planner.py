@@ -1,4 +1,4 @@
-"""Planner of one tab: its plans are counted, and those of a class shared."""
+"""Planner of one tab, which counts its plans and shares those of a class."""
 
 from __future__ import annotations
 

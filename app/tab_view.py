@@ -1,4 +1,4 @@
-"""View of one tab: panels, layers, playback and viewpoint, drawn and brought back as one."""
+"""View of one tab: panels, layers, playback and camera, drawn and restored as one."""
 
 from __future__ import annotations
 

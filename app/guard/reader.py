@@ -1,6 +1,6 @@
-"""Files from outside, read in a process of its own: one that crashes or hangs takes nothing along.
+"""Reader of files from outside, in a separate process, so that a crash or a hang does no harm.
 
-The process is started with the first file or before, kept for the next, and replaced when it was
+The process is started with the first file or before, kept for the next one, and replaced if it has
 ended.
 """
 

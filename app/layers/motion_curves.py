@@ -1,4 +1,4 @@
-"""Curves over the time of a motion that are plotted while nothing moves: they take a while."""
+"""Curves over a motion that take long to compute, so that they are plotted while nothing moves."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Plots over time of speed (the paper's Fig. 8) and joint positions; the page marks "now"."""
+"""Plots of speed (the paper's Fig. 8) and joint positions over time; the page marks the present."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Tables of the result tab: searches as in the paper's Table I, and lengths stage by stage."""
+"""Tables of the Result tab: searches as in the paper's Table I, and lengths stage by stage."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Numbers of a plan by name: what lessons ask about, wait for, and set into their texts."""
+"""Measures: numbers of a plan by name, which lessons ask about, wait for and quote."""
 
 from __future__ import annotations
 

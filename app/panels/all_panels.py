@@ -1,4 +1,4 @@
-"""All panels of a tab but the playback: built in the order of the page, read and written as one."""
+"""All panels of a tab except the playback: built in the order of the page, read as one."""
 
 from __future__ import annotations
 

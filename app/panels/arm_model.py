@@ -1,4 +1,4 @@
-"""Choice of the arm: the paper's, one that comes along, or a URDF of the user's."""
+"""Choice of the arm: the paper's, a shipped one, or a URDF of the user's."""
 
 from __future__ import annotations
 

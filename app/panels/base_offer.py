@@ -1,6 +1,6 @@
-"""Offer over the scene where no motion of the arm was found: look for another place for its base.
+"""Offer, if no motion of the arm was found, to search for another place for its base.
 
-The search itself, its region and its findings in numbers are in stage 6.
+It stands over the scene; the search itself, its region and its results are in stage 6.
 """
 
 from __future__ import annotations

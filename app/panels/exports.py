@@ -1,4 +1,4 @@
-"""The plan as a file for another program: a format to choose, and a button."""
+"""Export of the plan as a file for another program: a choice of format, and a button."""
 
 from __future__ import annotations
 

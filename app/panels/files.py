@@ -1,4 +1,4 @@
-"""Scenes to choose, open and save: the shipped ones and the user's files."""
+"""Choosing, opening and saving of scenes: shipped ones and the user's files."""
 
 from __future__ import annotations
 

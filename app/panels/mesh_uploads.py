@@ -1,8 +1,8 @@
-"""Mesh files on their way into the scene: read and prepared beside the planning, one at a time.
+"""Uploads of mesh files: read and prepared in the background, one at a time.
 
-The tab's worker asks what became of them. A thread of its own has each file read and repaired in a
-process for files from outside, and prepares it, so that obstacles can be moved meanwhile; it can be
-told to let a file be. Once it is read it can be drawn; planning with it waits until it is prepared.
+A thread has each file read and repaired by the process for files from outside, and then prepares
+it, so that obstacles can be moved meanwhile; it can be told to drop a file. The tab's worker asks
+for the results. A file that has been read can be drawn; planning waits until it is prepared.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """The sentence over the scene: what to do and what was just done, or what is wrong and what helps.
 
-It lies over the scene, so that nothing that a hand may be holding moves when it changes.
+It lies over the scene, so that no control moves under the user's hand when it changes.
 """
 
 from __future__ import annotations

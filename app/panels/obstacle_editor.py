@@ -1,7 +1,7 @@
 """Start, goal and the chosen obstacle as numbers; add, duplicate and delete obstacles.
 
-A box and its gizmo show the same numbers. The one that changed since the last time counts: a typed
-number moves the gizmo, a drag rewrites the box.
+A number box and its gizmo show the same values. The one that has changed since the last time
+counts: a typed number moves the gizmo, and a drag rewrites the box.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Obstacles in the scene, each under a gizmo.
 
-A body is a child of its gizmo, so it moves in the browser at once; the server hears the pose.
+A body is a child of its gizmo, so it moves in the browser at once; the server receives the pose.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Inputs of stage 3: algorithm, cost of an edge, taut path, and the search's slider."""
+"""Inputs of stage 3: algorithm, cost of an edge, taut path, and the slider through the search."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Five steps through the page, on demand."""
+"""Tour of the page in five steps."""
 
 from __future__ import annotations
 
