@@ -43,7 +43,7 @@ _SLIDE_PAD = 1e-3  # of its range, for the check's own coarser bounds
 
 @dataclass(frozen=True, eq=False)
 class ArmCertificate:
-    """Directions that keep every capsule clear of everything around, along a whole curve.
+    """Directions that prove every capsule clear of its surroundings along a whole curve.
 
     Attributes:
         margin: distance that the capsules keep from every obstacle, [unit]; inf without obstacles.
@@ -54,8 +54,8 @@ class ArmCertificate:
         obstacle: number of its obstacle, or of what :class:`Surroundings` has besides, shape (k,).
             From a triangle mesh it separates some of the triangles.
         directions: unit vectors towards the capsule, shape (k, 3), world.
-        positions: where parameters count joint positions that the joints go straight between,
-            these, shape (m, n), [rad] or [unit]; None where they are the curve's.
+        positions: joint positions that the parameters count, shape (m, n), [rad] or [unit], with
+            straight motion between them; None if the parameters are the curve's.
     """
 
     margin: float
@@ -73,9 +73,9 @@ class ArmRefutation:
 
     Attributes:
         parameter: where on the curve.
-        capsule: number of the capsule, -1 where the arm does not reach the place.
+        capsule: number of the capsule, -1 if the arm does not reach the point.
         obstacle: number of the obstacle, or of what :class:`Surroundings` has besides.
-        decided: whether it is nearer than the margin there, or out of reach.
+        decided: whether it is certain to be nearer than the margin there, or out of reach.
     """
 
     parameter: float
@@ -102,7 +102,7 @@ def certify_arm(
         elbow: its branch.
         around: obstacles, floor and column.
         margin: distance to prove from obstacles, at least 0, [unit].
-        most_tries: of a capsule and an obstacle; None for as many as a proof may need.
+        most_tries: pairs of a capsule and an obstacle to try at most; None for the default limit.
     """
     pieces = curve.bezier()
     room = np.zeros(3 * (len(pieces.points) + 2 * MOST_HALVINGS + 2) * (pieces.degree + 1))

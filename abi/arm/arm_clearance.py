@@ -71,7 +71,7 @@ class ArmClearance:
         link: name of the link that is nearest then; empty without obstacles.
         obstacle: number of that obstacle, -1 without obstacles.
         contacts: what touches what, the deepest first.
-        certificate: the proof of ``distance``, and that nothing else is touched; None without.
+        certificate: proof of ``distance``, and that nothing else is touched; None if there is none.
     """
 
     elbow: Literal["up", "down"]
@@ -86,11 +86,11 @@ class ArmClearance:
 
     @property
     def certified(self) -> bool:
-        """Whether it is proven that the whole arm keeps the required distance all the time."""
+        """Whether the whole arm is proven to keep the required distance at all times."""
         return self.certificate is not None and self.certificate.margin >= self.required
 
     def touching(self, time: float) -> frozenset[str]:
-        """Names of the links that touch something at a time, [s], or are touched."""
+        """Names of the links that touch something, or each other, at a time [s]."""
         now = [one for one in self.contacts if one.first <= time <= one.last]
         links = {contact.link for contact in now}
         return frozenset(links | {one.obstacle for one in now if isinstance(one.obstacle, str)})
@@ -103,7 +103,7 @@ def arm_clearance(
     around: Surroundings,
     required: float,
 ) -> ArmClearance:
-    """Measure how clear an arm stays, and prove as much of it as possible.
+    """Measure the clearance of an arm along its motion, and prove as much of it as possible.
 
     Args:
         motion: its motion.
@@ -147,9 +147,9 @@ def best_proof(
     required: float,
     rows: int,
 ) -> ArmCertificate | None:
-    """Proof of the largest of some distances below the measured one; None where there is none.
+    """Prove the largest possible of a few distances below the measured one; None if none holds.
 
-    Among very many rows, as near large triangle meshes, no more is proven than is asked for.
+    With very many rows, as near large triangle meshes, only the required distance is proven.
 
     Args:
         certify: proves a distance.
@@ -256,7 +256,7 @@ def _depth(contact: Contact) -> float:
 
 
 def named(number: int, arm: AnyArm) -> int | str:
-    """An obstacle's number, or the name of what else is around an arm."""
+    """Number of an obstacle, or name of another part of an arm's surroundings."""
     if number >= 0:
         return number
     return "floor" if number == FLOOR else arm.capsules[-number - 2].link

@@ -43,15 +43,15 @@ def certify_chain(
     """Prove that an arm keeps more than ``margin`` from every obstacle, or find where not.
 
     From the floor and from itself it keeps more than 0. The parameter of the k-th position is k.
-    Of a triangle mesh the surface counts: whoever asks knows one position at which the arm is not
-    inside.
+    Of a triangle mesh only the surface counts: the caller must know one position at which the arm
+    is not inside.
 
     Args:
         arm: the arm.
         positions: joint positions (k, n), k >= 2, [rad] or [unit].
         around: what to keep clear of.
         margin: distance to prove from obstacles, at least 0, [unit].
-        most_tries: tries it may take.
+        most_tries: number of tries at most.
     """
     bodies = bodies_of(arm)
     status, at, pair, _, planes = separate_chain(

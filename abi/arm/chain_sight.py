@@ -28,10 +28,10 @@ _SAMPLES = 241
 
 @dataclass(frozen=True, eq=False)
 class ChainSight:
-    """Questions to a URDF arm that starts from one pose.
+    """What a URDF arm allows its tool from one start pose.
 
-    Where the arm has joints to spare it stands at a place as it does when it comes there from the
-    first pose, drawn to a pose that is called home; legs begin with the stance of the nearest node.
+    A redundant arm takes the stance at a point that it reaches from the start pose, drawn towards a
+    pose called home; legs begin with the stance of the nearest node.
 
     Attributes:
         arm: the arm.
@@ -39,8 +39,8 @@ class ChainSight:
         around: obstacles and floor.
         stances: its joints all over the mesh.
         clearance: distance that its links keep from obstacles, [unit].
-        slack: distance that legs and places keep beyond that, [unit].
-        most_tries: of a capsule and an obstacle, to prove a leg or a place.
+        slack: distance that legs and nodes keep beyond that, [unit].
+        most_tries: pairs of a capsule and an obstacle to try, to prove a leg or a node clear.
     """
 
     arm: UrdfArm
@@ -53,29 +53,29 @@ class ChainSight:
 
     @property
     def legs(self) -> None:
-        """No legs for compiled loops, which do not know the arm."""
+        """None: the compiled loops do not know this arm."""
 
     @property
     def key(self) -> tuple[object, ...]:
-        """All that the excluded places depend on, beside the obstacles."""
+        """Everything that the excluded nodes depend on, except the obstacles."""
         return self.arm, self.stances, self.clearance, self.slack
 
     def wider(self, times: float) -> Self:
-        """The same with so many times the slack."""
+        """A copy with ``times`` the slack."""
         return replace(self, slack=times * self.slack)
 
     def patient(self, times: int) -> Self:
-        """The same with so many times the tries."""
+        """A copy with ``times`` as many tries."""
         return replace(self, most_tries=times * self.most_tries)
 
     def refutation(self, curve: Curve) -> ArmRefutation | None:
-        """Place of a curve at which the arm is not proven clear; None for a clear curve."""
+        """Find where on a curve the arm is not proven clear; None if it is clear throughout."""
         parameters = np.linspace(*curve.interval, _SAMPLES)
         joints, missed = self.arm.follow(self.stances.first, curve(parameters), self.stances.home)
         return self._refutation(joints, missed, parameters, self.clearance)
 
     def leg_refutation(self, points: FloatArray) -> ArmRefutation | None:
-        """The same of a polyline (k, 3), k >= 1, [unit], world; parameter k is its vertex k."""
+        """As :meth:`refutation`, for a polyline (k, 3), [unit]; parameter k is its vertex k."""
         begin = self.stances.near(points[0])
         if begin is None:
             return ArmRefutation(0.0, -1, -1, True)
@@ -84,7 +84,7 @@ class ChainSight:
         return self._refutation(joints, missed, parameters, self._beyond, self.most_tries)
 
     def clear_legs(self, points: FloatArray) -> BoolArray:
-        """Legs (k - 1,) of a polyline (k, 3), k >= 2, on which the arm is proven to be clear.
+        """Whether the arm is proven clear on each leg (k - 1,) of a polyline (k, 3), k >= 2.
 
         Each begins with the pose in which the one before ended; after one that is not clear, with
         the stance of the nearest node.
@@ -108,14 +108,14 @@ class ChainSight:
         return course_from(self.stances.first, curve, arc, self.arm, self.stances.home)
 
     def reached(self, points: FloatArray) -> BoolArray:
-        """Nodes (n, 3) of the mesh that the arm reaches, clear of the floor and itself, (n,)."""
+        """Whether the arm reaches nodes (n, 3), clear of the floor and itself, (n,)."""
         reached = self.stances.reached
         assert len(points) == len(reached)
         around = self.around.only(self.around.numbers < 0)
         return reached & ~self._touching(around, self.slack, reached)
 
     def touching(self, points: FloatArray, number: int, reached: BoolArray) -> BoolArray:
-        """Nodes (n, 3) at which it nearly touches obstacle ``number``, of those reached (n,)."""
+        """Whether it nearly touches obstacle ``number`` at nodes (n, 3) that it reaches, (n,)."""
         assert len(points) == len(reached)
         return self._touching(self.around.only(self.around.numbers == number), -1.0, reached)
 

@@ -176,7 +176,7 @@ class ArmMotion:
 
     @property
     def error(self) -> OutOfReach | NotFollowed | None:
-        """The worst stretch out of reach as an error to raise; None when there is none."""
+        """Error for the worst stretch out of reach; None if there is none."""
         if not self.unreachable:
             return None
         worst = max(self.unreachable, key=lambda stretch: abs(stretch.shortfall))
@@ -208,11 +208,11 @@ def follow(
         arc: the curve's arc length.
         profile: the motion along it.
         arm: the arm.
-        settings: elbow branch, up where either will do, and drives of the arm.
+        settings: elbow branch, for ``auto`` the upper one, and drives of the arm.
         samples: number of samples m, at least 2.
 
     Returns:
-        The motion; it records what is out of reach or past a limit: none raises.
+        The motion. It records what is out of reach or past a limit; nothing is raised.
     """
     trajectory = Trajectory(curve, arc, profile)
     time = np.linspace(0.0, profile.duration, samples)
