@@ -22,5 +22,5 @@ def read_only(array: _Array) -> _Array:
 
 
 def flat(array: NDArray[np.float64]) -> FloatArray:
-    """The numbers of ``array``, flat and read-only: the form that kernels take."""
+    """Return the numbers of ``array`` flat and read-only, as kernels take them."""
     return read_only(np.ascontiguousarray(array, dtype=np.float64).reshape(-1))

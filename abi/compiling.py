@@ -175,7 +175,7 @@ _compilation = _Compilation()
 
 
 def all_kernels() -> list[Kernel[..., Any]]:
-    """Kernels of all modules, whether imported before or not."""
+    """Import all modules with kernels and return every kernel."""
     for module in pkgutil.walk_packages([str(_PACKAGE)], "abi."):
         if module.name.endswith("_kernels"):
             importlib.import_module(module.name)
@@ -209,7 +209,7 @@ def is_done() -> bool:
 
 
 def wait_for_loading() -> None:
-    """Wait until kernels that an earlier run kept are loaded; not for the compiler."""
+    """Wait until kernels that an earlier run cached are loaded, but not for the compiler."""
     if _compilation._thread is not None:
         _compilation.wanted.set()
         _compilation.loaded.wait()

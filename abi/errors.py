@@ -23,7 +23,7 @@ import numpy as np
 from abi.arrays import FloatArray, IntArray
 
 UNIT = " [unit]"
-"""Placeholder behind every length in a sentence, until the unit is known."""
+"""Placeholder after every length in a sentence, until the unit is known."""
 
 
 class AbiError(Exception):
@@ -59,7 +59,7 @@ class SceneError(AbiError):
 
 
 class ExportError(AbiError):
-    """A plan that a file format cannot hold, or a file that cannot be written."""
+    """Error for a plan that a file format cannot hold, or a file that cannot be written."""
 
 
 class StageError(AbiError):
@@ -85,7 +85,7 @@ class StageError(AbiError):
 
 
 class PointBlocked(StageError):
-    """Start or goal lies inside an obstacle or nearer to it than the clearance.
+    """Error if start or goal is inside an obstacle or nearer to it than the clearance.
 
     Args:
         which: ``start`` or ``goal``.
@@ -121,7 +121,7 @@ class PointBlocked(StageError):
 
 
 class NoPath(StageError):
-    """Start and goal are not joined by free edges.
+    """Error if no free edges join start and goal.
 
     Args:
         reached: ids of the nodes that the start can reach, shape (k,).
@@ -143,7 +143,7 @@ class NoPath(StageError):
 
 
 class ClearanceNotHeld(StageError):
-    """A curve that could not be kept clear.
+    """Error for a curve that could not be kept clear of the obstacles.
 
     Args:
         clearance: the clearance required, [unit].
@@ -165,15 +165,15 @@ class ClearanceNotHeld(StageError):
 
 
 class OutOfReach(StageError):
-    """A stretch of the curve that the arm cannot reach.
+    """Error for a stretch of the curve that the arm cannot reach.
 
     Args:
         first: time of the first point out of reach, [s].
         last: time of the last point out of reach, [s].
         shortfall: the largest distance missing, [unit].
         too_near: True when the worst point is too near to the shoulder rather than too far.
-        slide: extension of the slide q5 by then and its limit, [unit], where it is past that: then
-            it makes the forearm too long, or too short.
+        slide: extension of the slide q5 at that time and its limit, [unit], if it is past the limit
+            and so makes the forearm too long or too short.
     """
 
     def __init__(
@@ -211,16 +211,16 @@ class OutOfReach(StageError):
 
 
 class ArmNotClear(StageError):
-    """No motion was found whose whole arm is proven clear; the tool alone has one.
+    """Error if no motion was found on which the whole arm is proven clear; the tool has one.
 
     Args:
-        branch: of the arm that it was sought on, as the beginning of a sentence.
-        where: ``start`` or ``goal``, where the arm is not clear at once; ``path`` where the mesh
-            has none, ``curve`` where no curve near the path is clear.
-        link: link that is in the way at start or goal; empty where that is out of reach.
-        obstacle: index of what it touches, from 0, or its name; None where out of reach.
-        sentences: other sentences than these tell.
-        has_elbow: whether the branches are the sides of an elbow.
+        branch: branch of the arm that was searched, as the beginning of a sentence.
+        where: ``start`` or ``goal`` if the arm is not clear there; ``path`` if the mesh has no
+            clear path; ``curve`` if no curve near the path is clear.
+        link: link that is in the way at start or goal; empty if the arm is out of reach there.
+        obstacle: index of what it touches, from 0, or its name; None if out of reach.
+        sentences: message to use instead of the one that follows from the other arguments.
+        has_elbow: whether the branches are the two sides of an elbow.
     """
 
     def __init__(
@@ -261,12 +261,12 @@ class ArmNotClear(StageError):
     def of_all(
         cls, faults: Sequence[ArmNotClear], others: Sequence[ArmNotClear] = (), note: str = ""
     ) -> ArmNotClear:
-        """The faults of all branches as one; of first poses the one that got farthest tells.
+        """Combine the errors of all branches; for start poses, the one that got farthest counts.
 
         Args:
-            faults: of the branches, at least one.
-            others: of those with spare joints drawn elsewhere.
-            note: sentence on why there are none of these.
+            faults: errors of the branches, at least one.
+            others: errors of branches with redundant joints drawn elsewhere.
+            note: sentence on why there are no such branches.
         """
         order = ("start", "goal", "path", "curve")
         first = faults[0]
@@ -282,7 +282,7 @@ class ArmNotClear(StageError):
 
 
 class NotFollowed(StageError):
-    """A stretch of the curve that an arm of a URDF cannot follow.
+    """Error for a stretch of the curve that a URDF arm cannot follow.
 
     Args:
         first: time of the first point it misses, [s].
@@ -309,6 +309,6 @@ def format_length(length: float) -> str:
 
 
 def in_unit(sentences: tuple[str, str], unit: str) -> tuple[str, str]:
-    """Message and hint with ``unit`` behind every length, or without units where it is empty."""
+    """Message and hint with ``unit`` after every length, or without units if it is empty."""
     message, hint = (text.replace(UNIT, f" {unit}" if unit else "") for text in sentences)
     return message, hint

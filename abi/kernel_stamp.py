@@ -52,7 +52,7 @@ def stamp(function: Callable[..., Any], options: str = "") -> str:
 
 
 def fields_of(example: Any) -> str:
-    """Names of the fields of named tuples among arguments: compiled, they are numbers."""
+    """Names of the fields of named tuples among arguments, which compiled code knows by number."""
     if not isinstance(example, tuple):
         return ""
     return repr((getattr(example, "_fields", ""), *map(fields_of, example)))

@@ -50,7 +50,7 @@ class Certificate:
             no obstacles.
         pieces: first and last parameter of the piece each plane separates, shape (k, 2).
         obstacle: number of the obstacle each plane separates it from, shape (k,). From a mesh it
-            separates only some triangles; the planes of a mesh together leave out none.
+            separates only some triangles; together, the planes of a mesh separate all of them.
         directions: unit normals of the planes, from the obstacle to the curve, shape (k, 3), world.
     """
 
@@ -62,7 +62,7 @@ class Certificate:
 
 @dataclass(frozen=True, eq=False)
 class Refutation:
-    """A place of a curve that keeps it from being certified.
+    """A point of a curve that prevents a certificate.
 
     Attributes:
         margin: the distance to prove, [unit].
@@ -83,7 +83,7 @@ class Refutation:
 def certify(
     curve: PolynomialCurve, obstacles: ObstacleSet, margin: float
 ) -> Certificate | Refutation:
-    """Prove that a curve keeps more than ``margin`` from every obstacle, or find where it does not.
+    """Prove that a curve keeps more than ``margin`` from every obstacle, or find where it fails.
 
     A curve that starts outside a closed mesh and keeps clear of its surface stays outside. From a
     primitive a negative margin can be proven: the curve goes no deeper than that. A mesh needs a

@@ -12,7 +12,7 @@ from abi.planner.plan import Plan
 
 
 def write(plan: Plan, name: str) -> bytes:
-    """Time, joints, tool position and tool velocity, each with its unit in the header.
+    """Write time, joints, tool position and tool velocity, with units in the header.
 
     Raises:
         ExportError: there is no motion.

@@ -31,10 +31,10 @@ class Format:
     """A file format.
 
     Attributes:
-        label: what it holds, for a person.
-        file: name that a download gets.
-        endings: those of file names that mean this format.
-        write: content of the file of a plan, given the file's name.
+        label: what it holds, for people.
+        file: name of a downloaded file.
+        endings: endings of file names that mean this format.
+        write: function from a plan and the file's name to the file's content.
     """
 
     label: str
@@ -69,10 +69,10 @@ FORMATS: dict[str, Format] = {
 
 
 def format_of(path: Path) -> str:
-    """Name of the format that a file's ending means; the longest ending that fits counts.
+    """Name of the format that a file's ending means; the longest matching ending counts.
 
     Raises:
-        ExportError: it means none.
+        ExportError: no format has this ending.
     """
     endings = {ending: name for name, row in FORMATS.items() for ending in row.endings}
     fitting = [ending for ending in endings if path.name.lower().endswith(ending)]
@@ -90,7 +90,7 @@ def export(plan: Plan, path: Path, format_name: str) -> None:
 
     Args:
         plan: the plan.
-        path: of the file; one that is there is replaced.
+        path: file to write; an existing file is replaced.
         format_name: a name in :data:`FORMATS`.
 
     Raises:

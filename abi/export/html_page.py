@@ -24,11 +24,11 @@ from abi.planner.plan import Plan
 from abi.search.subset import subset
 
 EDGES = 5_000
-"""Edges of the mesh that are drawn at the most, those near path and obstacles."""
+"""Largest number of mesh edges that are drawn, those near path and obstacles."""
 EXPANSIONS = 4_000
-"""Expanded nodes that are drawn at the most, evenly of all."""
+"""Largest number of expanded nodes that are drawn, evenly spaced."""
 FACES = 3_000
-"""Triangles of an obstacle that are drawn at the most."""
+"""Largest number of triangles of an obstacle that are drawn."""
 _CURVE, _POSES = 161, 121  # samples
 _DIGITS = 5
 _SEARCH_SECONDS = 8.0
@@ -36,7 +36,7 @@ _ROUND_ANGLE = 24
 
 
 def write(plan: Plan, name: str) -> bytes:
-    """The page.
+    """Write the page.
 
     Raises:
         ExportError: the plan has no mesh, so there is nothing to show.

@@ -36,7 +36,7 @@ def motion_of(plan: Plan) -> ArmMotion:
     """The motion of a plan.
 
     Raises:
-        ExportError: it has none.
+        ExportError: the plan has no motion.
     """
     if plan.motion is None:
         cause = "it was not planned" if plan.error is None else plan.error.message
@@ -47,8 +47,8 @@ def motion_of(plan: Plan) -> ArmMotion:
 def joint_trajectory(plan: Plan) -> JointTrajectory:
     """Joints of a plan's motion, with derivatives by central differences of its samples.
 
-    Controllers begin and end at rest, and so does what is planned: the drives hold before the
-    motion and after it.
+    Like controllers, the plan begins and ends at rest: the drives hold before and after the
+    motion.
 
     Raises:
         ExportError: there is no motion, it leaves the arm's reach, or passes a limit.

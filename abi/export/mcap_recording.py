@@ -31,7 +31,7 @@ class _Message(NamedTuple):
 
 
 def write(plan: Plan, name: str) -> bytes:
-    """The recording, with the scene and the arm's URDF attached.
+    """Write the recording, with the scene and the arm's URDF attached.
 
     Raises:
         ExportError: there is no motion that the arm can execute.

@@ -18,7 +18,7 @@ from abi.planner.plan import Plan
 
 
 def write(plan: Plan, name: str) -> bytes:
-    """The message; JSON where ``name`` ends so, else YAML. Lengths in [m].
+    """Write the message, as JSON if ``name`` ends in ``.json``, else as YAML; lengths in [m].
 
     Raises:
         ExportError: there is no motion that the arm can execute.

@@ -13,7 +13,7 @@ from abi.export import html_page
 from abi.planner.plan import Plan
 
 HEIGHT = 560
-"""Of the frame in a notebook, [px]."""
+"""Height of the frame in a notebook, [px]."""
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,7 @@ _TIMES = 201
 
 
 def write(plan: Plan, name: str) -> bytes:
-    """B-spline and quadratic, which of them is followed, and the motion along it, as JSON.
+    """Write both curves, which of them is followed, and the motion along it, as JSON.
 
     Raises:
         ExportError: the plan has no curves.

@@ -33,10 +33,12 @@ _NOTE = """\
 
 
 def write(plan: Plan, name: str) -> bytes:
-    """A program that goes to the first pose slowly, and then along the motion by ``servoj``.
+    """Write a program that moves slowly to the first pose and then follows the motion.
+
+    The motion is sent by ``servoj``.
 
     Raises:
-        ExportError: the arm is none of Universal Robots, or cannot execute the motion.
+        ExportError: the arm is not one of Universal Robots, or cannot execute the motion.
     """
     trajectory = joint_trajectory(plan)
     if trajectory.names != JOINTS:

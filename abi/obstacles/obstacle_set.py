@@ -40,8 +40,8 @@ _TOUCH = 1e-9
 class ObstacleSet:
     """Obstacles and their distances; tables are made at their first use.
 
-    Two sets are equal when they are the same object: to compare obstacles one by one costs more
-    than most of what is computed with them, so a planner makes one set of equal scenes.
+    Two sets are equal only if they are the same object: comparing obstacles one by one would cost
+    more than most computations with them, so a planner makes one set for equal scenes.
 
     Attributes:
         obstacles: as the scene has them; an index into them is an obstacle's number.
@@ -90,12 +90,12 @@ class ObstacleSet:
 
     @cached_property
     def packed(self) -> FloatArray:
-        """The primitives as the kernels take them, flat (p ``WIDTH``,)."""
+        """The primitives in the format of the kernels, flat (p ``WIDTH``,)."""
         return pack(self.primitives)
 
     @cached_property
     def surfaces(self) -> SurfaceSet:
-        """The meshes as the kernels take them."""
+        """The meshes in the format of the kernels."""
         return surface_set(self.meshes, self._packed_mesh_boxes)
 
     @cached_property
@@ -110,7 +110,7 @@ class ObstacleSet:
 
     @cached_property
     def boxed(self) -> Self:
-        """The set with each mesh's bounding box in its place; itself without meshes."""
+        """The set with each mesh replaced by its bounding box; the set itself without meshes."""
         if self.all_convex:
             return self
         boxed = list(self.obstacles)
@@ -142,7 +142,7 @@ class ObstacleSet:
     def signed_distance(self, points: FloatArray, enough: float = math.inf) -> FloatArray:
         """Least signed distance (n,) of points (n, 3), [unit]; inf without obstacles.
 
-        One of ``enough`` and more may be any from there on.
+        If the true value is at least ``enough``, the result may be any number from there on.
         """
         distance, _ = self._from_primitives(points)
         for _, mesh, rows in self.near_meshes(points, points, np.minimum(distance, enough)):
@@ -152,7 +152,7 @@ class ObstacleSet:
     def distances_up_to(self, limit: float, points: FloatArray) -> FloatArray:
         """Signed distance (n, k) of points (n, 3) to each obstacle, [unit].
 
-        Exact below ``limit``; what is not may be any distance from there on.
+        Exact below ``limit``; larger ones may be any distance from there on.
         """
         distances = np.empty((len(points), len(self.obstacles)))
         of_primitives = np.empty(len(points) * len(self.primitives))
@@ -211,7 +211,7 @@ class ObstacleSet:
     def polyline_clearance(self, points: FloatArray) -> float:
         """Least signed distance of a polyline, [unit]; inf without obstacles.
 
-        It is exact but for rounding, and a lower bound inside a closed mesh.
+        It is exact up to rounding, and a lower bound inside a closed mesh.
 
         Args:
             points: vertices (k, 3), k >= 1, [unit], world.
@@ -222,7 +222,7 @@ class ObstacleSet:
     def polyline_clearances(self, polylines: FloatArray, enough: float = math.inf) -> FloatArray:
         """Clearances (n,) of polylines of equally many vertices (n, k, 3), k >= 2, [unit].
 
-        Those of ``enough`` and more, but for the least of all, may be any from there on.
+        Except for the least of all, those of ``enough`` or more may be any number from there on.
         """
         count, size, _ = polylines.shape
         clearances = np.empty(count)
@@ -236,7 +236,7 @@ class ObstacleSet:
         """Clearances (k - 1,) of a polyline's segments, [unit].
 
         Args:
-            points: vertices (k, 3), k >= 1, [unit], world; one alone is a segment.
+            points: vertices (k, 3), k >= 1, [unit], world; a single point counts as a segment.
             enough: as for :meth:`polyline_clearances`.
         """
         if len(points) == 1:

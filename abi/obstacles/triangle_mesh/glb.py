@@ -30,7 +30,7 @@ def read(data: bytes, most_faces: int) -> tuple[FloatArray, IntArray]:
     """Vertices (n, 3) and triangles (m, 3) of a GLB file in its own axes.
 
     Raises:
-        ValueError: not such a file; the message is the end of a sentence "expected …".
+        ValueError: it is no such file; the message ends a sentence "expected …".
     """
     document, binary = _chunks(data)
     required = document.get("extensionsRequired", [])

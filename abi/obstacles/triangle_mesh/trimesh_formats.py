@@ -29,7 +29,7 @@ DAMAGED_ZIP: tuple[type[Exception], ...] = (
     *(zipfile.BadZipFile, zlib.error, lzma.LZMAError, struct.error),
     *(RuntimeError, NotImplementedError, EOFError, OSError, ValueError),
 )
-"""What reading a zip archive raises that is damaged or needs a password."""
+"""Exceptions raised when a zip archive is damaged or needs a password."""
 _ENTITIES = re.compile(rb"<!(?:DOCTYPE|ENTITY)", re.IGNORECASE)
 _ENCODING = re.compile(rb"""<\?xml[^>]{0,100}encoding\s*=\s*["']([^"']*)""")
 _ENCODINGS = (b"utf-8", b"us-ascii", b"ascii", b"iso-8859-1", b"windows-1252")
@@ -37,9 +37,9 @@ _PLY_COUNT = re.compile(rb"element[ \t]+(vertex|face)[ \t]+([0-9]{1,9})[ \t]*\r?
 
 
 def read(data: bytes, suffix: str) -> tuple[FloatArray, IntArray, ByteArray]:
-    """Vertices (n, 3) and triangles (m, 3) of a file, in its units, all its parts in their places.
+    """Vertices (n, 3), triangles (m, 3) and colours of a file, with all its parts in place.
 
-    Last come the colours of its triangles, (m, 3); (0, 3) where it gives none.
+    Coordinates are in the file's unit. The colours are (m, 3), or (0, 3) if it gives none.
 
     Args:
         data: content.
