@@ -48,7 +48,7 @@ _ROOMS = (1.0, 4.0, 16.0)
 
 @dataclass(frozen=True, eq=False)
 class ArmTask:
-    """A scene's arm and what its plan begins with.
+    """Input of a plan for the whole arm.
 
     Attributes:
         scene: the scene.
@@ -56,9 +56,9 @@ class ArmTask:
         obstacles: its obstacles.
         around: everything around the arm.
         free: the mesh that the tool may use.
-        taut: the path of the tool alone pulled taut; None where that is not asked for.
+        taut: the path of the tool alone pulled taut; None if the scene does not ask for that.
         margin: distance that edges keep from the obstacles, [unit].
-        samples: of the motion.
+        samples: number of samples of the motion.
     """
 
     scene: Scene
@@ -77,7 +77,7 @@ class ArmTask:
 
     @property
     def other_sights(self) -> OtherSights:
-        """The arm on branches to try where those lead to no motion."""
+        """The arm on further branches, to try if those lead to no motion."""
         return self.model.other_sights(self.scene, self.free.mesh, self.around, self._slack)
 
     @property
@@ -103,7 +103,7 @@ def is_clear(results: dict[str, Any]) -> bool:
 
 
 class ArmAware:
-    """Plans for the whole arm, with the memory of what it excludes from the mesh."""
+    """Planner for the whole arm, which remembers what the arm excludes from the mesh."""
 
     def __init__(self) -> None:
         self._exclude: dict[str, ArmExclusionCache] = {}

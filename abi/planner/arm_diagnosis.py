@@ -19,10 +19,10 @@ _WAYS = ((1, 0, 0), (-1, 0, 0), (0, -1, 0), (0, 1, 0), (0, 0, 1), (0, 0, -1))
 
 
 def arm_reason(scene: Scene, plan: Plan, error: ArmNotClear, what_if: WhatIf) -> Reason:
-    """Link that is in the way, of what, and a change that helps.
+    """Find which link touches what, and a change that helps.
 
-    Tried, in this order: both elbows, links nearer to the obstacles, the base elsewhere, finer
-    pitches; and each obstacle left out.
+    In this order it tries both elbows, links nearer to the obstacles, another base, and finer
+    pitches; also the scene without each obstacle.
 
     Raises:
         CancelledError: the caller has cancelled the trials.

@@ -15,7 +15,7 @@ from abi.scene.settings import ArmSettings
 
 
 def surroundings_of(model: ArmModel, obstacles: ObstacleSet, lowest: float) -> Surroundings:
-    """Everything around an arm."""
+    """Surroundings of an arm."""
     return model.surroundings(obstacles, lowest)
 
 

@@ -23,7 +23,7 @@ from abi.planner.planner import Planner
 from abi.scene.scene import Scene
 
 MOST_NODES = 8_000
-"""Nodes of the mesh that bases are tried on; the best are then planned on the scene's own."""
+"""Largest mesh that bases are tried on, in nodes; the best ones are planned on the scene's."""
 
 _FIRST_CELLS = 64
 _ROUNDS = 3
@@ -111,10 +111,10 @@ def base_maps(scene: Scene, low: Sequence[float], high: Sequence[float]) -> Iter
 
 
 def default_region(scene: Scene) -> tuple[Vec3, Vec3]:
-    """Low and high corner of a region to look at first: level with the base, around the workspace.
+    """Low and high corner of the default region: level with the base, around the workspace.
 
-    It reaches beyond the workspace by half the arm's length, where that is the paper's, and by half
-    the workspace's longest side otherwise.
+    It reaches beyond the workspace by half the arm's length for the paper's arm, and by half the
+    workspace's longest side otherwise.
     """
     arm, box = scene.arm, scene.workspace
     beyond = (arm.a3 + arm.a4 + arm.a5) / 2 if arm.model == "abi" else max(box.size) / 2

@@ -32,7 +32,7 @@ from abi.taut.taut_path import TautPath
 from abi.tet_mesh.exclusion import FreeMesh
 
 SAMPLES = 200
-"""Samples of the arm's motion, at most, unless the JSON is to be full."""
+"""Largest number of samples of the arm's motion, unless the JSON is full."""
 
 Section = dict[str, Any] | None
 Times = Mapping[str, float]
@@ -171,7 +171,7 @@ def optimum(bound: Bound | None, kept: Mapping[str, float], followed: str | None
 def timing(
     profile: PathProfile | None, followed: str | None, tilt: float | None, ms: Times
 ) -> Section:
-    """Stage 5, the motion along the curve that the arm executes; the phases where it has them."""
+    """Stage 5, the motion along the curve that the arm follows, and its phases if it has any."""
     if profile is None:
         return None
     phases = profile if isinstance(profile, SpeedProfile) else None

@@ -38,9 +38,9 @@ from abi.taut.taut_path import taut as pull_taut
 from abi.tet_mesh.tet_mesh import tetrahedralise
 
 SLACK = 1e-3
-"""Room of mesh edges beyond the clearance, as a part of the workspace's longest side.
+"""Extra clearance of mesh edges, as a fraction of the workspace's longest side.
 
-In it a smooth curve can round the corners of the path.
+It leaves room for a smooth curve to round the corners of the path.
 """
 
 SAMPLES = 401

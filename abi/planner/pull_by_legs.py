@@ -20,7 +20,7 @@ _CUT = (0.45, 0.2)
 def pull_by_legs(
     points: FloatArray, obstacles: ObstacleSet, margin: float, sight: Sight
 ) -> FloatArray:
-    """Path pulled taut leg by leg, each of them clear for the arm, too.
+    """Pull a path taut, segment by segment, each of them clear for the arm, too.
 
     Vertices that are not needed are dropped, others move towards the chord of their neighbours, and
     corners are cut, until the length settles.

@@ -17,7 +17,7 @@ MAX_LINKS = 150
 
 
 def read_urdf(content: bytes, name: str, meshes: Meshes) -> Robot:
-    """The robot of a URDF's content.
+    """Read the robot of a URDF's content.
 
     Args:
         content: of the file.
@@ -25,7 +25,7 @@ def read_urdf(content: bytes, name: str, meshes: Meshes) -> Robot:
         meshes: source of the mesh files that it names, by their names in the file.
 
     Raises:
-        SceneError: it is no URDF, cut off, not one tree, or a number of it cannot be meant.
+        SceneError: it is no URDF, truncated, not a single tree, or has a number without sense.
     """
     root = Element(parse(content, name), name, "robot")
     links: dict[str, Link] = {}

@@ -36,7 +36,7 @@ from abi.scene.settings import (
 )
 
 MOST_OBSTACLES = 5_000
-"""Obstacles that a scene may have: their first plan takes about a second."""
+"""Largest number of obstacles of a scene; the first plan with so many takes about a second."""
 
 
 class Scene(Settings):

@@ -29,8 +29,8 @@ class ComparedSearch:
     Attributes:
         find: the search.
         exact: whether its path is always the cheapest of the graph.
-        one_way: whether it takes arcs that lead one way only, such as one of a negative cost.
-        any_angle: whether its path may leave the edges; then it is the length that it makes small.
+        one_way: whether it can handle arcs in one direction only, such as one of negative cost.
+        any_angle: whether its path may leave the edges; it then minimises the length.
     """
 
     find: Callable[[SearchTask], SearchTrace]

@@ -49,14 +49,14 @@ _SHARES = ("complete", "bspline_proven", "quadratic_proven")
 
 
 def write_plots(rows: Sequence[Row], fields: Sequence[str], folder: Path) -> list[Path]:
-    """Write ``gaps.svg``, ``clearances.svg`` and ``times.svg``; the files written.
-
-    Args:
-        rows: of a study.
-        fields: the one on the abscissa, and the one whose values have lines, if there is one.
-        folder: where they go.
+    """Write ``gaps.svg``, ``clearances.svg`` and ``times.svg``, and return the files written.
 
     Without matplotlib nothing is written.
+
+    Args:
+        rows: rows of a study.
+        fields: the field on the abscissa, and the one whose values have lines, if there is one.
+        folder: folder for the files.
     """
     if importlib.util.find_spec("matplotlib") is None:
         return []

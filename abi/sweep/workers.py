@@ -29,8 +29,8 @@ def rows_of(
     """Rows of each task, in the order in which they are done.
 
     Args:
-        tasks: what is to be planned.
-        workers: processes on this machine; None for one a core, 1 for this one alone.
+        tasks: the tasks to plan.
+        workers: number of processes on this machine; None for one per core, 1 for this one alone.
         scheduler: address of a Dask scheduler whose workers plan instead.
 
     Raises:

@@ -12,7 +12,7 @@ from abi.tet_mesh.stencil import Stencil
 NO_IDS: IntArray = read_only(np.zeros(0, dtype=np.int32))
 NO_NUMBERS: FloatArray = read_only(np.zeros(0))
 KINDS = {"bcc": BCC, "kuhn": KUHN}
-"""Lattices by name, as the kernels know them."""
+"""Numbers of the lattices in the kernels, by name."""
 
 
 def of_lattice(stencil: Stencil, nodes: int) -> Adjacency:

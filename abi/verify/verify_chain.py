@@ -86,11 +86,11 @@ class _Motion:
 def check_chain(
     section: dict[str, Any], scene: Scene, obstacles: list[ExactSolid | ExactMesh]
 ) -> str:
-    """Check the certificate of a plan's arm; what it proves, as the end of a sentence.
+    """Check the certificate of a plan's arm, and return what it proves as the end of a sentence.
 
     Raises:
         Fault: it does not prove what the plan claims.
-        SceneError: a field of the wrong form.
+        SceneError: a field has the wrong form.
     """
     certificate = mapping(FIELD, section["certificate"])
     margin = claimed_margin(section, certificate, Fraction(scene.arm.clearance), obstacles)
