@@ -96,7 +96,7 @@ class ObstacleSet:
     @cached_property
     def surfaces(self) -> SurfaceSet:
         """The meshes in the format of the kernels."""
-        return surface_set(self.meshes, self._packed_mesh_boxes)
+        return surface_set(self.meshes, self.packed_mesh_boxes)
 
     @cached_property
     def bounds(self) -> tuple[FloatArray, FloatArray]:
@@ -261,15 +261,20 @@ class ObstacleSet:
             rows, boxes = np.arange(len(starts), dtype=np.int32), np.zeros(len(starts), np.int32)
         else:
             if np.isinf(limits).any():
-                limits = np.minimum(limits, self._most_to_mesh(starts))
+                limits = np.minimum(limits, self.most_to_mesh(starts))
             wide = flat(limits * (1 + _WIDER) + _WIDER)
-            rows, boxes = kernels.near_boxes(
-                flat(starts), flat(ends), wide, self._packed_mesh_boxes
-            )
+            rows, boxes = kernels.near_boxes(flat(starts), flat(ends), wide, self.packed_mesh_boxes)
         cuts = np.flatnonzero(np.diff(boxes, prepend=-1, append=-1))
         for first, last in zip(cuts[:-1].tolist(), cuts[1:].tolist(), strict=True):
             k = int(boxes[first])
             yield int(self.mesh_numbers[k]), self.meshes[k], rows[first:last]
+
+    def most_to_mesh(self, points: FloatArray) -> FloatArray:
+        """Upper bound (n,) of the distance of points (n, 3) to the nearest mesh, [unit]."""
+        distance, row = np.empty(len(points)), np.empty(len(points), dtype=np.int32)
+        kernels.nearest(flat(points), self.packed_mesh_boxes, distance, row)
+        diagonals = np.array([math.hypot(*box.size) for box in self._mesh_boxes])
+        return np.asarray(np.maximum(distance, 0) + diagonals[row])
 
     def _numbers(self, convex: bool) -> IntArray:
         chosen = [k for k, shape in enumerate(self.obstacles) if shape.convex == convex]
@@ -281,7 +286,8 @@ class ObstacleSet:
         return tuple(map(_bounding_box, self.meshes))
 
     @cached_property
-    def _packed_mesh_boxes(self) -> FloatArray:
+    def packed_mesh_boxes(self) -> FloatArray:
+        """The meshes' bounding boxes as the kernels take primitives, flat (m ``WIDTH``,)."""
         return pack(self._mesh_boxes)
 
     def _from_primitives(self, points: FloatArray) -> tuple[FloatArray, IntArray]:
@@ -289,13 +295,6 @@ class ObstacleSet:
         distance, row = np.empty(len(points)), np.empty(len(points), dtype=np.int32)
         kernels.nearest(flat(points), self.packed, distance, row)
         return distance, row
-
-    def _most_to_mesh(self, points: FloatArray) -> FloatArray:
-        """Upper bound (n,) of the distance of points (n, 3) to the nearest mesh, [unit]."""
-        distance, row = np.empty(len(points)), np.empty(len(points), dtype=np.int32)
-        kernels.nearest(flat(points), self._packed_mesh_boxes, distance, row)
-        diagonals = np.array([math.hypot(*box.size) for box in self._mesh_boxes])
-        return np.asarray(np.maximum(distance, 0) + diagonals[row])
 
 
 NO_OBSTACLES = ObstacleSet()
