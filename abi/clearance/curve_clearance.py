@@ -147,11 +147,8 @@ def _margins(
         return [math.inf]
     lowest = required - ROUNDING
     if lowest < 0:
-        depths = [
-            -float(primitive.signed_distance(np.array([primitive.position]))[0])
-            for primitive in obstacles.primitives
-        ]
-        lowest = lowest if obstacles.all_convex and min(depths) > 4 * ROUNDING else 0.0
+        thick = obstacles.all_convex and obstacles.least_depth > 4 * ROUNDING
+        lowest = lowest if thick else 0.0
     tries = {required, required - ROUNDING, measured.distance - step}
     while measured.nearest - step > measured.distance:
         tries.add(measured.nearest - step)

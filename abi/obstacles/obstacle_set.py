@@ -22,7 +22,7 @@ from abi.obstacles import obstacle_set_kernels as kernels
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.packing import pack
 from abi.obstacles.polyline_kernels import polyline_distances
-from abi.obstacles.primitive_kernels import BOUNDS, WIDTH
+from abi.obstacles.primitive_kernels import BOUNDS, CORE, WIDTH
 from abi.obstacles.primitives import Box, Primitive
 from abi.obstacles.surface_set import SurfaceSet, surface_set
 
@@ -107,6 +107,12 @@ class ObstacleSet:
         for number, mesh in zip(self.mesh_numbers, self.meshes, strict=True):
             corners[number] = mesh.bounds()
         return read_only(corners[:, 0].copy()), read_only(corners[:, 1].copy())
+
+    @cached_property
+    def least_depth(self) -> float:
+        """How deep the centre of the thinnest primitive lies in it, [unit]; inf without any."""
+        cores = self.packed.reshape(-1, WIDTH)[:, CORE : CORE + 4]
+        return float((cores[:, :3].min(axis=1) + cores[:, 3]).min(initial=math.inf))
 
     @cached_property
     def boxed(self) -> Self:
