@@ -141,6 +141,11 @@ def arm_clearance(
     )
 
 
+def is_clear(motion: ArmMotion, clearance: ArmClearance) -> bool:
+    """Whether the whole arm is proven clear all along a motion, within reach and limits."""
+    return motion.reachable and motion.within_limits and clearance.certified
+
+
 def best_proof(
     certify: Callable[[float], ArmCertificate | ArmRefutation],
     measured: float,

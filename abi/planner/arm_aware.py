@@ -18,11 +18,10 @@ import numpy as np
 
 from abi.arm.any_arm import AnyArm
 from abi.arm.arm_certificate import ArmRefutation
-from abi.arm.arm_clearance import ArmClearance, named
+from abi.arm.arm_clearance import is_clear, named
 from abi.arm.arm_model import ArmModel, OtherSights, Sight
 from abi.arm.motion_law import motion_law
 from abi.arm.surroundings import Surroundings
-from abi.arm.trajectory import ArmMotion
 from abi.curves import fit_quadratic, speed_profile
 from abi.curves.bspline import BSpline
 from abi.curves.curve import ArcLength, Curve, arc_length
@@ -93,13 +92,6 @@ class _Branch:
     sight: Sight
     free: FreeMesh
     found: ArmGraphPath
-
-
-def is_clear(results: dict[str, Any]) -> bool:
-    """Whether the whole arm is proven clear, within reach and limits."""
-    motion: ArmMotion = results["motion"]
-    clearance: ArmClearance = results["arm_clearance"]
-    return motion.reachable and motion.within_limits and clearance.certified
 
 
 class ArmAware:
@@ -253,7 +245,7 @@ def _motion(task: ArmTask, sight: Sight, curve: Curve, arc: ArcLength) -> dict[s
     motion = course.motion(profile, task.samples)
     clearance = course.clearance(motion, task.obstacles, task.around, scene.arm.clearance)
     found = {"profile": profile, "motion": motion, "arm_clearance": clearance}
-    if not is_clear(found):
+    if not is_clear(motion, clearance):
         raise _not_clear(task, sight, "curve")
     return found
 

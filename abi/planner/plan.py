@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from abi.arm.any_arm import AnyArm
-from abi.arm.arm_clearance import ArmClearance
+from abi.arm.arm_clearance import ArmClearance, is_clear
 from abi.arm.joint_rates import JointRates, joint_rates
 from abi.arm.liquid import largest_tilt
 from abi.arm.trajectory import ArmMotion
@@ -95,6 +95,13 @@ class Plan:
         """Arc length of the curve that the arm executes."""
         arcs = {"bspline": self.bspline_arc, "quadratic": self.quadratic_arc}
         return arcs.get(self.followed or "")
+
+    @property
+    def is_arm_clear(self) -> bool:
+        """Whether the whole arm is proven clear all along its motion, within reach and limits."""
+        if self.motion is None or self.arm_clearance is None:
+            return False
+        return is_clear(self.motion, self.arm_clearance)
 
     @cached_property
     def liquid_tilt(self) -> float | None:

@@ -12,6 +12,7 @@ from types import MappingProxyType
 from typing import Any
 
 from abi import compiling
+from abi.arm.arm_clearance import is_clear
 from abi.arm.arm_model import Course
 from abi.arm.models import model_of
 from abi.arm.motion_law import motion_law
@@ -24,7 +25,7 @@ from abi.curves.quadratic import Quadratic
 from abi.curves.timed_profile import PathProfile
 from abi.errors import ArmNotClear, ClearanceNotHeld, StageError
 from abi.obstacles.obstacle_set import ObstacleSet
-from abi.planner.arm_aware import ArmAware, ArmTask, is_clear
+from abi.planner.arm_aware import ArmAware, ArmTask
 from abi.planner.arm_stages import clearance_on, courses_of, motion_on, surroundings_of
 from abi.planner.exclusion_cache import ExclusionCache
 from abi.planner.plan import Plan
@@ -188,7 +189,7 @@ class Planner:
         else:  # stages that do not run take no time
             for stage in self._on_branches:
                 stage.ms = 0.0
-        if refuted or (avoid and not is_clear(results)):
+        if refuted or (avoid and not is_clear(results["motion"], results["arm_clearance"])):
             try:
                 self._avoid(task, names, results)
             except ArmNotClear as fault:
@@ -220,7 +221,7 @@ class Planner:
                 course, motion, task.obstacles, task.around, scene.arm.clearance
             )
             found = {"profile": profile, "motion": motion, "arm_clearance": clear}
-            if k == 0 or is_clear(found):
+            if k == 0 or is_clear(motion, clear):
                 results.update(found)
 
     def _timed(self, path: Course, asked: MotionSettings) -> PathProfile:

@@ -6,14 +6,13 @@ import html
 import math
 from typing import ClassVar
 
-from abi.arm.trajectory import Violation
 from abi.curves.bspline import BSpline
 from abi.curves.fit import Fit
 from abi.curves.quadratic import Quadratic
 from abi.curves.timed_profile import TimedProfile
+from abi.planner.arm_words import CONTACTS, clearance_sentence, contact_sentence, limit_sentence
 from abi.planner.plan import Plan
 from app import style
-from app.arm_words import clearance_sentence, contact_sentence
 from app.frame import Frame, Switch
 from app.layout import Layout
 from app.numbers import (
@@ -26,7 +25,6 @@ from app.numbers import (
 from app.once_a_plan import once_a_plan
 
 _PIECES_SHOWN = 2
-_CONTACTS_SHOWN = 3
 _SPILLS = 60
 """Tilt of a liquid's level at which no cup holds it, [°]."""
 _LAWS = {
@@ -162,22 +160,9 @@ def _arm(plan: Plan) -> str:
         lines.append(f"<b>✗ The {label}, which the arm follows, is too near an obstacle.</b>")
     if plan.arm_clearance is not None:
         contacts = plan.arm_clearance.contacts
-        lines += [f"<b>✗ {contact_sentence(one, unit)}.</b>" for one in contacts[:_CONTACTS_SHOWN]]
-        if len(contacts) > _CONTACTS_SHOWN:
+        lines += [f"<b>✗ {contact_sentence(one, unit)}.</b>" for one in contacts[:CONTACTS]]
+        if len(contacts) > CONTACTS:
             lines.append(f"… {len(contacts)} contacts in all")
         lines += [sentence for sentence in [clearance_sentence(plan)] if sentence]
-    lines += [_limit_note(violation, unit) for violation in motion.limit_violations]
+    lines += [f"✗ {limit_sentence(one, motion, unit)}" for one in motion.limit_violations]
     return style.BOX + "<br>".join(lines) + "</div>" if lines else ""
-
-
-def _limit_note(violation: Violation, unit: str) -> str:
-    """Sentence on the time and the worst value of a joint beyond its limit."""
-    prismatic = violation.joint == "q5"
-    value, limit = (
-        f"{number:.2f} {unit}" if prismatic else f"{math.degrees(number):.0f}°"
-        for number in (violation.value, violation.limit)
-    )
-    return (
-        f"✗ {violation.joint} passes its limit of {limit} at {violation.since:.2f} s: "
-        f"{value} at {violation.time:.2f} s."
-    )

@@ -10,10 +10,10 @@ from typing import Any
 
 from abi.errors import AbiError, NoPath
 from abi.obstacles.primitives import Box, Capsule, Cylinder, Sphere
+from abi.planner.arm_words import contact_sentence
 from abi.planner.plan import Plan
 from abi.planner.reason import Reason
 from app import style
-from app.arm_words import contact_sentence
 from app.frame import Frame
 from app.labels import LABELS, sentence
 from app.layout import Layout

@@ -7,9 +7,9 @@ import math
 import viser
 
 from abi.errors import AbiError, SceneError
+from abi.planner.arm_words import arm_result
 from abi.planner.plan import Plan
 from app import style
-from app.arm_words import arm_result
 from app.frame import Frame
 from app.numbers import format_length
 from app.once_a_plan import once_a_plan

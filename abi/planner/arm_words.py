@@ -5,9 +5,13 @@ from __future__ import annotations
 import math
 
 from abi.arm.arm_clearance import Contact
+from abi.arm.trajectory import ArmMotion, Violation
+from abi.length_text import format_length, format_lower_bound
 from abi.planner.plan import Plan
-from app.numbers import format_length, format_lower_bound
 
+CONTACTS = 3
+"""Contacts that are told one by one at the most."""
+_CURVES = {"bspline": "B-spline", "quadratic": "quadratic"}
 _LINKS = {"base_link": "base", "upper_arm": "upper arm"}
 
 
@@ -25,6 +29,43 @@ def arm_result(plan: Plan) -> str:
     if not motion.within_limits:
         return "joint limit passed ✗"
     return "proven clear ✓" if clearance.certified else "not proven clear ?"
+
+
+def arm_faults(plan: Plan) -> list[str]:
+    """Sentences on what the arm's motion lacks, the worst first.
+
+    Empty where the whole arm is proven clear along a curve that is, and where nothing moves.
+    """
+    motion, clearance, unit = plan.motion, plan.arm_clearance, plan.scene.unit
+    if motion is None or clearance is None:
+        return []
+    faults = []
+    if (error := motion.error) is not None:
+        error.set_unit(unit)
+        faults.append(error.message)
+    faults += [f"{contact_sentence(one, unit)}." for one in clearance.contacts[:CONTACTS]]
+    if len(clearance.contacts) > CONTACTS:
+        faults.append(f"There are {len(clearance.contacts)} contacts in all.")
+    if plan.followed_curve is not None and not plan.followed_curve.holds:
+        name = _CURVES[plan.followed or ""]
+        faults.append(f"The {name}, which the arm follows, is too near an obstacle.")
+    faults += [limit_sentence(one, motion, unit) for one in motion.limit_violations]
+    if motion.reachable and not clearance.certified and not clearance.contacts:
+        faults.append(clearance_sentence(plan))
+    return faults
+
+
+def limit_sentence(violation: Violation, motion: ArmMotion, unit: str) -> str:
+    """Sentence on the time and the worst value of a joint beyond its limit."""
+    slides = motion.slides[motion.joints.index(violation.joint)]
+    value, limit = (
+        f"{number:.2f} {unit}" if slides else f"{math.degrees(number):.0f}°"
+        for number in (violation.value, violation.limit)
+    )
+    return (
+        f"{violation.joint} passes its limit of {limit} at {violation.since:.2f} s: "
+        f"{value} at {violation.time:.2f} s."
+    )
 
 
 def link_label(link: str) -> str:
