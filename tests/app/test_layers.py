@@ -12,6 +12,7 @@ import pytest
 import viser
 
 from abi import load_scene, plan
+from abi.planner.arm_words import arm_result
 from abi.scene.scene import Scene
 from app.address import Address
 from app.frame import Frame
@@ -282,3 +283,22 @@ def test_the_distance_kept_is_no_good_news_while_the_arm_goes_through_something(
     assert around.arm_clearance is not None
     assert around.arm_clearance.certified
     assert "✓" in headline(around)
+
+
+@pytest.mark.parametrize(
+    "arm",
+    [
+        {"base": (3.0, -7.0, 0.0)},  # out of reach
+        {"base": (3.0, 3.0, -7.0), "avoid": False},
+        {"q5": 2.5},  # past the slide's limit
+        {"clearance": 0.5, "avoid": False},
+    ],
+)
+def test_no_headline_is_green_while_the_arm_is_not_proven_clear(arm: dict[str, object]) -> None:
+    result = plan(load_scene("paper").replace(arm=arm))
+    assert result.followed_curve is not None
+    assert result.followed_curve.holds
+    assert not result.is_arm_clear
+    assert "✓" not in arm_result(result)
+    assert "✓" not in headline(result)
+    assert "kept by the tool alone" in headline(result)
