@@ -55,6 +55,12 @@ def _followed_length(plan: Plan) -> float | None:
     return None if arc is None else arc.length
 
 
+def _is_complete(plan: Plan) -> bool:
+    """Whether there is a plan along a curve that keeps the clearance, for the tool alone."""
+    curve = plan.followed_curve
+    return plan.error is None and curve is not None and curve.holds
+
+
 def _axis_speed(plan: Plan, place: float) -> float | None:
     """Size of the quadratic's derivative in t, of its own parameter, at a share of its interval."""
     if plan.quadratic is None:
@@ -121,7 +127,8 @@ MEASURES: Mapping[str, Measure] = MappingProxyType(
             None if f.plan.arm_clearance is None else f.plan.arm_clearance.distance
         ),
         "arm.reaches": lambda f: None if f.plan.motion is None else float(f.plan.motion.reachable),
-        "plan.complete": lambda f: float(f.plan.error is None),
+        "plan.complete": lambda f: float(_is_complete(f.plan) and f.plan.is_arm_clear),
+        "plan.tool_complete": lambda f: float(_is_complete(f.plan)),
         "search.step": lambda f: None if f.theatre is None else f.theatre.state.step,
         "search.done": lambda f: None if f.theatre is None else float(f.theatre.state.done),
         "search.length": lambda f: None if f.theatre is None else f.theatre.state.trace.length,
