@@ -23,6 +23,7 @@ from abi.export import (
     spline_curves,
     urscript,
 )
+from abi.planner.arm_words import arm_warning
 from abi.planner.plan import Plan
 
 
@@ -31,16 +32,22 @@ class Format:
     """A file format.
 
     Attributes:
-        label: what it holds, for people.
-        file: name of a downloaded file.
-        endings: endings of file names that mean this format.
-        write: function from a plan and the file's name to the file's content.
+        label: what it holds, for a person.
+        file: name that a download gets.
+        endings: those of file names that mean this format.
+        write: content of the file of a plan, given the file's name.
+        holds_motion: whether a motion of the arm is in it.
     """
 
     label: str
     file: str
     endings: tuple[str, ...]
     write: Callable[[Plan, str], bytes]
+    holds_motion: bool = True
+
+    def warning(self, plan: Plan) -> str:
+        """Sentence on what the exported motion's arm touches or lacks; empty for none."""
+        return arm_warning(plan) if self.holds_motion else ""
 
 
 FORMATS: dict[str, Format] = {
@@ -53,9 +60,19 @@ FORMATS: dict[str, Format] = {
         ros_trajectory.write,
     ),
     "spline": Format(
-        "curves as B-splines (JSON)", "curves.spline.json", (".spline.json",), spline_curves.write
+        "curves as B-splines (JSON)",
+        "curves.spline.json",
+        (".spline.json",),
+        spline_curves.write,
+        holds_motion=False,
     ),
-    "moveit": Format("obstacles for MoveIt", "obstacles.scene", (".scene",), moveit_scene.write),
+    "moveit": Format(
+        "obstacles for MoveIt",
+        "obstacles.scene",
+        (".scene",),
+        moveit_scene.write,
+        holds_motion=False,
+    ),
     "mcap": Format(
         "recording for Foxglove (MCAP)", "motion.mcap", (".mcap",), mcap_recording.write
     ),
@@ -63,7 +80,9 @@ FORMATS: dict[str, Format] = {
     "urscript": Format(
         "program for a UR (URScript)", "motion.script", (".script",), urscript.write
     ),
-    "urdf": Format("arm (URDF)", "arm.urdf", (".urdf",), robot_description.write),
+    "urdf": Format(
+        "arm (URDF)", "arm.urdf", (".urdf",), robot_description.write, holds_motion=False
+    ),
 }
 """Formats by the names that ``abi export --format`` takes."""
 

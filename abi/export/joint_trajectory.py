@@ -10,6 +10,7 @@ from abi.arm.trajectory import ArmMotion
 from abi.arrays import FloatArray, read_only
 from abi.errors import ExportError
 from abi.obstacles.pose import METRES
+from abi.planner.arm_words import arm_warning
 from abi.planner.plan import Plan
 
 
@@ -42,6 +43,14 @@ def motion_of(plan: Plan) -> ArmMotion:
         cause = "it was not planned" if plan.error is None else plan.error.message
         raise ExportError(f"There is no motion to export: {cause}")
     return plan.motion
+
+
+def motion_state(plan: Plan) -> str:
+    """Sentence that a file of the motion carries: that the arm is clear, or what it touches."""
+    warning = arm_warning(plan)
+    if warning:
+        return f"The arm's motion is NOT proven clear. {warning}"
+    return "The arm's whole motion is proven clear of the scene's obstacles."
 
 
 def joint_trajectory(plan: Plan) -> JointTrajectory:

@@ -55,6 +55,15 @@ def arm_faults(plan: Plan) -> list[str]:
     return faults
 
 
+def arm_warning(plan: Plan) -> str:
+    """The worst of these faults as one sentence, for whoever runs the motion; empty for none."""
+    contacts = () if plan.arm_clearance is None else plan.arm_clearance.contacts
+    if plan.motion is None or not contacts or not plan.motion.reachable:
+        return next(iter(arm_faults(plan)), "")
+    others = f", the deepest of {len(contacts)} contacts" if len(contacts) > 1 else ""
+    return f"{contact_sentence(contacts[0], plan.scene.unit)}{others}."
+
+
 def limit_sentence(violation: Violation, motion: ArmMotion, unit: str) -> str:
     """Sentence on the time and the worst value of a joint beyond its limit."""
     slides = motion.slides[motion.joints.index(violation.joint)]

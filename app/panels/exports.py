@@ -45,3 +45,5 @@ class ExportPanel:
             page.notify_refusal(self._client, "Not exported", error.message)
         else:
             self._client.send_file_download(row.file, content, save_immediately=True)
+            if warning := row.warning(plan):
+                page.notify_warning(self._client, "Exported, but not proven clear", warning)
