@@ -89,6 +89,11 @@ class ArmClearance:
         """Whether the whole arm is proven to keep the required distance at all times."""
         return self.certificate is not None and self.certificate.margin >= self.required
 
+    @property
+    def is_too_near(self) -> bool:
+        """Whether a sample's links are nearer to an obstacle than required."""
+        return bool(self.distances.min(initial=math.inf) < self.required)
+
     def touching(self, time: float) -> frozenset[str]:
         """Names of the links that touch something, or each other, at a time [s]."""
         now = [one for one in self.contacts if one.first <= time <= one.last]

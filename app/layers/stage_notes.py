@@ -163,6 +163,8 @@ def _arm(plan: Plan) -> str:
         lines += [f"<b>✗ {contact_sentence(one, unit)}.</b>" for one in contacts[:CONTACTS]]
         if len(contacts) > CONTACTS:
             lines.append(f"… {len(contacts)} contacts in all")
-        lines += [sentence for sentence in [clearance_sentence(plan)] if sentence]
+        if sentence := clearance_sentence(plan):
+            too_near = plan.arm_clearance.is_too_near
+            lines.append(f"<b>✗ {sentence}</b>" if too_near else sentence)
     lines += [f"✗ {limit_sentence(one, motion, unit)}" for one in motion.limit_violations]
     return style.BOX + "<br>".join(lines) + "</div>" if lines else ""

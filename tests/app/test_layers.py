@@ -21,8 +21,10 @@ from app.layers.headline import headline
 from app.layers.mesh import MeshLayer
 from app.layers.names import NamesLayer
 from app.layers.plots import PlotsLayer
+from app.layers.stage_notes import _notes
 from app.layers.workspace import WorkspaceLayer
 from app.look import PLAIN
+from app.numbers import format_lower_bound
 from app.server import Server, start
 from app.session import Session
 from app.tab_view import SWITCHES
@@ -302,3 +304,18 @@ def test_no_headline_is_green_while_the_arm_is_not_proven_clear(arm: dict[str, o
     assert "✓" not in arm_result(result)
     assert "✓" not in headline(result)
     assert "kept by the tool alone" in headline(result)
+
+
+def test_links_nearer_than_asked_for_are_told_with_both_numbers() -> None:
+    scene = load_scene("paper").replace(arm={"clearance": 0.5, "avoid": False})
+    result = plan(scene)
+    assert result.arm_clearance is not None
+    assert result.arm_clearance.is_too_near
+    assert arm_result(result) == "links too near ✗"
+    note = _notes(result)["arm"]
+    assert f"{format_lower_bound(result.arm_clearance.distance)} cm of the 0.5 cm wanted" in note
+    assert "✗" in note
+    assert "Proven" not in note
+    kept = plan(load_scene("paper"))
+    assert arm_result(kept) == "proven clear ✓"
+    assert "Proven: every link keeps" in _notes(kept)["arm"]

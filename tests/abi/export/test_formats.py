@@ -298,12 +298,14 @@ def test_every_file_of_a_motion_tells_what_its_arm_touches(planned: Plan) -> Non
 
 
 @pytest.mark.parametrize(
-    ("arm", "words"),
+    ("change", "words"),
     [
-        ({"base": (30.0, 0.0, 0.0)}, "cannot reach"),
-        ({"q5": 2.5}, "passes its limit"),
+        ({"arm": {"base": (30.0, 0.0, 0.0)}}, "cannot reach"),
+        ({"arm": {"q5": 2.5}, "obstacles": []}, "passes its limit"),
+        ({"arm": {"clearance": 0.5, "avoid": False}}, "of the 0.5 cm wanted"),
     ],
 )
-def test_a_motion_that_is_not_proven_clear_has_a_warning(arm: dict[str, Any], words: str) -> None:
-    result = plan(load_scene("paper").replace(arm=arm, obstacles=[]))
-    assert words in FORMATS["csv"].warning(result)
+def test_a_motion_that_is_not_proven_clear_has_a_warning(
+    change: dict[str, Any], words: str
+) -> None:
+    assert words in FORMATS["csv"].warning(plan(load_scene("paper").replace(**change)))
