@@ -167,7 +167,13 @@ class Plan:
             "optimum": plan_json.optimum(self.optimum, self.kept_lengths, self.followed),
             "timing": plan_json.timing(self.profile, self.followed, self.liquid_tilt, self.ms),
             "arm": plan_json.arm(
-                self.arm, self.motion, self.arm_clearance, self.joint_rates, self.ms, full
+                self.arm,
+                self.motion,
+                self.arm_clearance,
+                self.scene.obstacles,
+                self.joint_rates,
+                self.ms,
+                full,
             ),
             "total_ms": self.total_ms,
             "error": plan_json.error(self.error),
