@@ -145,9 +145,8 @@ def _tilt(plan: Plan) -> str:
     if plan.liquid_tilt is None:
         return ""
     tilt = math.degrees(plan.liquid_tilt)
-    if tilt > _SPILLS:
-        return " A cup of liquid would be spilt."
-    return f" Liquid in a cup would tilt by up to {tilt:.{0 if tilt >= 10 else 1}f}°."
+    told = f" Liquid in a cup would tilt by up to {tilt:.{0 if tilt >= 10 else 1}f}°"
+    return f"{told}: it would be spilt." if tilt > _SPILLS else f"{told}."
 
 
 def _arm(plan: Plan) -> str:

@@ -20,7 +20,7 @@ from app.layers.arm import ArmLayer
 from app.layers.headline import headline
 from app.layers.mesh import MeshLayer
 from app.layers.names import NamesLayer
-from app.layers.plots import PlotsLayer
+from app.layers.plots import PlotsLayer, _joints_title
 from app.layers.stage_notes import _notes
 from app.layers.workspace import WorkspaceLayer
 from app.look import PLAIN
@@ -173,6 +173,22 @@ def test_a_plot_has_its_data_before_it_is_shown(tab: tuple[FakeTab, Session]) ->
     tabs.remove()
 
 
+@pytest.mark.parametrize(
+    ("slides", "unit", "title"),
+    [
+        ((False, True), "cm", "joint positions [rad, cm]"),
+        ((False, False), "mm", "joint positions [rad]"),
+        ((True, True), "m", "joint positions [m]"),
+    ],
+)
+def test_the_plot_of_joints_names_their_units(
+    slides: tuple[bool, ...], unit: str, title: str
+) -> None:
+    motion = plan(load_scene("paper")).motion
+    assert motion is not None
+    assert _joints_title(replace(motion, slides=slides), unit) == title
+
+
 def _still(session: Session) -> Frame:
     """The session's last frame, drawn to its end while nothing moves any more."""
     until(lambda: session.resting)
@@ -319,3 +335,13 @@ def test_links_nearer_than_asked_for_are_told_with_both_numbers() -> None:
     kept = plan(load_scene("paper"))
     assert arm_result(kept) == "proven clear ✓"
     assert "Proven: every link keeps" in _notes(kept)["arm"]
+
+
+@pytest.mark.parametrize(("speed", "spilt"), [(30.0, False), (3000.0, True)])
+def test_a_cup_has_its_tilt_in_degrees_though_it_is_spilt(speed: float, spilt: bool) -> None:
+    motion = {"speed": speed, "acceleration": speed, "deceleration": speed}
+    result = plan(load_scene("paper").replace(motion=motion))
+    assert result.liquid_tilt is not None
+    note = _notes(result)["motion"]
+    assert ("spilt" in note) == spilt
+    assert f"by up to {np.degrees(result.liquid_tilt):.0f}°" in note
