@@ -9,7 +9,7 @@ import viser
 
 from abi.errors import SceneError
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
-from abi.robot.robot import usual_tip
+from abi.robot.robot import Robot, usual_tip
 from abi.robot.robot_files import SHIPPED, load_robot
 from abi.scene.scene import Scene
 from app import page
@@ -94,7 +94,10 @@ class ArmModelPanel:
             self.model.value = _PAPER
             return
         if arm.urdf not in SHIPPED:
+            is_new = self.files.get(arm.urdf) != arm.robot.archive
             self._add(arm.urdf, arm.robot.archive)
+            if is_new:
+                self._tell(arm.urdf, arm.robot)
         self.model.value = _SHIPPED.get(arm.urdf, arm.urdf)
         self._list_tips(arm.urdf, arm.tip)
         self._scene_axis = arm.axis
@@ -124,6 +127,10 @@ class ArmModelPanel:
         self._add(name, robot.archive)
         self.model.value = name
         self._list_tips(name, None)
+        self._tell(name, robot)
+
+    def _tell(self, name: str, robot: Robot) -> None:
+        """Notify the user of what was left out of an arm, as visuals that cannot be read."""
         for note in robot.notes:
             self._client.add_notification(name, note, auto_close_seconds=8)
 
