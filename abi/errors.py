@@ -214,13 +214,14 @@ class ArmNotClear(StageError):
     """Error if no motion was found on which the whole arm is proven clear; the tool has one.
 
     Args:
-        branch: branch of the arm that was searched, as the beginning of a sentence.
-        where: ``start`` or ``goal`` if the arm is not clear there; ``path`` if the mesh has no
-            clear path; ``curve`` if no curve near the path is clear.
-        link: link that is in the way at start or goal; empty if the arm is out of reach there.
-        obstacle: index of what it touches, from 0, or its name; None if out of reach.
-        sentences: message to use instead of the one that follows from the other arguments.
-        has_elbow: whether the branches are the two sides of an elbow.
+        branch: of the arm that it was sought on, as the beginning of a sentence.
+        where: ``start`` or ``goal``, where the arm is not clear at once; ``path`` where the mesh
+            has none, ``curve`` where no curve near the path is clear.
+        link: link that is in the way at start or goal; empty where that is out of reach.
+        obstacle: index of what it touches, from 0, or its name; None where out of reach.
+        sentences: other sentences than these tell.
+        has_elbow: whether the branches are the sides of an elbow.
+        why: predicate on why start or goal is out of reach, with joint, limit or distance.
     """
 
     def __init__(
@@ -231,6 +232,7 @@ class ArmNotClear(StageError):
         obstacle: int | str | None = None,
         sentences: str = "",
         has_elbow: bool = True,
+        why: str = "cannot take its pose within reach and limits",
     ) -> None:
         name = f"obstacle {obstacle + 1}" if isinstance(obstacle, int) else f"the {obstacle}"
         message = {
@@ -239,7 +241,7 @@ class ArmNotClear(StageError):
             "clear along any curve found near it.",
         }.get(where)
         if message is None:
-            fault = "cannot take its pose within reach and limits"
+            fault = why
             if obstacle is not None:
                 fault = f"touches {name} with its {link.replace('_', ' ')}"
             message = f"{branch}, the arm {fault} at the {where}."
@@ -270,15 +272,20 @@ class ArmNotClear(StageError):
         """
         order = ("start", "goal", "path", "curve")
         first = faults[0]
-        text = " ".join(fault.message for fault in faults)
+        text = " ".join(fault._sentences[0] for fault in faults)
         if not first.has_elbow:
             first = max((*faults, *others), key=lambda fault: order.index(fault.where))
             tried = f"{len(faults)} first poses were tried" if len(faults) > 1 else ""
             if others:
                 beside = ", and" if tried else "One first pose was tried, and"
                 tried += f"{beside} {len(others)} other ways to hold the arm"
-            text = " ".join(filter(None, (f"{tried}." if tried else "", first.message, note)))
+            text = " ".join(filter(None, (f"{tried}." if tried else "", first._sentences[0], note)))
         return cls(first.branch, first.where, first.link, first.obstacle, text, first.has_elbow)
+
+    def along_tool(self, touched: str) -> ArmNotClear:
+        """The same, and what the arm touches along the curve of the tool alone, as a sentence."""
+        text = f"{self._sentences[0]} Along the curve of the tool alone {touched}."
+        return ArmNotClear(self.branch, self.where, self.link, self.obstacle, text, self.has_elbow)
 
 
 class NotFollowed(StageError):

@@ -11,6 +11,7 @@ from abi.arm.arm_clearance import ArmClearance
 from abi.arm.leg_kernels import ArmLegs
 from abi.arm.surroundings import Surroundings
 from abi.arm.trajectory import ArmMotion
+from abi.arm.unreached import Unreached
 from abi.arrays import BoolArray, FloatArray
 from abi.curves.bspline import BSpline
 from abi.curves.curve import ArcLength, Curve
@@ -92,6 +93,9 @@ class Sight(Places, Protocol):
 
     def leg_refutation(self, points: FloatArray) -> ArmRefutation | None:
         """As :meth:`refutation`, for a polyline (k, 3), k >= 1; parameter k is its vertex k."""
+
+    def unreached(self, point: FloatArray) -> Unreached | None:
+        """Why the arm does not take its pose at a place (3,); None where that is not known."""
 
     def clear_legs(self, points: FloatArray) -> BoolArray:
         """Whether the arm is proven clear on each leg (k - 1,) of a polyline (k, 3), k >= 2."""

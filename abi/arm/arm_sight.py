@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Literal, Self
@@ -9,13 +10,15 @@ from typing import Literal, Self
 import numpy as np
 
 from abi.arm import leg_kernels, mask_kernels
-from abi.arm.arm import Arm
+from abi.arm.arm import JOINTS, Arm
 from abi.arm.arm_certificate import ArmCertificate, ArmRefutation, certify_arm
+from abi.arm.inverse_kinematics import solve
 from abi.arm.leg_kernels import MOST_TRIES, ArmLegs
 from abi.arm.pose_kernels import ArmTable
 from abi.arm.separate_arm_kernels import UNREACHED, Slide, separate_arm
 from abi.arm.surroundings import Surroundings
 from abi.arm.surroundings_kernels import Obstacles
+from abi.arm.unreached import Unreached
 from abi.arrays import BoolArray, FloatArray, flat, read_only
 from abi.clearance.bezier import PolynomialCurve
 from abi.clearance.separation_kernels import CERTIFIED, MOST_HALVINGS, REFUTED
@@ -94,6 +97,21 @@ class ArmSight:
         capsule, row = divmod(pair, len(self.around.numbers)) if pair >= 0 else (-1, -1)
         decided = status in (REFUTED, UNREACHED)
         return ArmRefutation(at, capsule, int(self.around.numbers[row]), decided)
+
+    def unreached(self, point: FloatArray) -> Unreached | None:
+        """Why the arm does not take its pose at a place (3,), [unit], world."""
+        extensions = np.array(self.extensions)
+        places, still = np.stack([point, point]), np.zeros((2, 3))
+        found = solve(self.arm, places, extensions, self.elbow, still)
+        shortfall = float(min(found.shortfall, key=abs))
+        if shortfall:
+            return Unreached(shortfall)
+        row = int(np.abs(found.shortfall).argmin())
+        for number, angle in ((1, found.q2[row]), (2, found.q3[row])):
+            limit = math.copysign(self.arm.limits[number, 1], angle)
+            if abs(angle) > abs(limit) - _SPARE:
+                return Unreached(0.0, JOINTS[number], float(angle), limit)
+        return None
 
     def clear_legs(self, points: FloatArray) -> BoolArray:
         """Whether the arm is proven clear on each leg (k - 1,) of a polyline (k, 3), k >= 2."""

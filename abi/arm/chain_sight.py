@@ -15,6 +15,7 @@ from abi.arm.joint_course import course_from
 from abi.arm.leg_kernels import MOST_TRIES
 from abi.arm.stances import Stances
 from abi.arm.surroundings import Surroundings
+from abi.arm.unreached import Unreached
 from abi.arm.urdf_arm import REACHED, UrdfArm
 from abi.arm.urdf_motion import JointCourse
 from abi.arrays import BoolArray, FloatArray, flat
@@ -22,6 +23,8 @@ from abi.curves.curve import ArcLength, Curve
 
 _STEP = 1 / 60
 """Way of the tool between poses of a leg, at most, over the arm's reach."""
+_AT_LIMIT = 1e-3
+"""Distance to its limit at which a joint counts as held by it, [rad] or [m]."""
 _SAMPLES = 241
 """Places of a curve that is asked about."""
 
@@ -82,6 +85,22 @@ class ChainSight:
         vertices = points if len(points) > 1 else np.repeat(points, 2, axis=0)
         parameters, joints, missed = self._along(vertices, begin)
         return self._refutation(joints, missed, parameters, self._beyond, self.most_tries)
+
+    def unreached(self, point: FloatArray) -> Unreached | None:
+        """Why the arm does not take its pose at a place (3,), [unit], world."""
+        begin = self.stances.near(point)
+        if begin is None:
+            return None
+        _, joints, missed = self._along(np.stack([point, point]), begin)
+        if missed[-1] <= REACHED * self.arm.reach:
+            return None
+        room = np.abs(self.arm.limits - joints[-1][:, None])
+        joint, side = divmod(int(room.argmin()), 2)
+        if room[joint, side] > _AT_LIMIT * self.arm.scales[joint]:
+            return Unreached(float(missed[-1]))
+        limit, slides = float(self.arm.limits[joint, side]), self.arm.chain.slides[joint]
+        name = self.arm.joints[joint]
+        return Unreached(float(missed[-1]), name, float(joints[-1, joint]), limit, bool(slides))
 
     def clear_legs(self, points: FloatArray) -> BoolArray:
         """Whether the arm is proven clear on each leg (k - 1,) of a polyline (k, 3), k >= 2.

@@ -22,6 +22,7 @@ from abi.arm.arm_clearance import is_clear, named
 from abi.arm.arm_model import ArmModel, OtherSights, Sight
 from abi.arm.motion_law import motion_law
 from abi.arm.surroundings import Surroundings
+from abi.arm.unreached import Unreached
 from abi.curves import fit_quadratic, speed_profile
 from abi.curves.bspline import BSpline
 from abi.curves.curve import ArcLength, Curve, arc_length
@@ -157,7 +158,9 @@ class ArmAware:
         for which, point in (("start", scene.start), ("goal", scene.goal)):
             fault = sight.leg_refutation(np.array([point]))
             if fault is not None:
-                raise _not_clear(task, sight, which, *_named(fault, task.model.arm))
+                link, obstacle = _named(fault, task.model.arm)
+                unreached = sight.unreached(np.array(point)) if obstacle is None else None
+                raise _not_clear(task, sight, which, link, obstacle, unreached)
         exclude = self._exclude.setdefault(memory, ArmExclusionCache())
         free = exclude(task.free, sight, task.obstacles)
         search = partial(_search, scene.search.algorithm, scene.search.weight)
@@ -251,10 +254,17 @@ def _motion(task: ArmTask, sight: Sight, curve: Curve, arc: ArcLength) -> dict[s
 
 
 def _not_clear(
-    task: ArmTask, sight: Sight, where: str, link: str = "", obstacle: int | str | None = None
+    task: ArmTask,
+    sight: Sight,
+    where: str,
+    link: str = "",
+    obstacle: int | str | None = None,
+    unreached: Unreached | None = None,
 ) -> ArmNotClear:
     has_elbow = task.model.arm.has_elbow
-    return ArmNotClear(sight.branch, where, link, obstacle, has_elbow=has_elbow)
+    if unreached is None:
+        return ArmNotClear(sight.branch, where, link, obstacle, has_elbow=has_elbow)
+    return ArmNotClear(sight.branch, where, has_elbow=has_elbow, why=unreached.words)
 
 
 def _search(algorithm: str, weight: Weight, graph: Graph) -> SearchResult:

@@ -27,6 +27,7 @@ from abi.errors import ArmNotClear, ClearanceNotHeld, StageError
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner.arm_aware import ArmAware, ArmTask
 from abi.planner.arm_stages import clearance_on, courses_of, motion_on, surroundings_of
+from abi.planner.arm_words import contact_sentence
 from abi.planner.exclusion_cache import ExclusionCache
 from abi.planner.plan import Plan
 from abi.planner.stage import Stage
@@ -195,7 +196,7 @@ class Planner:
             except ArmNotClear as fault:
                 if refuted:
                     self._follow(task, courses, results)
-                raise results["motion"].error or fault from None
+                raise results["motion"].error or _with_contact(fault, results, task.scene) from None
         elif results["motion"].error is not None:
             raise results["motion"].error
 
@@ -273,6 +274,15 @@ def _wait_for_compiler(scene: Scene) -> None:
     many = scene.mesh.node_count(scene.workspace) > _MANY_NODES
     if many or len(scene.obstacles) > _MANY_OBSTACLES:
         compiling.compile()
+
+
+def _with_contact(fault: ArmNotClear, results: dict[str, Any], scene: Scene) -> ArmNotClear:
+    """The fault, with link and obstacle where it names none: those of the tool's own curve."""
+    contacts = results["arm_clearance"].contacts
+    if fault.where in ("start", "goal") or not contacts:
+        return fault
+    sentence = contact_sentence(contacts[0], scene.unit)
+    return fault.along_tool(sentence[:1].lower() + sentence[1:])
 
 
 def _followed(scene: Scene, bspline: Fit[BSpline], quadratic: Fit[Quadratic]) -> str:

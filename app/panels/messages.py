@@ -143,6 +143,8 @@ def _change_label(reason: Reason) -> str:
     """Text of the button that makes a diagnosis' change of the scene."""
     if reason.obstacle is not None:
         return f"Remove obstacle {reason.obstacle + 1}"
+    if reason.moved is not None:
+        return f"Move obstacle {reason.moved + 1} there"
     parts = []
     for section, value in (reason.change or {}).items():
         if section in ("start", "goal"):

@@ -13,6 +13,7 @@ import viser
 
 from abi import load_scene, plan
 from abi.planner.arm_words import arm_result
+from abi.planner.diagnosis import explain
 from abi.scene.scene import Scene
 from app.address import Address
 from app.frame import Frame
@@ -25,6 +26,8 @@ from app.layers.stage_notes import _notes
 from app.layers.workspace import WorkspaceLayer
 from app.look import PLAIN
 from app.numbers import format_lower_bound
+from app.panels.base_offer import _may_help
+from app.panels.messages import _change_label
 from app.server import Server, start
 from app.session import Session
 from app.tab_view import SWITCHES
@@ -345,3 +348,13 @@ def test_a_cup_has_its_tilt_in_degrees_though_it_is_spilt(speed: float, spilt: b
     note = _notes(result)["motion"]
     assert ("spilt" in note) == spilt
     assert f"by up to {np.degrees(result.liquid_tilt):.0f}°" in note
+
+
+def test_an_obstacle_in_the_way_is_moved_by_a_button_beside_find_a_base() -> None:
+    scene = load_scene("wall-with-window").replace(arm={"avoid": True})
+    result = plan(scene)
+    reason = explain(scene, result)
+    assert reason is not None
+    assert reason.moved is not None
+    assert _change_label(reason) == f"Move obstacle {reason.moved + 1} there"
+    assert _may_help(Frame(result, reason=reason))
