@@ -23,7 +23,7 @@ from abi.export import (
     spline_curves,
     urscript,
 )
-from abi.planner.arm_words import arm_warning
+from abi.planner.arm_faults import arm_warning
 from abi.planner.plan import Plan
 
 

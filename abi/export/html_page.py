@@ -20,7 +20,8 @@ from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import Obstacle
 from abi.obstacles.pose import rotation
 from abi.obstacles.primitives import Box, Capsule, Cylinder, Sphere
-from abi.planner.arm_words import arm_faults, clearance_sentence
+from abi.planner.arm_faults import arm_faults
+from abi.planner.arm_words import clearance_sentence
 from abi.planner.plan import Plan
 from abi.search.subset import subset
 

@@ -10,7 +10,7 @@ from abi.arm.trajectory import ArmMotion
 from abi.arrays import FloatArray, read_only
 from abi.errors import ExportError
 from abi.obstacles.pose import METRES
-from abi.planner.arm_words import arm_warning
+from abi.planner.arm_faults import arm_warning
 from abi.planner.plan import Plan
 
 

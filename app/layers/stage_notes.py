@@ -10,7 +10,8 @@ from abi.curves.bspline import BSpline
 from abi.curves.fit import Fit
 from abi.curves.quadratic import Quadratic
 from abi.curves.timed_profile import TimedProfile
-from abi.planner.arm_words import CONTACTS, clearance_sentence, contact_sentence, limit_sentence
+from abi.planner.arm_faults import CONTACTS, limit_sentence
+from abi.planner.arm_words import clearance_sentence, contact_sentence
 from abi.planner.plan import Plan
 from app import style
 from app.frame import Frame, Switch
