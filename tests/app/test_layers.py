@@ -309,16 +309,18 @@ def test_the_distance_kept_is_no_good_news_while_the_arm_goes_through_something(
 @pytest.mark.parametrize(
     "arm",
     [
-        {"base": (3.0, -7.0, 0.0)},  # out of reach
-        {"base": (3.0, 3.0, -7.0), "avoid": False},
+        {"base": (3.0, -30.0, 0.0)},  # out of reach
         {"q5": 2.5},  # past the slide's limit
-        {"clearance": 0.5, "avoid": False},
+        {"clearance": 5.0, "avoid": False},  # too near
     ],
 )
 def test_no_headline_is_green_while_the_arm_is_not_proven_clear(arm: dict[str, object]) -> None:
-    result = plan(load_scene("paper").replace(arm=arm))
+    aside = {"shape": "sphere", "radius": 0.2, "position": (5.7, 0.3, 5.7)}
+    result = plan(load_scene("paper").replace(arm=arm, obstacles=[aside]))
     assert result.followed_curve is not None
     assert result.followed_curve.holds
+    assert result.arm_clearance is not None
+    assert not result.arm_clearance.contacts
     assert not result.is_arm_clear
     assert "✓" not in arm_result(result)
     assert "✓" not in headline(result)
