@@ -214,14 +214,14 @@ class ArmNotClear(StageError):
     """Error if no motion was found on which the whole arm is proven clear; the tool has one.
 
     Args:
-        branch: of the arm that it was sought on, as the beginning of a sentence.
-        where: ``start`` or ``goal``, where the arm is not clear at once; ``path`` where the mesh
-            has none, ``curve`` where no curve near the path is clear.
-        link: link that is in the way at start or goal; empty where that is out of reach.
-        obstacle: index of what it touches, from 0, or its name; None where out of reach.
-        sentences: other sentences than these tell.
-        has_elbow: whether the branches are the sides of an elbow.
-        why: predicate on why start or goal is out of reach, with joint, limit or distance.
+        branch: branch of the arm that was searched, as the beginning of a sentence.
+        where: ``start`` or ``goal`` if the arm is not clear there; ``path`` if the mesh has no
+            clear path; ``curve`` if no curve near the path is clear.
+        link: link that is in the way at start or goal; empty if the arm is out of reach there.
+        obstacle: index of what it touches, from 0, or its name; None if out of reach.
+        sentences: message to use instead of the one that follows from the other arguments.
+        has_elbow: whether the branches are the two sides of an elbow.
+        why: why start or goal cannot be taken, with joint, limit or distance, as a predicate.
     """
 
     def __init__(
