@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import dataclass
 from pathlib import Path
 
 import viser
@@ -25,6 +26,19 @@ _FOLDER = re.compile(r"^.*[/\\]")
 _ENDING = re.compile(r"\.(ya?ml|json|zip)$", re.IGNORECASE)
 _UNFIT = re.compile(r"[^\w.]+")
 """Letters that one system or another has no file name with."""
+
+
+@dataclass(frozen=True)
+class Loaded:
+    """A scene as it was loaded.
+
+    Attributes:
+        name: of the scene, as the page lists it.
+        scene: without what was changed since.
+    """
+
+    name: str
+    scene: Scene
 
 
 class FilesPanel:
@@ -51,7 +65,7 @@ class FilesPanel:
             hint="Downloads it under its name: as YAML, or as a zip with its meshes.",
         )
         self.reset = gui.add_button("Back to the scene as loaded", color="gray")
-        self._loaded, self._chosen = scene, name
+        self._last = Loaded(name, scene)
         self._uploaded: object = self.upload.value
         self.choice.on_update(wake)
         self.upload.on_upload(wake)
@@ -61,23 +75,32 @@ class FilesPanel:
     @property
     def name(self) -> str:
         """Name of the scene loaded last."""
-        return self._chosen
+        return self._last.name
 
     @property
     def loaded(self) -> Scene:
         """The scene as it was loaded last."""
-        return self._loaded
+        return self._last.scene
+
+    @property
+    def last(self) -> Loaded:
+        """What was loaded last."""
+        return self._last
+
+    def show(self, loaded: Loaded) -> None:
+        """Take something loaded earlier for what was loaded last."""
+        self._last = loaded
+        if self.choice.value != loaded.name:
+            self.choice.value = loaded.name
 
     def restore(self, name: str, scene: Scene) -> None:
         """Take the scene of that name for the one loaded; ``scene`` where none is listed."""
-        if name == self._chosen == self.choice.value:
+        if name == self.name == self.choice.value:
             return
         if name not in (*self._opened, *scene_names()):
-            name, self._loaded = self._list(shown_name(name), scene), scene
+            self._last = Loaded(self._list(shown_name(name), scene), scene)
         else:
-            self._loaded = self._opened.get(name) or load_scene(name)
-            self.choice.value = name
-        self._chosen = name
+            self.show(Loaded(name, self._opened.get(name) or load_scene(name)))
 
     def requested(self, meshes: MeshSource) -> Scene | None:
         """The scene chosen, opened or reset since the last call; None for no new one.
@@ -87,23 +110,22 @@ class FilesPanel:
         """
         if self.reset.value:
             self.reset.value = False
-            return self._loaded
+            return self.loaded
         if self.upload.value is not self._uploaded:
             self._uploaded = self.upload.value
             name = shown_name(self.upload.value.name)
             try:
-                self._loaded = _parse(self.upload.value, name, meshes)
+                scene = _parse(self.upload.value, name, meshes)
             except SceneError as error:
                 page.notify_refusal(self._client, f"{name} is not opened", error.message)
                 return None
-            self._chosen = self._list(name, self._loaded)
-            return self._loaded
+            self._last = Loaded(self._list(name, scene), scene)
+            return scene
         name = self.choice.value
         # a page may send anything: only listed scenes are opened
-        if name != self._chosen and (name in self._opened or name in scene_names()):
-            self._chosen = name
-            self._loaded = self._opened.get(name) or load_scene(name)
-            return self._loaded
+        if name != self.name and (name in self._opened or name in scene_names()):
+            self._last = Loaded(name, self._opened.get(name) or load_scene(name))
+            return self.loaded
         return None
 
     def _list(self, name: str, scene: Scene) -> str:
@@ -128,7 +150,7 @@ class FilesPanel:
         except SceneError as error:
             page.notify_refusal(self._client, "Not saved", error.message)
         else:
-            name = file_stem(self._chosen) + kind
+            name = file_stem(self.name) + kind
             self._client.send_file_download(name, content, save_immediately=True)
 
 
