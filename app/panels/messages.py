@@ -45,8 +45,9 @@ class Messages:
 
     def draw(self, frame: Frame) -> None:
         """Write the sentence for a frame."""
-        shown = frame.plan, frame.refused, frame.reason, frame.coarse, frame.interactive
-        state = *shown, *self._base.state(frame)
+        shown = frame.plan, frame.refused, frame.reason, frame.interactive
+        preview = frame.coarse, frame.partial
+        state = *shown, *preview, *self._base.state(frame)
         if state == self._drawn:
             return
         self._drawn = state
@@ -112,13 +113,15 @@ def _progress(frame: Frame) -> str:
     if plan.free is None or plan.path is None:
         return ""
     name = style.ALGORITHMS[plan.path.algorithm][0]
-    coarse = "≈ coarser while you drag · " if frame.coarse else ""
+    preview = "≈ one search while you drag · " if frame.partial else ""
+    if frame.coarse:
+        preview = "≈ coarser while you drag · "
     length = ""
     if plan.bspline_arc is not None:
         length = f"{format_length(plan.bspline_arc.length)} {plan.scene.unit}"
         length = f", a curve of {_whole(length)}"
     did = (
-        f"{coarse}{name} and {_whole('B-spline')} through {plan.free.nodes:,} nodes in "
+        f"{preview}{name} and {_whole('B-spline')} through {plan.free.nodes:,} nodes in "
         f"{_whole(format_time(max(plan.total_ms, 1)))}{length}."
     )
     return f"<b>{_invitation(plan)}</b> {did}"

@@ -53,13 +53,11 @@ class StageHeaders:
     def draw(self, frame: Frame) -> None:
         """Write the plan's results into the headings, and where an error belongs."""
         plan = frame.plan
-        state = plan, frame.coarse, frame.refused
+        state = plan, frame.refused
         if state == self._drawn:
             return
         self._drawn = state
         results = dict(_results(plan))
-        if frame.coarse and plan.free is not None:
-            results["mesh"] = f"≈ {plan.free.nodes:,} nodes"
         if (stage := _stage(frame.refused)) is not None:
             results[stage] = "not changed ✗"
         for stage, result in results.items():
