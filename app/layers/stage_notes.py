@@ -34,8 +34,13 @@ _LAWS = {
 }
 
 
+_FRAME = '<div style="height:{}px;overflow-y:auto">{}</div>'
+_HEIGHTS = {"bspline": 21, "quadratic": 71, "arm": 120, "motion": 38}
+"""Height of each note, whatever is in it, [px]: one that grew would push what the hand is on."""
+
+
 class StageNotesLayer:
-    """One note for each of B-spline, quadratic and arm."""
+    """A note each for B-spline, quadratic, motion and arm, in which what is longer scrolls."""
 
     switches: ClassVar[tuple[Switch, ...]] = ()
 
@@ -45,7 +50,7 @@ class StageNotesLayer:
             with layout.folders[stage]:
                 self._notes[stage] = layout.client.gui.add_html("")
         with layout.result:
-            self._phases = layout.client.gui.add_html("")
+            self._notes["motion"] = layout.client.gui.add_html("")
         self._drawn: Plan | None = None
 
     def draw(self, frame: Frame) -> None:
@@ -55,9 +60,8 @@ class StageNotesLayer:
             return
         self._drawn = plan
         notes = _notes(plan)
-        for stage, handle in self._notes.items():
-            handle.content = unbroken(notes[stage])
-        self._phases.content = unbroken(notes["motion"])
+        for name, handle in self._notes.items():
+            handle.content = _FRAME.format(_HEIGHTS[name], unbroken(notes[name]))
 
 
 @once_a_plan
@@ -100,7 +104,8 @@ def _coefficients(plan: Plan) -> str:
     """Polynomials of the quadratic, as the paper prints them."""
     if plan.quadratic is None:
         return ""
-    lines = []
+    # above them, since of a long note the end is out of sight
+    lines = [f"✗ {html.escape(plan.quadratic.note)}"] if plan.quadratic.note else []
     pieces = plan.quadratic.curve.pieces
     for first, last, (c0, c1, c2) in pieces[:_PIECES_SHOWN]:
         if len(pieces) > 1:
@@ -110,8 +115,6 @@ def _coefficients(plan: Plan) -> str:
         ]
     if len(pieces) > _PIECES_SHOWN:
         lines.append(f"… {len(pieces)} pieces in all")
-    if plan.quadratic.note:
-        lines.append(f"✗ {html.escape(plan.quadratic.note)}")
     css = "margin:0 12px 3px;font:12px/1.3 ui-monospace,monospace"
     return f'<div style="{css}">{"<br>".join(lines)}</div>'
 

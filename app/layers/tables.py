@@ -37,8 +37,8 @@ _STYLE = (
 )
 """Numbers stay on one line; names and headings wrap where the font is wide or the page narrow."""
 _LEGEND = (
-    f"{style.BOX}✓ keeps the distance you asked for, ? as far as measured. ✗ comes closer: thick "
-    "red in the scene. ▸ the arm follows this one.</div>"
+    f"{style.BOX}✓ keeps the distance you asked for (? unproven). ✗\N{NO-BREAK SPACE}closer: "
+    "thick red in the scene. ▸ the arm follows it.</div>"
 )
 _NOTHING = ("–",) * 5
 _NO_STAGE = ("–",) * 3
