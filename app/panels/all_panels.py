@@ -91,6 +91,7 @@ class AllPanels:
             self.lecture,
             self.stage_headers,
             self.stages.mesh,
+            self.stages.search,
             self.stages.bases,
             self.ends,
             self.obstacles,
@@ -211,7 +212,7 @@ class AllPanels:
             lesson=self.lessons.chosen,
             lecture=self.lecture.on,
             mesh_view=self.layer_switches.chosen_mesh_view(),
-            expanded_share=self.stages.search.expanded_share(),
+            visited=self.stages.search.visited(),
         )
 
     def _write(self, scene: Scene) -> None:
