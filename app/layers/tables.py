@@ -83,7 +83,7 @@ def _results(plan: Plan) -> dict[str, tuple[str, ...]]:
             format_length(result.length),
             format_count(result.expanded),
             format_count(result.relaxed),
-            _time(plan.ms[result.algorithm]) if result.algorithm in plan.ms else "–",
+            _time(plan.ms.get(result.algorithm, 0.0)),
         )
         for result in plan.searches
     }
@@ -114,6 +114,8 @@ def _searches(plan: Plan, old: Mapping[str, tuple[str, ...]]) -> str:
 
 
 def _time(ms: float) -> str:
+    if ms == 0:  # it is not known
+        return "–"
     return format_time(ms) if ms >= FASTEST_SHOWN else f"&lt;{format_time(FASTEST_SHOWN)}"
 
 

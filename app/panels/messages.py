@@ -120,9 +120,10 @@ def _progress(frame: Frame) -> str:
     if plan.bspline_arc is not None:
         length = f"{format_length(plan.bspline_arc.length)} {plan.scene.unit}"
         length = f", a curve of {_whole(length)}"
+    # of code that was not compiled the time says nothing
+    time = f" in {_whole(format_time(max(plan.total_ms, 1)))}" if plan.total_ms else ""
     did = (
-        f"{preview}{name} and {_whole('B-spline')} through {plan.free.nodes:,} nodes in "
-        f"{_whole(format_time(max(plan.total_ms, 1)))}{length}."
+        f"{preview}{name} and {_whole('B-spline')} through {plan.free.nodes:,} nodes{time}{length}."
     )
     return f"<b>{_invitation(plan)}</b> {did}"
 

@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 import viser
 
-from abi import compiling
 from abi.scene.scene import Scene, load_scene
 from abi.scene.scene_file import dump
 from app.address import Address
@@ -136,11 +135,10 @@ def test_a_wrong_number_is_told_of_until_it_is_mended(tab: tuple[FakeTab, Sessio
     fake.set(session.panels.stages.motion.speed, 0.0)
     until(lambda: "The cruise speed must be" in shown["message"])
 
-    # at rest the good scene is planned anew, as it is once everything is compiled
+    # at rest the good scene is planned in full, where that had to wait
     plans = session.plans
-    compiling.compile()
-    session._pause.compiled = False
-    until(lambda: session.plans > plans and session._pause.compiled)
+    session._planner.live.partial = True
+    until(lambda: session.plans > plans and session.resting)
     assert "The cruise speed must be" in shown["message"]
     assert session.frame.refused is not None
 

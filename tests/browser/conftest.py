@@ -57,7 +57,7 @@ def chromium() -> Iterator[Browser]:
 
 @pytest.fixture(scope="session")
 def server() -> Iterator[Server]:
-    # when it is ready the tabs plan anew: in the middle of whatever a test looks at
+    # until it is, plans are slow and tell no times
     abi.compile()
     server = start(Address(port=0), look=PLAIN)
     yield server
