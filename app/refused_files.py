@@ -8,7 +8,7 @@ import viser
 
 from app import page
 from app.guard.messages import MAX_UPLOAD
-from app.panels.files import shown_name
+from app.panels.file_uploads import shown_name
 
 _REASONS = {
     "kind": "This button takes {kinds}.",

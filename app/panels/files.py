@@ -13,15 +13,12 @@ from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.scene.scene import Scene, load_scene, scene_names
 from abi.scene.scene_file import MAX_BYTES, MAX_JSON_BYTES, text_of
 from app import page
-from app.guard.reader import READER
+from app.panels.file_uploads import FileKind, FileUploads, shown_name
+from app.panels.scene_uploads import SceneFile, parse, read
 from app.panels.widgets import Wake
 
-_NAME_LENGTH = 40
-"""Letters of a file's name that are shown."""
 _OPENED = " (opened)"
 """Behind the name of a file that is called as a shipped scene."""
-_MESH = re.compile(r"obstacles\[\d+\]\.file")
-"""Field of a scene that names a mesh."""
 _FOLDER = re.compile(r"^.*[/\\]")
 _ENDING = re.compile(r"\.(ya?ml|json|zip)$", re.IGNORECASE)
 _UNFIT = re.compile(r"[^\w.]+")
@@ -60,15 +57,14 @@ class FilesPanel:
             hint=f"YAML up to {MAX_BYTES // 1000} kB, JSON up to {MAX_JSON_BYTES // 1000} kB; or a "
             "zip archive with its meshes.",
         )
+        self.uploads = FileUploads(gui, self.upload, FileKind(read, shown_name), wake)
         self.save = gui.add_button(
             "Save this scene",
             hint="Downloads it under its name: as YAML, or as a zip with its meshes.",
         )
         self.reset = gui.add_button("Back to the scene as loaded", color="gray")
         self._last = Loaded(name, scene)
-        self._uploaded: object = self.upload.value
         self.choice.on_update(wake)
-        self.upload.on_upload(wake)
         self.save.on_click(wake)
         self.reset.on_click(wake)
 
@@ -111,22 +107,29 @@ class FilesPanel:
         if self.reset.value:
             self.reset.value = False
             return self.loaded
-        if self.upload.value is not self._uploaded:
-            self._uploaded = self.upload.value
-            name = shown_name(self.upload.value.name)
-            try:
-                scene = _parse(self.upload.value, name, meshes)
-            except SceneError as error:
-                page.notify_refusal(self._client, f"{name} is not opened", error.message)
-                return None
-            self._last = Loaded(self._list(name, scene), scene)
-            return scene
+        opened = [self._open(one.name, one.result, meshes) for one in self.uploads.news()]
+        if any(opened):
+            return self.loaded
         name = self.choice.value
         # a page may send anything: only listed scenes are opened
         if name != self.name and (name in self._opened or name in scene_names()):
             self._last = Loaded(name, self._opened.get(name) or load_scene(name))
             return self.loaded
         return None
+
+    def _open(self, name: str, found: SceneFile | SceneError | None, meshes: MeshSource) -> bool:
+        """Load what was read; False where that is no scene."""
+        try:
+            if found is None:
+                return False
+            if isinstance(found, SceneError):
+                raise found
+            scene = parse(found, meshes)
+        except SceneError as error:
+            page.notify_refusal(self._client, f"{name} is not opened", error.message)
+            return False
+        self._last = Loaded(self._list(name, scene), scene)
+        return True
 
     def _list(self, name: str, scene: Scene) -> str:
         """Add an opened scene to the choices, choose it and return its label."""
@@ -154,11 +157,6 @@ class FilesPanel:
             self._client.send_file_download(name, content, save_immediately=True)
 
 
-def shown_name(name: str) -> str:
-    """Name of a file as the page shows it."""
-    return "".join(c for c in name if c.isprintable())[-_NAME_LENGTH:].strip() or "a file"
-
-
 def file_stem(name: str) -> str:
     """Name for the file of a scene, without its ending, that every system takes.
 
@@ -167,15 +165,3 @@ def file_stem(name: str) -> str:
     """
     stem = _ENDING.sub("", _FOLDER.sub("", name.removesuffix(_OPENED)))
     return _UNFIT.sub("-", stem).strip("-.") or "scene"
-
-
-def _parse(file: viser.UploadedFile, name: str, meshes: MeshSource) -> Scene:
-    data, files = READER.scene(file.content, name)
-    source = MeshSource({**meshes.files, **files}, meshes.folder)
-    try:
-        return Scene.from_dict(data, source)
-    except SceneError as error:
-        if _MESH.fullmatch(error.field) is None or error.value in source.files:
-            raise
-        expected = "it to be added here first (Add a mesh), or to be in one zip with the scene"
-        raise SceneError(error.field, error.value, expected) from None

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-import viser
 
 from abi.arm.arm import Arm
 from abi.arm.urdf_arm import UrdfArm
@@ -16,7 +15,7 @@ from app.panels.arm import ArmPanel
 from app.session import Session
 from tests.abi.robot.robots import arm, packed
 from tests.abi.robot.test_visuals import dae, looking
-from tests.app.fake_tab import FakeTab, layer, until
+from tests.app.fake_tab import FakeTab, layer, send_file, until
 
 
 def panel(session: Session) -> ArmPanel:
@@ -29,10 +28,7 @@ def planned_arm(session: Session) -> object:
 
 def upload(session: Session, name: str, content: bytes) -> None:
     """What viser does with an uploaded file."""
-    button = panel(session).model.upload
-    button._impl.value = viser.UploadedFile(name=name, content=content)
-    number = session.client.client_id
-    session.wake(viser.GuiEvent(client=session.client, client_id=number, target=button))
+    send_file(session, panel(session).model.upload, name, content)
 
 
 @pytest.mark.slow

@@ -20,7 +20,7 @@ from app.look import PLAIN
 from app.server import start
 from app.session import Session
 from tests.abi import meshes
-from tests.app.fake_tab import FakeTab, layer, until
+from tests.app.fake_tab import FakeTab, layer, send_file, until
 
 MILLIMETRES = {
     "version": 1,
@@ -190,7 +190,7 @@ def test_the_arm_is_as_large_as_the_scenes_unit_says(tmp_path: Path) -> None:
 def test_a_file_that_is_no_scene_is_named_and_changes_nothing(
     tab: tuple[FakeTab, Session], monkeypatch: pytest.MonkeyPatch, content: bytes, reason: str
 ) -> None:
-    fake, session = tab
+    _, session = tab
     notices: list[tuple[str, str]] = []
     monkeypatch.setattr(
         session.client,
@@ -198,9 +198,7 @@ def test_a_file_that_is_no_scene_is_named_and_changes_nothing(
         lambda title, body, **_: notices.append((title, body)),
     )
     good = session.plan
-    file = viser.UploadedFile("my scene.yaml", b"version: 1\n" + content)
-    session.panels.files.upload._impl.value = file
-    fake.set(session.panels.stages.search.shown, 10)
+    send_file(session, session.panels.files.upload, "my scene.yaml", b"version: 1\n" + content)
     until(lambda: bool(notices))
 
     assert notices == [("my scene.yaml is not opened", reason)]
