@@ -59,13 +59,13 @@ class StageNotesLayer:
         if plan is self._drawn:
             return
         self._drawn = plan
-        notes = _notes(plan)
+        texts = notes(plan)
         for name, handle in self._notes.items():
-            handle.content = _FRAME.format(_HEIGHTS[name], unbroken(notes[name]))
+            handle.content = _FRAME.format(_HEIGHTS[name], unbroken(texts[name]))
 
 
 @once_a_plan
-def _notes(plan: Plan) -> dict[str, str]:
+def notes(plan: Plan) -> dict[str, str]:
     """Text of each note, and of the motion, as HTML."""
     return {
         "bspline": _clearance(plan, plan.bspline) + _control_points(plan),

@@ -11,7 +11,7 @@ from playwright.sync_api import Browser
 
 from abi.scene.scene import load_scene, scene_names
 from app.extent import extent
-from app.layers.stage_notes import _notes as stage_notes
+from app.layers.stage_notes import notes as stage_notes
 from app.layout import TITLE
 from app.server import Server
 from app.session import Session
