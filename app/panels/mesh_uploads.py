@@ -1,7 +1,4 @@
-"""Mesh files on their way into the scene.
-
-Once one is read it can be drawn; planning with it waits until it is prepared.
-"""
+"""Uploads of mesh files: drawn once they are read, planned with once they are prepared."""
 
 from __future__ import annotations
 

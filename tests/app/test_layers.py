@@ -21,8 +21,9 @@ from app.layers.arm import ArmLayer
 from app.layers.headline import headline
 from app.layers.mesh import MeshLayer
 from app.layers.names import NamesLayer
-from app.layers.plots import PlotsLayer
+from app.layers.plots import PlotsLayer, _joints_title
 from app.layers.search_order import SearchOrderLayer, shades
+from app.layers.stage_notes import notes
 from app.layers.workspace import WorkspaceLayer
 from app.look import PLAIN
 from app.numbers import format_lower_bound
@@ -304,6 +305,62 @@ def test_the_distance_kept_is_no_good_news_while_the_arm_goes_through_something(
     assert around.arm_clearance is not None
     assert around.arm_clearance.certified
     assert "✓" in headline(around)
+
+
+@pytest.mark.parametrize(
+    "arm",
+    [
+        {"base": (3.0, -30.0, 0.0)},  # out of reach
+        {"q5": 2.5},  # past the slide's limit
+        {"clearance": 5.0, "avoid": False},  # too near
+    ],
+)
+def test_no_headline_is_green_while_the_arm_is_not_proven_clear(arm: dict[str, object]) -> None:
+    aside = {"shape": "sphere", "radius": 0.2, "position": (5.7, 0.3, 5.7)}
+    result = plan(load_scene("paper").replace(arm=arm, obstacles=[aside]))
+    assert result.followed_curve is not None
+    assert result.followed_curve.holds
+    assert result.arm_clearance is not None
+    assert not result.arm_clearance.contacts
+    assert not result.is_arm_clear
+    assert "✓" not in arm_result(result)
+    assert "✓" not in headline(result)
+    assert "kept by the tool alone" in headline(result)
+
+
+def test_links_nearer_than_asked_for_are_told_with_both_numbers() -> None:
+    scene = load_scene("paper").replace(arm={"clearance": 0.5, "avoid": False})
+    result = plan(scene)
+    assert result.arm_clearance is not None
+    assert result.arm_clearance.is_too_near
+    assert arm_result(result) == "links too near ✗"
+    note = notes(result)["arm"]
+    assert f"{format_lower_bound(result.arm_clearance.distance)} cm of the 0.5 cm wanted" in note
+    assert "✗" in note
+    assert "Proven" not in note
+    kept = plan(load_scene("paper"))
+    assert arm_result(kept) == "proven clear ✓"
+    assert "Proven: every link keeps" in notes(kept)["arm"]
+
+
+@pytest.mark.parametrize(("speed", "spilt"), [(30.0, False), (3000.0, True)])
+def test_a_cup_has_its_tilt_in_degrees_though_it_is_spilt(speed: float, spilt: bool) -> None:
+    motion = {"speed": speed, "acceleration": speed, "deceleration": speed}
+    result = plan(load_scene("paper").replace(motion=motion))
+    assert result.liquid_tilt is not None
+    note = notes(result)["motion"]
+    assert ("spilt" in note) == spilt
+    assert f"by up to {np.degrees(result.liquid_tilt):.0f}°" in note
+
+
+def test_an_obstacle_in_the_way_is_moved_by_a_button_beside_find_a_base() -> None:
+    scene = load_scene("wall-with-window").replace(arm={"avoid": True})
+    result = plan(scene)
+    reason = explain(scene, result)
+    assert reason is not None
+    assert reason.moved is not None
+    assert _change_label(reason) == f"Move obstacle {reason.moved + 1} there"
+    assert _may_help(Frame(result, reason=reason))
 
 
 def test_the_nodes_visited_are_shown_in_their_order(tab: tuple[FakeTab, Session]) -> None:
