@@ -234,10 +234,10 @@ class ArmNotClear(StageError):
             "clear along any curve found near it.",
         }.get(where)
         if message is None:
-            fault = "cannot take its pose within reach and limits"
+            fault = f"the arm cannot reach the {where} within its joint limits"
             if obstacle is not None:
-                fault = f"touches {name} with its {link.replace('_', ' ')}"
-            message = f"{branch}, the arm {fault} at the {where}."
+                fault = f"the {link.replace('_', ' ')} touches {name} at the {where}"
+            message = f"{branch}, {fault}."
         other = "let the elbow be auto" if has_elbow else "leave the direction of the tool free"
         super().__init__(
             "arm",

@@ -58,7 +58,7 @@ def _shorter(frame: Frame) -> Challenge | None:
 
 def _quadratic(frame: Frame) -> Challenge | None:
     condition = Condition(measure="quadratic.clear", at_least=1)
-    return Challenge(text="keep the quadratic clear of everything", until=(condition,))
+    return Challenge(text="keep the quadratic clear of all obstacles", until=(condition,))
 
 
 def _arm(frame: Frame) -> Challenge | None:

@@ -143,12 +143,14 @@ class TabView:
     def _now(self, frame: Frame) -> Frame:
         """The frame at this moment of playback and theatre."""
         now = self.playback.advance(frame.duration)
-        self.playback.mark(frame.plan.arm_clearance, frame.duration)
         playing, rate = self.playback.playing, self.playback.rate
         scale = label_scale(self._watch.area(), frame.lecture)
         frame = replace(frame, time=now, playing=playing, rate=rate, label_scale=scale)
+        theatre = self.panels.theatre.advance(frame)
+        hidden = theatre is not None or (frame.lecture and "arm" not in frame.shown)
+        self.playback.mark(frame.plan.arm_clearance, frame.duration, seen=not hidden)
         bases = self.panels.stages.bases.found(frame.plan.scene)
-        return replace(frame, theatre=self.panels.theatre.advance(frame), bases=bases)
+        return replace(frame, theatre=theatre, bases=bases)
 
     def _fit(self, frame: Frame) -> None:
         """Fit panels and camera to a lecture, or end that."""

@@ -139,7 +139,7 @@ class PlotsLayer:
 
 
 def _speed_title(unit: str) -> str:
-    return f"tool speed, and along x, y, z [{unit}/s]"
+    return f"speed of the tool, and along x, y, z [{unit}/s]"
 
 
 def _slide_title(unit: str) -> str:

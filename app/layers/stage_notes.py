@@ -178,6 +178,6 @@ def _limit_note(violation: Violation, unit: str) -> str:
         for number in (violation.value, violation.limit)
     )
     return (
-        f"✗ {violation.joint} passes its limit of {limit} at {violation.since:.2f} s: "
+        f"✗ {violation.joint} passes its limit of {limit} at {violation.since:.2f} s; worst: "
         f"{value} at {violation.time:.2f} s."
     )

@@ -46,7 +46,7 @@ _LEGEND = (
     f"{style.BOX}✓ keeps the distance you asked for. ✗ comes closer: thick red in the scene. "
     "▸ the arm follows this one.</div>"
 )
-_UNPROVEN = f"{style.BOX}? keeps it at every place that was measured, but is not proven.</div>"
+_UNPROVEN = f"{style.BOX}? keeps it wherever it was measured, but this is not proven.</div>"
 FASTEST_SHOWN = 1.0
 """Shorter times say more about the machine than about the search, [ms]."""
 
@@ -154,7 +154,7 @@ def _stages(plan: Plan) -> str:
         assert plan.best_known is not None
         low, high = format_lower_bound(shortest), format_length(plan.best_known)
         note = f"best possible: between {low} and {high} {unit}"
-    longer = "longer than best" if exact else "longer, at most"
+    longer = "longer than best" if exact else "longer by at most"
     head = ("stage", f"length [{unit}]", longer, f"distance kept [{unit}]")
     legend = _LEGEND if plan.bspline is not None and plan.scene.obstacles else ""
     if legend and any("?" in cell for row in rows for cell in row):

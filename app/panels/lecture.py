@@ -86,12 +86,13 @@ class Lecture:
         return None
 
     def draw(self, frame: Frame) -> None:
-        """Show the strip and large letters, or neither."""
+        """Show the strip and large letters, or neither; a search's buttons while it is shown."""
         if self.on != self._large:
             self._large = self.on
             page.set_lecture(self._layout.client, self.on)
         content = self._strip() if self.on else ""
-        if self.on and self.shows_search:
+        # a lesson asks what the counters would tell
+        if self.shows_search and not frame.lesson:
             content = self._search.html(frame) + content
         self._layout.overlay.show("lecture", content)
 

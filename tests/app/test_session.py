@@ -135,7 +135,7 @@ def test_where_a_link_touches_something_a_button_avoids_that(tab: tuple[FakeTab,
     fake, session = tab
     shown = session.panels.layout.overlay.shown
     fake.drag(session.panels.obstacles.gizmos[0], [3.5, 2.0, 3.0])
-    until(lambda: "touches obstacle 1" in shown.get("contact", ""))
+    until(lambda: "into obstacle 1" in shown.get("contact", ""))
     assert not session.plan.scene.arm.avoid  # type: ignore[union-attr]
     fake.set(session.panels.messages.avoid, True)
     until(lambda: not shown["contact"] and session.resting)
@@ -164,7 +164,7 @@ def test_nothing_is_told_of_the_last_scene_while_another_is_planned(
     until(lambda: session.plan is not None and session.plan.bspline is not None)
     scene, parts = told[0]
     assert scene == load_scene("two-boxes")
-    assert "being planned" in parts["message"]
+    assert "Planning this scene" in parts["message"]
     assert "obstacle" not in parts["message"]
     until(lambda: "8.713 cm" in shown["message"])
 
