@@ -147,7 +147,8 @@ class TabView:
         scale = label_scale(self._watch.area(), frame.lecture)
         frame = replace(frame, time=now, playing=playing, rate=rate, label_scale=scale)
         theatre = self.panels.theatre.advance(frame)
-        hidden = theatre is not None or (frame.lecture and "arm" not in frame.shown)
+        told = frame.lecture or frame.lesson  # what is shown is chosen for the student
+        hidden = theatre is not None or (told and "arm" not in frame.shown)
         self.playback.mark(frame.plan.arm_clearance, frame.duration, seen=not hidden)
         bases = self.panels.stages.bases.found(frame.plan.scene)
         return replace(frame, theatre=theatre, bases=bases)

@@ -114,6 +114,20 @@ def test_what_is_typed_during_a_drag_counts(tab: tuple[FakeTab, Session]) -> Non
         until(partial(arrived, step, spacing, clearance))
 
 
+def test_an_end_that_is_refused_is_labelled_with_where_it_stands(
+    tab: tuple[FakeTab, Session],
+) -> None:
+    fake, session = tab
+    label = session.panels.ends._labels["start"]
+    assert label.text == "start (0, 0, 0)"
+    fake.set(session.panels.editor._end_boxes["start"].handle, (9.0, 0.0, 0.0))
+    until(lambda: session.frame.refused is not None)
+    until(lambda: label.text == "start (9, 0, 0)")
+    fake.set(session.panels.editor._end_boxes["start"].handle, (1.0, 0.0, 0.0))
+    until(lambda: session.frame.refused is None)
+    until(lambda: label.text == "start (1, 0, 0)")
+
+
 def test_what_is_refused_stays_so_while_a_hand_drags(tab: tuple[FakeTab, Session]) -> None:
     fake, session = tab
     gizmo, pitch = session.panels.obstacles.gizmos[0], session.panels.stages.mesh.pitch
