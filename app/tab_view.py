@@ -238,7 +238,7 @@ class TabView:
         before, self._before = self._before, None
         if before is not None:
             self._client.add_notification(
-                "Your scene is back", "Undo returns to the other.", auto_close_seconds=5
+                "Your scene is back", "Undo returns to the other one.", auto_close_seconds=5
             )
         state = before or replace(self.state(scene, 0.0), shown=SHOWN, view=None, theatre="")
         if state.missing:

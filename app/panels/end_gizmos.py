@@ -58,7 +58,7 @@ class EndGizmos:
             page.own(gizmo)
             self.gizmos[name], self._origins[name] = gizmo, position
             self._balls[name] = ball = client.scene.add_icosphere(
-                f"/{name}/ball", radius=_RADIUS * size, color=style.MESH
+                f"/{name}/ball", radius=_RADIUS * size, color=style.POINT
             )
             ball.on_click(self._choose)
             ball.on_drag(self._drag)

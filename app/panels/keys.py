@@ -19,6 +19,7 @@ _SHEET = """
 | W A S D, Q E, arrows | move the camera |
 | Ctrl+K | list all commands |
 | L | lecture mode: large letters, folded panels |
+| Page Down, Page Up | next stage of a lecture, stage before |
 | H or ? | show this sheet; Esc closes it |
 
 Drag with the left mouse button to turn the scene, with the right one to shift it; the wheel zooms.

@@ -116,10 +116,10 @@ def _progress(frame: Frame) -> str:
     length = ""
     if plan.bspline_arc is not None:
         length = f"{format_length(plan.bspline_arc.length)} {plan.scene.unit}"
-        length = f", a curve of {_whole(length)}"
+        length = f": a curve of {_whole(length)}"
     did = (
-        f"{coarse}{name} and {_whole('B-spline')} through {plan.free.nodes:,} nodes in "
-        f"{_whole(format_time(max(plan.total_ms, 1)))}{length}."
+        f"{coarse}{name} and {_whole('B-spline')} took "
+        f"{_whole(format_time(max(plan.total_ms, 1)))} on {plan.free.nodes:,} nodes{length}."
     )
     return f"<b>{_invitation(plan)}</b> {did}"
 

@@ -48,6 +48,10 @@ def test_in_a_lecture_the_scene_is_alone_and_in_large_letters(page: Page, sessio
         if title.startswith("3"):
             page.until(lambda: "/curve/bspline" not in page.shown(), "no curve")
             assert "/path/a_star" in page.shown()
+    page.tab.keyboard.press("PageDown")
+    page.until(lambda: page.shown() == before, "all stages again")
+    page.tab.keyboard.press("PageUp")
+    page.reads(STAGES[-1][0])
     page.click(">")
     page.until(lambda: page.shown() == before, "all stages again")
     page.click("Top")
@@ -55,6 +59,9 @@ def test_in_a_lecture_the_scene_is_alone_and_in_large_letters(page: Page, sessio
     page.click("End lecture")
     page.until(lambda: page.tab.evaluate(_WIDTH) == pytest.approx(width, abs=2), "the panels")
     assert page.tab.evaluate(_LETTERS) == letters
+    page.tab.keyboard.press("PageDown")
+    page.settle()
+    assert page.shown() == before
 
 
 @pytest.mark.parametrize("way", ["h", "Escape", "Close", "beside"])
