@@ -232,7 +232,7 @@ class ArmNotClear(StageError):
         obstacle: int | str | None = None,
         sentences: str = "",
         has_elbow: bool = True,
-        why: str = "cannot take its pose within reach and limits",
+        why: str = "",
     ) -> None:
         name = f"obstacle {obstacle + 1}" if isinstance(obstacle, int) else f"the {obstacle}"
         message = {
@@ -241,10 +241,12 @@ class ArmNotClear(StageError):
             "clear along any curve found near it.",
         }.get(where)
         if message is None:
-            fault = why
+            fault = f"the arm cannot reach the {where} within its joint limits"
+            if why:
+                fault = f"the arm {why} at the {where}"
             if obstacle is not None:
-                fault = f"touches {name} with its {link.replace('_', ' ')}"
-            message = f"{branch}, the arm {fault} at the {where}."
+                fault = f"the {link.replace('_', ' ')} touches {name} at the {where}"
+            message = f"{branch}, {fault}."
         other = "let the elbow be auto" if has_elbow else "leave the direction of the tool free"
         super().__init__(
             "arm",

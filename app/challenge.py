@@ -59,7 +59,7 @@ def _shorter(frame: Frame) -> Challenge | None:
 
 def _quadratic(frame: Frame) -> Challenge | None:
     condition = Condition(measure="quadratic.clear", at_least=1)
-    return _with_arm(frame, "keep the quadratic clear of everything", condition)
+    return _with_arm(frame, "keep the quadratic clear of all obstacles", condition)
 
 
 def _arm(frame: Frame) -> Challenge | None:

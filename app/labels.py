@@ -20,7 +20,7 @@ LABELS = {
     "motion.deceleration": "braking",
     "arm.base": "base",
     "arm.elbow": "elbow",
-    "arm.clearance": "links clear by",
+    "arm.clearance": "link clearance",
     "arm.q5": "slide's extension at start",
     "arm.a1": "pedestal's height",
     "arm.a2": "column's height",

@@ -143,12 +143,15 @@ class TabView:
     def _now(self, frame: Frame) -> Frame:
         """The frame at this moment of playback and theatre."""
         now = self.playback.advance(frame.duration)
-        self.playback.mark(frame.plan.arm_clearance, frame.duration)
         playing, rate = self.playback.playing, self.playback.rate
         scale = label_scale(self._watch.area(), frame.lecture)
         frame = replace(frame, time=now, playing=playing, rate=rate, label_scale=scale)
+        theatre = self.panels.theatre.advance(frame)
+        told = frame.lecture or frame.lesson  # what is shown is chosen for the student
+        hidden = theatre is not None or (told and "arm" not in frame.shown)
+        self.playback.mark(frame.plan.arm_clearance, frame.duration, seen=not hidden)
         bases = self.panels.stages.bases.found(frame.plan.scene)
-        return replace(frame, theatre=self.panels.theatre.advance(frame), bases=bases)
+        return replace(frame, theatre=theatre, bases=bases)
 
     def _fit(self, frame: Frame) -> None:
         """Fit panels and camera to a lecture, or end that."""
@@ -236,7 +239,7 @@ class TabView:
         before, self._before = self._before, None
         if before is not None:
             self._client.add_notification(
-                "Your scene is back", "Undo returns to the other.", auto_close_seconds=5
+                "Your scene is back", "Undo returns to the other one.", auto_close_seconds=5
             )
         state = before or replace(self.state(scene, 0.0), shown=SHOWN, view=None, theatre="")
         if state.missing:

@@ -48,7 +48,7 @@ def of_kinematics(scene: Scene) -> Iterator[Comparison]:
     yield Comparison(
         section,
         "forward after inverse kinematics",
-        "the tool's place",
+        "gives the tool's place back",
         f"within {error:.0e} in {_POSES:,} poses",
         "holds",
     )

@@ -30,7 +30,7 @@ def of_splines(scene: Scene, result: Plan) -> Iterator[Comparison]:
     share = result.bspline_arc.length / result.path.length
     yield Comparison(
         section,
-        "length of degree 4",
+        "length of the B-spline, degree 4",
         f"{printed.BSPLINE_LENGTH:.2f}, {printed.BSPLINE_LENGTH / printed.LENGTHS['a_star']:.3f}"
         " of A*'s path",
         f"{result.bspline_arc.length:.2f}, {share:.3f} of A*'s path; proven clear by "
@@ -40,14 +40,14 @@ def of_splines(scene: Scene, result: Plan) -> Iterator[Comparison]:
     splines, quadratics = zip(*_clearances_as_printed(scene), strict=True)
     yield Comparison(
         section,
-        "with the path's vertices as control points",
+        "B-spline on the path's vertices",
         "does not enter the obstacle",
         _entered(splines),
         "does not hold" if min(splines) < 0 else "holds",
     )
     yield Comparison(
         "stage 5, quadratic",
-        "fitted to the spline by least squares",
+        "quadratic fitted by least squares",
         "bypasses the obstacle",
         _entered(quadratics),
         "does not hold" if min(quadratics) < 0 else "holds",
@@ -63,7 +63,7 @@ def of_quadratic(scene: Scene, result: Plan) -> Iterator[Comparison]:
     length, path = result.quadratic_arc.length, result.path.length
     yield Comparison(
         section,
-        "length",
+        "length of the quadratic",
         f"{printed.QUADRATIC_LENGTH:.3f}, "
         f"{printed.QUADRATIC_LENGTH / printed.LENGTHS['a_star']:.3f} of A*'s path",
         f"{length:.3f}, {length / path:.3f} of A*'s path",

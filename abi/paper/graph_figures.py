@@ -61,14 +61,14 @@ def of_table_one(by_length: Plan, by_hops: Plan) -> Iterator[Comparison]:
             section,
             f"{_NAMES[name]}, length of the path",
             f"{length:.3f}",
-            f"{lengths[name]:.3f} by length, {hops[name].length:.3f} by hops",
+            f"{lengths[name]:.3f} by length, {hops[name].length:.3f} by edges",
             "depends on the mesh",
         )
     yield Comparison(
         section,
         "vertices of the paths",
         f"{printed.VERTICES}, all three",
-        ", ".join(str(result.hops + 1) for result in hops.values()) + " by hops",
+        ", ".join(str(result.hops + 1) for result in hops.values()) + " by edges",
         "depends on the mesh",
     )
     spread = max(lengths.values()) - min(lengths.values())

@@ -285,6 +285,6 @@ def _named(fault: ArmRefutation, arm: AnyArm) -> tuple[str, int | str | None]:
 def _note(fault: ArmRefutation, arm: AnyArm) -> str:
     link, obstacle = _named(fault, arm)
     if obstacle is None:
-        return "Along it the arm is out of reach or past a limit; the B-spline is followed."
+        return "On it the arm would pass its reach or a joint limit, so it follows the B-spline."
     name = f"obstacle {obstacle + 1}" if isinstance(obstacle, int) else f"the {obstacle}"
-    return f"Along it the {link.replace('_', ' ')} may touch {name}; the B-spline is followed."
+    return f"On it the {link.replace('_', ' ')} may touch {name}, so the arm follows the B-spline."

@@ -8,7 +8,7 @@ from abi.arm.arm_clearance import Contact
 from abi.planner.length_text import format_length, format_lower_bound, format_setting
 from abi.planner.plan import Plan
 
-_LINKS = {"base_link": "base", "upper_arm": "upper arm"}
+_LINKS = {"base_link": "base", "base_link_inertia": "base", "link_base": "base", "rod": "slide"}
 
 
 def arm_result(plan: Plan) -> str:
@@ -39,7 +39,7 @@ def contact_sentence(contact: Contact, unit: str) -> str:
     other = contact.obstacle
     name = f"obstacle {other + 1}" if isinstance(other, int) else f"the {link_label(other)}"
     depth = f"{format_length(contact.depth)} {unit}"
-    return f"The {link_label(contact.link)} touches {name}, by {depth} at {contact.time:.2f} s"
+    return f"The {link_label(contact.link)} goes {depth} into {name} at {contact.time:.2f} s"
 
 
 def clearance_sentence(plan: Plan) -> str:
@@ -57,13 +57,13 @@ def clearance_sentence(plan: Plan) -> str:
     distance = f"{format_lower_bound(clearance.distance)} {unit}"
     wanted = f"{format_setting(clearance.required)} {unit}"
     nearest = (
-        f"the {link_label(clearance.link)} comes nearest to obstacle {clearance.obstacle + 1} "
+        f"the {link_label(clearance.link)} comes closest, to obstacle {clearance.obstacle + 1} "
         f"at {clearance.time:.2f} s"
     )
     if clearance.is_too_near:
         return f"Links too near: {distance} of the {wanted} wanted; {nearest}."
     if clearance.certified:
-        return f"Proven: every link keeps {distance} from the obstacles; {nearest}."
+        return f"Proven: every link stays {distance} from the obstacles; {nearest}."
     if clearance.certificate is not None:
         return f"Only {distance} of the {wanted} wanted are proven; {nearest}."
-    return f"Not proven. At the samples every link keeps {distance}; {nearest}."
+    return f"Not proven. At the sampled times every link keeps {distance}; {nearest}."

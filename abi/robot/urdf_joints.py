@@ -97,7 +97,7 @@ def in_order(
                 reached.append(joint.child)
     if len(reached) < len(links):
         lost = next(name for name in links if name not in reached)
-        raise root.refuse("links", lost, f"a tree from {roots[0]}, this is in a cycle")
+        raise root.refuse("links", lost, f"a tree from {roots[0]}, but this is in a cycle")
     _check_mimics(root, ordered)
     return tuple(ordered), roots[0]
 

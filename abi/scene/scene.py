@@ -62,7 +62,7 @@ class Scene(Settings):
     @classmethod
     def _can_be_planned(cls, obstacles: object) -> object:
         if isinstance(obstacles, list | tuple) and len(obstacles) > MOST_OBSTACLES:
-            expected = f"at most {MOST_OBSTACLES:,} of them, more are not planned in time"
+            expected = f"at most {MOST_OBSTACLES:,} of them: more cannot be planned in time"
             raise SceneError("obstacles", len(obstacles), expected)
         return obstacles
 
@@ -75,7 +75,7 @@ class Scene(Settings):
             if not isinstance(shape, MeshShape):
                 continue
             if first_of.setdefault(shape.file, shape).surface != shape.surface:
-                expected = "another name, an obstacle before it has this one with other content"
+                expected = "another name: an obstacle before it has this one with other content"
                 raise SceneError(f"obstacles[{index}].file", shape.file, expected)
             try:
                 scaled[index] = shape.in_unit(info.data.get("unit", "m"))

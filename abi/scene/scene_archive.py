@@ -93,7 +93,7 @@ def unpack(content: bytes, name: str) -> tuple[object, dict[str, bytes]]:
                 if PurePosixPath(file).suffix.lower() in (*SUFFIXES, *_ARMS)
             }
     except DAMAGED_ZIP:
-        raise SceneError(_FIELD, name, "a whole zip archive, this is damaged") from None
+        raise SceneError(_FIELD, name, "a whole zip archive, but this is damaged") from None
     return data, meshes
 
 

@@ -18,7 +18,7 @@ from app.commands.exit_code import INCOMPLETE
     type=click.Path(dir_okay=False, path_type=Path),
     help="File to write; its ending gives the format.",
 )
-@click.option("--format", "format_name", help="Format, whatever the ending.")
+@click.option("--format", "format_name", help="Format, instead of the ending's.")
 def export(scene: str, path: Path, format_name: str | None) -> None:
     """Plan SCENE and write its motion, curves, obstacles or arm to a file.
 

@@ -18,9 +18,9 @@ if TYPE_CHECKING:
 @click.command(short_help="Plan SCENE and print the plan as JSON.")
 @click.argument("scene", default="paper")
 @click.option("--out", type=click.Path(dir_okay=False, path_type=Path), help="Write to a file.")
-@click.option("--full", is_flag=True, help="Also the mesh's nodes and edges, and every sample.")
-@click.option("--all-searches", is_flag=True, help="Also searches that only compare.")
-@click.option("--list", "list_scenes", is_flag=True, help="Name the shipped scenes and stop.")
+@click.option("--full", is_flag=True, help="Include the mesh's nodes and edges, and all samples.")
+@click.option("--all-searches", is_flag=True, help="Run the other searches too, for comparison.")
+@click.option("--list", "list_scenes", is_flag=True, help="List the shipped scenes and exit.")
 def plan(scene: str, out: Path | None, full: bool, all_searches: bool, list_scenes: bool) -> None:
     """Plan SCENE and print the plan as JSON.
 

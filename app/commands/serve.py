@@ -32,15 +32,24 @@ _PERIOD = 1.0
 @click.argument("scene", default="paper")
 @click.option("--host", default="127.0.0.1", show_default=True, help="Address to listen on.")
 @click.option(
-    "--port", default=8080, show_default=True, type=click.IntRange(0, 65535), help="0: any free."
+    "--port",
+    default=8080,
+    show_default=True,
+    type=click.IntRange(0, 65535),
+    help="0 takes any free one.",
 )
 @click.option("--open/--no-open", "open_tab", default=True, help="Open a browser tab.")
-@click.option("--dark/--light", default=None, help="How a new tab looks.  [default: as the system]")
+@click.option(
+    "--dark/--light", default=None, help="Colours of a new tab.  [default: as the system]"
+)
 @click.option(
     "--demo/--no-demo", default=True, help="Move a new tab's obstacle until the first touch."
 )
 @click.option(
-    "--plain", is_flag=True, envvar="ABI_PLAIN", help="No shadows or surroundings: weak graphics."
+    "--plain",
+    is_flag=True,
+    envvar="ABI_PLAIN",
+    help="No shadows or reflections, for weak graphics.",
 )
 @click.option(
     "--lessons",
@@ -48,10 +57,14 @@ _PERIOD = 1.0
     help="Folder with lessons of your own, besides the shipped ones.",
 )
 @click.option(
-    "--classroom", is_flag=True, help="Tabs follow the one with the teacher's link, and answer it."
+    "--classroom", is_flag=True, help="Tabs follow the teacher's link and answer its questions."
 )
 @click.option(
-    "--log-level", default="info", show_default=True, type=click.Choice(LEVELS), help="Of the log."
+    "--log-level",
+    default="info",
+    show_default=True,
+    type=click.Choice(LEVELS),
+    help="How much is logged.",
 )
 @click.option(
     "--token", envvar="ABI_TOKEN", help="Secret that visitors need.  [default: a new one]"
@@ -72,7 +85,11 @@ _PERIOD = 1.0
     help="URL of a site that may show it in a frame.",
 )
 @click.option(
-    "--max-tabs", default=MAX_TABS, show_default=True, type=click.IntRange(1), help="At once."
+    "--max-tabs",
+    default=MAX_TABS,
+    show_default=True,
+    type=click.IntRange(1),
+    help="Tabs at the same time.",
 )
 @click.option(
     "--workers",

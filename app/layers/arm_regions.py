@@ -19,8 +19,8 @@ from app.layers.arm_ghosts import elbow_of
 from app.layout import Layout
 
 _SENTENCES = (
-    "The arm's shadow, in red: with the tool in there, a link would be inside an obstacle. The "
-    "arm's reach, in blue: all that the tool can reach within the limits of shoulder and elbow."
+    "The arm's shadow, in red: with the tool there, a link would be inside an obstacle. The "
+    "arm's reach, in blue: where the tool can be within the limits of shoulder and elbow."
 )
 _COLOURS = {"shadow": style.VIOLATION, "reach": style.A_STAR}
 _OPACITY = {"shadow": 0.28, "reach": 0.1}

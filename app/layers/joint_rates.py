@@ -22,8 +22,8 @@ from app.once_a_plan import once_a_plan
 _TINY = 5e-4
 _ROUNDING = 1.001
 """What the differences of samples may be too large by."""
-_NO_MASSES = "The paper gives no masses of the arm's links: there are no torques to show."
-_NO_INERTIAS = "The URDF gives no masses of its links: there are no torques to show."
+_NO_MASSES = "The paper gives no link masses, so there are no torques to show."
+_NO_INERTIAS = "The URDF gives no link masses, so there are no torques to show."
 _USES: Lines = (
     ("position", style.AXES[2]),
     ("speed", style.AXES[1]),
@@ -87,7 +87,7 @@ class JointRatesLayer:
         names = tuple(zip(joints, itertools.cycle(style.JOINTS), strict=False))
         also = (f", {unit}/s", f", {unit}/s²", ", N") if any(slides) else ("", "", "")
         titles = {
-            "limits": "most that a joint uses of its limit [%]",
+            "limits": "share of its limit, of the joint nearest to it [%]",
             "speeds": f"joint speeds [rad/s{also[0]}]",
             "accelerations": f"joint accelerations [rad/s²{also[1]}]",
             "torques": f"joint torques [N·m{also[2]}]",
@@ -141,7 +141,7 @@ def _peaks(plan: Plan) -> str:
             if values is not None
         ]
         rows.append((html.escape(name.removesuffix("_joint")), *cells))
-    head = ("largest, of limit", "[rad/s]", "[rad/s²]", "[N·m]")
+    head = ("joint: peak / limit", "[rad/s]", "[rad/s²]", "[N·m]")
     if rates.torques is not None:
         return table(head, rows)
     return table(head[:3], rows, _NO_MASSES if plan.scene.arm.model == "abi" else _NO_INERTIAS)

@@ -37,7 +37,7 @@ _PLACES = {
 class NamesLayer:
     """A label on each line, away from the other labels, and a dimension line."""
 
-    switches: ClassVar[tuple[Switch, ...]] = (Switch("names", "names, distance", style.POINT),)
+    switches: ClassVar[tuple[Switch, ...]] = (Switch("names", "names and distance", style.POINT),)
 
     def __init__(self, layout: Layout) -> None:
         scene = layout.client.scene

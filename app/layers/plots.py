@@ -148,7 +148,7 @@ def _joints_title(motion: ArmMotion, unit: str) -> str:
 
 
 def _speed_title(unit: str) -> str:
-    return f"tool speed, and along x, y, z [{unit}/s]"
+    return f"speed of the tool, and along x, y, z [{unit}/s]"
 
 
 def _slide_title(unit: str) -> str:

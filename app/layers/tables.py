@@ -134,7 +134,7 @@ def _stages(plan: Plan) -> str:
         assert plan.best_known is not None
         low, high = format_lower_bound(shortest), format_length(plan.best_known)
         note = f"best possible: between {low} and {high} {unit}"
-    longer = "longer than best" if exact else "longer, at most"
+    longer = "longer than best" if exact else "longer by at most"
     head = ("stage", f"length [{unit}]", longer, f"distance kept [{unit}]")
     rows = _path_rows(plan, best) + _curve_rows(plan, best)
     return table(head, rows, note) + (_LEGEND if plan.scene.obstacles else "")

@@ -9,6 +9,7 @@ import viser
 from abi.errors import AbiError
 from abi.obstacles.triangle_mesh.surface import Surface
 from abi.scene.scene import Scene
+from app import style
 from app.challenge import parsed
 from app.frame import Drawable, Frame, Switch
 from app.layout import Layout
@@ -70,7 +71,9 @@ class AllPanels:
             self.pitch_study = PitchStudyPanel(client.gui, wake)
         with self.layout.scene:
             self.files = FilesPanel(client, name, scene, wake)
+            client.gui.add_html(f"{style.HEADING}Points and obstacles</div>")
             self.editor = ObstacleEditor(client, self.obstacles, self.ends, wake)
+            client.gui.add_html(f"{style.HEADING}Share and export</div>")
             self.share = SharePanel(client, self.layout.overlay, wake)
             self.exports = ExportPanel(client, wake)
             self.bug_report = BugReportButton(client, wake)

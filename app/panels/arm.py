@@ -27,14 +27,20 @@ class ArmPanel:
         self.elbow = gui.add_dropdown(
             "elbow",
             ("up", "down", "auto"),
-            hint="Which of the two poses, kept along the whole path; auto: the shorter.",
+            hint="Kept along the whole path; auto takes the one with the shorter path.",
         )
         self.clearance = gui.add_number(
-            "links clear by", arm.clearance, min=0.0, step=0.05, hint="Distance links keep."
+            "link clearance",
+            arm.clearance,
+            min=0.0,
+            step=0.05,
+            hint="Distance that the links keep from the obstacles.",
         )
-        self.base = gui.add_vector3("base", arm.base, step=0.1, hint="Where the arm stands.")
+        self.base = gui.add_vector3(
+            "base", arm.base, step=0.1, hint="Where the arm stands: x, y, z."
+        )
         self.columns = gui.add_vector2(
-            "pedestal, column", (arm.a1, arm.a2), step=0.1, hint="Together the shoulder's height."
+            "pedestal, column", (arm.a1, arm.a2), step=0.1, hint="Heights; together the shoulder's."
         )
         self.links = gui.add_vector3(
             "upper arm, forearm, slide",
@@ -43,21 +49,25 @@ class ArmPanel:
             hint="Lengths of the links.",
         )
         self.extension = gui.add_number(
-            "slide at start", arm.q5, min=0.0, step=0.1, hint="How far the slide is out at 0 s."
+            "slide at start",
+            arm.q5,
+            min=0.0,
+            step=0.1,
+            hint="How far the slide is extended at 0 s.",
         )
         self.dynamics = Choice(
             gui,
-            "wrist, slide, gripper",
+            "force law",
             DYNAMICS,
-            "From constant forces: the paper prints t²Q/I; from rest it is t²Q/(2I), and a "
-            "slide has mass, not moment of inertia.",
+            "How a constant force Q moves wrist, slide and gripper from rest: by t²Q/(2I), where "
+            "the paper prints t²Q/I. The slide has its mass in place of the inertia I.",
             wake,
         )
         self.forces = gui.add_vector3(
             "torque, force, torque",
             arm.forces,
             step=0.1,
-            hint="Of wrist, slide and gripper; with 0 the joint stands still.",
+            hint="Of wrist, slide and gripper; at 0 the joint stands still.",
         )
         self.masses = gui.add_vector3(
             "masses [kg]", arm.masses, step=0.1, hint="Of wrist, slide and gripper."
@@ -105,7 +115,7 @@ class ArmPanel:
         """Show ``scene``."""
         arm = scene.arm
         for handle, name in (
-            (self.clearance, "links clear by"),
+            (self.clearance, "link clearance"),
             (self.base, "base"),
             (self.columns, "pedestal, column"),
             (self.links, "upper arm, forearm, slide"),
@@ -113,6 +123,11 @@ class ArmPanel:
             (self.radii, "radii of gyration"),
         ):
             handle.label = f"{name} [{scene.unit}]"
+        force, torque = f"kg·{scene.unit}/s²", f"kg·{scene.unit}²/s²"
+        self.forces.hint = (
+            f"Of wrist [{torque}], slide [{force}] and gripper [{torque}]; at 0 the joint stands "
+            "still."
+        )
         self.model.write(scene)
         self._show_papers()
         self.elbow.value = arm.elbow

@@ -5,14 +5,17 @@ from __future__ import annotations
 from pathlib import PurePosixPath
 from typing import Any
 
+import numpy as np
 import viser
 
+from abi.obstacles.pose import METRES
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
-from abi.robot.robot import Robot, usual_tip
+from abi.robot.robot import Robot, joints_to, usual_tip
 from abi.robot.robot_files import SHIPPED, load_robot
 from abi.scene.scene import Scene
 from app import page
 from app.guard.reader import READER
+from app.numbers import format_setting
 from app.panels.file_uploads import Dealing, FileKind, FileUploads, shown_name
 from app.panels.widgets import Wake
 
@@ -28,6 +31,8 @@ _AXES: dict[str, tuple[float, float, float] | None] = {
     "along −y": (0.0, -1.0, 0.0),
 }
 _OTHER = "as in the scene"
+_MOST = 6.0
+"""Length of an arm, in sides of the workspace, from which it hardly fits."""
 
 
 class ArmModelPanel:
@@ -42,24 +47,25 @@ class ArmModelPanel:
         gui = client.gui
         self.files: dict[str, bytes] = {}
         self.model = gui.add_dropdown(
-            "arm", (_PAPER, *_SHIPPED.values()), hint="The paper's arm, or one by its URDF."
+            "arm", (_PAPER, *_SHIPPED.values()), hint="The paper's arm, or a robot by its URDF."
         )
         self.upload = gui.add_upload_button(
-            "Add an arm…", mime_type=".zip,.urdf", hint="A URDF, or a zip of it and its meshes."
+            "Add an arm…", mime_type=".zip,.urdf", hint="A URDF file, or a zip with its meshes."
         )
         self.uploads = FileUploads(gui, self.upload, FileKind(_read, shown_name), wake)
         self.tip = gui.add_dropdown(
-            "tip", ("–",), hint="The link whose origin is the tool.", visible=False
+            "tip", ("–",), hint="The link whose origin follows the curve.", visible=False
         )
         self.axis = gui.add_dropdown(
             "tool points",
             tuple(_AXES),
-            hint="Direction that the tip's z axis is held to.",
+            hint="Direction in which the tip's z axis is held.",
             visible=False,
         )
         self._scene_axis: tuple[float, float, float] | None = None
         self._tips_of: str | None = None
         self._unnamed_tip: str | None = None
+        self._workspace, self._unit = 1.0, "m"
         for handle in (self.model, self.tip, self.axis):
             handle.on_update(wake)
 
@@ -82,6 +88,7 @@ class ArmModelPanel:
             return {"model": "abi"}
         if name != self._tips_of:
             self._list_tips(name, None)
+            self._compare_size(name)
         self.tip.visible = self.axis.visible = True
         axis = _AXES.get(self.axis.value, self._scene_axis)
         # what a scene leaves to be found stays so, or it would be another scene
@@ -90,6 +97,7 @@ class ArmModelPanel:
 
     def write(self, scene: Scene) -> None:
         """Show ``scene``."""
+        self._workspace, self._unit = max(scene.workspace.size), scene.unit
         arm = scene.arm
         is_urdf = arm.model == "urdf"
         self.tip.visible = self.axis.visible = is_urdf
@@ -123,6 +131,7 @@ class ArmModelPanel:
         self.model.value = name
         self._list_tips(name, None)
         self._tell(name, robot)
+        self._compare_size(name)
 
     def _tell(self, name: str, robot: Robot) -> None:
         """Notify the user of what was left out of an arm, as visuals that cannot be read."""
@@ -142,6 +151,25 @@ class ArmModelPanel:
         self.tip.value = tip or usual
         self._unnamed_tip = None if tip else usual
         self._tips_of = name
+
+    def _compare_size(self, name: str) -> None:
+        """Notify of an arm whose size is not that of the workspace."""
+        way = joints_to(load_robot(name, MeshSource(self.files)), str(self.tip.value))
+        links = sum(float(np.linalg.norm(joint.origin[:3, 3])) for joint in way)
+        length = links / METRES[self._unit]
+        if 0 < length < self._workspace / _MOST:
+            title = "This arm is too short for the scene"
+        elif length > _MOST * self._workspace:
+            title = "This arm is too large for the scene"
+        else:
+            return
+        self._client.add_notification(
+            title,
+            f"Its links are {format_setting(float(f'{length:.2g}'))} {self._unit} long in all; the "
+            f"workspace measures {format_setting(self._workspace)} {self._unit}. The scene "
+            "kitchen-ur5e is made for arms of about a metre.",
+            auto_close_seconds=15,
+        )
 
 
 def _read(content: bytes, dealing: Dealing[Robot]) -> Robot:

@@ -29,11 +29,11 @@ class BaseOffer:
             return ""
         running, has_best, was_sought = self.state(frame)
         if running:
-            return "Other places for the arm's base are being tried …"
+            return "Trying other places for the arm's base …"
         if has_best:
             return "A place for the arm's base was found: see the map in the scene."
         if was_sought:
-            return "No place for the arm's base helps in the region that stage 6 shows."
+            return "No place for the arm's base in stage 6's region helps."
         return "“Find a base” tries many other places for the arm's base."
 
     def buttons(self, frame: Frame) -> str:

@@ -28,12 +28,12 @@ class BaseRegion:
     def __init__(self, client: viser.ClientHandle, scene: Scene, wake: Wake) -> None:
         gui = client.gui
         self.shown = gui.add_checkbox(
-            "show the region", False, hint="Its arrows move it; its sides are numbers below."
+            "show the region", False, hint="Move it by its arrows; its size is set below."
         )
         self.shown.on_update(wake)
-        self.middle = VectorBox(gui, "region's middle", 0.1, "Middle of the box.", wake)
+        self.middle = VectorBox(gui, "region centre", 0.1, "Centre of the box.", wake)
         self.sides = VectorBox(
-            gui, "region's sides", 0.1, "A side of 0 leaves the base as it is that way.", wake
+            gui, "region size", 0.1, "With 0 the base stays as it is along that axis.", wake
         )
         self.gizmo = client.scene.add_transform_controls(
             "/base_region",
@@ -85,8 +85,8 @@ class BaseRegion:
         self._size = high - low
         self.middle.write(self.gizmo.position)
         self.sides.write(self._size)
-        self.middle.handle.label = f"region's middle [{scene.unit}]"
-        self.sides.handle.label = f"region's sides [{scene.unit}]"
+        self.middle.handle.label = f"region centre [{scene.unit}]"
+        self.sides.handle.label = f"region size [{scene.unit}]"
 
     def draw(self) -> None:
         """Draw the box where it is shown."""

@@ -139,7 +139,7 @@ class ClassroomPanel:
         for number, widget in enumerate(self.answers):
             widget.visible = not self.teaches and number < len(poll.choices)
             if widget.visible:
-                mark = "✓ " if number == own else ""
+                mark = "Your answer: " if number == own else ""
                 widget.label = f"{mark}{poll.choices[number]}"
         # a student sees it in whichever tab, the hall in a lecture, whose panels are folded
         open_ = frame.lecture if self.teaches else own < 0

@@ -21,12 +21,12 @@ from app.panels.widgets import Wake
 from app.plan_before import PlanBefore
 
 _NOTE = (
-    "<b>gap</b>: above the least cost (=); below it where a path may leave the mesh's edges. "
-    "<b>visited</b>: nodes. <b>tried</b>: edges. Where an edge costs its length, all exact "
-    "searches find the same length. Where each costs 1 (stage 3), they find as few edges, and "
-    "their lengths differ: that is how the paper's Table I comes about."
+    "<b>gap</b>: how far above the least cost (=), or below it by leaving the mesh's edges. "
+    "<b>visited</b>: nodes. <b>tried</b>: edges. If an edge costs its length, all exact "
+    "searches find the same length. If each costs 1 (stage 3), they find equally few edges but "
+    "different lengths, as in the paper's Table I."
 )
-_MENDING = "LPA* (lifelong A*) keeps its costs and mends them where edges changed."
+_MENDING = "LPA* (lifelong A*) keeps its costs and repairs them where edges changed."
 _NO_GRAPH = f"{style.BOX}There is no graph to search: the message over the scene says why.</div>"
 _PRESS_AGAIN = f"{style.BOX}The scene has changed: press again to compare on its new mesh.</div>"
 _LIVE = 50.0
@@ -96,8 +96,8 @@ def _told(mended: Repair | None, a_star: Comparison) -> str:
         return f"{style.BOX}Move an obstacle and compare again: {_MENDING}</div>"
     nodes, anew = format_count(mended.expanded), format_count(a_star.trace.steps)
     return (
-        f"{style.BOX}Since the plan before, {format_count(mended.changed)} nodes have other edges. "
-        f"{_MENDING} It visits <b>{nodes}</b> nodes for the same answer, A* anew {anew}.</div>"
+        f"{style.BOX}Since the last plan, the edges of {format_count(mended.changed)} nodes have "
+        f"changed. {_MENDING} It visits <b>{nodes}</b> nodes; A* from scratch, {anew}.</div>"
     )
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -38,6 +38,7 @@ class EndGizmos:
         self._origins: dict[str, FloatArray] = {}
         self._grips: dict[str, FloatArray] = {}
         self._written: dict[str, Vec3] = {}
+        self._labelled: Scene | None = None
         self._chosen = ""
         self._with_handles = ""
         self._wake = wake
@@ -98,7 +99,7 @@ class EndGizmos:
             gizmo.scale = 0.13 * size
             self._balls[name].radius = _RADIUS * size
             self._labels[name].position = (0.0, 0.0, -0.05 * size)
-        self._label(scene)
+        self._label_ends_of(scene)
 
     def draw(self, frame: Frame) -> None:
         """Write the coordinates on the labels; give the handles to the end chosen last."""
@@ -108,8 +109,12 @@ class EndGizmos:
                 gizmo.disable_axes = name != self._chosen
         for label in self._labels.values():
             label.font_screen_scale = frame.label_scale
-        if frame.current and frame.plan.scene is not self._labelled:
-            self._label(frame.plan.scene)
+        if frame.refused is not None:
+            # an end stays where it was refused
+            self._labelled = None
+            self._label({name: gizmo.position for name, gizmo in self.gizmos.items()})
+        elif frame.current and frame.plan.scene is not self._labelled:
+            self._label_ends_of(frame.plan.scene)
 
     def _pull(self, event: viser.TransformControlsEvent) -> None:
         self.held = phase_holds(event.phase, self.held)
@@ -136,13 +141,17 @@ class EndGizmos:
     def _name_of(self, ball: object) -> str:
         return next(name for name, other in self._balls.items() if other is ball)
 
-    def _label(self, scene: Scene) -> None:
+    def _label_ends_of(self, scene: Scene) -> None:
         self._labelled = scene
+        self._label({name: getattr(scene, name) for name in self._labels})
+
+    def _label(self, places: Mapping[str, Sequence[float] | FloatArray]) -> None:
         for name, label in self._labels.items():
-            if self._written.get(name) == (written := getattr(scene, name)):
+            x, y, z = map(float, places[name])
+            if self._written.get(name) == (x, y, z):
                 continue
-            self._written[name] = written
-            place = (format_setting(round(number, 3)) for number in written)
+            self._written[name] = x, y, z
+            place = (format_setting(round(number, 3)) for number in (x, y, z))
             label.text = f"{name} ({', '.join(place)})"
 
     def _within_rounding(self, position: FloatArray) -> FloatArray:

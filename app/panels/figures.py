@@ -49,7 +49,8 @@ class FiguresPanel:
             )
             # Any, since viser declares a button's value read-only
             self.reproduce: Any = gui.add_button(
-                "The paper's numbers beside ours", hint="Computes each anew, in some seconds."
+                "The paper's numbers beside ours",
+                hint="Computes all of them again; takes some seconds.",
             )
             self._text = gui.add_html("", visible=False)
         for group in self.buttons:

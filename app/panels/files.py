@@ -49,7 +49,7 @@ class FilesPanel:
             "scene",
             (*scene_names(), *self._opened),
             initial_value=name,
-            hint="The scenes that come with the visualiser, and what was opened.",
+            hint="The scenes that come with the visualiser, and those you opened.",
         )
         self.upload = gui.add_upload_button(
             "Open a scene file…",
@@ -60,7 +60,7 @@ class FilesPanel:
         self.uploads = FileUploads(gui, self.upload, FileKind(read, shown_name), wake)
         self.save = gui.add_button(
             "Save this scene",
-            hint="Downloads it under its name: as YAML, or as a zip with its meshes.",
+            hint="Downloads it as a YAML file, or as a zip if it has meshes.",
         )
         self.reset = gui.add_button("Back to the scene as loaded", color="gray")
         self._last = Loaded(name, scene)

@@ -29,15 +29,17 @@ class FindBasePanel:
         gui = client.gui
         with gui.add_folder("Find a base", expand_by_default=False):
             gui.add_html(
-                f"{style.BOX}Plans the scene with the base at many places of a region, and shows "
-                "how long the ways are from there.</div>"
+                f"{style.BOX}Tries the base at many places in a region and shows how long the "
+                "curve is from each.</div>"
             )
             self.region = BaseRegion(client, scene, wake)
             # Any, since viser declares a button's value read-only
-            self.find: Any = gui.add_button("Find a base", hint="In the region, while you go on.")
+            self.find: Any = gui.add_button(
+                "Find a base", hint="Searches the region while you go on."
+            )
             self.progress = gui.add_progress_bar(0.0, visible=False)
             self.put: Any = gui.add_button(
-                "Put the arm here", hint="At the best base that was found.", visible=False
+                "Put the arm here", hint="Moves the base to the best place found.", visible=False
             )
             self._text = gui.add_html("", visible=False)
         self.find.on_click(wake)
@@ -133,7 +135,7 @@ def _result(found: BaseMap) -> str:
     unit, best, lengths = found.scene.unit, found.best, found.lengths
     reasons = list(found.faults.items())[:_REASONS]
     counted = ", ".join(f"{count} × {html.escape(reason)}" for reason, count in reasons)
-    without = f" Grey, without one: {counted}." if counted else ""
+    without = f" Grey places have none: {counted}." if counted else ""
     tried = len(found.trials)
     if best is None or best.length is None or lengths is None:
         so_far = "" if found.is_done else " so far"

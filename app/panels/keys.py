@@ -10,19 +10,20 @@ from app.frame import Frame
 from app.panels.widgets import Wake
 
 _SHEET = """
-| Key | does |
+| Key | Action |
 |---|---|
-| Space | plays or pauses the arm |
-| P | plays or pauses the search |
-| N, B | one step of the search forward, back |
-| Ctrl+Z, Ctrl+Y | undoes, redoes |
+| Space | play or pause the arm |
+| P | play or pause the search |
+| N, B | step the search forward, back |
+| Ctrl+Z, Ctrl+Y | undo, redo |
 | W A S D, Q E, arrows | move the camera |
-| Ctrl+K | lists all commands |
+| Ctrl+K | list all commands |
 | L | lecture mode: large letters, folded panels |
-| H or ? | shows this sheet; Esc closes it |
+| Page Down, Page Up | next stage of a lecture, stage before |
+| H or ? | show this sheet; Esc closes it |
 
-The mouse turns the scene, its wheel zooms, its right button shifts. Obstacles, start and goal are
-dragged by their arrows or their bodies.
+Drag with the left mouse button to turn the scene, with the right one to shift it; the wheel zooms.
+Obstacles, start and goal can be dragged directly or by their arrows.
 """
 
 

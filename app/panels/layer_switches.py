@@ -35,7 +35,8 @@ class LayerSwitches:
             )
             # Any, since viser declares a button's value read-only
             self.usual: Any = gui.add_button(
-                "Usual layers", hint="Shows what a new tab shows, after a figure or a lesson, say."
+                "Usual layers",
+                hint="Shows the layers of a new tab, such as after a figure or a lesson.",
             )
             self.boxes = {
                 switch.name: gui.add_checkbox(switch.label, switch.on) for switch in switches

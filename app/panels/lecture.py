@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 from app import page
@@ -55,17 +56,25 @@ class Lecture:
         }
         self.on = self._switch = self._large = False
         self._stage: int | None = None
+        self._steps = 0
         for widget in (self._back, self._forward, *self._views.values()):
             widget.on_click(wake)
         self.toggle.on_click(self._press)
         command = gui.add_command("Lecture mode", hotkey="L")
         command.on_trigger(self._press)
+        # keys of a presenter's remote, which scroll the panels where none is given
+        forward = gui.add_command("Lecture: next stage", hotkey="pagedown", disabled=True)
+        back = gui.add_command("Lecture: stage before", hotkey="pageup", disabled=True)
+        forward.on_trigger(partial(self._step, 1))
+        back.on_trigger(partial(self._step, -1))
+        self._commands = forward, back
 
     def shown(self, switches: frozenset[str]) -> frozenset[str]:
         """Names of what the chosen stage shows; those that are switched on where none is."""
         if self._switch:
             self._switch, self.on, self._stage = False, not self.on, None
-        steps = _pressed(self._forward) - _pressed(self._back)
+        steps = _pressed(self._forward) - _pressed(self._back) + self._steps
+        self._steps = 0
         if self.on and steps:
             # all stages together are a step before the first and after the last
             place = (0 if self._stage is None else self._stage + 1) + steps
@@ -86,12 +95,15 @@ class Lecture:
         return None
 
     def draw(self, frame: Frame) -> None:
-        """Show the strip and large letters, or neither."""
+        """Show the strip and large letters, or neither; a search's buttons while it is shown."""
         if self.on != self._large:
             self._large = self.on
+            for command in self._commands:
+                command.disabled = not self.on
             page.set_lecture(self._layout.client, self.on)
         content = self._strip() if self.on else ""
-        if self.on and self.shows_search:
+        # a lesson asks what the counters would tell
+        if self.shows_search and not frame.lesson:
             content = self._search.html(frame) + content
         self._layout.overlay.show("lecture", content)
 
@@ -100,13 +112,17 @@ class Lecture:
         views = "".join(button(widget, name) for name, widget in self._views.items())
         return (
             '<div class="abi-card abi-buttons">'
-            f"{button(self._back, '<', hint='Stage before')}<b>{title}</b>"
-            f"{button(self._forward, '>', hint='Next stage')}<span></span>{views}"
+            f"{button(self._back, '<', hint='Stage before (Page Up)')}<b>{title}</b>"
+            f"{button(self._forward, '>', hint='Next stage (Page Down)')}<span></span>{views}"
             f"{button(self.toggle, 'End lecture', hint='L')}</div>"
         )
 
     def _press(self, event: object) -> None:
         self._switch = True
+        self._wake(event)
+
+    def _step(self, count: int, event: object) -> None:
+        self._steps += count
         self._wake(event)
 
 

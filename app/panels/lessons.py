@@ -21,8 +21,8 @@ from app.panels.widgets import Wake
 _NONE = "choose a lesson"
 _MOST_CHOICES = 4
 _INTRO = (
-    f"{style.BOX}A lesson takes some minutes. It asks before it shows, has you try for yourself, "
-    "and gives your own scene back at the end.</div>"
+    f"{style.BOX}A lesson takes a few minutes. It asks before it explains, lets you try for "
+    "yourself, and brings your own scene back at the end.</div>"
 )
 
 
@@ -45,7 +45,7 @@ class LessonPanel:
         self._ended = False
         self._pressed: list[str] = []
         self._drawn: tuple[object, ...] = ()
-        self.choice = gui.add_dropdown("lesson", (_NONE,), hint="Each takes some minutes.")
+        self.choice = gui.add_dropdown("lesson", (_NONE,), hint="Each takes a few minutes.")
         self._intro = gui.add_html(_INTRO)
         self._place = gui.add_html("", visible=False)
         self._text = gui.add_markdown("", visible=False)
@@ -56,12 +56,12 @@ class LessonPanel:
         self._reply = gui.add_markdown("", visible=False)
         self._after = gui.add_markdown("", visible=False)
         self.show_me = gui.add_button(
-            "Show me", visible=False, color="gray", hint="Does it for you, to look at."
+            "Show me", visible=False, color="gray", hint="Does it for you."
         )
         self.next = gui.add_button("Next", visible=False)
         self.back = gui.add_button("Back", visible=False, color="gray")
         self.leave = gui.add_button(
-            "End lesson", visible=False, color="gray", hint="Back to your own scene."
+            "End lesson", visible=False, color="gray", hint="Brings your own scene back."
         )
         self.choice.on_update(wake)
         for number, button in enumerate(self.answers):
@@ -243,7 +243,7 @@ class LessonPanel:
         asked = sum(one.question is not None or one.task is not None for one in lesson.steps)
         self._place.content = (
             f"{style.BOX}<b>{self._number + 1} of {len(lesson.steps)}</b>, "
-            f"{done} of {asked} answered or done; about {lesson.minutes} minutes in all</div>"
+            f"{done} of {asked} tasks done; about {lesson.minutes} minutes in all</div>"
         )
         self._show(self._text, step.text, frame)
         question, task = step.question, step.task

@@ -32,14 +32,14 @@ class MeshPanel:
             high,
             step,
             clamp(scene.mesh.pitch, low, high),
-            hint="Distance between neighbouring nodes. Half of it makes eight times the nodes.",
+            hint="Distance between neighbouring nodes. Halving it gives eight times as many.",
         )
         self.seed = gui.add_number(
             "seed",
             scene.mesh.seed,
             min=0,
             step=1,
-            hint="Another random shift of the nodes.",
+            hint="Another number gives another irregular grid.",
         )
         self.pitch.precision = DIGITS
         self.pitch.on_update(wake)

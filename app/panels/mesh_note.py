@@ -73,7 +73,7 @@ class MeshNote:
             notes = [f"{mesh.file}: {count:,} triangles, {_length(extent, scene)} wide."]
             notes += mesh.surface.notes
             if count > MOST_DRAWN:
-                notes.append("It is planned with all of them and drawn with fewer.")
+                notes.append("Planning uses all of them; the picture shows fewer.")
             notes += self._offer_size(mesh, scene)
         if self._suggested:
             notes.append(
@@ -93,7 +93,7 @@ class MeshNote:
             self._other_scale = 1.0
             self._resize.label = f"Original size: {_length(own, scene)}"
             self._resize.visible = True
-            return ["It was fitted to the workspace."]
+            return ["It was scaled to fit the workspace."]
         largest = max(scene.workspace.size)
         if not _LEAST <= mesh.surface.extent * mesh.factor / largest <= _MOST:
             per_scale = mesh.factor / mesh.scale

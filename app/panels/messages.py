@@ -56,7 +56,7 @@ class Messages:
         if frame.refused is not None:
             content = _error("Not changed. " + sentence(frame.refused), "")
         elif frame.outdated and frame.plan.mesh is None:
-            content = '<div class="abi-card">This scene is being planned …</div>'
+            content = '<div class="abi-card">Planning this scene …</div>'
         elif frame.plan.error is not None:
             content = self._failure(frame, frame.plan.error)
         else:
@@ -82,7 +82,7 @@ class Messages:
         """Why there is no plan, and the buttons of what would help."""
         reason = frame.reason
         explained = error if reason is None else reason
-        dots = "The blue dots are what the start reaches." if isinstance(error, NoPath) else ""
+        dots = "Blue dots: nodes that the start reaches." if isinstance(error, NoPath) else ""
         hints = (explained.hint, dots, self._base.sentence(frame))
         content = _error(explained.message, " ".join(filter(None, hints)))
         buttons = ""
@@ -101,7 +101,7 @@ class Messages:
         if not contacts:
             return ""
         sentence = html.escape(contact_sentence(contacts[0], plan.scene.unit))
-        text = f"<b>{sentence} ✗</b> Only the tool's path is planned clear."
+        text = f"<b>{sentence} ✗</b> Only the tool's path avoids obstacles."
         if not plan.scene.arm.avoid:
             text += f" {button(self.avoid, 'Avoid with the whole arm')}"
         return f'<div class="abi-card abi-error">{text}</div>'
@@ -119,12 +119,10 @@ def _progress(frame: Frame) -> str:
     length = ""
     if plan.bspline_arc is not None:
         length = f"{format_length(plan.bspline_arc.length)} {plan.scene.unit}"
-        length = f", a curve of {_whole(length)}"
+        length = f": a curve of {_whole(length)}"
     # of code that was not compiled the time says nothing
-    time = f" in {_whole(format_time(max(plan.total_ms, 1)))}" if plan.total_ms else ""
-    did = (
-        f"{preview}{name} and {_whole('B-spline')} through {plan.free.nodes:,} nodes{time}{length}."
-    )
+    took = f"took {_whole(format_time(max(plan.total_ms, 1)))} " if plan.total_ms else ""
+    did = f"{preview}{name} and {_whole('B-spline')} {took}on {plan.free.nodes:,} nodes{length}."
     return f"<b>{_invitation(plan)}</b> {did}"
 
 

@@ -22,7 +22,7 @@ FOLLOWED = {
 LAWS = {
     "three phases": "three_phase",
     "three phases, joints in limits": "slowed",
-    "fastest the joints may": "time_optimal",
+    "as fast as joints allow": "time_optimal",
     "limited jerk": "jerk_limited",
 }
 
@@ -35,8 +35,8 @@ class MotionPanel:
             gui,
             "curve",
             FITS,
-            "The paper's arc, by least squares, may enter an obstacle. The closest arc that does "
-            "not, or several joined smoothly, keep clear.",
+            "The paper's least-squares arc may enter an obstacle. The closest arc that does not, "
+            "or several joined smoothly, stay clear.",
             wake,
         )
         self.curve = Choice(
@@ -50,8 +50,8 @@ class MotionPanel:
             gui,
             "motion",
             LAWS,
-            "The paper's three phases ask the tool alone. The others keep joint speeds and "
-            "accelerations, too.",
+            "The paper's three phases heed only the tool. The others also keep the joints within "
+            "their speeds and accelerations.",
             wake,
         )
         self.speed = gui.add_number(
@@ -64,7 +64,7 @@ class MotionPanel:
             hint="Acceleration from rest, and braking to rest (a₁ and a₃ in the paper).",
         )
         self.joint_acceleration = gui.add_number(
-            "joints [rad/s²]", 1.0, step=0.1, hint="Largest acceleration of every joint."
+            "joints [rad/s²]", 1.0, step=0.1, hint="Largest acceleration of any joint."
         )
         self.jerk = gui.add_number("jerk", 1.0, step=1.0, hint="Largest jerk of the tool.")
         self._shown = ""

@@ -67,7 +67,7 @@ class ObstacleEditor:
         self._position = VectorBox(gui, "position", 0.1, "The obstacle's centre.", wake)
         self._angles = VectorBox(gui, "turned [°]", 5.0, "About x, then y, then z.", wake)
         self.kind = gui.add_dropdown("new shape", ("box", "sphere", "cylinder", "capsule"))
-        self.buttons = gui.add_button_group("change", ("Add", "Duplicate", "Delete"))
+        self.buttons = gui.add_button_group("edit", ("Add", "Duplicate", "Delete"))
         self.uploads = add_mesh_uploads(gui, wake)
         self.surfaces: dict[str, Surface] = {}
         self._noted: tuple[Scene, int] | None = None

@@ -19,9 +19,11 @@ class ObstacleSizes:
         self.size = gui.add_vector3("size", (1.0, 1.0, 1.0), step=0.1, hint="Edge lengths.")
         self.radius = gui.add_number("radius", 1.0, step=0.1)
         self.height = gui.add_number(
-            "height", 1.0, step=0.1, hint="A capsule's is between the centres of its two caps."
+            "height", 1.0, step=0.1, hint="Of a capsule, from the centre of one cap to the other's."
         )
-        self.scale = gui.add_number("scale", 1.0, step=0.1, hint="Of the file's lengths.")
+        self.scale = gui.add_number(
+            "scale", 1.0, step=0.1, hint="Factor for the lengths in the file."
+        )
         self.unit = gui.add_dropdown("file is in", tuple(_UNITS), hint="The unit of the file.")
         for box in (self.size, self.radius, self.height, self.scale):
             box.precision = DIGITS

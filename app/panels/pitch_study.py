@@ -34,7 +34,7 @@ class PitchStudyPanel:
         self.button: Any = gui.add_button(
             "Plot against the spacing",
             order=_LAST,
-            hint=f"Plans with {STEPS} node spacings around the present one.",
+            hint=f"Path length and visited nodes for {STEPS} spacings around this one.",
         )
         self._note = gui.add_html(_NOTHING, visible=False, order=_LAST)
         self.length = _plot(gui, style.A_STAR, _LAST + 1)

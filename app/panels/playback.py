@@ -27,7 +27,7 @@ class PlaybackPanel:
         self._overlay = overlay
         self.slider = gui.add_slider("time [s]", 0.0, 1.0, 0.01, 0.0, visible=False)
         self.button = gui.add_button("Play or pause", visible=False)
-        self.speed = gui.add_dropdown("playback", tuple(SPEEDS), initial_value="real time")
+        self.speed = gui.add_dropdown("playback speed", tuple(SPEEDS), initial_value="real time")
         toggle = button(self.button, "Pause", kind="abi-play", hint="Or press Space.")
         overlay.show(
             "player",
@@ -114,18 +114,19 @@ class PlaybackPanel:
         ahead = min((moment - self._time) % period or period for moment in moments)
         return ahead / self._rate - (time.monotonic() - self._advanced)
 
-    def mark(self, clearance: ArmClearance | None, duration: float) -> None:
+    def mark(self, clearance: ArmClearance | None, duration: float, seen: bool = True) -> None:
         """Colour the times at which the arm touches something; no player without a motion.
 
-        Nor is there a speed to choose then.
+        Nor is there one while the arm is not to be ``seen``, nor a speed to choose without.
         """
-        if clearance is self._marked and (duration > 0) == self._moves:
+        moves = duration > 0 and seen
+        if clearance is self._marked and moves == self._moves:
             return
-        self._marked, self._moves = clearance, duration > 0
-        self.speed.visible = self._moves
+        self._marked, self._moves = clearance, moves
+        self.speed.visible = moves
         contacts = () if clearance is None else clearance.contacts
         stretches = [(one.first, one.last) for one in contacts]
-        self._overlay.show("marks", page.player_style(stretches, duration))
+        self._overlay.show("marks", page.player_style(stretches, duration if moves else 0.0))
 
     def _toggle(self, event: object) -> None:
         self._presses += 1

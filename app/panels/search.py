@@ -23,15 +23,15 @@ class SearchPanel:
             gui,
             "path used",
             ALGORITHMS,
-            "Every search runs on every plan; this one's path becomes the curve.",
+            "All three searches run each time; this one's path becomes the curve.",
             wake,
         )
         self.weight = Choice(
             gui,
             "shortest by",
             WEIGHTS,
-            "By number of edges all searches find paths of equally many edges; several such paths "
-            "exist, and they differ in length (the paper's Table I).",
+            "By number of edges, all searches find equally few edges, but of several such paths "
+            "each may find another, of another length (the paper's Table I).",
             wake,
         )
         self.taut = gui.add_checkbox(

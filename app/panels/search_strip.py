@@ -1,4 +1,4 @@
-"""Buttons and counters of the search theatre, for a lecture whose panels are folded."""
+"""Buttons and counters of the search theatre over the scene, where the arm's player would be."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ class SearchStrip:
         answer = f'<div class="abi-card">{theatre.answer}</div>' if theatre.answer else ""
         return (
             f'{answer}<div class="abi-card abi-buttons">'
-            f"{button(self._back, '◀', hint='One step of the search back (B)')}<b>{text}</b>"
-            f"{button(self._forward, '▶', hint='One step of the search (N)')}"
+            f"{button(self._back, '◀', hint='One step back (B)')}<b>{text}</b>"
+            f"{button(self._forward, '▶', hint='One step forward (N)')}"
             f"{button(self._theatre.play, playing, hint='Play the search (P)')}</div>"
         )

@@ -33,10 +33,10 @@ class SharePanel:
         gui, self._client, self._overlay = client.gui, client, overlay
         # Any, since viser declares a button's value read-only
         self.link: Any = gui.add_button(
-            "Copy link", hint="Opens this scene, camera, layers, time and lesson anywhere."
+            "Copy link", hint="The link opens this scene, camera, layers, time and lesson."
         )
         self.goal = gui.add_dropdown(
-            "challenge", tuple(GOALS), hint="What the one who opens the link is to reach."
+            "challenge", tuple(GOALS), hint="What whoever opens the link has to achieve."
         )
         self.challenge_link: Any = gui.add_button("Copy challenge link", color="gray")
         self.picture: Any = gui.add_button(

@@ -66,7 +66,7 @@ class TheatrePanel:
         self.edges = gui.add_dropdown(
             "negative edge",
             tuple(EDGES),
-            hint="A one-way edge that costs less than nothing: Dijkstra goes wrong.",
+            hint="A one-way edge of negative cost, which leads Dijkstra astray.",
         )
         self.step = gui.add_slider("step", 0, 1, 1, 0, hint="Drag to go anywhere in the search.")
         self.play = gui.add_button("Play the search", hint="Or press P.")
@@ -75,10 +75,10 @@ class TheatrePanel:
         self.ask = gui.add_checkbox(
             "ask me: which node next?",
             False,
-            hint="Click the node that you think is expanded next.",
+            hint="Click the node that you think will be expanded next.",
         )
         self.race = gui.add_checkbox(
-            "race of three", False, hint="Three searches side by side, at equal steps."
+            "race of three", False, hint="Three searches side by side, step for step."
         )
         self.playing = False
         self.guesses = [0, 0]
@@ -207,7 +207,7 @@ class TheatrePanel:
             page.notify_refusal(
                 self._client,
                 f"{label} instead",
-                f"{self.algorithm.value} is not made for a negative one-way edge.",
+                f"{self.algorithm.value} cannot handle a negative one-way edge.",
             )
             self.algorithm.value = label
 

@@ -16,16 +16,16 @@ def _placed(wide: str, phone: str = "") -> str:
 
 
 STEPS = (
-    "<b>Drag the orange obstacle</b>, or the black balls at start and goal. Everything follows: "
+    "<b>Drag the orange obstacle</b>, or the balls at start and goal. Everything follows: "
     "grid, searches, curves and arm.",
     f"<b>{_placed('On the left', 'Behind the heading at the bottom')}</b> are the six stages in "
-    "order; each heading tells the stage's result. Try another spacing of the nodes.",
+    "order; each heading gives the stage's result. Try another spacing of the nodes.",
     f"<b>{_placed('On the right', 'Below the stages')}</b> is what came out: the searches side by "
     "side, and how much longer each stage's path is than the best possible. <i>Search</i> goes "
     "through each search step by step.",
     f"<b>Below</b> is the player. Press {_placed('Space', 'Play')}, or move the slider, and watch "
-    "the arm follow the curve; <i>Plots</i> draws its joints over time.",
-    "<b>In <i>Scene</i></b> you add obstacles, also an STL of your own, save, and copy a link. "
+    "the arm follow the curve; <i>Plots</i> shows its joints over time.",
+    "<b>In <i>Scene</i></b> you add obstacles or your own STL file, save, and copy a link. "
     "<i>Learn</i> has lessons. <i>Undo</i> takes back every change of the scene"
     f"{_placed('; the key H shows all keys')}.",
 )

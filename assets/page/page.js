@@ -369,7 +369,10 @@ document.head.insertAdjacentHTML("beforeend", `<style id="abi-style">
   border: 1px solid rgba(128, 128, 128, .55); border-radius: 5px;
 }
 #abi-overlay button:hover { border-color: currentColor; }
-#abi-overlay button:disabled { opacity: .4; cursor: default; }
+#abi-overlay button:disabled {
+  color: color-mix(in srgb, currentColor 40%, var(--mantine-color-body)); border-color: rgba(128, 128, 128, .22);
+  cursor: default;
+}
 #abi-overlay button:focus-visible { outline: 2px solid #1f84d6; }
 #abi-overlay .abi-buttons { display: flex; flex-wrap: wrap; gap: 6px; }
 #abi-overlay .abi-numbers { display: inline-flex; gap: 4px 18px; flex-wrap: wrap; }
@@ -403,6 +406,11 @@ document.head.insertAdjacentHTML("beforeend", `<style id="abi-style">
 #abi-overlay .abi-tour { max-width: 34em; border-left: 4px solid #1f84d6; }
 #abi-overlay .abi-player output { white-space: nowrap; font-variant-numeric: tabular-nums; }
 #abi-overlay .abi-play { min-width: 4.6em; }
+/* a search that is stepped through has its buttons where the hidden arm's were */
+#abi-overlay:not(.abi-lecture) .abi-bottom:has([data-part=lecture]:not(:empty)) {
+  [data-part=lecture] { order: 1; }
+  [data-part=player] { display: none; }
+}
 /* viser's grey labels, blue buttons and tabs, dark enough to be read (WCAG 2.1, 1.4.3) */
 :root[data-mantine-color-scheme] {
   --mantine-color-dimmed: light-dark(#5c646c, #a3a3a3);

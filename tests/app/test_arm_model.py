@@ -107,6 +107,26 @@ def test_a_scene_that_is_opened_tells_what_is_left_out_of_its_arm(
         assert told == ["Drawn by collision shapes, as visuals cannot be read: a."]
 
 
+def test_an_arm_of_another_size_than_the_scene_says_so(
+    tab: tuple[FakeTab, Session], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    fake, session = tab
+    told: list[str] = []
+    monkeypatch.setattr(
+        session.client, "add_notification", lambda title, _, **__: told.append(title)
+    )
+    for scene, name, titles in (
+        ("kitchen-ur5e", "Franka Panda", []),
+        ("paper", "UR5e", ["This arm is too large for the scene"]),
+    ):
+        fake.set(session.panels.files.choice, scene)
+        until(lambda: session.panels.files.name == scene and session.resting)  # noqa: B023
+        fake.set(panel(session).model.model, name)
+        until(lambda: isinstance(planned_arm(session), UrdfArm) and session.resting)
+        assert panel(session).model.model.value == name
+        assert told == titles
+
+
 def test_a_link_is_drawn_with_the_triangles_of_its_visual() -> None:
     robot = robot_from_archive(packed({"r.urdf": looking("a.dae"), "a.dae": dae(0.3)}))
     meshes = [link_mesh(robot.links[name], np.eye(4), 100.0, (0, 0, 0)) for name in "ab"]

@@ -28,13 +28,15 @@ def test_the_search_before_is_mended(tab: tuple[FakeTab, Session]) -> None:
     x, y, z = before.scene.obstacles[0].position
     fake.drag(session.panels.obstacles.gizmos[0], [x, y + 0.4, z])
     until(lambda: session.frame.plan is not before and session.resting)
-    until(lambda: bool(panel._text.visible) and "plan before" in panel._text.content)
+    until(lambda: bool(panel._text.visible) and "last plan" in panel._text.content)
     now = session.frame.plan
     assert before.graph is not None
     assert now.graph is not None
     repair = lifelong_a_star(Arcs.of(before.graph, "length"), Arcs.of(now.graph, "length"))
     assert repair.changed > 0
-    found = re.search(r"plan before, (\d+) nodes .* visits <b>(\d+)</b>", panel._text.content)
+    found = re.search(
+        r"edges of (\d+) nodes have changed.* visits <b>(\d+)</b>", panel._text.content
+    )
     assert found is not None
     assert (int(found[1]), int(found[2])) == (repair.changed, repair.expanded)
 

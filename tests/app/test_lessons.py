@@ -129,6 +129,15 @@ def test_figures_are_those_of_the_paper() -> None:
         assert isinstance(scene_of(figure.set, load_scene("paper"), FOLDER), Scene)
 
 
+def test_a_path_or_curve_that_is_shown_has_its_name_beside_it() -> None:
+    lines = {"a_star", "dijkstra", "bellman_ford", "taut", "bspline", "quadratic"}
+    steps = [step for lesson, _ in LESSONS.values() for step in lesson.steps]
+    settings = [setting for step in steps for setting in settings_of(step)]
+    shown = [set(one.shown or ()) for one in (*settings, *(figure.set for figure in figures()))]
+    assert sum(bool(lines & one) for one in shown) > 20
+    assert all("names" in one for one in shown if lines & one)
+
+
 GOOD = """
 title: Mine
 steps:

@@ -115,6 +115,20 @@ def test_what_is_typed_during_a_drag_counts(tab: tuple[FakeTab, Session]) -> Non
         until(partial(arrived, step, spacing, clearance))
 
 
+def test_an_end_that_is_refused_is_labelled_with_where_it_stands(
+    tab: tuple[FakeTab, Session],
+) -> None:
+    fake, session = tab
+    label = session.panels.ends._labels["start"]
+    assert label.text == "start (0, 0, 0)"
+    fake.set(session.panels.editor._end_boxes["start"].handle, (9.0, 0.0, 0.0))
+    until(lambda: session.frame.refused is not None)
+    until(lambda: label.text == "start (9, 0, 0)")
+    fake.set(session.panels.editor._end_boxes["start"].handle, (1.0, 0.0, 0.0))
+    until(lambda: session.frame.refused is None)
+    until(lambda: label.text == "start (1, 0, 0)")
+
+
 def test_what_is_refused_stays_so_while_a_hand_drags(tab: tuple[FakeTab, Session]) -> None:
     fake, session = tab
     gizmo, pitch = session.panels.obstacles.gizmos[0], session.panels.stages.mesh.pitch
@@ -136,7 +150,7 @@ def test_where_a_link_touches_something_a_button_avoids_that(tab: tuple[FakeTab,
     fake, session = tab
     shown = session.panels.layout.overlay.shown
     fake.drag(session.panels.obstacles.gizmos[0], [3.5, 2.0, 3.0])
-    until(lambda: "touches obstacle 1" in shown.get("contact", ""))
+    until(lambda: "into obstacle 1" in shown.get("contact", ""))
     assert not session.plan.scene.arm.avoid  # type: ignore[union-attr]
     fake.set(session.panels.messages.avoid, True)
     until(lambda: not shown["contact"] and session.resting)
@@ -165,7 +179,7 @@ def test_nothing_is_told_of_the_last_scene_while_another_is_planned(
     until(lambda: session.plan is not None and session.plan.bspline is not None)
     scene, parts = told[0]
     assert scene == load_scene("two-boxes")
-    assert "being planned" in parts["message"]
+    assert "Planning this scene" in parts["message"]
     assert "obstacle" not in parts["message"]
     until(lambda: "8.713 cm" in shown["message"])
 

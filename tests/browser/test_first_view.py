@@ -25,7 +25,7 @@ _IN_THE_PICTURE = {
     "mesh edges": "/mesh/edges",
     "mesh nodes": "/mesh/nodes",
     "quadratic": "/curve/quadratic",
-    "names, distance": "/name/line",
+    "names and distance": "/name/line",
 }
 
 

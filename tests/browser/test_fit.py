@@ -268,6 +268,7 @@ def test_no_panel_scrolls_on_a_small_laptop(page: Page, session: Session) -> Non
         page.click("Scene")
         page.choose("scene", name)
         page.until(lambda: session.resting and session.panels.files.name == name, name)  # noqa: B023
+        page.until(lambda: _fits(page), f"the Scene tab of {name} not to scroll")
         page.click("Result")
         page.settle()
         page.until(lambda: _fits(page), f"the panels of {name} not to scroll")

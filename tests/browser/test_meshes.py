@@ -60,7 +60,7 @@ def _add(page: Page, session: Session, name: str, mesh: meshes.Mesh) -> str:
 
 def _delete(page: Page, session: Session) -> None:
     """Delete the cube."""
-    page.choose("change", "Delete")
+    page.choose("edit", "Delete")
     page.until(lambda: session.plan.scene.obstacles == (), "the cube to go")  # type: ignore[union-attr]
     # its size goes, too, and what is below moves up: a press on its way would miss
     page.until(lambda: drawn.obstacles(page) == [], "its gizmo to go")
@@ -157,7 +157,7 @@ def test_a_large_mesh_can_be_stopped_and_is_drawn_with_fewer_triangles(
     page.upload(ADD, "second.stl", content)
     page.until(lambda: len(session.plan.scene.obstacles) == 2, "the mesh")  # type: ignore[union-attr]
     page.reads("327,680 triangles")
-    page.reads("It is planned with all of them and drawn with fewer.")
+    page.reads("Planning uses all of them; the picture shows fewer.")
     page.until(lambda: len(drawn.obstacles(page)) == 2, "its gizmo")
     gizmo = drawn.obstacles(page)[-1]
     page.node(f"{gizmo}/body")
@@ -183,7 +183,7 @@ def test_what_is_no_mesh_is_refused_and_one_in_millimetres_is_asked_about(
 
     _delete(page, session)
     page.upload(ADD, "far too large.stl", meshes.stl(meshes.box((200, 200, 200))))
-    page.reads("It was fitted to the workspace.")
+    page.reads("It was scaled to fit the workspace.")
     page.click("Original size: 200 cm")
     page.reads("is the file in mm?")
     page.click("Yes, read it in mm")
@@ -222,7 +222,7 @@ def test_several_files_are_added_apart_and_saved_with_the_scene(
     content = download.value.path().read_bytes()
     assert name == "paper.zip"
     page.until(lambda: page.tab.get_by_text("Uploading").count() == 0, "the notices to end")
-    page.choose("change", "Delete")
+    page.choose("edit", "Delete")
     page.until(lambda: len(session.plan.scene.obstacles) == 2, "one less")  # type: ignore[union-attr]
     page.upload("Open a scene file…", name, content)
     page.until(lambda: len(session.plan.scene.obstacles) == 3, "all again")  # type: ignore[union-attr]

@@ -39,12 +39,19 @@ def test_in_a_lecture_the_scene_is_alone_and_in_large_letters(page: Page, sessio
     page.until(lambda: page.tab.evaluate(_WIDTH) > 1.8 * width, "the panels to fold")
     assert page.tab.evaluate(_LETTERS) > 1.5 * letters
     page.until(lambda: page.props("/goal/label")["font_screen_scale"] > 1.5, "large labels")
+    player = page.tab.locator(".abi-player")
     for title, _ in STAGES:
         page.click(">")
         page.reads(title)
+        shows_arm = title.startswith("6")
+        page.until(lambda: player.is_visible() == shows_arm, "the player with the arm")  # noqa: B023
         if title.startswith("3"):
             page.until(lambda: "/curve/bspline" not in page.shown(), "no curve")
             assert "/path/a_star" in page.shown()
+    page.tab.keyboard.press("PageDown")
+    page.until(lambda: page.shown() == before, "all stages again")
+    page.tab.keyboard.press("PageUp")
+    page.reads(STAGES[-1][0])
     page.click(">")
     page.until(lambda: page.shown() == before, "all stages again")
     page.click("Top")
@@ -52,12 +59,15 @@ def test_in_a_lecture_the_scene_is_alone_and_in_large_letters(page: Page, sessio
     page.click("End lecture")
     page.until(lambda: page.tab.evaluate(_WIDTH) == pytest.approx(width, abs=2), "the panels")
     assert page.tab.evaluate(_LETTERS) == letters
+    page.tab.keyboard.press("PageDown")
+    page.settle()
+    assert page.shown() == before
 
 
 @pytest.mark.parametrize("way", ["h", "Escape", "Close", "beside"])
 def test_the_sheet_of_keys_opens_and_closes(page: Page, way: str) -> None:
     def is_open() -> bool:
-        return page.tab.get_by_text("shows this sheet").count() > 0
+        return page.tab.get_by_text("show this sheet").count() > 0
 
     page.tab.keyboard.press("?" if way == "Escape" else "h")
     page.until(is_open, "the sheet")

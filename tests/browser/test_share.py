@@ -26,7 +26,7 @@ def test_a_challenge_link_opens_elsewhere(tabs: Tabs, server: Server) -> None:
 
     other = tabs("?" + link[link.index("state=") :])
     opened = server.sessions[other.client]
-    other.reads("keep the quadratic clear of everything")
+    other.reads("keep the quadratic clear of all obstacles")
     assert opened.plan is not None
     assert opened.plan.scene == session.frame.plan.scene
     assert session.plan is not None

@@ -18,6 +18,13 @@ def test_a_search_is_stepped_guessed_and_raced(page: Page, session: Session) -> 
     page.reads("step 13 of")
     page.click("◀ 1")
     page.reads("step 12 of")
+    strip = page.tab.locator("#abi-overlay [data-part=lecture]")
+    page.until(lambda: "A*: 12 of" in strip.inner_text(), "the buttons over the scene")
+    assert not page.tab.locator(".abi-player").is_visible()
+    strip.get_by_text("▶").click()
+    page.reads("step 13 of")
+    strip.get_by_text("◀").click()
+    page.reads("step 12 of")
     assert session.frame.theatre is not None
     state = session.frame.theatre.state
     closed = np.reshape(page.props("/theatre/closed")["points"], (-1, 3))
@@ -46,3 +53,5 @@ def test_a_search_is_stepped_guessed_and_raced(page: Page, session: Session) -> 
     page.tick("race of three", False)
     page.tick("step through a search", False)
     page.until(lambda: session.frame.theatre is None, "the theatre closed")
+    page.until(page.tab.locator(".abi-player").is_visible, "the arm's player")
+    assert strip.inner_text() == ""

@@ -50,7 +50,7 @@ def read(data: bytes, most_faces: int) -> tuple[FloatArray, IntArray]:
             if faces_read > most_faces or corners_read > 3 * most_faces:
                 raise ValueError(f"at most {most_faces:,} triangles, simplify the mesh first")
     if not faces_read:
-        raise ValueError("a mesh, the file has no triangles")
+        raise ValueError("a mesh, but the file has no triangles")
     return np.concatenate(vertices), np.concatenate(faces)
 
 
@@ -61,7 +61,7 @@ def _chunks(data: bytes) -> tuple[dict[str, Any], bytes]:
     version, total, length, kind = struct.unpack_from("<III4s", data, 4)
     end = 20 + length
     if version != 2:
-        raise ValueError(f"glTF 2, this is version {version}")
+        raise ValueError(f"glTF 2, but this is version {version}")
     if total != len(data) or kind != b"JSON" or end > len(data):
         raise ValueError(f"a whole GLB file, it announces {total:,} bytes and has {len(data):,}")
     if length > _MOST_JSON:
@@ -69,7 +69,7 @@ def _chunks(data: bytes) -> tuple[dict[str, Any], bytes]:
     binary = b""
     if end < len(data):
         if end + 8 > len(data):
-            raise ValueError("a whole GLB file, its second part is cut off")
+            raise ValueError("a whole GLB file, but its second part is cut off")
         size, kind = struct.unpack_from("<I4s", data, end)
         if kind != b"BIN\0" or end + 8 + size != len(data):
             raise ValueError("a whole GLB file, its binary part has another length than announced")
@@ -144,7 +144,7 @@ class _File:
         view = self.item("bufferViews", accessor["bufferView"])
         buffer = self.item("buffers", view.get("buffer"))
         if view["buffer"] != 0 or "uri" in buffer:
-            raise ValueError("a mesh in one file, this GLB refers to another")
+            raise ValueError("a mesh in one file, but this GLB refers to another")
         row = columns * dtype.itemsize
         inner, outer = accessor.get("byteOffset", 0), view.get("byteOffset", 0)
         length, stride = view.get("byteLength"), view.get("byteStride", row)

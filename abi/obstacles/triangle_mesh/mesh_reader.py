@@ -25,15 +25,15 @@ MAX_FACES = 500_000
 SUFFIXES = (".stl", ".obj", ".glb", *trimesh_formats.SUFFIXES)
 
 _OTHER_FORMATS = (
-    (b"version https://git-lfs", "the mesh itself, this is its Git LFS pointer (git lfs pull)"),
-    (b"\x89PNG", "a mesh, this is a PNG image"),
-    (b"\xff\xd8\xff", "a mesh, this is a JPEG image"),
-    (b"PK\x03\x04", "an unpacked mesh, this is a zip archive"),
-    (b"\x1f\x8b", "an unpacked mesh, this is a gzip archive"),
-    (b"%PDF", "a mesh, this is a PDF document"),
-    (b"<", "a mesh, this is a web page or XML"),
-    (b"{", "a mesh in one file, this is text in JSON (save glTF as .glb)"),
-    (b"ply", "another ending, this is a PLY file"),
+    (b"version https://git-lfs", "the mesh itself, but this is its Git LFS pointer (git lfs pull)"),
+    (b"\x89PNG", "a mesh, but this is a PNG image"),
+    (b"\xff\xd8\xff", "a mesh, but this is a JPEG image"),
+    (b"PK\x03\x04", "an unpacked mesh, but this is a zip archive"),
+    (b"\x1f\x8b", "an unpacked mesh, but this is a gzip archive"),
+    (b"%PDF", "a mesh, but this is a PDF document"),
+    (b"<", "a mesh, but this is a web page or XML"),
+    (b"{", "a mesh in one file, but this is text in JSON (save glTF as .glb)"),
+    (b"ply", "another ending, but this is a PLY file"),
 )
 _OWN = {b"PK\x03\x04": ".3mf", b"<": ".dae", b"ply": ".ply"}
 """Endings of files that may begin so."""
@@ -62,7 +62,7 @@ def read_coloured(data: bytes, name: str) -> tuple[FloatArray, IntArray, ByteArr
     if len(data) > MAX_BYTES:
         raise SceneError("file", name, f"a file of at most {MAX_BYTES // 1_000_000} MB")
     if not data.strip(b"\0 \t\r\n"):
-        raise SceneError("file", name, "a mesh, the file is empty")
+        raise SceneError("file", name, "a mesh, but the file is empty")
     start = data[:64].lstrip(b"\xef\xbb\xbf \t\r\n")
     suffix = PurePosixPath(name).suffix.lower()
     for signature, expected in _OTHER_FORMATS:
@@ -74,7 +74,7 @@ def read_coloured(data: bytes, name: str) -> tuple[FloatArray, IntArray, ByteArr
     except ValueError as error:
         raise SceneError("file", name, str(error)) from None
     if not np.isfinite(vertices).all():
-        raise SceneError("file", name, "finite coordinates, some are NaN or infinite")
+        raise SceneError("file", name, "finite coordinates, but some are NaN or infinite")
     if np.abs(vertices).max() > LARGEST:
         raise SceneError("file", name, f"coordinates of at most {LARGEST:g}")
     return vertices, faces, colours

@@ -27,9 +27,9 @@ def read(data: bytes, most_faces: int) -> Parts:
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError:
-        raise ValueError("an OBJ text, this is not text in UTF-8") from None
+        raise ValueError("an OBJ text, but this is not text in UTF-8") from None
     if "\0" in text:
-        raise ValueError("an OBJ text, this is a binary file")
+        raise ValueError("an OBJ text, but this is a binary file")
     vertices: list[list[float]] = []
     faces: list[tuple[int, int, int]] = []
     for number, line in enumerate(text.replace("\\\n", " ").split("\n"), 1):

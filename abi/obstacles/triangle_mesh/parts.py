@@ -19,6 +19,6 @@ def check_count(faces: int, most: int) -> None:
         ValueError: says what it ought to be.
     """
     if faces == 0:
-        raise ValueError("a mesh, the file has no triangles")
+        raise ValueError("a mesh, but the file has no triangles")
     if faces > most:
         raise ValueError(f"at most {most:,} triangles, simplify the mesh first")

@@ -49,7 +49,7 @@ def clean(vertices: FloatArray, faces: IntArray, name: str = "mesh") -> Surface:
     faces = _without_duplicates(faces, notes)
     size = float(np.ptp(vertices, axis=0).max(initial=0.0)) if len(faces) else 0.0
     if size == 0 or not _areas(vertices, faces).any():
-        raise SceneError("file", name, "a mesh, none of its triangles has an area")
+        raise SceneError("file", name, "a mesh, but none of its triangles has an area")
     shells = _shells(vertices, faces)
     if not shells.closed.all():
         welded, welded_faces = _weld(vertices, faces, _WELD * size)

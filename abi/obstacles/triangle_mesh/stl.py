@@ -48,7 +48,7 @@ def read(data: bytes, most_faces: int) -> Parts:
     elif data.lstrip()[:5].lower() == b"solid" and b"\0" not in data:
         corners = _text_facets(data, most_faces)
     elif len(data) < 84:
-        raise ValueError(f"an STL file, this is cut off after {len(data)} bytes")
+        raise ValueError(f"an STL file, but this is cut off after {len(data)} bytes")
     else:
         state = "is cut off" if len(data) < length else "goes on"
         raise ValueError(
@@ -72,7 +72,7 @@ def _colours(data: bytes) -> ByteArray:
 def _text_facets(data: bytes, most_faces: int) -> FloatArray:
     lines = data.lower().rstrip()
     if not lines.rpartition(b"\n")[2].lstrip().startswith(b"endsolid"):
-        raise ValueError("a whole STL text, it is cut off: endsolid is missing at its end")
+        raise ValueError("a whole STL text, but it is cut off: endsolid is missing at its end")
     words = re.sub(rb"(?m)^[ \t]*(?:end)?solid\b[^\n]*$", b"", lines).split()
     pattern = _FACET.split()
     count, surplus = divmod(len(words), len(pattern))

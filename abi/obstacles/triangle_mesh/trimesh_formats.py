@@ -65,7 +65,7 @@ def read(data: bytes, suffix: str) -> tuple[FloatArray, IntArray, ByteArray]:
         raise ValueError(
             f"a whole {kind.upper()} file, {len(faces):,} of {announced:,} faces are there"
             if announced
-            else "a mesh, the file has no triangles"
+            else "a mesh, but the file has no triangles"
         )
     if faces.min() < 0 or faces.max() >= len(vertices):
         raise ValueError(f"a {kind.upper()} file whose faces have vertices")

@@ -26,7 +26,7 @@ def comparisons() -> dict[str, Comparison]:
     ("what", "found"),
     [
         ("excluding the nodes in the obstacles", "with edges tested, too, 0"),
-        ("vertices of the paths", "9, 9, 9 by hops"),
+        ("vertices of the paths", "9, 9, 9 by edges"),
         ("the three lengths on one graph", "the same"),
         ("length of the printed polynomials", "11.3581"),
         ("speed along the printed polynomials", "14.74 → 10.39 → 11.61"),
@@ -45,8 +45,8 @@ def test_what_was_checked_by_hand_is_found(
 def test_what_does_not_hold_is_shown_to_fail(comparisons: dict[str, Comparison]) -> None:
     wrong = {one.subject for one in comparisons.values() if one.verdict == "does not hold"}
     for what in (
-        "with the path's vertices as control points",
-        "fitted to the spline by least squares",
+        "B-spline on the path's vertices",
+        "quadratic fitted by least squares",
         "excluding the nodes in the obstacles",
     ):
         assert what in wrong
@@ -56,8 +56,8 @@ def test_what_does_not_hold_is_shown_to_fail(comparisons: dict[str, Comparison])
 def test_our_path_shortens_from_stage_to_stage_as_the_papers(
     comparisons: dict[str, Comparison],
 ) -> None:
-    spline = comparisons["length of degree 4"]
-    square = comparisons["length"]
+    spline = comparisons["length of the B-spline, degree 4"]
+    square = comparisons["length of the quadratic"]
     for said in ("printed", "ours"):
         shares = [
             float(getattr(one, said).split(", ")[1].split(" of")[0]) for one in (spline, square)
