@@ -11,6 +11,7 @@ import pytest
 import viser
 import viser.transforms
 
+from abi import compiling, plan
 from abi.arm.arm import Arm
 from abi.arm.chain_kernels import POSE
 from abi.arm.urdf_arm import UrdfArm, urdf_arm
@@ -19,9 +20,12 @@ from abi.robot.robot_files import SHIPPED, load_robot, robot_from_archive
 from abi.scene.scene import load_scene
 from app import page
 from app.layers.arm import ArmLayer
+from app.layers.arm_ghosts import ArmGhostsLayer
 from app.layers.arm_nodes import JointNode
 from app.layers.arm_playback import samples_of
+from app.layers.arm_regions import ArmRegionsLayer
 from app.layers.urdf_arm import joint_origin, joint_values, link_mesh
+from app.layers.urdf_poses import first_pose, last_pose, other_poses, poses_at
 from app.panels.arm import ArmPanel
 from app.session import Session
 from tests.abi.arm.test_chain import LINKED_BIT
@@ -130,10 +134,11 @@ def test_the_page_plays_an_arm_of_a_urdf_by_itself(
     fake, session = tab
     sent: list[dict[str, Any]] = []
     monkeypatch.setattr(page, "play", lambda client, motion: sent.append(motion))
+    compiling.compile()  # once all is compiled the scene is planned anew
+    until(lambda: session._pause.compiled)
     fake.set(session.panels.files.choice, "kitchen-ur5e")
     until(lambda: isinstance(planned_arm(session), UrdfArm) and session.resting)
     until(lambda: session.frame.playing and bool(sent) and len(sent[-1]["joints"]) == 6)
-    received = fake.received
     assert session._view.timeout(session.frame) is None
     assert not session._view.is_due(session.frame)
 
@@ -146,9 +151,54 @@ def test_the_page_plays_an_arm_of_a_urdf_by_itself(
     for number in (0, 50, 100):
         at = posed(sent[-1], number) @ (tip[9:] / made.metres) + made.base
         np.testing.assert_allclose(at, motion.tool[rows[number]], atol=1e-5 * made.reach)
-    fake.set(session.playback.button, True)
-    until(lambda: not session.frame.playing)
-    assert fake.received - received < 20_000
+
+
+@pytest.mark.slow
+def test_ghosts_and_regions_are_those_of_any_arm(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    fake.set(session.panels.files.choice, "kitchen-ur5e")
+    until(lambda: isinstance(planned_arm(session), UrdfArm) and session.resting)
+    fake.set(session.playback.slider, 1.0)
+    ghosts, regions = (
+        layer(session, ArmGhostsLayer)._meshes,
+        layer(session, ArmRegionsLayer)._meshes,
+    )
+    names = {"other_elbow": ("now",), "end_poses": ("start", "goal")}
+    for switch, drawn in names.items():
+        fake.set(session.panels.layer_switches.boxes[switch], True)
+        until(lambda: all(one in ghosts and ghosts[one].visible for one in drawn))  # noqa: B023
+    for switch in ("shadow", "reach"):
+        fake.set(session.panels.layer_switches.boxes[switch], True)
+        until(lambda: switch in regions and regions[switch].visible)  # noqa: B023
+        assert len(regions[switch].vertices) > 100
+    for switch in (*names, "shadow", "reach"):
+        fake.set(session.panels.layer_switches.boxes[switch], False)
+    until(lambda: not any(one.visible for one in (*ghosts.values(), *regions.values())))
+
+
+def test_other_poses_hold_the_tool_where_it_is() -> None:
+    made = plan(load_scene("kitchen-ur5e"))
+    arm, motion = made.arm, made.motion
+    assert isinstance(arm, UrdfArm)
+    assert motion is not None
+    some = 0
+    for time in np.linspace(0.0, motion.time[-1], 5):
+        tool, own = (
+            np.array([np.interp(time, motion.time, row) for row in rows.T])
+            for rows in (motion.tool, motion.positions)
+        )
+        others = other_poses(made, arm, float(time))
+        some += len(others)
+        for pose in others:
+            # between two samples joints go straight, the tool does not
+            np.testing.assert_allclose(arm.tool(pose[None])[0], tool, atol=1e-3 * arm.reach)
+            assert np.abs(arm.place(pose[None]) - arm.place(own[None])).max() > 0.02 * arm.reach
+    assert some >= 5
+    ends = first_pose(made, arm), last_pose(made, arm)
+    for pose, place in zip(ends, (made.scene.start, made.scene.goal), strict=True):
+        assert pose is not None
+        np.testing.assert_allclose(arm.tool(pose[None])[0], place, atol=1e-4 * arm.reach)
+    assert poses_at(arm, (9.0, 9.0, 9.0)) == ()
 
 
 @pytest.mark.parametrize("name", [*SHIPPED, "linked", "sliding"])
