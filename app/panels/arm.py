@@ -8,6 +8,7 @@ import viser
 
 from abi.scene.scene import Scene
 from app.panels.arm_model import ArmModelPanel
+from app.panels.length_step import fine_step, length_step
 from app.panels.widgets import DIGITS, Choice, Wake
 
 DYNAMICS = {"physics (½·t²)": "corrected", "as printed in the paper": "as_printed"}
@@ -113,6 +114,7 @@ class ArmPanel:
             (self.radii, "radii of gyration"),
         ):
             handle.label = f"{name} [{scene.unit}]"
+            handle.step = fine_step(scene) if handle is self.clearance else length_step(scene)
         self.model.write(scene)
         self._show_papers()
         self.elbow.value = arm.elbow
