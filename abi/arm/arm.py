@@ -143,6 +143,10 @@ class Arm:
         """URDF of the arm, in metres, standing at the origin of its root link."""
         return urdf(self)
 
+    def files(self) -> dict[str, bytes]:
+        """The same as a file of its name: it names no meshes."""
+        return {"arm.urdf": self.description().encode()}
+
     def proof_data(self) -> dict[str, Any]:
         """Subject of a certificate as plain data: the capsules."""
         capsules = [

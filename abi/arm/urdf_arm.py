@@ -16,6 +16,7 @@ from abi.arrays import FloatArray, IntArray, read_only
 from abi.obstacles.pose import METRES, Vec3
 from abi.robot.bounding_capsules import bounding_capsules
 from abi.robot.robot import Robot
+from abi.robot.robot_files import files_of
 
 _STARTS = 48
 """Random poses from which the first pose of a motion is sought."""
@@ -148,6 +149,10 @@ class UrdfArm:
     def description(self) -> str:
         """URDF of the arm, in metres, standing at the origin of its root link."""
         return self.chain.robot.urdf
+
+    def files(self) -> dict[str, bytes]:
+        """The same as a file of its name, and the meshes that it names, by their paths."""
+        return files_of(self.chain.robot)
 
     def proof_data(self) -> dict[str, Any]:
         """Subject of a certificate as plain data: the capsules, and pairs of them."""

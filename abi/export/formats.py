@@ -49,7 +49,13 @@ FORMATS: dict[str, Format] = {
     "ros": Format(
         "motion for ROS 2 (JointTrajectory)",
         "trajectory.ros.yaml",
-        (".yaml", ".yml", ".ros.json"),
+        (".yaml", ".yml"),
+        ros_trajectory.write,
+    ),
+    "ros-json": Format(
+        "motion for ROS 2 (the same in JSON)",
+        "trajectory.ros.json",
+        (".ros.json",),
         ros_trajectory.write,
     ),
     "spline": Format(
@@ -64,6 +70,9 @@ FORMATS: dict[str, Format] = {
         "program for a UR (URScript)", "motion.script", (".script",), urscript.write
     ),
     "urdf": Format("arm (URDF)", "arm.urdf", (".urdf",), robot_description.write),
+    "urdf-zip": Format(
+        "arm with its meshes (zip)", "arm.zip", (".zip",), robot_description.write_archive
+    ),
 }
 """Formats by the names that ``abi export --format`` takes."""
 
