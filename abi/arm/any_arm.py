@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Any, Literal, NamedTuple, Protocol
 
 from abi.arrays import FloatArray
+from abi.obstacles.pose import Quaternion
 
 
 class Capsule(Protocol):
@@ -36,6 +37,10 @@ class AnyArm(Protocol):
     @property
     def base(self) -> FloatArray:
         """Place where it stands, (3,), [unit], world."""
+
+    @property
+    def wxyz(self) -> Quaternion:
+        """How it is turned there, as a quaternion."""
 
     @property
     def unit(self) -> Literal["m", "cm", "mm"]:

@@ -23,7 +23,7 @@ from abi.arm.any_arm import PlacedCapsule
 from abi.arm.link_capsules import BODIES, LinkCapsule, link_capsules, steepest_bend
 from abi.arm.pose_kernels import ArmNumbers, ArmTable
 from abi.arrays import FloatArray, flat, read_only
-from abi.obstacles.pose import METRES
+from abi.obstacles.pose import METRES, UNTURNED, Quaternion
 from abi.scene.settings import ArmSettings
 
 JOINTS = ("q1", "q2", "q3", "q4", "q5", "q6")
@@ -82,6 +82,11 @@ class Arm:
             capsules=capsules,
             unit=unit,
         )
+
+    @property
+    def wxyz(self) -> Quaternion:
+        """How it is turned on its base: it stands upright."""
+        return UNTURNED
 
     @property
     def shoulder(self) -> FloatArray:

@@ -15,7 +15,7 @@ from pydantic import (
 )
 
 from abi.errors import SceneError
-from abi.obstacles.pose import LARGEST, Length, Vec3
+from abi.obstacles.pose import LARGEST, UNTURNED, Length, Quaternion, Vec3
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.robot.robot import Robot, joints_to, usual_tip
 from abi.robot.robot_files import SHIPPED, load_robot
@@ -146,8 +146,9 @@ class ArmSettings(Settings):
     """Stage 6. Link lengths and base position in [unit]; ``q5`` is the initial extension, [unit].
 
     ``model`` is the paper's ``abi``, or ``urdf``: a shipped arm's name, or a ``.urdf`` or ``.zip``
-    file. Of that, ``tip`` is the link whose origin is the tool, and ``axis`` the direction that
-    the tip's z axis is held to, None for any; what else there is but ``base`` is the paper's.
+    file. Of that, ``tip`` is the link whose origin is the tool, ``axis`` the direction that the
+    tip's z axis is held to, None for any, and ``base_wxyz`` how its root link is turned, as where
+    it hangs; what else there is but ``base`` is the paper's.
     With ``avoid`` the plan keeps the whole arm clear, its links ``clearance`` [unit] from every
     obstacle; ``elbow`` auto takes the branch with the shorter path.
     ``forces``, ``masses`` and ``radii`` are the paper's Q4..Q6, m4..m6 and i4..i6: the generalised
@@ -159,6 +160,7 @@ class ArmSettings(Settings):
     tip: Annotated[str, Strict(), Field(max_length=100)] | None = None
     axis: Vec3 | None = None
     base: Vec3 = (3.0, -3.0, 0.0)
+    base_wxyz: Quaternion = UNTURNED
     a1: Length = 1.0
     a2: Length = 2.0
     a3: Length = 6.0

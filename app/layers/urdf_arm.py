@@ -14,6 +14,7 @@ from abi.arm.any_arm import AnyArm
 from abi.arm.chain_kernels import POSE
 from abi.arm.urdf_arm import UrdfArm
 from abi.arrays import FloatArray
+from abi.obstacles.pose import rotation
 from abi.planner.plan import Plan
 from abi.robot.robot import Link, Shape
 from app import style
@@ -56,7 +57,7 @@ class UrdfArmNodes:
         if not same:
             self._build(arm)
         assert self._base is not None
-        self._base.position = arm.base
+        self._base.position, self._base.wxyz = arm.base, np.array(arm.wxyz)
 
     def rest(self, plan: Plan) -> FloatArray:
         """The first pose found with the tool on the start."""
@@ -103,7 +104,7 @@ class UrdfArmNodes:
             if link.drawn:
                 pose = np.array(carried.pose)
                 if carried.frame < 0:
-                    pose[:3, 3] -= arm.base * arm.metres
+                    pose = np.linalg.inv(root_pose(arm)) @ pose
                 self._add_meshes(f"{names[carried.frame + 1]}/{number}", link, pose, number % 2)
 
     def _add_meshes(self, name: str, link: Link, pose: FloatArray, second: int) -> None:
@@ -123,9 +124,19 @@ class UrdfArmNodes:
 def joint_origin(arm: UrdfArm, number: int) -> viser.transforms.SE3:
     """Frame of a joint at position 0 in that of the joint before it, or in the base, [unit]."""
     packed = arm.chain.table.origins[POSE * number : POSE * (number + 1)]
-    place = packed[9:] / arm.metres - (arm.base if number == 0 else 0.0)
-    rotation = viser.transforms.SO3.from_matrix(packed[:9].reshape(3, 3))
-    return viser.transforms.SE3.from_rotation_and_translation(rotation, place)
+    pose = np.eye(4)
+    pose[:3, :3], pose[:3, 3] = packed[:9].reshape(3, 3), packed[9:]
+    if number == 0:
+        pose = np.linalg.inv(root_pose(arm)) @ pose
+    pose[:3, 3] /= arm.metres
+    return viser.transforms.SE3.from_matrix(pose)
+
+
+def root_pose(arm: UrdfArm) -> FloatArray:
+    """World from the root link, (4, 4), [m]."""
+    pose = np.eye(4)
+    pose[:3, :3], pose[:3, 3] = rotation(arm.wxyz), arm.base * arm.metres
+    return pose
 
 
 def joint_values(arm: UrdfArm, positions: FloatArray) -> FloatArray:

@@ -17,7 +17,7 @@ from abi.arm.chain_kernels import POSE
 from abi.arm.urdf_arm import UrdfArm, urdf_arm
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.robot.robot_files import SHIPPED, load_robot, robot_from_archive
-from abi.scene.scene import load_scene
+from abi.scene.scene import Scene, load_scene
 from app import page
 from app.layers.arm import ArmLayer
 from app.layers.arm_ghosts import ArmGhostsLayer
@@ -73,6 +73,15 @@ def test_an_arm_is_chosen_drawn_and_left(tab: tuple[FakeTab, Session]) -> None:
     until(lambda: session.plan is not None and session.plan.scene.arm.urdf == "xarm7")
     until(lambda: len(drawn._nodes.joint_nodes) == 7)
     assert panel(session).model.tip.value == "link_eef"
+
+    fake.set(panel(session).model.mount, "on the ceiling")
+    until(lambda: session.plan is not None and session.plan.scene.arm.base_wxyz == (0, 1, 0, 0))
+    until(lambda: np.allclose(drawn._kinds[1]._base.wxyz, (0, 1, 0, 0)))  # type: ignore[attr-defined]
+    assert session.plan is not None
+    again = Scene.from_dict(session.plan.scene.to_dict())
+    assert again.arm.base_wxyz == (0, 1, 0, 0)
+    panel(session).write(again)
+    assert panel(session).model.mount.value == "on the ceiling"
 
     fake.set(panel(session).model.model, "the paper's arm")
     until(lambda: isinstance(planned_arm(session), Arm))
@@ -207,13 +216,16 @@ def test_joints_in_each_other_stand_where_the_chain_has_them(name: str) -> None:
         robot = load_robot(name, MeshSource())
     else:
         robot = robot_from_archive(packed({"a.urdf": LINKED_BIT if name == "linked" else arm()}))
-    made = urdf_arm(robot, SHIPPED.get(name, "d"), (30.0, -20.0, 10.0), unit="cm")
+    turned = (0.1, -0.5, 0.7, 0.5)
+    made = urdf_arm(robot, SHIPPED.get(name, "d"), (30.0, -20.0, 10.0), None, "cm", turned)
     random = np.random.default_rng(1)
     low, high = made.limits.T.clip(-10, 10)
     positions = random.uniform(low, high, (20, len(made.joints)))
     expected = made.chain.poses(positions / made.scales)
     for row, values in enumerate(joint_values(made, positions)):
-        pose = viser.transforms.SE3.from_translation(made.base)
+        pose = viser.transforms.SE3.from_rotation_and_translation(
+            viser.transforms.SO3(np.array(turned)), made.base
+        )
         for number, joint in enumerate(made.chain.joints):
             node = JointNode(
                 SimpleNamespace(name="", wxyz=None, position=None),  # type: ignore[arg-type]
