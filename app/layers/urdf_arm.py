@@ -20,6 +20,7 @@ from abi.robot.robot import Link, Shape
 from app import style
 from app.layers.arm_nodes import JointNode
 from app.layers.link_colours import muted
+from app.layers.urdf_poses import first_poses
 
 if TYPE_CHECKING:
     import trimesh
@@ -62,7 +63,7 @@ class UrdfArmNodes:
     def rest(self, plan: Plan) -> FloatArray:
         """The first pose found with the tool on the start."""
         assert isinstance(plan.arm, UrdfArm)
-        return plan.arm.first_poses(np.array(plan.scene.start))[0]
+        return first_poses(plan.arm, plan.scene.start)[0]
 
     def values(self, positions: FloatArray) -> FloatArray:
         """Positions (k, m) of the chain's joints, those that mimic another among them."""

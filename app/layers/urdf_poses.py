@@ -36,10 +36,14 @@ class OtherPoses(NamedTuple):
 
 
 @functools.lru_cache(16)
+def first_poses(arm: UrdfArm, point: Vec3) -> tuple[FloatArray, ...]:
+    """First poses (n,) at a point, [unit], kept: they take longer to find than a plan."""
+    return arm.first_poses(np.array(point, dtype=float))
+
+
 def poses_at(arm: UrdfArm, point: Vec3) -> tuple[FloatArray, ...]:
-    """First poses (n,) that put the tool at a point, [unit]; none where it is out of reach."""
-    place = np.array(point, dtype=float)
-    poses = arm.first_poses(place)
+    """Those that put the tool at the point; none where it is out of reach."""
+    place, poses = np.array(point, dtype=float), first_poses(arm, point)
     missed = np.linalg.norm(arm.tool(np.stack(poses)) - place, axis=1)
     return tuple(
         pose for pose, by in zip(poses, missed.tolist(), strict=True) if by <= 1e-3 * arm.reach
