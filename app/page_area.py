@@ -31,6 +31,7 @@ class PageArea:
         right: the same on the right.
         above: part of the scene's height that text covers from above, 0 to 1.
         below: the same from below.
+        hidden: whether nobody sees the page, as behind another tab of the browser.
     """
 
     width: float = 1280.0
@@ -39,6 +40,7 @@ class PageArea:
     right: float = 0.0
     above: float = 0.0
     below: float = 0.0
+    hidden: bool = False
 
     @property
     def aspect(self) -> float:
@@ -50,15 +52,19 @@ class PageArea:
         """The area of a text, which a hostile page may have written; None of any other text."""
         try:
             data = json.loads(str(text))
-            numbers = [float(data[field.name]) for field in fields(cls)]
+            numbers = {name: float(data[name]) for name in _NUMBERS}
+            hidden = bool(data["hidden"])
         except (ValueError, TypeError, KeyError, RecursionError):
             return None
-        area = cls(*numbers)
+        area = cls(**numbers, hidden=hidden)
         sizes = (area.width, area.height, area.left, area.right)
         if not all(0 <= size <= _MOST for size in sizes):
             return None
         covered = (area.above, area.below)
         return area if all(0 <= part <= 1 for part in covered) else None
+
+
+_NUMBERS = tuple(field.name for field in fields(PageArea) if field.name != "hidden")
 
 
 def label_scale(area: PageArea | None, lecture: bool) -> float:

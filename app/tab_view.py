@@ -8,13 +8,11 @@ from dataclasses import replace
 import numpy as np
 import viser
 
-from abi.arm.urdf_arm import UrdfArm
 from abi.planner.plan import Plan
 from abi.scene.scene import Scene
 from app import page
 from app.camera import View, Viewpoint
 from app.classroom import Classroom
-from app.demo import FRAME
 from app.extent import extent
 from app.frame import Drawable, Frame, Switchable
 from app.layers.catalogue import DETAILS, LAYERS, SLOW_LAYERS
@@ -117,22 +115,31 @@ class TabView:
         return frame
 
     def timeout(self, frame: Frame) -> float | None:
-        """Time until the next picture, [s]; None where nothing moves but what the page plays."""
+        """Time until the next picture, [s]; None where nothing moves but what the page plays.
+
+        Nor does anything follow from the time alone where nobody sees the page.
+        """
+        if self._is_hidden:
+            return None
         times = (self._period(frame), self._until_contact(frame))
         return min((max(seconds, 0.0) for seconds in times if seconds is not None), default=None)
 
     def is_due(self, frame: Frame) -> bool:
         """Whether there is another picture to draw now, after a wait for :meth:`timeout`."""
+        if self._is_hidden:
+            return False
         left = self._until_contact(frame)
         return self._period(frame) is not None or (left is not None and left <= 0)
 
+    @property
+    def _is_hidden(self) -> bool:
+        area = self._watch.area()
+        return area is not None and area.hidden
+
     def _period(self, frame: Frame) -> float | None:
         """Time between two pictures, [s]; None where none follows from the time alone."""
-        playing: float | None = None
-        if self.playback.playing and isinstance(frame.plan.arm, UrdfArm):
-            playing = FRAME
-        elif self.playback.playing and "other_elbow" in frame.shown:
-            playing = TICK
+        ghost = self.playback.playing and "other_elbow" in frame.shown
+        playing = TICK if ghost else None
         times = (playing, self.panels.theatre.timeout())
         return min((seconds for seconds in times if seconds is not None), default=None)
 

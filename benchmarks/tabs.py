@@ -1,6 +1,7 @@
 """Many tabs at one server: what each sees of its own drag, and what they cost together.
 
 python -m benchmarks.tabs --tabs 1 5 15 30 --seconds 10
+python -m benchmarks.tabs --tabs 1 --play --scene kitchen-ur5e
 
 Every tab plays the motion, drags an obstacle of its own around a circle, 20 messages a second as
 viser's page sends them, and counts the curves that come back. The server is a process of its own;
@@ -55,8 +56,8 @@ class ServerProcess:
         number: of the process.
     """
 
-    def __init__(self, *arguments: str) -> None:
-        command = [sys.executable, "-P", "-m", "app", "serve", SCENE, "--port", "0", "--no-open"]
+    def __init__(self, *arguments: str, scene: str = SCENE) -> None:
+        command = [sys.executable, "-P", "-m", "app", "serve", scene, "--port", "0", "--no-open"]
         options = ["--no-demo", "--log-level", "warning"]
         self._process = subprocess.Popen(
             [*command, *options, *arguments],
@@ -96,9 +97,9 @@ class ServerProcess:
 
 
 @contextlib.contextmanager
-def serving(*arguments: str) -> Iterator[ServerProcess]:
+def serving(*arguments: str, scene: str = SCENE) -> Iterator[ServerProcess]:
     """A server for as long as the block lasts."""
-    server = ServerProcess(*arguments)
+    server = ServerProcess(*arguments, scene=scene)
     try:
         yield server
     finally:
@@ -263,9 +264,12 @@ def main() -> None:
     parser.add_argument("--seconds", type=float, default=10.0)
     parser.add_argument("--settle", type=float, default=SETTLE)
     parser.add_argument("--play", action="store_true", help="only play and stand")
+    parser.add_argument("--scene", default=SCENE, help="what they play, with --play")
     options, arguments = parser.parse_known_args()
+    if options.scene != SCENE and not options.play:
+        parser.error("--scene is for --play: the drag is that of an obstacle of two-boxes")
     for count in options.tabs:
-        with serving(*arguments) as server:
+        with serving(*arguments, scene=options.scene) as server:
             if options.play:
                 with Interrupt() as interrupt:
                     result = asyncio.run(

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Any, Literal, NamedTuple, Protocol
 
 from abi.arrays import FloatArray
+from abi.obstacles.pose import Quaternion
 
 
 class Capsule(Protocol):
@@ -38,6 +39,10 @@ class AnyArm(Protocol):
         """Position of its base, (3,), [unit], world."""
 
     @property
+    def wxyz(self) -> Quaternion:
+        """How it is turned there, as a quaternion."""
+
+    @property
     def unit(self) -> Literal["m", "cm", "mm"]:
         """Unit of the scene's lengths."""
 
@@ -66,6 +71,9 @@ class AnyArm(Protocol):
 
     def description(self) -> str:
         """URDF of the arm, in metres, standing at the origin of its root link."""
+
+    def files(self) -> dict[str, bytes]:
+        """The same as a file of its name, and the meshes that it names, by their paths."""
 
     def proof_data(self) -> dict[str, Any]:
         """Subject of a certificate as plain data: the capsules, and pairs of them."""

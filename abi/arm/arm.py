@@ -23,7 +23,7 @@ from abi.arm.any_arm import PlacedCapsule
 from abi.arm.link_capsules import BODIES, LinkCapsule, link_capsules, steepest_bend
 from abi.arm.pose_kernels import ArmNumbers, ArmTable
 from abi.arrays import FloatArray, flat, read_only
-from abi.obstacles.pose import METRES
+from abi.obstacles.pose import METRES, UNTURNED, Quaternion
 from abi.scene.settings import ArmSettings
 
 JOINTS = ("q1", "q2", "q3", "q4", "q5", "q6")
@@ -84,6 +84,11 @@ class Arm:
         )
 
     @property
+    def wxyz(self) -> Quaternion:
+        """How it is turned on its base: it stands upright."""
+        return UNTURNED
+
+    @property
     def shoulder(self) -> FloatArray:
         """Centre of q2, shape (3,), [unit], world; it never moves."""
         return np.asarray(self.base + np.array([0.0, 0.0, self.a1 + self.a2]))
@@ -142,6 +147,10 @@ class Arm:
     def description(self) -> str:
         """URDF of the arm, in metres, standing at the origin of its root link."""
         return urdf(self)
+
+    def files(self) -> dict[str, bytes]:
+        """The same as a file of its name: it names no meshes."""
+        return {"arm.urdf": self.description().encode()}
 
     def proof_data(self) -> dict[str, Any]:
         """Subject of a certificate as plain data: the capsules."""

@@ -11,7 +11,7 @@ import numpy as np
 from abi.arm.chain_kernels import POSE, ChainTable, chain_poses
 from abi.arm.follow_path_kernels import Drift, follow_path
 from abi.arrays import FloatArray, flat, read_only
-from abi.obstacles.pose import Vec3
+from abi.obstacles.pose import UNTURNED, Quaternion, Vec3, rotation
 from abi.robot.robot import Joint, Robot, joints_to
 
 _MOST_ITERATIONS = 40
@@ -62,7 +62,12 @@ class Chain:
 
     @classmethod
     def of(
-        cls, robot: Robot, tip: str, position: Vec3 = (0.0, 0.0, 0.0), axis: Vec3 | None = None
+        cls,
+        robot: Robot,
+        tip: str,
+        position: Vec3 = (0.0, 0.0, 0.0),
+        axis: Vec3 | None = None,
+        wxyz: Quaternion = UNTURNED,
     ) -> Self:
         """The chain from the robot's root to a tip.
 
@@ -71,6 +76,7 @@ class Chain:
             tip: name of the link whose origin is the tool.
             position: of the root, world, [m].
             axis: direction that the tip's z axis is held to, world; None for any.
+            wxyz: how the root is turned, as a quaternion.
 
         Raises:
             SceneError: there is no such tip, or no joint moves it.
@@ -80,7 +86,7 @@ class Chain:
         by_name = {joint.name: joint for joint in robot.joints}
         names = tuple(dict.fromkeys(_coordinate(joint) for joint in joints))
         base = np.eye(4)
-        base[:3, 3] = position
+        base[:3, :3], base[:3, 3] = rotation(wxyz), position
         origins, last = _origins(way, base)
         moving = [by_name[name] for name in names]
         limits = np.array([(joint.low, joint.high) for joint in moving])

@@ -33,7 +33,7 @@ def shadow(
         Triangles (n, 3, 3) of the region's surface, [unit], world.
     """
     places = _MESH_PLACES if around.inside.any() else _SHADOW_PLACES
-    points, shape = _grid(*box, places)
+    points, shape = grid(*box, places)
     forearm = arm.a4 + arm.a5 + extension
     reached = np.empty(len(points), dtype=np.bool_)
     table = arm.table(elbow)
@@ -42,7 +42,7 @@ def shadow(
     most = float(np.subtract(box[1], box[0]).max()) / places
     solids = around.only(around.numbers >= 0).beyond(0.0)
     gap_kernels.arm_gaps(flat(points), table, solids, forearm, read_only(reached), most, gaps)
-    return _surface(points, gaps, shape)
+    return surface(points, gaps, shape)
 
 
 def reachable(arm: Arm, elbow: Elbow, extension: float, lowest: float) -> FloatArray:
@@ -60,13 +60,13 @@ def reachable(arm: Arm, elbow: Elbow, extension: float, lowest: float) -> FloatA
     forearm = arm.a4 + arm.a5 + extension
     reach, (x, y, z) = arm.a3 + forearm, arm.shoulder.tolist()
     low, high = (x - reach, y - reach, max(z - reach, lowest)), (x + reach, y + reach, z + reach)
-    points, shape = _grid(low, high, _REACH_PLACES)
+    points, shape = grid(low, high, _REACH_PLACES)
     rooms = np.empty(len(points))
     kernels.reach_rooms(flat(points), arm.numbers(elbow), forearm, rooms)
-    return _surface(points, -rooms, shape)
+    return surface(points, -rooms, shape)
 
 
-def _grid(low: Vec3, high: Vec3, longest: int) -> tuple[FloatArray, tuple[int, int, int]]:
+def grid(low: Vec3, high: Vec3, longest: int) -> tuple[FloatArray, tuple[int, int, int]]:
     """Places (n, 3) of a grid in a box, with one layer just outside, and their number by axis."""
     sides = np.subtract(high, low)
     cell = float(sides.max()) / (longest - 1)
@@ -78,7 +78,7 @@ def _grid(low: Vec3, high: Vec3, longest: int) -> tuple[FloatArray, tuple[int, i
     return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3), (x, y, z)
 
 
-def _surface(points: FloatArray, values: FloatArray, shape: tuple[int, int, int]) -> FloatArray:
+def surface(points: FloatArray, values: FloatArray, shape: tuple[int, int, int]) -> FloatArray:
     """Surface of the places with values <= 0; none of the outermost layer is."""
     field = values.reshape(shape)
     size = float(np.abs(values).max()) + 1.0

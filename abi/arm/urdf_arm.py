@@ -13,9 +13,10 @@ import numpy as np
 from abi.arm.any_arm import PlacedCapsule
 from abi.arm.chain import Chain
 from abi.arrays import FloatArray, IntArray, read_only
-from abi.obstacles.pose import METRES, Vec3
+from abi.obstacles.pose import METRES, UNTURNED, Quaternion, Vec3
 from abi.robot.bounding_capsules import bounding_capsules
 from abi.robot.robot import Robot
+from abi.robot.robot_files import files_of
 
 _STARTS = 48
 """Random poses from which the first pose of a motion is sought."""
@@ -55,6 +56,7 @@ class UrdfArm:
         chain: in [m].
         tip: name of the link that is the tool.
         base: where its root stands, shape (3,), [unit], world.
+        wxyz: how its root is turned, as a quaternion.
         unit: of the scene's lengths.
         limits: lowest and highest position of each joint, shape (n, 2), [rad] or [unit].
         capsules: around the links, those that stand still first.
@@ -63,6 +65,7 @@ class UrdfArm:
     chain: Chain
     tip: str
     base: FloatArray
+    wxyz: Quaternion
     unit: Literal["m", "cm", "mm"]
     limits: FloatArray
     capsules: tuple[LinkCapsule, ...]
@@ -149,6 +152,10 @@ class UrdfArm:
         """URDF of the arm, in metres, standing at the origin of its root link."""
         return self.chain.robot.urdf
 
+    def files(self) -> dict[str, bytes]:
+        """The same as a file of its name, and the meshes that it names, by their paths."""
+        return files_of(self.chain.robot)
+
     def proof_data(self) -> dict[str, Any]:
         """Subject of a certificate as plain data: the capsules, and pairs of them."""
         capsules = [
@@ -218,6 +225,7 @@ def urdf_arm(
     base: Vec3,
     axis: Vec3 | None = None,
     unit: Literal["m", "cm", "mm"] = "m",
+    wxyz: Quaternion = UNTURNED,
 ) -> UrdfArm:
     """Build the arm of a robot that stands at ``base``, [unit].
 
@@ -227,13 +235,14 @@ def urdf_arm(
         base: where its root link stands, [unit], world.
         axis: direction that the tip's z axis is held to, world; None for any.
         unit: of the scene's lengths.
+        wxyz: how its root link is turned, as a quaternion.
 
     Raises:
         SceneError: there is no such tip, or no joint moves it.
     """
     metres = METRES[unit]
     x, y, z = base
-    chain = Chain.of(robot, tip, (x * metres, y * metres, z * metres), axis)
+    chain = Chain.of(robot, tip, (x * metres, y * metres, z * metres), axis, wxyz)
     capsules = [
         LinkCapsule(
             carried.link,
@@ -250,6 +259,7 @@ def urdf_arm(
         chain=chain,
         tip=tip,
         base=read_only(np.array(base, dtype=float)),
+        wxyz=wxyz,
         unit=unit,
         limits=read_only(chain.limits * scales[:, None]),
         capsules=tuple(capsules),

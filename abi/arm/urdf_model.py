@@ -46,7 +46,9 @@ class UrdfModel:
 
     def __init__(self, settings: ArmSettings, unit: Literal["m", "cm", "mm"]) -> None:
         axis = settings.axis
-        self.arm = urdf_arm(settings.robot, settings.tool, settings.base, axis, unit)
+        self.arm = urdf_arm(
+            settings.robot, settings.tool, settings.base, axis, unit, settings.base_wxyz
+        )
         self._poses: dict[Vec3, tuple[FloatArray, ...]] = {}
         self._at: tuple[TetMesh, Vec3, Vec3] | None = None
         self._stances: dict[PosePair, Stances] = {}

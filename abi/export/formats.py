@@ -56,7 +56,13 @@ FORMATS: dict[str, Format] = {
     "ros": Format(
         "motion for ROS 2 (JointTrajectory)",
         "trajectory.ros.yaml",
-        (".yaml", ".yml", ".ros.json"),
+        (".yaml", ".yml"),
+        ros_trajectory.write,
+    ),
+    "ros-json": Format(
+        "motion for ROS 2 (the same in JSON)",
+        "trajectory.ros.json",
+        (".ros.json",),
         ros_trajectory.write,
     ),
     "spline": Format(
@@ -82,6 +88,13 @@ FORMATS: dict[str, Format] = {
     ),
     "urdf": Format(
         "arm (URDF)", "arm.urdf", (".urdf",), robot_description.write, holds_motion=False
+    ),
+    "urdf-zip": Format(
+        "arm with its meshes (zip)",
+        "arm.zip",
+        (".zip",),
+        robot_description.write_archive,
+        holds_motion=False,
     ),
 }
 """Formats by the names that ``abi export --format`` takes."""

@@ -16,10 +16,10 @@ from abi.arrays import FloatArray
 from abi.export.joint_trajectory import joint_trajectory, motion_of, motion_state
 from abi.export.mcap_schemas import SCHEMAS
 from abi.export.solids import Quaternion, Solid, solids
+from abi.obstacles.pose import UNTURNED
 from abi.planner.plan import Plan
 
 _CURVE_POINTS = 200
-_UNTURNED: Quaternion = (1.0, 0.0, 0.0, 0.0)
 _RED, _BLUE = (0.85, 0.3, 0.2, 0.8), (0.15, 0.4, 0.9, 1.0)
 
 
@@ -72,7 +72,7 @@ def _messages(plan: Plan, description: str) -> Iterator[_Message]:
         "parent_frame_id": "world",
         "child_frame_id": "base_link",
         "translation": _xyz(plan.arm.base * metres),
-        "rotation": _xyzw(_UNTURNED),
+        "rotation": _xyzw(plan.arm.wxyz),
     }
     yield _Message("/tf", "foxglove.FrameTransform", 0.0, base)
     trajectory, tool = joint_trajectory(plan), motion_of(plan).tool * metres
@@ -85,7 +85,7 @@ def _messages(plan: Plan, description: str) -> Iterator[_Message]:
             "effort": [],
         }
         yield _Message("/joint_states", "sensor_msgs/JointState", time, state)
-        pose = _pose(tool[index], _UNTURNED)
+        pose = _pose(tool[index], UNTURNED)
         place = {"timestamp": _stamp(time), "frame_id": "world", "pose": pose}
         yield _Message("/tool", "foxglove.PoseInFrame", time, place)
 
@@ -99,7 +99,7 @@ def _scene(plan: Plan) -> dict[str, Any]:
         parameters = np.linspace(*fit.curve.interval, _CURVE_POINTS)
         line = {
             "type": 0,  # a strip
-            "pose": _pose((0.0, 0.0, 0.0), _UNTURNED),
+            "pose": _pose((0.0, 0.0, 0.0), UNTURNED),
             "thickness": 2.0,
             "scale_invariant": True,
             "points": [_xyz(point) for point in fit.curve(parameters) * plan.arm.metres],

@@ -1,17 +1,40 @@
-"""The arm as URDF, in metres."""
+"""The arm as URDF, in metres: alone, or packed with its meshes."""
 
 from __future__ import annotations
 
+from pathlib import PurePosixPath
+
+from abi.arm.any_arm import AnyArm
 from abi.errors import ExportError
+from abi.obstacles.triangle_mesh.mesh_reader import SUFFIXES
 from abi.planner.plan import Plan
+from abi.robot.robot_files import packed
 
 
 def write(plan: Plan, name: str) -> bytes:
     """Write the arm, with its root link at the origin: the paper's arm, or the URDF it came from.
 
     Raises:
+        ExportError: the plan has no arm, or one that has meshes.
+    """
+    arm = _arm_of(plan)
+    if any(PurePosixPath(file).suffix.lower() in SUFFIXES for file in arm.files()):
+        raise ExportError(
+            "This arm's URDF needs its meshes: export it as a .zip, which holds them, too."
+        )
+    return arm.description().encode()
+
+
+def write_archive(plan: Plan, name: str) -> bytes:
+    """The same with its meshes, as a zip that can be uploaded as an arm.
+
+    Raises:
         ExportError: the plan has no arm.
     """
+    return packed(_arm_of(plan).files())
+
+
+def _arm_of(plan: Plan) -> AnyArm:
     if plan.arm is None:
         raise ExportError("There is no arm to export: the scene was not planned.")
-    return plan.arm.description().encode()
+    return plan.arm

@@ -41,6 +41,8 @@ def _normalised(
 
 Quaternion = Annotated[tuple[Number, Number, Number, Number], AfterValidator(_normalised)]
 
+UNTURNED: Quaternion = (1.0, 0.0, 0.0, 0.0)
+
 
 @lru_cache(maxsize=1024)
 def rotation(wxyz: tuple[float, float, float, float]) -> FloatArray:

@@ -40,7 +40,7 @@ class MeshLookup:
         Raises:
             SceneError: it is not there, not read, or one too many.
         """
-        found = self._path(name)
+        found = self.path(name)
         if found not in self._read:
             self._read[found] = _mesh(self._files[found], PurePosixPath(found).name)
         vertices, faces, colours = self._read[found]
@@ -61,7 +61,12 @@ class MeshLookup:
                 plain[path + _PLAIN] = stl.write(*self._read[path])
         return plain
 
-    def _path(self, name: str) -> str:
+    def path(self, name: str) -> str:
+        """Path in the archive of the mesh that a URDF calls ``name``.
+
+        Raises:
+            SceneError: it is not there, or there are several.
+        """
         path = (self._folder / name).as_posix()
         for found in (path, path + _PLAIN):
             if found in self._files:

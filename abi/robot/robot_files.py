@@ -10,6 +10,8 @@ from dataclasses import replace
 from functools import lru_cache
 from pathlib import PurePosixPath
 
+from lxml import etree
+
 from abi import assets
 from abi.errors import SceneError
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
@@ -17,7 +19,8 @@ from abi.obstacles.triangle_mesh.trimesh_formats import DAMAGED_ZIP
 from abi.robot.mesh_lookup import MeshLookup, is_plain
 from abi.robot.robot import Robot
 from abi.robot.srdf_reader import read_srdf
-from abi.robot.urdf_meshes import mesh_names
+from abi.robot.strict_xml import Element, parse
+from abi.robot.urdf_meshes import file_name, mesh_names
 from abi.robot.urdf_reader import read_urdf
 
 SHIPPED: Mapping[str, str] = {"ur5e": "tool0", "panda": "panda_hand_tcp", "xarm7": "link_eef"}
@@ -85,6 +88,31 @@ def robot_from_archive(content: bytes) -> Robot:
     return _read(content)[0]
 
 
+def files_of(robot: Robot) -> dict[str, bytes]:
+    """A robot's URDF, and what came with it, by paths as the URDF names them.
+
+    It names a mesh where this is, without ``package://``: so other programs find it.
+    """
+    files = _unpacked(robot.archive)
+    (path,) = (name for name in files if name.lower().endswith(".urdf"))
+    lookup = MeshLookup(files, PurePosixPath(path).parent)
+    name = PurePosixPath(path).name
+    root = parse(files.pop(path), name)
+    for mesh in root.iterfind("link//mesh"):
+        with contextlib.suppress(SceneError):  # one for looks may be missing, as it was before
+            mesh.set("filename", lookup.path(file_name(Element(mesh, name, "mesh"))))
+    return {name: etree.tostring(root, xml_declaration=True, encoding="utf-8"), **files}
+
+
+def packed(files: Mapping[str, bytes]) -> bytes:
+    """Files by their paths as a zip, the same for the same files."""
+    content = io.BytesIO()
+    with zipfile.ZipFile(content, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, data in files.items():
+            archive.writestr(zipfile.ZipInfo(name, _EPOCH), data, zipfile.ZIP_DEFLATED)
+    return content.getvalue()
+
+
 def _read(content: bytes) -> tuple[Robot, dict[str, bytes]]:
     """A robot, and its files with each mesh in a format that needs no trimesh."""
     files = _unpacked(content)
@@ -102,11 +130,7 @@ def _plain(content: bytes) -> bytes:
     """An archive without meshes that trimesh reads: an STL each, or nothing where it cannot."""
     if all(is_plain(name) for name in _unpacked(content)):
         return content
-    packed = io.BytesIO()
-    with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
-        for name, data in _read(content)[1].items():
-            archive.writestr(zipfile.ZipInfo(name, _EPOCH), data, zipfile.ZIP_DEFLATED)
-    return packed.getvalue()
+    return packed(_read(content)[1])
 
 
 def _with_srdf(robot: Robot, files: Mapping[str, bytes]) -> Robot:
@@ -138,20 +162,20 @@ def _packed(source: MeshSource, urdf: str) -> bytes:
         [(folder / name).as_posix() for name in names]
         for names in mesh_names(text, PurePosixPath(urdf).name)
     )
-    packed = io.BytesIO()
-    with zipfile.ZipFile(packed, "w") as archive:
+    content = io.BytesIO()
+    with zipfile.ZipFile(content, "w") as archive:
         archive.writestr(zipfile.ZipInfo(urdf, _EPOCH), text)
         for name in needed:
             archive.writestr(zipfile.ZipInfo(name, _EPOCH), _content(source, name))
         for name in looks[: _MAX_FILES // 2]:
             with contextlib.suppress(SceneError):
-                content = source.content(name)
-                if packed.tell() + len(content) < _ROOM * _MAX_ARCHIVE:
-                    archive.writestr(zipfile.ZipInfo(name, _EPOCH), content)
+                mesh = source.content(name)
+                if content.tell() + len(mesh) < _ROOM * _MAX_ARCHIVE:
+                    archive.writestr(zipfile.ZipInfo(name, _EPOCH), mesh)
         with contextlib.suppress(SceneError):  # one of the same name is welcome, and not needed
             beside = PurePosixPath(urdf).with_suffix(".srdf").as_posix()
             archive.writestr(zipfile.ZipInfo(beside, _EPOCH), source.content(beside))
-    return packed.getvalue()
+    return content.getvalue()
 
 
 def _content(source: MeshSource, name: str) -> bytes:

@@ -15,7 +15,7 @@ from pydantic import (
 )
 
 from abi.errors import SceneError
-from abi.obstacles.pose import LARGEST, Length, Vec3
+from abi.obstacles.pose import LARGEST, UNTURNED, Length, Quaternion, Vec3
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.robot.robot import Robot, joints_to, usual_tip
 from abi.robot.robot_files import SHIPPED, load_robot
@@ -146,10 +146,11 @@ class ArmSettings(Settings):
     """Stage 6. Link lengths and base position in [unit]; ``q5`` is the initial extension, [unit].
 
     ``model`` is ``abi``, the paper's arm, or ``urdf``. In the latter case ``urdf`` names a shipped
-    arm, or a ``.urdf`` or ``.zip`` file, ``tip`` is the link whose origin is the tool, and ``axis``
-    the direction in which the tip's z axis must point, None for any. All fields not named here but
-    ``base`` belong to the paper's arm. With ``avoid`` the plan keeps the whole arm clear, its links
-    ``clearance`` [unit] from every obstacle; ``elbow`` auto takes the branch with the shorter path.
+    arm, or a ``.urdf`` or ``.zip`` file, ``tip`` is the link whose origin is the tool, ``axis`` the
+    direction in which the tip's z axis must point, None for any, and ``base_wxyz`` the orientation
+    of its root link, as a quaternion. All fields not named here but ``base`` belong to the paper's
+    arm. With ``avoid`` the plan keeps the whole arm clear, its links ``clearance`` [unit] from
+    every obstacle; ``elbow`` auto takes the branch with the shorter path.
     ``forces``, ``masses`` and ``radii`` are the paper's Q4..Q6, m4..m6 and i4..i6: the generalised
     forces [kg·unit²/s² for q4 and q6, kg·unit/s² for q5], masses [kg] and radii of inertia [unit].
     """
@@ -159,6 +160,7 @@ class ArmSettings(Settings):
     tip: Annotated[str, Strict(), Field(max_length=100)] | None = None
     axis: Vec3 | None = None
     base: Vec3 = (3.0, -3.0, 0.0)
+    base_wxyz: Quaternion = UNTURNED
     a1: Length = 1.0
     a2: Length = 2.0
     a3: Length = 6.0

@@ -13,7 +13,7 @@ from fractions import Fraction
 from typing import NamedTuple
 
 from abi.robot.robot import Joint, Robot, joints_to
-from abi.verify.exact import Vec3, dot, sqrt_bounds, vector
+from abi.verify.exact import Vec3, dot, in_body, sqrt_bounds, vector
 from abi.verify.fault import Fault
 
 _BITS = 200
@@ -128,7 +128,9 @@ class ExactChain:
         return self.coordinates.index(joint.mimic.joint if joint.mimic else joint.name)
 
 
-def exact_chain(robot: Robot, tip: str, base: Sequence[float], units: int) -> ExactChain:
+def exact_chain(
+    robot: Robot, tip: str, base: Sequence[float], units: int, wxyz: Sequence[float] = (1, 0, 0, 0)
+) -> ExactChain:
     """The chain from a robot's root, which stands at ``base`` [unit], to a tip.
 
     Args:
@@ -136,6 +138,7 @@ def exact_chain(robot: Robot, tip: str, base: Sequence[float], units: int) -> Ex
         tip: name of a link.
         base: position of the root, [unit], world.
         units: [unit] in one metre.
+        wxyz: rotation of the root, as a quaternion of any length but zero.
 
     Raises:
         Fault: a matrix is no rotation, or an axis no unit vector.
@@ -146,14 +149,15 @@ def exact_chain(robot: Robot, tip: str, base: Sequence[float], units: int) -> Ex
     names = tuple(dict.fromkeys(j.mimic.joint if j.mimic else j.name for j in joints))
     x, y, z = map(Fraction, base)
     one, zero = Fraction(1), Fraction(0)
-    pose = ((one, zero, zero), (zero, one, zero), (zero, zero, one)), (x, y, z)
+    axes = (one, zero, zero), (zero, one, zero), (zero, zero, one)
+    pose = (in_body(axes[0], wxyz), in_body(axes[1], wxyz), in_body(axes[2], wxyz)), (x, y, z)
     origins = []
     for joint in way:
         pose = _times(pose, _matrix(joint, units))
         if joint.kind != "fixed":
             _check_unit(joint)
             origins.append(pose)
-            pose = ((one, zero, zero), (zero, one, zero), (zero, zero, one)), (zero, zero, zero)
+            pose = axes, (zero, zero, zero)
     frames = {robot.root: -1}
     for joint in robot.joints:
         frames[joint.child] = joints.index(joint) if joint in joints else frames[joint.parent]

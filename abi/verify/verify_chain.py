@@ -95,7 +95,8 @@ def check_chain(
     certificate = mapping(FIELD, section["certificate"])
     margin = claimed_margin(section, certificate, Fraction(scene.arm.clearance), obstacles)
     units = round(1 / METRES[scene.unit])
-    chain = exact_chain(scene.arm.robot, scene.arm.tool, scene.arm.base, units)
+    stands = scene.arm.base, units, scene.arm.base_wxyz
+    chain = exact_chain(scene.arm.robot, scene.arm.tool, *stands)
     motion = _Motion(chain, _rows(certificate, section, chain))
     _check_ends(motion, scene)
     capsules = _capsules(certificate, chain, scene)

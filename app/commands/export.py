@@ -22,9 +22,10 @@ from app.commands.exit_code import INCOMPLETE
 def export(scene: str, path: Path, format_name: str | None) -> None:
     """Plan SCENE and write its motion, curves, obstacles or arm to a file.
 
-    Formats: csv, json (the whole plan), ros (JointTrajectory, YAML or JSON), spline (knots and
+    Formats: csv, json (the whole plan), ros and ros-json (JointTrajectory), spline (knots and
     control points), moveit (the obstacles), mcap (for Foxglove), urscript (where the arm is a
-    UR), urdf (the arm), html (one page that plays stages, search and motion without a server).
+    UR), urdf (the arm), urdf-zip (the same with its meshes), html (one page that plays stages,
+    search and motion without a server).
 
     A motion whose arm touches something, or is not proven clear, is written with a warning.
 

@@ -1,4 +1,4 @@
-"""Ghosts of the arm: the other elbow, the poses at start and goal, and the tool's own curve."""
+"""Ghosts of the arm: its other poses now, those at start and goal, and the tool's own curve."""
 
 from __future__ import annotations
 
@@ -8,14 +8,16 @@ import numpy as np
 import viser
 from numpy.typing import NDArray
 
-from abi.arm.arm import Arm, place
+from abi.arm.arm import Arm
 from abi.arm.inverse_kinematics import solve
+from abi.arm.urdf_arm import UrdfArm
 from abi.arrays import FloatArray
 from abi.planner.plan import Plan
 from abi.scene.settings import Elbow
 from app import style
 from app.frame import Frame, Switch
 from app.layers.lines import NO_SEGMENTS, add_line, dashes, parameters
+from app.layers.urdf_poses import first_pose, last_pose, other_poses
 from app.layout import Layout
 
 _SIDES, _RINGS = 14, 4
@@ -28,7 +30,7 @@ class ArmGhostsLayer:
     """The arm's capsules, see-through."""
 
     switches: ClassVar[tuple[Switch, ...]] = (
-        Switch("other_elbow", "other elbow (ghost)", style.FADED, on=False),
+        Switch("other_elbow", "other elbow, or other poses (ghosts)", style.FADED, on=False),
         Switch("end_poses", "poses at start and goal (ghosts)", style.POINT, on=False),
         Switch("tool_only", "curve of the tool alone", style.FADED),
     )
@@ -44,12 +46,11 @@ class ArmGhostsLayer:
         """Draw what is switched on."""
         plan = frame.plan
         for switch, names in _GHOSTS.items():
-            shown = switch in frame.shown and isinstance(plan.arm, Arm)
+            shown = switch in frame.shown and plan.arm is not None
             for name in names:
-                if shown and isinstance(plan.arm, Arm):
-                    self._pose(name, plan, plan.arm, *_place_of(name, frame))
+                seen = shown and self._pose(name, frame)
                 if name in self._meshes:
-                    self._meshes[name].visible = shown
+                    self._meshes[name].visible = seen
         if plan.tool_only is not self._curve:
             self._curve = plan.tool_only
             self._line.points = NO_SEGMENTS
@@ -59,21 +60,48 @@ class ArmGhostsLayer:
                 self._line.points = dashes(points, 0.03 * max(plan.scene.workspace.size))
         self._line.visible = "tool_only" in frame.shown
 
-    def _pose(self, name: str, plan: Plan, arm: Arm, tool: FloatArray, elbow: Elbow) -> None:
-        state = (arm, elbow, *np.round(tool, 9).tolist(), plan.scene.arm.q5)
+    def _pose(self, name: str, frame: Frame) -> bool:
+        """Draw a ghost, or several as one; whether there is any."""
+        arm = frame.plan.arm
+        positions = _poses_of(name, frame)
+        if arm is None or not len(positions):
+            return False
+        state = (arm, *np.round(positions, 9).ravel().tolist())
         if self._drawn.get(name) == state:
-            return
+            return True
         self._drawn[name] = state
-        q5 = np.array([plan.scene.arm.q5])
-        found = solve(arm, tool[None], q5, elbow, np.zeros((1, 3)))
-        joints = np.array([[found.q1[0], found.q2[0], found.q3[0], 0.0, q5[0], 0.0]])
+        capsules = arm.placed(positions)
         vertices, faces = _capsule_meshes(
-            place(arm, joints)[0], np.array([capsule.radius for capsule in arm.capsules])
+            np.concatenate([capsule.ends for capsule in capsules]),
+            np.repeat([capsule.radius for capsule in capsules], len(positions)),
         )
         colour = style.FADED if name == "now" else style.POINT
         self._meshes[name] = self._scene.add_mesh_simple(
             f"/arm_ghost/{name}", vertices, faces, color=colour, opacity=0.22, cast_shadow=False
         )
+        return True
+
+
+def _poses_of(name: str, frame: Frame) -> FloatArray:
+    """Joint positions (k, n) of a ghost, [rad] or [unit]."""
+    plan = frame.plan
+    arm = plan.arm
+    if isinstance(arm, Arm):
+        return _paper_pose(name, frame, arm)[None]
+    if not isinstance(arm, UrdfArm):
+        return np.empty((0, 0))
+    if name == "now":
+        return other_poses(plan, arm, frame.time)
+    pose = first_pose(plan, arm) if name == "start" else last_pose(plan, arm)
+    return np.empty((0, 0)) if pose is None else pose[None]
+
+
+def _paper_pose(name: str, frame: Frame, arm: Arm) -> FloatArray:
+    """Joint positions (6,) of a ghost of the paper's arm, which has one other elbow."""
+    tool, elbow = _place_of(name, frame)
+    q5 = np.array([frame.plan.scene.arm.q5])
+    found = solve(arm, tool[None], q5, elbow, np.zeros((1, 3)))
+    return np.array([found.q1[0], found.q2[0], found.q3[0], 0.0, q5[0], 0.0])
 
 
 def _place_of(name: str, frame: Frame) -> tuple[FloatArray, Elbow]:

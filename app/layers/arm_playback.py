@@ -1,7 +1,7 @@
 """The motion that the page plays by its own clock, without a message for each frame.
 
-The page interpolates joint positions between samples and turns the node of each joint accordingly,
-as :class:`app.layers.arm.ArmLayer` does for one moment. The page's part is in
+The page interpolates joint positions between samples and moves the node of each joint accordingly,
+as :class:`app.layers.arm_nodes.JointNode` does for one moment. The page's part is in
 ``assets/page/page.js``.
 """
 
@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import base64
 import functools
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -62,9 +63,23 @@ class ArmPlayback:
         self._playing: tuple[object, ...] | None = None
 
     def play(
-        self, motion: ArmMotion, joints: list[JointPose], trace: str, time: float, rate: float
+        self,
+        motion: ArmMotion,
+        values: Callable[[FloatArray], FloatArray],
+        joints: list[JointPose],
+        trace: str,
+        time: float,
+        rate: float,
     ) -> bool:
         """Have the page play ``motion`` from ``time`` [s] on, at ``rate`` times real time.
+
+        Args:
+            motion: the motion.
+            values: positions (k, m) of the joints that have nodes, of those (k, n) of the motion.
+            joints: their nodes.
+            trace: name of the line behind the tool.
+            time: to begin at, [s].
+            rate: seconds of the motion for one of the clock.
 
         Returns:
             Whether this is new: the line named ``trace`` is then to have a segment between each
@@ -77,7 +92,8 @@ class ArmPlayback:
         if self._joints[0] is not joints:
             self._joints = joints, [joint.to_dict() for joint in joints]
         rows = samples_of(motion)
-        table = np.column_stack((motion.time[rows], motion.positions[rows])).astype("<f4")
+        positions = values(motion.positions[rows]) if joints else motion.positions[rows]
+        table = np.column_stack((motion.time[rows], positions)).astype("<f4")
         page.play(
             self._client,
             {

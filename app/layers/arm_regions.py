@@ -2,25 +2,32 @@
 
 from __future__ import annotations
 
+import functools
 from typing import ClassVar
 
 import numpy as np
 import viser
 
 from abi.arm.arm import Arm
+from abi.arm.chain_regions import chain_reach, chain_shadow, reach_box, stances_in
+from abi.arm.chain_surroundings import chain_surroundings
 from abi.arm.regions import reachable, shadow
+from abi.arm.stances import Stances
 from abi.arm.surroundings import surroundings
+from abi.arm.urdf_arm import UrdfArm
 from abi.arrays import FloatArray
 from abi.obstacles.obstacle_set import ObstacleSet
+from abi.obstacles.pose import Vec3
 from abi.planner.plan import Plan
 from app import style
 from app.frame import Frame, Switch
 from app.layers.arm_ghosts import elbow_of
+from app.layers.urdf_poses import first_pose
 from app.layout import Layout
 
 _SENTENCES = (
     "The arm's shadow, in red: with the tool there, a link would be inside an obstacle. The "
-    "arm's reach, in blue: where the tool can be within the limits of shoulder and elbow."
+    "arm's reach, in blue: where the tool can be within the limits of the joints."
 )
 _COLOURS = {"shadow": style.VIOLATION, "reach": style.A_STAR}
 _OPACITY = {"shadow": 0.28, "reach": 0.1}
@@ -44,30 +51,28 @@ class ArmRegionsLayer:
 
     def draw(self, frame: Frame) -> None:
         """Draw what is switched on, anew where obstacles or arm have changed."""
-        plan = frame.plan
         for name in _COLOURS:
-            shown = name in frame.shown and isinstance(plan.arm, Arm)
-            if shown and isinstance(plan.arm, Arm):
-                self._update(name, plan, plan.arm)
+            seen = name in frame.shown and self._update(name, frame.plan)
             if name in self._meshes:
-                self._meshes[name].visible = shown
+                self._meshes[name].visible = seen
 
-    def _update(self, name: str, plan: Plan, arm: Arm) -> None:
-        scene, elbow = plan.scene, elbow_of(plan)
-        state: tuple[object, ...] = (scene.arm, elbow, scene.workspace, scene.unit)
+    def _update(self, name: str, plan: Plan) -> bool:
+        """Draw a region; whether there is one, as where the arm reaches the start."""
+        scene, arm = plan.scene, plan.arm
+        start = _start_of(plan)
+        if arm is None or start is None:
+            return False
+        state: tuple[object, ...] = (scene.arm, start, scene.workspace, scene.unit)
         if name == "shadow":
             state = (*state, scene.obstacles)
         if self._drawn.get(name) == state:
-            return
+            return True
         self._drawn[name] = state
-        lowest, box = scene.workspace.min[2], (scene.workspace.min, scene.workspace.max)
-        if name == "shadow":
-            around = surroundings(arm, ObstacleSet(scene.obstacles), lowest)
-            triangles = shadow(arm, elbow, scene.arm.q5, around, box)
-        else:
-            floor = min(lowest, scene.arm.base[2])
-            triangles = reachable(arm, elbow, scene.arm.q5, floor)
-        self._show(name, triangles)
+        if isinstance(arm, Arm):
+            self._show(name, _paper_region(name, plan, arm))
+        elif isinstance(arm, UrdfArm):
+            self._show(name, _chain_region(name, plan, arm))
+        return True
 
     def _show(self, name: str, triangles: FloatArray) -> None:
         corners = (triangles if len(triangles) else _NOTHING).reshape(-1, 3).astype(np.float32)
@@ -82,3 +87,45 @@ class ArmRegionsLayer:
             cast_shadow=False,
             receive_shadow=False,
         )
+
+
+def _start_of(plan: Plan) -> object:
+    """What an arm's poses depend on beside its settings; None where it reaches no start."""
+    if not isinstance(plan.arm, UrdfArm):
+        return elbow_of(plan)
+    pose = first_pose(plan, plan.arm)
+    return None if pose is None else (plan.scene.start, *np.round(pose, 6).tolist())
+
+
+def _paper_region(name: str, plan: Plan, arm: Arm) -> FloatArray:
+    """Triangles (n, 3, 3) of a region of the paper's arm, [unit], world."""
+    scene, elbow = plan.scene, elbow_of(plan)
+    lowest, box = scene.workspace.min[2], (scene.workspace.min, scene.workspace.max)
+    if name == "shadow":
+        around = surroundings(arm, ObstacleSet(scene.obstacles), lowest)
+        return shadow(arm, elbow, scene.arm.q5, around, box)
+    floor = min(lowest, scene.arm.base[2])
+    return reachable(arm, elbow, scene.arm.q5, floor)
+
+
+def _chain_region(name: str, plan: Plan, arm: UrdfArm) -> FloatArray:
+    """The same of another arm."""
+    scene, first = plan.scene, first_pose(plan, arm)
+    assert first is not None
+    lowest = scene.workspace.min[2]
+    if name == "reach":
+        box = reach_box(arm, min(lowest, scene.arm.base[2]))
+    else:
+        box = scene.workspace.min, scene.workspace.max
+    stances = _stances(arm, tuple(np.round(first, 6).tolist()), scene.start, box)
+    if name == "reach":
+        return chain_reach(stances)
+    return chain_shadow(arm, stances, chain_surroundings(arm, ObstacleSet(scene.obstacles), lowest))
+
+
+@functools.lru_cache(8)
+def _stances(
+    arm: UrdfArm, first: tuple[float, ...], start: Vec3, box: tuple[Vec3, Vec3]
+) -> Stances:
+    """Stances in a box, which stay while obstacles are dragged."""
+    return stances_in(arm, np.array(first), np.array(start, dtype=float), box)

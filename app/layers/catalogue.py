@@ -25,7 +25,6 @@ from app.layers.search_order import SearchOrderLayer
 from app.layers.stage_notes import StageNotesLayer
 from app.layers.tables import TablesLayer
 from app.layers.theatre import TheatreLayer
-from app.layers.urdf_arm import UrdfArmLayer
 from app.layers.workspace import WorkspaceLayer
 
 LAYERS = (
@@ -48,5 +47,5 @@ LAYERS = (
 )
 DETAILS = (TablesLayer, StageNotesLayer, PlotsLayer, MeshLayer, NamesLayer)
 """Layers that a drag can do without for a moment while many tabs drag."""
-SLOW_LAYERS = (ArmLayer, UrdfArmLayer, ArmGhostsLayer, ArmRegionsLayer, PaperTextLayer)
+SLOW_LAYERS = (ArmLayer, ArmGhostsLayer, ArmRegionsLayer, PaperTextLayer)
 """Sent in a message of their own: the page takes longer to show them than all the others."""

@@ -1,22 +1,26 @@
-"""An arm that a URDF describes: one node per moving joint, with the links that it carries."""
+"""Scene nodes of an arm that a URDF describes, with the links that each joint carries."""
 
 from __future__ import annotations
 
 import functools
 import operator
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 import numpy as np
 import viser
 import viser.transforms
 
+from abi.arm.any_arm import AnyArm
+from abi.arm.chain_kernels import POSE
 from abi.arm.urdf_arm import UrdfArm
 from abi.arrays import FloatArray
+from abi.obstacles.pose import rotation
+from abi.planner.plan import Plan
 from abi.robot.robot import Link, Shape
 from app import style
-from app.frame import Frame, Switch
+from app.layers.arm_nodes import JointNode
 from app.layers.link_colours import muted
-from app.layout import Layout
+from app.layers.urdf_poses import first_poses
 
 if TYPE_CHECKING:
     import trimesh
@@ -25,41 +29,27 @@ _COLOURS = ((226, 230, 234), (96, 108, 122))
 """Of every other link without a colour of its own, so that one sees where they meet."""
 
 
-class UrdfArmLayer:
-    """One node a joint, all beside each other: a frame sends a pose each and no geometry."""
+class UrdfArmNodes:
+    """One node a joint of the chain, each in that of the joint before it."""
 
-    switches: ClassVar[tuple[Switch, ...]] = ()
-
-    def __init__(self, layout: Layout) -> None:
-        self._scene = layout.client.scene
-        self._root = self._scene.add_frame("/robot", show_axes=False)
-        self._frames: list[viser.FrameHandle] = []
+    def __init__(self, scene: viser.SceneApi) -> None:
+        self._scene = scene
+        self.root = scene.add_frame("/robot", show_axes=False)
+        self.joint_nodes: list[JointNode] = []
+        self._base: viser.FrameHandle | None = None
         self._links: dict[str, list[viser.GlbHandle]] = {}
         self._red: dict[str, list[viser.GlbHandle]] = {}
         self._arm: UrdfArm | None = None
-        self._shown: UrdfArm | None = None
-        self._posed: object = None
         self._touching: frozenset[str] = frozenset()
 
-    def draw(self, frame: Frame) -> None:
-        """Draw the arm at the frame's time, what touches something in red."""
-        arm = frame.plan.arm
-        visible = isinstance(arm, UrdfArm) and "arm" in frame.shown
-        self._root.visible = visible
-        if not isinstance(arm, UrdfArm) or not visible:
-            return
-        if arm is not self._arm:
-            self._place(arm)
-        moment = (frame.plan, frame.time)
-        if moment != self._posed:
-            self._posed = moment
-            self._pose(frame, arm)
-        clearance = frame.plan.arm_clearance
-        self._redden(frozenset() if clearance is None else clearance.touching(frame.time))
+    def draws(self, arm: AnyArm) -> bool:
+        """Whether a URDF describes it."""
+        return isinstance(arm, UrdfArm)
 
-    def _place(self, arm: UrdfArm) -> None:
-        """Show another arm; its geometry stays where the robot, its tip and the unit do."""
-        shown = self._shown
+    def place(self, arm: AnyArm) -> None:
+        """Put the arm on its base; its geometry stays where robot, tip and unit do."""
+        assert isinstance(arm, UrdfArm)
+        shown, self._arm = self._arm, arm
         same = shown is not None and (shown.chain.robot, shown.tip, shown.unit) == (
             arm.chain.robot,
             arm.tip,
@@ -67,48 +57,20 @@ class UrdfArmLayer:
         )
         if not same:
             self._build(arm)
-        self._arm, self._posed = arm, None
-        self._frames[0].position = arm.base
+        assert self._base is not None
+        self._base.position, self._base.wxyz = arm.base, np.array(arm.wxyz)
 
-    def _build(self, arm: UrdfArm) -> None:
-        for frame in self._frames:
-            frame.remove()
-        count = len(arm.chain.joints)
-        names = ["/robot/base", *(f"/robot/joint{k}" for k in range(count))]
-        self._frames = [self._scene.add_frame(name, show_axes=False) for name in names]
-        self._links, self._red, self._touching = {}, {}, frozenset()
-        for number, carried in enumerate(arm.chain.carried):
-            link = arm.chain.robot.links[carried.link]
-            if not link.drawn:
-                continue
-            pose = np.array(carried.pose)
-            if carried.frame < 0:
-                pose[:3, 3] -= arm.base * arm.metres
-            node = f"{names[carried.frame + 1]}/{number}"
-            for label, colour, handles in (
-                ("own", _COLOURS[number % 2], self._links),
-                ("red", style.TOUCHING, self._red),
-            ):
-                second = bool(number % 2) if label == "own" else None
-                mesh = link_mesh(link, pose, 1 / arm.metres, colour, second)
-                handle = self._scene.add_mesh_trimesh(f"{node}/{label}", mesh)
-                handle.visible = label == "own"
-                handles.setdefault(carried.link, []).append(handle)
-        self._shown = arm
+    def rest(self, plan: Plan) -> FloatArray:
+        """The first pose found with the tool on the start."""
+        assert isinstance(plan.arm, UrdfArm)
+        return first_poses(plan.arm, plan.scene.start)[0]
 
-    def _pose(self, frame: Frame, arm: UrdfArm) -> None:
-        plan = frame.plan
-        if plan.motion is None:
-            positions = arm.first_poses(np.array(plan.scene.start))[0]
-        else:
-            rows = plan.motion.positions.T
-            positions = np.array([np.interp(frame.time, plan.motion.time, row) for row in rows])
-        poses = arm.chain.poses((positions / arm.scales)[None])[0]
-        for handle, pose in zip(self._frames[1:], poses, strict=False):
-            handle.wxyz = viser.transforms.SO3.from_matrix(pose[:, :3]).wxyz
-            handle.position = pose[:, 3] / arm.metres
+    def values(self, positions: FloatArray) -> FloatArray:
+        """Positions (k, m) of the chain's joints, those that mimic another among them."""
+        assert self._arm is not None
+        return joint_values(self._arm, positions)
 
-    def _redden(self, links: frozenset[str]) -> None:
+    def redden(self, links: frozenset[str]) -> None:
         """Draw links in red, and the others in their own colours."""
         for link in links ^ self._touching:
             for handle in self._red.get(link, ()):
@@ -116,6 +78,73 @@ class UrdfArmLayer:
             for handle in self._links.get(link, ()):
                 handle.visible = link not in links
         self._touching = links
+
+    def _build(self, arm: UrdfArm) -> None:
+        """Add the nodes of another arm, with what they carry."""
+        if self._base is not None:
+            self._base.remove()
+        name = "/robot/base"
+        self._base = self._scene.add_frame(name, show_axes=False)
+        names, self.joint_nodes = [name], []
+        for number, joint in enumerate(arm.chain.joints):
+            name = f"{name}/joint{number}"
+            names.append(name)
+            origin = joint_origin(arm, number)
+            frame = self._scene.add_frame(
+                name,
+                show_axes=False,
+                wxyz=origin.rotation().wxyz,
+                position=origin.translation(),
+            )
+            slides = joint.kind == "prismatic"
+            node = JointNode(frame, number, prismatic=slides, axis=joint.axis, origin=origin)
+            self.joint_nodes.append(node)
+        self._links, self._red, self._touching = {}, {}, frozenset()
+        for number, carried in enumerate(arm.chain.carried):
+            link = arm.chain.robot.links[carried.link]
+            if link.drawn:
+                pose = np.array(carried.pose)
+                if carried.frame < 0:
+                    pose = np.linalg.inv(root_pose(arm)) @ pose
+                self._add_meshes(f"{names[carried.frame + 1]}/{number}", link, pose, number % 2)
+
+    def _add_meshes(self, name: str, link: Link, pose: FloatArray, second: int) -> None:
+        """Add a link twice, in its own colours and in red."""
+        assert self._arm is not None
+        for label, colour, handles in (
+            ("own", _COLOURS[second], self._links),
+            ("red", style.TOUCHING, self._red),
+        ):
+            other = bool(second) if label == "own" else None
+            mesh = link_mesh(link, pose, 1 / self._arm.metres, colour, other)
+            handle = self._scene.add_mesh_trimesh(f"{name}/{label}", mesh)
+            handle.visible = label == "own"
+            handles.setdefault(link.name, []).append(handle)
+
+
+def joint_origin(arm: UrdfArm, number: int) -> viser.transforms.SE3:
+    """Frame of a joint at position 0 in that of the joint before it, or in the base, [unit]."""
+    packed = arm.chain.table.origins[POSE * number : POSE * (number + 1)]
+    pose = np.eye(4)
+    pose[:3, :3], pose[:3, 3] = packed[:9].reshape(3, 3), packed[9:]
+    if number == 0:
+        pose = np.linalg.inv(root_pose(arm)) @ pose
+    pose[:3, 3] /= arm.metres
+    return viser.transforms.SE3.from_matrix(pose)
+
+
+def root_pose(arm: UrdfArm) -> FloatArray:
+    """World from the root link, (4, 4), [m]."""
+    pose = np.eye(4)
+    pose[:3, :3], pose[:3, 3] = rotation(arm.wxyz), arm.base * arm.metres
+    return pose
+
+
+def joint_values(arm: UrdfArm, positions: FloatArray) -> FloatArray:
+    """Positions (k, m) of an arm's joints, [rad] or [unit], of those (k, n) that a motion has."""
+    table = arm.chain.table
+    values = (positions / arm.scales)[:, table.source] * table.factor + table.offset
+    return np.asarray(np.where(table.slides, values / arm.metres, values))
 
 
 def link_mesh(

@@ -8,6 +8,7 @@ import viser
 
 from abi.scene.scene import Scene
 from app.panels.arm_model import ArmModelPanel
+from app.panels.length_step import fine_step, length_step
 from app.panels.widgets import DIGITS, Choice, Wake
 
 DYNAMICS = {"physics (½·t²)": "corrected", "as printed in the paper": "as_printed"}
@@ -123,6 +124,7 @@ class ArmPanel:
             (self.radii, "radii of gyration"),
         ):
             handle.label = f"{name} [{scene.unit}]"
+            handle.step = fine_step(scene) if handle is self.clearance else length_step(scene)
         force, torque = f"kg·{scene.unit}/s²", f"kg·{scene.unit}²/s²"
         self.forces.hint = (
             f"Of wrist [{torque}], slide [{force}] and gripper [{torque}]; at 0 the joint stands "

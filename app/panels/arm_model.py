@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import PurePosixPath
 from typing import Any
 
 import numpy as np
 import viser
 
-from abi.obstacles.pose import METRES
+from abi.obstacles.pose import METRES, UNTURNED, Quaternion
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.robot.robot import Robot, joints_to, usual_tip
 from abi.robot.robot_files import SHIPPED, load_robot
@@ -30,13 +31,22 @@ _AXES: dict[str, tuple[float, float, float] | None] = {
     "along y": (0.0, 1.0, 0.0),
     "along −y": (0.0, -1.0, 0.0),
 }
+_HALF = 0.5**0.5
+_MOUNTS: dict[str, Quaternion] = {
+    "on the floor": UNTURNED,
+    "on the ceiling": (0.0, 1.0, 0.0, 0.0),
+    "on a wall, along x": (_HALF, 0.0, _HALF, 0.0),
+    "on a wall, along −x": (_HALF, 0.0, -_HALF, 0.0),
+    "on a wall, along y": (_HALF, -_HALF, 0.0, 0.0),
+    "on a wall, along −y": (_HALF, _HALF, 0.0, 0.0),
+}
 _OTHER = "as in the scene"
 _MOST = 6.0
 """Length of an arm, in sides of the workspace, from which it hardly fits."""
 
 
 class ArmModelPanel:
-    """Widgets to choose arm, tip and direction of the tool, and to upload a URDF.
+    """Widgets to choose arm, tip, direction of the tool and mounting, and to upload a URDF.
 
     Attributes:
         files: archives of the arms that were uploaded, by name.
@@ -62,11 +72,18 @@ class ArmModelPanel:
             hint="Direction in which the tip's z axis is held.",
             visible=False,
         )
+        self.mount = gui.add_dropdown(
+            "stands",
+            tuple(_MOUNTS),
+            hint="How the base is turned: up is its z axis.",
+            visible=False,
+        )
         self._scene_axis: tuple[float, float, float] | None = None
+        self._scene_mount: Quaternion = UNTURNED
         self._tips_of: str | None = None
         self._unnamed_tip: str | None = None
         self._workspace, self._unit = 1.0, "m"
-        for handle in (self.model, self.tip, self.axis):
+        for handle in (self.model, self.tip, self.axis, self.mount):
             handle.on_update(wake)
 
     @property
@@ -84,23 +101,24 @@ class ArmModelPanel:
                 page.notify_refusal(self._client, title, one.result.message)
         name = self._name()
         if name is None:
-            self.tip.visible = self.axis.visible = False
+            self.tip.visible = self.axis.visible = self.mount.visible = False
             return {"model": "abi"}
         if name != self._tips_of:
             self._list_tips(name, None)
             self._compare_size(name)
-        self.tip.visible = self.axis.visible = True
+        self.tip.visible = self.axis.visible = self.mount.visible = True
         axis = _AXES.get(self.axis.value, self._scene_axis)
+        mount = _MOUNTS.get(self.mount.value, self._scene_mount)
         # what a scene leaves to be found stays so, or it would be another scene
         tip = None if self.tip.value == self._unnamed_tip else self.tip.value
-        return {"model": "urdf", "urdf": name, "tip": tip, "axis": axis}
+        return {"model": "urdf", "urdf": name, "tip": tip, "axis": axis, "base_wxyz": mount}
 
     def write(self, scene: Scene) -> None:
         """Show ``scene``."""
         self._workspace, self._unit = max(scene.workspace.size), scene.unit
         arm = scene.arm
         is_urdf = arm.model == "urdf"
-        self.tip.visible = self.axis.visible = is_urdf
+        self.tip.visible = self.axis.visible = self.mount.visible = is_urdf
         if not is_urdf:
             self.model.value = _PAPER
             return
@@ -111,11 +129,9 @@ class ArmModelPanel:
                 self._tell(arm.urdf, arm.robot)
         self.model.value = _SHIPPED.get(arm.urdf, arm.urdf)
         self._list_tips(arm.urdf, arm.tip)
-        self._scene_axis = arm.axis
-        known = next((label for label, axis in _AXES.items() if axis == arm.axis), None)
-        if known is None and _OTHER not in self.axis.options:
-            self.axis.options = (*_AXES, _OTHER)
-        self.axis.value = known or _OTHER
+        self._scene_axis, self._scene_mount = arm.axis, arm.base_wxyz
+        _choose(self.axis, _AXES, arm.axis)
+        _choose(self.mount, _MOUNTS, arm.base_wxyz)
 
     def _name(self) -> str | None:
         """Name in the scene of the arm that is chosen; None for the paper's."""
@@ -176,3 +192,11 @@ def _read(content: bytes, dealing: Dealing[Robot]) -> Robot:
     """Read the file of an arm."""
     dealing.step("reading", 0.5)
     return READER.arm(content, dealing.name, dealing.stopped)
+
+
+def _choose(box: viser.GuiDropdownHandle[str], values: Mapping[str, object], value: object) -> None:
+    """Choose a value of a list, or that of the scene where the list has it not."""
+    known = next((label for label, other in values.items() if other == value), None)
+    if known is None and _OTHER not in box.options:
+        box.options = (*values, _OTHER)
+    box.value = known or _OTHER

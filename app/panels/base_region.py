@@ -14,6 +14,7 @@ from abi.planner.find_base import default_region
 from abi.scene.scene import Scene
 from app import style
 from app.layers.lines import NO_SEGMENTS, Segments, add_line
+from app.panels.length_step import length_step
 from app.panels.widgets import VectorBox, Wake
 
 _CORNERS = np.array(list(itertools.product((-0.5, 0.5), repeat=3)))
@@ -85,6 +86,7 @@ class BaseRegion:
         self._size = high - low
         self.middle.write(self.gizmo.position)
         self.sides.write(self._size)
+        self.middle.handle.step = self.sides.handle.step = length_step(scene)
         self.middle.handle.label = f"region centre [{scene.unit}]"
         self.sides.handle.label = f"region size [{scene.unit}]"
 

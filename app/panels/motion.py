@@ -7,6 +7,7 @@ from typing import Any
 import viser
 
 from abi.scene.scene import Scene
+from app.panels.length_step import length_step
 from app.panels.widgets import DIGITS, Choice, Wake
 
 FITS = {
@@ -25,6 +26,8 @@ LAWS = {
     "as fast as joints allow": "time_optimal",
     "limited jerk": "jerk_limited",
 }
+_JERK_STEPS = 10
+"""Steps of a length that are one of the jerk, which is a larger number."""
 
 
 class MotionPanel:
@@ -93,6 +96,9 @@ class MotionPanel:
         """Show ``scene``."""
         self.speed.label = f"speed [{scene.unit}/s]"
         self.rates.label = f"accel. [{scene.unit}/s²]"
+        step = length_step(scene)
+        self.speed.step = self.rates.step = step
+        self.jerk.step = _JERK_STEPS * step
         self.fit.write(scene.quadratic.mode)
         self.curve.write(scene.motion.curve)
         self.speed.value = scene.motion.speed

@@ -25,6 +25,7 @@ from app.frame import Frame
 from app.labels import sentence
 from app.panels.end_gizmos import EndGizmos
 from app.panels.free_place import Bounds, free_place
+from app.panels.length_step import length_step
 from app.panels.mesh_note import MeshNote, fitted_scale
 from app.panels.mesh_uploads import add_mesh_uploads
 from app.panels.obstacle_gizmos import ObstacleGizmos
@@ -78,7 +79,7 @@ class ObstacleEditor:
         self._pressed = False
         self._added: list[Bounds] = []
         self.choice.on_update(wake)
-        self._unit = ""
+        self._fitted = ("", 0.0)
         self._wake = wake
         self.buttons.on_click(self._note_press)
 
@@ -175,7 +176,7 @@ class ObstacleEditor:
             self._refused = str(error or "")
             if error is not None and getattr(error, "field", "").startswith(_FIELDS):
                 page.notify_refusal(self._client, "Not changed", sentence(error))
-        self._name_unit(frame.plan.scene.unit)
+        self._fit_boxes(frame.plan.scene)
         self._added.clear()
         self._obstacles.show_edges(self._mesh_note.edges)
         scene, number = frame.plan.scene, self._obstacles.chosen
@@ -187,14 +188,16 @@ class ObstacleEditor:
                 chosen if current and isinstance(chosen, MeshShape) else None, scene
             )
 
-    def _name_unit(self, unit: str) -> None:
-        """Name the unit of the scene's lengths in the labels."""
-        if unit == self._unit:
+    def _fit_boxes(self, scene: Scene) -> None:
+        """Name the unit of the scene's lengths in the labels; their steps follow the workspace."""
+        unit, step = scene.unit, length_step(scene)
+        if (unit, step) == self._fitted:
             return
-        self._unit = unit
+        self._fitted = unit, step
         for name, box in {**self._end_boxes, "position": self._position}.items():
             box.handle.label = f"{name} [{unit}]"
-        self.sizes.name_unit(unit)
+            box.handle.step = step
+        self.sizes.fit(unit, step)
 
     def _note_press(self, event: object) -> None:
         self._pressed = True

@@ -30,10 +30,11 @@ class ObstacleSizes:
             box.on_update(wake)
         self.unit.on_update(wake)
 
-    def name_unit(self, unit: str) -> None:
-        """Name the unit of the scene's lengths in the labels."""
+    def fit(self, unit: str, step: float) -> None:
+        """Name the unit of the scene's lengths in the labels; one press adds ``step``, [unit]."""
         for name in ("size", "radius", "height"):
             getattr(self, name).label = f"{name} [{unit}]"
+            getattr(self, name).step = step
 
     def choose_unit(self, unit: str) -> None:
         """Choose the unit of a mesh file."""

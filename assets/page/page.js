@@ -46,6 +46,7 @@ window.abi = {
       .map(each => each.getBoundingClientRect()).filter(box => box.height > 0).map(box => box[edge]);
     const covered = part => Math.min(Math.max(part / canvas.height, 0), 1).toFixed(2);
     const area = JSON.stringify({
+      hidden: document.hidden,
       width: innerWidth,
       height: Math.round(canvas.height),
       left: Math.max(Math.round(canvas.left), 0),
@@ -341,7 +342,8 @@ window.abiNotices = new MutationObserver(() => {
 });
 window.abiNotices.observe(document.body, {childList: true, subtree: true, characterData: true});
 clearInterval(window.abiMending);
-window.abiMending = setInterval(() => { abi.mendCharts(); abi.tellArea(); }, 400);
+window.abiMending = setInterval(() => document.hidden || (abi.mendCharts(), abi.tellArea()), 400);
+document.addEventListener("visibilitychange", () => abi.tellArea(), {signal: window.abiListeners.signal});
 window.addEventListener("resize", () => abi.tellArea(), {signal: window.abiListeners.signal});
 
 document.getElementById("abi-style")?.remove();

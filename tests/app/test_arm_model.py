@@ -2,17 +2,33 @@
 
 from __future__ import annotations
 
+import base64
+from types import SimpleNamespace
+from typing import Any
+
 import numpy as np
 import pytest
+import viser
+import viser.transforms
 
+from abi import compiling, plan
 from abi.arm.arm import Arm
-from abi.arm.urdf_arm import UrdfArm
+from abi.arm.chain_kernels import POSE
+from abi.arm.urdf_arm import UrdfArm, urdf_arm
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
-from abi.robot.robot_files import robot_from_archive
+from abi.robot.robot_files import SHIPPED, load_robot, robot_from_archive
 from abi.scene.scene import Scene, load_scene
-from app.layers.urdf_arm import UrdfArmLayer, link_mesh
+from app import page
+from app.layers.arm import ArmLayer
+from app.layers.arm_ghosts import ArmGhostsLayer
+from app.layers.arm_nodes import JointNode
+from app.layers.arm_playback import samples_of
+from app.layers.arm_regions import ArmRegionsLayer
+from app.layers.urdf_arm import joint_origin, joint_values, link_mesh
+from app.layers.urdf_poses import first_pose, last_pose, other_poses, poses_at
 from app.panels.arm import ArmPanel
 from app.session import Session
+from tests.abi.arm.test_chain import LINKED_BIT
 from tests.abi.robot.robots import arm, packed
 from tests.abi.robot.test_visuals import dae, looking
 from tests.app.fake_tab import FakeTab, layer, send_file, until
@@ -37,7 +53,7 @@ def test_an_arm_is_chosen_drawn_and_left(tab: tuple[FakeTab, Session]) -> None:
     fake.set(session.panels.files.choice, "kitchen-ur5e")
     until(lambda: isinstance(planned_arm(session), UrdfArm))
     until(lambda: session.resting)
-    drawn = layer(session, UrdfArmLayer)
+    drawn = layer(session, ArmLayer)
 
     assert session.plan is not None
     assert session.plan.scene == load_scene("kitchen-ur5e")
@@ -46,17 +62,28 @@ def test_an_arm_is_chosen_drawn_and_left(tab: tuple[FakeTab, Session]) -> None:
     assert panel(session).model.tip.value == "tool0"
     assert panel(session).model.axis.value == "down"
     assert not panel(session).links.visible
-    assert drawn._root.visible
-    assert len(drawn._frames) == 7
+    assert drawn._nodes.root.name == "/robot"
+    assert drawn._nodes.root.visible
+    assert len(drawn._nodes.joint_nodes) == 6
 
     fake.set(panel(session).model.model, "xArm7")
     until(lambda: session.plan is not None and session.plan.scene.arm.urdf == "xarm7")
-    until(lambda: len(drawn._frames) == 8)
+    until(lambda: len(drawn._nodes.joint_nodes) == 7)
     assert panel(session).model.tip.value == "link_eef"
+
+    fake.set(panel(session).model.mount, "on the ceiling")
+    until(lambda: session.plan is not None and session.plan.scene.arm.base_wxyz == (0, 1, 0, 0))
+    until(lambda: np.allclose(drawn._kinds[1]._base.wxyz, (0, 1, 0, 0)))  # type: ignore[attr-defined]
+    assert session.plan is not None
+    again = Scene.from_dict(session.plan.scene.to_dict())
+    assert again.arm.base_wxyz == (0, 1, 0, 0)
+    panel(session).write(again)
+    assert panel(session).model.mount.value == "on the ceiling"
 
     fake.set(panel(session).model.model, "the paper's arm")
     until(lambda: isinstance(planned_arm(session), Arm))
-    until(lambda: not drawn._root.visible)
+    until(lambda: drawn._nodes.root.name == "/arm" and drawn._nodes.root.visible)
+    assert not drawn._kinds[1].root.visible
     assert panel(session).links.visible
 
 
@@ -125,6 +152,129 @@ def test_an_arm_of_another_size_than_the_scene_says_so(
         until(lambda: isinstance(planned_arm(session), UrdfArm) and session.resting)
         assert panel(session).model.model.value == name
         assert told == titles
+
+
+def posed(sent: dict[str, Any], row: int) -> viser.transforms.SE3:
+    """Last node of the joints, in the base, as ``assets/page/page.js`` poses it at a sample."""
+    table = np.frombuffer(base64.b64decode(sent["samples"]), "<f4").reshape(-1, sent["columns"])
+    pose, name = viser.transforms.SE3.identity(), ""
+    for joint in sent["joints"]:
+        assert joint["name"].rpartition("/")[0] == name or not name
+        name, value = joint["name"], float(table[row, joint["column"]])
+        axis, place = np.array(joint["axis"]), np.array(joint["position"])
+        turn = viser.transforms.SO3(np.array(joint["wxyz"]))
+        if joint["prismatic"]:
+            place = place + value * axis
+        else:
+            turn = turn @ viser.transforms.SO3.exp(value * axis)
+        pose = pose @ viser.transforms.SE3.from_rotation_and_translation(turn, place)
+    return pose
+
+
+@pytest.mark.slow
+def test_the_page_plays_an_arm_of_a_urdf_by_itself(
+    tab: tuple[FakeTab, Session], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    fake, session = tab
+    sent: list[dict[str, Any]] = []
+    monkeypatch.setattr(page, "play", lambda client, motion: sent.append(motion))
+    compiling.compile()
+    fake.set(session.panels.files.choice, "kitchen-ur5e")
+    until(lambda: isinstance(planned_arm(session), UrdfArm) and session.resting)
+    until(lambda: session.frame.playing and bool(sent) and len(sent[-1]["joints"]) == 6)
+    assert session._view.timeout(session.frame) is None
+    assert not session._view.is_due(session.frame)
+
+    assert session.plan is not None
+    made, motion = session.plan.arm, session.plan.motion
+    assert isinstance(made, UrdfArm)
+    assert motion is not None
+    rows = samples_of(motion)
+    tip = made.chain.table.origins[-POSE:]
+    for number in (0, 50, 100):
+        at = posed(sent[-1], number) @ (tip[9:] / made.metres) + made.base
+        np.testing.assert_allclose(at, motion.tool[rows[number]], atol=1e-5 * made.reach)
+
+
+@pytest.mark.slow
+def test_ghosts_and_regions_are_those_of_any_arm(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    fake.set(session.panels.files.choice, "kitchen-ur5e")
+    until(lambda: isinstance(planned_arm(session), UrdfArm) and session.resting)
+    fake.set(session.playback.slider, 1.0)
+    ghosts, regions = (
+        layer(session, ArmGhostsLayer)._meshes,
+        layer(session, ArmRegionsLayer)._meshes,
+    )
+    names = {"other_elbow": ("now",), "end_poses": ("start", "goal")}
+    for switch, drawn in names.items():
+        fake.set(session.panels.layer_switches.boxes[switch], True)
+        until(lambda: all(one in ghosts and ghosts[one].visible for one in drawn))  # noqa: B023
+    for switch in ("shadow", "reach"):
+        fake.set(session.panels.layer_switches.boxes[switch], True)
+        until(lambda: switch in regions and regions[switch].visible)  # noqa: B023
+        assert len(regions[switch].vertices) > 100
+    for switch in (*names, "shadow", "reach"):
+        fake.set(session.panels.layer_switches.boxes[switch], False)
+    until(lambda: not any(one.visible for one in (*ghosts.values(), *regions.values())))
+
+
+def test_other_poses_hold_the_tool_where_it_is() -> None:
+    made = plan(load_scene("kitchen-ur5e"))
+    arm, motion = made.arm, made.motion
+    assert isinstance(arm, UrdfArm)
+    assert motion is not None
+    some = 0
+    for time in np.linspace(0.0, motion.time[-1], 5):
+        tool, own = (
+            np.array([np.interp(time, motion.time, row) for row in rows.T])
+            for rows in (motion.tool, motion.positions)
+        )
+        others = other_poses(made, arm, float(time))
+        some += len(others)
+        for pose in others:
+            # between two samples joints go straight, the tool does not
+            np.testing.assert_allclose(arm.tool(pose[None])[0], tool, atol=1e-3 * arm.reach)
+            assert np.abs(arm.place(pose[None]) - arm.place(own[None])).max() > 0.02 * arm.reach
+    assert some >= 5
+    ends = first_pose(made, arm), last_pose(made, arm)
+    for pose, place in zip(ends, (made.scene.start, made.scene.goal), strict=True):
+        assert pose is not None
+        np.testing.assert_allclose(arm.tool(pose[None])[0], place, atol=1e-4 * arm.reach)
+    assert poses_at(arm, (9.0, 9.0, 9.0)) == ()
+
+
+@pytest.mark.parametrize("name", [*SHIPPED, "linked", "sliding"])
+def test_joints_in_each_other_stand_where_the_chain_has_them(name: str) -> None:
+    if name in SHIPPED:
+        robot = load_robot(name, MeshSource())
+    else:
+        robot = robot_from_archive(packed({"a.urdf": LINKED_BIT if name == "linked" else arm()}))
+    turned = (0.1, -0.5, 0.7, 0.5)
+    made = urdf_arm(robot, SHIPPED.get(name, "d"), (30.0, -20.0, 10.0), None, "cm", turned)
+    random = np.random.default_rng(1)
+    low, high = made.limits.T.clip(-10, 10)
+    positions = random.uniform(low, high, (20, len(made.joints)))
+    expected = made.chain.poses(positions / made.scales)
+    for row, values in enumerate(joint_values(made, positions)):
+        pose = viser.transforms.SE3.from_rotation_and_translation(
+            viser.transforms.SO3(np.array(turned)), made.base
+        )
+        for number, joint in enumerate(made.chain.joints):
+            node = JointNode(
+                SimpleNamespace(name="", wxyz=None, position=None),  # type: ignore[arg-type]
+                *(number, bool(made.chain.table.slides[number])),
+                axis=joint.axis,
+                origin=joint_origin(made, number),
+            )
+            node.frame.wxyz = node.origin.rotation().wxyz
+            node.frame.position = node.origin.translation()
+            node.move(values)
+            turn = viser.transforms.SO3(np.asarray(node.frame.wxyz))
+            place = np.asarray(node.frame.position)
+            pose = pose @ viser.transforms.SE3.from_rotation_and_translation(turn, place)
+            found = np.column_stack([pose.rotation().as_matrix(), pose.translation() / 100])
+            np.testing.assert_allclose(found, expected[row, number], atol=1e-9)
 
 
 def test_a_link_is_drawn_with_the_triangles_of_its_visual() -> None:

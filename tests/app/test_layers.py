@@ -127,15 +127,16 @@ def test_an_arm_of_any_size_is_drawn_whole(tmp_path: Path, scene: dict[str, obje
         fake = FakeTab(server.url)
         until(lambda: any(session.plans for session in list(server.sessions.values())))
         (session,) = server.sessions.values()
-        until(lambda: layer(session, ArmLayer)._built is not None)
+        until(lambda: bool(layer(session, ArmLayer)._nodes.joint_nodes))
         drawn = {
-            node.frame.name.rpartition("/")[2] for node in layer(session, ArmLayer)._joint_nodes
+            node.frame.name.rpartition("/")[2]
+            for node in layer(session, ArmLayer)._nodes.joint_nodes
         }
         assert {"turret", "upper_arm", "forearm", "rod", "gripper", "tool"} <= drawn
         arm = scene_of_arm.arm
         reach = sum(
             float(np.linalg.norm(node.origin.translation()))
-            for node in layer(session, ArmLayer)._joint_nodes
+            for node in layer(session, ArmLayer)._nodes.joint_nodes
         )
         assert reach == pytest.approx(arm.a1 + arm.a2 + arm.a3 + arm.a4 + arm.a5, rel=1e-6)
         fake.close()

@@ -117,7 +117,7 @@ def test_while_a_number_is_wrong_the_rest_goes_on(
     until(lambda: "The cruise speed must be above 0; it is 0." in shown["message"])
 
     fake.set(session.panels.layer_switches.boxes["arm"], False)
-    until(lambda: not layer(session, ArmLayer)._base.visible)
+    until(lambda: not layer(session, ArmLayer)._nodes.root.visible)
     fake.set(session.panels.files.save, True)
     until(lambda: len(sent) == 1)
     assert good is not None
@@ -157,12 +157,12 @@ def test_the_arm_is_as_large_as_the_scenes_unit_says(tmp_path: Path) -> None:
         assert session.plan is not None
         offsets = [
             float(np.linalg.norm(node.frame.position))
-            for node in layer(session, ArmLayer)._joint_nodes
+            for node in layer(session, ArmLayer)._nodes.joint_nodes
         ]
         return sum(offsets) / max(session.plan.scene.workspace.size)
 
     with served(path) as (fake, session):
-        until(lambda: len(layer(session, ArmLayer)._joint_nodes) > 0)
+        until(lambda: len(layer(session, ArmLayer)._nodes.joint_nodes) > 0)
         same = size(session)
         editor = session.panels.editor
         lengths = (editor._position.handle, editor.sizes.radius, editor._end_boxes["goal"].handle)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -152,6 +152,21 @@ def test_a_lectures_labels_follow_the_page_while_nothing_else_happens(
         for label in session.panels.ends._labels.values():
             until(lambda: label.font_screen_scale == scales[-1])  # noqa: B023
     assert scales[0] < scales[1]
+
+
+def test_for_a_page_that_nobody_sees_nothing_follows_from_the_time(
+    tab: tuple[FakeTab, Session],
+) -> None:
+    fake, session = tab
+    view = session._view
+    fake.set(session.panels.layer_switches.boxes["other_elbow"], True)
+    until(lambda: session.frame.playing and "other_elbow" in session.frame.shown)
+    for hidden in (False, True, False):
+        area = replace(WIDE, hidden=hidden)
+        fake.set(view._watch._box, json.dumps(asdict(area)))
+        until(lambda: view._watch.area() == area)  # noqa: B023
+        assert (view.timeout(session.frame) is None) == hidden
+        assert view.is_due(session.frame) != hidden
 
 
 def test_a_new_area_is_no_input(tab: tuple[FakeTab, Session]) -> None:

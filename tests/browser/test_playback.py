@@ -5,8 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from abi.arm.urdf_arm import UrdfArm
+from app.server import Server
 from app.session import Session
 from tests.browser import drawn
+from tests.browser.conftest import Tabs
 from tests.browser.page import Page
 
 
@@ -119,3 +122,35 @@ def test_the_page_plays_what_was_planned(page: Page, session: Session) -> None:
     page.tab.evaluate("abi.motion = abi.held, abi.held = undefined, abi.tick()")
     page.click("Pause")
     _stands(page, session)
+
+
+def test_the_page_plays_any_arm_and_tells_when_nobody_looks(tabs: Tabs, server: Server) -> None:
+    page = tabs()
+    session = server.sessions[page.client]
+    page.click("Scene")
+    page.choose("scene", "kitchen-ur5e")
+    page.until(lambda: session.resting and isinstance(session.frame.plan.arm, UrdfArm), "the plan")
+    page.until(lambda: page.tab.evaluate("abi.motion?.joints.length === 6"), "the page to play")
+    assert session.plan is not None
+    made, motion = session.plan.arm, session.plan.motion
+    assert isinstance(made, UrdfArm)
+    assert motion is not None
+    joint = "/robot/base/" + "/".join(f"joint{number}" for number in range(6))
+    page.until(lambda: joint in page.names(), "the arm's nodes")
+    for time in (0.4, 1.25):
+        page.tab.evaluate(
+            "time => (abi.held ??= abi.motion, abi.motion = null, abi.pose(abi.held, time))", time
+        )
+        positions = np.array([np.interp(time, motion.time, q) for q in motion.positions.T])
+        expected = made.chain.poses((positions / made.scales)[None])[0, 5, :, 3] / made.metres
+        page.until(
+            lambda expected=expected: bool(np.allclose(page.position(joint), expected, atol=0.002)),  # type: ignore[misc]
+            f"the wrist at {time:g} s",
+        )
+    for hidden in (True, False):
+        page.tab.evaluate(
+            "on => (Object.defineProperty(document, 'hidden', {value: on, configurable: true}),"
+            " document.dispatchEvent(new Event('visibilitychange')))",
+            hidden,
+        )
+        page.until(lambda hidden=hidden: session._view._is_hidden == hidden, "the page's word")  # type: ignore[misc]

@@ -15,7 +15,7 @@ from abi.arm.chain import Chain
 from abi.arm.chain_kernels import POSE, fill_jacobian
 from abi.arrays import FloatArray
 from abi.errors import SceneError
-from abi.obstacles.pose import Vec3
+from abi.obstacles.pose import UNTURNED, Quaternion, Vec3, rotation
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.robot.robot_files import SHIPPED, load_robot, robot_from_archive
 from tests.abi.robot.robots import arm, packed
@@ -35,6 +35,24 @@ LINKED_BIT = arm(
 
 def chain(name: str, axis: Vec3 | None = None) -> Chain:
     return Chain.of(load_robot(name, MeshSource()), SHIPPED[name], BASE, axis)
+
+
+def test_a_turned_base_turns_all_of_the_chain() -> None:
+    robot = load_robot("panda", MeshSource())
+    wxyz: Quaternion = (0.1, -0.5, 0.7, 0.5)
+    stands, hangs = (Chain.of(robot, SHIPPED["panda"], BASE, None, how) for how in (UNTURNED, wxyz))
+    positions = random_positions(stands, 5)
+    expected = stands.poses(positions)
+    expected[..., 3] -= BASE
+    expected = rotation(wxyz) @ expected
+    expected[..., 3] += BASE
+    np.testing.assert_allclose(hangs.poses(positions), expected, atol=1e-12)
+    for before, after in zip(stands.carried, hangs.carried, strict=True):
+        turned = np.array(before.pose)
+        if before.frame < 0:
+            turned[:3, :3] = rotation(wxyz) @ turned[:3, :3]
+            turned[:3, 3] = rotation(wxyz) @ (turned[:3, 3] - BASE) + BASE
+        np.testing.assert_allclose(after.pose, turned, atol=1e-12)
 
 
 def random_positions(one: Chain, count: int, seed: int = 0) -> FloatArray:

@@ -3,16 +3,19 @@ from __future__ import annotations
 import csv
 import io
 import json
+import zipfile
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 import scipy
+import trimesh
 import yourdfpy
 from mcap.reader import make_reader
 from ruamel.yaml import YAML
 
+from abi import assets
 from abi.arm.arm import JOINTS, Arm, forward
 from abi.errors import ExportError
 from abi.export import formats
@@ -21,7 +24,10 @@ from abi.obstacles.pose import METRES
 from abi.planner.arm_words import contact_sentence
 from abi.planner.plan import Plan
 from abi.planner.planner import plan
+from abi.robot.robot_files import files_of, robot_from_archive
 from abi.scene.scene import Scene, load_scene
+from tests.abi.robot.robots import arm
+from tests.abi.robot.robots import packed as packed_files
 
 ROS_POINT = {
     "positions": float,
@@ -242,6 +248,47 @@ def test_yourdfpy_moves_the_arm_to_where_the_motion_does(planned: Plan) -> None:
         robot.update_cfg(dict(zip(JOINTS, points[index]["positions"], strict=True)))
         tool = robot.get_transform("tool")[:3, 3] + arm.base * METRES["cm"]
         np.testing.assert_allclose(tool, motion.target[index] * METRES["cm"], atol=1e-9)
+
+
+@pytest.mark.slow
+def test_the_archive_has_all_that_the_arm_is_drawn_with(tmp_path: Path) -> None:
+    kitchen = plan(load_scene("kitchen-ur5e"))
+    with pytest.raises(ExportError, match=r"as a \.zip"):
+        content(kitchen, "urdf")
+    packed = content(kitchen, "urdf-zip")
+    with zipfile.ZipFile(io.BytesIO(packed)) as archive:
+        archive.extractall(tmp_path)
+    found, expected = (
+        yourdfpy.URDF.load(str(path))
+        for path in (tmp_path / "ur5e.urdf", assets.path("urdf", "ur5e", "ur5e.urdf"))
+    )
+    assert len(expected.scene.geometry) == 7
+    assert found.scene.geometry.keys() == expected.scene.geometry.keys()
+    np.testing.assert_allclose(found.scene.bounds, expected.scene.bounds)
+    assert robot_from_archive(packed).links.keys() == kitchen.scene.arm.robot.links.keys()
+
+
+def test_meshes_of_a_package_are_named_where_they_are(tmp_path: Path) -> None:
+    ball = trimesh.creation.icosphere(1, 0.1).export(file_type="stl")
+    text = arm(('<box size="0.1 0.1 0.3"/>', '<mesh filename="package://mine/parts/ball.stl"/>'))
+    text = text.replace("collision", "visual")
+    robot = robot_from_archive(packed_files({"x/r.urdf": text, "x/deep/ball.stl": ball}))
+    for name, data in files_of(robot).items():
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_bytes(data)
+    read = yourdfpy.URDF.load(str(tmp_path / "r.urdf"))
+    np.testing.assert_allclose(read.scene.geometry["ball.stl"].extents, 0.2, rtol=0.1)
+
+
+@pytest.mark.parametrize("name", ["urdf", "urdf-zip"])
+def test_an_arm_without_meshes_is_one_file(planned: Plan, name: str) -> None:
+    raw = content(planned, name)
+    if name == "urdf-zip":
+        with zipfile.ZipFile(io.BytesIO(raw)) as archive:
+            assert archive.namelist() == ["arm.urdf"]
+            raw = archive.read("arm.urdf")
+    assert planned.arm is not None
+    assert raw.decode() == planned.arm.description()
 
 
 def test_a_plan_without_motion_says_why() -> None:

@@ -294,10 +294,12 @@ def test_a_program_for_the_ur_is_for_no_other_arm() -> None:
             FORMATS["urscript"].write(Planner()(scene), "motion.script")
 
 
-@pytest.mark.parametrize("name", ["csv", "json", "ros", "spline", "moveit", "mcap", "urdf"])
+@pytest.mark.parametrize(
+    "name", ["csv", "json", "ros", "ros-json", "spline", "moveit", "mcap", "urdf-zip"]
+)
 def test_the_other_formats_hold_other_arms(kitchen: Plan, name: str) -> None:
     content = FORMATS[name].write(kitchen, FORMATS[name].file)
 
     assert content
-    if name in ("csv", "ros", "json", "urdf"):
+    if name in ("csv", "ros", "ros-json", "json"):
         assert b"shoulder_pan_joint" in content

@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 
 from abi.arm.separate_chain_kernels import separate_chain
 from abi.arm.urdf_arm import urdf_arm
+from abi.obstacles.pose import Quaternion
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.planner.planner import Planner
 from abi.robot.robot import Robot
@@ -57,11 +58,12 @@ def robot_of(name: str) -> tuple[Robot, str]:
     return robot_from_archive(packed({"a.urdf": arm()})), "d"
 
 
+@pytest.mark.parametrize("wxyz", [(1.0, 0.0, 0.0, 0.0), (0.1, -0.5, 0.7, 0.5)])
 @pytest.mark.parametrize("name", [*SHIPPED, "sliding"])
-def test_frames_and_levers_are_those_of_the_chain(name: str) -> None:
+def test_frames_and_levers_are_those_of_the_chain(name: str, wxyz: Quaternion) -> None:
     robot, tip = robot_of(name)
-    one = urdf_arm(robot, tip, (10.0, -20.0, 5.0), None, "cm")
-    exact = exact_chain(robot, tip, (10.0, -20.0, 5.0), 100)
+    one = urdf_arm(robot, tip, (10.0, -20.0, 5.0), None, "cm", wxyz)
+    exact = exact_chain(robot, tip, (10.0, -20.0, 5.0), 100, wxyz)
     random = np.random.default_rng(2)
     for _ in range(3):
         positions = random.uniform(one.limits[:, 0], one.limits[:, 1])
@@ -84,6 +86,28 @@ def test_a_certificate_is_accepted(honest: Data) -> None:
     assert found.proven, found.reason
     assert "keep" in found.reason
     assert "directions" in found.reason
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("base", "wxyz"),
+    [((0, 0.3, 0.9), (0, 1, 0, 0)), ((0, 0, 0.6), (1, -1, 0, 0))],
+    ids=["ceiling", "wall"],
+)
+def test_an_arm_that_hangs_is_proven_where_it_hangs(
+    base: tuple[float, ...], wxyz: tuple[float, ...]
+) -> None:
+    separate_chain.compile()
+    kitchen = load_scene("kitchen-ur5e")
+    scene = kitchen.replace(obstacles=kitchen.obstacles[:2], arm={"base": base, "base_wxyz": wxyz})
+    data: Data = json.loads(json.dumps(Planner()(scene).to_dict()))
+    assert data["arm"]["certified"], data["arm"]["contacts"]
+    found = of_arm(data)
+    assert found.proven, found.reason
+    data["scene"]["arm"]["base_wxyz"] = [1, 0, 0, 0]
+    refused = of_arm(data)
+    assert not refused.proven
+    assert "start" in refused.reason
 
 
 @pytest.mark.parametrize("damage", ["gone", "turned", "shorter", "pose"])

@@ -1,0 +1,105 @@
+"""Poses of a URDF arm beside that of its motion: those that put the tool at the same place."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from abi.arm.urdf_arm import REACHED, UrdfArm
+from abi.arrays import FloatArray, read_only
+from abi.obstacles.pose import Vec3
+from abi.planner.plan import Plan
+from app.layers.arm_playback import samples_of
+from app.once_a_plan import once_a_plan
+
+_OTHERS = 4
+"""Other poses, at most: more hide each other."""
+_ALIKE = 0.05
+"""Links that are nowhere further from each other than this look the same, over the reach."""
+
+
+class OtherPoses(NamedTuple):
+    """Another pose that leads the tool along the motion.
+
+    Attributes:
+        time: of the samples, (k,), [s].
+        positions: joints, (k, n), [rad] or [unit].
+        missed: by how much the tool is beside its place, (k,), [unit].
+    """
+
+    time: FloatArray
+    positions: FloatArray
+    missed: FloatArray
+
+
+@functools.lru_cache(16)
+def first_poses(arm: UrdfArm, point: Vec3) -> tuple[FloatArray, ...]:
+    """First poses (n,) at a point, [unit], kept: they take longer to find than a plan."""
+    return arm.first_poses(np.array(point, dtype=float))
+
+
+def poses_at(arm: UrdfArm, point: Vec3) -> tuple[FloatArray, ...]:
+    """Those that put the tool at the point; none where it is out of reach."""
+    place, poses = np.array(point, dtype=float), first_poses(arm, point)
+    missed = np.linalg.norm(arm.tool(np.stack(poses)) - place, axis=1)
+    return tuple(
+        pose for pose, by in zip(poses, missed.tolist(), strict=True) if by <= 1e-3 * arm.reach
+    )
+
+
+def first_pose(plan: Plan, arm: UrdfArm) -> FloatArray | None:
+    """Pose (n,) with the tool at the start; None where that is out of reach."""
+    if plan.motion is not None:
+        first: FloatArray = plan.motion.positions[0]
+        return first
+    return next(iter(poses_at(arm, plan.scene.start)), None)
+
+
+def last_pose(plan: Plan, arm: UrdfArm) -> FloatArray | None:
+    """Pose (n,) with the tool at the goal; None where that is out of reach."""
+    if plan.motion is not None:
+        last: FloatArray = plan.motion.positions[-1]
+        return last
+    return next(iter(poses_at(arm, plan.scene.goal)), None)
+
+
+def other_poses(plan: Plan, arm: UrdfArm, time: float) -> FloatArray:
+    """Other poses (k, n) that put the tool where it is at a time [s]."""
+    found = []
+    for other in _other_courses(plan):
+        at = int(np.searchsorted(other.time, time).clip(0, len(other.time) - 1))
+        if other.missed[max(at - 1, 0) : at + 1].max() <= REACHED * arm.reach:
+            found.append([np.interp(time, other.time, row) for row in other.positions.T])
+    return np.array(found).reshape(len(found), len(arm.joints))
+
+
+@once_a_plan
+def _other_courses(plan: Plan) -> tuple[OtherPoses, ...]:
+    """Courses of the other first poses; without a motion these poses alone."""
+    arm, motion = plan.arm, plan.motion
+    assert isinstance(arm, UrdfArm)
+    first = first_pose(plan, arm)
+    if first is None:
+        return ()
+    others = _different(arm, first, poses_at(arm, plan.scene.start))[:_OTHERS]
+    if motion is None:
+        nothing = read_only(np.zeros(1))
+        return tuple(OtherPoses(nothing, read_only(pose[None]), nothing) for pose in others)
+    rows = samples_of(motion)
+    courses = [arm.follow(pose, motion.tool[rows]) for pose in others]
+    return tuple(OtherPoses(motion.time[rows], *course) for course in courses)
+
+
+def _different(arm: UrdfArm, first: FloatArray, poses: Sequence[FloatArray]) -> list[FloatArray]:
+    """Poses that do not look like the first, nor like one before."""
+    kept: list[FloatArray] = []
+    seen = [arm.place(first[None])[0]]
+    for pose in poses:
+        ends = arm.place(pose[None])[0]
+        if all(np.abs(ends - other).max() > _ALIKE * arm.reach for other in seen):
+            kept.append(pose)
+            seen.append(ends)
+    return kept
