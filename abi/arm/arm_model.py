@@ -19,6 +19,7 @@ from abi.curves.timed_profile import PathProfile
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.scene.scene import Scene
 from abi.scene.settings import ArmSettings
+from abi.tet_mesh.node_tree import NodeTree
 from abi.tet_mesh.tet_mesh import TetMesh
 
 
@@ -66,13 +67,16 @@ class Places(Protocol):
     def reached(self, points: FloatArray) -> BoolArray:
         """Nodes (n, 3) of the mesh that the arm reaches, clear of floor and itself, (n,)."""
 
-    def touching(self, points: FloatArray, number: int, reached: BoolArray) -> BoolArray:
+    def touching(
+        self, points: FloatArray, number: int, reached: BoolArray, tree: NodeTree | None = None
+    ) -> BoolArray:
         """Nodes (n, 3) at which the arm touches an obstacle, or nearly, of those reached (n,).
 
         Args:
             points: the nodes, [unit], world.
             number: of the obstacle, from 0.
             reached: nodes to look at.
+            tree: over the nodes: quicker near an obstacle of many parts.
         """
 
 

@@ -65,7 +65,7 @@ def reached_places(
 
 
 @register_jitable(forceinline=True)
-def _near(primitives: FloatArray, s: int, a: Vec3, b: Vec3, need: float) -> bool:
+def is_near(primitives: FloatArray, s: int, a: Vec3, b: Vec3, need: float) -> bool:
     """Whether a..b is nearer than ``need`` to row s."""
     if box_gap(primitives, s, a, b) >= need:
         return False
@@ -87,11 +87,11 @@ def touched_row(around: Obstacles, s: int, a: Vec3, b: Vec3, need: float, guess:
     """
     primitives, inside = around.primitives, around.inside
     if inside[2 * s + 1] == 0:
-        return s if _near(primitives, s, a, b, need) else -1
+        return s if is_near(primitives, s, a, b, need) else -1
     if (
         guess >= 0
         and around.meshes[guess] == around.meshes[s]
-        and _near(primitives, guess, a, b, need)
+        and is_near(primitives, guess, a, b, need)
     ):
         return guess
     inverse = inverse_of(sub(b, a))
@@ -103,7 +103,7 @@ def touched_row(around: Obstacles, s: int, a: Vec3, b: Vec3, need: float, guess:
             low, high = vec3_at(primitives, k), vec3_at(primitives, k + 3)
             if stretch_in(a, inverse, low, high, need) < 0.0:
                 continue
-            if not _near(primitives, row, a, b, need):
+            if not is_near(primitives, row, a, b, need):
                 continue
             if inside[2 * row + 1] == 0:
                 return row
@@ -234,7 +234,7 @@ def touching_places(
                 if s == count - 1:
                     touching[i] = min(a[2], b[2]) - around.floor < need
                 elif around.inside[2 * s + 1] == 0:  # a call less for most
-                    touching[i] = _near(around.primitives, s, a, b, need)
+                    touching[i] = is_near(around.primitives, s, a, b, need)
                 else:
                     row = touched_row(around, s, a, b, need, latest[c])
                     touching[i] = row >= 0

@@ -8,6 +8,7 @@ import numpy as np
 
 from abi.arm.arm_model import Places
 from abi.arrays import BoolArray, read_only
+from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import Obstacle, ObstacleSet
 from abi.tet_mesh.exclusion import Exclusion, FreeMesh, apply
 from abi.tet_mesh.tet_mesh import TetMesh
@@ -64,7 +65,8 @@ class ArmExclusionCache:
             known = self._asked.get(obstacle, _NOTHING)
             new = open_ & ~known.nodes
             if new.any():
-                touching = sight.touching(mesh.points, number, new)
+                tree = mesh.node_tree if isinstance(obstacle, MeshShape) else None
+                touching = sight.touching(mesh.points, number, new, tree)
                 known = _Asked(known.nodes | new, known.touching | touching)
             asked[obstacle] = known
             open_ &= ~known.touching
