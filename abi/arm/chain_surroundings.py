@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from abi.arm.separate_chain_kernels import Bodies
-from abi.arm.surroundings import FLOOR, Surroundings, solid_rows
+from abi.arm.surroundings import FLOOR, Surroundings, outer_rows, solid_rows
 from abi.arm.urdf_arm import UrdfArm
 from abi.arrays import flat, read_only
 from abi.obstacles.obstacle_set import ObstacleSet
@@ -33,6 +33,7 @@ def chain_surroundings(arm: UrdfArm, obstacles: ObstacleSet, lowest: float) -> S
         numbers=numbers,
         meshes=read_only(np.append(solids.meshes, np.int32(-1))),
         asked=read_only(asked),
+        outer=outer_rows(asked),
         floor=min(float(arm.base[2]), lowest),
         size=size,
     )

@@ -43,6 +43,7 @@ class Surroundings:
             (k + 1,).
         meshes: the same of the rows of triangle meshes, -1 of others, (k + 1,).
         asked: whether a capsule is to keep clear of it; of boxes inside others False, (c, k + 1).
+        outer: of which some capsule may be, in their order.
         floor: height of the floor, [unit].
         size: largest coordinate of arm and obstacles, [unit].
     """
@@ -52,15 +53,16 @@ class Surroundings:
     numbers: IntArray
     meshes: IntArray
     asked: BoolArray
+    outer: IntArray
     floor: float
     size: float
 
     def beyond(self, margin: float) -> Obstacles:
         """With a distance to keep from obstacles, [unit]; from floor and column it is 0."""
         margins = np.where(self.numbers >= 0, margin, 0.0)
-        asked = self.asked.reshape(-1)
         return Obstacles(
-            self.rows, self.inside, self.meshes, read_only(margins), asked, self.floor, self.size
+            *(self.rows, self.inside, self.meshes, read_only(margins)),
+            *(self.asked.reshape(-1), self.outer, self.floor, self.size),
         )
 
     def only(self, kept: BoolArray) -> Surroundings:
@@ -91,10 +93,20 @@ def surroundings(arm: Arm, obstacles: ObstacleSet, lowest: float) -> Surrounding
     size += max(solids.largest_coordinate, largest_coordinate(own.rows))
     meshes = np.concatenate([solids.meshes, np.full(len(own.numbers), -1, dtype=np.int32)])
     return Surroundings(
-        *(read_only(solids.rows), read_only(within.reshape(-1)), read_only(number)),
-        read_only(meshes),
-        *(read_only(asked), min(float(arm.base[2]), lowest), size),
+        rows=read_only(solids.rows),
+        inside=read_only(within.reshape(-1)),
+        numbers=read_only(number),
+        meshes=read_only(meshes),
+        asked=read_only(asked),
+        outer=outer_rows(asked),
+        floor=min(float(arm.base[2]), lowest),
+        size=size,
     )
+
+
+def outer_rows(asked: BoolArray) -> IntArray:
+    """Rows that some capsule is asked to keep clear of, of flags (c, k)."""
+    return read_only(np.flatnonzero(asked.any(axis=0)).astype(np.int32))
 
 
 class _OwnRows(NamedTuple):
