@@ -28,8 +28,9 @@ from abi.arm.pose_kernels import (
     reaches,
 )
 from abi.arm.surroundings_kernels import NO_OBSTACLES, Obstacles
-from abi.arrays import BoolArray
+from abi.arrays import BoolArray, IntArray
 from abi.compiled import FLAGS, NEW_FLAGS, compiled
+from abi.obstacles.triangle_mesh.closest_point_kernels import DEPTH
 from abi.obstacles.vector_kernels import Vec3, vec3_at
 from abi.tet_mesh.node_tree import NO_NODES, NodeTree
 
@@ -95,7 +96,12 @@ def _widths_of(table: ArmTable, forearm: float) -> _Widths:
 
 @register_jitable(forceinline=True)
 def _clear_of(
-    around: Obstacles, root: int, segment: tuple[Vec3, Vec3], need: float, guess: int
+    around: Obstacles,
+    root: int,
+    segment: tuple[Vec3, Vec3],
+    need: float,
+    guess: int,
+    waiting: IntArray,
 ) -> tuple[bool, int]:
     """Whether a segment is farther than ``need`` from all of an obstacle, and what to guess next.
 
@@ -105,11 +111,12 @@ def _clear_of(
         segment: its ends, [unit], world.
         need: [unit].
         guess: a row that is likely to be too near; -1 without.
+        waiting: room for ``DEPTH`` rows.
     """
     a, b = segment
     if is_far(around.primitives, root, a, b, need):
         return True, guess
-    row = touched_row(around, root, a, b, need, guess)
+    row = touched_row(around, root, a, b, need, guess, waiting)
     return row < 0, guess if row < 0 else row
 
 
@@ -121,6 +128,7 @@ def _near_ball(
     known: _Near,
     likely: tuple[int, int],
     widths: _Widths,
+    waiting: IntArray,
 ) -> _Near:
     """What is seen of a ball from the pose in its middle.
 
@@ -131,6 +139,7 @@ def _near_ball(
         known: of a ball around it.
         likely: the capsule that touched something last, and what, -1 for nothing.
         widths: how far capsules stand out.
+        waiting: room for ``DEPTH`` rows.
     """
     (arm, capsules), (around, root), (centre, radius) = table, obstacle, ball
     if not reaches(arm, centre, widths.forearm):
@@ -149,10 +158,10 @@ def _near_ball(
     upper, fore, _, (first, second) = known
     if not upper:
         need = widths.upper + margin + way
-        upper, first = _clear_of(around, root, (pose.shoulder, pose.elbow), need, first)
+        upper, first = _clear_of(around, root, (pose.shoulder, pose.elbow), need, first, waiting)
     if not fore:
         need = widths.fore + margin + way
-        fore, second = _clear_of(around, root, (pose.elbow, centre), need, second)
+        fore, second = _clear_of(around, root, (pose.elbow, centre), need, second, waiting)
     return _Near(upper, fore, False, (first, second))
 
 
@@ -179,6 +188,7 @@ def places_touching(
     count, margin = len(around.margins), around.margins[root]
     still, _, _, _ = outline(table)
     widths = _widths_of(table, forearm)
+    waiting = np.empty(DEPTH, np.int32)
     latest = np.full(len(capsules) // CAPSULE, -1)  # what each capsule touched last
     likely = still  # the capsule that touched something last: beside its place it does so again
     inner, rows = len(nodes.leaves) - 2, (-1, -1)
@@ -189,7 +199,7 @@ def places_touching(
         if level % _EVERY == 0 or branch >= inner:
             ball = vec3_at(nodes.balls, 4 * branch), nodes.balls[4 * branch + 3]
             guess = likely, int(latest[likely])
-            near = _near_ball(table, obstacle, ball, near, guess, widths)
+            near = _near_ball(table, obstacle, ball, near, guess, widths, waiting)
             rows = near.rows
         if near.upper and near.fore:
             continue
@@ -214,7 +224,7 @@ def places_touching(
                     continue
                 need = capsules[CAPSULE * c + 3] + margin
                 a, b = capsule_ends(arm, pose, capsules, c)
-                row = touched_row(around, root, a, b, need, int(latest[c]))
+                row = touched_row(around, root, a, b, need, int(latest[c]), waiting)
                 if row >= 0:
                     latest[c], likely, touching[at] = row, c, True
                     break
