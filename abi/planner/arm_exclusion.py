@@ -15,6 +15,10 @@ from abi.tet_mesh.tet_mesh import TetMesh
 
 _NO_IDS = read_only(np.zeros(0, dtype=np.int32))
 
+_MANY = 50_000
+"""Nodes among which it is quicker to decide many at once near a triangle mesh: they are near to
+each other."""
+
 
 class _Asked(NamedTuple):
     """Nodes (n,) of which it is known whether the arm touches an obstacle there, and where it does.
@@ -65,7 +69,8 @@ class ArmExclusionCache:
             known = self._asked.get(obstacle, _NOTHING)
             new = open_ & ~known.nodes
             if new.any():
-                tree = mesh.node_tree if isinstance(obstacle, MeshShape) else None
+                at_once = isinstance(obstacle, MeshShape) and len(mesh.points) > _MANY
+                tree = mesh.node_tree if at_once else None
                 touching = sight.touching(mesh.points, number, new, tree)
                 known = _Asked(known.nodes | new, known.touching | touching)
             asked[obstacle] = known
