@@ -20,6 +20,7 @@ from abi.curves.timed_profile import PathProfile
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.scene.scene import Scene
 from abi.scene.settings import ArmSettings
+from abi.tet_mesh.node_tree import NodeTree
 from abi.tet_mesh.tet_mesh import TetMesh
 
 
@@ -67,13 +68,16 @@ class Places(Protocol):
     def reached(self, points: FloatArray) -> BoolArray:
         """Whether the arm reaches nodes (n, 3) of the mesh, clear of the floor and itself, (n,)."""
 
-    def touching(self, points: FloatArray, number: int, reached: BoolArray) -> BoolArray:
+    def touching(
+        self, points: FloatArray, number: int, reached: BoolArray, tree: NodeTree | None = None
+    ) -> BoolArray:
         """Whether the arm touches, or nearly touches, an obstacle at nodes (n, 3), (n,).
 
         Args:
             points: the nodes, [unit], world.
             number: of the obstacle, from 0.
             reached: nodes to look at.
+            tree: over the nodes: quicker near an obstacle of many parts.
         """
 
 

@@ -9,7 +9,7 @@ from typing import Literal, Self
 
 import numpy as np
 
-from abi.arm import leg_kernels, mask_kernels
+from abi.arm import leg_kernels, mask_kernels, place_tree_kernels
 from abi.arm.arm import JOINTS, Arm
 from abi.arm.arm_certificate import ArmCertificate, ArmRefutation, certify_arm
 from abi.arm.inverse_kinematics import solve
@@ -22,6 +22,7 @@ from abi.arm.unreached import Unreached
 from abi.arrays import BoolArray, FloatArray, flat, read_only
 from abi.clearance.bezier import PolynomialCurve
 from abi.clearance.separation_kernels import CERTIFIED, MOST_HALVINGS, REFUTED
+from abi.tet_mesh.node_tree import NodeTree
 
 _SPARE = 0.01
 """Distance that legs and places keep from the limits of q2 and q3, for curves to round, [rad]."""
@@ -125,9 +126,21 @@ class ArmSight:
         mask_kernels.reached_places(flat(points), self._table.numbers, *self._forearm, reached)
         return reached & ~self._touching(points, self.around.only(self.around.numbers < 0), reached)
 
-    def touching(self, points: FloatArray, number: int, reached: BoolArray) -> BoolArray:
+    def touching(
+        self, points: FloatArray, number: int, reached: BoolArray, tree: NodeTree | None = None
+    ) -> BoolArray:
         """Whether it nearly touches obstacle ``number`` at points (n, 3) that it reaches, (n,)."""
-        return self._touching(points, self.around.only(self.around.numbers == number), reached)
+        of_it = self.around.numbers == number
+        around = self.around.only(of_it)
+        forearm, slide = self._forearm
+        if tree is None or slide > 0:
+            return self._touching(points, around, reached)
+        touching = np.zeros(len(points), dtype=np.bool_)
+        obstacle = around.beyond(self.clearance + self.slack), int(of_it.argmax())
+        place_tree_kernels.places_touching(
+            tree, self.arm.table(self.elbow), obstacle, forearm, reached, touching
+        )
+        return touching
 
     def _touching(self, points: FloatArray, around: Surroundings, reached: BoolArray) -> BoolArray:
         touching = np.zeros(len(points), dtype=np.bool_)

@@ -14,8 +14,9 @@ from abi.arm.chain_kernels import POSE, TABLE, ChainTable
 from abi.arm.mask_kernels import touched_row
 from abi.arm.separate_chain_kernels import BODIES, Bodies, between_segments, place_bodies
 from abi.arm.surroundings_kernels import NO_OBSTACLES, Obstacles
-from abi.arrays import BoolArray, FloatArray
+from abi.arrays import BoolArray, FloatArray, IntArray
 from abi.compiled import FLAGS, FLOATS, NEW_FLAGS, compiled
+from abi.obstacles.triangle_mesh.closest_point_kernels import DEPTH
 from abi.obstacles.vector_kernels import dot, sub, vec3_at
 
 
@@ -34,19 +35,20 @@ def _touches_itself(bodies: Bodies, ends: FloatArray, slack: float) -> bool:
 
 
 @register_jitable
-def _touches_solids(bodies: Bodies, ends: FloatArray, around: Obstacles) -> bool:
+def _touches_solids(bodies: Bodies, ends: FloatArray, around: Obstacles, waiting: IntArray) -> bool:
     """Whether a capsule is too near to something it is to keep clear of."""
     count = len(around.margins)
     for c in range(len(bodies.frames)):
         a, b = vec3_at(ends, 6 * c), vec3_at(ends, 6 * c + 3)
-        for s in range(count):
+        for k in range(len(around.outer)):
+            s = int(around.outer[k])
             if not around.asked[c * count + s]:
                 continue
             need = bodies.radii[c] + around.margins[s]
             if s == count - 1:
                 if min(a[2], b[2]) - around.floor < need:
                     return True
-            elif touched_row(around, s, a, b, need, -1) >= 0:
+            elif touched_row(around, s, a, b, need, -1, waiting) >= 0:
                 return True
     return False
 
@@ -74,13 +76,13 @@ def touching_stances(
     """
     count = len(chain.limits) // 2
     joints, poses = np.empty(count), np.empty(POSE * (len(chain.source) + 1))
-    ends = np.empty(6 * len(bodies.frames))
+    ends, waiting = np.empty(6 * len(bodies.frames)), np.empty(DEPTH, np.int32)
     for node in range(len(reached)):
         if not reached[node]:
             continue
         for j in range(count):
             joints[j] = stances[node * count + j]
         place_bodies(chain, bodies, joints, poses, ends)
-        touching[node] = _touches_solids(bodies, ends, around)
+        touching[node] = _touches_solids(bodies, ends, around, waiting)
         if slack >= 0 and not touching[node]:
             touching[node] = _touches_itself(bodies, ends, slack)

@@ -20,6 +20,7 @@ from abi.arm.urdf_arm import REACHED, UrdfArm
 from abi.arm.urdf_motion import JointCourse
 from abi.arrays import BoolArray, FloatArray, flat
 from abi.curves.curve import ArcLength, Curve
+from abi.tet_mesh.node_tree import NodeTree
 
 _STEP = 1 / 60
 """Way of the tool between poses of a leg, at most, over the arm's reach."""
@@ -133,7 +134,9 @@ class ChainSight:
         around = self.around.only(self.around.numbers < 0)
         return reached & ~self._touching(around, self.slack, reached)
 
-    def touching(self, points: FloatArray, number: int, reached: BoolArray) -> BoolArray:
+    def touching(
+        self, points: FloatArray, number: int, reached: BoolArray, tree: NodeTree | None = None
+    ) -> BoolArray:
         """Whether it nearly touches obstacle ``number`` at nodes (n, 3) that it reaches, (n,)."""
         assert len(points) == len(reached)
         return self._touching(self.around.only(self.around.numbers == number), -1.0, reached)

@@ -5,14 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from abi.arm.separate_chain_kernels import Bodies
-from abi.arm.surroundings import (
-    FLOOR,
-    Surroundings,
-    largest_coordinate,
-    mesh_numbers,
-    outermost,
-    solid_rows,
-)
+from abi.arm.surroundings import FLOOR, Surroundings, outer_rows, solid_rows
 from abi.arm.urdf_arm import UrdfArm
 from abi.arrays import flat, read_only
 from abi.obstacles.obstacle_set import ObstacleSet
@@ -29,17 +22,18 @@ def chain_surroundings(arm: UrdfArm, obstacles: ObstacleSet, lowest: float) -> S
         obstacles: the solids.
         lowest: height of the workspace's bottom, [unit].
     """
-    solids = solid_rows(obstacles)
-    asked = np.tile(outermost(solids.inside), (len(arm.capsules), 1))
+    solids = solid_rows(obstacles, np.zeros(0))
+    asked = np.tile(np.append(solids.outermost, True), (len(arm.capsules), 1))
     asked[:, -1] = [one.frame >= 1 for one in arm.capsules]
-    size = float(np.abs(arm.base).max()) + 2 * arm.reach + largest_coordinate(solids.rows)
+    size = float(np.abs(arm.base).max()) + 2 * arm.reach + solids.largest_coordinate
     numbers = read_only(np.append(solids.numbers, np.int32(FLOOR)).astype(np.int32))
     return Surroundings(
         rows=read_only(solids.rows),
         inside=read_only(solids.inside.reshape(-1)),
         numbers=numbers,
-        meshes=mesh_numbers(obstacles, numbers),
+        meshes=read_only(np.append(solids.meshes, np.int32(-1))),
         asked=read_only(asked),
+        outer=outer_rows(asked),
         floor=min(float(arm.base[2]), lowest),
         size=size,
     )

@@ -27,7 +27,7 @@ from abi.arm.pose_kernels import (
     shoulder_holds,
 )
 from abi.arm.surroundings_kernels import NO_OBSTACLES, Obstacles, asked_rows, box_gap
-from abi.arrays import BoolArray, FloatArray
+from abi.arrays import BoolArray, FloatArray, IntArray
 from abi.compiled import FLAGS, FLOATS, NEW_FLAGS, compiled
 from abi.obstacles.primitive_kernels import (
     BOUNDS,
@@ -38,6 +38,7 @@ from abi.obstacles.primitive_kernels import (
     in_body,
     segment_within,
 )
+from abi.obstacles.triangle_mesh.closest_point_kernels import DEPTH
 from abi.obstacles.triangle_mesh.segment_kernels import inverse_of, stretch_in
 from abi.obstacles.vector_kernels import Vec3, axpy, dot, sub, vec3_at
 
@@ -65,7 +66,7 @@ def reached_places(
 
 
 @register_jitable(forceinline=True)
-def _near(primitives: FloatArray, s: int, a: Vec3, b: Vec3, need: float) -> bool:
+def is_near(primitives: FloatArray, s: int, a: Vec3, b: Vec3, need: float) -> bool:
     """Whether a..b is nearer than ``need`` to row s."""
     if box_gap(primitives, s, a, b) >= need:
         return False
@@ -75,7 +76,9 @@ def _near(primitives: FloatArray, s: int, a: Vec3, b: Vec3, need: float) -> bool
 
 
 @register_jitable
-def touched_row(around: Obstacles, s: int, a: Vec3, b: Vec3, need: float, guess: int) -> int:
+def touched_row(
+    around: Obstacles, s: int, a: Vec3, b: Vec3, need: float, guess: int, waiting: IntArray
+) -> int:
     """Row s, or one inside it, that is solid and from which a..b is nearer than ``need``; or -1.
 
     Args:
@@ -84,30 +87,33 @@ def touched_row(around: Obstacles, s: int, a: Vec3, b: Vec3, need: float, guess:
         a, b: ends of the segment, [unit], world.
         need: [unit].
         guess: a row that is likely to be one, as of a segment beside; -1 without.
+        waiting: room for ``DEPTH`` rows.
     """
     primitives, inside = around.primitives, around.inside
     if inside[2 * s + 1] == 0:
-        return s if _near(primitives, s, a, b, need) else -1
+        return s if is_near(primitives, s, a, b, need) else -1
     if (
         guess >= 0
         and around.meshes[guess] == around.meshes[s]
-        and _near(primitives, guess, a, b, need)
+        and is_near(primitives, guess, a, b, need)
     ):
         return guess
     inverse = inverse_of(sub(b, a))
-    work = [s]
-    while len(work) > 0:
-        box = work.pop()
+    waiting[0], count = s, 1
+    while count > 0:
+        count -= 1
+        box = waiting[count]
         for row in range(inside[2 * box], inside[2 * box + 1]):
             k = WIDTH * row + BOUNDS
             low, high = vec3_at(primitives, k), vec3_at(primitives, k + 3)
             if stretch_in(a, inverse, low, high, need) < 0.0:
                 continue
-            if not _near(primitives, row, a, b, need):
+            if not is_near(primitives, row, a, b, need):
                 continue
             if inside[2 * row + 1] == 0:
                 return row
-            work.append(row)
+            waiting[count] = row
+            count += 1
     return -1
 
 
@@ -193,6 +199,7 @@ def touching_places(
     count, moving = len(around.margins), len(capsules) // CAPSULE
     still, widest, out_of_upper, out_of_fore = outline(table)
     rows = asked_rows(around, moving)
+    waiting = np.empty(DEPTH, np.int32)
     latest = np.full(moving, -1)  # what each capsule touched last
     likely = still  # the capsule that touched something last: beside its place it does so again
     for i in range(len(reached)):
@@ -234,9 +241,9 @@ def touching_places(
                 if s == count - 1:
                     touching[i] = min(a[2], b[2]) - around.floor < need
                 elif around.inside[2 * s + 1] == 0:  # a call less for most
-                    touching[i] = _near(around.primitives, s, a, b, need)
+                    touching[i] = is_near(around.primitives, s, a, b, need)
                 else:
-                    row = touched_row(around, s, a, b, need, latest[c])
+                    row = touched_row(around, s, a, b, need, latest[c], waiting)
                     touching[i] = row >= 0
                     latest[c] = row if row >= 0 else latest[c]
                 if touching[i]:

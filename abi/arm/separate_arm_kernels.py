@@ -35,6 +35,7 @@ from abi.arm.pose_kernels import (
 from abi.arm.surroundings_kernels import (
     NO_OBSTACLES,
     Obstacles,
+    add_asked_pairs,
     between_boxes,
     is_solid,
     judged,
@@ -302,7 +303,7 @@ def separate_arm(
         the pose.
     """
     arm, capsules = table
-    spans, count = len(breaks) - 1, len(around.margins)
+    spans = len(breaks) - 1
     width = len(world) // (3 * spans)
     for i in range(len(world)):
         points[i] = world[i]
@@ -310,9 +311,7 @@ def separate_arm(
     latest = [NO_DIRECTION]
     room = _Room(planes, candidates, work, latest)
     candidates.clear()
-    for pair in range(len(capsules) // CAPSULE * count):
-        if around.asked[pair]:
-            candidates.append(pair)
+    add_asked_pairs(around, len(capsules) // CAPSULE, candidates)
     if len(candidates) == 0:
         return CERTIFIED, 0.0, -1, math.inf, table_of(planes)
     whole = Piece(0, spans * width, 0, breaks[0], breaks[spans])

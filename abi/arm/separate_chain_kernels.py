@@ -18,6 +18,7 @@ from abi.arm.direction_kernels import NO_DIRECTION, is_separated, keep_direction
 from abi.arm.surroundings_kernels import (
     NO_OBSTACLES,
     Obstacles,
+    add_asked_pairs,
     between_boxes,
     is_solid,
     judged,
@@ -246,9 +247,9 @@ def separate_chain(
     candidates.clear()
     rows = len(around.margins)
     solid_pairs = len(bodies.frames) * rows
-    for pair in range(solid_pairs + len(bodies.pairs) // 2):
-        if pair >= solid_pairs or around.asked[pair]:
-            candidates.append(pair)
+    add_asked_pairs(around, len(bodies.frames), candidates)
+    for own in range(len(bodies.pairs) // 2):
+        candidates.append(solid_pairs + own)
     whole = _Stretch(0.0, 1.0 * (len(knots) // count - 1), 0)
     pending = [(whole, 0, len(candidates))]
     while len(pending) > 0:

@@ -43,6 +43,7 @@ class Surroundings:
             (k + 1,).
         meshes: the same of the rows of triangle meshes, -1 of others, (k + 1,).
         asked: whether a capsule must keep clear of it, False for boxes inside others, (c, k + 1).
+        outer: rows of which some capsule must, in their order.
         floor: height of the floor, [unit].
         size: largest coordinate of arm and obstacles, [unit].
     """
@@ -52,15 +53,16 @@ class Surroundings:
     numbers: IntArray
     meshes: IntArray
     asked: BoolArray
+    outer: IntArray
     floor: float
     size: float
 
     def beyond(self, margin: float) -> Obstacles:
         """Add a distance to keep from obstacles, [unit]; from floor and column it is 0."""
         margins = np.where(self.numbers >= 0, margin, 0.0)
-        asked = self.asked.reshape(-1)
         return Obstacles(
-            self.rows, self.inside, self.meshes, read_only(margins), asked, self.floor, self.size
+            *(self.rows, self.inside, self.meshes, read_only(margins)),
+            *(self.asked.reshape(-1), self.outer, self.floor, self.size),
         )
 
     def only(self, kept: BoolArray) -> Surroundings:
@@ -79,21 +81,32 @@ def surroundings(arm: Arm, obstacles: ObstacleSet, lowest: float) -> Surrounding
         obstacles: the solids.
         lowest: height of the workspace's bottom, [unit].
     """
-    solids, own = solid_rows(obstacles), _own_rows(arm)
+    own = _own_rows(arm)
+    solids = solid_rows(obstacles, own.rows)
     number = np.concatenate([solids.numbers, own.numbers])
     within = np.concatenate([solids.inside, np.zeros((len(own.numbers) - 1, 2), dtype=np.int32)])
-    asked = np.ones((len(arm.capsules), len(number)), dtype=np.bool_)
+    asked = np.empty((len(arm.capsules), len(number)), dtype=np.bool_)
+    asked[:, : len(solids.numbers)] = solids.outermost
     asked[:, len(solids.numbers) :] = own.asked
-    if obstacles.meshes:
-        asked &= outermost(within)
-    packed = np.concatenate([solids.rows, own.rows])
     reach = arm.a1 + arm.a2 + arm.a3 + 2 * arm.a4 + arm.a5
-    size = float(np.abs(arm.base).max()) + reach + largest_coordinate(packed)
+    size = float(np.abs(arm.base).max()) + reach
+    size += max(solids.largest_coordinate, largest_coordinate(own.rows))
+    meshes = np.concatenate([solids.meshes, np.full(len(own.numbers), -1, dtype=np.int32)])
     return Surroundings(
-        *(read_only(packed), read_only(within.reshape(-1)), read_only(number)),
-        mesh_numbers(obstacles, number),
-        *(read_only(asked), min(float(arm.base[2]), lowest), size),
+        rows=read_only(solids.rows),
+        inside=read_only(within.reshape(-1)),
+        numbers=read_only(number),
+        meshes=read_only(meshes),
+        asked=read_only(asked),
+        outer=outer_rows(asked),
+        floor=min(float(arm.base[2]), lowest),
+        size=size,
     )
+
+
+def outer_rows(asked: BoolArray) -> IntArray:
+    """Rows that some capsule is asked to keep clear of, of flags (c, k)."""
+    return read_only(np.flatnonzero(asked.any(axis=0)).astype(np.int32))
 
 
 class _OwnRows(NamedTuple):
@@ -131,64 +144,69 @@ class SolidRows(NamedTuple):
     """Obstacles as rows of convex primitives.
 
     Attributes:
-        rows: flat (k WIDTH,).
+        rows: flat (k WIDTH,), and what was to come behind them.
         numbers: obstacle of each, (k,).
+        meshes: the same of the rows of triangle meshes, -1 of others, (k,).
         inside: first and last but one of the boxes inside each, 0 and 0 without, (k, 2).
+        outermost: flags of the rows that are in no other, (k,).
     """
 
     rows: FloatArray
     numbers: IntArray
+    meshes: IntArray
     inside: IntArray
+    outermost: BoolArray
+
+    @property
+    def largest_coordinate(self) -> float:
+        """Largest coordinate of the obstacles, [unit]."""
+        rows = self.rows.reshape(-1, WIDTH)[: len(self.numbers)]
+        return largest_coordinate(rows[self.outermost])
 
 
-def solid_rows(obstacles: ObstacleSet) -> SolidRows:
-    """Obstacles as rows: primitives as they are, meshes as trees of boxes."""
-    rows = [obstacles.packed]
-    numbers = [obstacles.primitive_numbers]
-    inside = [np.zeros((len(obstacles.primitives), 2), dtype=np.int32)]
-    for number, mesh in zip(obstacles.mesh_numbers.tolist(), obstacles.meshes, strict=True):
-        boxes = _boxes_of(mesh.surface).inside
-        inside.append(np.where(boxes[:, 1:] > 0, boxes + sum(map(len, numbers)), 0))
-        rows.append(_boxes(mesh))
-        numbers.append(np.full(len(boxes), number, dtype=np.int32))
-    within = np.concatenate(inside).astype(np.int32)
-    some = [one for one in rows if len(one)] or rows  # a large mesh alone is not copied
-    packed = some[0] if len(some) == 1 else np.concatenate(some)
-    return SolidRows(packed, np.concatenate(numbers), within)
+def solid_rows(obstacles: ObstacleSet, behind: FloatArray) -> SolidRows:
+    """Obstacles as rows: primitives as they are, meshes as trees of boxes.
 
-
-def mesh_numbers(obstacles: ObstacleSet, numbers: IntArray) -> IntArray:
-    """Numbers of triangle meshes, with -1 in place of all other numbers."""
-    if not obstacles.meshes:
-        return read_only(np.full(len(numbers), -1, dtype=np.int32))
-    of_mesh = np.isin(numbers, obstacles.mesh_numbers)
-    return read_only(np.where(of_mesh, numbers, np.int32(-1)).astype(np.int32))
-
-
-def outermost(inside: IntArray) -> BoolArray:
-    """Flags of the rows that are inside no other, and of the floor after them, (k + 1,)."""
-    first, last = inside[inside[:, 1] > 0].T
-    count = len(inside) + 2
-    steps = np.bincount(first, minlength=count) - np.bincount(last, minlength=count)
-    return np.asarray(np.cumsum(steps)[:-1] == 0)
+    Args:
+        obstacles: the solids.
+        behind: further rows to come behind theirs, flat.
+    """
+    count = len(obstacles.primitives)
+    trees = [_boxes_of(mesh.surface).inside for mesh in obstacles.meshes]
+    begins = count + np.cumsum([0, *map(len, trees)])
+    last = int(begins[-1])
+    # of large meshes they take up to 100 MB: written in place, never copied
+    rows = np.zeros(last * WIDTH + len(behind))
+    rows[: count * WIDTH], rows[last * WIDTH :] = obstacles.packed, behind
+    numbers = np.repeat(obstacles.mesh_numbers, np.diff(begins)).astype(np.int32)
+    outermost = np.zeros(last, dtype=np.bool_)
+    outermost[:count] = outermost[begins[:-1]] = True
+    inside = [np.zeros((count, 2), dtype=np.int32)]
+    for mesh, tree, begin in zip(obstacles.meshes, trees, begins.tolist(), strict=False):
+        _write_boxes(mesh, rows[begin * WIDTH : (begin + len(tree)) * WIDTH])
+        inside.append(np.where(tree[:, 1:] > 0, tree + np.int32(begin), np.int32(0)))
+    others = np.full(count, -1, dtype=np.int32)
+    return SolidRows(
+        rows,
+        np.concatenate([obstacles.primitive_numbers, numbers]).astype(np.int32),
+        np.concatenate([others, numbers]),
+        np.concatenate(inside),
+        outermost,
+    )
 
 
 def largest_coordinate(rows: FloatArray) -> float:
-    """Largest coordinate of primitives (k WIDTH,), [unit]."""
+    """Largest coordinate of primitives, flat or one after the other, [unit]."""
     bounds = rows.reshape(-1, WIDTH)[:, BOUNDS:TREE]
     return float(np.abs(bounds).max(initial=0.0))
 
 
-@lru_cache(maxsize=1)  # of large meshes they take up to 100 MB
-def _boxes(mesh: MeshShape) -> FloatArray:
-    """Rows of the boxes of a mesh, flat; those of the last one are kept."""
+def _write_boxes(mesh: MeshShape, rows: FloatArray) -> None:
+    """Write the rows of the boxes of a mesh, flat."""
     boxes = _boxes_of(mesh.surface)
-    turned = rotation(mesh.wxyz)
-    a, b, c = (vec3_at(flat(axis), 0) for axis in turned.T)
-    rows = np.zeros(WIDTH * len(boxes.inside))
+    a, b, c = (vec3_at(flat(axis), 0) for axis in rotation(mesh.wxyz).T)
     flat_boxes = flat(boxes.middles), flat(boxes.halves), flat(boxes.axes)
     box_rows(*flat_boxes, (a, b, c), mesh.position, mesh.factor, rows)
-    return read_only(rows)
 
 
 class _Boxes(NamedTuple):

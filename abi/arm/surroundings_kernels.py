@@ -35,6 +35,7 @@ class Obstacles(NamedTuple):
         meshes: number of the triangle mesh that a row holds a part of, -1 of others (k + 1,).
         margins: distance to prove from each of them and, last, from the floor (k + 1,), [unit].
         asked: whether a capsule is to keep clear of one of them, flat (c (k + 1),).
+        outer: those of which that may be, in their order, at most all of them.
         floor: height of the floor, [unit].
         size: largest coordinate of arm and obstacles, [unit].
     """
@@ -44,11 +45,12 @@ class Obstacles(NamedTuple):
     meshes: IntArray
     margins: FloatArray
     asked: BoolArray
+    outer: IntArray
     floor: float
     size: float
 
 
-NO_OBSTACLES = Obstacles(FLOATS, IDS, IDS, FLOATS, FLAGS, 0.0, 1.0)
+NO_OBSTACLES = Obstacles(FLOATS, IDS, IDS, FLOATS, FLAGS, IDS, 0.0, 1.0)
 """Example for the compiler."""
 
 
@@ -190,10 +192,21 @@ def asked_rows(around: Obstacles, moving: int) -> list[int]:
     """Rows, of which the last may be the floor's, that some of so many capsules keep clear of."""
     count = len(around.margins)
     rows = []
-    for s in range(count):
-        asked = False
+    for k in range(len(around.outer)):
+        s, asked = int(around.outer[k]), False
         for c in range(moving):
             asked = asked or around.asked[c * count + s]
         if asked:
             rows.append(s)
     return rows
+
+
+@register_jitable
+def add_asked_pairs(around: Obstacles, moving: int, pairs: list[int]) -> None:
+    """Add the pairs of so many capsules and of rows, times their number, that are asked for."""
+    count = len(around.margins)
+    for c in range(moving):
+        for k in range(len(around.outer)):
+            pair = c * count + int(around.outer[k])
+            if around.asked[pair]:
+                pairs.append(pair)

@@ -25,7 +25,7 @@ from abi.obstacles.primitive_tree_kernels import (
     tree_apart,
 )
 from abi.obstacles.surface_set import NO_SURFACES, SurfaceSet
-from abi.obstacles.triangle_mesh.surface_kernels import Room, new_room
+from abi.obstacles.triangle_mesh.surface_tables_kernels import Room, new_room
 from abi.obstacles.vector_kernels import Vec3, vec3_at
 
 MOST_HALVINGS = 40

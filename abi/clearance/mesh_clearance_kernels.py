@@ -22,7 +22,8 @@ from abi.obstacles.primitive_tree_kernels import (
 from abi.obstacles.surface_set import SurfaceSet, surface_at
 from abi.obstacles.surface_set_kernels import most_to_mesh, nearest_mesh, widened
 from abi.obstacles.triangle_mesh.distance_grid_kernels import distance_bounds
-from abi.obstacles.triangle_mesh.surface_kernels import Room, signed_distance_at, to_surface
+from abi.obstacles.triangle_mesh.point_distance_kernels import signed_distance_at
+from abi.obstacles.triangle_mesh.surface_tables_kernels import Room, to_surface
 from abi.obstacles.vector_kernels import Vec3, distance, vec3_at
 
 Sample = tuple[float, int, int]

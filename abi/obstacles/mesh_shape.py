@@ -22,7 +22,7 @@ from abi.obstacles.triangle_mesh import surface_kernels as kernels
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.obstacles.triangle_mesh.signed_distance import body_frame, placement
 from abi.obstacles.triangle_mesh.surface import Surface
-from abi.obstacles.triangle_mesh.surface_kernels import Placement, SurfaceTables
+from abi.obstacles.triangle_mesh.surface_tables_kernels import Placement, SurfaceTables
 
 TOO_LARGE = 20.0
 TOO_SMALL = 1 / 500

@@ -16,7 +16,7 @@ from abi.obstacles.primitive_kernels import WIDTH
 from abi.obstacles.primitive_tree_kernels import first_row, row_after, row_below, segment_apart
 from abi.obstacles.surface_set import NO_SURFACES, SurfaceSet
 from abi.obstacles.surface_set_kernels import most_to_mesh, nearest_mesh_to_segment, widened
-from abi.obstacles.triangle_mesh.surface_kernels import new_room
+from abi.obstacles.triangle_mesh.surface_tables_kernels import new_room
 from abi.obstacles.vector_kernels import vec3_at
 
 

@@ -21,7 +21,7 @@ from abi.obstacles.triangle_mesh.bvh import Dipoles, TriangleTree
 from abi.obstacles.triangle_mesh.distance_grid_kernels import DistanceGrid
 from abi.obstacles.triangle_mesh.signed_distance import body_frame
 from abi.obstacles.triangle_mesh.surface import Surface
-from abi.obstacles.triangle_mesh.surface_kernels import Placement, SurfaceTables
+from abi.obstacles.triangle_mesh.surface_tables_kernels import Placement, SurfaceTables
 from abi.obstacles.vector_kernels import vec3_at
 
 _IDS, _NUMBERS, _POSE = 8, 15, 13

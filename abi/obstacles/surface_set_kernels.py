@@ -17,14 +17,11 @@ from abi.obstacles.primitive_tree_kernels import (
     tree_apart,
 )
 from abi.obstacles.surface_set import SurfaceSet, surface_at
+from abi.obstacles.triangle_mesh.blocked_segment_kernels import is_blocked
 from abi.obstacles.triangle_mesh.distance_grid_kernels import distance_bounds
-from abi.obstacles.triangle_mesh.surface_kernels import (
-    Room,
-    is_blocked,
-    least_distance,
-    signed_distance_at,
-    to_surface,
-)
+from abi.obstacles.triangle_mesh.point_distance_kernels import signed_distance_at
+from abi.obstacles.triangle_mesh.surface_segment_kernels import least_distance
+from abi.obstacles.triangle_mesh.surface_tables_kernels import Room, to_surface
 from abi.obstacles.vector_kernels import Vec3, axpy, distance, sub
 
 _WIDER = 1e-9

@@ -8,11 +8,16 @@ import numpy as np
 
 from abi.arm.arm_model import Places
 from abi.arrays import BoolArray, read_only
+from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import Obstacle, ObstacleSet
 from abi.tet_mesh.exclusion import Exclusion, FreeMesh, apply
 from abi.tet_mesh.tet_mesh import TetMesh
 
 _NO_IDS = read_only(np.zeros(0, dtype=np.int32))
+
+_MANY = 50_000
+"""Nodes among which it is quicker to decide many at once near a triangle mesh: they are near to
+each other."""
 
 
 class _Asked(NamedTuple):
@@ -64,7 +69,9 @@ class ArmExclusionCache:
             known = self._asked.get(obstacle, _NOTHING)
             new = open_ & ~known.nodes
             if new.any():
-                touching = sight.touching(mesh.points, number, new)
+                at_once = isinstance(obstacle, MeshShape) and len(mesh.points) > _MANY
+                tree = mesh.node_tree if at_once else None
+                touching = sight.touching(mesh.points, number, new, tree)
                 known = _Asked(known.nodes | new, known.touching | touching)
             asked[obstacle] = known
             open_ &= ~known.touching

@@ -12,7 +12,7 @@ from numba.extending import register_jitable
 from abi.arm.leg_kernels import NO_LEGS, ArmLegs, arm_is_clear
 from abi.arrays import FloatArray
 from abi.compiled import FLOATS, compiled
-from abi.obstacles.triangle_mesh.surface_kernels import Room, new_room
+from abi.obstacles.triangle_mesh.surface_tables_kernels import Room, new_room
 from abi.obstacles.vector_kernels import Vec3, axpy, dot, sub, vec3_at
 from abi.taut.tighten_kernels import length_of
 from abi.taut.tighten_near_meshes_kernels import NO_SURROUNDINGS, Surroundings, is_clear

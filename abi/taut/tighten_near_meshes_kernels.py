@@ -27,7 +27,8 @@ from abi.obstacles.primitive_kernels import (
 from abi.obstacles.primitive_tree_kernels import blocked
 from abi.obstacles.surface_set import NO_SURFACES, SurfaceSet, surface_at
 from abi.obstacles.surface_set_kernels import meets_mesh, nearest_mesh
-from abi.obstacles.triangle_mesh.surface_kernels import Room, gradient_at, new_room, to_surface
+from abi.obstacles.triangle_mesh.point_distance_kernels import gradient_at
+from abi.obstacles.triangle_mesh.surface_tables_kernels import Room, new_room, to_surface
 from abi.obstacles.vector_kernels import Vec3, axpy, distance, dot, sub, vec3_at
 from abi.taut.free_space_kernels import kind_of
 from abi.taut.tighten_kernels import length_of

@@ -15,15 +15,15 @@ from numba.extending import register_jitable
 from abi.arrays import FloatArray, IntArray
 from abi.compiled import IDS, compiled
 from abi.obstacles.primitive_kernels import in_body
+from abi.obstacles.triangle_mesh.blocked_segment_kernels import limit_of
 from abi.obstacles.triangle_mesh.distance_grid_kernels import distance_bounds, steepest
 from abi.obstacles.triangle_mesh.gather_kernels import comes_near_gathered, gather, no_triangles
 from abi.obstacles.triangle_mesh.segment_kernels import near_triangle
-from abi.obstacles.triangle_mesh.surface_kernels import (
+from abi.obstacles.triangle_mesh.surface_tables_kernels import (
     NO_PLACEMENT,
     NO_TABLES,
     Placement,
     SurfaceTables,
-    limit_of,
     new_room,
     to_surface,
 )

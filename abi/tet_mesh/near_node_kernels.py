@@ -14,14 +14,14 @@ import numpy as np
 from numba.extending import register_jitable
 
 from abi.arrays import FloatArray, IntArray
+from abi.obstacles.triangle_mesh.blocked_segment_kernels import limit_of
 from abi.obstacles.triangle_mesh.closest_point_kernels import nearest_triangle
 from abi.obstacles.triangle_mesh.distance_grid_kernels import distance_bounds, steepest
 from abi.obstacles.triangle_mesh.segment_kernels import comes_near
-from abi.obstacles.triangle_mesh.surface_kernels import (
+from abi.obstacles.triangle_mesh.surface_tables_kernels import (
     Placement,
     Room,
     SurfaceTables,
-    limit_of,
     to_surface,
 )
 from abi.obstacles.triangle_mesh.triangle_kernels import point_to_triangle, triangle_at

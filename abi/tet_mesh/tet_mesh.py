@@ -17,6 +17,7 @@ from abi.scene.settings import MeshSettings, Workspace
 from abi.tet_mesh import adjacency, lattice
 from abi.tet_mesh.adjacency_kernels import Adjacency
 from abi.tet_mesh.lattice import Cells
+from abi.tet_mesh.node_tree import NodeTree, tree_over
 from abi.tet_mesh.stencil import Stencil
 
 _CORNER_PAIRS = np.array([(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)])
@@ -71,6 +72,11 @@ class TetMesh:
         return read_only(
             np.concatenate([np.stack([a.ravel(), b.ravel()], axis=1) for a, b, _ in families])
         )
+
+    @cached_property
+    def node_tree(self) -> NodeTree:
+        """A tree over the nodes."""
+        return tree_over(self.points)
 
     @cached_property
     def lengths(self) -> FloatArray:

@@ -17,7 +17,7 @@ from abi.obstacles.triangle_mesh.bvh import Dipoles, TriangleTree, coarser, dipo
 from abi.obstacles.triangle_mesh.distance_grid_kernels import DistanceGrid, grid_values
 from abi.obstacles.triangle_mesh.rounding import error_of_distances
 from abi.obstacles.triangle_mesh.surface import Surface
-from abi.obstacles.triangle_mesh.surface_kernels import Placement, SurfaceTables
+from abi.obstacles.triangle_mesh.surface_tables_kernels import Placement, SurfaceTables
 
 _NODES = 60_000
 _BORDER = 0.1

@@ -10,6 +10,7 @@ from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner.arm_exclusion import ArmExclusionCache
 from abi.scene.settings import Lattice, MeshSettings, Workspace
 from abi.tet_mesh.exclusion import Exclusion, FreeMesh, apply
+from abi.tet_mesh.node_tree import NodeTree
 from abi.tet_mesh.tet_mesh import tetrahedralise
 
 _NONE = read_only(np.zeros(0, dtype=np.int32))
@@ -29,7 +30,9 @@ class _Reach:
         assert len(points) == len(self.flags)
         return self.flags
 
-    def touching(self, points: FloatArray, number: int, reached: BoolArray) -> BoolArray:
+    def touching(
+        self, points: FloatArray, number: int, reached: BoolArray, tree: NodeTree | None = None
+    ) -> BoolArray:
         raise AssertionError("there is no obstacle")
 
 

@@ -1,0 +1,126 @@
+"""Distances to a surface along segments, in its body frame.
+
+Bounds by the grid answer most questions, the tree the others.
+"""
+
+from __future__ import annotations
+
+from numba.extending import register_jitable
+
+from abi.obstacles.triangle_mesh.distance_grid_kernels import distance_bounds
+from abi.obstacles.triangle_mesh.point_distance_kernels import (
+    is_inside_surface,
+    signed_distance_at,
+    signed_distance_beside,
+)
+from abi.obstacles.triangle_mesh.segment_kernels import segment_distance, towards_nearest
+from abi.obstacles.triangle_mesh.surface_tables_kernels import (
+    SAMPLES,
+    TOUCHING,
+    Room,
+    SurfaceTables,
+)
+from abi.obstacles.vector_kernels import Vec3, axpy, norm, sub
+
+
+@register_jitable
+def distance_along(tables: SurfaceTables, p: Vec3, q: Vec3, most: float, room: Room) -> float:
+    """Distance of a segment of the body frame to the surface; ``most`` where that is less.
+
+    0 where some of it is seen to be inside. Walks along the segment as far as the grid's bounds
+    leave nothing nearer (Hart, Sphere tracing, 1996). In the stretch where they leave something the
+    nearest triangle is looked for, from the place that seems nearest.
+    """
+    tree, grid = tables.tree, tables.grid
+    d = sub(q, p)
+    length = norm(d)
+    inverse = 1.0 / length if length > 0.0 else 0.0
+    lower, upper = distance_bounds(grid, axpy(0.5, d, p))
+    if upper < 0.0 and tables.closed:
+        return 0.0
+    pad = TOUCHING * tables.extent
+    best = min(most, max(-lower, upper) * (1.0 + 1e-9) + pad)
+    nearest, there = max(lower, -upper), length / 2
+    first, last, at = length, -1.0, 0.0
+    while at <= length:
+        lower, upper = distance_bounds(grid, axpy(at * inverse, d, p))
+        if upper < 0.0 and tables.closed:
+            return 0.0
+        least = max(lower, -upper)
+        best = min(best, max(-lower, upper) * (1.0 + 1e-9) + pad)
+        if least < nearest:
+            nearest, there = least, at
+        far = least - best
+        if far < grid.step / 2:
+            far = min(grid.step, length - at)
+            first, last = min(first, at), at + far
+        if at + far >= length:
+            break
+        at += far
+    if last < 0.0:
+        return best
+    best, normal = towards_nearest(tree, (p, q), there * inverse, best, room.waiting, room.squares)
+    x, y = axpy(first * inverse, d, p), axpy(last * inverse, d, p)
+    return segment_distance(tree, x, y, best, normal, room.waiting)
+
+
+@register_jitable
+def least_distance(tables: SurfaceTables, p: Vec3, q: Vec3, most: float, room: Room) -> float:
+    """Least signed distance along a segment of the body frame; ``most`` where that is less.
+
+    Below 0 it is a lower bound. Between two samples s and t at a distance l, the signed distance is
+    at least (s + t - l) / 2 and the least at most s and t: so it is off by at most 1/64 of the
+    length.
+    """
+    # whether it touches counts whatever the most is
+    away = distance_along(tables, p, q, max(most, TOUCHING * tables.extent), room)
+    if not tables.closed or (away > 0.0 and not is_inside_surface(tables, p, room)):
+        return min(away, most)
+    d = sub(q, p)
+    step = norm(d) / SAMPLES
+    samples, known = room.samples, room.known
+    for k in range(SAMPLES + 1):
+        samples[k], known[k] = distance_bounds(tables.grid, axpy(k / SAMPLES, d, p))[0], False
+    least = most
+    while True:
+        first, lowest = -1, least
+        for k in range(SAMPLES):
+            bound = (samples[k] + samples[k + 1] - step) / 2
+            if bound < lowest:
+                first, lowest = k, bound
+        if first < 0:
+            return least
+        # the lower of the two that is not known
+        k = first + 1 if samples[first + 1] < samples[first] else first
+        k = 2 * first + 1 - k if known[k] else k
+        _take_sample(tables, (p, d), k, step, room)
+        if known[first] and known[first + 1]:
+            least = min(least, (samples[first] + samples[first + 1] - step) / 2)
+
+
+@register_jitable
+def _take_sample(
+    tables: SurfaceTables, way: tuple[Vec3, Vec3], k: int, step: float, room: Room
+) -> None:
+    """Find a sample's signed distance, which bounds the others: it is 1-Lipschitz.
+
+    Args:
+        tables: the surface.
+        way: first end of a segment and its second end less that.
+        k: number of the sample.
+        step: between samples.
+        room: see ``Room``; the sample and the bounds are written.
+    """
+    samples, known = room.samples, room.known
+    p, d = way
+    x = axpy(k / SAMPLES, d, p)
+    other = k - 1 if k > 0 and known[k - 1] else k + 1
+    if other <= SAMPLES and known[other]:
+        beside = samples[other]
+        here, _ = signed_distance_beside(tables, x, beside, axpy(other / SAMPLES, d, p), step, room)
+    else:
+        here, _ = signed_distance_at(tables, x, room)
+    samples[k], known[k] = here, True
+    for i in range(SAMPLES + 1):
+        if not known[i]:
+            samples[i] = max(samples[i], here - abs(i - k) * step)

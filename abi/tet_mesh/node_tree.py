@@ -1,0 +1,69 @@
+"""A tree over the nodes of a mesh, to decide about many at once."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from abi.arrays import FloatArray, IntArray, flat, read_only
+from abi.compiled import FLOATS, IDS
+
+_LEAF = 4
+"""Nodes that a leaf has, about."""
+_BITS = 10
+"""Bits of the cells along each side, by which the nodes are sorted."""
+
+
+class NodeTree(NamedTuple):
+    """A complete binary tree over places: branch k parts into 2 k + 1 and 2 k + 2.
+
+    Attributes:
+        points: the places, in the tree's order, flat (3 n,), [unit], world.
+        order: their numbers (n,).
+        leaves: leaf i, which is branch (m - 1) / 2 + i, holds the places from ``leaves[i]`` up to
+            ``leaves[i + 1]`` in that order.
+        balls: centre and radius of a ball around what each of the m branches holds, flat (4 m,).
+    """
+
+    points: FloatArray
+    order: IntArray
+    leaves: IntArray
+    balls: FloatArray
+
+
+NO_NODES = NodeTree(FLOATS, IDS, IDS, FLOATS)
+"""Example for the compiler."""
+
+
+def tree_over(points: FloatArray) -> NodeTree:
+    """The tree over places (n, 3), [unit], world, sorted along Morton's curve."""
+    order = np.argsort(_morton(points), kind="stable")
+    ordered = points[order]
+    depth = max(0, int(np.log2(max(len(points) / _LEAF, 1))))
+    leaves = len(points) * np.arange(2**depth + 1) // 2**depth
+    low, high = np.minimum.reduceat(ordered, leaves[:-1]), np.maximum.reduceat(ordered, leaves[:-1])
+    lows, highs = [low], [high]
+    while len(lows[-1]) > 1:
+        lows.append(np.minimum(lows[-1][::2], lows[-1][1::2]))
+        highs.append(np.maximum(highs[-1][::2], highs[-1][1::2]))
+    low, high = np.concatenate(lows[::-1]), np.concatenate(highs[::-1])
+    radii = np.linalg.norm(high - low, axis=1, keepdims=True) / 2
+    return NodeTree(
+        flat(ordered),
+        read_only(order.astype(np.int32)),
+        read_only(leaves.astype(np.int32)),
+        flat(np.concatenate([(low + high) / 2, radii], axis=1)),
+    )
+
+
+def _morton(points: FloatArray) -> IntArray:
+    """Cells of places (n, 3): their numbers along each axis, bit by bit in turn."""
+    low = points.min(axis=0)
+    size = max(float(np.ptp(points, axis=0).max()), 1e-300)
+    cells = ((points - low) * ((2**_BITS - 1) / size)).astype(np.int32)
+    codes = np.zeros(len(points), dtype=np.int32)
+    for bit in range(_BITS):
+        for axis in range(3):
+            codes |= ((cells[:, axis] >> bit) & 1) << (3 * bit + axis)
+    return codes
