@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import re
 import urllib.request
-from importlib.metadata import version
+from importlib.metadata import requires, version
 
 import pytest
 from prometheus_client import REGISTRY
@@ -61,6 +62,15 @@ def test_versions_are_those_that_are_installed() -> None:
     assert found["viser"] == version("viser") == "1.1.1"
     assert version_text().startswith("abi, version ")
     assert all(value in version_text() for value in found.values())
+
+
+def test_versions_are_of_what_is_needed_to_run() -> None:
+    needed = {
+        re.split(r"[^\w-]", requirement, maxsplit=1)[0]
+        for requirement in requires("abi-visualiser") or ()
+        if "extra ==" not in requirement
+    }
+    assert versions().keys() - {"abi", "Python", "system", "cores"} <= needed
 
 
 def test_a_bug_report_has_versions_times_scene_and_fault(tab: tuple[FakeTab, Session]) -> None:
