@@ -17,6 +17,7 @@ from abi.obstacles.triangle_mesh.mesh_reader import SUFFIXES, read
 from abi.obstacles.triangle_mesh.repair import clean
 from abi.robot.robot_files import robot_from_archive
 from abi.scene.scene import Scene
+from app.guard import reader as module
 from app.guard.reader import Limits, Reader, StoppedError
 from tests.abi import meshes
 from tests.abi.robot.robots import arm, packed
@@ -165,6 +166,42 @@ def test_what_is_not_wanted_any_more_is_not_waited_for(reader: Reader) -> None:
     stopped.set()
     with pytest.raises(StoppedError):
         reader.mesh(file_of(".stl"), "a.stl", stopped)
+
+
+def _occupied(monkeypatch: pytest.MonkeyPatch, limits: Limits | None = None) -> Reader:
+    """A reader that others' files keep busy for good."""
+    monkeypatch.setattr(module, "_LONG", 0.05)
+    reader = Reader(limits)
+    for owner in range(module._PROCESSES):
+        assert reader._places.wait(reader._places.queue(owner), 0)
+    return reader
+
+
+@pytest.mark.timeout(20)
+def test_a_file_that_waits_for_others_can_be_stopped_and_is_told_once(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    reader, stopped = _occupied(monkeypatch), threading.Event()
+    told: list[str] = []
+
+    def tell() -> None:
+        told.append("others first")
+        threading.Timer(0.3, stopped.set).start()
+
+    with pytest.raises(StoppedError):
+        reader.mesh(file_of(".stl"), "a.stl", stopped, tell)
+    assert told == ["others first"]
+    assert not reader._places._waiting
+
+
+@pytest.mark.timeout(20)
+def test_a_file_is_refused_when_others_are_read_for_too_long(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    reader = _occupied(monkeypatch, Limits(patience=0.2))
+    with pytest.raises(SceneError, match="the server reads fewer files"):
+        reader.scene(b"{}", "a.json")
+    assert not reader._places._waiting
 
 
 def test_the_process_can_open_and_write_no_file(reader: Reader) -> None:
