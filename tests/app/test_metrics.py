@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import os
 import re
+import sys
 import urllib.request
 from importlib.metadata import requires, version
+from pathlib import Path
 
 import pytest
 from prometheus_client import REGISTRY
@@ -45,6 +48,14 @@ def test_figures_follow_what_a_tab_does(server: Server, tab: tuple[FakeTab, Sess
     for stage in ("timing", "arm"):
         name = f"abi_stage_seconds_count {stage}"
         assert after[name] > before[name]
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux tells it")
+def test_memory_is_that_of_the_process() -> None:
+    metrics.text()
+    pages = int(Path("/proc/self/statm").read_text().split()[1])
+    resident = pages * os.sysconf("SC_PAGE_SIZE")
+    assert REGISTRY.get_sample_value("abi_memory_bytes") == pytest.approx(resident, rel=0.05)
 
 
 def test_a_stage_counts_once_for_each_time_it_ran() -> None:
