@@ -26,6 +26,7 @@ from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.obstacles.triangle_mesh.surface import Surface
 from abi.robot.robot import Robot
 from abi.robot.robot_files import load_robot
+from app.guard.process_memory import memory_in_all
 from app.guard.reader_process import READY, receive, send
 from app.guard.reading import Answer, Job
 from app.guard.reading_places import ReadingPlaces, Ticket
@@ -34,6 +35,7 @@ _log = logging.getLogger(__name__)
 _ROOT = Path(__file__).resolve().parents[2]
 _PROCESSES = 2
 """Files that are read at once, at most; others wait."""
+_MOST_MEMORY = 2_000_000_000
 _LOOK = 0.05
 """Seconds between two looks at whether a file is still wanted."""
 _LONG = 2.0
@@ -41,6 +43,15 @@ _LONG = 2.0
 _GRACE = 0.5
 """Seconds for a process to end by itself."""
 _SINGLE = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "NUMBA_NUM_THREADS")
+
+
+def reading_memory(memory: int | None) -> int:
+    """Bytes that one file may take, so that those read at once leave half of all to the server.
+
+    Args:
+        memory: [bytes] of the machine or the container; None where nobody tells.
+    """
+    return _MOST_MEMORY if memory is None else min(_MOST_MEMORY, memory // (2 * _PROCESSES))
 
 
 class Limits(NamedTuple):
@@ -53,7 +64,7 @@ class Limits(NamedTuple):
         patience: seconds that anybody waits for it, and for a place before.
     """
 
-    memory: int = 2_000_000_000
+    memory: int = reading_memory(memory_in_all())
     files: int = 0
     seconds: int = 20
     patience: float = 90.0

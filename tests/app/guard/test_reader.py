@@ -5,8 +5,10 @@ from __future__ import annotations
 import re
 import resource
 import signal
+import sys
 import threading
 from collections.abc import Iterator
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -202,6 +204,20 @@ def test_a_file_is_refused_when_others_are_read_for_too_long(
     with pytest.raises(SceneError, match="the server reads fewer files"):
         reader.scene(b"{}", "a.json")
     assert not reader._places._waiting
+
+
+def test_readers_leave_half_of_the_memory_to_the_server() -> None:
+    assert module.reading_memory(None) == module.reading_memory(64 * 10**9)
+    for memory in (10**9, 2 * 10**9, 3 * 10**9):
+        assert 2 * module._PROCESSES * module.reading_memory(memory) == memory
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere nothing is ended for want of memory")
+def test_the_reader_is_the_first_to_end_where_memory_runs_out(reader: Reader) -> None:
+    reader.mesh(file_of(".stl"), "a.stl")
+    (process,) = reader._idle
+    score = Path(f"/proc/{process._process.pid}/oom_score_adj").read_text()
+    assert int(score) == 1000
 
 
 def test_the_process_can_open_and_write_no_file(reader: Reader) -> None:
