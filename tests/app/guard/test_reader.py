@@ -127,6 +127,17 @@ def test_a_refusal_is_the_sentence_that_it_is_here(reader: Reader, name: str) ->
     assert not reader.faults
 
 
+@pytest.mark.parametrize("name", ["a.urdf", "scene.yaml"])
+def test_a_file_without_a_name_in_an_archive_is_passed_over(reader: Reader, name: str) -> None:
+    text = arm() if name == "a.urdf" else "version: 1"
+    content = packed({name: text, "x.txt": "nothing"}).replace(b"x.txt", b"\0.txt")
+    if name == "a.urdf":
+        assert reader.arm(content, "a.zip").links
+    else:
+        assert reader.scene(content, "a.zip") == ({"version": 1}, {})
+    assert not reader.faults
+
+
 def test_half_a_letter_and_a_huge_number_are_refused(reader: Reader) -> None:
     for content in (b'{"\\ud800": 1, "\\ud800": 2}', b"[" * 900 + b"]" * 900):
         with pytest.raises(SceneError):
