@@ -1,6 +1,6 @@
 """The hybrid ABI method: an optimal, smooth path for a robot's tool around obstacles.
 
-The six stages, in order; :mod:`abi.planner` runs them, :mod:`abi.scene` is their input:
+:mod:`abi.planner` runs the six stages in order; :mod:`abi.scene` is their input:
 
 1. :mod:`abi.tet_mesh`: tetrahedral mesh of the workspace, without the nodes in obstacles
 2. :mod:`abi.search`: graph of the free mesh
@@ -9,11 +9,10 @@ The six stages, in order; :mod:`abi.planner` runs them, :mod:`abi.scene` is thei
 5. :mod:`abi.curves`: quadratic with exact ends, and a motion in three phases
 6. :mod:`abi.arm`: inverse kinematics of the arm, and its motion
 
-Below them: :mod:`abi.obstacles` and distances to them, :mod:`abi.clearance` of curves and its
-certificates, and :mod:`abi.robot`, which reads the URDF files of arms. Beside them:
-:mod:`abi.verify` checks certificates in exact numbers, :mod:`abi.export` writes plans for other
-programs, :mod:`abi.sweep` makes many plans as a table, and :mod:`abi.paper` compares our results
-with those printed in the paper.
+They build on :mod:`abi.obstacles` (shapes and distances), :mod:`abi.clearance` (clearance of curves
+and its certificates) and :mod:`abi.robot` (URDF files). :mod:`abi.verify` checks certificates in
+exact arithmetic, :mod:`abi.export` writes plans for other programs, :mod:`abi.sweep` makes tables
+of many plans, and :mod:`abi.paper` compares our results with those printed in the paper.
 """
 
 from __future__ import annotations
@@ -62,9 +61,9 @@ _MODULES = {
 
 
 def __getattr__(name: str) -> object:
-    """The public name, imported when it is first asked for.
+    """Import a public name when it is first used.
 
-    What needs but an error or a file of the package does not wait for all of it.
+    A program that needs only an error class, say, does not wait for the whole package.
     """
     if name not in _MODULES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

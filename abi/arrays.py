@@ -1,4 +1,4 @@
-"""Array types of the package; arrays that stay as they are."""
+"""Array types of the package, and read-only arrays."""
 
 from __future__ import annotations
 
@@ -22,5 +22,5 @@ def read_only(array: _Array) -> _Array:
 
 
 def flat(array: NDArray[np.float64]) -> FloatArray:
-    """The numbers of ``array``, flat and read-only: the form that kernels take."""
+    """Return the numbers of ``array`` flat and read-only, as kernels take them."""
     return read_only(np.ascontiguousarray(array, dtype=np.float64).reshape(-1))

@@ -1,4 +1,4 @@
-"""Paths of the files that come with the package: scenes and arms."""
+"""Paths of the files that come with the package, such as scenes and arms."""
 
 from __future__ import annotations
 
@@ -9,6 +9,6 @@ _INSTALLED = _PACKAGE / "assets"
 
 
 def path(*parts: str) -> Path:
-    """Path of a shipped file; a checkout keeps them beside the package, a wheel inside it."""
+    """Path of a shipped file, beside the package in a checkout and inside it in a wheel."""
     root = _INSTALLED if _INSTALLED.is_dir() else _PACKAGE.parent / "assets"
     return root.joinpath(*parts)

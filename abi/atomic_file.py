@@ -12,12 +12,12 @@ from pathlib import Path
 def replace_file(path: Path, content: bytes) -> None:
     """Write ``content`` to ``path`` in one step; the old file stays whole on failure.
 
-    A file that was there keeps its permissions; a new one has those of any new file. What is there
-    and no file, such as ``/dev/stdout`` or a pipe, is written to as it is.
+    An existing file keeps its permissions; a new one has those of any new file. If ``path`` is no
+    regular file, such as ``/dev/stdout`` or a pipe, it is written to directly.
 
     Raises:
-        OSError: it cannot be written; nothing of it is left.
-        ValueError: the name can be no path.
+        OSError: it cannot be written; no temporary file is left.
+        ValueError: the name cannot be a path.
     """
     if path.exists() and not path.is_file():
         path.write_bytes(content)

@@ -1,8 +1,8 @@
 """Kernels: inner loops that run as plain Python until they are compiled.
 
-``@compiled(example=…)`` makes a kernel of a function and registers it; calls run the compiled form
-once there is one. :mod:`abi.compiling` compiles all kernels in the background of the first plan.
-Helpers that kernels share are decorated with numba's ``register_jitable``.
+``@compiled(example=…)`` turns a function into a kernel and registers it; calls run the compiled
+form as soon as there is one. :mod:`abi.compiling` compiles all kernels in the background of the
+first plan. Helpers that kernels share are decorated with numba's ``register_jitable``.
 """
 
 from __future__ import annotations
@@ -41,8 +41,8 @@ NEW_FLAGS = np.zeros(1, np.bool_)
 class Kernel(Generic[_P, _R]):
     """A function that numba compiles, callable before and after.
 
-    The compiled form is kept in numba's cache (``NUMBA_CACHE_DIR``), until the function changes or
-    one that it is compiled with; see :func:`abi.kernel_stamp.stamp`. It releases the interpreter's
+    The compiled form stays in numba's cache (``NUMBA_CACHE_DIR``) until the function, or one that
+    is compiled with it, changes; see :func:`abi.kernel_stamp.stamp`. It releases the interpreter's
     lock.
 
     Attributes:
@@ -82,7 +82,7 @@ class Kernel(Generic[_P, _R]):
 
     @property
     def cached(self) -> bool:
-        """Whether an earlier run kept the compiled form; False where numba does not tell."""
+        """Whether an earlier run cached the compiled form; False if numba does not say."""
         dispatcher = self._numba_dispatcher()
         try:
             key = dispatcher._cache._index_key(self._signature(), dispatcher.targetctx.codegen())
@@ -91,7 +91,7 @@ class Kernel(Generic[_P, _R]):
             return False
 
     def compile(self) -> None:
-        """Compile the function, or load its kept form; calls run compiled from then on."""
+        """Compile the function, or load its cached form; calls run compiled from then on."""
         with self.lock:
             if self.compiled or numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
                 return
@@ -157,8 +157,8 @@ def compiled(
 
     Args:
         example: arguments of the types that it will be called with; their values do not matter.
-        fallback: whether it runs as Python until it is compiled. Without, the first call waits for
-            the compiler: for a function that takes longer than that as Python.
+        fallback: whether it runs as Python until it is compiled. If not, the first call waits for
+            the compiler; use this for a function that would take longer as Python.
         options: further options of ``numba.njit``.
     """
     return partial(Kernel, example=example, fallback=fallback, options=options)

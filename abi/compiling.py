@@ -1,8 +1,8 @@
-"""Compilation of all kernels in the background, kept from one run to the next.
+"""Compilation of all kernels in the background, cached from one run to the next.
 
-Kernels that an earlier run has kept are loaded, in about a second. The others are compiled in
-processes of their own, so that neither the plans nor the end of the program wait for it, and loaded
-one by one as they come.
+Kernels that an earlier run has cached are loaded, which takes about a second. The others are
+compiled in separate processes, so that neither plans nor the end of the program have to wait, and
+are loaded one by one as they are ready.
 """
 
 from __future__ import annotations
@@ -106,7 +106,7 @@ class _Compilation:
         return kernel.compiled
 
     def _from_children(self, missing: list[Kernel[..., Any]]) -> None:
-        """Let other processes compile missing kernels, and load each when it is kept."""
+        """Let other processes compile missing kernels, and load each when it is cached."""
         # by module: its kernels share what they call, which a process compiles once
         modules: dict[str, list[str]] = {}
         for kernel in missing:
@@ -123,7 +123,7 @@ class _Compilation:
             thread.join()
 
     def _from_child(self, waiting: deque[list[str]]) -> None:
-        """Let another process compile one module's kernels after the other, until none waits."""
+        """Let another process compile the kernels, module by module, until none is left."""
         child = _start_child()
         if child is None:
             return
@@ -142,14 +142,14 @@ class _Compilation:
 
 
 def _next(waiting: deque[list[str]]) -> list[str] | None:
-    """Take the first, which other threads may do as well; None where none is left."""
+    """Take the first element, as other threads may, too; None if none is left."""
     with suppress(IndexError):
         return waiting.popleft()
     return None
 
 
 def _start_child() -> subprocess.Popen[str] | None:
-    """A process that compiles what it is told; None where none can be started."""
+    """Start a process that compiles the kernels it is told; None if that is not possible."""
     paths = [str(_PACKAGE.parent), os.environ.get("PYTHONPATH", "")]
     try:
         return subprocess.Popen(
@@ -175,7 +175,7 @@ _compilation = _Compilation()
 
 
 def all_kernels() -> list[Kernel[..., Any]]:
-    """Kernels of all modules, whether imported before or not."""
+    """Import all modules with kernels and return every kernel."""
     for module in pkgutil.walk_packages([str(_PACKAGE)], "abi."):
         if module.name.endswith("_kernels"):
             importlib.import_module(module.name)
@@ -183,13 +183,14 @@ def all_kernels() -> list[Kernel[..., Any]]:
 
 
 def compile(spare: int = 0) -> None:
-    """Compile all kernels and wait for it: a second if an earlier run did, else a minute or a few.
+    """Compile all inner loops and wait until that is done.
 
-    Plans are made without it too, slower at first: from the first one on kernels are compiled in
-    the background.
+    It takes about a second if an earlier run has cached them, otherwise one minute or a few. Plans
+    do not need it: from the first plan on the inner loops are compiled in the background, and until
+    they are ready they run as plain Python, with the same results.
 
     Args:
-        spare: number of processors that are left to others meanwhile.
+        spare: number of processors to leave to other programs meanwhile.
     """
     _compilation.spare = spare
     _compilation.begin()
@@ -208,14 +209,14 @@ def is_done() -> bool:
 
 
 def wait_for_loading() -> None:
-    """Wait until kernels that an earlier run kept are loaded; not for the compiler."""
+    """Wait until kernels that an earlier run cached are loaded, but not for the compiler."""
     if _compilation._thread is not None:
         _compilation.wanted.set()
         _compilation.loaded.wait()
 
 
 def compile_named() -> None:
-    """Compile the kernels named on the input, and print the name of each when it is kept.
+    """Compile the kernels named on standard input, and print the name of each once it is cached.
 
     The main function of the other processes, which end with the one that started them.
     """

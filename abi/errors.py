@@ -1,4 +1,4 @@
-"""Errors of the package.
+"""Exceptions of the package.
 
 ::
 
@@ -10,8 +10,8 @@
         ├── NoPath            no path joins start and goal on this mesh
         ├── ClearanceNotHeld  a curve could not be kept clear of the obstacles
         ├── OutOfReach        the paper's arm cannot follow the curve all the way
-        ├── NotFollowed       an arm that a URDF describes cannot
-        └── ArmNotClear       no motion was found whose whole arm keeps clear
+        ├── NotFollowed       an arm that a URDF describes cannot follow it
+        └── ArmNotClear       no motion was found on which the whole arm keeps clear
 """
 
 from __future__ import annotations
@@ -23,11 +23,16 @@ import numpy as np
 from abi.arrays import FloatArray, IntArray
 
 UNIT = " [unit]"
-"""Placeholder behind every length in a sentence, until the unit is known."""
+"""Placeholder after every length in a sentence, until the unit is known."""
 
 
 class AbiError(Exception):
-    """Base of every error of this package; ``str(error)`` is one sentence for a person."""
+    """Base class of all errors of this package; ``str(error)`` is one sentence for people.
+
+    Attributes:
+        message: what is wrong, in one sentence.
+        hint: what to try, in one sentence; empty if there is no advice.
+    """
 
     def __init__(self, message: str, hint: str = "") -> None:
         super().__init__(message)
@@ -36,12 +41,12 @@ class AbiError(Exception):
 
 
 class SceneError(AbiError):
-    """A scene field that is wrong.
+    """Error for a wrong field of a scene.
 
     Args:
-        field: its name, e.g. ``obstacles[0].size``.
+        field: name of the field, e.g. ``obstacles[0].size``.
         value: the value given.
-        expected: end of the sentence "expected …", naming a value that would work.
+        expected: end of the sentence "expected …", which says what would work.
     """
 
     def __init__(self, field: str, value: object, expected: str) -> None:
@@ -54,15 +59,15 @@ class SceneError(AbiError):
 
 
 class ExportError(AbiError):
-    """A plan that a file format cannot hold, or a file that cannot be written."""
+    """Error for a plan that a file format cannot hold, or a file that cannot be written."""
 
 
 class StageError(AbiError):
-    """A valid scene for which a stage has no result.
+    """Error of a stage that has no result for a valid scene; a plan keeps it in ``plan.error``.
 
     Args:
-        stage: the stage's name in the plan: mesh, graph, search, bspline, quadratic, timing, arm.
-        kind: a short identifier a script can compare.
+        stage: name of the stage: mesh, graph, search, bspline, quadratic, timing or arm.
+        kind: a short identifier that scripts can compare.
         message: one sentence on what is wrong.
         hint: one sentence on what to try.
     """
@@ -74,13 +79,13 @@ class StageError(AbiError):
         self.kind = kind
 
     def set_unit(self, unit: str) -> None:
-        """Put the unit behind the lengths in its sentences."""
+        """Write the unit after the lengths in message and hint."""
         self.message, self.hint = in_unit(self._sentences, unit)
         self.args = (self.message,)
 
 
 class PointBlocked(StageError):
-    """Start or goal lies inside an obstacle or nearer to it than the clearance.
+    """Error if start or goal is inside an obstacle or nearer to it than the clearance.
 
     Args:
         which: ``start`` or ``goal``.
@@ -116,7 +121,7 @@ class PointBlocked(StageError):
 
 
 class NoPath(StageError):
-    """Start and goal are not joined by free edges.
+    """Error if no free edges join start and goal.
 
     Args:
         reached: ids of the nodes that the start can reach, shape (k,).
@@ -138,7 +143,7 @@ class NoPath(StageError):
 
 
 class ClearanceNotHeld(StageError):
-    """A curve that could not be kept clear.
+    """Error for a curve that could not be kept clear of the obstacles.
 
     Args:
         clearance: the clearance required, [unit].
@@ -160,15 +165,15 @@ class ClearanceNotHeld(StageError):
 
 
 class OutOfReach(StageError):
-    """A stretch of the curve that the arm cannot reach.
+    """Error for a stretch of the curve that the arm cannot reach.
 
     Args:
         first: time of the first point out of reach, [s].
         last: time of the last point out of reach, [s].
         shortfall: the largest distance missing, [unit].
         too_near: True when the worst point is too near to the shoulder rather than too far.
-        slide: extension of the slide q5 by then and its limit, [unit], where it is past that: then
-            it makes the forearm too long, or too short.
+        slide: extension of the slide q5 at that time and its limit, [unit], if it is past the limit
+            and so makes the forearm too long or too short.
     """
 
     def __init__(
@@ -206,16 +211,17 @@ class OutOfReach(StageError):
 
 
 class ArmNotClear(StageError):
-    """No motion was found whose whole arm is proven clear; the tool alone has one.
+    """Error if no motion was found on which the whole arm is proven clear; the tool has one.
 
     Args:
-        branch: of the arm that it was sought on, as the beginning of a sentence.
-        where: ``start`` or ``goal``, where the arm is not clear at once; ``path`` where the mesh
-            has none, ``curve`` where no curve near the path is clear.
-        link: link that is in the way at start or goal; empty where that is out of reach.
-        obstacle: index of what it touches, from 0, or its name; None where out of reach.
-        sentences: other sentences than these tell.
-        has_elbow: whether the branches are the sides of an elbow.
+        branch: branch of the arm that was searched, as the beginning of a sentence.
+        where: ``start`` or ``goal`` if the arm is not clear there; ``path`` if the mesh has no
+            clear path; ``curve`` if no curve near the path is clear.
+        link: link that is in the way at start or goal; empty if the arm is out of reach there.
+        obstacle: index of what it touches, from 0, or its name; None if out of reach.
+        sentences: message to use instead of the one that follows from the other arguments.
+        has_elbow: whether the branches are the two sides of an elbow.
+        why: why start or goal cannot be taken, with joint, limit or distance, as a predicate.
     """
 
     def __init__(
@@ -226,6 +232,7 @@ class ArmNotClear(StageError):
         obstacle: int | str | None = None,
         sentences: str = "",
         has_elbow: bool = True,
+        why: str = "cannot take its pose within reach and limits",
     ) -> None:
         name = f"obstacle {obstacle + 1}" if isinstance(obstacle, int) else f"the {obstacle}"
         message = {
@@ -234,7 +241,7 @@ class ArmNotClear(StageError):
             "clear along any curve found near it.",
         }.get(where)
         if message is None:
-            fault = "cannot take its pose within reach and limits"
+            fault = why
             if obstacle is not None:
                 fault = f"touches {name} with its {link.replace('_', ' ')}"
             message = f"{branch}, the arm {fault} at the {where}."
@@ -256,28 +263,33 @@ class ArmNotClear(StageError):
     def of_all(
         cls, faults: Sequence[ArmNotClear], others: Sequence[ArmNotClear] = (), note: str = ""
     ) -> ArmNotClear:
-        """The faults of all branches as one; of first poses the one that got farthest tells.
+        """Combine the errors of all branches; for start poses, the one that got farthest counts.
 
         Args:
-            faults: of the branches, at least one.
-            others: of those with spare joints drawn elsewhere.
-            note: sentence on why there are none of these.
+            faults: errors of the branches, at least one.
+            others: errors of branches with redundant joints drawn elsewhere.
+            note: sentence on why there are no such branches.
         """
         order = ("start", "goal", "path", "curve")
         first = faults[0]
-        text = " ".join(fault.message for fault in faults)
+        text = " ".join(fault._sentences[0] for fault in faults)
         if not first.has_elbow:
             first = max((*faults, *others), key=lambda fault: order.index(fault.where))
             tried = f"{len(faults)} first poses were tried" if len(faults) > 1 else ""
             if others:
                 beside = ", and" if tried else "One first pose was tried, and"
                 tried += f"{beside} {len(others)} other ways to hold the arm"
-            text = " ".join(filter(None, (f"{tried}." if tried else "", first.message, note)))
+            text = " ".join(filter(None, (f"{tried}." if tried else "", first._sentences[0], note)))
         return cls(first.branch, first.where, first.link, first.obstacle, text, first.has_elbow)
+
+    def along_tool(self, touched: str) -> ArmNotClear:
+        """The same, and what the arm touches along the curve of the tool alone, as a sentence."""
+        text = f"{self._sentences[0]} Along the curve of the tool alone {touched}."
+        return ArmNotClear(self.branch, self.where, self.link, self.obstacle, text, self.has_elbow)
 
 
 class NotFollowed(StageError):
-    """A stretch of the curve that an arm of a URDF cannot follow.
+    """Error for a stretch of the curve that a URDF arm cannot follow.
 
     Args:
         first: time of the first point it misses, [s].
@@ -304,6 +316,6 @@ def format_length(length: float) -> str:
 
 
 def in_unit(sentences: tuple[str, str], unit: str) -> tuple[str, str]:
-    """Message and hint with ``unit`` behind every length, or without units where it is empty."""
+    """Message and hint with ``unit`` after every length, or without units if it is empty."""
     message, hint = (text.replace(UNIT, f" {unit}" if unit else "") for text in sentences)
     return message, hint

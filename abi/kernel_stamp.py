@@ -1,8 +1,8 @@
-"""Stamp of a kernel: a hash of its source, by which a kept compiled form is known to be current.
+"""Stamp of a kernel: a hash of its source that tells whether its cached compiled form is current.
 
 numba's own stamp is that of the kernel's file. But the functions that a kernel calls are compiled
-into it, and many of them are in other files; and other changes in its own file do not concern it.
-So this stamp is made from the function and all that it is compiled with.
+into it, and many of them are in other files; and most changes to its own file do not affect it.
+So this stamp is made from the function and everything that is compiled with it.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ def stamp(function: Callable[..., Any], options: str = "") -> str:
 
 
 def fields_of(example: Any) -> str:
-    """Names of the fields of named tuples among arguments: compiled, they are numbers."""
+    """Names of the fields of named tuples among arguments, which compiled code knows by number."""
     if not isinstance(example, tuple):
         return ""
     return repr((getattr(example, "_fields", ""), *map(fields_of, example)))

@@ -1,1 +1,1 @@
-"""The viser application: a tab's panels, layers and session, and the server."""
+"""The viser application: the server, and the session, panels and layers of each tab."""

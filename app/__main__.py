@@ -1,7 +1,7 @@
 """The ``abi`` command: serve the visualiser, or plan without a browser.
 
-Each command is a file in ``commands`` and imports what it needs when it runs: the method takes a
-second to load, the page loads meanwhile.
+Each command is a file in ``commands`` and imports what it needs when it runs, because the method
+takes a second to import and the page can load meanwhile.
 """
 
 from __future__ import annotations

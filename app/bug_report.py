@@ -1,4 +1,4 @@
-"""Text for a bug report: versions, the scene, the plan's times, and what went wrong."""
+"""Text of a bug report: versions, the scene, the plan's times, and what went wrong."""
 
 from __future__ import annotations
 

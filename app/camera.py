@@ -1,4 +1,4 @@
-"""Camera position until the user moves it: workspace and arm fill the picture."""
+"""Camera that shows workspace and arm as large as possible, until the user moves it."""
 
 from __future__ import annotations
 

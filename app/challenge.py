@@ -1,4 +1,4 @@
-"""Challenges: a scene, and a condition to be met by whoever opens the link."""
+"""Challenges: a scene, and a goal for whoever opens the link."""
 
 from __future__ import annotations
 
@@ -15,6 +15,8 @@ from app.lessons.lesson import Condition
 from app.lessons.measures import text, value
 
 _SHORTER, _FARTHER = 0.97, 0.2
+_COMPLETE = Condition(measure="plan.complete", at_least=1)
+_TOOL_COMPLETE = Condition(measure="plan.tool_complete", at_least=1)
 
 
 class Challenge(BaseModel):
@@ -52,13 +54,12 @@ def _shorter(frame: Frame) -> Challenge | None:
         return None
     most = float(f"{_SHORTER * length:.4g}")
     wording = f"make the arm's curve 3 % shorter: {most} {frame.plan.scene.unit} or less"
-    clear = Condition(measure="plan.complete", at_least=1)
-    return Challenge(text=wording, until=(Condition(measure="curve.length", at_most=most), clear))
+    return _with_arm(frame, wording, Condition(measure="curve.length", at_most=most))
 
 
 def _quadratic(frame: Frame) -> Challenge | None:
     condition = Condition(measure="quadratic.clear", at_least=1)
-    return Challenge(text="keep the quadratic clear of everything", until=(condition,))
+    return _with_arm(frame, "keep the quadratic clear of everything", condition)
 
 
 def _arm(frame: Frame) -> Challenge | None:
@@ -67,15 +68,26 @@ def _arm(frame: Frame) -> Challenge | None:
         return None
     least = float(f"{distance + _FARTHER:.3g}")
     wording = f"bring the whole arm {least} {frame.plan.scene.unit} or more from the obstacles"
-    reached = Condition(measure="plan.complete", at_least=1)
-    return Challenge(
-        text=wording, until=(Condition(measure="arm.clearance", at_least=least), reached)
-    )
+    condition = Condition(measure="arm.clearance", at_least=least)
+    return Challenge(text=wording, until=(condition, _COMPLETE))
 
 
 def _plan(frame: Frame) -> Challenge | None:
-    condition = Condition(measure="plan.complete", at_least=1)
-    return Challenge(text="find a plan", until=(condition,))
+    return _with_arm(frame, "find a plan")
+
+
+def _with_arm(frame: Frame, wording: str, *conditions: Condition) -> Challenge:
+    """The challenge, met by a plan whose whole arm is clear.
+
+    A scene that is planned for the tool alone, and whose arm goes through something, asks for the
+    tool alone, and says so: no arm may get through.
+    """
+    plan = frame.plan
+    touches = plan.arm_clearance is not None and bool(plan.arm_clearance.contacts)
+    if touches and not plan.scene.arm.avoid:
+        text = f"{wording} (for the tool alone, whatever the arm touches)"
+        return Challenge(text=text, until=(*conditions, _TOOL_COMPLETE))
+    return Challenge(text=f"{wording}, with the whole arm clear", until=(*conditions, _COMPLETE))
 
 
 GOALS: Mapping[str, Callable[[Frame], Challenge | None]] = MappingProxyType(

@@ -1,4 +1,4 @@
-"""A class: what its teacher shows to all tabs, and what they answer."""
+"""A class: what its teacher shows to all tabs, and what the tabs answer."""
 
 from __future__ import annotations
 

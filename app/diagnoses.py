@@ -1,4 +1,4 @@
-"""Diagnoses of plans, each made once for all tabs that show the plan."""
+"""Diagnoses of plans, each made only once for all tabs that show the plan."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Extent of what a plan shows: workspace, curve, and the whole arm over its motion."""
+"""Extent of a plan in space: workspace, curve, and the whole arm over its motion."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Formulas in Markdown: LaTeX between dollars, turned into MathML, which browsers draw."""
+"""Formulas in Markdown: LaTeX between dollar signs, converted to MathML for the browser."""
 
 from __future__ import annotations
 

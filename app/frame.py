@@ -1,4 +1,4 @@
-"""State of a tab's picture at one moment: the input of every layer and panel that draws."""
+"""Frame: the state of a tab's picture at one moment, which every layer and panel draws from."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ class Frame:
         outdated: whether a newer plan is being made.
         shown: names of the switches that are on.
         mesh_view: which part of the mesh to draw, of :data:`abi.search.subset.VIEWS`.
-        expanded_share: part of the chosen search's expansions to draw, 0 to 1.
+        visited: number of nodes to draw in the order in which the chosen search expanded them.
         theatre: the search that is stepped through; None while none is.
         bases: places tried for the arm's base; None while none are.
         time: since the begin of the motion, [s].
@@ -64,7 +64,7 @@ class Frame:
     outdated: bool = False
     shown: frozenset[str] = frozenset()
     mesh_view: str = "near"
-    expanded_share: float = 0.0
+    visited: int = 0
     theatre: Theatre | None = None
     bases: BaseMap | None = None
     time: float = 0.0

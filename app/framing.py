@@ -1,4 +1,4 @@
-"""Camera that sees given points in the part of its picture that nothing covers."""
+"""Camera that shows given points in the part of its picture that nothing covers."""
 
 from __future__ import annotations
 

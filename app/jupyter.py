@@ -1,4 +1,4 @@
-"""The visualiser in JupyterLab and JupyterHub, by jupyter-server-proxy: a tile in the launcher."""
+"""The tile in the launcher of JupyterLab and JupyterHub, through jupyter-server-proxy."""
 
 from __future__ import annotations
 

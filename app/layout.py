@@ -1,4 +1,4 @@
-"""Places on the page: panels, tabs and the stages' folders."""
+"""Layout of the page: panels, tabs and the stages' folders."""
 
 from __future__ import annotations
 

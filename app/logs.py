@@ -1,4 +1,4 @@
-"""The log: one event a line on standard error, its fields as ``name=value``."""
+"""The log: one event per line on standard error, with its fields as ``name=value``."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Looks of a new tab."""
+"""Look of a new tab: dark or light, plain, and with or without the demonstration."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Memory that is not used any more, given back to the system."""
+"""Return of unused memory to the system."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Triangles by which a mesh is drawn: all of them, or fewer where there are very many."""
+"""Triangles with which a mesh is drawn: all of them, or fewer if there are very many."""
 
 from __future__ import annotations
 

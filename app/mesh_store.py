@@ -1,8 +1,8 @@
-"""Uploaded meshes and arms by their content, kept past reloads and restarts of the server.
+"""Store of uploaded meshes and arms, which survive reloads and restarts of the server.
 
-A file's name here is the hash of what it holds: whoever has a link to a scene has it, nobody can
-guess it, and what two tabs upload is kept once. The folder is ``$ABI_STORE``, else one in the
-user's cache; the files used longest ago go once it is full, or takes half of its disk.
+A file's name here is the hash of its content: it is part of the link to a scene, nobody can guess
+it, and a file that two tabs upload is kept once. The folder is ``$ABI_STORE``, or else one in the
+user's cache; when it is full, or takes half of its disk, the least recently used files are removed.
 """
 
 from __future__ import annotations

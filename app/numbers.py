@@ -1,42 +1,33 @@
-"""Text of numbers on the page: lengths and distances look the same wherever they stand."""
+"""Text of numbers on the page, so that lengths and distances look the same everywhere."""
 
 from __future__ import annotations
 
 import math
 import re
 
-import numpy as np
-
 from abi.clearance.curve_clearance import Clearance
+from abi.planner.length_text import format_length, format_lower_bound, format_setting
+
+__all__ = [
+    "distance_to_show",
+    "format_count",
+    "format_excess",
+    "format_length",
+    "format_lower_bound",
+    "format_setting",
+    "format_time",
+    "unbroken",
+]
 
 _MILLION = 1_000_000
 _UNIT = re.compile(r"(?<=\d) (?=(?:[cm]?m|m?s|%)(?![a-zA-Z])(?![^<>]*>))")
 """Space between a number and its unit, not in a tag."""
 
 
-def format_length(length: float) -> str:
-    """A length in three decimals, in fewer from 100 on and in none from 1,000 on."""
-    return f"{length:,.{_decimals(length)}f}".replace("-", "−")
-
-
-def format_lower_bound(distance: float) -> str:
-    """A distance as a length, but rounded down, which leaves a lower bound one."""
-    shift = 10.0 ** _decimals(distance)
-    return format_length(math.floor(shift * distance + 1e-6) / shift)
-
-
 def format_excess(length: float, shortest: float, exact: bool) -> str:
     """Excess over the shortest length, [%]; rounded up where that is only a lower bound."""
     tenths = 1000 * max(length / shortest - 1, 0)
     return f"{(tenths if exact else math.ceil(tenths - 1e-6)) / 10:.1f} %"
-
-
-def format_setting(number: float) -> str:
-    """A number that was chosen, without trailing zeros."""
-    if abs(number) >= 10_000:
-        return f"{number:,.0f}"
-    text = np.format_float_positional(number, precision=4, fractional=False, trim="-")
-    return text.replace("-", "−")
 
 
 def format_count(count: int) -> str:
@@ -57,9 +48,3 @@ def unbroken(text: str) -> str:
 def distance_to_show(clearance: Clearance) -> float:
     """Distance of a curve to the obstacles as page and headings give it, [unit]."""
     return clearance.distance if clearance.certified else clearance.nearest
-
-
-def _decimals(length: float) -> int:
-    if not abs(length) < 1000:
-        return 0
-    return 3 if abs(length) < 100 else 1

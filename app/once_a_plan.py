@@ -1,4 +1,4 @@
-"""What is told and drawn of a plan, computed once for all tabs that show it."""
+"""Texts and drawings of a plan, computed once for all tabs that show it."""
 
 from __future__ import annotations
 

@@ -208,6 +208,11 @@ def notify_refusal(client: viser.ClientHandle, title: str, reason: str) -> None:
     client.add_notification(title, reason, color="red", auto_close_seconds=12)
 
 
+def notify_warning(client: viser.ClientHandle, title: str, reason: str) -> None:
+    """Notify the user of what is wrong with what was done."""
+    client.add_notification(title, reason, color="orange", auto_close_seconds=12)
+
+
 def notify_missing(client: viser.ClientHandle, files: Iterable[str]) -> None:
     """Notify the user of mesh files of a link that this server does not have."""
     names = ", ".join(files)

@@ -1,4 +1,4 @@
-"""Folding of the two panels: in a lecture, and on a page too narrow for them and the scene."""
+"""Folding of the two panels, in a lecture or on a page too narrow for them and the scene."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Pause of a tab: while there is no input, it does what takes longer than a frame."""
+"""Pause of a tab without input, in which it does what takes longer than a frame."""
 
 from __future__ import annotations
 
@@ -33,7 +33,6 @@ class Pause:
 
     Attributes:
         demo: of a new tab.
-        compiled: whether the plan has been made by compiled code.
     """
 
     def __init__(
@@ -46,7 +45,6 @@ class Pause:
     ) -> None:
         """Begin with nothing done; ``interrupted`` tells whether there is input again."""
         self.demo = Demo(panels.obstacles)
-        self.compiled = compiling.is_done()
         self._client, self._panels, self._planner = client, panels, planner
         self._interrupted = interrupted
         self._has_lights = has_lights
@@ -69,7 +67,7 @@ class Pause:
         if self.demo.running:
             return FRAME
         incomplete = frame.interactive or frame.partial or self._is_undiagnosed(frame.plan)
-        idle = self._has_lights and self.compiled and not incomplete and not self.demo.wanted
+        idle = self._has_lights and not incomplete and not self.demo.wanted
         bases = self._panels.stages.bases.timeout()
         rest = IDLE if idle else REST
         return rest if bases is None else min(bases, rest)
@@ -83,11 +81,7 @@ class Pause:
             return replace(frame)  # another frame, since the bases are drawn with it
         if not self._has_lights and self.seconds >= LIGHTS_DELAY:
             self._add_lights()
-        elif not self.compiled and compiling.is_done():
-            self.compiled = True
-            if frame.plan.error is None:
-                return replace(frame, plan=self._planner.begin_anew(scene), reason=None)
-        elif self.demo.wanted and self.compiled:
+        elif self.demo.wanted and compiling.is_done():
             self.demo.begin(scene)
         elif self._has_memory and self.seconds >= UNUSED:
             self._has_memory = False

@@ -1,4 +1,4 @@
-"""The plan before the hand moved, to compare the present one with."""
+"""The plan before a drag, for comparison with the present one."""
 
 from __future__ import annotations
 

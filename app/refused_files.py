@@ -1,4 +1,4 @@
-"""Files that a page does not send: the server would not take them, or it cannot read them."""
+"""Files that the page itself refuses: it cannot read them, or the server would not take them."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import viser
 
 from app import page
 from app.guard.messages import MAX_UPLOAD
-from app.panels.files import shown_name
+from app.panels.file_uploads import shown_name
 
 _REASONS = {
     "kind": "This button takes {kinds}.",

@@ -1,7 +1,7 @@
-"""Folders for as long as a process lives, also where that is killed.
+"""Temporary folders that last as long as their process, even if it is killed.
 
-Each holds a file that its process has locked, and the system unlocks once the process is gone,
-however it ended. Whoever starts next removes the folders that are not locked any more.
+Each contains a file that its process has locked, and that the system unlocks when the process ends
+in any way. The next process to start removes the folders that are no longer locked.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """The web server: one session for each connected tab.
 
-The page takes a second to load, and so does the method. What needs the method is imported where it
-is used, so that both load at once.
+The page takes a second to load, and so does the method. Code that needs the method imports it where
+it is used, so that both load at the same time.
 """
 
 from __future__ import annotations

@@ -312,7 +312,7 @@ class Session:
     def _follow(self, cue: Cue) -> bool:
         """Show what a lesson or a figure sets; whether there is another scene to plan."""
         if not self._demonstrated:
-            self.panels.history.note(self._scene)
+            self.panels.history.note(self.panels.step(self._scene))
         own = replace(self._state(), scene=self.panels.history.noted)
         before, self._scene = self._scene, cue.scene
         self._view.follow(cue, own)
@@ -368,7 +368,7 @@ class Session:
             self._complete()
             return
         if not self.panels.held:
-            self.panels.history.note(self._scene)
+            self.panels.history.note(self.panels.step(self._scene))
             self._view.viewpoint.follow()
         if self.frame.interactive:
             self._draw(replace(self.frame, interactive=False))

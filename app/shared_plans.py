@@ -1,4 +1,4 @@
-"""Plans that other tabs need, too: of the scenes that a teacher shows to all."""
+"""Plans that several tabs share, for the scenes that a teacher shows to all."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ from collections import deque
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from abi import compiling
 from abi.planner.plan import Plan
 from abi.scene.scene import Scene
 
@@ -26,14 +25,12 @@ class SharedPlan:
         plan: what came out.
         coarse: whether its mesh is coarser than the scene's.
         partial: whether it is, or some searches are left out.
-        compiled: whether compiled code has made it.
     """
 
     scene: Scene
     plan: Plan
     coarse: bool
     partial: bool
-    compiled: bool
 
 
 class SharedPlans:
@@ -45,15 +42,10 @@ class SharedPlans:
         self._claims: list[Scene] = []
 
     def find(self, scene: Scene, full: bool = False) -> SharedPlan | None:
-        """The plan of an equal scene, a ``full`` one if asked for; None for none.
-
-        One from before compilation does not count, once all code is compiled: its times would be
-        told as those of the searches.
-        """
+        """The plan of an equal scene, a ``full`` one if asked for; None for none."""
         with self._lock:
             plans = tuple(self._plans)
-        compiled = compiling.is_done()
-        usable = [one for one in plans if one.compiled == compiled and _equal(one.scene, scene)]
+        usable = [one for one in plans if _equal(one.scene, scene)]
         wanted = (one for one in usable if not (full and one.partial))
         return min(wanted, key=lambda one: one.partial, default=None)
 
@@ -61,7 +53,7 @@ class SharedPlans:
         """Keep a plan of ``scene`` for others, unless it is large."""
         if plan.mesh is None or len(plan.mesh.points) > _MAX_NODES:
             return
-        kept = SharedPlan(scene, plan, coarse, partial, compiling.is_done())
+        kept = SharedPlan(scene, plan, coarse, partial)
         with self._lock:
             self._plans.appendleft(kept)
 

@@ -1,7 +1,7 @@
-"""Colours, widths and names: one place, one colour for one thing, in scene, table and plots.
+"""Colours, widths and names: one colour for one thing, in scene, tables and plots.
 
-The colours keep apart for the common kinds of colour blindness and show on white and on near
-black; none of them carries a meaning alone (dashes, widths, signs and words go with them).
+The colours stay distinct for the common kinds of colour blindness and are visible on white and on
+near black; none carries a meaning alone (dashes, widths, signs and words go with them).
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ BSPLINE: Colour = (241, 73, 176)
 QUADRATIC: Colour = (85, 65, 222)
 TAUT: Colour = (14, 189, 226)
 TRACE: Colour = (99, 84, 111)
-MARK: Colour = (255, 90, 54)
+MARK: Colour = (201, 8, 246)
 OBSTACLE: Colour = (222, 128, 62)
 MESH: Colour = (120, 144, 172)
 EXCLUDED: Colour = (150, 96, 72)
@@ -31,7 +31,7 @@ JOINTS: tuple[Colour, ...] = (
     (192, 44, 158),
     (217, 24, 18),
 )
-AXES: tuple[Colour, ...] = ((214, 69, 65), (63, 163, 77), (58, 124, 222))
+AXES: tuple[Colour, ...] = ((184, 82, 85), (25, 161, 160), (131, 129, 205))
 CLOSED: Colour = (84, 110, 158)
 OPEN: Colour = (122, 190, 0)
 FADED: Colour = (150, 156, 163)

@@ -1,4 +1,4 @@
-"""Memory of a tab: what the page reports when it opens, and what it is to report next time."""
+"""Memory of a tab in the browser: what the page reports when it opens, and what it stores."""
 
 from __future__ import annotations
 

@@ -1,12 +1,15 @@
-"""Planner of one tab: its plans are counted, and those of a class shared."""
+"""Planner of one tab, which counts its plans and shares those of a class."""
 
 from __future__ import annotations
 
 import logging
 import time
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 
+from abi import compiling
 from abi.planner.live_planner import LivePlanner
+from abi.planner.node_budget import NodeBudget
 from abi.planner.plan import Plan
 from abi.scene.scene import Scene
 from app import metrics
@@ -21,6 +24,9 @@ LOGGED_MS = 1000.0
 class TabPlanner:
     """A :class:`LivePlanner` whose plans appear in metrics and log.
 
+    What ran before all code was compiled says nothing of the method: in a plan the times of such
+    stages are 0, and of such a plan that of the whole is.
+
     Attributes:
         live: the planner itself.
         processor_ms: time that the last plan took of the processor, [ms]; while many tabs plan at
@@ -32,6 +38,7 @@ class TabPlanner:
         self.live = LivePlanner(compile=False)
         self._tab = tab
         self._ms: Mapping[str, float] = {}
+        self._uncompiled: set[tuple[str, float]] = set()
         self.processor_ms = 0.0
 
     @property
@@ -68,17 +75,13 @@ class TabPlanner:
             shared.keep(scene, plan)
         return plan
 
-    def begin_anew(self, scene: Scene) -> Plan:
-        """Plan in full, with nothing kept from before: for the times of compiled code."""
-        self.live = LivePlanner(compile=False)
-        return self.finish(scene)
-
     def forget(self) -> None:
         """Give up what is kept only to plan faster."""
         self.live.forget()
 
     def _make(self, planner: Callable[[Scene], Plan], scene: Scene) -> Plan:
         """Plan, and count it."""
+        compiled = compiling.is_done()
         begin = time.thread_time()
         plan = planner(scene)
         self.processor_ms = 1e3 * (time.thread_time() - begin)
@@ -88,4 +91,18 @@ class TabPlanner:
             nodes = 0 if plan.mesh is None else len(plan.mesh.points)
             fields = {"tab": self._tab, "ms": plan.total_ms, "nodes": nodes}
             _log.info("slow plan", extra=fields)
-        return plan
+        return self._with_times(plan, compiled)
+
+    def _with_times(self, plan: Plan, compiled: bool) -> Plan:
+        """The plan with the times of what ran compiled, and without the others."""
+        if not compiled:
+            self._uncompiled.update(plan.ms.items())
+            self.live.budget = NodeBudget()  # nothing is to be learnt from them
+        if not self._uncompiled:
+            return plan
+        # a stage that has not run since still has the same time
+        ms = {
+            name: 0.0 if (name, took) in self._uncompiled else took
+            for name, took in plan.ms.items()
+        }
+        return replace(plan, ms=ms, total_ms=plan.total_ms if compiled else 0.0)

@@ -1,4 +1,4 @@
-"""State of a tab as a text: what a reload, another server or a link brings back."""
+"""State of a tab as text, from which a reload, another server or a link restores it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""View of one tab: panels, layers, playback and viewpoint, drawn and brought back as one."""
+"""View of one tab: panels, layers, playback and camera, drawn and restored as one."""
 
 from __future__ import annotations
 
@@ -192,7 +192,7 @@ class TabView:
             self._to_face = False
             self.viewpoint.restore(state.view)
         self.playback.restore(state.time, state.playing)
-        self.panels.history.begin(state.scene)
+        self.panels.history.begin(self.panels.step(state.scene))
         if state.before is not None:
             self.panels.figures.restore(state.figure)
             # of a lesson that this server does not have there is no end
@@ -201,11 +201,12 @@ class TabView:
 
     def mirror(self, own: Scene, state: TabState) -> None:
         """Show what another tab shows, instead of ``own``; what is so already is left alone."""
+        before = self.panels.step(own)
         self.panels.restore(state)
         self.viewpoint.mirror(state.scene, state.view)
         self._to_face &= state.view is None
         self.playback.follow(state.time, state.playing)
-        self.panels.history.follow(own, state.scene)
+        self.panels.history.follow(before, self.panels.step(state.scene))
 
     def follow(self, cue: Cue, before: TabState) -> None:
         """Show what a lesson or a figure sets.

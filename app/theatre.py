@@ -1,4 +1,4 @@
-"""Searches stopped at a step: what is shown of them, and the question "which node next?"."""
+"""Searches stopped at a step, and the question "which node next?"."""
 
 from __future__ import annotations
 

@@ -1,11 +1,11 @@
-"""Turns of the tabs at the interpreter: a hand's first, then what can wait a little.
+"""Turns of the tabs at the interpreter: drags first, then what can wait a little.
 
-Only one thread runs Python at a time. Thirty that all want to take it from each other every half
-millisecond, and it takes one that answers the network as long to get it back each time. In turns
-each tab's work is done in one go, and the others wait for it as long as they would anyhow.
+Only one thread runs Python at a time. Thirty of them would take it from each other every half
+millisecond, and the thread that answers the network would have to wait as long each time. With
+turns, each tab's work is done in one go, and the others wait no longer than they would anyway.
 
-Who asks says how long it can wait, and whose patience ends first is next. So nothing waits for
-ever behind those who are in a hurry, and those of equal patience come in the order of asking.
+Each request says how long it can wait, and the one whose patience ends first is next. So nothing
+waits for ever behind urgent requests, and equally patient ones are served in the order of asking.
 """
 
 from __future__ import annotations

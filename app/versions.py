@@ -1,4 +1,4 @@
-"""Versions that decide how the visualiser behaves: for ``abi --version`` and for bug reports."""
+"""Versions that affect how the visualiser behaves, for ``abi --version`` and bug reports."""
 
 from __future__ import annotations
 

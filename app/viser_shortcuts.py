@@ -1,7 +1,7 @@
-"""Shortcuts in viser 1.1.1, which takes long over what has not changed and what is plain data.
+"""Shortcuts in viser 1.1.1, which is slow with unchanged fields and with plain data.
 
-A tab sets some two hundred fields at each picture, most of them to what they are, and viser asks
-for the types of each. What is sent stays the same to the byte.
+A tab sets some two hundred fields for each picture, most of them to the values they have, and viser
+looks up the types of each. The bytes that are sent stay the same.
 """
 
 from __future__ import annotations

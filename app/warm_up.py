@@ -1,6 +1,6 @@
-"""What is loaded while the page is, and behind the first plan.
+"""Loading in the background, while the page loads and after the first plan.
 
-First what a tab's first picture needs, then the kernels, with a notice where that takes long, and
+First comes what a tab's first picture needs, then the kernels, with a notice if they take long, and
 the process that reads files.
 """
 

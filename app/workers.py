@@ -1,8 +1,8 @@
-"""More processes behind the same address: one interpreter uses no more than one core.
+"""Worker processes behind one address, since one interpreter uses no more than one core.
 
-Each is an ``abi serve`` of its own, but only the first listens and gives every new tab to the one
-that has the fewest (:mod:`app.guard.porter`). A tab needs no more than one connection and keeps its
-scene itself, so that any process can serve it, also after another has ended.
+Each is a separate ``abi serve``, but only the first one listens; it gives every new tab to the
+process that has the fewest (:mod:`app.guard.porter`). A tab needs only one connection and keeps its
+scene itself, so any process can serve it, also after another has ended.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The pages of the API reference: one a package, made from the folders of ``abi/``."""
+"""Pages of the API reference, one per package, made from the folders of ``abi/``."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import re
 from pathlib import Path
 
 _MARKUP = re.compile(r"(?<![`*:])(?<=\w)\*(?!\*)|(?<!`)\|(?!`)")
-"""What reST would take for markup: the star of A*, the bars of an absolute value."""
+"""Characters that reST would take for markup: the star of A*, the bars of an absolute value."""
 
 
 def write(package: Path, folder: Path) -> None:
@@ -51,7 +51,7 @@ def _summary(package: Path) -> str:
 
 
 def _keep(file: Path, title: str, names: list[str], summary: str = "") -> None:
-    """Write the page unless it is there: Sphinx reads anew what is newer than its memory."""
+    """Write the page unless it is up to date: Sphinx reads new files again."""
     parts = [title, "=" * len(title), "", summary, ""]
     for name in names:
         parts += [name, "-" * len(name), "", f".. automodule:: {name}", ""]

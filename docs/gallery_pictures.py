@@ -20,7 +20,7 @@ _drawn: list[Plan] = []
 
 
 def arguments(gallery_conf: dict[str, Any], script_vars: dict[str, Any]) -> list[str]:
-    """What an example gets on its command line: the one that serves a page is to end."""
+    """Command line of an example: the one that serves a page has to end."""
     return ["--once"] if "own" in Path(script_vars["src_file"]).name else []
 
 

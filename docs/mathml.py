@@ -1,4 +1,4 @@
-"""Formulas as MathML, which browsers draw by themselves: nothing is loaded from elsewhere."""
+"""Formulas as MathML, which browsers draw without loading anything."""
 
 from __future__ import annotations
 

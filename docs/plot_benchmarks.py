@@ -31,7 +31,7 @@ def plot(data: Path, folder: Path) -> None:
 
 
 def _frames(rows: list[Row]) -> Figure:
-    """Milliseconds of whole frames against nodes."""
+    """Milliseconds per frame against the number of nodes."""
     figure, axes = _axes("nodes", "milliseconds a frame")
     wanted = {"frame a_star": "ours, A*", "frame, scipy": "scipy", "frame, networkx": "networkx"}
     for method, label in {**wanted, "re-plan": "ours, all six stages"}.items():

@@ -2,7 +2,7 @@
 Your own scene
 ==============
 
-Describe a scene as plain data, save it as a file that can be edited, and plan what is read back.
+Describe a scene as plain data, save it as a file that you can edit, load it again and plan it.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ scene = abi.Scene.from_dict(
 )
 
 # %%
-# The file is YAML here and would be JSON with another ending. What is read back is the same scene.
+# The file is YAML here; with the ending ``.json`` it would be JSON. It loads as the same scene.
 with tempfile.TemporaryDirectory() as folder:
     file = Path(folder, "cell.yaml")
     scene.save(file)
@@ -39,7 +39,7 @@ with tempfile.TemporaryDirectory() as folder:
     assert abi.load_scene(file) == scene
 
 # %%
-# A mistake is one sentence that names the field, the value and what would work.
+# A mistake gives one sentence that names the field, the value and what would work.
 try:
     scene.replace(mesh={"pitch": "fine"})
 except abi.SceneError as error:

@@ -2,7 +2,7 @@
 Drag without a browser
 ======================
 
-Move an obstacle in small steps with a planner that keeps every stage whose input did not change.
+Move an obstacle in small steps; the planner reruns only the stages whose inputs have changed.
 """
 
 from __future__ import annotations
@@ -27,8 +27,8 @@ for step in range(12):
     )
 
 # %%
-# Only what lies downstream of a change runs again: a new speed leaves mesh, graph, searches and
-# curves as they are, and the plan holds the very same objects.
+# Only the stages that a change affects run again: after a new speed, mesh, graph, searches and
+# curves in the plan are the very same objects.
 faster = planner(plan.scene.replace(motion={"speed": 8}))
 assert faster.graph is plan.graph and faster.bspline is plan.bspline
 print(f"another speed alone: {faster.total_ms:.1f} ms")

@@ -31,8 +31,8 @@ print(f"networkx: {by_length:.4f} by length, {by_hops} hops at least")
 assert all(abs(found.length - by_length) < 1e-9 for found in plan.searches)
 
 # %%
-# Any other algorithm of networkx can be tried on the same graph. Betweenness says which nodes the
-# shortest paths squeeze through.
+# Any other algorithm of networkx can be tried on the same graph. Betweenness says through which
+# nodes many shortest paths pass.
 crowded = networkx.betweenness_centrality(theirs, k=20, weight="length", seed=1)
 node = max(crowded, key=lambda one: crowded[one])
 x, y, z = graph.points[node].tolist()

@@ -2,7 +2,7 @@
 An obstacle from an STL file
 ============================
 
-Make a ring with trimesh, give its STL to a scene and plan a path through the hole.
+Make a ring with trimesh, add its STL to a scene and plan a path through the hole.
 """
 
 from __future__ import annotations

@@ -2,7 +2,7 @@
 Certificates
 ============
 
-Look at the planes that prove a curve clear, check them in exact numbers, and see a forgery fail.
+Look at the planes that prove a curve clear, check them in exact arithmetic, and see a forgery fail.
 """
 
 from __future__ import annotations
@@ -28,14 +28,14 @@ for (first, last), obstacle, normal in list(
 print(f"  … {len(proof.obstacle)} planes in all")
 
 # %%
-# The JSON of a plan carries its certificates. The verifier shares no code with what made them and
-# decides each inequality in exact rational numbers.
+# The JSON of a plan contains its certificates. The verifier shares no code with the code that made
+# them, and decides each inequality in exact rational numbers.
 written = json.loads(json.dumps(plan.to_dict()))
 for verdict in verify(written):
     print(verdict)
 
 # %%
-# Move one control point and claim that nothing happened: the old planes do not prove the new curve.
+# Move one control point and keep the certificate: the old planes do not prove the new curve.
 written["bspline"]["control_points"][2][0] += 0.5
 verdict, *_ = verify(written)
 assert not verdict.proven

@@ -11,7 +11,7 @@ import abi
 from abi.planner.diagnosis import explain
 
 # %%
-# A scene without a plan is no exception: the plan ends early and holds the error.
+# A scene without a plan raises nothing: the plan ends early and contains the error.
 scene = abi.load_scene("wall-with-window").replace(spline={"clearance": 0.6})
 plan = abi.plan(scene)
 assert plan.error is not None
@@ -30,7 +30,7 @@ assert plan.error is None and plan.path is not None
 print(f"with {reason.change} there is a path of {plan.path.length:.3f} cm")
 
 # %%
-# Sometimes nothing helps but to take an obstacle away.
+# Sometimes only removing an obstacle helps.
 walled_in = abi.load_scene("no-way")
 reason = explain(walled_in, abi.plan(walled_in))
 assert reason is not None and reason.change is not None

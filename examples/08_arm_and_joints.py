@@ -22,7 +22,7 @@ for row in np.linspace(0, len(motion.time) - 1, 6).astype(int):
     print(f"{motion.time[row]:8.2f}  " + "  ".join(f"{q:7.3f}" for q in motion.positions[row]))
 
 # %%
-# The tool follows the curve: inverse kinematics and then forward kinematics come back to it.
+# The tool follows the curve: inverse and then forward kinematics lead back to its points.
 off = np.abs(motion.tool - motion.target).max()
 speed = np.linalg.norm(motion.velocity, axis=1)
 fastest = int(speed.argmax())
@@ -30,8 +30,8 @@ print(f"tool off the curve by {off:.1e} cm at most")
 print(f"fastest at {motion.time[fastest]:.2f} s with {speed[fastest]:.2f} cm/s, asked: 4")
 
 # %%
-# The paper's three phases ask the tool alone. Other motions keep the joints' limits, too, and the
-# gentler they are, the less a liquid in a cup tilts.
+# The paper's three phases consider only the tool. Other motions keep the joints' limits, too, and
+# the gentler they are, the less a liquid in a cup tilts.
 for law in ("three_phase", "slowed", "jerk_limited", "time_optimal"):
     other = abi.plan(scene.replace(motion={"law": law, "joint_acceleration": 2.0}))
     assert other.profile is not None and other.liquid_tilt is not None
@@ -39,7 +39,7 @@ for law in ("three_phase", "slowed", "jerk_limited", "time_optimal"):
     print(f"{law:12}  {other.profile.duration:5.2f} s, a liquid tilts by {tilt:.2f}°")
 
 # %%
-# The whole arm is looked at, too: every link in capsules, proven clear between the samples or not.
+# The whole arm is checked, too: every link, in capsules, is proven clear between samples or not.
 planner = abi.Planner()
 for elbow in ("up", "down"):
     plan = planner(scene.replace(arm={"elbow": elbow}))

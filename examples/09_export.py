@@ -20,8 +20,8 @@ folder = tempfile.TemporaryDirectory()
 print(f"{len(FORMATS)} formats: {', '.join(FORMATS)}")
 
 # %%
-# One row a sample: time [s], joints [rad], q5 and the tool's place [cm]. ``abi export forest --to
-# motion.csv`` does the same.
+# One row per sample: time [s], joints [rad], q5 and the tool's position [cm]. On the command line
+# ``abi export forest --to motion.csv`` does the same.
 table = Path(folder.name, "motion.csv")
 export(plan, table, "csv")
 with table.open(newline="", encoding="utf-8") as file:
@@ -36,7 +36,7 @@ points = json.loads(message.read_text(encoding="utf-8"))["points"]
 print(len(points), "points, the last at", points[-1]["time_from_start"])
 
 # %%
-# The JSON has what it takes to check it elsewhere: curves, certificates, the scene itself.
+# The JSON contains what is needed to check the plan elsewhere: curves, certificates and the scene.
 whole = Path(folder.name, "plan.json")
 export(plan, whole, "json")
 again = json.loads(whole.read_text(encoding="utf-8"))

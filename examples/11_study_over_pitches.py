@@ -2,7 +2,7 @@
 A study over pitches
 ====================
 
-Refine the mesh step by step and see what it buys: the taut path hardly depends on the pitch.
+Refine the mesh step by step and see what that gains: the taut path hardly depends on the pitch.
 """
 
 from __future__ import annotations
@@ -23,6 +23,6 @@ for pitch in (1.6, 1.3, 1.0, 0.8, 0.6, 0.5, 0.4):
     print(f"{pitch:5.2f}  {len(plan.mesh.points):6}  {columns}  {plan.total_ms:7.0f} ms")
 
 # %%
-# Past one convex obstacle the bound is no bound but the shortest length there is.
+# Past one convex obstacle the bound is the shortest possible length.
 assert plan.optimum is not None
 print(f"bound {plan.optimum.length:.6f} cm, exact: {plan.optimum.exact}")

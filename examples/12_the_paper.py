@@ -17,7 +17,7 @@ for verdict, count in Counter(one.verdict for one in found).items():
     print(f"{count:3} {verdict}")
 
 # %%
-# What is printed and does not hold, with what we find instead.
+# Printed statements that do not hold, and what we find instead.
 for one in found:
     if one.verdict == "does not hold":
         print(f"{one.section}, {one.subject}\n    printed: {one.printed}\n    ours:    {one.ours}")

@@ -23,5 +23,5 @@ for lattice in ("bcc", "kuhn", "delaunay"):
     )
 
 # %%
-# A path on edges can only go where edges go, so the lattice shows in its length. Pulled taut, the
+# A path on edges has only their directions, so its length depends on the lattice. Pulled taut, the
 # three agree.

@@ -2,7 +2,7 @@
 Where to put the arm
 ====================
 
-Try many places for the base, and take the one from which the way is shortest and proven clear.
+Try many places for the base, and take the one with the shortest path that is proven clear.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from __future__ import annotations
 import abi
 
 # %%
-# The arm of this scene stands behind a wall: the tool has a path, and the arm cannot follow it.
+# The arm of this scene stands behind a wall: the tool has a path, but the arm cannot follow it.
 scene = abi.load_scene("find-a-base")
 plan = abi.plan(scene)
 assert plan.error is not None

@@ -26,7 +26,7 @@ rows = sweep(study)
 print(f"{study.size} plans, of each {len(rows[0])} columns")
 
 # %%
-# One line for each combination, medians over the scenes. ``abi sweep`` does the same for a study
+# One line per combination, with medians over the scenes. ``abi sweep`` does the same for a study
 # file, on all cores, and draws it.
 for line in summary(rows, study.axes):
     gap, taut = line["path gap [%]"], line["taut gap [%]"]

@@ -8,7 +8,9 @@ Without a name: all of them. ``film`` is the moving one; see :mod:`tools.film`.
 from __future__ import annotations
 
 import argparse
+from collections.abc import Sequence
 from pathlib import Path
+from typing import NamedTuple
 
 from PIL import Image
 from playwright.sync_api import Browser
@@ -53,13 +55,39 @@ PAGES: dict[str, tuple[str, str | None]] = {
 """Scene and tab of the pictures that show the whole page."""
 BASES = "find-a-base"
 """The picture of the bases that were tried, and its scene."""
-KITCHEN = "kitchen-ur5e"
-"""The picture of an arm in the way, beside the plan that avoids with it, and its scene."""
+SHADOW = "arm-shadow"
+"""The picture of the positions that the arm forbids the tool."""
+SHADOWED = "two-boxes"
 
 
-def take(names: list[str], browser: Browser) -> None:
+class Pair(NamedTuple):
+    """Two pictures of one scene side by side: the tool's own plan, and one for the whole arm.
+
+    Attributes:
+        position, look_at: of the camera, [unit], world.
+        part: of the motion (0 to 1): where the arm is.
+        above, below: what is cut off there, [px].
+    """
+
+    position: tuple[float, float, float]
+    look_at: tuple[float, float, float]
+    part: float
+    above: int
+    below: int
+
+
+PAIRS: dict[str, Pair] = {
+    "kitchen-ur5e": Pair((1.7, -1.1, 1.15), (0.0, 0.3, 0.3), 0.5, _ABOVE, _BELOW),
+    "arm-in-the-way": Pair((-9.0, -6.5, 7.5), (3.0, 1.5, 2.6), 0.5, 120, 120),
+    "wrong-elbow": Pair((-12.5, -9.5, 8.0), (2.4, 0.8, 3.8), 0.5, 120, 120),
+}
+"""Pairs, by their scenes."""
+ALL = (*STAGES, *PAGES, BASES, *PAIRS, SHADOW, "film")
+
+
+def take(names: Sequence[str], browser: Browser) -> None:
     """Take these pictures, or all; each is written into :data:`FOLDER`."""
-    wanted = names or [*STAGES, *PAGES, BASES, KITCHEN, "film"]
+    wanted = names or ALL
     FOLDER.mkdir(exist_ok=True)
     if stages := [name for name in wanted if name in STAGES]:
         with visit(browser, stage_scene(), width=WIDE) as visited:
@@ -71,8 +99,11 @@ def take(names: list[str], browser: Browser) -> None:
             _keep(name, _page(browser, *PAGES[name]))
     if BASES in wanted:
         _keep(BASES, _bases(browser))
-    if KITCHEN in wanted:
-        _keep(KITCHEN, _kitchen(browser))
+    for name in wanted:
+        if name in PAIRS:
+            _keep(name, _pair(browser, name, PAIRS[name]))
+    if SHADOW in wanted:
+        _keep(SHADOW, _shadow(browser))
     if "film" in wanted:
         film.write(film.shoot(browser), FOLDER / "film.webp")
         print("film", flush=True)
@@ -114,24 +145,33 @@ def _page(browser: Browser, scene: str, tab: str | None) -> Image.Image:
         return visited.picture()
 
 
-def _kitchen(browser: Browser) -> Image.Image:
-    """Half-way: on the tool's shortest way, then with the whole arm clear."""
+def _pair(browser: Browser, scene: str, pair: Pair) -> Image.Image:
+    """The tool's own plan, and that for the whole arm."""
     taken = []
     for avoid in (False, True):
-        with visit(
-            browser, load_scene(KITCHEN).replace(arm={"avoid": avoid}), width=WIDE
-        ) as visited:
+        with visit(browser, load_scene(scene).replace(arm={"avoid": avoid}), width=WIDE) as visited:
             visited.hide_overlay()
             visited.show(*BASE, "bspline", "trace", "arm")
-            visited.look((1.7, -1.1, 1.15), (0.0, 0.3, 0.3))
-            visited.time(0.5)
+            visited.look(pair.position, pair.look_at)
+            visited.time(pair.part)
             taken.append(visited.picture(panels=False))
     half = taken[0].width // 2
-    whole = Image.new("RGB", (2 * half, taken[0].height - _ABOVE - _BELOW))
+    whole = Image.new("RGB", (2 * half, taken[0].height - pair.above - pair.below))
     for k, image in enumerate(taken):
-        middle = image.crop((half // 2, _ABOVE, half // 2 + half, image.height - _BELOW))
+        middle = image.crop((half // 2, pair.above, half // 2 + half, image.height - pair.below))
         whole.paste(middle, (k * half, 0))
     return whole
+
+
+def _shadow(browser: Browser) -> Image.Image:
+    """Where the obstacles do not let the tool be on account of the arm's links."""
+    with visit(browser, SHADOWED, width=WIDE) as visited:
+        visited.hide_overlay()
+        visited.show(*BASE, "bspline", "arm", "shadow")
+        visited.look((-6.4, -6.6, 6.4), (3.0, 0.7, 3.5))
+        visited.time(UNDERWAY)
+        scene = visited.picture(panels=False)
+        return scene.crop((0, MARGIN, scene.width, scene.height - MARGIN))
 
 
 def _bases(browser: Browser) -> Image.Image:
@@ -168,10 +208,10 @@ def main() -> None:
         "names",
         nargs="*",
         metavar="NAME",
-        help=", ".join([*STAGES, *PAGES, BASES, KITCHEN, "film"]),
+        help=", ".join(ALL),
     )
     names = parser.parse_args().names
-    if unknown := set(names) - {*STAGES, *PAGES, BASES, KITCHEN, "film"}:
+    if unknown := set(names) - set(ALL):
         parser.error(f"no picture {sorted(unknown)[0]!r}")
     abi.compile()
     with chromium() as browser:

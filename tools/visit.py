@@ -42,7 +42,8 @@ class Visit:
 
     def search(self, percent: int) -> None:
         """Colour the nodes that the search has looked at by then."""
-        self.session.panels.stages.search.shown.value = percent
+        slider = self.session.panels.stages.search.shown
+        slider.value = round(percent / 100 * slider.max)
         self.follow()
 
     def time(self, part: float) -> None:

@@ -1,4 +1,4 @@
-"""The paper's arm for the planner: its joints follow from formulas, on two elbow branches."""
+"""The paper's arm as the planner uses it: joints by formulas, on two elbow branches."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ _LONGER = 1.5
 
 @dataclass(frozen=True)
 class AbiCourse:
-    """Joints as a function of the distance along a curve, on one elbow branch."""
+    """Joint positions as a function of the distance along a curve, on one elbow branch."""
 
     curve: Curve
     arc: ArcLength
@@ -53,7 +53,7 @@ class AbiCourse:
 
     @property
     def scales(self) -> FloatArray:
-        """A limit of [rad/s²] in that unit, (3,)."""
+        """Factor from [rad/s²] to the unit of each joint, (3,)."""
         return np.ones(MOVED)
 
     def at(self, distances: FloatArray) -> FloatArray:
@@ -71,9 +71,9 @@ class AbiCourse:
         return trajectory.follow(self.curve, self.arc, profile, self.arm, self.settings, samples)
 
     def is_refuted(self, profile: PathProfile, around: Surroundings, required: float) -> bool:
-        """Whether a few poses show that the arm is not clear; where q5 slides, a try to prove it.
+        """Whether a few poses show that the arm is not clear.
 
-        That takes longer, and q5 of a pose would have to be computed first.
+        If q5 slides, a proof is tried instead, since q5 at a pose would have to be computed first.
         """
         slide = slide_bounds(self.curve, self.arc, profile, self.settings)
         elbow = self.settings.branches[0]
@@ -108,7 +108,7 @@ class AbiModel:
         self.arm = Arm.from_settings(settings, unit)
 
     def surroundings(self, obstacles: ObstacleSet, lowest: float) -> Surroundings:
-        """Obstacles, floor and column."""
+        """Surroundings of the arm: obstacles, floor and column."""
         return surroundings(self.arm, obstacles, lowest)
 
     def courses(
@@ -126,7 +126,7 @@ class AbiModel:
     def sights(
         self, scene: Scene, mesh: TetMesh, around: Surroundings, slack: float
     ) -> tuple[AbiSight, ...]:
-        """What legs, curves and nodes allow, on each elbow branch that may be taken."""
+        """One sight for each elbow branch that may be taken."""
         extensions, clearance = _extensions(scene), scene.arm.clearance
         return tuple(
             AbiSight(self.arm, elbow, around, extensions, clearance, slack, scene.arm)
@@ -136,13 +136,13 @@ class AbiModel:
     def other_sights(
         self, scene: Scene, mesh: TetMesh, around: Surroundings, slack: float
     ) -> OtherSights:
-        """Nothing else to try: an elbow has two sides."""
+        """No further sights: an elbow has only two sides."""
         return OtherSights(iter(()))
 
 
 @dataclass(frozen=True, eq=False)
 class AbiSight(ArmSight):
-    """Questions to the paper's arm, with the settings of its drives."""
+    """Sight of the paper's arm, with the settings of its drives."""
 
     settings: ArmSettings
 

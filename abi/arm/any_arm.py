@@ -1,4 +1,4 @@
-"""An arm as everything but the planner sees it: the paper's, or one that a URDF describes."""
+"""Common interface of the paper's arm and of URDF arms, for everything except the planner."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class AnyArm(Protocol):
 
     @property
     def base(self) -> FloatArray:
-        """Place where it stands, (3,), [unit], world."""
+        """Position of its base, (3,), [unit], world."""
 
     @property
     def unit(self) -> Literal["m", "cm", "mm"]:
@@ -59,7 +59,7 @@ class AnyArm(Protocol):
 
     @property
     def has_elbow(self) -> bool:
-        """Whether its branches are the two sides of an elbow."""
+        """Whether its branches are the two sides of its elbow."""
 
     def placed(self, positions: FloatArray) -> list[PlacedCapsule]:
         """Capsules of all links at joint positions (k, n)."""

@@ -27,13 +27,13 @@ from abi.obstacles.pose import METRES
 from abi.scene.settings import ArmSettings
 
 JOINTS = ("q1", "q2", "q3", "q4", "q5", "q6")
-"""Names of the joints, in the order of every array of positions."""
+"""Names of the joints, in the order of all arrays of joint positions."""
 
 SLIDES = tuple(name == "q5" for name in JOINTS)
 """Which joints slide."""
 
 STROKE = 0.8
-"""Longest extension q5, as a part of a4: the rest of the rod stays in its sleeve."""
+"""Longest extension q5 as a fraction of a4: the rest of the rod stays in its sleeve."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,7 +89,7 @@ class Arm:
         return np.asarray(self.base + np.array([0.0, 0.0, self.a1 + self.a2]))
 
     def numbers(self, elbow: Literal["up", "down"] = "up", spare: float = 0.0) -> ArmNumbers:
-        """The arm as its kernels take it.
+        """The arm in the format of its kernels.
 
         Args:
             elbow: its branch.
@@ -107,7 +107,7 @@ class Arm:
         )
 
     def table(self, elbow: Literal["up", "down"] = "up", spare: float = 0.0) -> ArmTable:
-        """The arm with its capsules as kernels take it; see :meth:`numbers`."""
+        """The arm and its capsules in the format of the kernels; see :meth:`numbers`."""
         return ArmTable(self.numbers(elbow, spare), self.capsule_rows)
 
     @cached_property
@@ -128,7 +128,7 @@ class Arm:
 
     @property
     def has_elbow(self) -> bool:
-        """Whether its branches are the two sides of its elbow: they are."""
+        """Whether its branches are the two sides of its elbow: True."""
         return True
 
     def placed(self, positions: FloatArray) -> list[PlacedCapsule]:

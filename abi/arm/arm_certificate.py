@@ -1,4 +1,4 @@
-"""Proofs that an arm's links keep clear while its tool runs along a curve.
+"""Proofs that the links of the paper's arm keep clear while its tool follows a curve.
 
 Theorem. Let a piece of the curve be within d of a point x, and the slide q5 within e of a number,
 so that every point of a capsule's segment a..b, as it is at x, moves by at most A d + B e
@@ -10,11 +10,11 @@ Proof. A point of the capsule is within its radius of one of the segment's, and 
 A d + B e of where it is at x; there n·y >= min(n·a, n·b), and for z in O n·z <= h(n).
 
 The piece lies in the convex hull of its Bézier points, so d is the largest distance of these from
-x. A pair of capsule and obstacle that no direction separates goes on with both halves of the piece.
-Of a triangle mesh one direction separates as many triangles as lie beyond it.
+x. If no direction separates a capsule from an obstacle, both halves of the piece are tried.
+One direction separates as many triangles of a mesh as lie beyond it.
 Rounding: the elbow is computed with errors of some 100 u S / sin q3, S being the largest
-coordinate; 2^-40 S (1 + 1 / sin q3) is asked for on top. :mod:`abi.verify.verify` checks the
-directions in exact numbers.
+coordinate; an extra 2^-40 S (1 + 1 / sin q3) is required. :mod:`abi.verify.verify` checks the
+directions in exact arithmetic.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ _SLIDE_PAD = 1e-3  # of its range, for the check's own coarser bounds
 
 @dataclass(frozen=True, eq=False)
 class ArmCertificate:
-    """Directions that keep every capsule clear of everything around, along a whole curve.
+    """Directions that prove every capsule clear of its surroundings along a whole curve.
 
     Attributes:
         margin: distance that the capsules keep from every obstacle, [unit]; inf without obstacles.
@@ -54,8 +54,8 @@ class ArmCertificate:
         obstacle: number of its obstacle, or of what :class:`Surroundings` has besides, shape (k,).
             From a triangle mesh it separates some of the triangles.
         directions: unit vectors towards the capsule, shape (k, 3), world.
-        positions: where parameters count joint positions that the joints go straight between,
-            these, shape (m, n), [rad] or [unit]; None where they are the curve's.
+        positions: joint positions that the parameters count, shape (m, n), [rad] or [unit], with
+            straight motion between them; None if the parameters are the curve's.
     """
 
     margin: float
@@ -73,9 +73,9 @@ class ArmRefutation:
 
     Attributes:
         parameter: where on the curve.
-        capsule: number of the capsule, -1 where the arm does not reach the place.
+        capsule: number of the capsule, -1 if the arm does not reach the point.
         obstacle: number of the obstacle, or of what :class:`Surroundings` has besides.
-        decided: whether it is nearer than the margin there, or out of reach.
+        decided: whether it is certain to be nearer than the margin there, or out of reach.
     """
 
     parameter: float
@@ -102,7 +102,7 @@ def certify_arm(
         elbow: its branch.
         around: obstacles, floor and column.
         margin: distance to prove from obstacles, at least 0, [unit].
-        most_tries: of a capsule and an obstacle; None for as many as a proof may need.
+        most_tries: pairs of a capsule and an obstacle to try at most; None for the default limit.
     """
     pieces = curve.bezier()
     room = np.zeros(3 * (len(pieces.points) + 2 * MOST_HALVINGS + 2) * (pieces.degree + 1))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
 from typing import Literal, NamedTuple
@@ -71,7 +71,7 @@ class ArmClearance:
         link: name of the link that is nearest then; empty without obstacles.
         obstacle: number of that obstacle, -1 without obstacles.
         contacts: what touches what, the deepest first.
-        certificate: the proof of ``distance``, and that nothing else is touched; None without.
+        certificate: proof of ``distance``, and that nothing else is touched; None if there is none.
     """
 
     elbow: Literal["up", "down"]
@@ -86,11 +86,16 @@ class ArmClearance:
 
     @property
     def certified(self) -> bool:
-        """Whether it is proven that the whole arm keeps the required distance all the time."""
+        """Whether the whole arm is proven to keep the required distance at all times."""
         return self.certificate is not None and self.certificate.margin >= self.required
 
+    @property
+    def is_too_near(self) -> bool:
+        """Whether a sample's links are nearer to an obstacle than required."""
+        return bool(self.distances.min(initial=math.inf) < self.required)
+
     def touching(self, time: float) -> frozenset[str]:
-        """Names of the links that touch something at a time, [s], or are touched."""
+        """Names of the links that touch something, or each other, at a time [s]."""
         now = [one for one in self.contacts if one.first <= time <= one.last]
         links = {contact.link for contact in now}
         return frozenset(links | {one.obstacle for one in now if isinstance(one.obstacle, str)})
@@ -103,7 +108,7 @@ def arm_clearance(
     around: Surroundings,
     required: float,
 ) -> ArmClearance:
-    """Measure how clear an arm stays, and prove as much of it as possible.
+    """Measure the clearance of an arm along its motion, and prove as much of it as possible.
 
     Args:
         motion: its motion.
@@ -115,8 +120,8 @@ def arm_clearance(
     ends = place(arm, motion.positions)
     own = _measured(ends, arm, around.only(around.numbers < 0), _TOUCH)
     solid = _measured(ends, arm, around.only((around.numbers >= 0) & (around.meshes < 0)))
-    for number, mesh in zip(obstacles.mesh_numbers.tolist(), obstacles.meshes, strict=True):
-        solid = _nearer(solid, _to_mesh(ends, arm, mesh, float(solid.distance.min())), number)
+    if obstacles.meshes:
+        solid = _with_meshes(solid, ends, arm, obstacles)
     contacts = _contacts(motion.time, own, arm) + _contacts(motion.time, solid, arm)
     contacts = tuple(sorted(contacts, key=_depth, reverse=True))
     least = solid.distance.min(axis=1)
@@ -141,15 +146,20 @@ def arm_clearance(
     )
 
 
+def is_clear(motion: ArmMotion, clearance: ArmClearance) -> bool:
+    """Whether the whole arm is proven clear all along a motion, within reach and limits."""
+    return motion.reachable and motion.within_limits and clearance.certified
+
+
 def best_proof(
     certify: Callable[[float], ArmCertificate | ArmRefutation],
     measured: float,
     required: float,
     rows: int,
 ) -> ArmCertificate | None:
-    """Proof of the largest of some distances below the measured one; None where there is none.
+    """Prove the largest possible of a few distances below the measured one; None if none holds.
 
-    Among very many rows, as near large triangle meshes, no more is proven than is asked for.
+    With very many rows, as near large triangle meshes, only the required distance is proven.
 
     Args:
         certify: proves a distance.
@@ -197,38 +207,60 @@ def _measured(
     return _Measured(distance, around.numbers[row])
 
 
-def _to_mesh(ends: FloatArray, arm: Arm, mesh: MeshShape, best: float) -> FloatArray:
-    """Distances of capsules (m, c) to a mesh, [unit]; inf of those that cannot count."""
-    shape = ends.shape[:2]
-    radii = np.broadcast_to([capsule.radius for capsule in arm.capsules], shape)
-    lower, upper = (bound.reshape(*shape, 2) for bound in mesh.distance_bounds(ends.reshape(-1, 3)))
-    lengths = np.linalg.norm(ends[:, :, 1] - ends[:, :, 0], axis=2)
+def _with_meshes(solid: _Measured, ends: FloatArray, arm: Arm, obstacles: ObstacleSet) -> _Measured:
+    """The nearer of convex solids and meshes, for capsules with these ends (m, c, 2, 3)."""
+    shape = solid.distance.shape
+    radii = np.broadcast_to([capsule.radius for capsule in arm.capsules], shape).ravel()
+    starts, stops = ends[:, :, 0].reshape(-1, 3), ends[:, :, 1].reshape(-1, 3)
+    distance, number = solid.distance.ravel().copy(), solid.number.ravel().copy()
+    for k, mesh, rows in _within_reach(starts, stops, radii, obstacles, float(distance.min())):
+        away = _to_mesh(starts[rows], stops[rows], radii[rows], mesh, float(distance.min()))
+        nearer = away < distance[rows]
+        distance[rows[nearer]], number[rows[nearer]] = away[nearer], k
+    return _Measured(distance.reshape(shape), number.reshape(shape))
+
+
+def _within_reach(
+    starts: FloatArray, ends: FloatArray, radii: FloatArray, obstacles: ObstacleSet, best: float
+) -> Iterator[tuple[int, MeshShape, IntArray]]:
+    """Meshes whose boxes let them touch a capsule, or be nearer than ``best``; and the capsules.
+
+    Of many meshes most are far from an arm, and a look at their boxes costs less than at each.
+
+    Yields:
+        Number of a mesh, the mesh, and rows of the capsules.
+    """
+    if len(obstacles.meshes) > 1:
+        enough = float((obstacles.most_to_mesh(starts) - radii).min())
+        best = min(best, enough)
+    return obstacles.near_meshes(starts, ends, max(best, 0.0) + radii)
+
+
+def _to_mesh(
+    starts: FloatArray, ends: FloatArray, radii: FloatArray, mesh: MeshShape, best: float
+) -> FloatArray:
+    """Distances of capsules (n,) to a mesh, [unit]; inf of those that cannot count."""
+    count = len(starts)
+    both = np.concatenate([starts, ends])
+    lower, upper = (bound.reshape(2, count) for bound in mesh.distance_bounds(both))
+    lengths = np.linalg.norm(ends - starts, axis=1)
     # the distance is 1-Lipschitz: only capsules that could touch, or be nearest, are measured
-    bound = (lower.sum(axis=2) - lengths) / 2 - radii
-    reached = upper.min(axis=2) - radii
+    bound = (lower.sum(axis=0) - lengths) / 2 - radii
+    reached = upper.min(axis=0) - radii
     near = bound <= max(0.0, min(best, float(reached.min())))
-    found = np.full(shape, np.inf)
+    found = np.full(count, np.inf)
     # first the likely nearest, then what touches or is nearer still
-    first = min(_FIRST, reached.size) - 1
-    likely = near & (reached <= np.partition(reached, first, axis=None)[first])
+    first = min(_FIRST, count) - 1
+    likely = near & (reached <= np.partition(reached, first)[first])
     most = math.inf
     for rows in (likely, near & ~likely):
         rows = rows & (bound <= most)
         if rows.any():
             limits = most + radii[rows]
-            away = mesh.segment_distance(ends[rows, 0], ends[rows, 1], limits)
+            away = mesh.segment_distance(starts[rows], ends[rows], limits)
             found[rows] = np.where(away < limits, away - radii[rows], np.inf)
             most = max(float(found.min()), 0.0) + _TOUCH
     return found
-
-
-def _nearer(measured: _Measured, distance: FloatArray, number: int) -> _Measured:
-    """The nearer of what was measured and one more obstacle."""
-    nearer = distance < measured.distance
-    return _Measured(
-        np.where(nearer, distance, measured.distance),
-        np.where(nearer, np.int32(number), measured.number),
-    )
 
 
 def _contacts(time: FloatArray, measured: _Measured, arm: Arm) -> tuple[Contact, ...]:
@@ -256,7 +288,7 @@ def _depth(contact: Contact) -> float:
 
 
 def named(number: int, arm: AnyArm) -> int | str:
-    """An obstacle's number, or the name of what else is around an arm."""
+    """Number of an obstacle, or name of another part of an arm's surroundings."""
     if number >= 0:
         return number
     return "floor" if number == FLOOR else arm.capsules[-number - 2].link

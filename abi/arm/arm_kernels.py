@@ -1,4 +1,4 @@
-"""Kinematics of the arm along a path, forward and inverse."""
+"""Forward and inverse kinematics of the paper's arm along a path."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Looks of the ABI arm: the solids of its links, sized by its link lengths.
+"""Solids with which the paper's arm is drawn, sized by its link lengths.
 
 A pedestal carries a turret with a fork; the upper arm tapers from the shoulder to the elbow; a
 second fork carries the sleeve of the forearm, in which a rod slides with a wrist and a gripper.

@@ -11,6 +11,7 @@ from abi.arm.arm_clearance import ArmClearance
 from abi.arm.leg_kernels import ArmLegs
 from abi.arm.surroundings import Surroundings
 from abi.arm.trajectory import ArmMotion
+from abi.arm.unreached import Unreached
 from abi.arrays import BoolArray, FloatArray
 from abi.curves.bspline import BSpline
 from abi.curves.curve import ArcLength, Curve
@@ -23,7 +24,7 @@ from abi.tet_mesh.tet_mesh import TetMesh
 
 
 class Course(Protocol):
-    """Joints of an arm along a curve, on one of its branches."""
+    """Joint positions of an arm along a curve, on one of its branches."""
 
     @property
     def curve(self) -> Curve:
@@ -39,7 +40,7 @@ class Course(Protocol):
 
     @property
     def scales(self) -> FloatArray:
-        """A limit of [rad/s²] or [m/s²] in the unit of each joint, (n,)."""
+        """Factor from [rad/s²] or [m/s²] to the unit of each joint, (n,)."""
 
     def at(self, distances: FloatArray) -> FloatArray:
         """Positions of these joints at distances (k,) along the curve, (k, n)."""
@@ -48,7 +49,7 @@ class Course(Protocol):
         """The motion by a profile, at uniform times."""
 
     def is_refuted(self, profile: PathProfile, around: Surroundings, required: float) -> bool:
-        """Whether it shows at once that the arm is not clear; False where that takes long."""
+        """Whether a quick test shows that the arm is not clear; False if that would take long."""
 
     def clearance(
         self, motion: ArmMotion, obstacles: ObstacleSet, around: Surroundings, required: float
@@ -61,13 +62,13 @@ class Places(Protocol):
 
     @property
     def key(self) -> tuple[object, ...]:
-        """All that they depend on, beside the obstacles."""
+        """Everything that they depend on, except the obstacles."""
 
     def reached(self, points: FloatArray) -> BoolArray:
-        """Nodes (n, 3) of the mesh that the arm reaches, clear of floor and itself, (n,)."""
+        """Whether the arm reaches nodes (n, 3) of the mesh, clear of the floor and itself, (n,)."""
 
     def touching(self, points: FloatArray, number: int, reached: BoolArray) -> BoolArray:
-        """Nodes (n, 3) at which the arm touches an obstacle, or nearly, of those reached (n,).
+        """Whether the arm touches, or nearly touches, an obstacle at nodes (n, 3), (n,).
 
         Args:
             points: the nodes, [unit], world.
@@ -77,7 +78,7 @@ class Places(Protocol):
 
 
 class Sight(Places, Protocol):
-    """Questions to an arm on one branch; see :class:`abi.arm.arm_sight.ArmSight`."""
+    """What an arm allows its tool on one branch; see :class:`abi.arm.arm_sight.ArmSight`."""
 
     @property
     def branch(self) -> str:
@@ -85,33 +86,36 @@ class Sight(Places, Protocol):
 
     @property
     def legs(self) -> ArmLegs | None:
-        """Surroundings of legs for compiled loops; None where these do not know the arm."""
+        """Surroundings of straight legs for compiled loops; None if these do not know the arm."""
 
     def refutation(self, curve: BSpline | Quadratic) -> ArmRefutation | None:
-        """Place of a curve at which the arm is not proven clear; None for a clear curve."""
+        """Find where on a curve the arm is not proven clear; None if it is clear throughout."""
 
     def leg_refutation(self, points: FloatArray) -> ArmRefutation | None:
-        """The same of a polyline (k, 3), k >= 1; parameter k is its vertex k."""
+        """As :meth:`refutation`, for a polyline (k, 3), k >= 1; parameter k is its vertex k."""
+
+    def unreached(self, point: FloatArray) -> Unreached | None:
+        """Why the arm does not take its pose at a place (3,); None where that is not known."""
 
     def clear_legs(self, points: FloatArray) -> BoolArray:
-        """Legs (k - 1,) of a polyline (k, 3), k >= 2, on which the arm is proven clear."""
+        """Whether the arm is proven clear on each leg (k - 1,) of a polyline (k, 3), k >= 2."""
 
     def course(self, curve: Curve, arc: ArcLength) -> Course:
         """The joints along a curve."""
 
     def wider(self, times: float) -> Self:
-        """The same with so many times the distance that legs keep beyond the clearance."""
+        """A copy whose legs keep ``times`` the distance beyond the clearance."""
 
     def patient(self, times: int) -> Self:
-        """The same with so many times the tries to prove a leg clear."""
+        """A copy with ``times`` as many tries to prove a leg clear."""
 
 
 class OtherSights(NamedTuple):
     """Further sights, tried where no branch leads to a motion.
 
     Attributes:
-        sights: made one by one when they are asked for.
-        note: sentence on why there are none; empty where it is not known.
+        sights: an iterator, which makes each one on demand.
+        note: sentence on why there are none; empty if that is not known.
     """
 
     sights: Iterator[Sight]
@@ -119,14 +123,14 @@ class OtherSights(NamedTuple):
 
 
 class ArmModel(Protocol):
-    """An arm, and how its joints are found: by formulas, or by damped least squares."""
+    """An arm and its inverse kinematics, by formulas or by damped least squares."""
 
     @property
     def arm(self) -> AnyArm:
         """The arm."""
 
     def surroundings(self, obstacles: ObstacleSet, lowest: float) -> Surroundings:
-        """Everything around it, above a floor no higher than ``lowest``, [unit]."""
+        """Surroundings of the arm, above a floor no higher than ``lowest``, [unit]."""
 
     def courses(
         self,
@@ -136,12 +140,12 @@ class ArmModel(Protocol):
         obstacles: ObstacleSet,
         around: Surroundings,
     ) -> Sequence[Course]:
-        """Its joints along a curve, on each branch that may be taken, the preferred first."""
+        """Joint positions along a curve on each branch that may be taken, the preferred first."""
 
     def sights(
         self, scene: Scene, mesh: TetMesh, around: Surroundings, slack: float
     ) -> Sequence[Sight]:
-        """Questions to it on each branch that may be taken.
+        """One sight for each branch that may be taken.
 
         Args:
             scene: the scene.
@@ -153,4 +157,4 @@ class ArmModel(Protocol):
     def other_sights(
         self, scene: Scene, mesh: TetMesh, around: Surroundings, slack: float
     ) -> OtherSights:
-        """Questions to it on further branches, after :meth:`sights`; arguments as there."""
+        """Sights on further branches, with the arguments of :meth:`sights`."""

@@ -1,7 +1,8 @@
-"""Places, legs and curves that an arm allows its tool on one elbow branch."""
+"""Tool positions, segments and curves that the paper's arm allows on one elbow branch."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Literal, Self
@@ -9,13 +10,15 @@ from typing import Literal, Self
 import numpy as np
 
 from abi.arm import leg_kernels, mask_kernels
-from abi.arm.arm import Arm
+from abi.arm.arm import JOINTS, Arm
 from abi.arm.arm_certificate import ArmCertificate, ArmRefutation, certify_arm
+from abi.arm.inverse_kinematics import solve
 from abi.arm.leg_kernels import MOST_TRIES, ArmLegs
 from abi.arm.pose_kernels import ArmTable
 from abi.arm.separate_arm_kernels import UNREACHED, Slide, separate_arm
 from abi.arm.surroundings import Surroundings
 from abi.arm.surroundings_kernels import Obstacles
+from abi.arm.unreached import Unreached
 from abi.arrays import BoolArray, FloatArray, flat, read_only
 from abi.clearance.bezier import PolynomialCurve
 from abi.clearance.separation_kernels import CERTIFIED, MOST_HALVINGS, REFUTED
@@ -26,7 +29,7 @@ _SPARE = 0.01
 
 @dataclass(frozen=True, eq=False)
 class ArmSight:
-    """Questions to an arm on one elbow branch, with its slide anywhere in a range.
+    """What the paper's arm allows its tool on one elbow branch, with its slide in a range.
 
     Attributes:
         arm: the arm.
@@ -34,9 +37,9 @@ class ArmSight:
         around: obstacles, floor and column.
         extensions: least and greatest q5 while it moves, [unit].
         clearance: distance that its links keep from obstacles, [unit].
-        slack: distance that legs and places keep beyond that, so that a curve may round them,
+        slack: distance that legs and nodes keep beyond that, so that a curve may round them,
             [unit].
-        most_tries: of a capsule and an obstacle, to prove a leg or a place.
+        most_tries: pairs of a capsule and an obstacle to try, to prove a leg or a node clear.
     """
 
     arm: Arm
@@ -54,26 +57,26 @@ class ArmSight:
 
     @property
     def key(self) -> tuple[object, ...]:
-        """All that the excluded places depend on, beside the obstacles."""
+        """Everything that the excluded nodes depend on, except the obstacles."""
         return self.arm, self.elbow, self.extensions, self.clearance, self.slack
 
     def wider(self, times: float) -> Self:
-        """The same with so many times the slack."""
+        """A copy with ``times`` the slack."""
         return replace(self, slack=times * self.slack)
 
     def patient(self, times: int) -> Self:
-        """The same with so many times the tries."""
+        """A copy with ``times`` as many tries."""
         return replace(self, most_tries=times * self.most_tries)
 
     def refutation(self, curve: PolynomialCurve) -> ArmRefutation | None:
-        """Place of a curve at which the arm is not proven clear; None for a clear curve."""
+        """Find where on a curve the arm is not proven clear; None if it is clear throughout."""
         result = certify_arm(
             *(curve, self._slide(curve), self.arm, self.elbow, self.around, self.clearance)
         )
         return None if isinstance(result, ArmCertificate) else result
 
     def leg_refutation(self, points: FloatArray) -> ArmRefutation | None:
-        """The same of a polyline (k, 3), k >= 1, [unit], world; parameter k is its vertex k."""
+        """As :meth:`refutation`, for a polyline (k, 3), [unit]; parameter k is its vertex k."""
         vertices = points if len(points) > 1 else np.repeat(points, 2, axis=0)
         count = len(vertices) - 1
         legs = np.stack([vertices[:-1], vertices[1:]], axis=1)
@@ -95,20 +98,35 @@ class ArmSight:
         decided = status in (REFUTED, UNREACHED)
         return ArmRefutation(at, capsule, int(self.around.numbers[row]), decided)
 
+    def unreached(self, point: FloatArray) -> Unreached | None:
+        """Why the arm does not take its pose at a place (3,), [unit], world."""
+        extensions = np.array(self.extensions)
+        places, still = np.stack([point, point]), np.zeros((2, 3))
+        found = solve(self.arm, places, extensions, self.elbow, still)
+        shortfall = float(min(found.shortfall, key=abs))
+        if shortfall:
+            return Unreached(shortfall)
+        row = int(np.abs(found.shortfall).argmin())
+        for number, angle in ((1, found.q2[row]), (2, found.q3[row])):
+            limit = math.copysign(self.arm.limits[number, 1], angle)
+            if abs(angle) > abs(limit) - _SPARE:
+                return Unreached(0.0, JOINTS[number], float(angle), limit)
+        return None
+
     def clear_legs(self, points: FloatArray) -> BoolArray:
-        """Legs (k - 1,) of a polyline (k, 3), k >= 2, on which the arm is proven to be clear."""
+        """Whether the arm is proven clear on each leg (k - 1,) of a polyline (k, 3), k >= 2."""
         clear = np.zeros(len(points) - 1, dtype=np.bool_)
         leg_kernels.clear_legs(flat(points), self.legs, clear)
         return clear
 
     def reached(self, points: FloatArray) -> BoolArray:
-        """Places (n, 3) that the arm reaches, clear of floor and column, (n,)."""
+        """Whether the arm reaches points (n, 3), clear of floor and column, (n,)."""
         reached = np.zeros(len(points), dtype=np.bool_)
         mask_kernels.reached_places(flat(points), self._table.numbers, *self._forearm, reached)
         return reached & ~self._touching(points, self.around.only(self.around.numbers < 0), reached)
 
     def touching(self, points: FloatArray, number: int, reached: BoolArray) -> BoolArray:
-        """Places (n, 3) at which it nearly touches obstacle ``number``, of those reached (n,)."""
+        """Whether it nearly touches obstacle ``number`` at points (n, 3) that it reaches, (n,)."""
         return self._touching(points, self.around.only(self.around.numbers == number), reached)
 
     def _touching(self, points: FloatArray, around: Surroundings, reached: BoolArray) -> BoolArray:
@@ -125,7 +143,7 @@ class ArmSight:
 
     @cached_property
     def legs(self) -> ArmLegs:
-        """Surroundings of the tool's legs, as the kernels take them."""
+        """Surroundings of the tool's legs in the format of the kernels."""
         low, high = map(float, self.extensions)
         pairs = read_only(np.flatnonzero(self._beyond.asked).astype(np.int32))
         return ArmLegs(self._table, self._beyond, pairs, (low, high), self.most_tries)

@@ -1,4 +1,4 @@
-"""Rows of the boxes that hold a triangle mesh, as kernels take convex primitives."""
+"""Boxes that contain a triangle mesh, as rows in the format of convex primitives."""
 
 from __future__ import annotations
 

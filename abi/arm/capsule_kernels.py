@@ -1,4 +1,4 @@
-"""Capsules of the arm at joint positions, and how near they come to what stands around.
+"""Capsules of the paper's arm at given joint positions, and their distances to the surroundings.
 
 See ``abi.arm.pose_kernels`` for the numbers of an arm and its capsules.
 """

@@ -16,7 +16,7 @@ from abi.robot.robot import Joint, Robot, joints_to
 
 _MOST_ITERATIONS = 40
 PULL = 3.0
-"""Part of the way back to the first pose that spare joints go while the tip travels a reach."""
+"""Fraction of the way back to the start pose that redundant joints go per reach of the tip."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,15 +39,15 @@ class Chain:
     """Joints between a base and a tip, standing in the world; lengths in [m].
 
     Attributes:
-        robot: of which it is.
+        robot: the robot that it belongs to.
         joints: the m joints that move it, from the base on.
         names: names of the n coordinates.
-        table: the same as numbers.
+        table: the chain in the format of the kernels.
         limits: lowest and highest of each coordinate, shape (n, 2).
         speeds: largest of each, (n,), [1/s]; inf where none is known.
         efforts: largest torque or force of each, (n,); inf where none is known.
         slides: which coordinates are lengths, (n,).
-        carried: every link that stands on the base or hangs on a joint.
+        carried: every link, whether it is fixed to the base or moved by a joint.
     """
 
     robot: Robot
@@ -73,7 +73,7 @@ class Chain:
             axis: direction that the tip's z axis is held to, world; None for any.
 
         Raises:
-            SceneError: no such tip, or nothing moves it.
+            SceneError: there is no such tip, or no joint moves it.
         """
         way = joints_to(robot, tip)
         joints = tuple(joint for joint in way if joint.kind != "fixed")
@@ -131,16 +131,16 @@ class Chain:
     def follow(
         self, start: FloatArray, targets: FloatArray, home: FloatArray | None = None
     ) -> tuple[FloatArray, FloatArray]:
-        """Lead the tip along points, each from the one before.
+        """Move the tip along points, solving for each from the one before.
 
         Args:
             start: coordinates to begin with, (n,), within the limits.
-            home: coordinates that spare joints drift to, (n,); ``start`` where not given.
+            home: coordinates that redundant joints drift to, (n,); ``start`` by default.
             targets: points in the order they are passed, shape (k, 3), [m], world.
 
         Returns:
-            Coordinates (k, n), within the limits; and what each lacks, (k,), over the reach, or in
-            [rad] where the direction of the tip lacks more.
+            Coordinates (k, n), within the limits, and the error at each point, (k,): its distance
+            divided by the reach, or the angle [rad] by which the tip's direction is off if larger.
         """
         count = len(self.names)
         joints, errors = np.empty(len(targets) * count), np.empty(len(targets))

@@ -1,4 +1,4 @@
-"""Proofs that an arm's links keep clear while its joints go straight from knot to knot.
+"""Proofs that a URDF arm's links keep clear while its joints move straight from knot to knot.
 
 Theorem. Let the joints stay within w_j of a pose, each coordinate j, so that every point of a
 capsule's segment moves by at most W = sum of lever_j w_j from where it is at the pose. Let O be a
@@ -12,8 +12,8 @@ itself. So it moves by at most W, and n·y >= min(n·a, n·b) - W - radius for e
 capsule, whereas n·z <= h(n) for z in O. Two capsules are seen from the frame that moves the first:
 there only joints behind it count.
 
-A pair that no direction separates goes on with both halves of the stretch. Rounding: 2^-40 of the
-largest coordinate is asked for on top. :mod:`abi.verify.verify_chain` checks it in exact numbers.
+If no direction separates a pair, both halves of the stretch are tried. Rounding: an extra 2^-40 of
+the largest coordinate is required. :mod:`abi.verify.verify_chain` checks it in exact arithmetic.
 """
 
 from __future__ import annotations
@@ -43,15 +43,15 @@ def certify_chain(
     """Prove that an arm keeps more than ``margin`` from every obstacle, or find where not.
 
     From the floor and from itself it keeps more than 0. The parameter of the k-th position is k.
-    Of a triangle mesh the surface counts: whoever asks knows one position at which the arm is not
-    inside.
+    Of a triangle mesh only the surface counts: the caller must know one position at which the arm
+    is not inside.
 
     Args:
         arm: the arm.
         positions: joint positions (k, n), k >= 2, [rad] or [unit].
         around: what to keep clear of.
         margin: distance to prove from obstacles, at least 0, [unit].
-        most_tries: tries it may take.
+        most_tries: number of tries at most.
     """
     bodies = bodies_of(arm)
     status, at, pair, _, planes = separate_chain(

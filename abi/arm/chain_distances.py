@@ -1,4 +1,4 @@
-"""Distances of a URDF arm's links at joint positions: to obstacles, to each other, to the floor."""
+"""Distances of a URDF arm's links to obstacles, to each other and to the floor, at given joints."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def own_distances(arm: UrdfArm, positions: FloatArray) -> FloatArray:
 def floor_distances(arm: UrdfArm, floor: float, positions: FloatArray) -> FloatArray:
     """Heights of the capsules above the floor at positions (k, n), (k, c), [unit].
 
-    Inf of what stands still and of the link on it, which may touch it.
+    Inf for links that stand still and for the first one that moves, which may touch the floor.
     """
     heights = arm.place(positions)[..., 2].min(axis=2) - arm.radii - floor
     resting = [one.frame < 1 for one in arm.capsules]

@@ -1,4 +1,4 @@
-"""Kinematics of any serial chain: poses of its frames, and joints that follow a path.
+"""Kinematics of any serial chain: poses of its frames, and derivatives of its tip's task.
 
 A chain is a row of joints, each after a fixed transform; lengths are in [m]. Poses are flat: nine
 numbers of the rotation by rows, then the origin.

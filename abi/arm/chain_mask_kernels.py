@@ -1,4 +1,4 @@
-"""Stances of an arm at which it would touch something.
+"""Mask of the stances in which a URDF arm would touch something.
 
 See ``abi.arm.separate_chain_kernels`` for its capsules.
 """

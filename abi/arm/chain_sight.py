@@ -1,4 +1,4 @@
-"""Places, legs and curves that a URDF arm allows its tool from one of its first poses."""
+"""Tool positions, segments and curves that a URDF arm allows from one of its start poses."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from abi.arm.joint_course import course_from
 from abi.arm.leg_kernels import MOST_TRIES
 from abi.arm.stances import Stances
 from abi.arm.surroundings import Surroundings
+from abi.arm.unreached import Unreached
 from abi.arm.urdf_arm import REACHED, UrdfArm
 from abi.arm.urdf_motion import JointCourse
 from abi.arrays import BoolArray, FloatArray, flat
@@ -22,16 +23,18 @@ from abi.curves.curve import ArcLength, Curve
 
 _STEP = 1 / 60
 """Way of the tool between poses of a leg, at most, over the arm's reach."""
+_AT_LIMIT = 1e-3
+"""Distance to its limit at which a joint counts as held by it, [rad] or [m]."""
 _SAMPLES = 241
 """Places of a curve that is asked about."""
 
 
 @dataclass(frozen=True, eq=False)
 class ChainSight:
-    """Questions to a URDF arm that starts from one pose.
+    """What a URDF arm allows its tool from one start pose.
 
-    Where the arm has joints to spare it stands at a place as it does when it comes there from the
-    first pose, drawn to a pose that is called home; legs begin with the stance of the nearest node.
+    A redundant arm takes the stance at a point that it reaches from the start pose, drawn towards a
+    pose called home; legs begin with the stance of the nearest node.
 
     Attributes:
         arm: the arm.
@@ -39,8 +42,8 @@ class ChainSight:
         around: obstacles and floor.
         stances: its joints all over the mesh.
         clearance: distance that its links keep from obstacles, [unit].
-        slack: distance that legs and places keep beyond that, [unit].
-        most_tries: of a capsule and an obstacle, to prove a leg or a place.
+        slack: distance that legs and nodes keep beyond that, [unit].
+        most_tries: pairs of a capsule and an obstacle to try, to prove a leg or a node clear.
     """
 
     arm: UrdfArm
@@ -53,29 +56,29 @@ class ChainSight:
 
     @property
     def legs(self) -> None:
-        """No legs for compiled loops, which do not know the arm."""
+        """None: the compiled loops do not know this arm."""
 
     @property
     def key(self) -> tuple[object, ...]:
-        """All that the excluded places depend on, beside the obstacles."""
+        """Everything that the excluded nodes depend on, except the obstacles."""
         return self.arm, self.stances, self.clearance, self.slack
 
     def wider(self, times: float) -> Self:
-        """The same with so many times the slack."""
+        """A copy with ``times`` the slack."""
         return replace(self, slack=times * self.slack)
 
     def patient(self, times: int) -> Self:
-        """The same with so many times the tries."""
+        """A copy with ``times`` as many tries."""
         return replace(self, most_tries=times * self.most_tries)
 
     def refutation(self, curve: Curve) -> ArmRefutation | None:
-        """Place of a curve at which the arm is not proven clear; None for a clear curve."""
+        """Find where on a curve the arm is not proven clear; None if it is clear throughout."""
         parameters = np.linspace(*curve.interval, _SAMPLES)
         joints, missed = self.arm.follow(self.stances.first, curve(parameters), self.stances.home)
         return self._refutation(joints, missed, parameters, self.clearance)
 
     def leg_refutation(self, points: FloatArray) -> ArmRefutation | None:
-        """The same of a polyline (k, 3), k >= 1, [unit], world; parameter k is its vertex k."""
+        """As :meth:`refutation`, for a polyline (k, 3), [unit]; parameter k is its vertex k."""
         begin = self.stances.near(points[0])
         if begin is None:
             return ArmRefutation(0.0, -1, -1, True)
@@ -83,8 +86,24 @@ class ChainSight:
         parameters, joints, missed = self._along(vertices, begin)
         return self._refutation(joints, missed, parameters, self._beyond, self.most_tries)
 
+    def unreached(self, point: FloatArray) -> Unreached | None:
+        """Why the arm does not take its pose at a place (3,), [unit], world."""
+        begin = self.stances.near(point)
+        if begin is None:
+            return None
+        _, joints, missed = self._along(np.stack([point, point]), begin)
+        if missed[-1] <= REACHED * self.arm.reach:
+            return None
+        room = np.abs(self.arm.limits - joints[-1][:, None])
+        joint, side = divmod(int(room.argmin()), 2)
+        if room[joint, side] > _AT_LIMIT * self.arm.scales[joint]:
+            return Unreached(float(missed[-1]))
+        limit, slides = float(self.arm.limits[joint, side]), self.arm.chain.slides[joint]
+        name = self.arm.joints[joint]
+        return Unreached(float(missed[-1]), name, float(joints[-1, joint]), limit, bool(slides))
+
     def clear_legs(self, points: FloatArray) -> BoolArray:
-        """Legs (k - 1,) of a polyline (k, 3), k >= 2, on which the arm is proven to be clear.
+        """Whether the arm is proven clear on each leg (k - 1,) of a polyline (k, 3), k >= 2.
 
         Each begins with the pose in which the one before ended; after one that is not clear, with
         the stance of the nearest node.
@@ -108,14 +127,14 @@ class ChainSight:
         return course_from(self.stances.first, curve, arc, self.arm, self.stances.home)
 
     def reached(self, points: FloatArray) -> BoolArray:
-        """Nodes (n, 3) of the mesh that the arm reaches, clear of the floor and itself, (n,)."""
+        """Whether the arm reaches nodes (n, 3), clear of the floor and itself, (n,)."""
         reached = self.stances.reached
         assert len(points) == len(reached)
         around = self.around.only(self.around.numbers < 0)
         return reached & ~self._touching(around, self.slack, reached)
 
     def touching(self, points: FloatArray, number: int, reached: BoolArray) -> BoolArray:
-        """Nodes (n, 3) at which it nearly touches obstacle ``number``, of those reached (n,)."""
+        """Whether it nearly touches obstacle ``number`` at nodes (n, 3) that it reaches, (n,)."""
         assert len(points) == len(reached)
         return self._touching(self.around.only(self.around.numbers == number), -1.0, reached)
 

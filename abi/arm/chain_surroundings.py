@@ -1,4 +1,4 @@
-"""Surroundings that a URDF arm keeps clear of, and its capsules, as the kernels take them."""
+"""Surroundings and capsules of a URDF arm, in the format of the kernels."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ from abi.obstacles.obstacle_set import ObstacleSet
 
 
 def chain_surroundings(arm: UrdfArm, obstacles: ObstacleSet, lowest: float) -> Surroundings:
-    """Everything around an arm but itself.
+    """Surroundings of an arm, without the arm itself.
 
-    The floor is level with the base or, where that is lower, the workspace. What stands still and
-    the link on it may touch it.
+    The floor is level with the base, or with the bottom of the workspace if that is lower. Links
+    that stand still, and the first one that moves, may touch it.
 
     Args:
         arm: the arm.
@@ -46,7 +46,7 @@ def chain_surroundings(arm: UrdfArm, obstacles: ObstacleSet, lowest: float) -> S
 
 
 def bodies_of(arm: UrdfArm) -> Bodies:
-    """An arm's capsules as the kernels take them, for coordinates in [rad] and [m]."""
+    """Capsules of an arm in the format of the kernels, for coordinates in [rad] and [m]."""
     frames = np.array([one.frame for one in arm.capsules], dtype=np.int32)
     return Bodies(
         frames=read_only(frames),

@@ -1,6 +1,6 @@
-"""Directions that separate a capsule from one part of a mesh, tried on the parts beside it.
+"""Directions that separate a capsule from one part of a mesh, reused for the parts next to it.
 
-What decides most pairs is inlined by force: arrays that are handed over are counted in and out.
+What decides most pairs is always inlined, because passing arrays costs reference counting.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Joints that take a chain's tip along a path, by damped least squares."""
+"""Joint positions that move a chain's tip along a path, by damped least squares."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Gaps between an arm and what stands around it, with the tool at places.
+"""Gaps between the paper's arm and its surroundings, for given tool positions.
 
 See ``abi.arm.pose_kernels`` for the numbers of an arm and its capsules.
 """

@@ -1,4 +1,4 @@
-"""Torques of a serial arm's joints along a motion, from the masses of its links.
+"""Inverse dynamics: torques of a serial arm's joints along a motion, from its links' masses.
 
 The recursive Newton-Euler equations: velocities and accelerations from the base to the tip, forces
 back (Luh, Walker and Paul, On-line computational scheme for mechanical manipulators, 1980; in the
@@ -34,7 +34,7 @@ class _Body(NamedTuple):
 
 
 def has_masses(chain: Chain) -> bool:
-    """Whether the file gives a mass of anything that the chain moves."""
+    """Whether the URDF gives a mass for any link that the chain moves."""
     moved = [carried.link for carried in chain.carried if carried.frame >= 0]
     return any(chain.robot.links[link].mass > 0 for link in moved)
 
@@ -42,7 +42,7 @@ def has_masses(chain: Chain) -> bool:
 def joint_torques(
     chain: Chain, positions: FloatArray, speeds: FloatArray, accelerations: FloatArray
 ) -> FloatArray:
-    """Torques that the drives have to give, without friction and without a load on the tool.
+    """Torques that the drives must supply, without friction and without a load on the tool.
 
     Args:
         chain: the chain; its z axis is upright.
@@ -51,8 +51,8 @@ def joint_torques(
         accelerations: shape (k, n), [rad/s²] or [m/s²].
 
     Returns:
-        Shape (k, n), [N·m], of sliding joints forces [N]; of a joint that others follow, theirs are
-        in it.
+        Shape (k, n), [N·m], for sliding joints forces [N]; the torque of a joint that others mimic
+        includes theirs.
     """
     table, bodies = chain.table, _bodies(chain)
     poses = chain.poses(positions)

@@ -1,4 +1,4 @@
-"""Joints of a URDF arm along a curve, from a first pose that is chosen or given."""
+"""Joint positions of a URDF arm along a curve, from a chosen or a given start pose."""
 
 from __future__ import annotations
 
@@ -20,17 +20,17 @@ _ENOUGH = 0.03
 def joint_course(
     curve: Curve, arc: ArcLength, arm: UrdfArm, obstacles: ObstacleSet, floor: float
 ) -> JointCourse:
-    """Lead an arm's tool along a curve, from the first pose that keeps it clearest.
+    """Move an arm's tool along a curve, from the start pose that keeps the arm clearest.
 
-    Of the poses that put the tool on the start it takes one from which the whole curve can be
-    followed, with the links clear of everything if possible, and of these with the least motion.
+    Among the poses with the tool at the start it takes one from which the whole curve can be
+    followed, if possible with all links clear, and among these the one with the least motion.
 
     Args:
         curve: path of the tool.
         arc: its arc length, above 0.
         arm: the arm.
-        obstacles: what the links are to keep clear of.
-        floor: height that they are to stay above, [unit].
+        obstacles: obstacles that the links must keep clear of.
+        floor: height that they must stay above, [unit].
     """
     few = curve(arc.parameter(np.linspace(0.0, arc.length, _FEW)))
     best, least = arm.first_poses(few[0]), (np.inf, np.inf, np.inf)
@@ -59,7 +59,7 @@ def course_from(
     arm: UrdfArm,
     home: FloatArray | None = None,
 ) -> JointCourse:
-    """Lead an arm's tool along a curve from a pose at its start; spare joints drift ``home``."""
+    """Move an arm's tool along a curve from a given pose; redundant joints drift ``home``."""
     points = curve(arc.parameter(np.linspace(0.0, arc.length, _GRID)))
     positions, missed = arm.follow(pose, points, home)
     return JointCourse(curve, arc, arm, read_only(positions), read_only(missed))

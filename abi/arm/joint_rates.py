@@ -15,7 +15,7 @@ from abi.arrays import FloatArray, read_only
 
 
 class JointRates(NamedTuple):
-    """Motion of the n joints at its m samples.
+    """Speeds, accelerations and torques of the n joints at the m samples of a motion.
 
     Attributes:
         speeds: shape (m, n), [rad/s] or [unit/s].
@@ -35,10 +35,10 @@ class JointRates(NamedTuple):
 
 
 def joint_rates(arm: AnyArm, motion: ArmMotion, acceleration: float) -> JointRates:
-    """Speeds and accelerations by differences of the samples, and the torques that they take.
+    """Compute speeds and accelerations as differences of the samples, and the torques needed.
 
-    The paper's arm has no masses but those of its last three drives, so no torques; the speed limit
-    of its turning joints is nominal.
+    The paper gives masses only for its arm's last three drives, so that arm has no torques; the
+    speed limit of its turning joints is nominal.
 
     Args:
         arm: the arm.

@@ -1,9 +1,10 @@
-"""Whether an arm is clear while its tool runs straight from one place to another.
+"""Test whether the paper's arm is clear while its tool moves along a straight segment, a leg.
 
-As ``abi.arm.separate_arm_kernels`` decides it of a curve, without directions that can be checked.
-Pieces of the leg come the longest first: what is not clear shows at one of the first poses.
+It works as ``abi.arm.separate_arm_kernels`` does for a curve, but keeps no directions to check
+later. The longest pieces of the leg come first, so that a collision shows at one of the first
+poses.
 
-Where a capsule comes along an obstacle, near to it, a bound of its way would part the leg in
+Where a capsule passes close to an obstacle, a bound of its motion would split the leg into
 thousands of pieces. There a direction n is tried at both ends of the piece, too: between them
 n·P(t) is above the lower one less B l²/8, l being the length of the piece and B a bound of the
 second derivative of P (:mod:`abi.arm.pose_kernels`).

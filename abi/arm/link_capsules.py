@@ -1,4 +1,4 @@
-"""Capsules that contain the links of the arm as it is drawn.
+"""Capsules that contain the links of the paper's arm as it is drawn.
 
 Each lies along the axis of its link, so that the rolls q4 and q6 do not move it.
 """
@@ -16,7 +16,7 @@ from abi.arm import arm_links
 from abi.arm.link_solid import LinkSolid, corners
 
 COLUMN, UPPER_ARM, FOREARM, SLIDE = range(4)
-"""Bodies that capsules are fixed to: what stands still, and what q2, q3 and q5 move."""
+"""Bodies that capsules are fixed to: the column, and those that q2, q3 and q5 move."""
 BODIES = ("column", "upper_arm", "forearm", "slide")
 """Their names."""
 
@@ -38,7 +38,7 @@ class LinkCapsule:
             elbow at q5 = 0, [unit].
         high: where it ends, at least ``low``, [unit].
         radius: [unit].
-        neighbour: whether it may touch the column, being jointed to it.
+        neighbour: whether it may touch the column because a joint connects them.
         grips: whether it is at the tool, which may touch the floor.
     """
 
@@ -81,7 +81,7 @@ def link_capsules(a1: float, a2: float, a3: float, a4: float, a5: float) -> tupl
 
 
 def steepest_bend(capsules: Sequence[LinkCapsule], a4: float) -> float:
-    """Largest angle q3 at which forearm and upper arm keep apart beyond the elbow, [rad].
+    """Largest angle q3 at which forearm and upper arm do not touch beyond the elbow, [rad].
 
     At an angle over 90° a point of the forearm's axis at s from the elbow is s·sin q3 away from the
     axis of the upper arm. What is nearer to the elbow than the sleeve's end may touch.

@@ -1,4 +1,4 @@
-"""Solids that a link is drawn with, and points whose hull holds them."""
+"""Solids that a link is drawn with, and points whose convex hull contains them."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class LinkSolid:
         material: name of its colour.
         xyz: centre in the link's frame, [m].
         rpy: roll, pitch and yaw in the link's frame, [rad].
-        body: True when it has mass and can collide; False when it is trim, only drawn.
+        body: True if it has mass and can collide; False if it is trim that is only drawn.
     """
 
     shape: Literal["box", "cylinder"]
@@ -38,9 +38,9 @@ class LinkSolid:
 
 
 def corners(solid: LinkSolid) -> FloatArray:
-    """Points (n, 3) in the link's frame whose convex hull holds the solid, [m].
+    """Points (n, 3) in the link's frame whose convex hull contains the solid, [m].
 
-    Of a cylinder they are the corners of a prism around it, 0.2 % wider.
+    For a cylinder they are the corners of a prism around it, 0.2 % wider.
     """
     if solid.shape == "box":
         signs = np.array(list(itertools.product((-0.5, 0.5), repeat=3)))

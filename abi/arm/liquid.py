@@ -1,4 +1,4 @@
-"""A cup of liquid on the tool: how far its level tilts while the tool moves."""
+"""Tilt of the liquid in a cup that the tool carries along."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ _SAMPLES = 801
 
 
 def largest_tilt(curve: Curve, arc: ArcLength, profile: PathProfile, unit: str) -> float:
-    """Largest tilt of the level of a liquid that is carried upright, [rad].
+    """Largest tilt of the surface of a liquid in a cup that is held upright, [rad].
 
-    The level is across the gravity that the cup feels, g minus its acceleration: it tilts by the
-    angle between that and the vertical. Sloshing is left out.
+    The surface is perpendicular to the gravity felt in the cup, g minus the cup's acceleration, so
+    it tilts by the angle between that and the vertical. Sloshing is ignored.
 
     Args:
         curve: path of the tool, [unit].
@@ -35,6 +35,6 @@ def largest_tilt(curve: Curve, arc: ArcLength, profile: PathProfile, unit: str) 
 
 
 def tilts(accelerations: FloatArray, unit: str) -> FloatArray:
-    """Tilt of the level at accelerations (n, 3) of the cup, [unit/s²], z up; (n,), [rad]."""
+    """Tilt of the surface at accelerations (n, 3) of the cup, [unit/s²], z up; (n,), [rad]."""
     x, y, z = accelerations.T * METRES[unit]
     return np.asarray(np.arctan2(np.hypot(x, y), GRAVITY + z))

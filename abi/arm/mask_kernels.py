@@ -1,4 +1,4 @@
-"""Places of the tool that the arm does not reach, or where it would touch something.
+"""Mask of the tool positions that are out of the paper's arm's reach or where it touches something.
 
 See ``abi.arm.pose_kernels`` for the numbers of an arm and its capsules.
 """

@@ -1,4 +1,4 @@
-"""The arms that a scene can name."""
+"""Table of the arm models that a scene can name."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ MODELS: dict[str, Callable[[ArmSettings, Unit], ArmModel]] = {
     "abi": AbiModel,
     "urdf": UrdfModel,
 }
-"""Arms by the names of ``arm.model``."""
+"""Arm models by the names that ``arm.model`` takes."""
 
 
 def model_of(settings: ArmSettings, unit: Unit = "cm") -> ArmModel:

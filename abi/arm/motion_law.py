@@ -1,4 +1,4 @@
-"""The motion along a curve by laws that know the joints' limits."""
+"""Motion along a curve by the laws that respect the joints' limits."""
 
 from __future__ import annotations
 
@@ -35,8 +35,8 @@ class JointLimits(NamedTuple):
 def motion_law(path: Course, settings: MotionSettings) -> PathProfile:
     """Motion from rest to rest along a curve by a law other than the paper's three phases.
 
-    It keeps the speeds and accelerations of the joints that the inverse kinematics moves: of the
-    paper's arm q1 to q3, with q5 as at first.
+    It limits the speeds and accelerations of the joints that the inverse kinematics moves; for the
+    paper's arm these are q1 to q3, with q5 as at the start.
 
     Args:
         path: joints along the curve.

@@ -1,4 +1,4 @@
-"""Poses of the arm by its tool's place, and bounds of the way its links move when the tool does.
+"""Poses of the paper's arm from its tool's position, and bounds of its links' displacement.
 
 With S the shoulder, E the elbow, T the tool, D = |T - S|, r the tool's distance from the base axis
 and p the elbow's, in the arm's plane |T - E| = a6 gives, with u along the forearm,

@@ -1,4 +1,4 @@
-"""Pairs of poses at start and goal that a motion may join, where an arm has joints to spare."""
+"""Pairs of start and goal poses that a motion of an arm with redundant joints may join."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ from abi.arrays import FloatArray
 _MOST = 8
 """Pairs, at most."""
 _FIRSTS, _HOMES = 8, 4
-"""First poses, at most, and homes of each that are compared."""
+"""Largest numbers of start poses, and of homes for each, that are compared."""
 _POINTS = 41
 """Places of the straight way on which pairs are compared."""
 
 
 class PosePair(NamedTuple):
-    """A first pose, and the pose that spare joints drift to on the way.
+    """A start pose, and the pose that redundant joints drift to on the way.
 
     Attributes:
-        first: number of the first pose, from 0.
-        home: number of the pose at the goal; None where it is the first pose itself.
+        first: number of the start pose, from 0.
+        home: number of the pose at the goal; None for the start pose itself.
     """
 
     first: int
@@ -39,15 +39,15 @@ def pose_pairs(
 ) -> list[PosePair]:
     """The most promising pairs, the best first, at most eight.
 
-    Those are first whose way straight to the goal is clear at all of some places, then those that
-    are clear at its end; of equals those whose poses are near to each other.
+    First come pairs that are clear at all of a few points of the straight line to the goal, then
+    those that are clear at its end; among equals, those whose poses are near each other.
 
     Args:
         arm: the arm.
         line: start and goal, (3,) each, [unit], world.
         firsts: poses (n,) with the tool at the start, by their numbers.
         lasts: those at the goal.
-        is_clear: whether a pose is.
+        is_clear: tells whether the arm is clear in a pose.
     """
     way = np.linspace(*line, _POINTS)
     found: list[tuple[tuple[int, float], PosePair]] = []

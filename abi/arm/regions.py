@@ -1,4 +1,4 @@
-"""Regions of tool positions as surfaces: the arm's shadow, and the set that it reaches."""
+"""Surfaces of two regions of tool positions: the arm's shadow and its reach."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from abi.obstacles.pose import Vec3
 from abi.scene.settings import Elbow
 
 _SHADOW_PLACES, _MESH_PLACES, _REACH_PLACES = 20, 12, 28
-"""Places of the grid along the longest side; fewer where there is a triangle mesh."""
+"""Grid points along the longest side; fewer if there is a triangle mesh."""
 _MARGIN = 1e-3  # of a cell: how far outside a region ends at the box
 
 
 def shadow(
     arm: Arm, elbow: Elbow, extension: float, around: Surroundings, box: tuple[Vec3, Vec3]
 ) -> FloatArray:
-    """The tool positions at which a link would be in an obstacle.
+    """Surface of the tool positions at which a link would be in an obstacle.
 
     Args:
         arm: the arm.
@@ -46,7 +46,7 @@ def shadow(
 
 
 def reachable(arm: Arm, elbow: Elbow, extension: float, lowest: float) -> FloatArray:
-    """The tool positions that an arm reaches within the limits of q2 and q3, above the floor.
+    """Surface of the tool positions in reach, within the limits of q2 and q3 and above the floor.
 
     Args:
         arm: the arm.

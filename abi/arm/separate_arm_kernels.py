@@ -1,4 +1,4 @@
-"""Certificates of the arm: directions that separate its capsules from what stands around it.
+"""Certificates of the paper's arm: directions that separate its capsules from its surroundings.
 
 See ``abi.arm.arm_certificate`` for what a direction proves, ``abi.arm.pose_kernels`` for the
 numbers of an arm and its capsules, ``abi.clearance.separation_kernels`` for pieces and planes.

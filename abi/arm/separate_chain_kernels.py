@@ -1,8 +1,8 @@
-"""Certificates of an arm whose joints go straight from knot to knot.
+"""Certificates of a URDF arm, whose joints move straight from knot to knot.
 
-They are directions that separate its capsules from what stands around, and from each other.
+They are directions that separate its capsules from the surroundings and from each other.
 See ``abi.arm.chain_certificate`` for what a direction proves, ``abi.arm.surroundings_kernels``
-for what stands around.
+for the surroundings.
 """
 
 from __future__ import annotations

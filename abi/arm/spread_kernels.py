@@ -1,4 +1,4 @@
-"""Stances of an arm all over a mesh: its joints with the tip at each node, from node to node."""
+"""Stances of a URDF arm all over a mesh: joints with the tip at each node, spread node by node."""
 
 from __future__ import annotations
 

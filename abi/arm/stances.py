@@ -1,4 +1,4 @@
-"""Stances of a URDF arm: its joints with the tool at each node of a mesh."""
+"""Stances of a URDF arm: joint positions with the tool at each node of a mesh."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _LONGEST = 0.7
 
 @dataclass(frozen=True, eq=False)
 class Stances:
-    """Joints at the nodes that an arm reaches, spread from where it starts.
+    """Joint positions at the nodes that an arm reaches, spread from the start.
 
     Attributes:
         mesh: the mesh.
@@ -29,7 +29,7 @@ class Stances:
         first: joint positions there, shape (n,), [rad] or [unit].
         home: those that spare joints drift to, shape (n,), [rad] or [unit].
         positions: joint positions at the nodes, shape (k, n), [rad] or [unit].
-        reached: nodes that have some, shape (k,).
+        reached: ids of these nodes, shape (k,).
     """
 
     mesh: TetMesh
@@ -40,7 +40,7 @@ class Stances:
     reached: BoolArray
 
     def near(self, point: FloatArray) -> tuple[FloatArray, FloatArray] | None:
-        """The nearest place with a stance to a point (3,), and its joints; None without any."""
+        """The stance nearest to a point (3,): its place and its joints; None if there is none."""
         if np.array_equal(point, self.start):
             return self.start, self.first
         if not len(self._nodes):

@@ -1,4 +1,4 @@
-"""Surroundings that an arm keeps clear of: obstacles, the floor, and its own column."""
+"""Surroundings of an arm, which it must keep clear of: obstacles, the floor and its own column."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from abi.obstacles.triangle_mesh.surface import Surface
 from abi.obstacles.vector_kernels import vec3_at
 
 FLOOR, OWN = -1, -2
-"""Numbers among those of obstacles: of the floor, and of the arm's first capsule; -3 is its second,
+"""Numbers of the floor and of the arm's first capsule, beside those of obstacles; -3 is its second,
 and so on."""
 
 _MOST_TRIANGLES = 20_000
@@ -32,9 +32,9 @@ _MOST_TRIANGLES = 20_000
 
 @dataclass(frozen=True, eq=False)
 class Surroundings:
-    """Obstacles, floor and column as the kernels take them.
+    """Obstacles, floor and column in the format of the kernels.
 
-    A triangle mesh is a tree of boxes, the last of which hold its triangles and little more.
+    A triangle mesh is a tree of boxes, the smallest of which fit its triangles closely.
 
     Attributes:
         rows: convex primitives, whose tree does not count, flat (k WIDTH,).
@@ -42,7 +42,7 @@ class Surroundings:
         numbers: obstacle of each of them, ``OWN`` minus a capsule's number, last ``FLOOR``,
             (k + 1,).
         meshes: the same of the rows of triangle meshes, -1 of others, (k + 1,).
-        asked: whether a capsule is to keep clear of it; of boxes inside others False, (c, k + 1).
+        asked: whether a capsule must keep clear of it, False for boxes inside others, (c, k + 1).
         floor: height of the floor, [unit].
         size: largest coordinate of arm and obstacles, [unit].
     """
@@ -56,7 +56,7 @@ class Surroundings:
     size: float
 
     def beyond(self, margin: float) -> Obstacles:
-        """With a distance to keep from obstacles, [unit]; from floor and column it is 0."""
+        """Add a distance to keep from obstacles, [unit]; from floor and column it is 0."""
         margins = np.where(self.numbers >= 0, margin, 0.0)
         asked = self.asked.reshape(-1)
         return Obstacles(
@@ -64,15 +64,15 @@ class Surroundings:
         )
 
     def only(self, kept: BoolArray) -> Surroundings:
-        """The same with some of its rows alone; ``kept`` has one mark for each number."""
+        """A copy that asks only about some of the rows; ``kept`` has one flag for each."""
         return replace(self, asked=read_only(self.asked & kept))
 
 
 def surroundings(arm: Arm, obstacles: ObstacleSet, lowest: float) -> Surroundings:
-    """Everything around an arm.
+    """Build the surroundings of the paper's arm.
 
-    The floor is level with the base or, where that is lower, the workspace. What is jointed to the
-    column may touch it, and the fingers may touch the floor.
+    The floor is level with the base, or with the bottom of the workspace if that is lower. Links
+    with a joint at the column may touch it, and the fingers may touch the floor.
 
     Args:
         arm: the arm.
@@ -158,7 +158,7 @@ def solid_rows(obstacles: ObstacleSet) -> SolidRows:
 
 
 def mesh_numbers(obstacles: ObstacleSet, numbers: IntArray) -> IntArray:
-    """The numbers that are of triangle meshes, -1 in the place of others."""
+    """Numbers of triangle meshes, with -1 in place of all other numbers."""
     if not obstacles.meshes:
         return read_only(np.full(len(numbers), -1, dtype=np.int32))
     of_mesh = np.isin(numbers, obstacles.mesh_numbers)
@@ -166,7 +166,7 @@ def mesh_numbers(obstacles: ObstacleSet, numbers: IntArray) -> IntArray:
 
 
 def outermost(inside: IntArray) -> BoolArray:
-    """Flags of the rows that are in no other, and of the floor behind them, (k + 1,)."""
+    """Flags of the rows that are inside no other, and of the floor after them, (k + 1,)."""
     first, last = inside[inside[:, 1] > 0].T
     count = len(inside) + 2
     steps = np.bincount(first, minlength=count) - np.bincount(last, minlength=count)

@@ -1,6 +1,6 @@
-"""What stands around an arm, and whether it is separated from a segment.
+"""Surroundings of an arm in the format of the kernels, and their separation from a segment.
 
-See ``abi.arm.surroundings`` for how they are made of a scene's obstacles.
+``abi.arm.surroundings`` makes them from a scene's obstacles.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Stage 6, the motion of the arm: a curve, a motion along it and the joints that follow it.
+"""Stage 6, the motion of the arm: a curve, the timing along it, and the joint positions.
 
 q1, q2 and q3 come from the inverse kinematics of the tool's position; q4, q5 and q6 from the
 constant generalised forces of their drives.
@@ -176,7 +176,7 @@ class ArmMotion:
 
     @property
     def error(self) -> OutOfReach | NotFollowed | None:
-        """The worst stretch out of reach as an error to raise; None when there is none."""
+        """Error for the worst stretch out of reach; None if there is none."""
         if not self.unreachable:
             return None
         worst = max(self.unreachable, key=lambda stretch: abs(stretch.shortfall))
@@ -208,11 +208,11 @@ def follow(
         arc: the curve's arc length.
         profile: the motion along it.
         arm: the arm.
-        settings: elbow branch, up where either will do, and drives of the arm.
+        settings: elbow branch, for ``auto`` the upper one, and drives of the arm.
         samples: number of samples m, at least 2.
 
     Returns:
-        The motion; it records what is out of reach or past a limit: none raises.
+        The motion. It records what is out of reach or past a limit; nothing is raised.
     """
     trajectory = Trajectory(curve, arc, profile)
     time = np.linspace(0.0, profile.duration, samples)

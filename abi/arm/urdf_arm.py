@@ -1,4 +1,4 @@
-"""An arm that a URDF describes, as the stages see it: in the scene's unit."""
+"""An arm that a URDF describes, in the scene's unit, as the stages use it."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ from abi.robot.robot import Robot
 _STARTS = 48
 """Random poses from which the first pose of a motion is sought."""
 TRIED = 8
-"""First poses, at most, whose motions are compared."""
+"""Largest number of start poses whose motions are compared."""
 _ALIKE = 0.3
 """Poses nearer to each other than this in every joint are one, [rad] or [m]."""
 REACHED = 1e-6
-"""Error, over the arm's reach, up to which a point counts as reached."""
+"""Error, as a fraction of the arm's reach, up to which a point counts as reached."""
 
 _SAMPLES = 1500
 _NEARLY_ALWAYS = 0.95
@@ -49,7 +49,7 @@ class LinkCapsule(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class UrdfArm:
-    """A robot's chain in a scene.
+    """An arm that a URDF describes: a robot's chain in a scene.
 
     Attributes:
         chain: in [m].
@@ -95,12 +95,12 @@ class UrdfArm:
 
     @cached_property
     def levers(self) -> FloatArray:
-        """Bound of the way of a capsule's segment for one of each coordinate, (c, n), [unit]."""
+        """Bound of a capsule's motion per unit of each coordinate, (c, n), [unit]."""
         return read_only(np.stack([self._lever(one, -1) for one in self.capsules]))
 
     @cached_property
     def pair_levers(self) -> FloatArray:
-        """The same of how far the second of each pair moves beside the first, (p, n), [unit]."""
+        """As ``levers``, of the second capsule of each pair relative to its first, (p, n)."""
         rows = [self._lever(self.capsules[j], self.capsules[i].frame) for i, j in self.pairs]
         return read_only(np.array(rows).reshape(len(rows), len(self.joints)))
 
@@ -124,7 +124,7 @@ class UrdfArm:
 
     @cached_property
     def pairs(self) -> IntArray:
-        """Capsules (k, 2) that are to keep apart from each other."""
+        """Pairs of capsules (k, 2) that must keep apart."""
         return _pairs(self.chain.robot, self.tip)
 
     def place(self, positions: FloatArray) -> FloatArray:
@@ -134,7 +134,7 @@ class UrdfArm:
 
     @property
     def has_elbow(self) -> bool:
-        """Whether it has an elbow: no, its branches are poses that put the tool on the start."""
+        """Whether it has an elbow: False, its branches are poses with the tool at the start."""
         return False
 
     def placed(self, positions: FloatArray) -> list[PlacedCapsule]:
@@ -159,19 +159,19 @@ class UrdfArm:
         return {"capsules": capsules, "pairs": self.pairs.tolist()}
 
     def tool(self, positions: FloatArray) -> FloatArray:
-        """Place of the tip at joint positions (k, n), shape (k, 3), [unit], world."""
+        """Position of the tip at joint positions (k, n), shape (k, 3), [unit], world."""
         return np.asarray(self.chain.poses(positions / self.scales)[:, -1, :, 3] / self.metres)
 
     @property
     def is_redundant(self) -> bool:
-        """Whether it has joints to spare for its task."""
+        """Whether it has more joints than its task needs."""
         return len(self.joints) > (5 if self.chain.table.aims else 3)
 
     def first_poses(self, point: FloatArray, most: int = TRIED) -> tuple[FloatArray, ...]:
-        """Joint positions (n,) with the tip at ``point`` (3,), different ones, at most ``most``.
+        """At most ``most`` different joint positions (n,) with the tip at ``point`` (3,).
 
-        Those that reach it come first, in the middle of their limits rather than near them; one
-        that comes near it when none does. Equal calls give equal poses.
+        Poses in the middle of the joints' limits come first. If none reaches the point, the result
+        is one that comes near it. Equal calls give equal poses.
         """
         random, limits = np.random.default_rng(0), self.chain.limits
         low, high = np.maximum(limits[:, 0], -np.pi), np.minimum(limits[:, 1], np.pi)
@@ -193,16 +193,16 @@ class UrdfArm:
     def follow(
         self, start: FloatArray, points: FloatArray, home: FloatArray | None = None
     ) -> tuple[FloatArray, FloatArray]:
-        """Joint positions that lead the tip along points, from a pose at the first on.
+        """Joint positions that move the tip along points, starting from a pose at the first one.
 
         Args:
             start: joint positions, (n,), [rad] or [unit].
             points: shape (k, 3), [unit], world.
-            home: joint positions that spare joints drift to, (n,); ``start`` where not given.
+            home: joint positions that redundant joints drift to, (n,); ``start`` by default.
 
         Returns:
-            Positions (k, n), and the distance by which each point is missed, (k,), [unit]; where
-            the direction of the tip is missed by more, that angle times the arm's reach.
+            Positions (k, n), and the distance by which each point is missed, (k,), [unit]; if the
+            tip's direction is off by more, that angle times the arm's reach.
         """
         positions, errors = self.chain.follow(
             start / self.scales,
@@ -219,7 +219,7 @@ def urdf_arm(
     axis: Vec3 | None = None,
     unit: Literal["m", "cm", "mm"] = "m",
 ) -> UrdfArm:
-    """A robot that stands at ``base``, [unit].
+    """Build the arm of a robot that stands at ``base``, [unit].
 
     Args:
         robot: the robot.
@@ -229,7 +229,7 @@ def urdf_arm(
         unit: of the scene's lengths.
 
     Raises:
-        SceneError: no such tip, or nothing moves it.
+        SceneError: there is no such tip, or no joint moves it.
     """
     metres = METRES[unit]
     x, y, z = base
@@ -257,10 +257,10 @@ def urdf_arm(
 
 
 def segment_distances(first: FloatArray, second: FloatArray) -> FloatArray:
-    """Distance between segments (k, 2, 3) and (k, 2, 3), (k,).
+    """Distances (k,) between segments (k, 2, 3) and (k, 2, 3).
 
-    The least over a segment's point and its nearest on the other, at the four ends and where the
-    lines come nearest (Ericson, Real-Time Collision Detection, section 5.1.9).
+    The least distance is at one of the four ends or where the lines come nearest (Ericson,
+    Real-Time Collision Detection, section 5.1.9).
     """
     p, q = first[:, 0], second[:, 0]
     d, e = first[:, 1] - p, second[:, 1] - q

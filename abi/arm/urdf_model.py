@@ -1,7 +1,7 @@
-"""An arm of a URDF for the planner: its joints are found by damped least squares.
+"""A URDF arm as the planner uses it: joints by damped least squares.
 
-Its branches are different poses that put the tool on the start. Where none of them leads to a
-motion, spare joints are drawn to poses that put the tool on the goal.
+Its branches are different poses with the tool at the start. If none of them leads to a motion,
+redundant joints are drawn towards poses with the tool at the goal.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ _REMEMBERED = 16
 
 
 class UrdfModel:
-    """An arm that a URDF describes, with the memory of its stances on the last mesh."""
+    """An arm that a URDF describes; it remembers its stances on the last mesh."""
 
     def __init__(self, settings: ArmSettings, unit: Literal["m", "cm", "mm"]) -> None:
         axis = settings.axis
@@ -52,7 +52,7 @@ class UrdfModel:
         self._stances: dict[PosePair, Stances] = {}
 
     def surroundings(self, obstacles: ObstacleSet, lowest: float) -> Surroundings:
-        """Obstacles and floor."""
+        """Surroundings of the arm: obstacles and floor."""
         return chain_surroundings(self.arm, obstacles, lowest)
 
     def courses(
@@ -63,13 +63,13 @@ class UrdfModel:
         obstacles: ObstacleSet,
         around: Surroundings,
     ) -> tuple[JointCourse, ...]:
-        """The one from the first pose that keeps the arm clearest."""
+        """The course from the start pose that keeps the arm clearest."""
         return (joint_course(curve, arc, self.arm, obstacles, around.floor),)
 
     def sights(
         self, scene: Scene, mesh: TetMesh, around: Surroundings, slack: float
     ) -> tuple[ChainSight, ...]:
-        """One for each of some first poses, of those that are clear if there are any."""
+        """One sight for each of a few start poses, clear ones if there are any."""
         task = _Task(scene, mesh, around, slack)
         self._remember(task)
         clear = self._clear(self._poses_at(scene.start)[:TRIED], task)
@@ -78,9 +78,9 @@ class UrdfModel:
     def other_sights(
         self, scene: Scene, mesh: TetMesh, around: Surroundings, slack: float
     ) -> OtherSights:
-        """One for each of some pairs of a first pose and one at the goal, of those that are clear.
+        """One sight for each of a few clear pairs of a start pose and a pose at the goal.
 
-        A first pose that was not tried may also stand alone.
+        A start pose that was not tried may also stand alone.
         """
         if not self.arm.is_redundant:
             return OtherSights(iter(()))

@@ -1,4 +1,4 @@
-"""Motion and clearance of a URDF arm: its joints go straight from sample to sample."""
+"""Motion and clearance of a URDF arm, whose joints move straight from sample to sample."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from abi.obstacles.obstacle_set import ObstacleSet
 
 @dataclass(frozen=True, eq=False)
 class JointCourse:
-    """Joints as functions of the distance along a curve.
+    """Joint positions of a URDF arm as functions of the distance along a curve.
 
     Attributes:
         curve: path of the tool.
@@ -51,7 +51,7 @@ class JointCourse:
 
     @property
     def scales(self) -> FloatArray:
-        """A limit of [rad/s²] or [m/s²] in [rad/s²] or [unit/s²], (n,)."""
+        """Factors from [rad/s²] or [m/s²] to [rad/s²] or [unit/s²], (n,)."""
         return self.arm.scales
 
     @cached_property
@@ -69,7 +69,7 @@ class JointCourse:
         return _follow(self, profile, samples)
 
     def is_refuted(self, profile: PathProfile, around: Surroundings, required: float) -> bool:
-        """Whether it shows at once that the arm is not clear: never without the motion."""
+        """Whether a quick test shows that the arm is not clear: False, it takes the motion."""
         return False
 
     def clearance(

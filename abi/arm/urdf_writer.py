@@ -1,4 +1,4 @@
-"""URDF text from solids and joints; masses and inertias follow from the solids.
+"""Writer of URDF text from solids and joints; masses and inertias follow from the solids.
 
 The format: http://wiki.ros.org/urdf/XML. Lengths in [m], angles in [rad], masses in [kg].
 """
@@ -40,7 +40,7 @@ def write(
     Args:
         name: the robot's name.
         materials: red, green and blue from 0 to 1 of each colour the solids use.
-        links: the solids of each body, in the order they are written; one without is a frame.
+        links: the solids of each body, in the order they are written; a body without is a frame.
         joints: the joints between them.
         comment: text of an XML comment at the top.
 
@@ -92,7 +92,7 @@ def joint(
 def inertia(solids: Iterable[LinkSolid]) -> tuple[float, FloatArray, FloatArray]:
     """Mass, centre of mass and inertia of the bodies among ``solids``.
 
-    Solids that overlap count twice where they do: the shape of a link is for looks, its masses are
+    Where solids overlap, they count twice: the shape of a link is for drawing, its masses are
     nominal.
 
     Args:

@@ -1,11 +1,15 @@
-"""Curves as Bézier pieces, on which clearance is measured and certified."""
+"""Bézier pieces of a curve, on which clearance is measured and certified."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Protocol
 
-from abi.arrays import FloatArray
+import numpy as np
+
+from abi.arrays import FloatArray, read_only
 
 
 class PolynomialCurve(Protocol):
@@ -38,3 +42,26 @@ class Bezier:
     def bezier(self) -> Bezier:
         """The pieces themselves."""
         return self
+
+    def chords(self, count: int) -> tuple[FloatArray, float]:
+        """Points along each polynomial, and how far the curve is from the lines between them.
+
+        Args:
+            count: parts of each polynomial, at equal steps of its parameter.
+
+        Returns:
+            Points (s, count + 1, 3) and a bound, both [unit], but for rounding. A chord over a
+            step h is at most h² max abs(B'') / 8 away, and B'' is within the second differences of
+            the Bézier points, times degree (degree - 1).
+        """
+        p = self.degree
+        bend = np.linalg.norm(np.diff(self.points, n=2, axis=1), axis=2).max(initial=0.0)
+        return _bernstein(p, count) @ self.points, float(p * (p - 1) * bend / (8 * count**2))
+
+
+@lru_cache(maxsize=16)
+def _bernstein(degree: int, count: int) -> FloatArray:
+    """Bernstein polynomials at equal steps from 0 to 1, shape (count + 1, degree + 1)."""
+    t, i = np.linspace(0.0, 1.0, count + 1)[:, None], np.arange(degree + 1)
+    binomials = np.array([math.comb(degree, k) for k in range(degree + 1)], dtype=float)
+    return read_only(binomials * t**i * (1 - t) ** (degree - i))

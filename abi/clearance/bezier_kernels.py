@@ -1,4 +1,4 @@
-"""Points of Bézier curves: where they lie, and de Casteljau's division.
+"""Points of Bézier curves, and their subdivision by de Casteljau's algorithm.
 
 Plain Python that numba compiles with its caller; uncompiled it runs on lists. A point is three
 successive numbers.

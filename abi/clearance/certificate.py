@@ -28,7 +28,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from abi.arrays import FloatArray, IntArray, flat, read_only
+from abi.arrays import BoolArray, FloatArray, IntArray, flat, read_only
 from abi.clearance.bezier import Bezier, PolynomialCurve
 from abi.clearance.certify_mesh_kernels import separate_from_mesh
 from abi.clearance.certify_primitives_kernels import separate_from_primitives
@@ -36,9 +36,12 @@ from abi.clearance.separation_kernels import CERTIFIED, MOST_HALVINGS, REFUTED, 
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.pose import rotation
+from abi.obstacles.primitive_kernels import WIDTH
 from abi.obstacles.triangle_mesh.bvh import tree_of
 
 _MOST_TRIES = 20_000  # for each obstacle, and 64 for each polynomial
+_CHORDS = 8  # of each polynomial, to see which meshes it may be near
+_PLACED = 1e-10  # of the curve's size: more than the error of a mesh's place and of its box's
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,7 +53,7 @@ class Certificate:
             no obstacles.
         pieces: first and last parameter of the piece each plane separates, shape (k, 2).
         obstacle: number of the obstacle each plane separates it from, shape (k,). From a mesh it
-            separates only some triangles; the planes of a mesh together leave out none.
+            separates only some triangles; together, the planes of a mesh separate all of them.
         directions: unit normals of the planes, from the obstacle to the curve, shape (k, 3), world.
     """
 
@@ -62,7 +65,7 @@ class Certificate:
 
 @dataclass(frozen=True, eq=False)
 class Refutation:
-    """A place of a curve that keeps it from being certified.
+    """A point of a curve that prevents a certificate.
 
     Attributes:
         margin: the distance to prove, [unit].
@@ -83,7 +86,7 @@ class Refutation:
 def certify(
     curve: PolynomialCurve, obstacles: ObstacleSet, margin: float
 ) -> Certificate | Refutation:
-    """Prove that a curve keeps more than ``margin`` from every obstacle, or find where it does not.
+    """Prove that a curve keeps more than ``margin`` from every obstacle, or find where it fails.
 
     A curve that starts outside a closed mesh and keeps clear of its surface stays outside. From a
     primitive a negative margin can be proven: the curve goes no deeper than that. A mesh needs a
@@ -102,25 +105,56 @@ def certify(
     tables: list[FloatArray] = []
     if obstacles.primitives:
         numbers = obstacles.primitive_numbers
-        status, at, which, distance, planes = _against_primitives(pieces, obstacles, margin)
+        status, at, which, distance, planes = _separate(pieces, obstacles.packed, margin)
         if status != CERTIFIED:
             return Refutation(margin, at, int(numbers[which]), distance, status == REFUTED)
         planes[:, 2] = numbers[planes[:, 2].astype(int)]
         tables.append(planes)
-    for k, mesh in zip(obstacles.mesh_numbers.tolist(), obstacles.meshes, strict=True):
-        result = _against_mesh(pieces, mesh, k, margin)
+    near = np.ones(len(obstacles.meshes), dtype=np.bool_)
+    if len(near) > 1 and margin >= 0:
+        near, planes = _behind_boxes(pieces, obstacles, margin)
+        tables.append(planes)
+    for k in np.flatnonzero(near).tolist():
+        number = int(obstacles.mesh_numbers[k])
+        result = _against_mesh(pieces, obstacles.meshes[k], number, margin)
         if isinstance(result, Refutation):
             return result
         tables.append(result)
     return _certificate(margin, tables)
 
 
-def _against_primitives(curve: Bezier, obstacles: ObstacleSet, margin: float) -> Outcome:
+def _behind_boxes(
+    curve: Bezier, obstacles: ObstacleSet, margin: float
+) -> tuple[BoolArray, FloatArray]:
+    """Separate a curve from the boxes of meshes far from it, and so from all that is in them.
+
+    Returns:
+        Which meshes (m,) are left, and the planes for the others.
+    """
+    points, away = curve.chords(_CHORDS)
+    starts, ends = points[:, :-1].reshape(-1, 3), points[:, 1:].reshape(-1, 3)
+    # a box and its mesh are placed with roundings of their own
+    beyond = margin + _PLACED * curve.size
+    limits = np.full(len(starts), beyond + away)
+    found = [number for number, _, _ in obstacles.near_meshes(starts, ends, limits)]
+    near = np.isin(obstacles.mesh_numbers, found)
+    boxes = obstacles.packed_mesh_boxes.reshape(-1, WIDTH)[~near]
+    if not len(boxes):
+        return near, np.empty((0, 7))
+    status, *_, planes = _separate(curve, boxes.ravel(), beyond)
+    if status != CERTIFIED:
+        return np.ones_like(near), np.empty((0, 7))
+    planes[:, 2] = obstacles.mesh_numbers[~near][planes[:, 2].astype(int)]
+    return near, planes
+
+
+def _separate(curve: Bezier, primitives: FloatArray, margin: float) -> Outcome:
+    """Separate a curve from packed primitives."""
     outcome: Outcome = separate_from_primitives(
         flat(curve.points),
         flat(curve.breaks),
         _buffer(curve),
-        obstacles.packed,
+        primitives,
         curve.size,
         float(margin),
         _MOST_TRIES + 64 * len(curve.points),

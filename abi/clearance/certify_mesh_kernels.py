@@ -1,4 +1,4 @@
-"""Certificates against a surface of triangles.
+"""Certificates of a curve's clearance from a surface of triangles.
 
 Geometry is in the surface's own coordinates; for pieces and planes see
 ``abi.clearance.separation_kernels``. Nodes are numbered as the tree's boxes are, and the triangles

@@ -1,4 +1,4 @@
-"""Certificates against convex primitives.
+"""Certificates of a curve's clearance from convex primitives.
 
 Geometry is in the body frame of one primitive; for pieces and planes see
 ``abi.clearance.separation_kernels``, for the rows of numbers that describe primitives

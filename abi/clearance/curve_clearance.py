@@ -32,8 +32,8 @@ class Clearance:
         at: parameter of the nearest sample.
         nearest: signed distance of the nearest sample, [unit]; negative inside an obstacle.
         obstacle: index of the obstacle it is nearest to, -1 without obstacles.
-        violations: parameter intervals (from, to), in order and apart, that hold every sample
-            nearer than required by over 1e-9; empty exactly when there is none.
+        violations: disjoint parameter intervals (from, to), in order, that contain every sample
+            nearer than required by more than 1e-9; empty exactly if there is none.
         certificate: the proof of ``distance``; None when it was only measured.
     """
 
@@ -55,14 +55,14 @@ class Clearance:
         return self.certificate is not None
 
     def keeps(self, required: float) -> bool:
-        """Whether it is proven that the distance is nowhere under ``required``, but for 1e-9."""
+        """Whether the distance is proven to be nowhere below ``required``, up to 1e-9."""
         return self.certified and self.distance >= required - ROUNDING
 
 
 def curve_clearance(
     curve: PolynomialCurve, obstacles: ObstacleSet, required: float = 0.0, tolerance: float = 1e-3
 ) -> Clearance:
-    """Measure the clearance of a curve, and where it is under ``required``.
+    """Measure the clearance of a curve, and find where it is below ``required``.
 
     The curve is halved into Bézier pieces. Each is sampled in its middle m, where an obstacle's
     distance d has the subgradient g. If the obstacle is convex, so is d, and a piece stays in
@@ -78,11 +78,11 @@ def curve_clearance(
         curve: continuous, a polynomial between its breaks.
         obstacles: primitives and meshes.
         required: distance to keep, [unit].
-        tolerance: largest ``nearest - distance``, [unit]; 1e-9 where less is given. No place
-            nearer than ``required - tolerance`` is left out of ``violations``.
+        tolerance: largest ``nearest - distance``, [unit], at least 1e-9. No point nearer than
+            ``required - tolerance`` is left out of ``violations``.
 
-    Past 200,000 pieces or 40 halvings, for a tolerance far below the curve's size, halving stops:
-    ``distance`` still bounds, if less tightly, and ``violations`` rest on the samples taken.
+    Halving stops at 200,000 pieces or 40 halvings, which only a tolerance far below the curve's
+    size needs: ``distance`` is then a looser bound, and ``violations`` rest on the samples taken.
     """
     pieces = curve.bezier()
     breaks = pieces.breaks
@@ -106,12 +106,12 @@ def proven_clearance(
 ) -> Clearance:
     """Measure the clearance of a curve, and prove as much of it as possible.
 
-    Distances just under the measured one are tried from the largest down to the required one.
-    A curve that enters an obstacle, or is measured to keep the required distance and cannot be
-    certified to, gets no certificate.
+    Distances just below the measured one are tried, from the largest down to the required one.
+    There is no certificate for a curve that enters an obstacle, nor for one that is measured to
+    keep the required distance but cannot be certified to.
 
-    Where the required distance is 0 a curve may touch a primitive: then it is proven that it goes
-    in by less than 1e-9, unless a primitive is so thin that this means nothing.
+    If the required distance is 0 a curve may touch a primitive. Then it is proven to enter it by
+    less than 1e-9, unless a primitive is too thin for that to mean anything.
 
     Args:
         curve: continuous, a polynomial between its breaks.
@@ -147,11 +147,8 @@ def _margins(
         return [math.inf]
     lowest = required - ROUNDING
     if lowest < 0:
-        depths = [
-            -float(primitive.signed_distance(np.array([primitive.position]))[0])
-            for primitive in obstacles.primitives
-        ]
-        lowest = lowest if obstacles.all_convex and min(depths) > 4 * ROUNDING else 0.0
+        thick = obstacles.all_convex and obstacles.least_depth > 4 * ROUNDING
+        lowest = lowest if thick else 0.0
     tries = {required, required - ROUNDING, measured.distance - step}
     while measured.nearest - step > measured.distance:
         tries.add(measured.nearest - step)

@@ -1,4 +1,4 @@
-"""Distance of a curve of Bézier pieces to obstacles.
+"""Distance from the Bézier pieces of a curve to the obstacles.
 
 For the rows of numbers that describe primitives see ``primitive_kernels``. A point is three
 successive numbers.

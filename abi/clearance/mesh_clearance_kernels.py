@@ -1,8 +1,8 @@
-"""Distances of samples of a curve to triangle meshes, and what they say of its Bézier pieces.
+"""Distances of a curve's samples to triangle meshes, and the bounds that follow for its pieces.
 
-A mesh need not be convex, so of a piece it is only known that it is nowhere nearer than its middle
-by more than its farthest control point is from there: the distance is 1-Lipschitz. A point is three
-successive numbers. Plain Python that numba compiles with its caller.
+A mesh need not be convex, so the bound of a piece rests on the distance being 1-Lipschitz: no point
+of it is nearer than its middle by more than the distance from there to its farthest control point.
+A point is three successive numbers. Plain Python that numba compiles with its caller.
 """
 
 from __future__ import annotations

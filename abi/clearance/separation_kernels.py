@@ -1,8 +1,8 @@
-"""Pieces of a curve, and the planes that separate them: shared by the kernels that certify.
+"""Pieces of a curve and the planes that separate them, shared by all kernels that certify.
 
 Plain Python that numba compiles with its caller; uncompiled it runs on lists. A point is three
-successive numbers of a flat array; a piece of the curve is a run of such points that holds the
-curve's stretch in its convex hull.
+successive numbers of a flat array; a piece of the curve is a run of such points, whose convex
+hull contains that stretch of the curve.
 """
 
 from __future__ import annotations

@@ -58,7 +58,7 @@ class BSpline:
         return float(np.linalg.norm(np.ptp(self.control_points, axis=0)))
 
     def bezier(self) -> Bezier:
-        """Bézier points, by inserting every knot until it occurs ``degree`` times; made once."""
+        """Bézier points, by inserting every knot until it occurs ``degree`` times; cached."""
         return self._bezier
 
     @cached_property
@@ -84,7 +84,7 @@ class BSpline:
         return weights.reshape(len(parameters), -1)
 
     def refined(self, edges: NDArray[np.integer[Any]]) -> BSpline:
-        """Halve edges of the control polygon, by their indices; one of no length stays."""
+        """Halve edges of the control polygon, given by index; an edge of length 0 stays."""
         ends = self.control_points[edges], self.control_points[edges + 1]
         long = np.linalg.norm(ends[1] - ends[0], axis=1) > 0
         edges, middles = edges[long], (ends[0] + ends[1])[long] / 2

@@ -36,7 +36,7 @@ _INFEASIBLE = 1e-6  # distance of (0, 1) to the cone of the rows, above which th
 
 @dataclass(frozen=True, eq=False)
 class ByArcLength:
-    """A curve as a function of the part of its arc length travelled."""
+    """A curve as a function of the fraction of its arc length travelled."""
 
     curve: Curve
     arc: ArcLength
@@ -132,7 +132,7 @@ def least_squares_target(
 
 
 def nearest_clear(target: Target, starts: Sequence[PointsAt]) -> Quadratic | None:
-    """The clear curve nearest to ``target``, from starts that pass the obstacles in several ways.
+    """Find the clear curve nearest to ``target``, from starts that pass obstacles differently.
 
     A convex obstacle's signed distance is a convex function of the point: it is nowhere below its
     tangent. So with y a point of the start and g the gradient of d there, the half space
@@ -149,8 +149,8 @@ def nearest_clear(target: Target, starts: Sequence[PointsAt]) -> Quadratic | Non
     Args:
         target: to be near to.
         starts: points (n, 3) at parameters (n,) in [0, 1], [unit]; they need not be clear, but
-            a clear one leads to a clear curve if there are pieces enough. The one that is nearest
-            after two rounds goes on; the next only when that does not become clear.
+            a clear one leads to a clear curve if there are enough pieces. The one that is nearest
+            after two rounds is continued; the next one only if that does not become clear.
 
     Returns:
         The curve, clear as far as measured, or None.

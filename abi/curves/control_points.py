@@ -1,4 +1,4 @@
-"""Control points for a spline that rounds a path's bends and stays on its straight stretches."""
+"""Control points of a spline that rounds a path's bends and follows its straight stretches."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ _SHARE = 0.5  # part of the room at a bend that the spline may take
 def place_control_points(
     points: FloatArray, degree: int, obstacles: ObstacleSet, clearance: float
 ) -> tuple[FloatArray, BoolArray]:
-    """Place control points on the legs of a path: dense at the bends, ever wider away from them.
+    """Place control points on the segments of a path, dense at bends and sparser away from them.
 
-    Where control points a distance h spacing bend by an angle φ, a uniform spline of degree p cuts
-    the corner by about h·φ·√((p + 1) / 24π): its basis functions are nearly normal distributions
-    of variance (p + 1) / 12 (Unser, Aldroubi and Eden, IEEE Trans. Information Theory 38, 1992).
-    That gives the h for which the cut takes half the room. From a bend the points stand
-    at h, 2h, 4h, and so on up to the middle of the leg.
+    Where control points with the spacing h bend by an angle φ, a uniform spline of degree p cuts
+    the corner by about h·φ·√((p + 1) / 24π): its basis functions are nearly normal distributions of
+    variance (p + 1) / 12 (Unser, Aldroubi and Eden, IEEE Trans. Information Theory 38, 1992). That
+    gives the h for which the cut takes half the room. From a bend the points stand at h, 2h, 4h,
+    and so on up to the middle of the leg.
 
     Args:
         points: (k, 3) the path, k >= 2, [unit], world.
@@ -31,7 +31,7 @@ def place_control_points(
         clearance: distance to keep from them, [unit].
 
     Returns:
-        At least p + 1 points (n, 3), those of the path among them, and which are not (n,).
+        At least p + 1 points (n, 3), which include those of the path, and flags of the others (n,).
     """
     legs = np.diff(points, axis=0)
     lengths = np.sqrt((legs**2).sum(axis=1))

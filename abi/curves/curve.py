@@ -24,7 +24,7 @@ _RULE = (flat(_NODES), flat(_WEIGHTS), flat(_SPEED[:, -2:].T), flat(_TRAVELLED))
 
 
 class Curve(PolynomialCurve, Protocol):
-    """A piecewise polynomial curve in space: spline and quadratic alike."""
+    """A piecewise polynomial curve in space, such as a spline or a quadratic."""
 
     @property
     def interval(self) -> tuple[float, float]:
@@ -46,9 +46,9 @@ class Curve(PolynomialCurve, Protocol):
 class ArcLength:
     """Arc length of one curve as a function of the parameter, and back.
 
-    The parameter interval is cut into pieces so short that the speed on each is a Legendre series
-    to rounding; the integrated series is the arc length, so both directions agree to rounding and
-    neither evaluates the curve again.
+    The parameter interval is cut into pieces so short that on each the speed is a Legendre series
+    up to rounding; the integrated series is the arc length, so both directions agree to rounding
+    and neither evaluates the curve again.
 
     Attributes:
         length: arc length of the whole curve, [unit].
@@ -87,7 +87,7 @@ class ArcLength:
         return distances.reshape(parameters.shape)
 
     def parameter(self, distance: ArrayLike) -> FloatArray:
-        """Parameter at which an arc length has been travelled, by Newton within a bracket.
+        """Parameter at which an arc length has been travelled, by Newton's method within a bracket.
 
         The arc length there differs from ``distance`` by less than 1e-12 of the length. Where the
         curve rests (repeated control points) the parameter is one of those that fit.

@@ -1,4 +1,4 @@
-"""A fitted curve, with its clearance."""
+"""A fitted curve together with its clearance."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class Fit(Generic[CurveT]):
         curve: the curve.
         clearance: its distance to the obstacles, proven where it can be.
         required: distance to keep from every obstacle, [unit].
-        note: reason why it is not the curve of the mode, as a sentence; empty when it is.
+        note: sentence on why it is not the curve that the mode asks for; empty if it is.
     """
 
     curve: CurveT

@@ -1,4 +1,4 @@
-"""Stage 5: a quadratic curve as in the paper, clear in one piece, or clear in several."""
+"""Stage 5: the quadratic curve, as in the paper, clear in one piece, or clear in several."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ Mode = Literal["least_squares", "clear", "pieces"]
 
 _COUNTS = (2, 3, 4, 5, 6, 7, 8, 10, 13, 16, 20, 24)
 MOST_PIECES = _COUNTS[-1]
-"""More pieces than these only on the control polygon."""
+"""Largest number of pieces that is tried; more only as the control polygon gives them."""
 
 _DIRECTIONS = 48
 _RADII = np.geomspace(0.02, 4, 12)  # of the curve's extent
@@ -32,7 +32,7 @@ _HALVINGS = 6
 
 
 Accepts = Callable[[Quadratic], bool]
-"""Whether a curve that keeps the clearance will do for what else is asked of it."""
+"""Whether a curve that keeps the clearance meets the further conditions."""
 
 
 def fit(
@@ -43,11 +43,11 @@ def fit(
     mode: Mode,
     accepts: Accepts | None = None,
 ) -> Fit[Quadratic]:
-    """A curve of quadratic pieces near the B-spline and with its ends.
+    """Fit a curve of quadratic pieces to the B-spline, with the same ends.
 
     - ``least_squares``: one piece, :func:`abi.curves.quadratic.least_squares`, clear or not.
-    - ``clear``: that one where it is clear, else the clear one nearest to it.
-    - ``pieces``: that one where there is one, else the fewest pieces found that are clear and C¹.
+    - ``clear``: the least-squares curve if it is clear, else the clear one nearest to it.
+    - ``pieces``: the curve of ``clear`` if there is one, else the fewest clear C¹ pieces found.
 
     Args:
         spline: the curve to approximate.
@@ -55,11 +55,11 @@ def fit(
         obstacles: to keep clear of.
         clearance: distance to keep from every obstacle, [unit].
         mode: one of the three.
-        accepts: a further condition, such as that an arm keeps clear along it; all of the modes
-            but ``least_squares`` keep to it.
+        accepts: a further condition, such as that the arm is clear along the curve, for all modes
+            except ``least_squares``.
 
     Returns:
-        The curve. When none is found the least-squares curve, with ``holds`` False and a ``note``.
+        The curve; if none is found, the least-squares curve with ``holds`` False and a ``note``.
     """
     quadratic = least_squares(spline.curve, arc)
     fitted = proven_fit(quadratic, quadratic.extent, obstacles, clearance)
@@ -102,8 +102,8 @@ def nearest_single(
         curve: the curve it approximates.
         obstacles: to keep clear of.
         clearance: distance to keep from every obstacle, [unit].
-        accepts: a further condition; where the nearest does not meet it, the nearest of the moved
-            ones that does is taken, brought nearer by halving its distance.
+        accepts: a further condition. If the nearest curve does not meet it, the nearest of the
+            moved ones that does is taken and brought nearer by halving its distance.
     """
     c0, c1, c2 = quadratic.coefficients[0]
     points = np.stack([c0, c0 + c1 / 2, c0 + c1 + c2])

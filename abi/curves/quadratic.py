@@ -20,8 +20,8 @@ Piece = tuple[float, float, FloatArray]
 class Quadratic:
     """A curve on [0, 1] whose piece i is c0 + c1·t + c2·t² from ``breaks[i]`` to ``breaks[i + 1]``.
 
-    The pieces share points and first derivatives where they meet (C¹), so the tool goes through at
-    full speed.
+    Where pieces meet they share points and first derivatives (C¹), so the tool passes at full
+    speed.
 
     Attributes:
         coefficients: rows c0, c1, c2 of each piece in the parameter of the whole curve, shape
@@ -85,7 +85,7 @@ class Quadratic:
         return float(np.linalg.norm(np.ptp(samples, axis=0)))
 
     def bezier(self) -> Bezier:
-        """Bézier points of the pieces; made once."""
+        """Bézier points of the pieces; cached."""
         return self._bezier
 
     @cached_property
@@ -125,8 +125,8 @@ class Quadratic:
 def least_squares(curve: Curve, arc: ArcLength) -> Quadratic:
     """Least-squares quadratic of one piece with the curve's ends, paper stage 5.
 
-    The curve is taken as S(t), t the part of its arc length travelled, so that the fit does not
-    depend on how the curve is parametrised. Between the ends A and B every quadratic is
+    The curve is taken as S(t), where t is the fraction of its arc length travelled, so that the fit
+    does not depend on how the curve is parametrised. Between the ends A and B every quadratic is
     A + (B - A)·t + c2·(t² - t), and ∫ abs(P(t) - S(t))² dt over [0, 1] is least where its
     derivative by c2 is zero. As ∫ (t² - t)² dt = 1/30,
 

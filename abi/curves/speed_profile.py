@@ -16,7 +16,7 @@ from abi.errors import SceneError
 class SpeedProfile:
     """Motion from rest to rest: speeding up, cruising, slowing down.
 
-    The travelled distance is the area of a trapezoid (paper, stage 5), or of a triangle when the
+    The distance travelled is the area of a trapezoid (paper, stage 5), or of a triangle if the
     length is too short to reach the speed.
 
     Attributes:

@@ -5,8 +5,9 @@ analysis, 2018) with x = (ds/dt)² and u = d²s/dt² at the points of a grid:
 
     abs(q'(s)·u + q''(s)·x) ≤ A,   abs(q'(s))·√x ≤ V,   x + 2·Δ·u within the next point's set.
 
-Each constraint bounds u by two lines in x. The ends of the feasible x are where two of them meet
-(Fourier-Motzkin), so each linear program is a double loop. Both ends of a step are asked to hold.
+Each constraint bounds u by two lines in x. The feasible x end where two of the lines meet
+(Fourier-Motzkin), so each linear program is a double loop. The constraints must hold at both ends
+of a step.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Motions along a length that are polynomials in time, piece by piece."""
+"""Motions along a length as piecewise polynomials in time."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _TINY = 1e-12
 
 @dataclass(frozen=True, eq=False)
 class TimedProfile:
-    """Motion from rest to rest whose speed never turns back.
+    """Motion from rest to rest that never moves backwards.
 
     Attributes:
         law: ``jerk_limited`` or ``time_optimal``.
@@ -54,7 +54,7 @@ class TimedProfile:
         return float(max(self(self.breaks, 1).max(), ((3 * a * inner + 2 * b) * inner + c).max()))
 
     def stretched(self, factor: float) -> TimedProfile:
-        """The same motion in ``factor`` times the time."""
+        """The same motion slowed down, so that it takes ``factor`` times as long."""
         powers = factor ** np.array([-3.0, -2.0, -1.0, 0.0])[:, None]
         slower = read_only(self.coefficients * powers)
         return TimedProfile(self.law, self.length, read_only(self.breaks * factor), slower)

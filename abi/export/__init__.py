@@ -1,1 +1,1 @@
-"""Plans as files for other programs: motions, curves, obstacles and arms."""
+"""Export of plans as files for other programs: motions, curves, obstacles and arms."""

@@ -1,4 +1,4 @@
-"""The motion as comma-separated values (RFC 4180), one row a sample."""
+"""The motion as comma-separated values (RFC 4180), one row per sample."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from abi.planner.plan import Plan
 
 
 def write(plan: Plan, name: str) -> bytes:
-    """Time, joints, tool position and tool velocity, each with its unit in the header.
+    """Write time, joints, tool position and tool velocity, with units in the header.
 
     Raises:
         ExportError: there is no motion.

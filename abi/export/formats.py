@@ -1,7 +1,7 @@
-"""The formats a plan is exported in, as one table.
+"""Table of the formats in which a plan can be exported.
 
 A new format is a file beside this one and a row here. Its ``write(plan, name)`` returns the file's
-content and raises :class:`abi.errors.ExportError` where the format cannot hold the plan.
+content, or raises :class:`abi.errors.ExportError` if the format cannot hold the plan.
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ from abi.export import (
     spline_curves,
     urscript,
 )
+from abi.planner.arm_faults import arm_warning
 from abi.planner.plan import Plan
 
 
@@ -35,12 +36,18 @@ class Format:
         file: name that a download gets.
         endings: those of file names that mean this format.
         write: content of the file of a plan, given the file's name.
+        holds_motion: whether a motion of the arm is in it.
     """
 
     label: str
     file: str
     endings: tuple[str, ...]
     write: Callable[[Plan, str], bytes]
+    holds_motion: bool = True
+
+    def warning(self, plan: Plan) -> str:
+        """Sentence on what the exported motion's arm touches or lacks; empty for none."""
+        return arm_warning(plan) if self.holds_motion else ""
 
 
 FORMATS: dict[str, Format] = {
@@ -53,9 +60,19 @@ FORMATS: dict[str, Format] = {
         ros_trajectory.write,
     ),
     "spline": Format(
-        "curves as B-splines (JSON)", "curves.spline.json", (".spline.json",), spline_curves.write
+        "curves as B-splines (JSON)",
+        "curves.spline.json",
+        (".spline.json",),
+        spline_curves.write,
+        holds_motion=False,
     ),
-    "moveit": Format("obstacles for MoveIt", "obstacles.scene", (".scene",), moveit_scene.write),
+    "moveit": Format(
+        "obstacles for MoveIt",
+        "obstacles.scene",
+        (".scene",),
+        moveit_scene.write,
+        holds_motion=False,
+    ),
     "mcap": Format(
         "recording for Foxglove (MCAP)", "motion.mcap", (".mcap",), mcap_recording.write
     ),
@@ -63,16 +80,18 @@ FORMATS: dict[str, Format] = {
     "urscript": Format(
         "program for a UR (URScript)", "motion.script", (".script",), urscript.write
     ),
-    "urdf": Format("arm (URDF)", "arm.urdf", (".urdf",), robot_description.write),
+    "urdf": Format(
+        "arm (URDF)", "arm.urdf", (".urdf",), robot_description.write, holds_motion=False
+    ),
 }
 """Formats by the names that ``abi export --format`` takes."""
 
 
 def format_of(path: Path) -> str:
-    """Name of the format that a file's ending means; the longest ending that fits counts.
+    """Name of the format that a file's ending means; the longest matching ending counts.
 
     Raises:
-        ExportError: it means none.
+        ExportError: no format has this ending.
     """
     endings = {ending: name for name, row in FORMATS.items() for ending in row.endings}
     fitting = [ending for ending in endings if path.name.lower().endswith(ending)]
@@ -90,7 +109,7 @@ def export(plan: Plan, path: Path, format_name: str) -> None:
 
     Args:
         plan: the plan.
-        path: of the file; one that is there is replaced.
+        path: file to write; an existing file is replaced.
         format_name: a name in :data:`FORMATS`.
 
     Raises:

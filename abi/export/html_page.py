@@ -1,7 +1,7 @@
 """The plan as one HTML file that plays by itself: its stages, its search, and the arm's motion.
 
-The page's script draws in two dimensions what it projects itself, so the file needs no server, no
-library and no graphics card; it holds the numbers that the drawing takes, rounded.
+The page's script does its own projection and draws in two dimensions, so the file needs no server,
+library or graphics card; it contains the numbers that the drawing needs, rounded.
 """
 
 from __future__ import annotations
@@ -20,15 +20,17 @@ from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import Obstacle
 from abi.obstacles.pose import rotation
 from abi.obstacles.primitives import Box, Capsule, Cylinder, Sphere
+from abi.planner.arm_faults import arm_faults
+from abi.planner.arm_words import clearance_sentence
 from abi.planner.plan import Plan
 from abi.search.subset import subset
 
 EDGES = 5_000
-"""Edges of the mesh that are drawn at the most, those near path and obstacles."""
+"""Largest number of mesh edges that are drawn, those near path and obstacles."""
 EXPANSIONS = 4_000
-"""Expanded nodes that are drawn at the most, evenly of all."""
+"""Largest number of expanded nodes that are drawn, evenly spaced."""
 FACES = 3_000
-"""Triangles of an obstacle that are drawn at the most."""
+"""Largest number of triangles of an obstacle that are drawn."""
 _CURVE, _POSES = 161, 121  # samples
 _DIGITS = 5
 _SEARCH_SECONDS = 8.0
@@ -36,7 +38,7 @@ _ROUND_ANGLE = 24
 
 
 def write(plan: Plan, name: str) -> bytes:
-    """The page.
+    """Write the page.
 
     Raises:
         ExportError: the plan has no mesh, so there is nothing to show.
@@ -108,16 +110,14 @@ def _steps(plan: Plan) -> list[dict[str, Any]]:
         text = f"{_length(plan.taut.length, unit)}, freed of the edges' directions."
         steps.append(_step("3½ Taut", "The path pulled taut", text, ["path", "taut"]))
     if plan.bspline is not None and plan.bspline_arc is not None:
-        text = f"{_length(plan.bspline_arc.length, unit)}, {_kept(plan.bspline.holds)}."
+        text = f"{_length(plan.bspline_arc.length, unit)}, {_kept(plan, 'bspline')}."
         steps.append(_step("4 B-spline", "A smooth curve", text, ["path", "bspline"]))
     if plan.quadratic is not None and plan.quadratic_arc is not None:
-        text = f"{_length(plan.quadratic_arc.length, unit)}, {_kept(plan.quadratic.holds)}."
+        text = f"{_length(plan.quadratic_arc.length, unit)}, {_kept(plan, 'quadratic')}."
         steps.append(_step("5 Quadratic", "A simple formula", text, ["bspline", "quadratic"]))
     if plan.motion is not None and plan.followed is not None:
-        text = "The arm follows the " + {"bspline": "B-spline"}.get(plan.followed, plan.followed)
-        arm = _step("6 Arm", "The motion", f"{text}.", [plan.followed, "arm"])
-        steps.append(arm | {"bar": "time", "seconds": float(plan.motion.time[-1])})
-    if plan.error is not None:
+        steps.append(_arm_step(plan, plan.followed, float(plan.motion.time[-1])))
+    if plan.error is not None and plan.error.message not in steps[-1]["text"]:
         steps[-1]["text"] += f" {plan.error.message}"
     return steps
 
@@ -126,8 +126,25 @@ def _step(name: str, title: str, text: str, draw: list[str]) -> dict[str, Any]:
     return {"name": name, "title": title, "text": text, "draw": draw, "bar": "", "seconds": 0}
 
 
-def _kept(holds: bool) -> str:
-    return "proven to keep the clearance" if holds else "✗ nearer to an obstacle than asked"
+def _arm_step(plan: Plan, followed: str, duration: float) -> dict[str, Any]:
+    """The last stage: whether the whole arm is clear, or what it touches when and how deep."""
+    faults = arm_faults(plan)
+    name = {"bspline": "B-spline"}.get(followed, followed)
+    text = f"The arm follows the {name}. " + (
+        f"✗ {' '.join(faults)}" if faults else clearance_sentence(plan)
+    )
+    step = _step("6 Arm ✗" if faults else "6 Arm", "The motion", text, [followed, "arm"])
+    return step | {"bar": "time", "seconds": duration}
+
+
+def _kept(plan: Plan, name: str) -> str:
+    """Whether a curve keeps the clearance, and by whom that is kept where the arm does not."""
+    fit = plan.bspline if name == "bspline" else plan.quadratic
+    if fit is None or not fit.holds:
+        return "✗ nearer to an obstacle than asked"
+    if plan.followed == name and not plan.is_arm_clear:
+        return "proven to keep the clearance, by the tool alone"
+    return "proven to keep the clearance"
 
 
 def _length(length: float, unit: str) -> str:
@@ -135,18 +152,29 @@ def _length(length: float, unit: str) -> str:
 
 
 def _arm(plan: Plan) -> dict[str, Any]:
-    """Capsules of the links and the tool, at moments evenly spaced in time."""
+    """Capsules of the links, which of them touch something, and the tool, at moments in time."""
     if plan.motion is None or plan.arm is None:
-        return {"time": [0.0], "links": [[]], "radii": [], "tool": []}
+        return {"time": [0.0], "links": [[]], "radii": [], "tool": [], "touching": [[]]}
     last = len(plan.motion.time) - 1
-    chosen = np.unique(np.linspace(0, last, min(_POSES, last + 1)).round().astype(int))
+    clearance = plan.arm_clearance
+    contacts = () if clearance is None else clearance.contacts
+    # one that is over before the next pose is seen, too
+    deepest = np.searchsorted(plan.motion.time, [contact.time for contact in contacts])
+    evenly = np.linspace(0, last, min(_POSES, last + 1)).round().astype(int)
+    chosen = np.unique(np.concatenate([evenly, np.minimum(deepest, last)]))
+    time = plan.motion.time[chosen]
     capsules = plan.arm.placed(plan.motion.positions[chosen])
     poses = np.stack([capsule.ends for capsule in capsules], axis=1)
+    touching = [frozenset() if clearance is None else clearance.touching(one) for one in time]
     return {
-        "time": _rounded(plan.motion.time[chosen]),
+        "time": _rounded(time),
         "links": _rounded(poses),
         "radii": [_round(capsule.radius) for capsule in capsules],
         "tool": _rounded(plan.motion.tool[chosen]),
+        "touching": [
+            [row for row, capsule in enumerate(capsules) if capsule.link in links]
+            for links in touching
+        ],
     }
 
 

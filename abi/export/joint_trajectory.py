@@ -1,4 +1,4 @@
-"""Joints over time, in the units of ROS: what robot controllers and recordings take."""
+"""Joint positions over time in the units of ROS, for robot controllers and recordings."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from abi.arm.trajectory import ArmMotion
 from abi.arrays import FloatArray, read_only
 from abi.errors import ExportError
 from abi.obstacles.pose import METRES
+from abi.planner.arm_faults import arm_warning
 from abi.planner.plan import Plan
 
 
@@ -36,7 +37,7 @@ def motion_of(plan: Plan) -> ArmMotion:
     """The motion of a plan.
 
     Raises:
-        ExportError: it has none.
+        ExportError: the plan has no motion.
     """
     if plan.motion is None:
         cause = "it was not planned" if plan.error is None else plan.error.message
@@ -44,11 +45,19 @@ def motion_of(plan: Plan) -> ArmMotion:
     return plan.motion
 
 
+def motion_state(plan: Plan) -> str:
+    """Sentence that a file of the motion carries: that the arm is clear, or what it touches."""
+    warning = arm_warning(plan)
+    if warning:
+        return f"The arm's motion is NOT proven clear. {warning}"
+    return "The arm's whole motion is proven clear of the scene's obstacles."
+
+
 def joint_trajectory(plan: Plan) -> JointTrajectory:
     """Joints of a plan's motion, with derivatives by central differences of its samples.
 
-    Controllers begin and end at rest, and so does what is planned: the drives hold before the
-    motion and after it.
+    Like controllers, the plan begins and ends at rest: the drives hold before and after the
+    motion.
 
     Raises:
         ExportError: there is no motion, it leaves the arm's reach, or passes a limit.

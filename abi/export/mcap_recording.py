@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from abi.arrays import FloatArray
-from abi.export.joint_trajectory import joint_trajectory, motion_of
+from abi.export.joint_trajectory import joint_trajectory, motion_of, motion_state
 from abi.export.mcap_schemas import SCHEMAS
 from abi.export.solids import Quaternion, Solid, solids
 from abi.planner.plan import Plan
@@ -31,7 +31,7 @@ class _Message(NamedTuple):
 
 
 def write(plan: Plan, name: str) -> bytes:
-    """The recording, with the scene and the arm's URDF attached.
+    """The recording, with scene and URDF attached, and as metadata whether the arm is clear.
 
     Raises:
         ExportError: there is no motion that the arm can execute.
@@ -47,6 +47,7 @@ def write(plan: Plan, name: str) -> bytes:
     attached = {"scene.json": json.dumps(plan.scene.to_dict()), "arm.urdf": description}
     for label, text in attached.items():
         writer.add_attachment(0, 0, label, "text/plain", text.encode())
+    writer.add_metadata("arm", {"state": motion_state(plan)})
     schemas, channels = {}, {}
     for topic, schema, time, data in _messages(plan, description):
         if schema not in schemas:

@@ -1,6 +1,6 @@
-"""Messages of a recording, as JSON Schema: those names and fields that Foxglove draws by itself.
+"""Messages of a recording as JSON Schema, with the names and fields that Foxglove can draw.
 
-Names and fields: https://docs.foxglove.dev/docs/sdk/schemas and, of the ROS messages,
+Names and fields: https://docs.foxglove.dev/docs/sdk/schemas and, for the ROS messages,
 https://docs.ros.org/en/rolling/p/sensor_msgs/msg/JointState.html.
 """
 

@@ -19,10 +19,10 @@ _NO_COLOUR = "0 0 0 0"
 
 
 def write(plan: Plan, name: str) -> bytes:
-    """Every obstacle as an object; a capsule is three shapes of one.
+    """Write every obstacle as an object; a capsule is one object of three shapes.
 
     Raises:
-        ExportError: there are no obstacles; MoveIt refuses a file without.
+        ExportError: there are no obstacles; MoveIt refuses such a file.
     """
     scene = plan.scene
     if not scene.obstacles:

@@ -8,5 +8,5 @@ from abi.planner.plan import Plan
 
 
 def write(plan: Plan, name: str) -> bytes:
-    """The plan with its mesh and every sample; a plan that is not complete says why."""
+    """Write the plan with its mesh and every sample; an incomplete plan says why."""
     return (json.dumps(plan.to_dict(full=True), indent=1, allow_nan=False) + "\n").encode()

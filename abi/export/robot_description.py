@@ -7,7 +7,7 @@ from abi.planner.plan import Plan
 
 
 def write(plan: Plan, name: str) -> bytes:
-    """The arm at the origin of its root link: the paper's with the plan's lengths, or its URDF.
+    """Write the arm, with its root link at the origin: the paper's arm, or the URDF it came from.
 
     Raises:
         ExportError: the plan has no arm.

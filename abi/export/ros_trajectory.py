@@ -13,12 +13,14 @@ from typing import Any
 
 from ruamel.yaml import YAML
 
-from abi.export.joint_trajectory import joint_trajectory
+from abi.export.joint_trajectory import joint_trajectory, motion_state
 from abi.planner.plan import Plan
 
 
 def write(plan: Plan, name: str) -> bytes:
-    """The message; JSON where ``name`` ends so, else YAML. Lengths in [m].
+    """The message; JSON where ``name`` ends so, else YAML, which says whether the arm is clear.
+
+    Lengths in [m].
 
     Raises:
         ExportError: there is no motion that the arm can execute.
@@ -26,7 +28,8 @@ def write(plan: Plan, name: str) -> bytes:
     message = _message(plan)
     if name.lower().endswith(".json"):
         return (json.dumps(message, indent=1, allow_nan=False) + "\n").encode()
-    stream = io.StringIO()
+    stream = io.StringIO(f"# {motion_state(plan)}\n")
+    stream.seek(0, io.SEEK_END)
     yaml = YAML(typ="safe", pure=True)
     yaml.default_flow_style = None
     yaml.sort_base_mapping_type_on_output = False  # type: ignore[assignment]

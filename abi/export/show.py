@@ -1,4 +1,4 @@
-"""A plan in a notebook's cell, or in a browser's tab."""
+"""Display of a plan in a notebook's cell or in a browser tab."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from abi.export import html_page
 from abi.planner.plan import Plan
 
 HEIGHT = 560
-"""Of the frame in a notebook, [px]."""
+"""Height of the frame in a notebook, [px]."""
 
 
 @dataclass(frozen=True)
 class Shown:
-    """A plan's page; a notebook draws it as a cell's value.
+    """The page of a plan, which a notebook draws as a cell's value.
 
     Attributes:
         page: the whole HTML file.
@@ -35,9 +35,15 @@ class Shown:
 
 
 def show(plan: Plan) -> Shown:
-    """Show a plan: in a notebook as the cell's value, elsewhere in a tab of the browser.
+    """Show a plan: in a notebook as the cell's value, elsewhere in a browser tab.
 
-    The page is the one of ``abi export --to plan.html``: it plays without a server.
+    The page is that of ``abi export --to plan.html`` and plays without a server.
+
+    Args:
+        plan: a plan; it may be incomplete, but must have a mesh.
+
+    Returns:
+        An object with the HTML text in ``page``, which a notebook draws.
 
     Raises:
         ExportError: the plan has no mesh.

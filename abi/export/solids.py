@@ -1,4 +1,4 @@
-"""Obstacles as the solids that other programs know, in metres."""
+"""Obstacles as solids that other programs know, in metres."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class Solid:
 
 
 def solids(obstacle: Obstacles, unit: Literal["m", "cm", "mm"]) -> tuple[tuple[Solid, ...], ...]:
-    """Solids whose union is the obstacle, for each; a capsule is a cylinder and two spheres."""
+    """For each obstacle, solids whose union it is; a capsule is a cylinder and two spheres."""
     return tuple(_of(shape, METRES[unit]) for shape in obstacle)
 
 

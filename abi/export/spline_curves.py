@@ -1,4 +1,4 @@
-"""The curves as B-splines: degree, knots and control points, every number to its last bit.
+"""The curves as B-splines: degree, knots and control points, with every bit of their numbers.
 
 scipy's ``BSpline(knots, control_points, degree)``, OpenCASCADE and any CAD kernel take these.
 """
@@ -21,7 +21,7 @@ _TIMES = 201
 
 
 def write(plan: Plan, name: str) -> bytes:
-    """B-spline and quadratic, which of them is followed, and the motion along it, as JSON.
+    """Write both curves, which of them is followed, and the motion along it, as JSON.
 
     Raises:
         ExportError: the plan has no curves.

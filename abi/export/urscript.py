@@ -6,7 +6,7 @@ import numpy as np
 
 from abi.arrays import FloatArray
 from abi.errors import ExportError
-from abi.export.joint_trajectory import joint_trajectory
+from abi.export.joint_trajectory import joint_trajectory, motion_state
 from abi.planner.plan import Plan
 
 JOINTS = (
@@ -33,10 +33,12 @@ _NOTE = """\
 
 
 def write(plan: Plan, name: str) -> bytes:
-    """A program that goes to the first pose slowly, and then along the motion by ``servoj``.
+    """Write a program that moves slowly to the first pose and then follows the motion.
+
+    The motion is sent by ``servoj``.
 
     Raises:
-        ExportError: the arm is none of Universal Robots, or cannot execute the motion.
+        ExportError: the arm is not one of Universal Robots, or cannot execute the motion.
     """
     trajectory = joint_trajectory(plan)
     if trajectory.names != JOINTS:
@@ -44,9 +46,6 @@ def write(plan: Plan, name: str) -> bytes:
             "URScript is for the arms of Universal Robots, and this is another.",
             "Choose the UR5e in stage 6, or arm: {model: urdf, urdf: ur5e} in the scene.",
         )
-    clearance = plan.arm_clearance
-    proven = clearance is not None and clearance.certified
-    state = "proven clear of the scene's obstacles" if proven else "NOT proven clear"
     duration = float(trajectory.time[-1])
     count = max(2, min(len(trajectory.time), int(duration / _PERIOD) + 1))
     times = np.linspace(0.0, duration, count)
@@ -56,7 +55,7 @@ def write(plan: Plan, name: str) -> bytes:
     first = _pose(trajectory.positions[0])
     return "\n".join(
         [
-            _NOTE + f"# The arm's whole motion of {duration:.2f} s is {state}.",
+            _NOTE + f"# It takes {duration:.2f} s. {motion_state(plan)}",
             "def abi_motion():",
             f"  movej({first}, a=0.5, v=0.2)",
             *lines,

@@ -1,7 +1,7 @@
 """A triangle mesh as an obstacle.
 
-A closed mesh is a solid, with a negative distance inside; an open one is a surface that nothing
-passes through, with a distance that is nowhere negative. Neither need be convex.
+A closed mesh is a solid, with a negative distance inside. An open one is a surface that nothing may
+cross, with a distance that is never negative. Neither need be convex.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from abi.obstacles.triangle_mesh.surface_kernels import Placement, SurfaceTables
 
 TOO_LARGE = 20.0
 TOO_SMALL = 1 / 500
-"""Size of a mesh, in longest sides of the workspace, past which it is likely in another unit."""
+"""Sizes of a mesh, as multiples of the workspace's longest side, that suggest another unit."""
 
 
 class MeshShape(Posed):
@@ -64,7 +64,7 @@ class MeshShape(Posed):
 
     @classmethod
     def of(cls, surface: Surface, file: str = "mesh.stl", **fields: Any) -> Self:
-        """A shape with ``surface`` in the place of the content of ``file``."""
+        """Make a shape with ``surface`` instead of the content of ``file``."""
         context = {"meshes": MeshSource({file: surface})}
         return cls.model_validate({"file": file, **fields}, context=context)
 
@@ -107,9 +107,9 @@ class MeshShape(Posed):
         return placed
 
     def prepare(self) -> None:
-        """Build trees, grid and hull of the surface: about a second for 80,000 triangles, once.
+        """Build trees, grid and hull of the surface: once, about a second for 80,000 triangles.
 
-        Otherwise the first distance, or the first look at its bounds, waits for it.
+        Otherwise the first query of a distance, or of the bounds, waits for it.
         """
         body_frame(self.surface)
         self.bounds()
@@ -125,8 +125,8 @@ class MeshShape(Posed):
     def signed_distance(self, points: FloatArray) -> FloatArray:
         """Distance (n,) of points (n, 3) to the surface, [unit]; negative inside a closed mesh.
 
-        Up to rounding, and by less than 1e-7 of the mesh's size where it has triangles without a
-        width, it is exact or less. Inside a shell that crosses itself, the surface is all of it.
+        It is exact or too small, by no more than rounding, or by less than 1e-7 of the mesh's size
+        if triangles have no width. Inside a shell that crosses itself, all triangles count.
         """
         distances = np.empty(len(points))
         kernels.signed_distances(*self.placed, flat(points), distances)
@@ -135,8 +135,8 @@ class MeshShape(Posed):
     def gradient(self, points: FloatArray) -> FloatArray:
         """Unit vectors (n, 3) along which the signed distance of points (n, 3) grows fastest.
 
-        Where that direction is not unique it is one of those towards the nearest points, on the
-        surface itself the normal of a triangle there. A mesh is not convex: no subgradient.
+        If that direction is not unique, it belongs to one of the nearest points; on the surface it
+        is the normal of a triangle there. As a mesh is not convex, it is no subgradient.
         """
         return self.signed_distance_gradient(points)[1]
 
@@ -151,12 +151,11 @@ class MeshShape(Posed):
     ) -> FloatArray:
         """Least signed distance (n,) along the segments from p (n, 3) to q (n, 3), [unit].
 
-        ``most``, of all or of each (n,), where that is less.
+        If ``most``, one for all or one for each (n,), is less, it is returned instead.
 
-        Exact up to rounding where a segment stays outside; p may equal q. Rounding is least at
-        triangles that are not thin, and below 1e-8 of the mesh's size at any. Where a segment
-        enters a closed mesh, the value is a bound from below, under the true one by at most 1/64 of
-        its length.
+        Exact up to rounding if a segment stays outside; p may equal q. Rounding is below 1e-8 of
+        the mesh's size, and less unless triangles are thin. If a segment enters a closed mesh, the
+        value is a lower bound, below the true one by at most 1/64 of the segment's length.
         """
         distances = np.full(len(p), most)
         kernels.least_distances(*self.placed, flat(p), flat(q), distances)
@@ -165,18 +164,18 @@ class MeshShape(Posed):
     def nearest_segment(
         self, p: FloatArray, q: FloatArray, most: float, legs: int = 1
     ) -> tuple[float, int]:
-        """Least of these distances, [unit], and which segment has it; ``most`` and -1 above it.
+        """Least of these distances, [unit], and the segment that has it; ``most`` and -1 above it.
 
-        They are those of polylines of so many legs, one after the other.
+        The segments are those of polylines of ``legs`` segments each, one after the other.
         """
         points = flat(p), flat(q)
         nearest: tuple[float, int] = kernels.nearest_segment(*self.placed, *points, legs, most)
         return nearest
 
     def distance_bounds(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """A bound from below and one from above (n,) of the signed distance, [unit].
+        """Lower and upper bound (n,) of the signed distance, [unit].
 
-        They cost next to nothing, and are apart by some hundredths of the mesh's size.
+        They cost almost nothing, and differ by some hundredths of the mesh's size.
         """
         lower, upper = np.empty(len(points)), np.empty(len(points))
         kernels.bounds_of_distances(*self.placed, flat(points), lower, upper)
@@ -185,7 +184,7 @@ class MeshShape(Posed):
     def blocks(self, p: FloatArray, q: FloatArray, margins: FloatArray) -> BoolArray:
         """Mask (n,) of the segments from p (n, 3) to q (n, 3) nearer than ``margins`` (n,), [unit].
 
-        Touching the surface blocks even where the margin is not above 0.
+        A segment that touches the surface is blocked even if its margin is 0 or less.
         """
         blocked = np.empty(len(p), dtype=np.bool_)
         kernels.blocked_segments(*self.placed, flat(p), flat(q), flat(margins), blocked)
@@ -193,7 +192,7 @@ class MeshShape(Posed):
 
     @property
     def placed(self) -> tuple[SurfaceTables, Placement]:
-        """The mesh as the kernels take it."""
+        """The mesh in the format of the kernels."""
         frame = body_frame(self.surface)
         return frame.tables, placement(frame, self.position, self.wxyz, self.factor)
 

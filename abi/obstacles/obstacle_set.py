@@ -1,9 +1,9 @@
 """The obstacles of a scene as one set, whatever their shapes.
 
-Primitives are measured by the kernels, triangle meshes by their own tree, and the nearest counts.
-Both stand in a tree of their bounds, so that a query looks at those near it. Only what rests on
-convexity asks for ``primitives`` and ``meshes``. Lengths are in the scene's [unit], points in the
-world frame.
+Kernels measure primitives, and a triangle mesh is measured by its own tree; the nearest counts.
+Both are in a tree of their bounds, so that a query looks only at those near it. Only code that
+relies on convexity asks for ``primitives`` and ``meshes``. Lengths are in the scene's [unit],
+points in the world frame.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from abi.obstacles import obstacle_set_kernels as kernels
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.packing import pack
 from abi.obstacles.polyline_kernels import polyline_distances
-from abi.obstacles.primitive_kernels import BOUNDS, WIDTH
+from abi.obstacles.primitive_kernels import BOUNDS, CORE, WIDTH
 from abi.obstacles.primitives import Box, Primitive
 from abi.obstacles.surface_set import SurfaceSet, surface_set
 
@@ -40,8 +40,8 @@ _TOUCH = 1e-9
 class ObstacleSet:
     """Obstacles and their distances; tables are made at their first use.
 
-    Two sets are equal when they are the same object: to compare obstacles one by one costs more
-    than most of what is computed with them, so a planner makes one set of equal scenes.
+    Two sets are equal only if they are the same object: comparing obstacles one by one would cost
+    more than most computations with them, so a planner makes one set for equal scenes.
 
     Attributes:
         obstacles: as the scene has them; an index into them is an obstacle's number.
@@ -90,13 +90,13 @@ class ObstacleSet:
 
     @cached_property
     def packed(self) -> FloatArray:
-        """The primitives as the kernels take them, flat (p ``WIDTH``,)."""
+        """The primitives in the format of the kernels, flat (p ``WIDTH``,)."""
         return pack(self.primitives)
 
     @cached_property
     def surfaces(self) -> SurfaceSet:
-        """The meshes as the kernels take them."""
-        return surface_set(self.meshes, self._packed_mesh_boxes)
+        """The meshes in the format of the kernels."""
+        return surface_set(self.meshes, self.packed_mesh_boxes)
 
     @cached_property
     def bounds(self) -> tuple[FloatArray, FloatArray]:
@@ -109,8 +109,14 @@ class ObstacleSet:
         return read_only(corners[:, 0].copy()), read_only(corners[:, 1].copy())
 
     @cached_property
+    def least_depth(self) -> float:
+        """How deep the centre of the thinnest primitive lies in it, [unit]; inf without any."""
+        cores = self.packed.reshape(-1, WIDTH)[:, CORE : CORE + 4]
+        return float((cores[:, :3].min(axis=1) + cores[:, 3]).min(initial=math.inf))
+
+    @cached_property
     def boxed(self) -> Self:
-        """The set with each mesh's bounding box in its place; itself without meshes."""
+        """The set with each mesh replaced by its bounding box; the set itself without meshes."""
         if self.all_convex:
             return self
         boxed = list(self.obstacles)
@@ -142,7 +148,7 @@ class ObstacleSet:
     def signed_distance(self, points: FloatArray, enough: float = math.inf) -> FloatArray:
         """Least signed distance (n,) of points (n, 3), [unit]; inf without obstacles.
 
-        One of ``enough`` and more may be any from there on.
+        If the true value is at least ``enough``, the result may be any number from there on.
         """
         distance, _ = self._from_primitives(points)
         for _, mesh, rows in self.near_meshes(points, points, np.minimum(distance, enough)):
@@ -152,7 +158,7 @@ class ObstacleSet:
     def distances_up_to(self, limit: float, points: FloatArray) -> FloatArray:
         """Signed distance (n, k) of points (n, 3) to each obstacle, [unit].
 
-        Exact below ``limit``; what is not may be any distance from there on.
+        Exact below ``limit``; larger ones may be any distance from there on.
         """
         distances = np.empty((len(points), len(self.obstacles)))
         of_primitives = np.empty(len(points) * len(self.primitives))
@@ -211,7 +217,7 @@ class ObstacleSet:
     def polyline_clearance(self, points: FloatArray) -> float:
         """Least signed distance of a polyline, [unit]; inf without obstacles.
 
-        It is exact but for rounding, and a lower bound inside a closed mesh.
+        It is exact up to rounding, and a lower bound inside a closed mesh.
 
         Args:
             points: vertices (k, 3), k >= 1, [unit], world.
@@ -222,7 +228,7 @@ class ObstacleSet:
     def polyline_clearances(self, polylines: FloatArray, enough: float = math.inf) -> FloatArray:
         """Clearances (n,) of polylines of equally many vertices (n, k, 3), k >= 2, [unit].
 
-        Those of ``enough`` and more, but for the least of all, may be any from there on.
+        Except for the least of all, those of ``enough`` or more may be any number from there on.
         """
         count, size, _ = polylines.shape
         clearances = np.empty(count)
@@ -236,7 +242,7 @@ class ObstacleSet:
         """Clearances (k - 1,) of a polyline's segments, [unit].
 
         Args:
-            points: vertices (k, 3), k >= 1, [unit], world; one alone is a segment.
+            points: vertices (k, 3), k >= 1, [unit], world; a single point counts as a segment.
             enough: as for :meth:`polyline_clearances`.
         """
         if len(points) == 1:
@@ -261,15 +267,20 @@ class ObstacleSet:
             rows, boxes = np.arange(len(starts), dtype=np.int32), np.zeros(len(starts), np.int32)
         else:
             if np.isinf(limits).any():
-                limits = np.minimum(limits, self._most_to_mesh(starts))
+                limits = np.minimum(limits, self.most_to_mesh(starts))
             wide = flat(limits * (1 + _WIDER) + _WIDER)
-            rows, boxes = kernels.near_boxes(
-                flat(starts), flat(ends), wide, self._packed_mesh_boxes
-            )
+            rows, boxes = kernels.near_boxes(flat(starts), flat(ends), wide, self.packed_mesh_boxes)
         cuts = np.flatnonzero(np.diff(boxes, prepend=-1, append=-1))
         for first, last in zip(cuts[:-1].tolist(), cuts[1:].tolist(), strict=True):
             k = int(boxes[first])
             yield int(self.mesh_numbers[k]), self.meshes[k], rows[first:last]
+
+    def most_to_mesh(self, points: FloatArray) -> FloatArray:
+        """Upper bound (n,) of the distance of points (n, 3) to the nearest mesh, [unit]."""
+        distance, row = np.empty(len(points)), np.empty(len(points), dtype=np.int32)
+        kernels.nearest(flat(points), self.packed_mesh_boxes, distance, row)
+        diagonals = np.array([math.hypot(*box.size) for box in self._mesh_boxes])
+        return np.asarray(np.maximum(distance, 0) + diagonals[row])
 
     def _numbers(self, convex: bool) -> IntArray:
         chosen = [k for k, shape in enumerate(self.obstacles) if shape.convex == convex]
@@ -281,7 +292,8 @@ class ObstacleSet:
         return tuple(map(_bounding_box, self.meshes))
 
     @cached_property
-    def _packed_mesh_boxes(self) -> FloatArray:
+    def packed_mesh_boxes(self) -> FloatArray:
+        """The meshes' bounding boxes as the kernels take primitives, flat (m ``WIDTH``,)."""
         return pack(self._mesh_boxes)
 
     def _from_primitives(self, points: FloatArray) -> tuple[FloatArray, IntArray]:
@@ -289,13 +301,6 @@ class ObstacleSet:
         distance, row = np.empty(len(points)), np.empty(len(points), dtype=np.int32)
         kernels.nearest(flat(points), self.packed, distance, row)
         return distance, row
-
-    def _most_to_mesh(self, points: FloatArray) -> FloatArray:
-        """Upper bound (n,) of the distance of points (n, 3) to the nearest mesh, [unit]."""
-        distance, row = np.empty(len(points)), np.empty(len(points), dtype=np.int32)
-        kernels.nearest(flat(points), self._packed_mesh_boxes, distance, row)
-        diagonals = np.array([math.hypot(*box.size) for box in self._mesh_boxes])
-        return np.asarray(np.maximum(distance, 0) + diagonals[row])
 
 
 NO_OBSTACLES = ObstacleSet()

@@ -1,7 +1,6 @@
 """Distances of segments and points to convex primitives.
 
-For the rows of primitives see ``primitive_kernels``. A point is three
-successive numbers.
+For the rows of primitives see ``primitive_kernels``. A point is three successive numbers.
 """
 
 from __future__ import annotations

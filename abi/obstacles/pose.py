@@ -1,4 +1,4 @@
-"""Numbers, points and rotations as a scene has them, and the pose of every obstacle.
+"""Types of numbers, points and rotations in a scene, and the pose of an obstacle.
 
 Lengths are in the scene's [unit].
 """

@@ -1,7 +1,7 @@
 """Convex primitives as rows of numbers: their signed distance, and tests against a margin.
 
-Plain Python that numba compiles with its caller; uncompiled it runs on lists. Mostly numbers and
-tuples are handed over, for arrays are counted in and out at every call.
+Plain Python that numba compiles with its caller; uncompiled it runs on lists. Most arguments are
+numbers and tuples, because passing arrays costs reference counting at every call.
 
 A primitive is ``WIDTH`` numbers: centre (3), the body's axes in the world (9), half sizes of its
 core (3), radius around the core, 1 for a cylinder and 0 otherwise, its bounds low and high (6), and
@@ -22,8 +22,8 @@ from abi.obstacles.vector_kernels import Vec3, axpy, dot, vec3_at
 
 WIDTH = 32
 """Numbers that describe a primitive."""
-BOUNDS = 17
-"""Where its bounds begin among them."""
+CORE, BOUNDS = 12, 17
+"""Where its core and its bounds begin among them."""
 
 Axes = tuple[Vec3, Vec3, Vec3]
 """The body's axes in the world."""
@@ -50,7 +50,7 @@ class Core(NamedTuple):
 @register_jitable
 def core_of(primitives: FloatArray, s: int) -> Core:
     """Core of primitive s."""
-    k = WIDTH * s + 12
+    k = WIDTH * s + CORE
     x, y, z = vec3_at(primitives, k)
     return Core(x, y, z, primitives[k + 3], primitives[k + 4])
 

@@ -1,9 +1,9 @@
-"""Tree over convex primitives, so that a query's cost follows what is near it.
+"""Tree over convex primitives, so that a query costs no more than what is near it.
 
 The tree is part of the rows (``primitive_kernels``). Each node is a primitive, the largest of those
-below it, and has the bounds low and high (6) of all of them, the row that follows it and the row
-that follows all below it, -1 at the end, and in row 0 the row to begin with. A few primitives are a
-chain without branches: then each is looked at, in order.
+below it. It has the bounds low and high (6) of all of them, the next row, and the row after all
+those below it, -1 at the end; row 0 also has the row to begin with. If there are only a few
+primitives, the tree is a chain without branches, and each is looked at in order.
 
 Plain Python that numba compiles with its caller; uncompiled it runs on lists.
 """

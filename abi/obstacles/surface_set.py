@@ -1,7 +1,7 @@
-"""Triangle meshes as one, for kernels that take all of a scene's meshes.
+"""All triangle meshes of a scene as one set of arrays, for the kernels.
 
-Numba compiles a kernel for one number of arrays, so those of several surfaces lie one after the
-other. A surface that several meshes share is there once.
+Numba compiles a kernel for a fixed number of arrays, so those of several surfaces are concatenated.
+A surface that several meshes share is there once.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ _IDS, _NUMBERS, _POSE = 8, 15, 13
 
 
 class SurfaceSet(NamedTuple):
-    """Surfaces and where they are.
+    """All surfaces of a scene and their poses, as flat arrays.
 
     Attributes:
         boxes, leaves, corners, slabs: of the trees, see ``TriangleTree``.
@@ -60,12 +60,12 @@ class SurfaceSet(NamedTuple):
 
 
 NO_SURFACES = SurfaceSet(*(FLOATS, IDS, *7 * (FLOATS,), IDS, FLOATS, IDS[:0], FLOATS, FLOATS[:0]))
-"""In an example, and where a scene has no meshes."""
+"""The empty set: for scenes without meshes, and as an example to compile with."""
 
 
 @register_jitable
 def surface_at(surfaces: SurfaceSet, mesh: int) -> tuple[SurfaceTables, Placement]:
-    """A mesh of the set, and where it is."""
+    """One mesh of the set, and its pose."""
     boxes, leaves, corners, slabs, centres, radii, normals, areas, values = surfaces[:9]
     begins, numbers, poses = surfaces.begins, surfaces.numbers, surfaces.poses
     k = _IDS * surfaces.whose[mesh]

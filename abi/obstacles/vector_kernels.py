@@ -1,4 +1,4 @@
-"""Vectors of three for the kernels: triples of numbers, which cost nothing to hand over.
+"""Vectors in three dimensions for the kernels: tuples of numbers, which cost nothing to pass.
 
 Plain Python that numba compiles with its caller.
 """

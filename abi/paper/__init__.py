@@ -1,1 +1,1 @@
-"""The paper beside the method: its figures and ours."""
+"""Comparison of the paper's printed numbers with ours."""

@@ -17,8 +17,8 @@ class Comparison:
         subject: of the statement.
         printed: the paper's figure or claim.
         ours: the method's.
-        verdict: whether the paper's holds. The mesh is not printed: of figures that depend on it
-            only order and size can be compared.
+        verdict: whether the paper's statement holds. The paper does not print its mesh, so figures
+            that depend on it can be compared only in order and size.
     """
 
     section: str

@@ -21,7 +21,7 @@ _MESHES = 9
 
 
 def of_splines(scene: Scene, result: Plan) -> Iterator[Comparison]:
-    """Length of the spline, and spline and quadratic with nothing to keep them clear."""
+    """Length of the spline, and spline and quadratic when nothing keeps them clear."""
     section = "stage 4, B-spline"
     assert result.path is not None
     assert result.bspline is not None

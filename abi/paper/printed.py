@@ -48,7 +48,7 @@ def q1(tool: FloatArray) -> FloatArray:
 def cos_q2(arm: Arm, tool: FloatArray, lead: Literal["printed", "corrected"]) -> FloatArray:
     """Stage 6: the cosine of q2, with both signs of the root in it.
 
-    The printed first term, a3²·Pza, is a cube of lengths among fourth powers; solving for q2 anew
+    The printed first term, a3²·Pza, is a cube of lengths among fourth powers; solving for q2 again
     gives a3³·Pza. Pxy is taken as the root of Px² + Py², since it is squared wherever it is used.
 
     Args:

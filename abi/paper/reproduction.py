@@ -1,4 +1,4 @@
-"""All of the paper's figures beside ours, misprints included.
+"""Table of all of the paper's numbers beside ours, misprints included.
 
 Everything is computed anew from the shipped scene ``paper`` and from seeded random ones.
 """

@@ -1,1 +1,1 @@
-"""The planner: the stages in order, and the diagnosis of scenes without a plan."""
+"""Planner: runs the stages in order, and diagnoses scenes without a plan."""

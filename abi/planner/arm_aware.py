@@ -1,10 +1,10 @@
 """Plans for the whole arm: path and curves on the branch where they are shortest.
 
-The tool's own plan comes first; only where its arm is not clear, or not proven so, this one is
-made. Each branch has its own graph, without the nodes at which the arm would be out of reach, past
-a limit or too near. Branches are the sides of the paper's elbow, which meet only where the arm is
-stretched, or first poses of another arm; they are searched one by one. Where none of them leads to
-a motion, an arm with joints to spare has further ones.
+They are made only if the arm is not proven clear along the tool's own plan. Each branch has its own
+graph, without the nodes at which the arm would be out of reach, past a limit or too near. The
+branches of the paper's arm are the two sides of its elbow, which meet only where the arm is
+stretched; those of another arm are its start poses. They are searched one by one. If none of them
+leads to a motion, an arm with redundant joints has further ones.
 """
 
 from __future__ import annotations
@@ -18,11 +18,11 @@ import numpy as np
 
 from abi.arm.any_arm import AnyArm
 from abi.arm.arm_certificate import ArmRefutation
-from abi.arm.arm_clearance import ArmClearance, named
+from abi.arm.arm_clearance import is_clear, named
 from abi.arm.arm_model import ArmModel, OtherSights, Sight
 from abi.arm.motion_law import motion_law
 from abi.arm.surroundings import Surroundings
-from abi.arm.trajectory import ArmMotion
+from abi.arm.unreached import Unreached
 from abi.curves import fit_quadratic, speed_profile
 from abi.curves.bspline import BSpline
 from abi.curves.curve import ArcLength, Curve, arc_length
@@ -48,7 +48,7 @@ _ROOMS = (1.0, 4.0, 16.0)
 
 @dataclass(frozen=True, eq=False)
 class ArmTask:
-    """A scene's arm and what its plan begins with.
+    """Input of a plan for the whole arm.
 
     Attributes:
         scene: the scene.
@@ -56,9 +56,9 @@ class ArmTask:
         obstacles: its obstacles.
         around: everything around the arm.
         free: the mesh that the tool may use.
-        taut: the path of the tool alone pulled taut; None where that is not asked for.
+        taut: the path of the tool alone pulled taut; None if the scene does not ask for that.
         margin: distance that edges keep from the obstacles, [unit].
-        samples: of the motion.
+        samples: number of samples of the motion.
     """
 
     scene: Scene
@@ -77,7 +77,7 @@ class ArmTask:
 
     @property
     def other_sights(self) -> OtherSights:
-        """The arm on branches to try where those lead to no motion."""
+        """The arm on further branches, to try if those lead to no motion."""
         return self.model.other_sights(self.scene, self.free.mesh, self.around, self._slack)
 
     @property
@@ -95,15 +95,8 @@ class _Branch:
     found: ArmGraphPath
 
 
-def is_clear(results: dict[str, Any]) -> bool:
-    """Whether the whole arm is proven clear, within reach and limits."""
-    motion: ArmMotion = results["motion"]
-    clearance: ArmClearance = results["arm_clearance"]
-    return motion.reachable and motion.within_limits and clearance.certified
-
-
 class ArmAware:
-    """Plans for the whole arm, with the memory of what it excludes from the mesh."""
+    """Planner for the whole arm, which remembers what the arm excludes from the mesh."""
 
     def __init__(self) -> None:
         self._exclude: dict[str, ArmExclusionCache] = {}
@@ -165,7 +158,9 @@ class ArmAware:
         for which, point in (("start", scene.start), ("goal", scene.goal)):
             fault = sight.leg_refutation(np.array([point]))
             if fault is not None:
-                raise _not_clear(task, sight, which, *_named(fault, task.model.arm))
+                link, obstacle = _named(fault, task.model.arm)
+                unreached = sight.unreached(np.array(point)) if obstacle is None else None
+                raise _not_clear(task, sight, which, link, obstacle, unreached)
         exclude = self._exclude.setdefault(memory, ArmExclusionCache())
         free = exclude(task.free, sight, task.obstacles)
         search = partial(_search, scene.search.algorithm, scene.search.weight)
@@ -253,16 +248,23 @@ def _motion(task: ArmTask, sight: Sight, curve: Curve, arc: ArcLength) -> dict[s
     motion = course.motion(profile, task.samples)
     clearance = course.clearance(motion, task.obstacles, task.around, scene.arm.clearance)
     found = {"profile": profile, "motion": motion, "arm_clearance": clearance}
-    if not is_clear(found):
+    if not is_clear(motion, clearance):
         raise _not_clear(task, sight, "curve")
     return found
 
 
 def _not_clear(
-    task: ArmTask, sight: Sight, where: str, link: str = "", obstacle: int | str | None = None
+    task: ArmTask,
+    sight: Sight,
+    where: str,
+    link: str = "",
+    obstacle: int | str | None = None,
+    unreached: Unreached | None = None,
 ) -> ArmNotClear:
     has_elbow = task.model.arm.has_elbow
-    return ArmNotClear(sight.branch, where, link, obstacle, has_elbow=has_elbow)
+    if unreached is None:
+        return ArmNotClear(sight.branch, where, link, obstacle, has_elbow=has_elbow)
+    return ArmNotClear(sight.branch, where, has_elbow=has_elbow, why=unreached.words)
 
 
 def _search(algorithm: str, weight: Weight, graph: Graph) -> SearchResult:

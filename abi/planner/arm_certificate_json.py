@@ -12,7 +12,7 @@ from abi.arm.surroundings import OWN
 
 
 def arm_certificate(arm: AnyArm, proof: ArmCertificate | None) -> dict[str, Any] | None:
-    """Capsules and directions, and the joints' path where that is what is proven."""
+    """Capsules and directions, and the joints' path if that is what is proven."""
     if proof is None:
         return None
     columns = (

@@ -1,13 +1,16 @@
-"""Diagnosis of a scene whose tool has a path and whose arm has none: what would work, tried."""
+"""Diagnosis of a scene in which only the arm has no motion: changes that work, each tried."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
+from abi.arm.arm_clearance import Contact
 from abi.arrays import FloatArray, read_only
 from abi.errors import ArmNotClear, format_length
+from abi.obstacles.obstacle_set import Obstacle
 from abi.planner.plan import Plan
 from abi.planner.reason import Reason
 from abi.planner.what_if import WhatIf
@@ -15,14 +18,20 @@ from abi.scene.scene import Scene
 
 _STEPS = (1.0, 2.0, 4.0)
 """Ways by which the base is moved, in steps of an eleventh of the arm's length."""
+_SHIFTS = (1.0, 2.0, 4.0)
+"""Ways by which an obstacle is moved, in depths of the contact with some room."""
+_MOVED = 3
+"""Obstacles that are moved at the most, those that are touched deepest."""
+_LEAST = 0.01
+"""Room that a moved obstacle gets beyond the contact, over the arm's reach."""
 _WAYS = ((1, 0, 0), (-1, 0, 0), (0, -1, 0), (0, 1, 0), (0, 0, 1), (0, 0, -1))
 
 
 def arm_reason(scene: Scene, plan: Plan, error: ArmNotClear, what_if: WhatIf) -> Reason:
-    """Link that is in the way, of what, and a change that helps.
+    """Find which link touches what, and a change that helps.
 
     Tried, in this order: both elbows, links nearer to the obstacles, the base elsewhere, finer
-    pitches; and each obstacle left out.
+    pitches; each obstacle that is touched moved away, and each left out.
 
     Raises:
         CancelledError: the caller has cancelled the trials.
@@ -32,6 +41,11 @@ def arm_reason(scene: Scene, plan: Plan, error: ArmNotClear, what_if: WhatIf) ->
         if what_if.plan_past("arm", **change):
             hint = f"{remedy} works: it has been tried."
             return Reason(error.message, hint, change, points)
+    for number, place in _shifts(scene, plan):
+        change = {"obstacles": _with_moved(scene, number, place)}
+        if what_if.plan_past("arm", **change):
+            hint = f"Obstacle {number + 1} at {_place(place)} works: it has been tried."
+            return Reason(error.message, hint, change, points, moved=number)
     without = [
         k
         for k in range(len(scene.obstacles))
@@ -60,8 +74,7 @@ def _remedies(
         text = f"Links that may be as near as 0, not {format_length(scene.arm.clearance)},"
         remedies.append((text, {"arm": {"clearance": 0.0}}))
     for base in _bases(scene, plan):
-        place = ", ".join(f"{number:g}" for number in base)
-        remedies.append((f"The base at ({place})", {"arm": {"base": base, "elbow": "auto"}}))
+        remedies.append((f"The base at {_place(base)}", {"arm": {"base": base, "elbow": "auto"}}))
     if error.where in ("path", "curve"):
         for fine in what_if.finer_pitches():
             remedies.append((f"A pitch of {format_length(fine)}", {"mesh": {"pitch": fine}}))
@@ -73,6 +86,55 @@ def _bases(scene: Scene, plan: Plan) -> list[list[float]]:
     step = (1.0 if plan.arm is None else plan.arm.reach) / 11
     moves = [scale * step * np.array(way) for scale in _STEPS for way in _WAYS]
     return [[float(f"{number:.3g}") for number in np.add(scene.arm.base, move)] for move in moves]
+
+
+def _place(place: Sequence[float]) -> str:
+    return f"({', '.join(f'{number:g}' for number in place)})"
+
+
+def _shifts(scene: Scene, plan: Plan) -> list[tuple[int, list[float]]]:
+    """Obstacles that the arm touches along the tool's own curve, and places for them to try.
+
+    Each goes away from the link that is deepest in it, by depth and clearance and more.
+    """
+    motion, clearance, arm = plan.motion, plan.arm_clearance, plan.arm
+    if motion is None or clearance is None or arm is None:
+        return []
+    deepest: dict[int, Contact] = {}
+    for contact in clearance.contacts:
+        if isinstance(contact.obstacle, int):
+            deepest.setdefault(contact.obstacle, contact)
+    step = arm.reach * _LEAST + clearance.required
+    shifts = []
+    for number, contact in list(deepest.items())[:_MOVED]:
+        row = int(np.searchsorted(motion.time, contact.time))
+        placed = arm.placed(motion.positions[row : row + 1])
+        ends = [one.ends[0] for one in placed if one.link == contact.link]
+        obstacle = scene.obstacles[number]
+        way = _way_out(obstacle, np.stack(ends), step)
+        for times in _SHIFTS:
+            to = np.add(obstacle.position, times * (contact.depth + step) * way)
+            shifts.append((number, [float(f"{coordinate:.3g}") for coordinate in to]))
+    return shifts
+
+
+def _way_out(obstacle: Obstacle, ends: FloatArray, step: float) -> FloatArray:
+    """Unit vector (3,) along which an obstacle leaves the segments (k, 2, 3) of a link soonest."""
+    moves = step * np.concatenate([np.eye(3), -np.eye(3)])
+    moved = ends[:, None] - moves[:, None]  # as far as the segments go, so the obstacle stays
+    gaps = obstacle.segment_distance(
+        moved[..., 0, :].reshape(-1, 3), moved[..., 1, :].reshape(-1, 3)
+    )
+    nearest = gaps.reshape(len(ends), 6).min(axis=0)
+    slope = nearest[:3] - nearest[3:]
+    size = float(np.linalg.norm(slope))
+    return slope / size if size > 0 else np.array([0.0, 0.0, 1.0])
+
+
+def _with_moved(scene: Scene, number: int, place: list[float]) -> list[Any]:
+    data = [obstacle.model_dump(mode="json") for obstacle in scene.obstacles]
+    data[number]["position"] = place
+    return data
 
 
 def _all_but(scene: Scene, left_out: int) -> list[Any]:

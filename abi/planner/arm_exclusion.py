@@ -1,4 +1,4 @@
-"""Memory of what an arm excludes from a mesh, obstacle by obstacle, on one branch."""
+"""Cache of the nodes that an arm excludes from a mesh, obstacle by obstacle, on one branch."""
 
 from __future__ import annotations
 
@@ -29,10 +29,10 @@ _NOTHING = _Asked(*2 * (read_only(np.zeros(1, dtype=np.bool_)),))
 
 
 class ArmExclusionCache:
-    """Nodes at which an arm is out of reach, past a limit or too near, taken from a free mesh.
+    """Excludes from a mesh the nodes at which an arm is out of reach, past a limit or too near.
 
-    It remembers the nodes that each obstacle takes, and those that the arm alone takes. A node that
-    the tool or another obstacle excludes is not asked about; once it is free, it is.
+    It remembers the nodes that each obstacle excludes, and those that the arm alone excludes. A
+    node that the tool or another obstacle excludes is examined only once it is free.
     """
 
     def __init__(self) -> None:

@@ -1,4 +1,4 @@
-"""Path and curves of a tool whose whole arm keeps clear, on one branch."""
+"""Path and curves along which the whole arm keeps clear, on one branch."""
 
 from __future__ import annotations
 
@@ -28,11 +28,11 @@ _REFINEMENTS = 30
 
 @dataclass(frozen=True, eq=False)
 class ArmGraphPath:
-    """A path along edges that the arm follows clear of everything.
+    """A path along edges on which the whole arm is clear.
 
     Attributes:
-        graph: without the edges that were found not to be clear.
-        path: of the graph.
+        graph: the graph without the edges that were found not to be clear.
+        path: a path of the graph.
     """
 
     graph: Graph
@@ -42,7 +42,7 @@ class ArmGraphPath:
 def search_clear(
     graph: Graph, sight: Sight, search: Callable[[Graph], SearchResult]
 ) -> ArmGraphPath | None:
-    """Search until all edges of the path are clear for the arm; None where it does not end.
+    """Search until all edges of the path are clear for the arm; None if that takes too long.
 
     Raises:
         StageError: there is no path.
@@ -65,9 +65,9 @@ def pull_clear(
 ) -> TautPath:
     """Pull a path taut as far as tool and arm stay clear.
 
-    The taut path of the tool alone is taken where the arm is clear along it. Else vertices that are
-    not needed are dropped, others moved towards the chord of their neighbours, and corners cut,
-    until the length settles.
+    If the arm is clear along the taut path of the tool alone, that is taken. Otherwise vertices
+    that are not needed are dropped, the others moved towards the chord of their neighbours, and
+    corners cut, until the length settles.
 
     Args:
         of_tool: the path pulled taut for the tool alone.
@@ -97,10 +97,10 @@ def fit_clear(
     clearance: float,
     sight: Sight,
 ) -> Fit[BSpline] | None:
-    """B-spline near a path that is clear for tool and arm; None where none was found.
+    """Fit a B-spline that is clear for tool and arm to a path; None if none was found.
 
-    The control polygon is halved where the arm is not clear, until the curve is near enough to the
-    path there.
+    Edges of the control polygon are halved where the arm is not clear, until the curve is near
+    enough to the path there.
 
     Args:
         points: the path (k, 3), clear for the arm, [unit], world.

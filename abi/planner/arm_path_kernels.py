@@ -1,7 +1,7 @@
-"""Tightening of a path on which tool and arm stay clear.
+"""Tightening of a path on which both tool and arm stay clear.
 
-Both answer for a leg with yes or no; that takes most of the time. A path is a list of points,
-[unit], world.
+For a leg, tool and arm only answer yes or no; that takes most of the time. A path is a list of
+points, [unit], world.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Questions to any arm as functions, so that stages remember the answers."""
+"""Questions to any arm as functions, so that stages can remember the answers."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from abi.scene.settings import ArmSettings
 
 
 def surroundings_of(model: ArmModel, obstacles: ObstacleSet, lowest: float) -> Surroundings:
-    """Everything around an arm."""
+    """Surroundings of an arm."""
     return model.surroundings(obstacles, lowest)
 
 

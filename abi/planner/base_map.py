@@ -1,4 +1,4 @@
-"""Places tried for an arm's base in a region, and what came of each."""
+"""Map of the places tried for an arm's base in a region, with the result of each."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ class BaseTrial:
     Attributes:
         base: the place, [unit], world.
         cell: sides of the cell around it, [unit].
-        length: of the curve that the arm follows from there, [unit]; None without a certified plan.
+        length: length of the curve that the arm follows, [unit]; None without a certified plan.
         clearance: distance that the links are proven to keep from the obstacles, [unit].
-        fault: reason why there is no certified plan; empty where there is one.
-        rank: how far the plan came: the larger, the farther.
+        fault: reason why there is no certified plan; empty if there is one.
+        rank: how far the plan got; larger is farther.
     """
 
     base: Vec3
@@ -33,7 +33,7 @@ class BaseTrial:
 
     @property
     def order(self) -> tuple[float, float]:
-        """Key that sorts the better first: by length, of equal ones the clearer."""
+        """Sort key that puts better places first: by length, then by clearance."""
         if self.length is None:
             return float("inf"), -self.rank
         return self.length, -self.clearance
@@ -48,10 +48,10 @@ class BaseMap:
         low: low corner of the region, [unit], world.
         high: its high corner.
         trials: all places, in the order in which they were tried.
-        cells: those whose cells cover the region as finely as it was looked at.
-        planned: number of plans made so far, and of all that there will be, as far as is known.
-        is_done: whether it is complete.
-        fault: reason why no base helps, as a sentence: the tool itself has no plan; else empty.
+        cells: those whose cells cover the region as finely as it was searched.
+        planned: number of plans made so far, and the expected total.
+        is_done: whether the search is complete.
+        fault: sentence on why no base helps, if the tool itself has no plan; else empty.
     """
 
     scene: Scene
@@ -65,19 +65,19 @@ class BaseMap:
 
     @property
     def best(self) -> BaseTrial | None:
-        """The place of the shortest certified plan, of equal ones the clearest; None of none."""
+        """Place of the shortest certified plan, the clearest of equal ones; None without any."""
         found = [trial for trial in self.trials if trial.length is not None]
         return min(found, key=lambda trial: trial.order, default=None)
 
     @property
     def lengths(self) -> tuple[float, float] | None:
-        """Least and greatest length that was found, [unit]; None without any."""
+        """Least and greatest length found, [unit]; None without any."""
         lengths = [trial.length for trial in self.trials if trial.length is not None]
         return (min(lengths), max(lengths)) if lengths else None
 
     @property
     def faults(self) -> Mapping[str, int]:
-        """Count of each reason against a certified plan, the most frequent first."""
+        """Number of places for each reason against a certified plan, the most frequent first."""
         counts = Counter(trial.fault for trial in self.trials if trial.length is None)
         return dict(counts.most_common())
 

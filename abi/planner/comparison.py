@@ -1,4 +1,4 @@
-"""Searches that run on a plan's graph when somebody asks, beside the three of every plan."""
+"""Comparison of further searches on a plan's graph, beside the three of every plan."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ from abi.search.trace import SearchTrace
 
 @dataclass(frozen=True, eq=False)
 class Comparison:
-    """One search of a comparison.
+    """Result of one search in a comparison.
 
     Attributes:
         algorithm: its name in :data:`abi.search.compare.COMPARED`.
         weight: ``length`` or ``hops``: what was made least.
-        trace: all that it did.
-        ms: the time it took, [ms], of which writing down the steps is a part.
+        trace: every step of the search.
+        ms: the time it took, [ms], including the recording of the steps.
     """
 
     algorithm: str
@@ -52,10 +52,10 @@ class Comparison:
 
 
 def search_task(plan: Plan, heuristic_weight: float = 1.0) -> SearchTask:
-    """Task for searches: the graph of a plan.
+    """Make the task of a comparison from a plan's graph.
 
     Args:
-        plan: of a scene.
+        plan: a plan with a graph.
         heuristic_weight: w of weighted A*, from 0 (Dijkstra) by 1 (A*) to 2 (greedy).
 
     Raises:

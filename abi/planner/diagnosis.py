@@ -1,4 +1,4 @@
-"""Diagnosis of a scene without a plan: the reason, and a remedy in numbers that were tried."""
+"""Diagnosis of a scene without a plan: the reason, and a remedy that has been tried."""
 
 from __future__ import annotations
 
@@ -43,11 +43,11 @@ def explain(
     - start or goal blocked: how deep, the nearest free point, the clearance that would do;
     - no path: a finer pitch that works, else the largest clearance that does, else both; else the
       obstacles that wall in start or goal;
-    - clearance not held: the largest clearance that is;
-    - the arm not clear: another elbow, place of the base or pitch, or an obstacle less.
+    - clearance not held: the largest clearance that can be held;
+    - arm not clear: another elbow, base or pitch, or one obstacle less.
 
-    Takes about as long as some ten plans, and as long as meshes of up to 60,000 nodes take where
-    the pitch is in question. Raises nothing.
+    It takes about as long as ten plans, with meshes of up to 60,000 nodes if finer pitches are
+    tried. Nothing is raised.
 
     Args:
         scene: the scene of ``plan``.
@@ -55,7 +55,7 @@ def explain(
         cancelled: called before each trial; once it returns True the result is None.
 
     Returns:
-        The reason; None for a plan without an error or with one of another kind.
+        The reason; None if the plan has no error, or one of another kind.
     """
     what_if = WhatIf(scene, cancelled)
     try:

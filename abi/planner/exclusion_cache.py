@@ -1,4 +1,4 @@
-"""Memory of the exclusion of each obstacle from a mesh, for obstacles that move one at a time."""
+"""Cache of what each obstacle excludes from a mesh, for obstacles that move one at a time."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from abi.tet_mesh.tet_mesh import TetMesh
 class ExclusionCache:
     """:func:`abi.tet_mesh.exclusion.exclude` with a memory of the last call.
 
-    It remembers the exclusion of each obstacle, and the mesh free of those that did not move.
+    It remembers the exclusion of each obstacle, and the mesh without what the unmoved ones exclude.
     """
 
     def __init__(self) -> None:

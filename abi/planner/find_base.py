@@ -1,8 +1,8 @@
-"""The place for an arm's base, in a region, that gives the shortest certified plan.
+"""Search for the place of an arm's base, in a region, that gives the shortest certified plan.
 
 The region is cut into some sixty cells, and the scene is planned with the base in the middle of
-each. Then the best cells are cut in two along every side, three times. What the tool can do does
-not depend on the base, so that the planner repeats the last stage alone.
+each. Then the best cells are halved along every side, three times over. The tool's own path does
+not depend on the base, so the planner repeats only the last stage.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from abi.planner.planner import Planner
 from abi.scene.scene import Scene
 
 MOST_NODES = 8_000
-"""Nodes of the mesh that bases are tried on; the best are then planned on the scene's own."""
+"""Largest mesh that bases are tried on, in nodes; the best ones are planned on the scene's."""
 
 _FIRST_CELLS = 64
 _ROUNDS = 3
@@ -44,18 +44,21 @@ def find_base(
 ) -> BaseMap:
     """Find the base in a region that gives the shortest certified plan.
 
-    A plan is certified when the arm follows its curve within reach and limits, the curve is proven
-    to keep the clearance, and all links are proven clear. Of equally short ones, the one whose
-    links keep farthest from the obstacles counts as the best.
+    A plan is certified if the arm follows its curve within reach and limits, the curve is proven to
+    keep the clearance, and all links are proven clear. Among equally short plans, the one whose
+    links stay farthest from the obstacles is the best.
 
     Args:
-        scene: the scene; all but ``arm.base`` stays as it is.
+        scene: the scene; only ``arm.base`` is varied.
         low: low corner of the region, [unit], world.
-        high: its high corner; a side of no length is not divided.
-        cancelled: called before each plan; once it returns True the map is what is known by then.
+        high: high corner of the region; a side of length 0 is not divided.
+        cancelled: called before each plan; once it returns True, the search ends.
+
+    Returns:
+        The map of all places tried, with the length of the plan from each, [unit].
 
     Raises:
-        SceneError: the region is none; names the corner.
+        SceneError: low and high do not span a region; names the corner.
     """
     found = BaseMap(scene, *_region(low, high))
     for latest in base_maps(scene, low, high):
@@ -66,12 +69,12 @@ def find_base(
 
 
 def base_maps(scene: Scene, low: Sequence[float], high: Sequence[float]) -> Iterator[BaseMap]:
-    """Maps with one more plan each, the last of them complete.
+    """Yield maps with one more plan each; the last one is complete.
 
     The arguments are those of :func:`find_base`.
 
     Raises:
-        SceneError: the region is none; names the corner.
+        SceneError: low and high do not span a region; names the corner.
     """
     found = BaseMap(scene, *_region(low, high))
     coarse = _coarser(scene)
@@ -108,10 +111,10 @@ def base_maps(scene: Scene, low: Sequence[float], high: Sequence[float]) -> Iter
 
 
 def default_region(scene: Scene) -> tuple[Vec3, Vec3]:
-    """Low and high corner of a region to look at first: level with the base, around the workspace.
+    """Low and high corner of the default region: level with the base, around the workspace.
 
-    It reaches beyond the workspace by half the arm's length, where that is the paper's, and by half
-    the workspace's longest side otherwise.
+    It reaches beyond the workspace by half the arm's length for the paper's arm, and by half the
+    workspace's longest side otherwise.
     """
     arm, box = scene.arm, scene.workspace
     beyond = (arm.a3 + arm.a4 + arm.a5) / 2 if arm.model == "abi" else max(box.size) / 2

@@ -9,12 +9,12 @@ from abi.scene.scene import Scene
 
 
 class LivePlanner:
-    """Two planners, one for the scene's mesh and one for a coarser, each with its own memory.
+    """Two planners, one for the scene's mesh and one for a coarser mesh, each with its own memory.
 
     Attributes:
         budget: number of nodes that fit a frame.
         coarse: whether the last plan has a coarser mesh than its scene.
-        partial: whether it has, or one search alone.
+        partial: whether it has a coarser mesh or only one search.
     """
 
     def __init__(self, compile: bool = True) -> None:
@@ -45,7 +45,7 @@ class LivePlanner:
         return plan
 
     def forget(self) -> None:
-        """Give up the memory of earlier plans, but not what the budget has learnt from them."""
+        """Drop the memory of earlier plans, but not what the budget has learnt from them."""
         self._planner, self._coarse_planner = Planner(self._compile), Planner(self._compile)
         self._last_settings = ()
 
@@ -57,7 +57,7 @@ class LivePlanner:
         return self._planner(scene)
 
     def adopt(self, scene: Scene, coarse: bool = False, partial: bool = False) -> None:
-        """Go on from a plan of ``scene`` that another planner has made, as incomplete as told."""
+        """Continue from a plan of ``scene`` that another planner has made."""
         self.coarse, self.partial = coarse, partial
         if not partial:
             self.budget.release()

@@ -21,9 +21,9 @@ def nearest_free_point(
     """Find a near point that keeps ``margin`` from every obstacle, in the workspace.
 
     Each known free point slides towards ``point``: a step straight on, then out of the obstacles
-    along the gradient of the distance; a step that does not end free and nearer is halved. The
-    point itself, pushed out, slides with them. Next to one obstacle that gives the nearest point,
-    for the pushed point moves by what the distance lacks and no point moves by less.
+    along the gradient of the distance; a step that does not end free and nearer is halved. So does
+    the point itself, pushed out. Next to a single obstacle that gives the nearest point, because
+    the pushed point moves by exactly what the distance lacks.
 
     Args:
         obstacles: the solids and meshes.
@@ -57,7 +57,7 @@ def nearest_free_point(
 
 
 def rounded(point: FloatArray, workspace: Workspace, error: float) -> FloatArray:
-    """The point with as few decimals as move it by no more than ``error``, [unit]; in the box."""
+    """Round the point, which stays in the box, to few decimals, by at most ``error``, [unit]."""
     decimals = max(0, math.ceil(-math.log10(2 * error / math.sqrt(3))))
     return np.asarray(np.clip(np.round(point, decimals), workspace.min, workspace.max))
 

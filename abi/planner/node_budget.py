@@ -1,4 +1,4 @@
-"""Node budget: the number of mesh nodes that are planned within a frame."""
+"""Node budget: the number of mesh nodes that can be planned within a frame."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from abi.scene.settings import MeshSettings
 
 FRAME_MS = 1000 / 60
 LEAST_NODES = 5_000
-"""Smallest budget: no mesh of up to so many nodes is made coarser."""
+"""Smallest budget: meshes of up to this many nodes are never made coarser."""
 
 _COARSER = 2 ** (1 / 3)  # a pitch so much coarser has half the nodes
 _MOST_HALVINGS = 40
@@ -17,7 +17,7 @@ _ALL_SEARCHES = 5  # ratio of time of all three searches to that of one and all 
 
 
 class NodeBudget:
-    """Number of nodes that are planned within a frame, learnt from plans.
+    """Number of nodes that can be planned within a frame, learnt from earlier plans.
 
     Attributes:
         nodes: the present estimate.
@@ -29,10 +29,10 @@ class NodeBudget:
         self._held = False
 
     def coarser(self, scene: Scene) -> Scene | None:
-        """``scene`` with a pitch whose mesh is planned within a frame; None when its own is.
+        """``scene`` with a pitch that can be planned within a frame; None if its own can.
 
-        The pitch changes in steps, with hysteresis, for each change builds a new mesh; until
-        :meth:`release` only to a coarser one, and where this one takes far too long.
+        The pitch changes in steps and with hysteresis, because each change builds a new mesh. Until
+        :meth:`release` it only gets coarser, and only if the present one takes far too long.
         """
         held = self._held and self._halvings > 0
         if scene.mesh.node_count(scene.workspace) <= self.nodes and not held:
@@ -51,11 +51,11 @@ class NodeBudget:
         return scene.model_copy(update={"mesh": meshes[max(self._halvings, 1)]})
 
     def release(self) -> None:
-        """Let the next pitch be any: what was moved has come to rest."""
+        """Allow any next pitch: the drag has ended."""
         self._held = False
 
     def fits_all_searches(self, scene: Scene) -> bool:
-        """Whether there is time for all three searches in its mesh; two visit all nodes."""
+        """Whether there is time for all three searches, two of which visit all nodes."""
         most = max(self.nodes / _ALL_SEARCHES, LEAST_NODES)
         return scene.mesh.node_count(scene.workspace) <= most
 

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from abi.arm.any_arm import AnyArm
-from abi.arm.arm_clearance import ArmClearance
+from abi.arm.arm_clearance import ArmClearance, is_clear
 from abi.arm.joint_rates import JointRates, joint_rates
 from abi.arm.liquid import largest_tilt
 from abi.arm.trajectory import ArmMotion
@@ -35,9 +35,31 @@ from abi.tet_mesh.tet_mesh import TetMesh
 class Plan:
     """Results of the stages for a scene; a stage that was not reached is None.
 
-    ``tool_only`` is the curve of the tool alone where the one followed keeps the whole arm clear
-    instead. ``ms`` holds the time of each stage when it last ran, [ms]; ``total_ms`` is that of
-    this call.
+    Lengths are in the scene's [unit], points in the world frame. Arrays are read-only.
+
+    Attributes:
+        scene: the scene.
+        mesh: stage 1, the tetrahedral mesh of the whole workspace.
+        free: the mesh without the nodes and edges that the obstacles exclude.
+        graph: stage 2, the free mesh with start and goal.
+        searches: stage 3, the result of each search.
+        path: the result of the search that the scene chooses.
+        path_clearance: distance of that path to the obstacles; inf without obstacles.
+        taut: stage 3½, the path pulled taut; None if that is switched off.
+        optimum: lower bound of the length of any curve that keeps the clearance.
+        bspline: stage 4, the B-spline and its clearance.
+        bspline_arc: its arc length.
+        quadratic: stage 5, the quadratic and its clearance.
+        quadratic_arc: its arc length.
+        followed: ``bspline`` or ``quadratic``, whichever the arm follows.
+        profile: stage 5, the motion along that curve.
+        arm: stage 6, the arm.
+        motion: its joint positions over time.
+        arm_clearance: distance of its links to the obstacles along the motion.
+        tool_only: the curve planned for the tool alone, if the whole arm follows another one.
+        error: why the plan ends early, or None.
+        ms: time of each stage when it last ran, [ms].
+        total_ms: time of this call, [ms].
     """
 
     scene: Scene
@@ -74,9 +96,16 @@ class Plan:
         arcs = {"bspline": self.bspline_arc, "quadratic": self.quadratic_arc}
         return arcs.get(self.followed or "")
 
+    @property
+    def is_arm_clear(self) -> bool:
+        """Whether the whole arm is proven clear all along its motion, within reach and limits."""
+        if self.motion is None or self.arm_clearance is None:
+            return False
+        return is_clear(self.motion, self.arm_clearance)
+
     @cached_property
     def liquid_tilt(self) -> float | None:
-        """Largest tilt of a liquid that is carried along, [rad]; None without a motion."""
+        """Largest tilt of the liquid in a cup on the tool, [rad]; None without a motion."""
         fit, arc = self.followed_curve, self.followed_arc
         if fit is None or arc is None or self.profile is None:
             return None
@@ -116,9 +145,12 @@ class Plan:
         return min(self.kept_lengths.values(), default=None)
 
     def to_dict(self, full: bool = False) -> dict[str, Any]:
-        """Plain data, as in ``docs/scene-and-plan.md``; ``full`` adds the mesh and all samples.
+        """Plain data, ready for JSON, as ``docs/scene-and-plan.md`` describes it.
 
         A stage that was not reached is None.
+
+        Args:
+            full: whether to add the nodes and edges of the mesh and all samples of the motion.
         """
         return {
             "version": 1,
@@ -135,7 +167,13 @@ class Plan:
             "optimum": plan_json.optimum(self.optimum, self.kept_lengths, self.followed),
             "timing": plan_json.timing(self.profile, self.followed, self.liquid_tilt, self.ms),
             "arm": plan_json.arm(
-                self.arm, self.motion, self.arm_clearance, self.joint_rates, self.ms, full
+                self.arm,
+                self.motion,
+                self.arm_clearance,
+                self.scene.obstacles,
+                self.joint_rates,
+                self.ms,
+                full,
             ),
             "total_ms": self.total_ms,
             "error": plan_json.error(self.error),

@@ -14,6 +14,7 @@ import numpy as np
 from abi.arm.any_arm import AnyArm
 from abi.arm.arm_clearance import ArmClearance
 from abi.arm.joint_rates import JointRates
+from abi.arm.links_clearance import links_clearance
 from abi.arm.trajectory import ArmMotion
 from abi.arrays import FloatArray
 from abi.clearance.certificate import Certificate
@@ -24,6 +25,7 @@ from abi.curves.quadratic import Quadratic
 from abi.curves.speed_profile import SpeedProfile
 from abi.curves.timed_profile import PathProfile
 from abi.errors import StageError
+from abi.obstacles.obstacle_set import Obstacle
 from abi.planner.arm_certificate_json import arm_certificate
 from abi.search.graph import Graph
 from abi.search.search import SearchResult
@@ -32,7 +34,7 @@ from abi.taut.taut_path import TautPath
 from abi.tet_mesh.exclusion import FreeMesh
 
 SAMPLES = 200
-"""Samples of the arm's motion, at most, unless the JSON is to be full."""
+"""Largest number of samples of the arm's motion, unless the JSON is full."""
 
 Section = dict[str, Any] | None
 Times = Mapping[str, float]
@@ -171,7 +173,7 @@ def optimum(bound: Bound | None, kept: Mapping[str, float], followed: str | None
 def timing(
     profile: PathProfile | None, followed: str | None, tilt: float | None, ms: Times
 ) -> Section:
-    """Stage 5, the motion along the curve that the arm executes; the phases where it has them."""
+    """Stage 5, the motion along the curve that the arm follows, and its phases if it has any."""
     if profile is None:
         return None
     phases = profile if isinstance(profile, SpeedProfile) else None
@@ -192,16 +194,21 @@ def arm(
     model: AnyArm | None,
     motion: ArmMotion | None,
     clearance: ArmClearance | None,
+    obstacles: Sequence[Obstacle],
     rates: JointRates | None,
     ms: Times,
     full: bool,
 ) -> Section:
-    """Stage 6; at most ``SAMPLES`` samples, or ``full`` all, with the capsules at each."""
+    """Stage 6; at most ``SAMPLES`` samples, or ``full`` all, with the capsules at each.
+
+    Of every sample kept it has the links' distance to the obstacles.
+    """
     if model is None or motion is None or clearance is None or rates is None:
         return None
     last = len(motion.time) - 1
     keep = np.linspace(0, last, last + 1 if full else min(last + 1, SAMPLES)).round().astype(int)
     has_obstacles = clearance.obstacle >= 0
+    clearances = links_clearance(clearance, motion, model, obstacles, keep)
     nearest = {"link": clearance.link, "obstacle": clearance.obstacle, "time": clearance.time}
     section = {
         "joints": list(motion.joints),
@@ -211,6 +218,7 @@ def arm(
         "elbow": motion.elbow if model.has_elbow else None,
         "reachable": motion.reachable,
         "clearance": _finite(clearance.distance),
+        "clearances": None if clearances is None else _finites(clearances),
         "certified": clearance.certified,
         "nearest": nearest if has_obstacles else None,
         "clearance_time": clearance.time if has_obstacles else None,
@@ -218,12 +226,12 @@ def arm(
         "contacts": [contact._asdict() for contact in clearance.contacts],
         "certificate": arm_certificate(model, clearance.certificate),
         "peak_joint_speed": motion.peak_joint_speed.tolist(),
-        "joint_speed_limits": _limits(rates.speed_limits),
+        "joint_speed_limits": _finites(rates.speed_limits),
         "peak_joint_acceleration": _peaks(rates.accelerations),
-        "joint_acceleration_limits": _limits(rates.acceleration_limits),
+        "joint_acceleration_limits": _finites(rates.acceleration_limits),
         "torques": None if rates.torques is None else rates.torques[keep].tolist(),
         "peak_joint_torque": _peaks(rates.torques),
-        "joint_torque_limits": _limits(rates.torque_limits),
+        "joint_torque_limits": _finites(rates.torque_limits),
         "limits_passed": [violation._asdict() for violation in motion.limit_violations],
         "within_limits": motion.within_limits,
         "ms": ms["arm"],
@@ -282,7 +290,7 @@ def _peaks(values: FloatArray | None) -> list[float] | None:
     return None if values is None else [float(peak) for peak in np.abs(values).max(axis=0)]
 
 
-def _limits(values: FloatArray) -> list[float | None]:
+def _finites(values: FloatArray) -> list[float | None]:
     return [_finite(value) for value in values]
 
 

@@ -1,4 +1,4 @@
-"""The method: the stages in order, from a scene to a plan.
+"""The planner: runs the stages in order, from a scene to a plan.
 
 A :class:`Planner` remembers the last result of each stage, so that a change runs only the stages
 downstream of it.
@@ -12,6 +12,7 @@ from types import MappingProxyType
 from typing import Any
 
 from abi import compiling
+from abi.arm.arm_clearance import is_clear
 from abi.arm.arm_model import Course
 from abi.arm.models import model_of
 from abi.arm.motion_law import motion_law
@@ -24,8 +25,9 @@ from abi.curves.quadratic import Quadratic
 from abi.curves.timed_profile import PathProfile
 from abi.errors import ArmNotClear, ClearanceNotHeld, StageError
 from abi.obstacles.obstacle_set import ObstacleSet
-from abi.planner.arm_aware import ArmAware, ArmTask, is_clear
+from abi.planner.arm_aware import ArmAware, ArmTask
 from abi.planner.arm_stages import clearance_on, courses_of, motion_on, surroundings_of
+from abi.planner.arm_words import contact_sentence
 from abi.planner.exclusion_cache import ExclusionCache
 from abi.planner.plan import Plan
 from abi.planner.stage import Stage
@@ -38,9 +40,9 @@ from abi.taut.taut_path import taut as pull_taut
 from abi.tet_mesh.tet_mesh import tetrahedralise
 
 SLACK = 1e-3
-"""Room of mesh edges beyond the clearance, as a part of the workspace's longest side.
+"""Extra clearance of mesh edges, as a fraction of the workspace's longest side.
 
-In it a smooth curve can round the corners of the path.
+It leaves room for a smooth curve to round the corners of the path.
 """
 
 SAMPLES = 401
@@ -54,15 +56,25 @@ _MANY_NODES, _MANY_OBSTACLES = 30_000, 300
 
 
 def plan(scene: Scene) -> Plan:
-    """Plan ``scene`` once; a :class:`Planner` plans many that differ little faster."""
+    """Plan a scene once; a :class:`Planner` is faster for many scenes that differ little.
+
+    Args:
+        scene: the scene.
+
+    Returns:
+        The plan. If the scene has none, its ``error`` says why, and nothing is raised.
+    """
     return Planner()(scene)
 
 
 class Planner:
-    """The stages of the method, with the last result of each."""
+    """The stages of the method, each of which remembers its last result.
+
+    A second plan reruns only the stages whose inputs have changed.
+    """
 
     def __init__(self, compile: bool = True) -> None:
-        """Begin with nothing remembered.
+        """Start without any remembered results.
 
         Args:
             compile: whether to compile the inner loops in the background from the first plan on.
@@ -92,11 +104,15 @@ class Planner:
         self._arm_aware, self._arm_aware_ms = ArmAware(), 0.0
 
     def __call__(self, scene: Scene, chosen_only: bool = False) -> Plan:
-        """Plan ``scene``; a scene without a plan returns a plan whose ``error`` is set.
+        """Plan a scene.
 
         Args:
             scene: the scene.
-            chosen_only: whether to run only the search whose path goes on, which is faster.
+            chosen_only: whether to run only the search that ``scene.search.algorithm`` names, which
+                is faster.
+
+        Returns:
+            The plan. If the scene has none, its ``error`` says why, and nothing is raised.
         """
         # one that compiles waits for what another planner has begun to load; a tab's first does not
         if self._planned or self._compile:
@@ -174,13 +190,13 @@ class Planner:
         else:  # stages that do not run take no time
             for stage in self._on_branches:
                 stage.ms = 0.0
-        if refuted or (avoid and not is_clear(results)):
+        if refuted or (avoid and not is_clear(results["motion"], results["arm_clearance"])):
             try:
                 self._avoid(task, names, results)
             except ArmNotClear as fault:
                 if refuted:
                     self._follow(task, courses, results)
-                raise results["motion"].error or fault from None
+                raise results["motion"].error or _with_contact(fault, results, task.scene) from None
         elif results["motion"].error is not None:
             raise results["motion"].error
 
@@ -206,7 +222,7 @@ class Planner:
                 course, motion, task.obstacles, task.around, scene.arm.clearance
             )
             found = {"profile": profile, "motion": motion, "arm_clearance": clear}
-            if k == 0 or is_clear(found):
+            if k == 0 or is_clear(motion, clear):
                 results.update(found)
 
     def _timed(self, path: Course, asked: MotionSettings) -> PathProfile:
@@ -258,6 +274,15 @@ def _wait_for_compiler(scene: Scene) -> None:
     many = scene.mesh.node_count(scene.workspace) > _MANY_NODES
     if many or len(scene.obstacles) > _MANY_OBSTACLES:
         compiling.compile()
+
+
+def _with_contact(fault: ArmNotClear, results: dict[str, Any], scene: Scene) -> ArmNotClear:
+    """The fault, with link and obstacle where it names none: those of the tool's own curve."""
+    contacts = results["arm_clearance"].contacts
+    if fault.where in ("start", "goal") or not contacts:
+        return fault
+    sentence = contact_sentence(contacts[0], scene.unit)
+    return fault.along_tool(sentence[:1].lower() + sentence[1:])
 
 
 def _followed(scene: Scene, bspline: Fit[BSpline], quadratic: Fit[Quadratic]) -> str:

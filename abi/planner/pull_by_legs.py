@@ -1,4 +1,4 @@
-"""Tightening of a path for an arm that compiled loops do not know: as they do it, leg by leg."""
+"""Tightening of a path, leg by leg, for an arm that the compiled loops do not know."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _CUT = (0.45, 0.2)
 def pull_by_legs(
     points: FloatArray, obstacles: ObstacleSet, margin: float, sight: Sight
 ) -> FloatArray:
-    """Path pulled taut leg by leg, each of them clear for the arm, too.
+    """Pull a path taut, segment by segment, each of them clear for the arm, too.
 
     Vertices that are not needed are dropped, others move towards the chord of their neighbours, and
     corners are cut, until the length settles.

@@ -20,6 +20,7 @@ class Reason:
             was tried helps.
         points: points to mark in the scene, shape (k, 3), [unit], world.
         obstacle: index of the obstacle that ``change`` removes; None where it removes none.
+        moved: index of the obstacle that ``change`` moves; None where it moves none.
     """
 
     message: str
@@ -27,6 +28,7 @@ class Reason:
     change: dict[str, Any] | None
     points: FloatArray
     obstacle: int | None = None
+    moved: int | None = None
 
     def to_dict(self) -> dict[str, Any]:
         """Plain data, as under ``error`` in a plan's JSON."""

@@ -15,10 +15,10 @@ _R = TypeVar("_R")
 
 
 class Stage(Generic[_P, _R]):
-    """A function with a memory of its last call: equal arguments return the same object.
+    """A function that remembers its last call: equal arguments return the same object.
 
     Attributes:
-        ms: time of the last call that was not remembered, [ms].
+        ms: time of the last call that had to be computed, [ms].
     """
 
     def __init__(

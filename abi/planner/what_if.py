@@ -1,4 +1,4 @@
-"""Trials: plans of a scene with one thing changed."""
+"""Trial plans of a scene with one thing changed."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from abi.search.graph import Graph
 from abi.tet_mesh.tet_mesh import TetMesh, tetrahedralise
 
 MOST_NODES = 60_000
-"""Nodes of the finest mesh that is tried."""
+"""Largest number of nodes of a mesh that is tried."""
 
 _STAGES = ("mesh", "graph", "search", "bspline", "quadratic", "timing", "arm")
 _NEGLIGIBLE = 1e-3  # part of the scene's clearance below which a clearance counts as none
@@ -60,7 +60,7 @@ class WhatIf:
     def connected(
         self, clearance: float, pitch: float | None = None, obstacles: ObstacleSet | None = None
     ) -> bool:
-        """Whether the graph connects start and goal; None stands for the scene's value."""
+        """Whether the graph connects start and goal; None means the scene's value."""
         self._check_cancelled()
         scene = self.scene
         obstacles = self.obstacles if obstacles is None else obstacles
@@ -74,7 +74,7 @@ class WhatIf:
         return bool(component[graph.start] == component[graph.goal])
 
     def finer_pitches(self) -> list[float]:
-        """Finer pitches to try, each half the last, [unit]; none when the mesh is fine."""
+        """Finer pitches to try, each half the last, [unit]; none if the mesh is fine already."""
         settings, box = self.scene.mesh, self.scene.workspace
         most = min(settings.max_nodes, MOST_NODES)
         pitches = [settings.pitch]
@@ -88,9 +88,9 @@ class WhatIf:
             pitches.append(pitch)
 
     def largest_clearance(self, works: Callable[[float], bool]) -> float | None:
-        """Largest clearance below the scene's that works, by bisection; None where none does.
+        """Largest clearance below the scene's that works, by bisection; None if none does.
 
-        It has two digits, or three where five per cent more than the two would work too.
+        It is rounded to two digits, or to three if even five per cent more would work.
 
         Args:
             works: whether a clearance works; if one does, so should every smaller one.
@@ -133,7 +133,7 @@ def components(graph: Graph) -> IntArray:
 
 
 def rounded_down(value: float, digits: int) -> float:
-    """``value`` rounded down to so many significant digits."""
+    """``value`` rounded down to a number of significant digits."""
     if value <= 0:
         return 0.0
     place = digits - 1 - math.floor(math.log10(value))

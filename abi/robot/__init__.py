@@ -1,1 +1,1 @@
-"""Other people's arms: URDF files with their meshes, read strictly."""
+"""Strict reader of robots: URDF files with their meshes."""

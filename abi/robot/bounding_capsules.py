@@ -1,4 +1,4 @@
-"""Capsules that contain a link: what a robot's shapes are taken for in distances."""
+"""Capsules that contain a link, which stand for its shapes when distances are measured."""
 
 from __future__ import annotations
 
@@ -46,9 +46,9 @@ class Capsule(NamedTuple):
 
 @lru_cache(maxsize=512)
 def bounding_capsules(link: Link) -> tuple[Capsule, ...]:
-    """Up to three capsules whose union contains a link's shapes and visuals; none of a frame.
+    """Up to three capsules whose union contains a link's shapes and visuals; none for a frame.
 
-    Visuals change nothing where they are inside the capsules of the shapes.
+    Visuals inside the capsules of the shapes change nothing.
     """
     if not link.shapes:
         return ()

@@ -1,6 +1,6 @@
-"""Colours that a URDF gives its visuals: in place, or by the name of a material.
+"""Colours that a URDF gives its visuals, directly or by the name of a material.
 
-The format: http://wiki.ros.org/urdf/XML/link. A colour that cannot be read is none.
+The format: http://wiki.ros.org/urdf/XML/link. A colour that cannot be read is ignored.
 """
 
 from __future__ import annotations
@@ -13,11 +13,11 @@ from lxml import etree
 from abi.arrays import ByteArray, read_only
 
 NO_COLOURS: ByteArray = read_only(np.empty((0, 3), dtype=np.uint8))
-"""Where nothing gives one."""
+"""Colours of a visual without any."""
 
 
 def materials(root: etree._Element) -> Mapping[str, ByteArray]:
-    """Colours (1, 3) of a robot's materials by their names, those at the robot itself first."""
+    """Colours (1, 3) of a robot's materials by name; those of the robot element take precedence."""
     found: dict[str, ByteArray] = {}
     for material in (*root.iterfind("material"), *root.iterfind("link/visual/material")):
         colour, name = _colour(material), str(material.get("name", ""))
@@ -27,7 +27,7 @@ def materials(root: etree._Element) -> Mapping[str, ByteArray]:
 
 
 def colour_of(visual: etree._Element, named: Mapping[str, ByteArray]) -> ByteArray:
-    """Colour (1, 3) of a visual's material; (0, 3) where it gives none.
+    """Colour (1, 3) of a visual's material; (0, 3) if it gives none.
 
     Args:
         visual: the element.

@@ -11,7 +11,7 @@ from abi.errors import SceneError
 from abi.obstacles.triangle_mesh import mesh_reader, stl, trimesh_formats
 
 MAX_TRIANGLES = 500_000
-"""Of all shapes of a robot, one that is there twice counted twice."""
+"""Largest number of triangles of all shapes of a robot; a shape used twice counts twice."""
 _PLAIN = ".plain.stl"
 """Added to the name of a file that has been turned into an STL."""
 Mesh = tuple[FloatArray, IntArray, ByteArray]
@@ -21,7 +21,7 @@ _UNIT = re.compile(rb"""<unit\b[^>]{0,200}?\bmeter\s*=\s*["']\s*([0-9.eE+-]{1,40
 
 
 class MeshLookup:
-    """Meshes of an archive: where the URDF says, or the only file of that name.
+    """Meshes of an archive, found where the URDF says, or else as the only file of that name.
 
     Args:
         files: content by path.
@@ -52,7 +52,7 @@ class MeshLookup:
         return vertices, faces, colours
 
     def plain(self) -> dict[str, bytes]:
-        """Files of the meshes that were taken; an STL each of those that trimesh reads."""
+        """Files of the meshes that were used; those that need trimesh are converted to STL."""
         plain = {}
         for path in sorted(self._taken):
             if is_plain(path):
@@ -75,7 +75,7 @@ class MeshLookup:
 
 
 def is_plain(path: str) -> bool:
-    """Whether a file is not one that trimesh reads."""
+    """Whether a file can be read without trimesh."""
     return PurePosixPath(path).suffix.lower() not in trimesh_formats.SUFFIXES
 
 

@@ -16,7 +16,7 @@ from abi.errors import SceneError
 from abi.obstacles.pose import Vec3
 
 MOST_JOINTS = 16
-"""Joints between root and tip, at most."""
+"""Largest number of joints between root and tip."""
 
 JointKind = Literal["revolute", "continuous", "prismatic", "fixed"]
 
@@ -32,7 +32,7 @@ class Shape:
         pose: link from shape, shape (4, 4).
         vertices: of a mesh, scaled, shape (n, 3) in the shape's frame; empty otherwise.
         faces: of a mesh, shape (m, 3).
-        colours: red, green and blue of each face, (m, 3), of all, (1, 3), or none given, (0, 3).
+        colours: red, green and blue of each face, (m, 3), of all, (1, 3), or (0, 3) if not given.
     """
 
     kind: Literal["box", "sphere", "cylinder", "mesh"]
@@ -45,13 +45,13 @@ class Shape:
 
 @dataclass(frozen=True, eq=False)
 class Link:
-    """A body.
+    """A link: a body of a robot.
 
     Attributes:
         name: of the link.
-        shapes: what it is made of; none for a frame.
-        visuals: what it is drawn with beside them; none where it is drawn by its shapes.
-        mass: 0 where the file gives none.
+        shapes: collision shapes; none for a frame.
+        visuals: what it is drawn with; none if it is drawn by its shapes.
+        mass: [kg], 0 if the file gives none.
         centre: centre of mass in the link's frame, shape (3,).
         inertia: about that centre along the link's axes, shape (3, 3).
     """
@@ -65,7 +65,7 @@ class Link:
 
     @property
     def drawn(self) -> tuple[Shape, ...]:
-        """Shapes by which it is drawn."""
+        """Shapes with which it is drawn."""
         return self.visuals or self.shapes
 
 
@@ -108,16 +108,16 @@ class Joint:
 
 @dataclass(frozen=True, eq=False)
 class Robot:
-    """Links joined into a tree; compares by the files it was read from.
+    """A robot: links joined into a tree; compares by the files it was read from.
 
     Attributes:
         name: of the robot.
-        root: name of the link that nothing carries.
-        links: by name.
+        root: name of the link that has no parent.
+        links: links by name.
         joints: parents before children.
         notes: sentences on what was left out.
         archive: the URDF and its meshes, as a zip.
-        may_touch: pairs of links that its SRDF, where it has one, takes out of the checks.
+        may_touch: pairs of links that its SRDF, if there is one, excludes from collision checks.
     """
 
     name: str
@@ -146,7 +146,7 @@ def joints_to(robot: Robot, tip: str) -> tuple[Joint, ...]:
     """Joints from the root to a link, fixed ones too.
 
     Raises:
-        SceneError: there is no such link, nothing moves it, or too many joints do.
+        SceneError: there is no such link, no joint moves it, or too many joints do.
     """
     if tip not in robot.links:
         names = ", ".join([*robot.links][-6:])
@@ -163,7 +163,7 @@ def joints_to(robot: Robot, tip: str) -> tuple[Joint, ...]:
 
 
 def usual_tip(robot: Robot) -> str:
-    """The link that most joints move; of several the last."""
+    """The link that the most joints move; the last one if there are several."""
     depth = {robot.root: 0}
     for joint in robot.joints:
         depth[joint.child] = depth[joint.parent] + (joint.kind != "fixed")

@@ -31,14 +31,14 @@ _EPOCH = (1980, 1, 1, 0, 0, 0)
 
 
 def load_robot(name: str, source: MeshSource) -> Robot:
-    """A shipped arm by its name, or that of a ``.urdf`` or ``.zip`` file.
+    """Load a shipped arm by name, or the arm of a ``.urdf`` or ``.zip`` file.
 
     Args:
         name: in :data:`SHIPPED`, or of a file.
         source: of the files.
 
     Raises:
-        SceneError: there is none, or it is refused.
+        SceneError: there is no such arm, or its files are refused.
     """
     if name in SHIPPED:
         return _shipped(name)
@@ -46,10 +46,10 @@ def load_robot(name: str, source: MeshSource) -> Robot:
 
 
 def load_plain_robot(name: str, source: MeshSource) -> Robot:
-    """The same with an archive in which no mesh is left that trimesh would have to read.
+    """As :func:`load_robot`, with an archive that can be read without trimesh.
 
     Raises:
-        SceneError: as :func:`load_robot`.
+        SceneError: as in :func:`load_robot`.
     """
     if name in SHIPPED:
         return _shipped(name)
@@ -57,10 +57,12 @@ def load_plain_robot(name: str, source: MeshSource) -> Robot:
 
 
 def archive_of(name: str, source: MeshSource) -> bytes:
-    """A ``.zip``, or a ``.urdf`` packed with the meshes that it names, none of which is read.
+    """Content of a ``.zip`` file, or a ``.urdf`` file packed with the meshes that it names.
+
+    The meshes are not read.
 
     Raises:
-        SceneError: it has another ending, or a file that it needs is not there.
+        SceneError: the file has another ending, or one that it needs is missing.
     """
     ending = PurePosixPath(name).suffix.lower()
     if ending in (".zip", ".urdf"):
@@ -74,11 +76,11 @@ def archive_of(name: str, source: MeshSource) -> bytes:
 
 @lru_cache(maxsize=8)
 def robot_from_archive(content: bytes) -> Robot:
-    """The robot of a zip with one URDF and its meshes, and an SRDF if there is one.
+    """Read the robot in a zip archive of one URDF, its meshes and optionally an SRDF.
 
     Raises:
-        SceneError: not such a file, too large packed or unpacked, or what
-            :func:`abi.robot.urdf_reader.read_urdf` refuses.
+        SceneError: it is no such file, it is too large packed or unpacked, or
+            :func:`abi.robot.urdf_reader.read_urdf` refuses it.
     """
     return _read(content)[0]
 

@@ -1,4 +1,4 @@
-"""SRDF files: pairs of links whose collisions are not looked for."""
+"""Reader of SRDF files: the pairs of links whose collisions are ignored."""
 
 from __future__ import annotations
 
@@ -6,13 +6,13 @@ from abi.robot.strict_xml import Element, parse
 
 
 def read_srdf(content: bytes, name: str) -> frozenset[frozenset[str]]:
-    """Pairs of links that an SRDF takes out of the checks for collisions.
+    """Pairs of links that an SRDF excludes from collision checks.
 
-    The format: http://wiki.ros.org/srdf. Nothing else of it is looked at, and a link that the URDF
-    does not have counts for nothing.
+    The format: http://wiki.ros.org/srdf. Everything else in it is ignored, and so are links that
+    the URDF does not have.
 
     Raises:
-        SceneError: it is no SRDF, or cut off.
+        SceneError: it is no SRDF, or it is truncated.
     """
     root = Element(parse(content, name), name, "robot")
     pairs = (

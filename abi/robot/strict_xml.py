@@ -1,4 +1,4 @@
-"""XML of robot descriptions: parsed strictly, and elements that refuse in one sentence."""
+"""Strict parser of the XML of robot descriptions, whose errors are one sentence each."""
 
 from __future__ import annotations
 
@@ -19,23 +19,23 @@ _DECLARATION = re.compile(r"\A\s*<\?xml[^>]{0,200}\?>")
 
 
 class Element:
-    """An XML element, and what it is called in sentences.
+    """An XML element, and its name in error messages.
 
     Attributes:
         xml: the element.
         file: name of the file.
-        title: what sentences call the element.
+        title: name of the element in error messages.
     """
 
     def __init__(self, element: etree._Element, file: str, title: str) -> None:
         self.xml, self.file, self.title = element, file, title
 
     def refuse(self, what: str, value: object, expected: str) -> SceneError:
-        """The error that names this element, a part of it, its value and what would work."""
+        """Error that names this element, a part of it, its value and what would work."""
         return SceneError(f"arm.urdf {self.file}: {self.title}, {what}", value, expected)
 
     def called(self) -> Element:
-        """The same under its own name."""
+        """The same element under the name that its ``name`` attribute gives."""
         name = self.xml.get("name", "")
         tag = str(self.xml.tag)
         if not _NAME.fullmatch(name):
@@ -43,16 +43,16 @@ class Element:
         return Element(self.xml, self.file, f"{tag} {name}")
 
     def all(self, tag: str) -> Iterator[Element]:
-        """Its children of a tag, called as it is."""
+        """Children with a tag, under the same name in error messages."""
         for element in self.xml.iterfind(tag):
             yield Element(element, self.file, self.title)
 
     def child(self, tag: str) -> Element | None:
-        """Its first child of a tag."""
+        """First child with a tag; None if there is none."""
         return next(self.all(tag), None)
 
     def needed(self, tag: str) -> Element:
-        """Its first child of a tag; SceneError without."""
+        """First child with a tag; SceneError if there is none."""
         found = self.child(tag)
         if found is None:
             raise self.refuse(tag, None, f"one <{tag}>")
@@ -63,14 +63,14 @@ class Element:
         return str(self.xml.get(attribute, default)).strip()
 
     def number(self, attribute: str, default: float | None, low: float, high: float) -> float:
-        """An attribute as a number from ``low`` to ``high``; SceneError where it is none."""
+        """An attribute as a number from ``low`` to ``high``; SceneError if it is not one."""
         text = self.xml.get(attribute)
         if text is None and default is not None:
             return default
         return self._number(attribute, str(text or ""), low, high)
 
     def vector(self, attribute: str, default: Vec3, low: float = -100, high: float = 100) -> Vec3:
-        """An attribute as three numbers from ``low`` to ``high``; SceneError where it is none."""
+        """An attribute as three numbers from ``low`` to ``high``; SceneError if it is not."""
         text = self.xml.get(attribute)
         if text is None:
             return default
@@ -88,14 +88,14 @@ class Element:
 
 
 def parse(content: bytes, name: str) -> etree._Element:
-    """Root of the XML, without document types, entities or what only xacro understands.
+    """Parse XML that has no document type, entities or xacro macros, and return its root.
 
     Args:
         content: of the file.
         name: of the file, for the sentences.
 
     Raises:
-        SceneError: it is too large, cut off, not XML, or its root is no robot.
+        SceneError: it is too large, truncated or no XML, or its root is no robot.
     """
     field = f"arm.urdf {name}"
     if len(content) > MAX_BYTES:

@@ -1,4 +1,4 @@
-"""Joints of a URDF, and the one tree of links that they must make."""
+"""Joints of a URDF, and the single tree of links that they must form."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ _TURN = 2 * math.pi
 
 
 def read_joint(element: Element) -> Joint:
-    """A joint with its limits.
+    """Read a joint with its limits.
 
     Raises:
-        SceneError: its kind is unknown, or a number of it cannot be meant.
+        SceneError: its kind is unknown, or one of its numbers makes no sense.
     """
     kind = element.text("type")
     if kind not in _KINDS:
@@ -68,10 +68,10 @@ def _mimic(element: Element) -> Mimic | None:
 def in_order(
     root: Element, links: Collection[str], joints: Sequence[Joint]
 ) -> tuple[tuple[Joint, ...], str]:
-    """The joints, parents first, and the root link of the one tree that they make.
+    """Sort the joints, parents first, and find the root link of the tree that they form.
 
     Raises:
-        SceneError: it is no tree, names a link that there is not, or a mimic follows nothing.
+        SceneError: they form no tree, name a missing link, or a mimic follows a missing joint.
     """
     names = [joint.name for joint in joints]
     for joint in joints:

@@ -1,4 +1,4 @@
-"""Links of a URDF: their shapes, what they are drawn with, and their masses."""
+"""Links of a URDF: their collision shapes, visuals and masses."""
 
 from __future__ import annotations
 
@@ -29,10 +29,10 @@ _ZERO: Vec3 = (0.0, 0.0, 0.0)
 
 
 def read_link(element: Element, meshes: Meshes) -> Link:
-    """A link with its mass and the shapes that it collides with.
+    """Read a link with its mass and its collision shapes.
 
     Raises:
-        SceneError: a number or a mesh of it cannot be meant.
+        SceneError: one of its numbers or meshes makes no sense.
     """
     kind = "visual" if element.child("collision") is None else "collision"
     mass, centre, inertia = 0.0, np.zeros(3), np.zeros((3, 3))
@@ -52,9 +52,9 @@ def read_link(element: Element, meshes: Meshes) -> Link:
 
 
 def add_visuals(root: Element, links: dict[str, Link], meshes: Meshes) -> tuple[str, ...]:
-    """Give links what they are drawn with beside their shapes; the sentence on what was left out.
+    """Add visuals to the links, and return a sentence on what was left out.
 
-    It comes after all shapes, so that looks take no triangles from them.
+    Visuals come after all shapes, so that they take no triangles from these.
     """
     plain: list[str] = []
     for element in root.all("link"):
@@ -84,9 +84,9 @@ def _are_same(first: Sequence[Shape], second: Sequence[Shape]) -> bool:
 
 
 def add_colours(root: Element, links: dict[str, Link]) -> None:
-    """Give what links are drawn with the colours of their materials, which go before a mesh's own.
+    """Give visuals the colours of their materials, which take precedence over those of a mesh.
 
-    Shapes that stand for visuals take the first one's.
+    Shapes that stand for visuals take the first visual's colour.
     """
     named = materials(root.xml)
     for element in root.all("link"):

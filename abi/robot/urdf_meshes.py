@@ -11,10 +11,10 @@ from abi.robot.strict_xml import Element, parse
 
 
 def mesh_names(content: bytes, name: str) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Mesh files that a URDF names: those of its shapes, and those of visuals alone.
+    """Mesh files that a URDF names: those of its shapes, and those only of visuals.
 
     Raises:
-        SceneError: it is no URDF, or a shape's mesh is elsewhere.
+        SceneError: it is no URDF, or the mesh of a shape is outside the folder.
     """
     root = parse(content, name)
     needed: list[str] = []
@@ -31,10 +31,10 @@ def mesh_names(content: bytes, name: str) -> tuple[tuple[str, ...], tuple[str, .
 
 
 def file_name(mesh: Element) -> str:
-    """Name of a mesh file without its scheme; only a place inside the upload is one.
+    """Path of a mesh file inside the upload, without its scheme.
 
     Raises:
-        SceneError: it leads elsewhere.
+        SceneError: it leads outside.
     """
     text = mesh.text("filename")
     path = re.sub(r"\Apackage://[^/]*/", "", text)

@@ -1,4 +1,4 @@
-"""Pose that an element of a URDF has in its parent."""
+"""Pose of an element of a URDF relative to its parent."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _ZERO: Vec3 = (0.0, 0.0, 0.0)
 
 
 def origin_of(element: Element) -> FloatArray:
-    """The parent's frame from the element's, (4, 4), [m], from ``<origin>``; without, identity."""
+    """Pose (4, 4), [m], parent from element, that ``<origin>`` gives; without it the identity."""
     pose = np.eye(4)
     origin = element.child("origin")
     if origin is not None:

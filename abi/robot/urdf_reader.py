@@ -1,7 +1,7 @@
-"""URDF files of other people's arms: read strictly, from bytes alone.
+"""Strict reader of URDF files, from bytes alone.
 
-Nothing that a file names is opened: meshes come from the same folder or upload. Every file that is
-damaged, ambiguous or too large is refused in one sentence.
+Nothing that a file names is opened: meshes come from the same folder or upload. A file that is
+damaged, ambiguous or too large is refused with one sentence.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ MAX_LINKS = 150
 
 
 def read_urdf(content: bytes, name: str, meshes: Meshes) -> Robot:
-    """The robot of a URDF's content.
+    """Read the robot of a URDF's content.
 
     Args:
         content: of the file.
@@ -25,7 +25,7 @@ def read_urdf(content: bytes, name: str, meshes: Meshes) -> Robot:
         meshes: source of the mesh files that it names, by their names in the file.
 
     Raises:
-        SceneError: it is no URDF, cut off, not one tree, or a number of it cannot be meant.
+        SceneError: it is no URDF, truncated, not a single tree, or has a number without sense.
     """
     root = Element(parse(content, name), name, "robot")
     links: dict[str, Link] = {}

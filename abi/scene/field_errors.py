@@ -1,4 +1,4 @@
-"""Errors of pydantic as scene errors: field, value, and what would work."""
+"""Translation of pydantic errors into scene errors: field, value, and what would work."""
 
 from __future__ import annotations
 

@@ -36,11 +36,14 @@ from abi.scene.settings import (
 )
 
 MOST_OBSTACLES = 5_000
-"""Obstacles that a scene may have: their first plan takes about a second."""
+"""Largest number of obstacles of a scene; the first plan with so many takes about a second."""
 
 
 class Scene(Settings):
-    """Everything a plan depends on."""
+    """Everything that a plan depends on: workspace, ends, obstacles and settings.
+
+    A scene is frozen and compares by value. Lengths are in its ``unit``, points in the world frame.
+    """
 
     version: Annotated[Count, Field(ge=1, le=1)]
     unit: Literal["m", "cm", "mm"] = "cm"
@@ -108,15 +111,15 @@ class Scene(Settings):
     def from_dict(
         cls, data: object, folder: Path | Mapping[str, bytes] | MeshSource | None = None
     ) -> Self:
-        """Check ``data`` (as a scene file holds it) and build the scene.
+        """Build a scene from plain data, and check every field.
 
         Args:
-            data: plain data.
+            data: a mapping with the fields of a scene file.
             folder: source of its mesh files: the folder of the scene file, outside which nothing is
-                opened, or the content of each by its name. None for a scene without.
+                opened, or the content of each file by its name. None for a scene without files.
 
         Raises:
-            SceneError: names the first field that is wrong.
+            SceneError: a field is wrong; names the first such field.
         """
         if not isinstance(data, dict):
             raise SceneError("scene", data, "a mapping with version: 1")
@@ -126,13 +129,13 @@ class Scene(Settings):
             raise first_error(error, cls) from None
 
     def to_dict(self) -> dict[str, Any]:
-        """Plain data that :meth:`from_dict` reads, defaults filled in."""
+        """Plain data that :meth:`from_dict` reads, with all defaults filled in."""
         plain: dict[str, Any] = json.loads(self.model_dump_json())
         return plain
 
     @property
     def meshes(self) -> MeshSource:
-        """Surfaces of its meshes, and its arm as an archive, by file name."""
+        """Files of the scene by name: the surfaces of its meshes, and its arm as an archive."""
         shapes = [shape for shape in self.obstacles if isinstance(shape, MeshShape)]
         files: dict[str, bytes | Surface] = {shape.file: shape.surface for shape in shapes}
         if self.arm.model == "urdf" and self.arm.urdf not in SHIPPED:
@@ -140,19 +143,18 @@ class Scene(Settings):
         return MeshSource(files)
 
     def replace(self, files: Mapping[str, bytes | Surface] | None = None, **changes: Any) -> Self:
-        """The scene with changed fields; itself where they equal its own.
+        """Return a copy with changed fields, or the scene itself if nothing differs.
 
-        Only fields that differ are checked again, and those that belong together: a panel may be
-        read at each movement of a hand.
+        Only fields that differ, and those that depend on them, are checked again, so that this can
+        run at every movement of a drag.
 
         Args:
-            files: content of mesh files by name, for obstacles that name a new one; the scene's
-                own meshes need none.
-            changes: plain data by field; a dict changes fields of a section, and obstacles may be
-                given as they are.
+            files: content of mesh files by name, for obstacles that name a new file.
+            changes: plain data by field. A dict changes fields of a section; ``obstacles`` may also
+                be a sequence of the scene's own objects.
 
         Raises:
-            SceneError: names the field that is wrong.
+            SceneError: a field is wrong; names it.
         """
         data: dict[str, Any] = dict(vars(self))
         for name, change in changes.items():
@@ -165,10 +167,10 @@ class Scene(Settings):
         return self.from_dict(data, MeshSource({**self.meshes.files, **(files or {})}))
 
     def pack(self) -> bytes:
-        """The scene, its meshes and its arm as one zip archive, which :func:`load_scene` reads.
+        """Pack the scene, its meshes and its arm into a zip archive for :func:`load_scene`.
 
         Raises:
-            SceneError: it is too large to be read again.
+            SceneError: the archive would be too large to be read again.
         """
         files = self.meshes.files
         surfaces = {name: one for name, one in files.items() if isinstance(one, Surface)}
@@ -176,21 +178,27 @@ class Scene(Settings):
         return scene_archive.pack(self.to_dict(), surfaces, arms)
 
     def save(self, path: str | Path) -> None:
-        """Write a scene file, YAML or JSON by its ending; the old file stays whole on failure.
+        """Write a scene file; if that fails, an old file stays as it was.
+
+        Args:
+            path: file to write; its ending decides between YAML and JSON.
 
         Raises:
-            SceneError: it cannot be written, or :func:`load_scene` would refuse it.
+            SceneError: the file cannot be written, or :func:`load_scene` would refuse it.
         """
         write(self.to_dict(), Path(path))
 
 
 def load_scene(name_or_path: str | Path) -> Scene:
-    """Load a shipped scene by its name, or a scene file (``.yaml``, ``.yml`` or ``.json``).
+    """Load a shipped scene by its name, or a scene file.
 
-    A ``.zip`` holds a scene with its meshes and its arm (:mod:`abi.scene.scene_archive`).
+    Args:
+        name_or_path: name of a shipped scene (see :func:`scene_names`), or path of a ``.yaml``,
+            ``.yml`` or ``.json`` file, or of a ``.zip`` that holds a scene with its meshes and its
+            arm (:mod:`abi.scene.scene_archive`).
 
     Raises:
-        SceneError: no such scene, not readable, or a field is wrong.
+        SceneError: there is no such scene, the file is not readable, or a field is wrong.
     """
     shipped = scene_names()
     if str(name_or_path) in shipped:

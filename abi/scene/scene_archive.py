@@ -1,7 +1,7 @@
-"""A scene and its files as one: a zip archive with ``scene.yaml``, the meshes and the arm.
+"""Zip archive of a scene: ``scene.yaml``, the meshes and the arm.
 
-Meshes are stored repaired, as OBJ texts with all digits; an arm as it came. What is opened may come
-from anyone: sizes and names are checked before anything is unpacked.
+Meshes are stored repaired, as OBJ text with all digits; an arm is stored as it was uploaded. An
+archive may come from anyone, so sizes and names are checked before anything is unpacked.
 """
 
 from __future__ import annotations
@@ -30,12 +30,12 @@ _FIELD = "scene"
 def pack(
     data: Mapping[str, Any], surfaces: Mapping[str, Surface], arms: Mapping[str, bytes]
 ) -> bytes:
-    """An archive of a scene.
+    """Pack a scene into an archive.
 
     Args:
-        data: as a scene file holds it.
-        surfaces: of its mesh files, by name.
-        arms: the file of its arm, by name, where it does not come with the package.
+        data: plain data, as in a scene file.
+        surfaces: surfaces of its mesh files, by name.
+        arms: the file of its arm, by name, unless the arm is a shipped one.
 
     Raises:
         SceneError: it is too large to be read again.
@@ -64,11 +64,11 @@ def pack(
 
 
 def unpack(content: bytes, name: str) -> tuple[object, dict[str, bytes]]:
-    """Plain data of a scene, and the content of its meshes and arms by name.
+    """Unpack the plain data of a scene, and the content of its meshes and arms by name.
 
     Args:
-        content: of an archive.
-        name: the archive's, for errors.
+        content: content of the archive.
+        name: name of the archive, for errors.
 
     Raises:
         SceneError: damaged, too large, or without a scene.

@@ -1,6 +1,6 @@
-"""Changes of a scene's fields, made of the scene's own objects wherever values are equal.
+"""Changes of a scene's fields that reuse the scene's own objects wherever values are equal.
 
-A scene's own values are checked already, and pydantic takes them as they are: only values that
+A scene's own values have been checked, and pydantic accepts them as they are, so only values that
 differ are checked again.
 """
 
@@ -15,12 +15,12 @@ from abi.obstacles.mesh_shape import MeshShape
 
 
 def changed_value(current: object, change: object) -> object:
-    """The value of a field after a change; ``current`` itself where they are equal.
+    """The value of a field after a change; ``current`` itself if it is equal.
 
     Args:
         current: the scene's value: a section, a tuple of obstacles, numbers or text.
         change: plain data. A dict changes fields of a section; a list replaces all obstacles, and
-            may have some of ``current`` in it as they are.
+            may contain objects of ``current``.
     """
     if isinstance(current, BaseModel) and isinstance(change, dict):
         return current if _fields_equal(change, current) else {**vars(current), **change}
@@ -32,7 +32,7 @@ def changed_value(current: object, change: object) -> object:
 
 
 def without_stale_meshes(obstacles: object, files: Mapping[str, object]) -> object:
-    """The obstacles, with plain data for meshes whose file has another content in ``files``."""
+    """The obstacles, with plain data for meshes whose file has new content in ``files``."""
     if not isinstance(obstacles, list | tuple):
         return obstacles
     stale = [

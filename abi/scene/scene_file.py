@@ -1,7 +1,7 @@
-"""Scene files: YAML 1.2 or JSON into plain data, and back, with strict limits.
+"""Reader and writer of scene files: YAML 1.2 or JSON, as plain data, within strict limits.
 
-Duplicate keys, anchors, tags and NaN are refused: each of them has another meaning in some
-reader, or grows without limit.
+Duplicate keys, anchors, tags and NaN are refused: readers disagree about their meaning, or they can
+grow without limit.
 """
 
 from __future__ import annotations
@@ -32,20 +32,21 @@ _ENDINGS = (".yaml", ".yml", ".json")
 
 
 def parse(path: Path) -> object:
-    """Plain data of the scene file at ``path``, at most ``MAX_BYTES`` long, in JSON more.
+    """Read the plain data of the scene file at ``path``.
 
     Raises:
-        SceneError: missing, unreadable, too large, or not YAML or JSON; names the file and line.
+        SceneError: it is missing, unreadable, larger than ``MAX_BYTES`` (in JSON,
+            ``MAX_JSON_BYTES``), or neither YAML nor JSON; names the file and line.
     """
     _refuse_ending(path)
     return parse_bytes(read_file(path, _most(path.name)), path.name)
 
 
 def read_file(path: Path, most: int) -> bytes:
-    """The first ``most`` bytes of a file, and one more where there are more.
+    """The first ``most`` bytes of a file, and one more if it is longer.
 
     Raises:
-        SceneError: missing or unreadable.
+        SceneError: it is missing or unreadable.
     """
     try:
         with path.open("rb") as file:
@@ -85,10 +86,10 @@ def parse_bytes(content: bytes, name: str) -> object:
 def write(data: dict[str, Any], path: Path) -> None:
     """Write ``data`` as YAML or JSON, by the ending of ``path``, in one step.
 
-    A file that was there keeps its permissions; a new one has those of any new file.
+    An existing file keeps its permissions; a new one has those of any new file.
 
     Raises:
-        SceneError: the file cannot be written, or could not be read again; nothing of it is left.
+        SceneError: it cannot be written, or could not be read again; no part of it is left.
     """
     _refuse_ending(path)
     text = dump(data, path.name)
@@ -171,10 +172,10 @@ def _refuse_depth(data: object) -> None:
 
 
 def text_of(data: dict[str, Any]) -> tuple[str, str]:
-    """A file's name and its text: ``scene.yaml``, and where that is too long ``scene.json``.
+    """Name and text of a scene file: ``scene.yaml``, or ``scene.json`` if that is too long.
 
     Raises:
-        SceneError: that is too long, too.
+        SceneError: the JSON is too long, too.
     """
     if len(data.get("obstacles", ())) < _MANY:
         with suppress(SceneError):

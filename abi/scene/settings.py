@@ -1,4 +1,4 @@
-"""Settings of every stage, each as its section of a scene file holds it."""
+"""Settings of every stage, one class per section of a scene file."""
 
 import functools
 import math
@@ -29,11 +29,11 @@ Rate = Annotated[float, Strict(), Field(allow_inf_nan=False, ge=1e-6, le=1e6)]
 Rates = tuple[Rate, Rate, Rate]
 
 FINEST_PITCH = 1e-6
-"""Smallest pitch, [unit]: the shortest side that a workspace may have."""
+"""Smallest pitch, [unit]; also the shortest side that a workspace may have."""
 
 
 class Settings(BaseModel):
-    """Fields of one section, frozen; others are refused."""
+    """One section of a scene: frozen fields; unknown ones are refused."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", validate_default=True)
 
@@ -76,14 +76,14 @@ class MeshSettings(Settings):
         return (x, y, z)
 
     def node_count(self, workspace: Workspace) -> int:
-        """Number of mesh nodes this pitch gives, before any memory is taken."""
+        """Number of mesh nodes that this pitch gives, without building the mesh."""
         x, y, z = self.cells(workspace)
         return (x + 1) * (y + 1) * (z + 1) + (x * y * z if self.lattice == "bcc" else 0)
 
     def finest_pitch(self, workspace: Workspace) -> float:
-        """Smallest pitch, to three digits, whose mesh keeps within ``max_nodes``.
+        """Smallest pitch, to three digits, whose mesh has at most ``max_nodes`` nodes.
 
-        The largest there is where none does.
+        If no mesh has, it is the largest pitch.
         """
         return _finest_pitch(self.lattice, self.max_nodes, workspace)
 
@@ -101,9 +101,9 @@ def _finest_pitch(lattice: Lattice, max_nodes: int, workspace: Workspace) -> flo
 
 
 class SearchSettings(Settings):
-    """Stage 3. All three algorithms run; ``algorithm`` chooses whose path goes on.
+    """Stage 3. All three algorithms run; later stages use the path of ``algorithm``.
 
-    ``taut`` pulls that path taut before the curves are made of it (stage 3½); the paper does not.
+    ``taut`` pulls that path taut before curves are fitted (stage 3½); the paper does not.
     """
 
     algorithm: Algorithm = "a_star"
@@ -119,7 +119,7 @@ class SplineSettings(Settings):
 
 
 class QuadraticSettings(Settings):
-    """Stage 5, the curve: nearest to the B-spline, the clear one nearest to that, or pieces."""
+    """Stage 5, the curve: the least-squares quadratic, the nearest clear one, or clear pieces."""
 
     mode: Literal["least_squares", "clear", "pieces"] = "least_squares"
 
@@ -127,10 +127,10 @@ class QuadraticSettings(Settings):
 class MotionSettings(Settings):
     """Stage 5, the motion: cruise speed [unit/s], acceleration and deceleration [unit/s²].
 
-    ``curve`` is the one the tool follows; ``auto`` is the quadratic when it keeps the clearance,
-    the B-spline otherwise. ``law`` is the paper's three phases, those slowed down until the joints'
-    limits hold, the fastest motion under these limits, or one of limited jerk [unit/s³].
-    ``joint_acceleration`` limits each joint, [rad/s²], sliding ones [m/s²].
+    ``curve`` is the one that the tool follows; ``auto`` means the quadratic if it keeps the
+    clearance, the B-spline otherwise. ``law`` is the paper's three phases, the same slowed down
+    until the joints' limits hold, the fastest motion within these limits, or one of limited
+    ``jerk`` [unit/s³]. ``joint_acceleration`` limits each joint, [rad/s²], sliding ones [m/s²].
     """
 
     speed: Rate = 4.0
@@ -145,11 +145,11 @@ class MotionSettings(Settings):
 class ArmSettings(Settings):
     """Stage 6. Link lengths and base position in [unit]; ``q5`` is the initial extension, [unit].
 
-    ``model`` is the paper's ``abi``, or ``urdf``: a shipped arm's name, or a ``.urdf`` or ``.zip``
-    file. Of that, ``tip`` is the link whose origin is the tool, and ``axis`` the direction that
-    the tip's z axis is held to, None for any; what else there is but ``base`` is the paper's.
-    With ``avoid`` the plan keeps the whole arm clear, its links ``clearance`` [unit] from every
-    obstacle; ``elbow`` auto takes the branch with the shorter path.
+    ``model`` is ``abi``, the paper's arm, or ``urdf``. In the latter case ``urdf`` names a shipped
+    arm, or a ``.urdf`` or ``.zip`` file, ``tip`` is the link whose origin is the tool, and ``axis``
+    the direction in which the tip's z axis must point, None for any. All fields not named here but
+    ``base`` belong to the paper's arm. With ``avoid`` the plan keeps the whole arm clear, its links
+    ``clearance`` [unit] from every obstacle; ``elbow`` auto takes the branch with the shorter path.
     ``forces``, ``masses`` and ``radii`` are the paper's Q4..Q6, m4..m6 and i4..i6: the generalised
     forces [kg·unit²/s² for q4 and q6, kg·unit/s² for q5], masses [kg] and radii of inertia [unit].
     """
@@ -187,13 +187,13 @@ class ArmSettings(Settings):
 
     @property
     def robot(self) -> Robot:
-        """The arm that ``urdf`` names, where that is the model."""
+        """The robot that ``urdf`` names, if that is the model."""
         assert self._robot is not None
         return self._robot
 
     @property
     def tool(self) -> str:
-        """Name of the link whose origin is the tool: ``tip``, or what is usual for the arm."""
+        """Name of the link whose origin is the tool: ``tip``, or the arm's usual one."""
         return self.tip or SHIPPED.get(self.urdf) or usual_tip(self.robot)
 
     @property
@@ -202,5 +202,5 @@ class ArmSettings(Settings):
         return ("up", "down") if self.elbow == "auto" else (self.elbow,)
 
     def on(self, elbow: Elbow) -> Self:
-        """The same on one branch."""
+        """The same settings on one branch."""
         return self if self.elbow == elbow else self.model_copy(update={"elbow": elbow})

@@ -1,4 +1,4 @@
-"""The graph as arcs with their costs, of which one may be negative: for searches to compare."""
+"""The graph as arcs with costs, one of which may be negative, for the searches to compare."""
 
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ from abi.search.search_kernels import LITTLE
 
 @dataclass(frozen=True, eq=False)
 class Arcs:
-    """Each edge of a graph as two arcs, with the graph's estimates of what is left to the goal.
+    """The edges of a graph as two arcs each, with estimates of the remaining cost to the goal.
 
     Attributes:
         rows: the arcs.
-        estimates: (n,) A*'s heuristic h; the start's is the least over its neighbours where it is
-            no node of the mesh.
-        points: (n, 3) places of the nodes, [unit], world.
+        estimates: (n,) A*'s heuristic h; if the start is no node of the mesh, its estimate is the
+            least over its neighbours.
+        points: (n, 3) positions of the nodes, [unit], world.
         start, goal: node ids.
-        negative: (tail, head) of the arc that was added with a cost below 0; None for none.
+        negative: (tail, head) of the arc that was added with a cost below 0; None without one.
     """
 
     rows: ArcRows
@@ -50,11 +50,11 @@ class Arcs:
 
     @property
     def little(self) -> float:
-        """Least fall of a cost that is worth it."""
+        """Smallest decrease of a cost that counts as one."""
         return LITTLE * float(np.abs(self.rows.weights).max(initial=1.0))
 
     def length_of(self, vertices: IntArray) -> float:
-        """Length of a path along nodes (k,), [unit]; inf for none."""
+        """Length of a path along nodes (k,), [unit]; inf for an empty path."""
         if not len(vertices):
             return float("inf")
         legs = np.diff(self.points[vertices], axis=0)
@@ -66,7 +66,7 @@ class Arcs:
         return (indptr[nodes + 1] - indptr[nodes]).astype(np.int32)
 
     def with_arc(self, tail: int, head: int, weight: float) -> Arcs:
-        """The arcs and one more, of any cost; estimates stay, and may then promise too much."""
+        """The arcs and one more, of any cost; the estimates stay, and may then be too large."""
         indptr, indices, weights = self.rows
         place = int(indptr[tail + 1])
         longer = indptr.copy()

@@ -1,4 +1,4 @@
-"""Bellman-Ford as in the textbook: rounds over all arcs, and negative cycles found."""
+"""Textbook Bellman-Ford: rounds over all arcs, with detection of negative cycles."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ def bellman_ford_rounds(task: SearchTask) -> SearchTrace:
     """Relax all arcs in rounds until one changes nothing.
 
     After k rounds the costs are those of the best walks of k arcs at most. Costs may be negative;
-    a negative cycle ends the search and stands in ``cycle``.
+    a negative cycle ends the search and is returned in ``cycle``.
     """
     arcs = task.arcs
     most = len(arcs.points)

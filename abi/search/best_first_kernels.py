@@ -3,7 +3,7 @@
 It runs uncompiled too, on plain lists: a first plan need not wait for the compiler. Ties are broken
 the same way each time, so both ways give the same result.
 
-Arrays are taken out of tuples before a loop begins, and few helpers are handed any in it; see
+Arrays are taken out of tuples before a loop begins, and few are passed to helpers inside it; see
 ``abi.tet_mesh.adjacency_kernels``.
 """
 

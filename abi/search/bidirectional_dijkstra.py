@@ -8,7 +8,7 @@ from abi.search.trace import SearchTrace, trace_of
 
 
 def bidirectional_dijkstra(task: SearchTask) -> SearchTrace:
-    """Search from start and goal until both together have gone as far as the best path found."""
+    """Search from start and goal until their radii add up to the cost of the best path found."""
     arcs = task.arcs
     order = bidirectional_order(arcs.rows, (arcs.start, arcs.goal))
     return trace_of(arcs, order, "best_first", sides=2, reopens=True)

@@ -1,4 +1,4 @@
-"""Joining of start and goal to the free mesh: the graph (paper, section III)."""
+"""Construction of the graph: start and goal are joined to the free mesh (paper, section III)."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _ROUNDING = 1e-9
 """Distances, [unit], and parts of the pitch below this count as nothing."""
 
 REACH = 1.6
-"""Start and goal are joined to the nodes within this many longest edges."""
+"""Radius, in longest edges, within which start and goal are joined to nodes."""
 
 _NO_PLACES = read_only(np.zeros((0, 3)))
 
@@ -49,7 +49,7 @@ def build_graph(
 
     Raises:
         StageError: start and goal are the same point (``start_is_goal``).
-        PointBlocked: start or goal is in an obstacle or nearer to it than ``clearance``.
+        PointBlocked: start or goal is inside an obstacle or nearer to it than ``clearance``.
     """
     mesh = free.mesh
     ends = (start, goal)

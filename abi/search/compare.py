@@ -1,7 +1,7 @@
-"""The searches that can be compared and stepped through, by name.
+"""Table of the searches that can be compared and stepped through, by name.
 
-They run when somebody asks, not in every plan: a new one is a file beside this one, with a function
-from a task to a trace, an entry here, and its name for the page in ``app.style.SEARCH_NAMES``.
+They run on request, not in every plan. A new one is a file beside this one, with a function from a
+task to a trace, an entry here, and its name for the page in ``app.style.SEARCH_NAMES``.
 """
 
 from __future__ import annotations
@@ -29,8 +29,8 @@ class ComparedSearch:
     Attributes:
         find: the search.
         exact: whether its path is always the cheapest of the graph.
-        one_way: whether it takes arcs that lead one way only, such as one of a negative cost.
-        any_angle: whether its path may leave the edges; then it is the length that it makes small.
+        one_way: whether it can handle arcs in one direction only, such as one of negative cost.
+        any_angle: whether its path may leave the edges; it then minimises the length.
     """
 
     find: Callable[[SearchTask], SearchTrace]

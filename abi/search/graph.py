@@ -1,7 +1,7 @@
 """Stage 2: the graph of the free mesh, with start and goal joined to it (paper, section III).
 
-The paper takes the edges of the mesh as they are; an edge between two free nodes can still cross
-a corner or a thin obstacle, so here each edge is tested along its whole length.
+The paper keeps all edges between free nodes. Such an edge can still cross a corner or a thin
+obstacle, so here each edge is tested along its whole length.
 """
 
 from __future__ import annotations
@@ -27,19 +27,19 @@ _DIRECTIONS = (1 << LINKED_BIT) - 1
 class Graph:
     """Nodes and the edges between them that keep clear of the obstacles.
 
-    Node ids are those of the mesh, excluded nodes included (they have no edges); start and goal
-    follow where they are no mesh node. What the searches need is kept as the kernels take it
-    (``abi.tet_mesh.adjacency_kernels``); tables of edges are made when they are first asked for.
+    Node ids are those of the mesh, including excluded nodes, which have no edges; start and goal
+    follow if they are no mesh nodes. What the searches need is stored in the format of the kernels
+    (``abi.tet_mesh.adjacency_kernels``); tables of edges are made at their first use.
 
     Attributes:
         mesh: the mesh.
         excluded: (n,) mesh nodes without edges.
         open_directions: (n,) open directions of each mesh node that is not excluded, as bits.
         weights: lengths of the directions, or of the edges of the rows, inf where shut, [unit].
-        tails, heads: (m,) ends of the links, which are the edges of start and goal where these are
-            no mesh nodes, and the one between them.
+        tails, heads: (m,) ends of the links, which are the edges of start and goal if these are no
+            mesh nodes, and the edge between them.
         link_lengths: (m,) [unit].
-        own: (k, 3) places of start and goal where they are no mesh nodes, [unit], world.
+        own: (k, 3) positions of start and goal if they are no mesh nodes, [unit], world.
         start: node id.
         goal: node id.
         free_nodes: number of nodes that are not excluded, start and goal included.
@@ -61,7 +61,7 @@ class Graph:
 
     @cached_property
     def points(self) -> FloatArray:
-        """Places (n, 3) of all nodes, [unit], world."""
+        """Positions (n, 3) of all nodes, [unit], world."""
         points = self.mesh.points
         return read_only(np.concatenate([points, self.own])) if len(self.own) else points
 
@@ -73,7 +73,7 @@ class Graph:
 
     @property
     def indptr(self) -> IntArray:
-        """Places in ``indices`` at which the neighbours of each node begin (n + 1,)."""
+        """Positions in ``indices`` at which the neighbours of each node begin (n + 1,)."""
         return self._rows[0]
 
     @property
@@ -88,7 +88,7 @@ class Graph:
 
     @cached_property
     def crossing(self) -> IntArray:
-        """The mesh edges (k, 2) left out although both ends are free."""
+        """Mesh edges (k, 2) that are left out although both ends are free."""
         return read_only(self.mesh.edges[~self._kept & self._free_ends])
 
     @cached_property
@@ -101,7 +101,7 @@ class Graph:
 
     @property
     def removed_edges(self) -> int:
-        """Number of mesh edges left out, for an excluded end or a crossing."""
+        """Number of mesh edges left out because an end is excluded or an obstacle is too near."""
         return self.mesh.edge_count - self.edge_count + len(self.tails)
 
     @property
@@ -111,7 +111,7 @@ class Graph:
         return max(longest, float(self.link_lengths.max())) if len(self.tails) else longest
 
     def places(self, nodes: IntArray) -> FloatArray:
-        """Places (m, 3) of nodes (m,), [unit], world."""
+        """Positions (m, 3) of nodes (m,), [unit], world."""
         mesh = self.mesh.points
         if not len(self.own):
             return mesh[nodes]
@@ -124,7 +124,7 @@ class Graph:
     def to_networkx(self) -> networkx.Graph:
         """The same graph for networkx: node attribute ``pos`` (tuple), edge attribute ``length``.
 
-        Holds start, goal and the nodes that have an edge.
+        It contains start, goal and the nodes that have an edge.
         """
         import networkx
 

@@ -1,4 +1,4 @@
-"""The nodes of a mesh that a point sees.
+"""Visibility of the nodes of a mesh from a point.
 
 Compiled by numba; it runs uncompiled too. A primitive is a row of numbers, see
 ``abi.obstacles.primitive_kernels``; a mesh is described in ``abi.tet_mesh.adjacency_kernels``.

@@ -1,4 +1,4 @@
-"""Greedy best-first search: the node that seems nearest to the goal, whatever it cost."""
+"""Greedy best-first search: expands the node that seems nearest to the goal, whatever it cost."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from abi.search.trace import SearchTrace, trace_of
 
 
 def greedy_best_first(task: SearchTask) -> SearchTrace:
-    """Make h least; nothing bounds how much longer than the shortest its path is."""
+    """Minimise h; nothing bounds how much longer than the shortest its path may be."""
     arcs, factors = task.arcs, (0.0, 1.0)
     order = best_first_order(arcs.rows, arcs.estimates, (arcs.start, arcs.goal), factors)
     return trace_of(arcs, order, "best_first", factors)

@@ -1,4 +1,4 @@
-"""Searches by a binary heap over arcs, for comparison: any weights of g and h, and from both ends.
+"""Searches with a binary heap, for comparison: with any weights of g and h, and from both ends.
 
 Compiled by numba; they run uncompiled too. A node is expanded once, as in the textbooks.
 """

@@ -19,10 +19,10 @@ _HOPS = Norm(axes=(1.0, 1.0, 1.0), faces=(1.0, 1.0, 1.0), diagonal=1.0, centres=
 
 
 def metric(graph: Graph, weight: Weight) -> Metric:
-    """The cost of the way to the goal with nothing in it, as kernels take it.
+    """Cost of the path to the goal in the empty mesh, in the format of the kernels.
 
     In a lattice it counts the steps (:func:`abi.search.heuristic_kernels.to_go`). In ``delaunay``
-    it is the straight line, by hops divided by the longest edge.
+    it is the straight line; by hops, divided by the longest edge.
     """
     mesh, goal = graph.mesh, graph.goal
     own = goal - len(mesh.points)

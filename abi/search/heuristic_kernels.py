@@ -1,4 +1,4 @@
-"""The length of the shortest way to the goal where nothing is in the way: A*'s heuristic.
+"""A*'s heuristic: the length of the shortest path to the goal in the empty lattice.
 
 Plain Python that numba compiles with its caller.
 """

@@ -1,4 +1,4 @@
-"""The changes of cost and parent that a search makes, written down one by one.
+"""Recording of the changes of cost and parent that a search makes.
 
 Compiled by numba; they run uncompiled too.
 """

@@ -15,10 +15,10 @@ from abi.search.trace import NO_NODES, SearchTrace, with_path
 def lazy_theta_star(task: SearchTask) -> SearchTrace:
     """Search by length; a node's parent may be any expanded node that sees it.
 
-    A node takes over its neighbour's parent unseen. Whether they see each other is tested when the
-    node is expanded; if not, the best expanded neighbour is its parent, along an edge. The length
-    is what counts, whatever the graph's edges cost, and h is the straight line. A triangle mesh
-    hides what its box does.
+    A node takes over its neighbour's parent untested. Whether they see each other is tested when
+    the node is expanded; if not, the best expanded neighbour becomes its parent, along an edge. The
+    length counts, whatever the graph's edges cost, and h is the straight line. A triangle mesh
+    blocks whatever its bounding box blocks.
     """
     arcs = task.arcs
     obstacles = task.obstacles.boxed

@@ -1,4 +1,4 @@
-"""Lazy Theta* over arcs, with everything that it does written down.
+"""Lazy Theta* over arcs, with a record of every step.
 
 Compiled by numba; it runs uncompiled too. A primitive is a row of numbers, see
 ``abi.obstacles.primitive_kernels``.

@@ -1,7 +1,7 @@
-"""Lifelong Planning A* (Koenig, Likhachev and Furcy, 2004): the last search mended, not begun anew.
+"""Lifelong Planning A* (Koenig, Likhachev and Furcy, 2004): repairs the last search's result.
 
-It keeps what it knows of every node. Where the obstacle moved, nodes disagree with their
-neighbours; only these, and those that hear of it, are expanded again.
+It keeps what it knows of every node. Where an obstacle has moved, nodes disagree with their
+neighbours; only these, and the nodes that this affects, are expanded again.
 """
 
 from __future__ import annotations
@@ -19,15 +19,15 @@ from abi.search.trace import chain
 
 @dataclass(frozen=True, eq=False)
 class Repair:
-    """A search that was mended after its graph changed.
+    """Result of a search that was repaired after its graph changed.
 
     Attributes:
-        arcs: as they are now.
+        arcs: the present arcs.
         vertices: (k,) the path from start to goal; empty when there is none.
         cost: of the path; inf without one.
-        order: (m,) nodes expanded to mend the search; one may come twice.
-        relaxed: arcs looked at.
-        changed: number of nodes with other arcs than before.
+        order: (m,) nodes expanded for the repair; one may come twice.
+        relaxed: number of arcs examined.
+        changed: number of nodes whose arcs have changed.
     """
 
     arcs: Arcs
@@ -39,7 +39,7 @@ class Repair:
 
     @property
     def expanded(self) -> int:
-        """Number of nodes expanded to mend the search."""
+        """Number of nodes expanded for the repair."""
         return len(self.order)
 
     @property
@@ -54,17 +54,17 @@ class Repair:
 
 
 def can_repair(before: Arcs, now: Arcs) -> bool:
-    """Whether both are arcs between the same nodes, from the same start to the same goal."""
+    """Whether both have the same nodes, start and goal."""
     ends = (before.start, before.goal) == (now.start, now.goal)
     both_ways = before.negative is None and now.negative is None
     return ends and both_ways and np.array_equal(before.points, now.points)
 
 
 def lifelong_a_star(before: Arcs, now: Arcs) -> Repair:
-    """Search ``before``, then mend that search for ``now``.
+    """Search ``before``, then repair that search for ``now``.
 
     Raises:
-        AbiError: the nodes, start or goal are others, or an arc leads one way only.
+        AbiError: nodes, start or goal differ, or an arc has one direction only.
     """
     if not can_repair(before, now):
         raise AbiError("The search before was on other nodes or between other ends: begin anew.")

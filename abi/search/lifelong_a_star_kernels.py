@@ -1,4 +1,4 @@
-"""Lifelong Planning A* over arcs: a search that is mended where its graph has changed.
+"""Lifelong Planning A* over arcs: a search that is repaired where its graph has changed.
 
 Compiled by numba; it runs uncompiled too.
 """

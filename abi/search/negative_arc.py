@@ -1,6 +1,7 @@
-"""An arc of a negative cost, put where Dijkstra's algorithm goes wrong, or costs fall for ever.
+"""An arc of negative cost, placed where Dijkstra's algorithm fails or a negative cycle arises.
 
-A one-way shortcut that pays who takes it: a lift down that gives power back, say.
+It is a one-way shortcut that pays those who take it, such as a lift that recovers power on its way
+down.
 """
 
 from __future__ import annotations
@@ -38,17 +39,17 @@ class _Place(NamedTuple):
 
 
 def with_negative_arc(task: SearchTask, cycle: bool) -> SearchTask:
-    """The task with one arc more, from a node that Dijkstra expands later to one of the path.
+    """The task with one more arc, from a node that Dijkstra expands later to one of the path.
 
-    Without a negative cycle the reward is half way between what makes the detour pay and what
-    makes it pay to come back for more; with one it is larger than the way back costs.
+    Without a negative cycle the reward is half way between what makes the detour pay and what would
+    make it pay to return; with one it is larger than the cost of returning.
 
     Args:
-        task: without such an arc, and with a path.
+        task: a task without such an arc that has a path.
         cycle: whether the arc closes a negative cycle.
 
     Raises:
-        StageError: there is no path, or no two nodes that serve.
+        StageError: there is no path, or no suitable pair of nodes.
     """
     arcs = task.arcs
     none = StageError(

@@ -1,4 +1,4 @@
-"""A search stopped after any number of steps: what is open and closed then, and what is next."""
+"""Replay of a search up to any step: its open and closed nodes then, and the next one."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ class SearchState:
         trace: the search.
         step: number of steps done.
         cost, parent: (n or 2n,) g and the node that it comes from; inf and -1 where not reached.
-        closed: (c,) nodes that are done, in the order of their last expansion.
-        open: (o,) nodes that are reached and wait.
+        closed: (c,) expanded nodes, in the order of their last expansion.
+        open: (o,) nodes that are reached but not expanded.
         current: node expanded last; -1 before the first and after a round.
         following: node that is expanded next; -1 after the last step and before a round.
     """
@@ -50,7 +50,7 @@ class SearchState:
         return np.where(nodes < n, self.trace.arcs.estimates[nodes % n], 0.0)
 
     def promise(self, nodes: IntArray) -> FloatArray:
-        """f of nodes (k,): what a best-first search makes least."""
+        """f of nodes (k,), which a best-first search minimises."""
         a, b = self.trace.factors
         with np.errstate(invalid="ignore"):
             f = (a * self.cost[nodes] if a else 0.0) + (b * self.to_go(nodes) if b else 0.0)
@@ -66,7 +66,7 @@ class SearchState:
         return read_only(np.array(chain(self.parent, self.current)[::-1], np.int32))
 
     def queue(self, most: int) -> IntArray:
-        """The first ``most`` nodes that wait, in the order in which they would go."""
+        """The first ``most`` open nodes, in the order in which they would be expanded."""
         if self.trace.queue == "first_in":
             # nobody overtakes those who wait
             return self.trace.order[self.step :][: min(most, len(self.open))]
@@ -96,7 +96,7 @@ class SearchState:
 
 
 def replay(trace: SearchTrace, step: int) -> SearchState:
-    """The search after ``step`` steps, 0 to ``trace.steps``: the same however one gets there."""
+    """The search after ``step`` steps, 0 to ``trace.steps``, however one gets there."""
     cost, parent = last_labels(trace, step)
     changed = np.full(len(cost), -1, np.int32)
     changed[trace.nodes[: int(trace.ends[step])]] = _step_of_changes(trace, step)

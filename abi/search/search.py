@@ -26,18 +26,18 @@ from abi.tet_mesh.adjacency_kernels import Links, OpenEdges
 
 @dataclass(frozen=True, eq=False)
 class SearchResult:
-    """A path from start to goal and the work it took to find.
+    """A path from start to goal, and the work that it took to find it.
 
     Attributes:
         algorithm: ``a_star``, ``dijkstra`` or ``bellman_ford``.
-        weight: what was made least: ``length`` or ``hops``.
+        weight: what was minimised: ``length`` or ``hops``.
         vertices: (k,) node ids from start to goal.
         points: (k, 3), [unit], world.
         length: length of the path, [unit].
         hops: number of edges, k - 1.
-        cost: ``length`` or ``hops``, whichever was made least.
-        expanded: nodes whose edges were examined, the goal that ends A* and Dijkstra included.
-        relaxed: edges examined.
+        cost: ``length`` or ``hops``, whichever was minimised.
+        expanded: number of nodes expanded, including the goal, which ends A* and Dijkstra.
+        relaxed: number of edges examined.
         order: (expanded,) node ids in the order of expansion; Bellman-Ford may repeat a node.
     """
 
@@ -56,7 +56,7 @@ class SearchResult:
 def a_star(graph: Graph, weight: Weight) -> SearchResult:
     """A*; stops at the goal.
 
-    The heuristic is the cost of the way with nothing in it (:func:`abi.search.heuristic.metric`).
+    The heuristic is the cost of the path in the empty mesh (:func:`abi.search.heuristic.metric`).
 
     Raises:
         NoPath: no edges lead from start to goal.
@@ -89,7 +89,7 @@ SEARCHES: MappingProxyType[str, Callable[[Graph, Weight], SearchResult]] = Mappi
 
 
 def order_of_expansion(algorithm: str, graph: Graph, weight: Weight) -> IntArray:
-    """Nodes (m,) in the order in which one of :data:`SEARCHES` expands them, path or none."""
+    """Nodes (m,) in the order in which one of :data:`SEARCHES` expands them."""
     towards = metric(graph, weight) if algorithm == "a_star" else NO_METRIC
     kernel: Any = best_first_kernels.best_first
     if algorithm == "bellman_ford":
@@ -98,7 +98,7 @@ def order_of_expansion(algorithm: str, graph: Graph, weight: Weight) -> IntArray
 
 
 def problem_of(graph: Graph, weight: Weight, towards: Metric) -> Problem:
-    """The graph as the kernels take it, with a heuristic."""
+    """The graph in the format of the kernels, with a heuristic."""
     weights, link_weights, largest = graph.weights, graph.link_lengths, graph.longest_edge
     if weight == "hops":
         largest = _most_hops(graph)

@@ -1,4 +1,4 @@
-"""Graph and ends as the searches' compiled loops take them, and the path they leave behind."""
+"""Graph and ends in the format of the searches' compiled loops, and the path that results."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The part of a mesh that is worth drawing when all of it is too much for eye and browser."""
+"""Subset of a mesh that is drawn if all of it would be too much for eye and browser."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Subset:
     Attributes:
         points: (k, 3) the free nodes, [unit], world.
         edges: (e, 2) indices into ``points``.
-        excluded: (m, 3) nodes that the obstacles took, [unit], world.
+        excluded: (m, 3) nodes that the obstacles exclude, [unit], world.
         edges_in_all: number of edges of the whole graph.
     """
 
@@ -54,13 +54,13 @@ def subset(
 
     Args:
         free: the mesh and what is excluded of it.
-        graph: its graph; None while there is none, then edges are not tested.
-        obstacles: those that the mesh was freed of.
-        path_points: (n, 3), n >= 1, what should be seen best, [unit], world.
+        graph: its graph; None if there is none yet, then edges are not tested.
+        obstacles: those that the mesh keeps clear of.
+        path_points: (n, 3), n >= 1, points near which the mesh should be seen, [unit], world.
         view: ``near``: all, or what is near; ``slice_x`` and the like: one layer of nodes across
             that axis, through the first obstacle; ``surface``: nodes at the sides of the workspace
             and at the obstacles.
-        budget: most edges.
+        budget: largest number of edges.
     """
     points = free.mesh.points if graph is None else graph.points
     edges = free.mesh.edges if graph is None else graph.edges

@@ -1,4 +1,4 @@
-"""Task of a search for comparison."""
+"""Task of a search to compare: a graph, its costs and the settings."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ class SearchTask:
     Attributes:
         graph: stage 2.
         arcs: its arcs, perhaps with one of a negative cost.
-        weight: what is made least.
-        heuristic_weight: w of weighted A*, 0 to 2: it makes (2 - w) g + w h least.
+        weight: what is minimised.
+        heuristic_weight: w of weighted A*, 0 to 2, which minimises (2 - w) g + w h.
         obstacles: those that the graph keeps clear of.
         margin: distance that any-angle legs keep from them, [unit].
     """

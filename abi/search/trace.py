@@ -1,4 +1,4 @@
-"""Steps of a search: the order of expansion and every change of cost and parent."""
+"""Trace of a search: the order of expansion, and every change of cost and parent."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from abi.search.arcs import Arcs
 from abi.search.label_kernels import relax_in_order
 
 Queue = Literal["best_first", "first_in", "rounds"]
-"""Which node comes next: what promises most, what waited longest, or all at once."""
+"""Which node comes next: the most promising, the first in the queue, or all at once."""
 
 NO_NODES: IntArray = read_only(np.zeros(0, np.int32))
 
@@ -22,12 +22,12 @@ NO_NODES: IntArray = read_only(np.zeros(0, np.int32))
 class SearchTrace:
     """A finished search. A step is the expansion of one node, or a round of all.
 
-    Of a search from both ends, the second search's nodes have n added to their ids.
+    In a search from both ends, n is added to the ids of the second search's nodes.
 
     Attributes:
-        arcs: what was searched.
+        arcs: the arcs that were searched.
         queue: which node comes next.
-        factors: weights a and b of g and h in what a best-first search makes least.
+        factors: weights a and b of g and h in the sum that a best-first search minimises.
         sides: 2 for a search from both ends, else 1.
         order: (m,) node of each step, -1 for a round.
         examined: (m + 1,) arcs examined before each step and in all.
@@ -107,15 +107,15 @@ def trace_of(
     sides: int = 1,
     reopens: bool = False,
 ) -> SearchTrace:
-    """The trace of a search of which the order of expansion is known.
+    """The trace of a search whose order of expansion is known.
 
     Args:
-        arcs: what was searched.
+        arcs: the arcs that were searched.
         order: (m,) expanded nodes.
         queue: which node came next.
         factors: weights of g and h.
         sides: 2 for a search from both ends.
-        reopens: whether a node's cost may fall after its expansion.
+        reopens: whether a node's cost may decrease after its expansion.
     """
     n = len(arcs.points)
     starts = np.array([arcs.start, arcs.goal + n][:sides], np.int32)
@@ -147,7 +147,7 @@ def trace_of(
 
 
 def with_path(trace: SearchTrace) -> SearchTrace:
-    """The trace with the path that its last labels lead along."""
+    """The trace with the path that its last labels give."""
     n, goal = len(trace.arcs.points), trace.arcs.goal
     cost, parent = last_labels(trace, trace.steps)
     found: list[int] = []

@@ -1,4 +1,4 @@
-"""Weighted A* (Pohl, 1970): more trust in the heuristic, fewer nodes, a longer path."""
+"""Weighted A* (Pohl, 1970): trusts the heuristic more, for fewer nodes but a longer path."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from abi.search.trace import SearchTrace, trace_of
 
 
 def weighted_a_star(task: SearchTask) -> SearchTrace:
-    """Make (2 - w) g + w h least: Dijkstra at w = 0, A* at 1, greedy at 2.
+    """Minimise (2 - w) g + w h: Dijkstra at w = 0, A* at 1, greedy at 2.
 
-    No node is expanded twice; the path is within :func:`bound` of the shortest all the same
-    (Likhachev, Gordon and Thrun, 2003), since the heuristic is consistent.
+    No node is expanded twice; the path is still within :func:`bound` of the shortest (Likhachev,
+    Gordon and Thrun, 2003), because the heuristic is consistent.
     """
     arcs, w = task.arcs, task.heuristic_weight
     factors = (2.0 - w, w)
@@ -20,7 +20,7 @@ def weighted_a_star(task: SearchTask) -> SearchTrace:
 
 
 def bound(w: float) -> float:
-    """Most times that the path found costs as much as the cheapest one; inf from w = 2 on."""
+    """Bound of the path's cost, as a multiple of the cheapest one's; inf from w = 2 on."""
     if w >= 2:
         return float("inf")
     return max(w / (2 - w), 1.0)

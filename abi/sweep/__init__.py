@@ -1,1 +1,1 @@
-"""Studies: many scenes under many settings, planned on all cores or on a cluster; a row a plan."""
+"""Studies: many scenes under many settings, planned on all cores or a cluster, one row per plan."""

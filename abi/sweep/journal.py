@@ -1,4 +1,4 @@
-"""Journal of a study: the rows so far, one a line, as they come; what a study goes on from."""
+"""Journal of a study: the rows so far, one per line, from which a stopped study resumes."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from abi.sweep.row import Row, versions
 
 
 class Journal:
-    """Rows in a file of JSON lines, which is only ever added to.
+    """Rows in a file of JSON lines, to which rows are only appended.
 
     Attributes:
-        rows: by the key of their plan; of another version of ABI they do not count.
+        rows: rows by the key of their plan; those of another version of ABI are ignored.
     """
 
     def __init__(self, path: Path) -> None:
@@ -45,7 +45,7 @@ class Journal:
         """Write rows and wait until they are on the disk.
 
         Raises:
-            AbiError: they cannot be written; the study goes on from there another time.
+            AbiError: they cannot be written; the study can be resumed later.
         """
         lines = "".join(f"{json.dumps(row, allow_nan=False)}\n" for row in rows)
         try:

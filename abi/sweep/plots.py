@@ -1,6 +1,6 @@
 """Plots of a study: gaps, clearances and times against the first field that varies.
 
-The second field that varies has a line for each of its values.
+Each value of the second field that varies has a line of its own.
 """
 
 from __future__ import annotations
@@ -51,14 +51,14 @@ _SHARES = ("complete", "bspline_proven", "quadratic_proven")
 
 
 def write_plots(rows: Sequence[Row], fields: Sequence[str], folder: Path) -> list[Path]:
-    """Write ``gaps.svg``, ``clearances.svg`` and ``times.svg``; the files written.
-
-    Args:
-        rows: of a study.
-        fields: the one on the abscissa, and the one whose values have lines, if there is one.
-        folder: where they go.
+    """Write ``gaps.svg``, ``clearances.svg`` and ``times.svg``, and return the files written.
 
     Without matplotlib nothing is written.
+
+    Args:
+        rows: rows of a study.
+        fields: the field on the abscissa, and the one whose values have lines, if there is one.
+        folder: folder for the files.
 
     Raises:
         AbiError: one of them cannot be written; those before it are, and each is whole.

@@ -16,7 +16,7 @@ _ROOM, _MARGIN = 6.0, 0.35
 def random_boxes(seed: int, count: int = 8) -> Scene:
     """Boxes at random in a workspace of 6 × 6 × 6 cm, start and goal in opposite corners.
 
-    Boxes may overlap, and keep clear of start and goal.
+    Boxes may overlap, but keep clear of start and goal.
     """
     random = np.random.default_rng(seed)
     boxes: list[dict[str, Any]] = []

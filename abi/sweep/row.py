@@ -1,4 +1,4 @@
-"""A row of a study's table: what a plan is like, in numbers and words that JSON and CSV hold."""
+"""A row of a study's table: the findings of one plan, in numbers and words for JSON and CSV."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A study: which scenes are planned, and under which settings.
+"""A study file: which scenes are planned, and under which settings.
 
 Every scene is planned with every combination of the settings that ``vary`` lists.
 """
@@ -19,7 +19,7 @@ from abi.scene.scene_file import parse
 from abi.sweep.random_boxes import random_boxes
 
 MOST_PLANS = 200_000
-"""Plans of a study, at most."""
+"""Largest number of plans of a study."""
 _FIELDS = ("version", "scenes", "vary")
 _RANDOM_FIELDS = {"boxes": (1, 200, None), "seeds": (1, MOST_PLANS, 1), "first": (0, 2**31, 0)}
 """Least and greatest value of each field of a random scene, and its default."""
@@ -34,7 +34,7 @@ class Study:
     Attributes:
         scenes: name and seed of each; without a seed it is a shipped scene's or a file's name.
         vary: values of each field of a scene, by its name in a scene file: ``mesh.pitch``.
-        folder: that the names of files are relative to.
+        folder: folder that the names of files are relative to.
     """
 
     scenes: tuple[tuple[str, int | None], ...]
@@ -93,7 +93,7 @@ def load_study(path: Path) -> Study:
     """Load a study file, YAML or JSON by its ending.
 
     Raises:
-        SceneError: not readable, or a field is wrong.
+        SceneError: it is not readable, or a field is wrong.
     """
     try:
         data = parse(path)
@@ -119,7 +119,7 @@ def varied(scene: Scene, settings: Mapping[str, Any]) -> Scene:
 
 
 def plan_key(scene: Scene) -> str:
-    """Digest of all that a plan depends on: the scene and the files it names."""
+    """Digest of everything that a plan depends on: the scene and the files it names."""
     digest = hashlib.sha256(scene.model_dump_json().encode())
     for name, content in sorted(scene.meshes.files.items()):
         digest.update(name.encode())

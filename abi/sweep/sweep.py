@@ -1,4 +1,4 @@
-"""Planning a study, from its cases to its rows."""
+"""Planning of a study, from its cases to its rows."""
 
 from __future__ import annotations
 
@@ -26,11 +26,11 @@ def sweep(
 
     Args:
         study: what to plan.
-        folder: where rows are kept as they come; what is there is not planned again. None keeps
-            nothing.
-        workers: processes on this machine; None for one a core.
+        folder: folder in which rows are stored as they come; plans that are there are not made
+            again. None stores nothing.
+        workers: number of processes on this machine; None for one per core.
         scheduler: address of a Dask scheduler whose workers plan instead.
-        progress: called with the number of plans that are made and that of all.
+        progress: called with the number of plans made so far and the total.
 
     Raises:
         AbiError: a scene or a setting is wrong, the folder cannot be written, or there are no

@@ -1,4 +1,4 @@
-"""Tables of a study: all rows as CSV or Parquet, and a short one of what they have in common."""
+"""Tables of a study: all rows as CSV or Parquet, and a short summary."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ def write(rows: Sequence[Row], path: Path) -> None:
     """Write the rows, whole or not at all; the ending of ``path`` gives the format.
 
     Raises:
-        AbiError: the file cannot be written, or what writes Parquet is not installed.
+        AbiError: the file cannot be written, or the library for Parquet is not installed.
     """
     write_result(path, _parquet(rows) if path.suffix == ".parquet" else _csv(rows))
 
 
 def summary(rows: Sequence[Row], fields: Sequence[str]) -> list[Row]:
-    """A row for each value of ``fields``: numbers, shares [%], medians of gaps [%] and times [ms].
+    """One row per value of ``fields``: numbers, shares [%], medians of gaps [%] and times [ms].
 
     Rows keep the order in which their values first occur; no value is None.
     """

@@ -18,7 +18,7 @@ from abi.sweep.row import Row, plan_row, versions
 from abi.sweep.study import Study, plan_key, varied
 
 PLANS = 20
-"""Plans of a task, at most: some tenths of a second."""
+"""Largest number of plans of a task, which take some tenths of a second."""
 
 
 @dataclass(frozen=True)
@@ -26,8 +26,8 @@ class Task:
     """Settings of one scene, as plain data that any process can read.
 
     Attributes:
-        scene: before anything is varied.
-        files: what it names.
+        scene: the scene before anything is varied.
+        files: the files that it names.
         plans: key and settings of each plan.
     """
 
@@ -37,7 +37,7 @@ class Task:
 
 
 def tasks(study: Study, is_done: Callable[[str], bool]) -> tuple[list[Row], list[Task]]:
-    """First columns of all rows of a study, and tasks with the plans that are to be made.
+    """First columns of all rows of a study, and tasks for the plans still to be made.
 
     Raises:
         AbiError: a scene cannot be read, or a setting does not fit it.
@@ -60,10 +60,10 @@ def tasks(study: Study, is_done: Callable[[str], bool]) -> tuple[list[Row], list
 
 
 def run(task: Task) -> list[Row]:
-    """Plan a task: a row a plan.
+    """Make the plans of a task: one row per plan.
 
-    Each plan is made by a planner of its own, which remembers nothing of another: so neither
-    results nor times depend on what the process did before.
+    Each plan has a new planner without any memory, so neither results nor times depend on what the
+    process did before.
     """
     _warm_up()
     scene = Scene.from_dict(task.scene, MeshSource(task.files))

@@ -1,6 +1,6 @@
-"""Processes that plan a study's tasks: this one, all cores of this machine, or a cluster's.
+"""Processes that plan a study's tasks: this one, one per core of this machine, or a cluster's.
 
-The last two are Dask's, which the extra ``sweep`` brings.
+The last two use Dask, which the extra ``sweep`` installs.
 """
 
 from __future__ import annotations
@@ -29,8 +29,8 @@ def rows_of(
     """Rows of each task, in the order in which they are done.
 
     Args:
-        tasks: what is to be planned.
-        workers: processes on this machine; None for one a core, 1 for this one alone.
+        tasks: the tasks to plan.
+        workers: number of processes on this machine; None for one per core, 1 for this one alone.
         scheduler: address of a Dask scheduler whose workers plan instead.
 
     Raises:

@@ -1,1 +1,1 @@
-"""Stage 3½: path pulled taut, free of the mesh's directions, and the optimum beside it."""
+"""Stage 3½: the path pulled taut, and the lower bound that its length is compared with."""

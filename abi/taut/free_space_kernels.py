@@ -1,4 +1,4 @@
-"""Free space: the box in which a path stays, and the convex solids from which it keeps away.
+"""Free space: the box that contains a path, and the convex solids that it keeps away from.
 
 Plain Python that numba compiles with its caller; uncompiled it runs on lists.
 """

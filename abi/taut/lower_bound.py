@@ -35,21 +35,21 @@ class Bound:
 def lower_bound(
     start: Vec3, goal: Vec3, obstacles: ObstacleSet, clearance: float, workspace: Workspace
 ) -> Bound:
-    """Bound from below the length of all curves from start to goal that keep the clearance.
+    """Compute a lower bound of the length of all curves from start to goal that keep the clearance.
 
-    The straight line where it is clear, which is exact. Else the greatest of the bounds for single
-    obstacles, for a curve has to keep clear of each:
+    If the straight line is clear it is the bound, which is exact. Otherwise the bound is the
+    greatest of those for single obstacles, since a curve has to keep clear of each:
 
     - sphere: tangents and an arc of a great circle, exact;
     - box: exact, unless a path by a rounded corner might be shorter than those by edges and faces;
-    - capsule: exact where the shortest path goes by its side and one by an end is proven longer;
-    - cylinder: the same, or the bounds of a box and of balls within it;
-    - triangle mesh: the bound of a ball within it, at the straight line's deepest point.
+    - capsule: exact if the shortest path goes past its side and one past an end is proven longer;
+    - cylinder: the same, or the bounds of a box and of balls inside it;
+    - triangle mesh: the bound of a ball inside it, at the straight line's deepest point.
 
-    It stays exact among several obstacles when the others lie beyond the ellipsoid that holds all
-    paths of that length. And only where the obstacle with its clearance lies in the workspace: then
-    so does the shortest path past it, which stays in the convex hull of obstacle, start and goal. A
-    curve counts as clear that misses the clearance by up to 1e-9.
+    Among several obstacles it stays exact if the others lie outside the ellipsoid that contains all
+    paths of that length, and if the obstacle with its clearance lies in the workspace: then so does
+    the shortest path past it, which stays in the convex hull of obstacle, start and goal. A curve
+    that misses the clearance by up to 1e-9 counts as clear.
 
     Args:
         start: first point of the curves, [unit], world.

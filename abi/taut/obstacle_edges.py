@@ -1,4 +1,4 @@
-"""Edges of obstacles by which a short path may go round them.
+"""Edges of obstacles at which a short path around them may bend.
 
 A shortest path among polyhedra bends only at their edges (Sharir and Schorr, On Shortest Paths in
 Polyhedral Spaces, SIAM J. Comput. 15, 1986), wherever the nodes of the mesh are.
@@ -23,16 +23,16 @@ _NONE = read_only(np.zeros(0))
 
 
 def obstacle_edges(primitives: tuple[Primitive, ...], margin: float, ahead: Vec3) -> FloatArray:
-    """The edges of the widened primitives; a round one is taken for a prism of 8 sides.
+    """Edges of the widened primitives; a round one is replaced by a prism of 8 sides.
 
     Args:
         primitives: convex solids.
         margin: distance to keep, [unit].
-        ahead: from start to goal, [unit], world: along it stands the prism around a ball.
+        ahead: vector from start to goal, [unit], world, the axis of the prism around a ball.
 
     Returns:
-        Of each edge, one after the other, both ends, [unit], and the unit normals of the two faces
-        that meet there, (12 n,), world.
+        For each edge both ends, [unit], and the unit normals of the two faces that meet there, one
+        after the other, (12 n,), world.
     """
     wider = margin * (1 + _WIDER) + _APART
     edges = [

@@ -1,4 +1,4 @@
-"""Taut paths between convex solids: given paths, and short ones by the solids' edges."""
+"""Taut paths between convex solids, from given paths and from short ones along solids' edges."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
 """Stage 3½: the path pulled taut, free of the mesh's directions.
 
-A path along edges stays longer than it need be however fine the mesh, for an edge points only in a
-few directions. So an any-angle path and short paths by the obstacles' edges stand beside it, and
-all are tightened.
+A path along edges stays too long however fine the mesh, because its edges have only a few
+directions. So it is tightened together with an any-angle path and with short paths along the
+obstacles' edges, and the shortest result counts.
 """
 
 from __future__ import annotations
@@ -64,7 +64,7 @@ class TautPath:
     Attributes:
         points: (k, 3), k >= 2, [unit], world.
         length: [unit].
-        clearance: least distance to the obstacles, exact but for rounding, [unit]; inf without.
+        clearance: least distance to the obstacles, exact up to rounding, [unit]; inf without.
     """
 
     points: FloatArray
@@ -73,26 +73,26 @@ class TautPath:
 
 
 def taut(graph: Graph, obstacles: ObstacleSet, margin: float, path: SearchResult) -> TautPath:
-    """Pull ``path`` taut, and others beside it; the shortest is returned.
+    """Pull ``path`` and other paths taut, and return the shortest.
 
     ``path`` may go round an obstacle on its longer side. One of the others is an any-angle path,
-    by Lazy Theta* (Nash, Koenig and Tovey, 2010) over the nodes of the mesh: every few of them
-    where it is a fine lattice, and none where it is a fine mesh of another kind. The rest are short
-    paths in a visibility graph of points on the obstacles' edges, no two by the same edges
-    (:mod:`abi.taut.obstacle_edges`); in a crowd by the edges of the obstacles nearest to the path.
+    by Lazy Theta* (Nash, Koenig and Tovey, 2010) over the nodes of the mesh: every few of them in a
+    fine lattice, and none in a fine mesh of another kind. The rest are short paths in a visibility
+    graph of points on the obstacles' edges, no two along the same edges
+    (:mod:`abi.taut.obstacle_edges`); in a crowd, only of the obstacles nearest to the path.
 
     Each is tightened: vertices that are not needed are dropped, the others moved towards the chord
     of their neighbours and along the surfaces that their legs touch, until the length stops
-    improving. The corners of the shortest, and of one nearly as short, are cut, too, where that
-    shortens it. The result is a local optimum. A triangle mesh is first taken for its bounding box;
-    then ``path`` and the best path so far are tightened by the mesh's own distance
+    improving. The corners of the shortest, and of one nearly as short, are also cut if that
+    shortens it. The result is a local optimum. A triangle mesh is first replaced by its bounding
+    box; then ``path`` and the best path so far are tightened by the mesh's own distance
     (:mod:`abi.taut.tighten_near_meshes`).
 
     Args:
         graph: the graph of the path.
         obstacles: those that the graph was built with.
-        margin: distance that segments keep from them as the graph's edges do, [unit]. A segment
-            from the start or to the goal keeps that point's own distance where it is less.
+        margin: distance that segments keep from them, like the graph's edges, [unit]. A segment
+            from the start or to the goal keeps that point's own distance if it is less.
         path: a path of the graph from start to goal.
 
     Returns:

@@ -3,8 +3,8 @@
 Compiled by numba; it runs uncompiled too, on plain lists. A mesh is described in
 ``abi.tet_mesh.adjacency_kernels``, a primitive in ``abi.obstacles.primitive_kernels``.
 
-Of a lattice every few nodes may do: they are a coarser lattice, in the middle of the fine one.
-Start and goal are its last two nodes.
+In a lattice every few nodes may be enough: they form a coarser lattice in the middle of the fine
+one. Start and goal are its last two nodes.
 """
 
 from __future__ import annotations

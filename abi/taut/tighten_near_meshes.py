@@ -16,7 +16,7 @@ def tighten_near_meshes(
 ) -> FloatArray:
     """Pull a path taut: never longer, and every new segment clear.
 
-    Skips vertices that it can do without, then moves each in turn towards the chord of its
+    It drops vertices that are not needed, then moves each in turn towards the chord of its
     neighbours, straight and in the plane across the gradient of the distance, then cuts corners.
 
     Args:
@@ -39,7 +39,7 @@ def _tightened(points: bytes, obstacles: ObstacleSet, limits: bytes) -> FloatArr
 
 
 def clear_of(obstacles: ObstacleSet, margin: float) -> Surroundings:
-    """The obstacles as the kernels take them, with one margin for all segments, [unit]."""
+    """The obstacles in the format of the kernels, with one margin for all segments, [unit]."""
     return _around(obstacles, np.full(4, margin))
 
 

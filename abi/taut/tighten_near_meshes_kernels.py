@@ -1,7 +1,7 @@
 """Tightening of a path among obstacles of any shape.
 
-Unlike convex solids, of which it is known where a segment touches them, meshes are asked for the
-distance and its gradient alone. A path is a list of points, [unit], world.
+For convex solids it is known where a segment touches them; for meshes only the distance and its
+gradient are used. A path is a list of points, [unit], world.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""A mesh as the compiled kernels take it; see ``adjacency_kernels`` for what is in it."""
+"""Adjacency of a mesh in the format of the kernels, which ``adjacency_kernels`` describes."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from abi.tet_mesh.stencil import Stencil
 NO_IDS: IntArray = read_only(np.zeros(0, dtype=np.int32))
 NO_NUMBERS: FloatArray = read_only(np.zeros(0))
 KINDS = {"bcc": BCC, "kuhn": KUHN}
-"""Lattices by name, as the kernels know them."""
+"""Numbers of the lattices in the kernels, by name."""
 
 
 def of_lattice(stencil: Stencil, nodes: int) -> Adjacency:

@@ -1,10 +1,9 @@
-"""Nodes and edges as the compiled kernels see them: a lattice without tables, or compressed rows.
+"""Nodes and edges in the format of the kernels: a lattice without tables, or compressed rows.
 
 Plain Python that numba compiles with its caller; uncompiled it runs on lists. In their inner loops
-kernels hand over numbers and tuples of numbers: arrays would be counted in and out at every call,
-which takes longer than most of what is called. Helpers that need arrays there are inlined by force,
-get them one by one, and use them all the way through, for then the compiler sees that it need not
-count.
+kernels pass numbers and tuples of numbers. Arrays would be reference-counted at every call, which
+takes longer than most of the functions called. Helpers that need arrays there are always inlined,
+get them one by one, and use all of them throughout, so that the compiler can omit the counting.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Stage 1, what obstacles leave of the mesh: exclusion of nodes and of edges between free nodes.
+"""Stage 1, exclusion: the nodes and edges of the mesh that the obstacles exclude.
 
 Removing nodes alone is not enough: an edge between two free nodes can still cross an obstacle. So
 each edge is tested along its whole length.
@@ -24,16 +24,16 @@ from abi.tet_mesh.tet_mesh import TetMesh
 
 @dataclass(frozen=True, eq=False)
 class Exclusion:
-    """Nodes and edges that one obstacle excludes; several exclude the union.
+    """Nodes and edges that one obstacle excludes; several obstacles exclude the union.
 
-    The edges of excluded nodes are lost, too.
+    The edges of excluded nodes are excluded, too.
 
     Attributes:
         starts: (r,) first nodes of runs of excluded nodes.
         lengths: (r,) numbers of nodes in the runs.
-        cut_nodes: (m,) nodes that lose edges to free nodes; of ``delaunay`` places in the rows of
-            all edges lost.
-        cut_bits: (m,) bits of the edges lost; of ``delaunay`` 0.
+        cut_nodes: (m,) nodes that lose edges to free nodes; for ``delaunay`` positions in the rows
+            of all edges lost.
+        cut_bits: (m,) bits of the edges lost; 0 for ``delaunay``.
     """
 
     starts: IntArray

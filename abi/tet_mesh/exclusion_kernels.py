@@ -1,4 +1,4 @@
-"""Nodes and edges of a mesh that one primitive excludes, and their loss.
+"""Nodes and edges of a mesh that one primitive excludes, and the tetrahedra lost with them.
 
 Compiled by numba; each kernel runs uncompiled too. A primitive is a row of numbers, see
 ``abi.obstacles.primitive_kernels``; a mesh is described in ``abi.tet_mesh.adjacency_kernels``.

@@ -1,8 +1,8 @@
-"""The space over the faces of a box, where nothing but the distance to one face counts.
+"""The space above the faces of a box, where only the distance to one face counts.
 
-Plain Python that numba compiles with its caller. Places p and steps r are in the body's axes, cores
-as in ``primitive_kernels`` but no cylinder's. A capsule's and a sphere's core has no thickness, so
-that nothing lies over its sides.
+Plain Python that numba compiles with its caller. Positions p and steps r are in the body's axes;
+cores are those of ``primitive_kernels``, except a cylinder's. The core of a capsule or a sphere has
+no thickness, so nothing lies above its sides.
 """
 
 from __future__ import annotations

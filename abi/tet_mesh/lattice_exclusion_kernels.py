@@ -1,4 +1,4 @@
-"""Nodes and edges of a lattice that one primitive excludes, looked for in the window around it."""
+"""Nodes and edges of a lattice that one primitive excludes, searched in the window around it."""
 
 from __future__ import annotations
 

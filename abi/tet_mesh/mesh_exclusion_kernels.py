@@ -1,8 +1,8 @@
 """Nodes and edges of a tetrahedral mesh that a triangle mesh excludes.
 
-What the distances of the nodes do not decide (:mod:`abi.tet_mesh.near_node_kernels`), the ends of
-an edge decide most often. What is left is tested against the triangles, so that nothing is
-excluded, or kept, for want of a finer grid.
+The distances of the nodes decide most cases (:mod:`abi.tet_mesh.near_node_kernels`), and the ends
+of an edge most others. The rest is tested against the triangles, so that nothing is wrongly
+excluded or kept because the grid is coarse.
 """
 
 from __future__ import annotations

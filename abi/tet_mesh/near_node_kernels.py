@@ -1,7 +1,8 @@
-"""Bounds of the distance of nodes to a triangle mesh, for those that are near to it.
+"""Bounds of the distance from nodes to a triangle mesh near them.
 
-Distances are those of the triangle mesh's body frame. They change by no more than the way gone:
-bounds from the grid around the triangle mesh pass over most nodes and decide most of the others.
+Distances are those of the triangle mesh's body frame. Between two points they differ by no more
+than the distance of the points, so bounds from the grid around the triangle mesh skip most nodes
+and decide most of the others.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
-"""The directions of a lattice: which nodes are a node's neighbours, without a table of edges.
+"""Directions of a lattice: which nodes are a node's neighbours, without a table of edges.
 
-Places are counted in half cells: the corner (i, j, k) is at (2i, 2j, 2k) and the centre of a cube
-at (2i + 1, 2j + 1, 2k + 1). An edge has one number at each of its ends, its bit in
+Positions are counted in half cells: the corner (i, j, k) is at (2i, 2j, 2k) and the centre of a
+cube at (2i + 1, 2j + 1, 2k + 1). An edge has one number at each of its ends, its bit in
 ``open_directions``. The first ``cross`` of these join a corner to a centre and are the same at
 both; the others come in pairs, 2m one way and 2m + 1 the other.
 """
@@ -100,12 +100,12 @@ class Stencil:
         return there, (there if there < self.cross else there ^ 1)
 
     def cell_of(self, point: Vec3) -> Vec3:
-        """A place, [unit], world, in half cells."""
+        """A point, [unit], world, in half cells."""
         (x, y, z), (a, b, c), (u, v, w) = point, self.low, self.cell
         return 2 * (x - a) / u, 2 * (y - b) / v, 2 * (z - c) / w
 
     def node_at(self, point: Vec3) -> int:
-        """The node nearest to a place of the box, or -1 where none is within a quarter cell."""
+        """The node nearest to a point of the box, or -1 if none is within a quarter cell."""
         (nx, ny, nz), (x, y, z) = self.cells, self.cell_of(point)
         a, b, c = round(x), round(y), round(z)
         odd = a % 2

@@ -31,7 +31,7 @@ one sphere, Delaunay's triangulation has tetrahedra without volume."""
 
 @dataclass(frozen=True, eq=False)
 class TetMesh:
-    """Tetrahedra that fill the workspace. Tables are made when they are first asked for.
+    """Tetrahedra that fill the workspace; tables are made at their first use.
 
     Attributes:
         lattice: ``bcc``, ``kuhn`` or ``delaunay``.
@@ -82,7 +82,7 @@ class TetMesh:
 
     @cached_property
     def edge_numbers(self) -> ByteArray:
-        """Numbers (e,) in the stencil of the edges at their first nodes; of a regular mesh."""
+        """Directions (e,) in the stencil of the edges at their first nodes, for a lattice."""
         assert self.stencil is not None
         ids = np.empty(len(self.points), dtype=np.bool_)
         families = lattice.edges(self.lattice, ids, self.cells)
@@ -108,7 +108,7 @@ class TetMesh:
 
     @cached_property
     def adjacency(self) -> Adjacency:
-        """The mesh as the kernels take it."""
+        """The mesh in the format of the kernels."""
         if self.stencil is not None:
             return adjacency.of_lattice(self.stencil, len(self.points))
         indptr, indices, _ = self._rows
@@ -139,7 +139,7 @@ class TetMesh:
 def tetrahedralise(workspace: Workspace, settings: MeshSettings) -> TetMesh:
     """Fill the workspace with tetrahedra.
 
-    The box is divided into cubes, as nearly as it allows.
+    The box is divided into cells that are as nearly cubes as it allows.
 
     - ``bcc``: nodes at the corners and centres of the cubes. Around each face between two cubes
       the two centres and the face's corners make four tetrahedra; in cubic cells all of these are

@@ -1,1 +1,1 @@
-"""Verification of certificates in exact numbers; knows nothing of how they are made."""
+"""Verification of certificates in exact arithmetic, independent of the code that makes them."""

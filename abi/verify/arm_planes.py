@@ -1,4 +1,4 @@
-"""Directions of an arm's certificate, by the capsule and what they keep it from."""
+"""Directions of an arm's certificate, grouped by capsule and by what they keep it from."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from abi.verify.plan_fields import finite, list_of, mapping, vector_of
 FIELD = "arm.certificate"
 
 Key = tuple[int, int | str]
-"""A capsule, and what it is to keep clear of."""
+"""A capsule, and what it must keep clear of."""
 
 
 class Plane(NamedTuple):
@@ -41,10 +41,10 @@ def planes_of(
     Args:
         certificate: as in a plan's JSON.
         capsules: number of capsules.
-        obstacle_of: what an entry's direction keeps its capsule from, given that number, too.
+        obstacle_of: function from an entry and the number of capsules to what it keeps clear of.
 
     Raises:
-        Fault: an entry is not of a capsule and what ``obstacle_of`` knows.
+        Fault: an entry names an unknown capsule, or nothing that ``obstacle_of`` knows.
     """
     planes: dict[Key, list[Plane]] = {}
     for entry in list_of(f"{FIELD}.planes", certificate.get("planes")):

@@ -37,7 +37,7 @@ def sub(a: Vec3, b: Vec3) -> Vec3:
 
 
 def sqrt_bounds(square: Fraction) -> tuple[Fraction, Fraction]:
-    """Bounds of the square root of a number that is not negative, 2^-100 of it apart or less."""
+    """Bounds of the square root of a number >= 0, which differ by at most 2^-100 of it."""
     whole = square.numerator * square.denominator  # the root of p / q is the root of p q, over q
     shift = max(0, _DIGITS + 1 - whole.bit_length() // 2)
     below = math.isqrt(whole << 2 * shift)
@@ -66,7 +66,7 @@ def _axes(wxyz: tuple[float, ...]) -> tuple[Vec3, Vec3, Vec3]:
 
 @dataclass(frozen=True)
 class ExactSolid:
-    """A box, a disc across the body's z and a ball, added up (Minkowski), then placed.
+    """Minkowski sum of a box, a disc across the body's z and a ball, placed in the world.
 
     Attributes:
         half: half sizes of the box, [unit].
@@ -198,7 +198,7 @@ ExactCurve = ExactSpline | ExactQuadratics
 
 
 def hull(curve: ExactCurve, start: Fraction, end: Fraction) -> list[Vec3]:
-    """Points whose convex hull holds the curve from ``start`` to ``end``."""
+    """Points whose convex hull contains the curve from ``start`` to ``end``."""
     points: list[Vec3] = []
     for first, last, span in curve.spans:
         a, b = max(first, start), min(last, end)

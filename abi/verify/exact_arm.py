@@ -1,8 +1,8 @@
 """The arm in exact rational numbers, for :mod:`abi.verify.verify_arm`.
 
-Places of its elbow hold square roots, so they are intervals. How far a link moves when the tool
-moves by d and the slide by e is bounded as in ``abi.arm.pose_kernels``, which it shares nothing
-with.
+The elbow's position contains square roots, so it is an interval. How far a link moves when the tool
+moves by d and the slide by e is bounded as in ``abi.arm.pose_kernels``, but shares no code with
+it.
 """
 
 from __future__ import annotations
@@ -36,10 +36,10 @@ class ExactPose:
     """The arm near one pose: with the tool within ``tool`` of a point, the slide within ``slide``.
 
     Attributes:
-        shoulder, elbow, at: places of the pose, [unit], world.
+        shoulder, elbow, at: positions of shoulder, elbow and tool, [unit], world.
         forearm: its length a6, between ``short`` and ``long`` nearby.
-        rate: bound of the elbow's way per way of the tool.
-        slide_rate: the same per way of the slide.
+        rate: bound of the elbow's motion per motion of the tool.
+        slide_rate: the same per motion of the slide.
         tool, slide: the distances, [unit].
     """
 
@@ -60,7 +60,7 @@ class ExactArm:
     """Lengths and place of the arm, [unit], and the side of its elbow.
 
     Attributes:
-        base: where it stands.
+        base: position of its base.
         height: of the shoulder above the base.
         upper: a3.
         lower: a4 + a5.
@@ -74,10 +74,10 @@ class ExactArm:
     side: int
 
     def near(self, at: Vec3, forearm: Interval, tool: Fraction) -> ExactPose | None:
-        """The arm with its tool within ``tool`` of ``at``; None where it may not reach.
+        """The arm with its tool within ``tool`` of ``at``; None if it may be out of reach.
 
         Args:
-            at: a place of the tool, [unit], world.
+            at: a position of the tool, [unit], world.
             forearm: lengths a6 that it has there, [unit].
             tool: distance, [unit].
         """
@@ -123,7 +123,7 @@ class ExactArm:
         return min(self._product(pose, capsule, end, normal) for end in (capsule.low, capsule.high))
 
     def way(self, pose: ExactPose, capsule: ExactCapsule) -> Fraction:
-        """Bound of the way of the capsule's segment near the pose, [unit]."""
+        """Bound of how far the capsule's segment moves near the pose, [unit]."""
         if capsule.body == "column":
             return Fraction(0)
         ends = (capsule.low, capsule.high)

@@ -1,8 +1,8 @@
 """A chain of joints in exact numbers, for :mod:`abi.verify.verify_chain`.
 
-Sines and cosines are not rational: places are whole numbers of 2^-200 with a bound of their error.
-The matrices of a URDF, read as floating-point numbers, are rotations only nearly; they are taken as
-they are, and checked to change no length by more than 2^-40 of it.
+Sines and cosines are not rational, so positions are multiples of 2^-200 with an error bound. The
+matrices of a URDF, read as floating-point numbers, are only nearly rotations; they are taken as
+they are, and checked not to change any length by more than 2^-40 of it.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ _ONE = 1 << _BITS
 _LARGEST_ANGLE = 64
 _NEARLY = Fraction(1, 1 << 45)
 WIDER = 1 + Fraction(1, 1 << 30)
-"""What matrices that are rotations only nearly may make longer, over a whole chain."""
+"""Bound of how much nearly-rotations may lengthen a vector over a whole chain."""
 
 Matrix = tuple[tuple[int, int, int], ...]
 """Rows of a matrix in 2^-200."""
@@ -52,8 +52,8 @@ class ExactChain:
     """Joints between a robot's root and its tip, lengths in [unit].
 
     Attributes:
-        joints: that move, from the base on.
-        origins: of each in the frame before it, and of the tip, exact.
+        joints: the joints that move, from the base on.
+        origins: pose of each joint and of the tip in the frame before it, exact.
         coordinates: names of the joints that the others follow.
         frames: number of the joint that moves each link of the robot, -1 where none does.
         units: [unit] in one metre.
@@ -97,7 +97,7 @@ class ExactChain:
         return value
 
     def levers(self, ends: Sequence[Vec3], frame: int, behind: int) -> list[Fraction]:
-        """Bound of the way of a segment in a joint's frame for one of each coordinate, (n,).
+        """Bound of how far a segment in a joint's frame moves per unit of each coordinate, (n,).
 
         Args:
             ends: of the segment, in that frame, [unit].
@@ -132,13 +132,13 @@ def exact_chain(robot: Robot, tip: str, base: Sequence[float], units: int) -> Ex
     """The chain from a robot's root, which stands at ``base`` [unit], to a tip.
 
     Args:
-        robot: as its URDF describes it.
+        robot: the robot.
         tip: name of a link.
-        base: place of the root, [unit], world.
+        base: position of the root, [unit], world.
         units: [unit] in one metre.
 
     Raises:
-        Fault: a matrix or an axis is none.
+        Fault: a matrix is no rotation, or an axis no unit vector.
     """
     way = joints_to(robot, tip)
     joints = tuple(joint for joint in way if joint.kind != "fixed")
@@ -247,7 +247,7 @@ def _turned(joint: Joint, angle: Fraction) -> tuple[Matrix, int]:
 def sine_and_cosine(angle: Fraction) -> tuple[int, int, int]:
     """Sine and cosine in 2^-200, and a bound of the error of both, by Taylor's series.
 
-    Where a term is below the last digit all that follow are, by half each at least.
+    Once a term is below the last digit, so are all that follow, each at most half the one before.
     """
     x = _whole(angle)
     sums = [_ONE, 0]  # terms of even and of odd order, without their signs

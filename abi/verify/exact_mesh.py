@@ -1,4 +1,4 @@
-"""Triangle mesh in exact rational numbers, for :mod:`abi.verify.verify`.
+"""A triangle mesh in exact rational numbers, for :mod:`abi.verify.verify`.
 
 Most of its many inequalities are far from equality. Those are decided in floating point with a
 bound of the error, and only the others in rationals, so every answer is exact.
@@ -26,7 +26,7 @@ Side = tuple[Fraction, Fraction, Vec3, Fraction]
 
 @dataclass(frozen=True, eq=False)
 class ExactMesh:
-    """Triangle mesh, placed in the world.
+    """A triangle mesh, placed in the world.
 
     Attributes:
         vertices: (n, 3), body frame, in the file's unit.
@@ -47,7 +47,7 @@ class ExactMesh:
     def uncovered(
         self, sides: Sequence[Side], first: Fraction, last: Fraction, margin: Fraction
     ) -> Fraction | None:
-        """Parameter from which on some triangle is not separated; None when there is none.
+        """Parameter from which some triangle is not separated; None if all are.
 
         Args:
             sides: pieces, in the order of their first parameters.
@@ -88,8 +88,9 @@ class ExactMesh:
     def inside(self, point: Vec3) -> bool:
         """Test whether the mesh winds around a point that is not on its surface.
 
-        Counts the triangles that a ray along the body's x passes, by the side it comes from. A ray
-        that meets an edge counts as passing where its y and z are greater by next to nothing.
+        It counts the triangles that a ray along the body's x crosses, with a sign for the
+        direction. A ray that meets an edge is treated as if its y and z were infinitesimally
+        greater.
         """
         x, y, z = in_body(sub(point, self.position), self.wxyz)
         factor = Fraction(self.factor)

@@ -1,7 +1,7 @@
 """Bounds of the arm's slide q5 along a curve, in exact rational numbers.
 
-The length of a polynomial's part lies between that of its chord and that of its control polygon;
-summed over small parts this bounds the way of the tool, its time, and so q5 = q5(0) + t² q.
+The length of a polynomial's part lies between that of its chord and that of its control polygon.
+Summed over small parts, this bounds the tool's distance, the time, and so q5 = q5(0) + t² q.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ class ExactTiming:
     deceleration: Fraction
 
     def at(self, way: Interval) -> Interval:
-        """Time at which a way has been travelled, [s]."""
+        """Time at which a distance has been travelled, [s]."""
         return Interval(self._at(way.low).low, self._at(way.high).high)
 
     def _at(self, way: Fraction) -> Interval:
@@ -73,7 +73,7 @@ def still(q5: Fraction) -> ExactSlide:
 
 
 def anywhere(first: Fraction, last: Fraction) -> ExactSlide:
-    """A slide of which only the ends of its way are known."""
+    """A slide of which only the ends of its range are known."""
     return ExactSlide([Fraction(0)], [Interval(min(first, last), max(first, last))])
 
 

@@ -1,4 +1,4 @@
-"""Fault of a certificate."""
+"""Fault that a certificate is found to have."""
 
 
 class Fault(Exception):

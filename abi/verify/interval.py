@@ -36,7 +36,7 @@ class Interval(NamedTuple):
         return self.times(Interval(1 / other.high, 1 / other.low))
 
     def sqrt(self) -> Interval:
-        """Root of what is not below 0."""
+        """Square root of an interval that is not below 0."""
         low, high = max(self.low, Fraction(0)), max(self.high, Fraction(0))
         return enclose(sqrt_bounds(low)[0] if low else low, sqrt_bounds(high)[1] if high else high)
 

@@ -12,14 +12,14 @@ from abi.verify.exact import Vec3, vector
 
 
 def number_of(value: object) -> Fraction | None:
-    """The exact number; None where it is none."""
+    """The exact number; None if it is not a number."""
     if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) < math.inf:
         return None
     return Fraction(value)
 
 
 def finite(field: str, value: object) -> float:
-    """A number, refused where it is none or far too large."""
+    """A number; anything else, or one far too large, is refused."""
     if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) <= 1e15:
         raise SceneError(field, value, "a number up to 1e15")
     return float(value)

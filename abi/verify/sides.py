@@ -1,4 +1,4 @@
-"""Directions that keep a part of an arm clear along its whole motion, in exact numbers."""
+"""Check of the directions that keep a part of an arm clear along its whole motion."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
 """Check of a plan's certificates in exact rational numbers.
 
-Checked is the plan as written down: its curves' knots, control points and coefficients, its
-scene's obstacles and its certificates' planes, each number taken exactly. Nothing that made the
-certificates is used; mesh files are read and repaired as for planning. The proof is the one in
+The plan is checked as written: its curves' knots, control points and coefficients, its scene's
+obstacles and its certificates' planes, each number taken exactly. No code that makes certificates
+is used; mesh files are read and repaired as for planning. The proof is that of
 :mod:`abi.clearance.certificate`; here every inequality is decided exactly, and the pieces must
 cover the whole curve for every obstacle.
 """
@@ -48,7 +48,7 @@ _TOUCH = Fraction(1, 10**9)
 
 @dataclass(frozen=True)
 class Verdict:
-    """Finding about one curve, or about the arm that follows it.
+    """Verdict on one curve, or on the arm that follows it.
 
     Attributes:
         curve: ``bspline``, ``quadratic`` or ``arm``.
@@ -72,7 +72,7 @@ class _Plane:
 
 
 class PlanMeshes(MeshSource):
-    """Mesh files beside a plan, and those of the shipped scenes where they are missing there.
+    """Mesh files beside a plan, or else those of the shipped scenes.
 
     Attributes:
         shipped: names of the files taken from the shipped scenes.
@@ -103,10 +103,10 @@ def verify(plan: object, folder: Path | MeshSource | None = None) -> tuple[Verdi
 
     Args:
         plan: the result of ``Plan.to_dict``, as it is or read back from JSON.
-        folder: source of the scene's mesh files; None for a scene without.
+        folder: source of the scene's mesh files; None for a scene without files.
 
     Raises:
-        SceneError: it is not a plan; names the field.
+        SceneError: ``plan`` is no plan; names the field that is wrong.
     """
     if not isinstance(plan, dict) or not all(name in plan for name in ("scene", *CURVES)):
         raise SceneError("plan", plan, "a plan as abi plan writes it")

@@ -1,7 +1,7 @@
-"""Check of the arm's certificate in exact rational numbers.
+"""Check of the certificate of the paper's arm in exact rational numbers.
 
-The proof is the one in :mod:`abi.arm.arm_certificate`. Checked are the capsules as written down:
-that they contain the links as drawn is for the eye, and for a test.
+The proof is that of :mod:`abi.arm.arm_certificate`. The capsules are checked as written; a test,
+not this check, shows that they contain the links as drawn.
 """
 
 from __future__ import annotations
@@ -64,11 +64,11 @@ def check_arm(
     scene: Scene,
     obstacles: list[ExactSolid | ExactMesh],
 ) -> str:
-    """Check the certificate of a plan's arm; what it proves, as the end of a sentence.
+    """Check the certificate of a plan's arm, and return what it proves as the end of a sentence.
 
     Raises:
         Fault: it does not prove what the plan claims.
-        SceneError: a field of the wrong form.
+        SceneError: a field has the wrong form.
     """
     certificate = mapping(FIELD, section["certificate"])
     margin = claimed_margin(section, certificate, Fraction(scene.arm.clearance), obstacles)
@@ -115,11 +115,11 @@ def claimed_margin(
     required: Fraction,
     obstacles: list[ExactSolid | ExactMesh],
 ) -> Fraction | None:
-    """A certificate's margin, [unit], which is what the plan says of its arm; None of nothing.
+    """Margin of a certificate, [unit], which must be what the plan says; None without obstacles.
 
     Raises:
         Fault: the plan says something else.
-        SceneError: it is no number.
+        SceneError: the margin is no number.
     """
     given, stated = certificate.get("margin"), section.get("clearance")
     margin = None if given is None else Fraction(finite(f"{FIELD}.margin", given))

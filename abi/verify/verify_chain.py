@@ -1,8 +1,8 @@
-"""Check of the certificate of an arm that a URDF describes, in exact numbers.
+"""Check of the certificate of a URDF arm in exact numbers.
 
-The proof is the one in :mod:`abi.arm.chain_certificate`. Checked are the joints' positions, the
-capsules and the pairs of these that are to keep apart, as written down: that the capsules contain
-the links is for the eye, and for a test.
+The proof is that of :mod:`abi.arm.chain_certificate`. The joint positions, the capsules and the
+pairs that must keep apart are checked as written; a test, not this check, shows that the capsules
+contain the links.
 """
 
 from __future__ import annotations
@@ -86,11 +86,11 @@ class _Motion:
 def check_chain(
     section: dict[str, Any], scene: Scene, obstacles: list[ExactSolid | ExactMesh]
 ) -> str:
-    """Check the certificate of a plan's arm; what it proves, as the end of a sentence.
+    """Check the certificate of a plan's arm, and return what it proves as the end of a sentence.
 
     Raises:
         Fault: it does not prove what the plan claims.
-        SceneError: a field of the wrong form.
+        SceneError: a field has the wrong form.
     """
     certificate = mapping(FIELD, section["certificate"])
     margin = claimed_margin(section, certificate, Fraction(scene.arm.clearance), obstacles)

@@ -1,1 +1,1 @@
-"""Commands of ``abi``, a file each."""
+"""Commands of ``abi``, one file each."""

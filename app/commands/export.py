@@ -26,6 +26,8 @@ def export(scene: str, path: Path, format_name: str | None) -> None:
     control points), moveit (the obstacles), mcap (for Foxglove), urscript (where the arm is a
     UR), urdf (the arm), html (one page that plays stages, search and motion without a server).
 
+    A motion whose arm touches something, or is not proven clear, is written with a warning.
+
     Exit code 0: written; 3: the scene has no complete plan, and what there is of it is written
     where the format can hold it; 2: bad input.
     """
@@ -47,6 +49,9 @@ def export(scene: str, path: Path, format_name: str | None) -> None:
         click.echo(f"abi: {error.message} {error.hint}".rstrip(), err=True)
         raise SystemExit(INCOMPLETE) from None
     click.echo(f"{path}: {formats.FORMATS[name].label}, {path.stat().st_size:,} bytes")
+    warning = formats.FORMATS[name].warning(plan)
+    if warning and (plan.error is None or warning != plan.error.message):
+        click.echo(f"Warning: the arm's motion is not proven clear. {warning}", err=True)
     if plan.error is not None:
         click.echo(f"{plan.error.message} {plan.error.hint}", err=True)
         raise SystemExit(INCOMPLETE)

@@ -1,4 +1,4 @@
-"""``abi sweep``: many plans, on all cores or on a cluster, as a table and plots."""
+"""``abi sweep``: many plans, on all cores or on a cluster, as a table and as plots."""
 
 from __future__ import annotations
 

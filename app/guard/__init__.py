@@ -1,1 +1,1 @@
-"""What stands between the page and the network, and reads files from outside."""
+"""Guard between page and network, and reader of files from outside."""

@@ -1,4 +1,4 @@
-"""One connection: what it receives is checked before viser reads it."""
+"""One connection, whose messages are checked before viser reads them."""
 
 from __future__ import annotations
 

@@ -1,10 +1,10 @@
 """A viser server behind a guard.
 
 viser opens its port with ``websockets.asyncio.server.serve`` and offers no way to change how. While
-the server is built, that name stands for a function that adds the guard.
+the server is built, that name is replaced by a function that adds the guard.
 
-A process that does not listen takes its connections through a side door: while ``serve`` is built,
-the loop's ``create_server``, which it calls at once, stands for that.
+A process that does not listen takes its connections through a side door: while ``serve`` runs, the
+side door replaces the loop's ``create_server``, which it calls at once.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
 """Checks of a request's Host and Origin: no foreign page can drive a server through a browser.
 
-A page elsewhere may ask for the server by a name that its owner points at the visitor's machine
+A foreign page may ask for the server by a name that its owner points at the visitor's machine
 (DNS rebinding): its Host is refused. It may open a websocket to the server's own address: the
 browser then says so in Origin, which is refused. A request without an Origin comes from a program,
-not from a page; what a program may do it could do with any Origin.
+not from a page, and a program could send any Origin.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Scenes of the server's own machine: what they name is read as an upload would be."""
+"""Scenes on the server's own machine, whose files are read as uploads are."""
 
 from __future__ import annotations
 

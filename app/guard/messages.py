@@ -1,7 +1,7 @@
 """Messages that a tab may send, with the exact fields of each.
 
-Fields are those of viser 1.1.1. Whether a number makes sense is for the panel that reads it to say;
-here it must be a number.
+Fields are those of viser 1.1.1. Here a number must only be a number; whether it makes sense is
+checked by the panel that reads it.
 """
 
 from __future__ import annotations

@@ -1,10 +1,10 @@
-"""Gives each tab that comes to the process that has the fewest.
+"""Porter: gives each new tab to the process that has the fewest.
 
-One process listens for all. Several that listen on one port, or accept from one socket, leave it to
-the system's hash, or to who wakes first, which of them gets a connection; and most connections are
-for the page's files, so that turns at them would not be turns at tabs. So the one that listens
-reads what a connection asks for, and hands the socket of one that is to be a tab's to another
-process, with what it has read: over a pair of sockets, through which open files go, too.
+One process listens for all. If several listened on one port, or accepted from one socket, chance
+would decide which of them gets a connection; and most connections are for the page's files, so
+taking turns at connections would not share out the tabs. So the process that listens reads what a
+connection asks for. If it is for a tab, it hands the socket, with what it has read, to another
+process, over a pair of sockets that can pass open files.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
-"""Files from outside, read in a process of its own: one that crashes or hangs takes nothing along.
+"""Reader of files from outside, in a separate process, so that a crash or a hang does no harm.
 
-The process is started with the first file or before, kept for the next, and replaced when it was
+The process is started with the first file or before, kept for the next one, and replaced if it has
 ended.
 """
 
@@ -169,22 +169,26 @@ class Reader:
         """
         return self.read(Job("mesh", name, content), stopped, delayed).surfaces[name].surface()
 
-    def arm(self, content: bytes, name: str) -> Robot:
+    def arm(self, content: bytes, name: str, stopped: threading.Event | None = None) -> Robot:
         """The arm of a URDF, or of a zip with one and its meshes.
 
         Raises:
             SceneError: it is refused, or took too long or too much.
+            StoppedError: ``stopped`` was set.
         """
-        archive = self.read(Job("arm", name, content)).archives[name]
+        archive = self.read(Job("arm", name, content), stopped).archives[name]
         return load_robot(name, MeshSource({name: archive}))
 
-    def scene(self, content: bytes, name: str) -> tuple[object, Mapping[str, bytes | Surface]]:
+    def scene(
+        self, content: bytes, name: str, stopped: threading.Event | None = None
+    ) -> tuple[object, Mapping[str, bytes | Surface]]:
         """Plain data of a scene file, and the files that came with it, by name.
 
         Raises:
             SceneError: it is refused, or took too long or too much.
+            StoppedError: ``stopped`` was set.
         """
-        answer = self.read(Job("scene", name, content))
+        answer = self.read(Job("scene", name, content), stopped)
         surfaces = {file: one.surface() for file, one in answer.surfaces.items()}
         return json.loads(answer.data), {**answer.archives, **surfaces}
 

@@ -1,7 +1,7 @@
-"""The process that reads files from outside: it can neither open files nor take much of anything.
+"""The process that reads files from outside: it cannot open files, and its resources are limited.
 
-It is started by :mod:`app.guard.reader` and ends with its input. Jobs and answers are msgpack with
-their length in eight bytes before them.
+:mod:`app.guard.reader` starts it, and it ends with its input. Jobs and answers are msgpack, each
+preceded by its length in eight bytes.
 """
 
 from __future__ import annotations

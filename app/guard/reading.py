@@ -1,7 +1,7 @@
 """Work of the reader process on a file from outside: bytes in, checked data out.
 
-Everything between the processes is plain data with a schema, so that nothing in a file can make the
-server run anything.
+Only plain data with a schema passes between the processes, so that nothing in a file can make the
+server run code.
 """
 
 from __future__ import annotations

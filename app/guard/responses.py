@@ -1,4 +1,4 @@
-"""Answers of the server itself: short texts for programs, small pages for people."""
+"""Responses of the server itself: short texts for programs, small pages for people."""
 
 from __future__ import annotations
 

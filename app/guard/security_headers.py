@@ -1,4 +1,4 @@
-"""Headers that tell the browser what the page may do: run its own script, and load nothing else."""
+"""Headers by which the browser lets the page run its own script and load nothing else."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Entrance of a process that does not listen: its connections come from the one that does.
+"""Side door of a process that does not listen: its connections come from the one that does.
 
 The other side is :mod:`app.guard.porter`.
 """

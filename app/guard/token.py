@@ -1,4 +1,4 @@
-"""The secret of a server that others can reach: in the link at first, then in a cookie."""
+"""Token of a server that others can reach: first in the link, then in a cookie."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Limits of the files that one tab sends."""
+"""Limits on the files that one tab sends."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Check of a widget's new value against the widget: viser casts and stores whatever comes."""
+"""Check of a widget's new value against the widget, since viser stores whatever it receives."""
 
 from __future__ import annotations
 

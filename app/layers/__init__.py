@@ -1,1 +1,1 @@
-"""What is drawn of a frame in 3D and in the panels, a class each."""
+"""Layers: what is drawn of a frame in the scene and in the panels, one class each."""

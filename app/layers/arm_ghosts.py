@@ -1,4 +1,4 @@
-"""Ghosts of the arm: its other elbow now, its poses at start and goal, and the tool's own curve."""
+"""Ghosts of the arm: the other elbow, the poses at start and goal, and the tool's own curve."""
 
 from __future__ import annotations
 

@@ -1,7 +1,8 @@
-"""The motion as the page plays it, by its own clock: without a message for each frame.
+"""The motion that the page plays by its own clock, without a message for each frame.
 
-The page interpolates joint positions between samples and turns each joint's node by them, as
-:class:`app.layers.arm.ArmLayer` does for one moment. ``assets/page/page.js`` has its part.
+The page interpolates joint positions between samples and turns the node of each joint accordingly,
+as :class:`app.layers.arm.ArmLayer` does for one moment. The page's part is in
+``assets/page/page.js``.
 """
 
 from __future__ import annotations

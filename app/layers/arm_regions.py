@@ -1,4 +1,4 @@
-"""Two regions: places the tool may not go for the arm's sake, and those it can reach at all."""
+"""Two regions: where the tool may not go because of the arm, and where it can reach at all."""
 
 from __future__ import annotations
 

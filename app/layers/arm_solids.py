@@ -1,6 +1,6 @@
-"""Joints and solids of the paper's arm as its URDF has them, read once for all tabs.
+"""Joints and solids of the paper's arm from its URDF, read once for all tabs.
 
-What reads a URDF takes long to import; it is imported when there is an arm to draw.
+The reader of URDF files takes long to import, so it is imported when there is an arm to draw.
 """
 
 from __future__ import annotations

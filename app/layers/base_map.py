@@ -1,4 +1,4 @@
-"""The heat map of bases: a tile at each place that was tried, coloured by the length from there."""
+"""Heat map of bases: a tile at each place that was tried, coloured by the curve's length."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The layers of a tab, in the order in which they are drawn and stand in the legend.
+"""Table of the layers of a tab, in the order of drawing and of the legend.
 
 A new layer is a file beside this one and a line here. Its class takes the :class:`Layout`, has
 ``switches`` (none, or lines of the legend) and ``draw(frame)``.

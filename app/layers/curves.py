@@ -1,4 +1,4 @@
-"""B-spline with its control points, and quadratic; red where it comes too near an obstacle."""
+"""B-spline with its control points, and quadratic, red where they come too near an obstacle."""
 
 from __future__ import annotations
 

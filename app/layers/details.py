@@ -1,4 +1,4 @@
-"""Details that may lag behind a drag while many other tabs want the processor, too."""
+"""Details that may lag behind a drag while many other tabs need the processor."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The curve of the plan before the hand moved, to compare the present one with."""
+"""Ghost: the curve of the plan before a drag, for comparison with the present one."""
 
 from __future__ import annotations
 

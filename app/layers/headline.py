@@ -45,8 +45,8 @@ def headline(plan: Plan) -> str:
     distance = distance_to_show(fit.clearance)
     if math.isfinite(distance):
         shown = format_lower_bound(max(distance, 0.0) if fit.holds else distance)
-        if fit.holds and plan.arm_clearance is not None and plan.arm_clearance.contacts:
-            # no sign that all is well, while a link goes through something
+        if fit.holds and not plan.is_arm_clear:
+            # no sign that all is well, while a link may go through something or cannot get there
             numbers.append((f"{shown} {unit}", "kept by the tool alone"))
         else:
             colour, sign = (style.GOOD, "✓") if fit.holds else (style.BAD, "✗")

@@ -1,4 +1,4 @@
-"""Colours of an arm's links, muted so that orange stays the obstacles' and red means touching."""
+"""Colours of an arm's links, muted so that orange stands for obstacles and red for touching."""
 
 from __future__ import annotations
 

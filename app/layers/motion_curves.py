@@ -1,10 +1,10 @@
-"""Curves over the time of a motion that are plotted while nothing moves: they take a while."""
+"""Curves over a motion that take long to compute, so that they are plotted while nothing moves."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from abi.arm.arm import Arm, place
+from abi.arm.links_clearance import links_clearance as measure
 from abi.arrays import FloatArray
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import ObstacleSet
@@ -42,18 +42,10 @@ def has_meshes(plan: Plan) -> bool:
 def links_clearance(plan: Plan, stride: int) -> FloatArray | None:
     """Distance of the arm's links to the obstacles at every ``stride``-th sample (k,), [unit].
 
-    Planning measures the distance to a triangle mesh only where it may be the least of all: here it
-    is measured at each of these samples. None without obstacles or a motion.
+    None without obstacles or a motion.
     """
     motion, clearance = plan.motion, plan.arm_clearance
-    if motion is None or clearance is None or clearance.obstacle < 0:
+    if plan.arm is None or motion is None or clearance is None:
         return None
-    least = clearance.distances[::stride].copy()
-    if isinstance(plan.arm, Arm):
-        ends = place(plan.arm, motion.positions[::stride])
-        radii = [capsule.radius for capsule in plan.arm.capsules]
-        p, q = ends[:, :, 0].reshape(-1, 3), ends[:, :, 1].reshape(-1, 3)
-        for mesh in ObstacleSet(plan.scene.obstacles).meshes:
-            gaps = mesh.segment_distance(p, q).reshape(ends.shape[:2]) - radii
-            np.minimum(least, gaps.min(axis=1), out=least)
-    return least
+    samples = np.arange(0, len(motion.time), stride, dtype=np.int32)
+    return measure(clearance, motion, plan.arm, plan.scene.obstacles, samples)

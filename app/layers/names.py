@@ -1,4 +1,4 @@
-"""Names of path and curves where they run, and the distance to the nearest obstacle as a line."""
+"""Names beside path and curves in the scene, and the distance to the nearest obstacle as a line."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The paper's method and misprints as text in the Learn tab, but while a lesson runs."""
+"""The paper's method and misprints as text in the Learn tab, hidden while a lesson runs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Plots over time of speed (the paper's Fig. 8) and joint positions; the page marks "now"."""
+"""Plots of speed (the paper's Fig. 8) and joint positions over time; the page marks the present."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import numpy as np
 import viser
 
 from abi.arm.arm import JOINTS
+from abi.arm.trajectory import ArmMotion
 from abi.planner.plan import Plan
 from app import style
 from app.frame import Frame, Switch
@@ -94,7 +95,8 @@ class PlotsLayer:
             self._shown.add(self._slide, time, positions[:, 4])
         else:
             self._angles.visible = self._slide.visible = False
-            self._shown.add(self._others(motion.joints), time, *positions.T)
+            others = self._others(motion, plan.scene.unit)
+            self._shown.add(others, time, *positions.T)
         if plan.arm_clearance is None or plan.arm_clearance.obstacle < 0:
             self._clearance.visible = False
         elif not has_meshes(plan):
@@ -125,17 +127,24 @@ class PlotsLayer:
         if distances is not None:
             self._shown.add(self._clearance, plan.motion.time[::stride], distances)
 
-    def _others(self, joints: tuple[str, ...]) -> viser.GuiUplotHandle:
-        """The plot of joints with these names, made anew where they are others."""
-        if joints != self._named or self._other is None:
+    def _others(self, motion: ArmMotion, unit: str) -> viser.GuiUplotHandle:
+        """The plot of a motion's joints, made anew where names or units are others."""
+        named = *motion.joints, _joints_title(motion, unit)
+        if named != self._named or self._other is None:
             if self._other is not None:
                 self._other.remove()
-            lines = zip(joints, itertools.cycle(style.JOINTS), strict=False)
+            lines = zip(motion.joints, itertools.cycle(style.JOINTS), strict=False)
             with self._layout.plots:
-                title = "joint positions [rad, m]"
+                title = named[-1]
                 self._other = new_plot(self._layout.client.gui, title, tuple(lines), 250)
-            self._named = joints
+            self._named = named
         return self._other
+
+
+def _joints_title(motion: ArmMotion, unit: str) -> str:
+    """Title with the units of the joints: turning ones in radians, sliding ones in the scene's."""
+    units = [*(["rad"] if not all(motion.slides) else []), *([unit] if any(motion.slides) else [])]
+    return f"joint positions [{', '.join(units)}]"
 
 
 def _speed_title(unit: str) -> str:

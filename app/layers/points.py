@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import viser
+from numpy.typing import NDArray
 
 from abi.arrays import FloatArray
 from app.style import Colour
@@ -17,13 +18,17 @@ class Points:
         self._cloud: viser.PointCloudHandle | None = None
 
     def draw(
-        self, points: FloatArray, colour: Colour, size: float, visible: bool | None = None
+        self,
+        points: FloatArray,
+        colour: Colour | NDArray[np.uint8],
+        size: float,
+        visible: bool | None = None,
     ) -> None:
         """Draw ``points`` (n, 3), [unit], world, as discs of diameter ``size``, [unit].
 
         Args:
             points: where.
-            colour: of all of them.
+            colour: of all of them, or (n, 3) of each.
             size: of a disc.
             visible: whether they are seen; None for as before, at first for seen.
         """
@@ -31,7 +36,7 @@ class Points:
             self._cloud = self._scene.add_point_cloud(
                 self._name,
                 points.astype(np.float32),
-                colour,
+                np.array(colour, np.uint8),
                 point_size=size,
                 point_shape="circle",
                 precision="float32",

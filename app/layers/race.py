@@ -31,7 +31,7 @@ _COLOURS: FloatArray = np.array(
 """Viridis, early to late."""
 _HEIGHT = 9.0
 """Height of the copies over the workspace, in its sizes: so far that it is out of their picture."""
-_LEGEND = "Dark nodes were visited early, bright ones late; red ones wait."
+_LEGEND = "Dark nodes were visited early, bright ones late; magenta ones wait."
 
 
 class RaceLayer:

@@ -1,11 +1,13 @@
-"""Nodes that a search has expanded so far."""
+"""Nodes that a search has expanded so far, in colours that tell their order."""
 
 from __future__ import annotations
 
 from typing import ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
+from abi.arrays import IntArray
 from app import style
 from app.frame import Frame, Switch
 from app.layers.points import Points
@@ -22,6 +24,7 @@ class SearchOrderLayer:
 
     def __init__(self, layout: Layout) -> None:
         self._cloud = Points(layout.client.scene, "/search/reached")
+        self._latest = Points(layout.client.scene, "/search/latest")
         self._drawn: object = None
 
     def draw(self, frame: Frame) -> None:
@@ -30,22 +33,40 @@ class SearchOrderLayer:
         result = plan.path
         reached = getattr(plan.error, "reached", None)
         if result is not None and plan.graph is not None:
-            count = round(frame.expanded_share * result.expanded)
-            state: object = (result, count)
-            order = result.order[:count]
-            colour = style.ALGORITHMS[result.algorithm][1]
+            order = result.order[: frame.visited]
+            state: object = (result, len(order))
         else:
             order = np.zeros(0, np.int32) if reached is None else reached
             state = (plan.error, len(order))
-            colour = style.A_STAR  # as the page's hint says
         if state == self._drawn:
             return
         self._drawn = state
         if plan.graph is None or len(order) == 0:
             self._cloud.show(False)
+            self._latest.show(False)
             return
-        nodes = np.unique(order)
-        stride = -(-len(nodes) // NODE_BUDGET)
-        points = plan.graph.points[nodes[::stride]]
-        size = (0.13 if result is not None else 0.08) * plan.graph.pitch
-        self._cloud.draw(points, colour, size, visible=True)
+        pitch, points = plan.graph.pitch, plan.graph.points
+        if result is None:
+            nodes = _thinned(order)
+            self._latest.show(False)
+            # in the colour that the page's hint names
+            self._cloud.draw(points[nodes], style.A_STAR, 0.08 * pitch, visible=True)
+            return
+        # Bellman-Ford may expand a node again: the last time counts
+        found, from_end = np.unique(order[::-1], return_index=True)
+        nodes, ranks = _thinned(found), _thinned((len(order) - 1 - from_end).astype(np.int32))
+        colours = shades(ranks / max(result.expanded - 1, 1))
+        self._cloud.draw(points[nodes], colours, 0.13 * pitch, visible=True)
+        self._latest.draw(points[order[-1:]], style.MARK, 0.26 * pitch, visible=True)
+
+
+def shades(parts: NDArray[np.float64]) -> NDArray[np.uint8]:
+    """Colours (n, 3) of parts (n,) of a way, from 0 at its begin to 1 at its end."""
+    stops = np.linspace(0, 1, len(style.HEAT))
+    channels = zip(*style.HEAT, strict=True)
+    return np.stack([np.interp(parts, stops, channel) for channel in channels], 1).astype(np.uint8)
+
+
+def _thinned(nodes: IntArray) -> IntArray:
+    """Every second, third … of more than the budget."""
+    return nodes[:: -(-len(nodes) // NODE_BUDGET)]

@@ -6,14 +6,14 @@ import html
 import math
 from typing import ClassVar
 
-from abi.arm.trajectory import Violation
 from abi.curves.bspline import BSpline
 from abi.curves.fit import Fit
 from abi.curves.quadratic import Quadratic
 from abi.curves.timed_profile import TimedProfile
+from abi.planner.arm_faults import CONTACTS, limit_sentence
+from abi.planner.arm_words import clearance_sentence, contact_sentence
 from abi.planner.plan import Plan
 from app import style
-from app.arm_words import clearance_sentence, contact_sentence
 from app.frame import Frame, Switch
 from app.layout import Layout
 from app.numbers import (
@@ -26,7 +26,6 @@ from app.numbers import (
 from app.once_a_plan import once_a_plan
 
 _PIECES_SHOWN = 2
-_CONTACTS_SHOWN = 3
 _SPILLS = 60
 """Tilt of a liquid's level at which no cup holds it, [°]."""
 _LAWS = {
@@ -35,8 +34,13 @@ _LAWS = {
 }
 
 
+_FRAME = '<div style="height:{}px;overflow-y:auto">{}</div>'
+_HEIGHTS = {"bspline": 21, "quadratic": 71, "arm": 120, "motion": 38}
+"""Height of each note, whatever is in it, [px]: one that grew would push what the hand is on."""
+
+
 class StageNotesLayer:
-    """One note for each of B-spline, quadratic and arm."""
+    """A note each for B-spline, quadratic, motion and arm, in which what is longer scrolls."""
 
     switches: ClassVar[tuple[Switch, ...]] = ()
 
@@ -46,7 +50,7 @@ class StageNotesLayer:
             with layout.folders[stage]:
                 self._notes[stage] = layout.client.gui.add_html("")
         with layout.result:
-            self._phases = layout.client.gui.add_html("")
+            self._notes["motion"] = layout.client.gui.add_html("")
         self._drawn: Plan | None = None
 
     def draw(self, frame: Frame) -> None:
@@ -55,14 +59,13 @@ class StageNotesLayer:
         if plan is self._drawn:
             return
         self._drawn = plan
-        notes = _notes(plan)
-        for stage, handle in self._notes.items():
-            handle.content = unbroken(notes[stage])
-        self._phases.content = unbroken(notes["motion"])
+        texts = notes(plan)
+        for name, handle in self._notes.items():
+            handle.content = _FRAME.format(_HEIGHTS[name], unbroken(texts[name]))
 
 
 @once_a_plan
-def _notes(plan: Plan) -> dict[str, str]:
+def notes(plan: Plan) -> dict[str, str]:
     """Text of each note, and of the motion, as HTML."""
     return {
         "bspline": _clearance(plan, plan.bspline) + _control_points(plan),
@@ -101,7 +104,8 @@ def _coefficients(plan: Plan) -> str:
     """Polynomials of the quadratic, as the paper prints them."""
     if plan.quadratic is None:
         return ""
-    lines = []
+    # above them, since of a long note the end is out of sight
+    lines = [f"✗ {html.escape(plan.quadratic.note)}"] if plan.quadratic.note else []
     pieces = plan.quadratic.curve.pieces
     for first, last, (c0, c1, c2) in pieces[:_PIECES_SHOWN]:
         if len(pieces) > 1:
@@ -111,8 +115,6 @@ def _coefficients(plan: Plan) -> str:
         ]
     if len(pieces) > _PIECES_SHOWN:
         lines.append(f"… {len(pieces)} pieces in all")
-    if plan.quadratic.note:
-        lines.append(f"✗ {html.escape(plan.quadratic.note)}")
     css = "margin:0 12px 3px;font:12px/1.3 ui-monospace,monospace"
     return f'<div style="{css}">{"<br>".join(lines)}</div>'
 
@@ -147,9 +149,8 @@ def _tilt(plan: Plan) -> str:
     if plan.liquid_tilt is None:
         return ""
     tilt = math.degrees(plan.liquid_tilt)
-    if tilt > _SPILLS:
-        return " A cup of liquid would be spilt."
-    return f" Liquid in a cup would tilt by up to {tilt:.{0 if tilt >= 10 else 1}f}°."
+    told = f" Liquid in a cup would tilt by up to {tilt:.{0 if tilt >= 10 else 1}f}°"
+    return f"{told}: it would be spilt." if tilt > _SPILLS else f"{told}."
 
 
 def _arm(plan: Plan) -> str:
@@ -162,22 +163,11 @@ def _arm(plan: Plan) -> str:
         lines.append(f"<b>✗ The {label}, which the arm follows, is too near an obstacle.</b>")
     if plan.arm_clearance is not None:
         contacts = plan.arm_clearance.contacts
-        lines += [f"<b>✗ {contact_sentence(one, unit)}.</b>" for one in contacts[:_CONTACTS_SHOWN]]
-        if len(contacts) > _CONTACTS_SHOWN:
+        lines += [f"<b>✗ {contact_sentence(one, unit)}.</b>" for one in contacts[:CONTACTS]]
+        if len(contacts) > CONTACTS:
             lines.append(f"… {len(contacts)} contacts in all")
-        lines += [sentence for sentence in [clearance_sentence(plan)] if sentence]
-    lines += [_limit_note(violation, unit) for violation in motion.limit_violations]
+        if sentence := clearance_sentence(plan):
+            too_near = plan.arm_clearance.is_too_near
+            lines.append(f"<b>✗ {sentence}</b>" if too_near else sentence)
+    lines += [f"✗ {limit_sentence(one, motion, unit)}" for one in motion.limit_violations]
     return style.BOX + "<br>".join(lines) + "</div>" if lines else ""
-
-
-def _limit_note(violation: Violation, unit: str) -> str:
-    """Sentence on the time and the worst value of a joint beyond its limit."""
-    prismatic = violation.joint == "q5"
-    value, limit = (
-        f"{number:.2f} {unit}" if prismatic else f"{math.degrees(number):.0f}°"
-        for number in (violation.value, violation.limit)
-    )
-    return (
-        f"✗ {violation.joint} passes its limit of {limit} at {violation.since:.2f} s: "
-        f"{value} at {violation.time:.2f} s."
-    )

@@ -1,9 +1,9 @@
-"""Tables of the result tab: searches as in the paper's Table I, and lengths stage by stage."""
+"""Tables of the Result tab: searches as in the paper's Table I, and lengths stage by stage."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import ClassVar
 
 from abi.planner.plan import Plan
@@ -16,7 +16,6 @@ from app.numbers import (
     format_excess,
     format_length,
     format_lower_bound,
-    format_setting,
     format_time,
     unbroken,
 )
@@ -37,118 +36,99 @@ _STYLE = (
     ".abi-table th,.abi-table td{padding:2px}}</style>"
 )
 """Numbers stay on one line; names and headings wrap where the font is wide or the page narrow."""
-_COARSE = (
-    f"{style.BOX}<b>≈ While you drag</b>: coarser grid ({{}} {{}}), only one search. "
-    "Let go for the full plan.</div>"
-)
-_PARTIAL = f"{style.BOX}While you drag: only one search. Let go for the others.</div>"
 _LEGEND = (
-    f"{style.BOX}✓ keeps the distance you asked for. ✗ comes closer: thick red in the scene. "
-    "▸ the arm follows this one.</div>"
+    f"{style.BOX}✓ keeps the distance you asked for (? unproven). ✗\N{NO-BREAK SPACE}closer: "
+    "thick red in the scene. ▸ the arm follows it.</div>"
 )
-_UNPROVEN = f"{style.BOX}? keeps it at every place that was measured, but is not proven.</div>"
+_NOTHING = ("–",) * 5
+_NO_STAGE = ("–",) * 3
+_OLD = '<span style="opacity:.55">{}</span>'
+"""Of the last full plan, while the next has not got so far."""
 FASTEST_SHOWN = 1.0
 """Shorter times say more about the machine than about the search, [ms]."""
 
 
 class TablesLayer:
-    """The two tables, and a note while they are not those of the final plan."""
+    """The two tables, as high for any plan: while one search is made, the others' rows stay."""
 
     switches: ClassVar[tuple[Switch, ...]] = ()
 
     def __init__(self, layout: Layout) -> None:
         with layout.result:
             self._tables = layout.client.gui.add_html("")
+        self._last: Mapping[str, tuple[str, ...]] = {}
         self._drawn: tuple[object, ...] = ()
 
     def draw(self, frame: Frame) -> None:
         """Write the plan's numbers."""
         plan = frame.plan
-        state = plan, frame.coarse, frame.partial
+        state = plan, frame.partial
         if state == self._drawn:
             return
         self._drawn = state
-        note = _PARTIAL if frame.partial else ""
-        if frame.coarse:
-            note = _COARSE.format(format_setting(plan.scene.mesh.pitch), plan.scene.unit)
-        self._tables.content = unbroken(_searches(plan, frame.partial) + _stages(plan) + note)
+        if frame.partial:
+            old = self._last
+        else:
+            # the first picture of another scene has no plan yet: its searches begin with nothing
+            self._last, old = _results(plan), {}
+        self._tables.content = unbroken(_searches(plan, old) + _stages(plan))
 
 
 @once_a_plan
-def _searches(plan: Plan, partial: bool) -> str:
-    """Table I, with the work of each search; ``partial``: some searches still follow."""
-    missing = "…" if partial else "–"
-    results = {result.algorithm: result for result in plan.searches}
-    rows = []
+def _results(plan: Plan) -> dict[str, tuple[str, ...]]:
+    """What each search found, as the cells of its row and its time."""
+    return {
+        result.algorithm: (
+            f"{len(result.vertices)}",
+            format_length(result.length),
+            format_count(result.expanded),
+            format_count(result.relaxed),
+            _time(plan.ms.get(result.algorithm, 0.0)),
+        )
+        for result in plan.searches
+    }
+
+
+def _searches(plan: Plan, old: Mapping[str, tuple[str, ...]]) -> str:
+    """Table I, with the work of each search and its time.
+
+    Args:
+        plan: what they found.
+        old: results of an earlier plan for the searches that still follow.
+    """
+    results = _results(plan)
+    rows, times = [], []
     for name, (label, colour) in style.ALGORITHMS.items():
         mark = style.swatch(colour, dashed=name == "dijkstra")
         chosen = name == plan.scene.search.algorithm
         title = f'{mark}<span class="abi-name">{f"<b>{label}</b>" if chosen else label}</span>'
-        if name not in results:
-            rows.append((title, *[missing] * 4))
-            continue
-        result = results[name]
-        rows.append(
-            (
-                title,
-                f"{len(result.vertices)}",
-                format_length(result.length),
-                format_count(result.expanded),
-                format_count(result.relaxed),
-            )
-        )
+        if name not in results and name in old and plan.error is None:
+            *cells, time = (_OLD.format(cell) for cell in old[name])
+        else:
+            *cells, time = results.get(name, _NOTHING)
+        rows.append((title, *cells))
+        times.append(time)
     head = ("search", "path nodes", f"length [{plan.scene.unit}]", "nodes visited", "edges tried")
-    return table(head, rows) + _times(plan, missing)
-
-
-def _times(plan: Plan, missing: str) -> str:
-    """Times of the searches in the order of the table: one line, however long they took."""
-    if not plan.searches:
-        return ""
-    times = [plan.ms.get(name) for name in style.ALGORITHMS]
-    told = (missing if ms is None else _time(ms) for ms in times)
-    return f"{style.BOX}Time, in this order: {', '.join(told)}.</div>"
+    # one line, however long they took
+    return f"{table(head, rows)}{style.BOX}Time, in this order: {', '.join(times)}.</div>"
 
 
 def _time(ms: float) -> str:
+    if ms == 0:  # it is not known
+        return "–"
     return format_time(ms) if ms >= FASTEST_SHOWN else f"&lt;{format_time(FASTEST_SHOWN)}"
 
 
 @once_a_plan
 def _stages(plan: Plan) -> str:
     """Length, gap to the optimum and clearance of each stage's result."""
-    required = plan.scene.spline.clearance
+    unit, exact = plan.scene.unit, plan.optimum is not None and plan.optimum.exact
     shortest = plan.straight_length if plan.optimum is None else plan.optimum.length
-    exact = plan.optimum is not None and plan.optimum.exact
-    best, rows = (shortest, exact), []
-    if plan.path is not None:
-        label, colour = style.ALGORITHMS[plan.path.algorithm]
-        swatch = style.swatch(colour, dashed=plan.path.algorithm == "dijkstra")
-        clearance = _clearance(plan.path_clearance, required, proven=True)
-        rows.append(_stage_row(f"{swatch}{label}", plan.path.length, best, clearance))
-    if plan.taut is not None:
-        clearance = _clearance(plan.taut.clearance, required, proven=True)
-        rows.append(
-            _stage_row(f"{style.swatch(style.TAUT)}straightened", plan.taut.length, best, clearance)
-        )
-    for name, fit, arc in (
-        ("bspline", plan.bspline, plan.bspline_arc),
-        ("quadratic", plan.quadratic, plan.quadratic_arc),
-    ):
-        if fit is None or arc is None:
-            continue
-        label, colour = style.CURVES[name]
-        executed = "<b> ▸</b>" if name == plan.followed else ""
-        certified = fit.clearance.certified
-        clearance = _clearance(distance_to_show(fit.clearance), required, proven=certified)
-        row = _stage_row(f"{style.swatch(colour)}{label}{executed}", arc.length, best, clearance)
-        # the bound is on clear curves: one that is not has no gap to it
-        rows.append(row if fit.holds else (*row[:2], "–", row[3]))
-    if not rows:
-        return ""
-    unit = plan.scene.unit
+    best = shortest, exact
     note = f"best possible: {format_lower_bound(shortest)} {unit}"
-    if not exact and plan.best_known is None:
+    if plan.path is None:
+        note = "best possible: –"
+    elif not exact and plan.best_known is None:
         note = f"best possible: at least {format_lower_bound(shortest)} {unit}"
     elif not exact:
         assert plan.best_known is not None
@@ -156,10 +136,48 @@ def _stages(plan: Plan) -> str:
         note = f"best possible: between {low} and {high} {unit}"
     longer = "longer than best" if exact else "longer, at most"
     head = ("stage", f"length [{unit}]", longer, f"distance kept [{unit}]")
-    legend = _LEGEND if plan.bspline is not None and plan.scene.obstacles else ""
-    if legend and any("?" in cell for row in rows for cell in row):
-        legend += _UNPROVEN
-    return table(head, rows, note) + legend
+    rows = _path_rows(plan, best) + _curve_rows(plan, best)
+    return table(head, rows, note) + (_LEGEND if plan.scene.obstacles else "")
+
+
+def _path_rows(plan: Plan, best: tuple[float, bool]) -> list[tuple[str, ...]]:
+    """Rows of the path and, where it is asked for, of the straightened one."""
+    required = plan.scene.spline.clearance
+    algorithm = plan.scene.search.algorithm if plan.path is None else plan.path.algorithm
+    label, colour = style.ALGORITHMS[algorithm]
+    title = f"{style.swatch(colour, dashed=algorithm == 'dijkstra')}{label}"
+    rows: list[tuple[str, ...]] = [(title, *_NO_STAGE)]
+    if plan.path is not None:
+        clearance = _clearance(plan.path_clearance, required, proven=True)
+        rows = [_stage_row(title, plan.path.length, best, clearance)]
+    title = f"{style.swatch(style.TAUT)}straightened"
+    if plan.taut is not None:
+        clearance = _clearance(plan.taut.clearance, required, proven=True)
+        rows.append(_stage_row(title, plan.taut.length, best, clearance))
+    elif plan.scene.search.taut:
+        rows.append((title, *_NO_STAGE))
+    return rows
+
+
+def _curve_rows(plan: Plan, best: tuple[float, bool]) -> list[tuple[str, ...]]:
+    """Rows of B-spline and quadratic."""
+    rows: list[tuple[str, ...]] = []
+    for name, fit, arc in (
+        ("bspline", plan.bspline, plan.bspline_arc),
+        ("quadratic", plan.quadratic, plan.quadratic_arc),
+    ):
+        label, colour = style.CURVES[name]
+        title = f"{style.swatch(colour)}{label}"
+        if fit is None or arc is None:
+            rows.append((title, *_NO_STAGE))
+            continue
+        executed = "<b> ▸</b>" if name == plan.followed else ""
+        shown, certified = distance_to_show(fit.clearance), fit.clearance.certified
+        clearance = _clearance(shown, plan.scene.spline.clearance, proven=certified)
+        row = _stage_row(title + executed, arc.length, best, clearance)
+        # the bound is on clear curves: one that is not has no gap to it
+        rows.append(row if fit.holds else (*row[:2], "–", row[3]))
+    return rows
 
 
 def _stage_row(

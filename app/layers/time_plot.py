@@ -1,4 +1,4 @@
-"""Curves over time, in which the page marks "now"."""
+"""Plot of curves over time, in which the page marks the present."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""An arm that a URDF describes: a node for each joint that moves, with the links it carries."""
+"""An arm that a URDF describes: one node per moving joint, with the links that it carries."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A view that a tab is told to show: by a lesson, a figure of the paper, or a teacher."""
+"""Cue: a view that a lesson, a figure of the paper or a teacher tells a tab to show."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Lessons as data: YAML files with Markdown in them, checked when they are read."""
+"""Lessons as data: YAML files with Markdown texts, checked when they are read."""
 
 from __future__ import annotations
 

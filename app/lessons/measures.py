@@ -1,4 +1,4 @@
-"""Numbers of a plan by name: what lessons ask about, wait for, and set into their texts."""
+"""Measures: numbers of a plan by name, which lessons ask about, wait for and quote."""
 
 from __future__ import annotations
 
@@ -53,6 +53,12 @@ def _clearance(plan: Plan, name: str) -> float | None:
 def _followed_length(plan: Plan) -> float | None:
     arc = plan.followed_arc
     return None if arc is None else arc.length
+
+
+def _is_complete(plan: Plan) -> bool:
+    """Whether there is a plan along a curve that keeps the clearance, for the tool alone."""
+    curve = plan.followed_curve
+    return plan.error is None and curve is not None and curve.holds
 
 
 def _axis_speed(plan: Plan, place: float) -> float | None:
@@ -121,7 +127,8 @@ MEASURES: Mapping[str, Measure] = MappingProxyType(
             None if f.plan.arm_clearance is None else f.plan.arm_clearance.distance
         ),
         "arm.reaches": lambda f: None if f.plan.motion is None else float(f.plan.motion.reachable),
-        "plan.complete": lambda f: float(f.plan.error is None),
+        "plan.complete": lambda f: float(_is_complete(f.plan) and f.plan.is_arm_clear),
+        "plan.tool_complete": lambda f: float(_is_complete(f.plan)),
         "search.step": lambda f: None if f.theatre is None else f.theatre.state.step,
         "search.done": lambda f: None if f.theatre is None else float(f.theatre.state.done),
         "search.length": lambda f: None if f.theatre is None else f.theatre.state.trace.length,

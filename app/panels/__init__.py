@@ -1,1 +1,1 @@
-"""Controls of a tab, a class each: what they read and write of a scene."""
+"""Panels: the controls of a tab, one class each, with what they read and write of a scene."""

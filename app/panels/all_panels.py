@@ -1,4 +1,4 @@
-"""All panels of a tab but the playback: built in the order of the page, read and written as one."""
+"""All panels of a tab except the playback: built in the order of the page, read as one."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from app.panels.end_gizmos import EndGizmos
 from app.panels.exports import ExportPanel
 from app.panels.figures import FiguresPanel
 from app.panels.files import FilesPanel
-from app.panels.history import History
+from app.panels.history import History, Step
 from app.panels.keys import KeysPanel
 from app.panels.layer_switches import LayerSwitches
 from app.panels.lecture import Lecture
@@ -75,7 +75,7 @@ class AllPanels:
             self.exports = ExportPanel(client, wake)
             self.bug_report = BugReportButton(client, wake)
         self.messages = Messages(self.layout, self.stages.bases, wake)
-        self.history = History(client.gui, scene, wake)
+        self.history = History(client.gui, self.step(scene), wake)
         with self.layout.learn:
             self.lessons = LessonPanel(client, library, wake)
             self.figures = FiguresPanel(client.gui, wake)
@@ -91,6 +91,7 @@ class AllPanels:
             self.lecture,
             self.stage_headers,
             self.stages.mesh,
+            self.stages.search,
             self.stages.bases,
             self.ends,
             self.obstacles,
@@ -147,8 +148,9 @@ class AllPanels:
         for panel in (self.messages, self.stages.bases):
             if requested is None and (change := panel.accepted_change()) is not None:
                 requested = scene.replace(**change)
-        if requested is None:
-            requested = self.history.requested(scene)
+        if requested is None and (step := self.history.requested(self.step(scene))) is not None:
+            self.files.show(step.loaded)
+            requested = step.scene
         if requested is not None:
             self._write(requested)
             return requested
@@ -159,6 +161,10 @@ class AllPanels:
         sections = {name: part for panel in inputs for name, part in panel.read().items()}
         files: dict[str, bytes | Surface] = {**self.editor.surfaces, **self.stages.arm.model.files}
         return scene.replace(files, **sections)
+
+    def step(self, scene: Scene) -> Step:
+        """What the history is to note of ``scene``, which is shown."""
+        return Step(scene, self.files.last)
 
     def cue(self, scene: Scene) -> Cue | None:
         """Setting of a lesson or a figure now, starting from ``scene``; None for none."""
@@ -180,6 +186,7 @@ class AllPanels:
     def go_back(self, state: TabState) -> None:
         """Show the scene, layers and search that a lesson or a figure replaced."""
         self.figures.close()
+        self.files.restore(state.name, state.scene)
         self.layer_switches.restore(state.shown, None)
         self.theatre.restore(state.theatre)
         self._write(state.scene)
@@ -205,7 +212,7 @@ class AllPanels:
             lesson=self.lessons.chosen,
             lecture=self.lecture.on,
             mesh_view=self.layer_switches.chosen_mesh_view(),
-            expanded_share=self.stages.search.expanded_share(),
+            visited=self.stages.search.visited(),
         )
 
     def _write(self, scene: Scene) -> None:

@@ -1,4 +1,4 @@
-"""Choice of the arm: the paper's, one that comes along, or a URDF of the user's."""
+"""Choice of the arm: the paper's, a shipped one, or a URDF of the user's."""
 
 from __future__ import annotations
 
@@ -7,14 +7,13 @@ from typing import Any
 
 import viser
 
-from abi.errors import SceneError
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
-from abi.robot.robot import usual_tip
+from abi.robot.robot import Robot, usual_tip
 from abi.robot.robot_files import SHIPPED, load_robot
 from abi.scene.scene import Scene
 from app import page
 from app.guard.reader import READER
-from app.panels.files import shown_name
+from app.panels.file_uploads import Dealing, FileKind, FileUploads, shown_name
 from app.panels.widgets import Wake
 
 _PAPER = "the paper's arm"
@@ -48,6 +47,7 @@ class ArmModelPanel:
         self.upload = gui.add_upload_button(
             "Add an arm…", mime_type=".zip,.urdf", hint="A URDF, or a zip of it and its meshes."
         )
+        self.uploads = FileUploads(gui, self.upload, FileKind(_read, shown_name), wake)
         self.tip = gui.add_dropdown(
             "tip", ("–",), hint="The link whose origin is the tool.", visible=False
         )
@@ -57,13 +57,11 @@ class ArmModelPanel:
             hint="Direction that the tip's z axis is held to.",
             visible=False,
         )
-        self._uploaded: object = self.upload.value
         self._scene_axis: tuple[float, float, float] | None = None
         self._tips_of: str | None = None
         self._unnamed_tip: str | None = None
         for handle in (self.model, self.tip, self.axis):
             handle.on_update(wake)
-        self.upload.on_upload(wake)
 
     @property
     def is_paper(self) -> bool:
@@ -72,7 +70,12 @@ class ArmModelPanel:
 
     def read(self) -> dict[str, Any]:
         """Read the fields of the section ``arm`` as typed."""
-        self._take_upload()
+        for one in self.uploads.news():
+            if isinstance(one.result, Robot):
+                self._take(one.name, one.result)
+            elif one.result is not None:
+                title = f"{one.name} is not added"
+                page.notify_refusal(self._client, title, one.result.message)
         name = self._name()
         if name is None:
             self.tip.visible = self.axis.visible = False
@@ -94,7 +97,10 @@ class ArmModelPanel:
             self.model.value = _PAPER
             return
         if arm.urdf not in SHIPPED:
+            is_new = self.files.get(arm.urdf) != arm.robot.archive
             self._add(arm.urdf, arm.robot.archive)
+            if is_new:
+                self._tell(arm.urdf, arm.robot)
         self.model.value = _SHIPPED.get(arm.urdf, arm.urdf)
         self._list_tips(arm.urdf, arm.tip)
         self._scene_axis = arm.axis
@@ -110,20 +116,16 @@ class ArmModelPanel:
         # a page may send anything: only listed arms are taken
         return chosen if chosen in SHIPPED or chosen in self.files else None
 
-    def _take_upload(self) -> None:
-        if self.upload.value is self._uploaded:
-            return
-        self._uploaded = self.upload.value
-        name = shown_name(self.upload.value.name)
-        try:
-            robot = READER.arm(self.upload.value.content, name)
-        except SceneError as error:
-            page.notify_refusal(self._client, f"{name} is not added", error.message)
-            return
+    def _take(self, name: str, robot: Robot) -> None:
+        """Choose an arm that was read."""
         name = f"{PurePosixPath(name).stem}.zip"
         self._add(name, robot.archive)
         self.model.value = name
         self._list_tips(name, None)
+        self._tell(name, robot)
+
+    def _tell(self, name: str, robot: Robot) -> None:
+        """Notify the user of what was left out of an arm, as visuals that cannot be read."""
         for note in robot.notes:
             self._client.add_notification(name, note, auto_close_seconds=8)
 
@@ -140,3 +142,9 @@ class ArmModelPanel:
         self.tip.value = tip or usual
         self._unnamed_tip = None if tip else usual
         self._tips_of = name
+
+
+def _read(content: bytes, dealing: Dealing[Robot]) -> Robot:
+    """Read the file of an arm."""
+    dealing.step("reading", 0.5)
+    return READER.arm(content, dealing.name, dealing.stopped)

@@ -1,6 +1,6 @@
-"""Offer over the scene where no motion of the arm was found: look for another place for its base.
+"""Offer, if no motion of the arm was found, to search for another place for its base.
 
-The search itself, its region and its findings in numbers are in stage 6.
+It stands over the scene; the search itself, its region and its results are in stage 6.
 """
 
 from __future__ import annotations
@@ -49,7 +49,9 @@ def _may_help(frame: Frame) -> bool:
     """Whether another base may help; not known before an arm in the way is explained."""
     error, reason = frame.plan.error, frame.reason
     if isinstance(error, ArmNotClear):
-        return reason is not None and (reason.change is None or "arm" in reason.change)
+        if reason is None:
+            return False
+        return reason.change is None or "arm" in reason.change or reason.moved is not None
     if frame.interactive:
         return False
     return isinstance(error, NotFollowed) or (isinstance(error, OutOfReach) and error.slide is None)

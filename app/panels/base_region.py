@@ -1,4 +1,4 @@
-"""The region in which a base is sought: a box by numbers, and by a gizmo in the scene."""
+"""The region in which a base is searched: a box, as numbers and as a gizmo in the scene."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Button that gives the text for a bug report."""
+"""Button that downloads the text of a bug report."""
 
 from __future__ import annotations
 

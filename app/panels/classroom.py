@@ -1,4 +1,4 @@
-"""The teacher's controls of a class, and the students' side of it."""
+"""Controls of a class: the teacher's, and the students' side."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""All searches on the present graph, in one table, when asked."""
+"""Table of all searches on the present graph, made on request."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The plan as a file for another program: a format to choose, and a button."""
+"""Export of the plan as a file for another program: a choice of format, and a button."""
 
 from __future__ import annotations
 
@@ -45,3 +45,5 @@ class ExportPanel:
             page.notify_refusal(self._client, "Not exported", error.message)
         else:
             self._client.send_file_download(row.file, content, save_immediately=True)
+            if warning := row.warning(plan):
+                page.notify_warning(self._client, "Exported, but not proven clear", warning)

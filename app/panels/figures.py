@@ -1,4 +1,4 @@
-"""The paper's figures in one click each, and the table of its numbers beside ours."""
+"""Buttons for the paper's figures, and the table of its numbers beside ours."""
 
 from __future__ import annotations
 

@@ -1,8 +1,9 @@
-"""Scenes to choose, open and save: the shipped ones and the user's files."""
+"""Choosing, opening and saving of scenes: shipped ones and the user's files."""
 
 from __future__ import annotations
 
 import re
+from dataclasses import dataclass
 from pathlib import Path
 
 import viser
@@ -12,19 +13,29 @@ from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.scene.scene import Scene, load_scene, scene_names
 from abi.scene.scene_file import MAX_BYTES, MAX_JSON_BYTES, text_of
 from app import page
-from app.guard.reader import READER
+from app.panels.file_uploads import FileKind, FileUploads, shown_name
+from app.panels.scene_uploads import SceneFile, parse, read
 from app.panels.widgets import Wake
 
-_NAME_LENGTH = 40
-"""Letters of a file's name that are shown."""
 _OPENED = " (opened)"
 """Behind the name of a file that is called as a shipped scene."""
-_MESH = re.compile(r"obstacles\[\d+\]\.file")
-"""Field of a scene that names a mesh."""
 _FOLDER = re.compile(r"^.*[/\\]")
 _ENDING = re.compile(r"\.(ya?ml|json|zip)$", re.IGNORECASE)
 _UNFIT = re.compile(r"[^\w.]+")
 """Letters that one system or another has no file name with."""
+
+
+@dataclass(frozen=True)
+class Loaded:
+    """A scene as it was loaded.
+
+    Attributes:
+        name: of the scene, as the page lists it.
+        scene: without what was changed since.
+    """
+
+    name: str
+    scene: Scene
 
 
 class FilesPanel:
@@ -46,38 +57,46 @@ class FilesPanel:
             hint=f"YAML up to {MAX_BYTES // 1000} kB, JSON up to {MAX_JSON_BYTES // 1000} kB; or a "
             "zip archive with its meshes.",
         )
+        self.uploads = FileUploads(gui, self.upload, FileKind(read, shown_name), wake)
         self.save = gui.add_button(
             "Save this scene",
             hint="Downloads it under its name: as YAML, or as a zip with its meshes.",
         )
         self.reset = gui.add_button("Back to the scene as loaded", color="gray")
-        self._loaded, self._chosen = scene, name
-        self._uploaded: object = self.upload.value
+        self._last = Loaded(name, scene)
         self.choice.on_update(wake)
-        self.upload.on_upload(wake)
         self.save.on_click(wake)
         self.reset.on_click(wake)
 
     @property
     def name(self) -> str:
         """Name of the scene loaded last."""
-        return self._chosen
+        return self._last.name
 
     @property
     def loaded(self) -> Scene:
         """The scene as it was loaded last."""
-        return self._loaded
+        return self._last.scene
+
+    @property
+    def last(self) -> Loaded:
+        """What was loaded last."""
+        return self._last
+
+    def show(self, loaded: Loaded) -> None:
+        """Take something loaded earlier for what was loaded last."""
+        self._last = loaded
+        if self.choice.value != loaded.name:
+            self.choice.value = loaded.name
 
     def restore(self, name: str, scene: Scene) -> None:
         """Take the scene of that name for the one loaded; ``scene`` where none is listed."""
-        if name == self._chosen == self.choice.value:
+        if name == self.name == self.choice.value:
             return
         if name not in (*self._opened, *scene_names()):
-            name, self._loaded = self._list(shown_name(name), scene), scene
+            self._last = Loaded(self._list(shown_name(name), scene), scene)
         else:
-            self._loaded = self._opened.get(name) or load_scene(name)
-            self.choice.value = name
-        self._chosen = name
+            self.show(Loaded(name, self._opened.get(name) or load_scene(name)))
 
     def requested(self, meshes: MeshSource) -> Scene | None:
         """The scene chosen, opened or reset since the last call; None for no new one.
@@ -87,24 +106,30 @@ class FilesPanel:
         """
         if self.reset.value:
             self.reset.value = False
-            return self._loaded
-        if self.upload.value is not self._uploaded:
-            self._uploaded = self.upload.value
-            name = shown_name(self.upload.value.name)
-            try:
-                self._loaded = _parse(self.upload.value, name, meshes)
-            except SceneError as error:
-                page.notify_refusal(self._client, f"{name} is not opened", error.message)
-                return None
-            self._chosen = self._list(name, self._loaded)
-            return self._loaded
+            return self.loaded
+        opened = [self._open(one.name, one.result, meshes) for one in self.uploads.news()]
+        if any(opened):
+            return self.loaded
         name = self.choice.value
         # a page may send anything: only listed scenes are opened
-        if name != self._chosen and (name in self._opened or name in scene_names()):
-            self._chosen = name
-            self._loaded = self._opened.get(name) or load_scene(name)
-            return self._loaded
+        if name != self.name and (name in self._opened or name in scene_names()):
+            self._last = Loaded(name, self._opened.get(name) or load_scene(name))
+            return self.loaded
         return None
+
+    def _open(self, name: str, found: SceneFile | SceneError | None, meshes: MeshSource) -> bool:
+        """Load what was read; False where that is no scene."""
+        try:
+            if found is None:
+                return False
+            if isinstance(found, SceneError):
+                raise found
+            scene = parse(found, meshes)
+        except SceneError as error:
+            page.notify_refusal(self._client, f"{name} is not opened", error.message)
+            return False
+        self._last = Loaded(self._list(name, scene), scene)
+        return True
 
     def _list(self, name: str, scene: Scene) -> str:
         """Add an opened scene to the choices, choose it and return its label."""
@@ -128,13 +153,8 @@ class FilesPanel:
         except SceneError as error:
             page.notify_refusal(self._client, "Not saved", error.message)
         else:
-            name = file_stem(self._chosen) + kind
+            name = file_stem(self.name) + kind
             self._client.send_file_download(name, content, save_immediately=True)
-
-
-def shown_name(name: str) -> str:
-    """Name of a file as the page shows it."""
-    return "".join(c for c in name if c.isprintable())[-_NAME_LENGTH:].strip() or "a file"
 
 
 def file_stem(name: str) -> str:
@@ -145,15 +165,3 @@ def file_stem(name: str) -> str:
     """
     stem = _ENDING.sub("", _FOLDER.sub("", name.removesuffix(_OPENED)))
     return _UNFIT.sub("-", stem).strip("-.") or "scene"
-
-
-def _parse(file: viser.UploadedFile, name: str, meshes: MeshSource) -> Scene:
-    data, files = READER.scene(file.content, name)
-    source = MeshSource({**meshes.files, **files}, meshes.folder)
-    try:
-        return Scene.from_dict(data, source)
-    except SceneError as error:
-        if _MESH.fullmatch(error.field) is None or error.value in source.files:
-            raise
-        expected = "it to be added here first (Add a mesh), or to be in one zip with the scene"
-        raise SceneError(error.field, error.value, expected) from None

@@ -1,4 +1,4 @@
-"""Search for the arm's best base: started, stopped and taken here, in portions of one plan each."""
+"""Search for the arm's best base, in steps of one plan each: start, stop, and take the best."""
 
 from __future__ import annotations
 

@@ -2,14 +2,29 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import viser
 
 from abi.scene.scene import Scene
+from app.panels.files import Loaded
 from app.panels.widgets import Wake
 
 _LONGEST = 200
+
+
+@dataclass(frozen=True)
+class Step:
+    """A scene to go back or forward to.
+
+    Attributes:
+        scene: as it was shown.
+        loaded: what it was made from.
+    """
+
+    scene: Scene
+    loaded: Loaded
 
 
 class History:
@@ -19,8 +34,8 @@ class History:
         undo: button to go one back; ``redo``, one forward. Both hidden: the toolbar presses them.
     """
 
-    def __init__(self, gui: viser.GuiApi, scene: Scene, wake: Wake) -> None:
-        self._scenes = [scene]
+    def __init__(self, gui: viser.GuiApi, first: Step, wake: Wake) -> None:
+        self._noted = [first]
         self._current = 0
         self._follows = False  # whether the scene shown is another tab's
         # Any, since viser declares a button's value read-only
@@ -40,7 +55,7 @@ class History:
     @property
     def noted(self) -> Scene:
         """The scene noted last, or gone back or forward to."""
-        return self._scenes[self._current]
+        return self._noted[self._current].scene
 
     @property
     def can_undo(self) -> bool:
@@ -50,47 +65,48 @@ class History:
     @property
     def can_redo(self) -> bool:
         """Whether there is a scene after the one shown."""
-        return self._current < len(self._scenes) - 1
+        return self._current < len(self._noted) - 1
 
-    def note(self, scene: Scene) -> None:
+    def note(self, shown: Step) -> None:
         """Note the scene that is shown; what was undone before it is forgotten."""
-        if scene == self._scenes[self._current]:
+        if shown.scene == self.noted:
+            self._noted[self._current] = shown  # it may be loaded under another name
             return
-        self._scenes = [*self._scenes[: self._current + 1], scene][-_LONGEST:]
-        self._current = len(self._scenes) - 1
+        self._noted = [*self._noted[: self._current + 1], shown][-_LONGEST:]
+        self._current = len(self._noted) - 1
         self._follows = False
 
-    def follow(self, own: Scene, scene: Scene) -> None:
+    def follow(self, own: Step, shown: Step) -> None:
         """Note what another tab shows: one step back from it is what was shown before that tab's.
 
         Args:
-            own: the scene shown until now, which may not have been noted yet.
-            scene: the other tab's.
+            own: what was shown until now, which may not have been noted yet.
+            shown: the other tab's.
         """
         self.note(own)
         if self._follows:
-            self._scenes[self._current :] = [scene]
-        elif scene != self.noted:
-            self.note(scene)
+            self._noted[self._current :] = [shown]
+        elif shown.scene != self.noted:
+            self.note(shown)
             self._follows = True
 
-    def begin(self, scene: Scene) -> None:
-        """Begin anew with ``scene``."""
-        self._scenes, self._current, self._follows = [scene], 0, False
+    def begin(self, first: Step) -> None:
+        """Begin anew with ``first``."""
+        self._noted, self._current, self._follows = [first], 0, False
 
-    def requested(self, scene: Scene) -> Scene | None:
+    def requested(self, shown: Step) -> Step | None:
         """The scene asked for since the last call; None for none, or where there is none.
 
         Args:
-            scene: the one shown, which may not have been noted yet.
+            shown: the one shown, which may not have been noted yet.
         """
         steps, self._steps = self._steps, 0
         if steps == 0:
             return None
-        self.note(scene)
+        self.note(shown)
         self._follows = False
-        self._current = min(max(self._current + steps, 0), len(self._scenes) - 1)
-        return self._scenes[self._current]
+        self._current = min(max(self._current + steps, 0), len(self._noted) - 1)
+        return self._noted[self._current]
 
     def _step_back(self, event: object) -> None:
         self._steps -= 1

@@ -1,4 +1,4 @@
-"""A sheet of all keys, over the page."""
+"""Sheet of all keys, over the page."""
 
 from __future__ import annotations
 

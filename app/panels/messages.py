@@ -1,6 +1,6 @@
 """The sentence over the scene: what to do and what was just done, or what is wrong and what helps.
 
-It lies over the scene, so that nothing that a hand may be holding moves when it changes.
+It lies over the scene, so that no control moves under the user's hand when it changes.
 """
 
 from __future__ import annotations
@@ -10,10 +10,10 @@ from typing import Any
 
 from abi.errors import AbiError, NoPath
 from abi.obstacles.primitives import Box, Capsule, Cylinder, Sphere
+from abi.planner.arm_words import contact_sentence
 from abi.planner.plan import Plan
 from abi.planner.reason import Reason
 from app import style
-from app.arm_words import contact_sentence
 from app.frame import Frame
 from app.labels import LABELS, sentence
 from app.layout import Layout
@@ -45,8 +45,9 @@ class Messages:
 
     def draw(self, frame: Frame) -> None:
         """Write the sentence for a frame."""
-        shown = frame.plan, frame.refused, frame.reason, frame.coarse, frame.interactive
-        state = *shown, *self._base.state(frame)
+        shown = frame.plan, frame.refused, frame.reason, frame.interactive
+        preview = frame.coarse, frame.partial
+        state = *shown, *preview, *self._base.state(frame)
         if state == self._drawn:
             return
         self._drawn = state
@@ -112,14 +113,17 @@ def _progress(frame: Frame) -> str:
     if plan.free is None or plan.path is None:
         return ""
     name = style.ALGORITHMS[plan.path.algorithm][0]
-    coarse = "≈ coarser while you drag · " if frame.coarse else ""
+    preview = "≈ one search while you drag · " if frame.partial else ""
+    if frame.coarse:
+        preview = "≈ coarser while you drag · "
     length = ""
     if plan.bspline_arc is not None:
         length = f"{format_length(plan.bspline_arc.length)} {plan.scene.unit}"
         length = f", a curve of {_whole(length)}"
+    # of code that was not compiled the time says nothing
+    time = f" in {_whole(format_time(max(plan.total_ms, 1)))}" if plan.total_ms else ""
     did = (
-        f"{coarse}{name} and {_whole('B-spline')} through {plan.free.nodes:,} nodes in "
-        f"{_whole(format_time(max(plan.total_ms, 1)))}{length}."
+        f"{preview}{name} and {_whole('B-spline')} through {plan.free.nodes:,} nodes{time}{length}."
     )
     return f"<b>{_invitation(plan)}</b> {did}"
 
@@ -143,6 +147,8 @@ def _change_label(reason: Reason) -> str:
     """Text of the button that makes a diagnosis' change of the scene."""
     if reason.obstacle is not None:
         return f"Remove obstacle {reason.obstacle + 1}"
+    if reason.moved is not None:
+        return f"Move obstacle {reason.moved + 1} there"
     parts = []
     for section, value in (reason.change or {}).items():
         if section in ("start", "goal"):

@@ -1,7 +1,7 @@
 """Start, goal and the chosen obstacle as numbers; add, duplicate and delete obstacles.
 
-A box and its gizmo show the same numbers. The one that changed since the last time counts: a typed
-number moves the gizmo, a drag rewrites the box.
+A number box and its gizmo show the same values. The one that has changed since the last time
+counts: a typed number moves the gizmo, and a drag rewrites the box.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from app.labels import sentence
 from app.panels.end_gizmos import EndGizmos
 from app.panels.free_place import Bounds, free_place
 from app.panels.mesh_note import MeshNote, fitted_scale
-from app.panels.mesh_uploads import MeshUploads, Read
+from app.panels.mesh_uploads import add_mesh_uploads
 from app.panels.obstacle_gizmos import ObstacleGizmos
 from app.panels.obstacle_sizes import ObstacleSizes
 from app.panels.widgets import Vec3, VectorBox, Wake
@@ -68,7 +68,7 @@ class ObstacleEditor:
         self._angles = VectorBox(gui, "turned [°]", 5.0, "About x, then y, then z.", wake)
         self.kind = gui.add_dropdown("new shape", ("box", "sphere", "cylinder", "capsule"))
         self.buttons = gui.add_button_group("change", ("Add", "Duplicate", "Delete"))
-        self.uploads = MeshUploads(gui, wake)
+        self.uploads = add_mesh_uploads(gui, wake)
         self.surfaces: dict[str, Surface] = {}
         self._noted: tuple[Scene, int] | None = None
         self._refused = ""
@@ -125,10 +125,10 @@ class ObstacleEditor:
     def _receive(self, scene: Scene) -> None:
         """Draw the uploaded meshes that are read, and add those that are prepared."""
         for one in self.uploads.news():
-            if isinstance(one, Read):
-                self._obstacles.foresee(self._placed(_FORESEEN, one.surface, scene))
-                continue
             if isinstance(one.result, Surface):
+                if not one.done:
+                    self._obstacles.foresee(self._placed(_FORESEEN, one.result, scene))
+                    continue
                 self._add_mesh(one.name, one.result, scene)
             elif one.result is not None:
                 page.notify_refusal(self._client, f"{one.name} is not added", sentence(one.result))

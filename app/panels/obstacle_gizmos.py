@@ -1,6 +1,6 @@
 """Obstacles in the scene, each under a gizmo.
 
-A body is a child of its gizmo, so it moves in the browser at once; the server hears the pose.
+A body is a child of its gizmo, so it moves in the browser at once; the server receives the pose.
 """
 
 from __future__ import annotations
@@ -20,11 +20,12 @@ from abi.obstacles.triangle_mesh.surface import Surface
 from abi.scene.scene import Scene
 from app import page, style
 from app.frame import Frame, Switch
+from app.named_obstacles import named_obstacles
 from app.obstacle_body import Body, add_body, add_edges
 from app.panels.widgets import Wake, phase_holds
 
 _MOST_NUMBERED = 40
-"""Obstacles that are numbered in the scene: more numbers would hide it."""
+"""Obstacles that are all numbered in the scene: more numbers would hide it."""
 _POSE = {"position", "wxyz"}
 _FORESEEN = 0.4
 """Part of its opacity that a mesh has which is not planned with yet."""
@@ -114,17 +115,24 @@ class ObstacleGizmos:
             self._visible = visible
             for gizmo in self.gizmos:
                 gizmo.visible = visible
-        self._number(frame.label_scale)
+        self._number(frame)
         if frame.current and frame.plan.scene.obstacles is not self._embodied:
             self._update_bodies(frame.plan.scene.obstacles)
             self._validated = list(zip(self._last_read, frame.plan.scene.obstacles, strict=True))
 
-    def _number(self, scale: float) -> None:
-        """Write on each obstacle the number by which messages call it, where there are several."""
+    def _number(self, frame: Frame) -> None:
+        """Write on each obstacle the number by which messages call it, where there are several.
+
+        Of very many, on those alone that a message names now.
+        """
+        count = len(self._labels)
+        numbered = range(count) if 1 < count <= _MOST_NUMBERED else frozenset[int]()
+        if count > _MOST_NUMBERED:
+            numbered = named_obstacles(frame)
         for index, label in enumerate(self._labels):
             label.text = str(index + 1)
-            label.visible = 1 < len(self._labels) <= _MOST_NUMBERED
-            label.font_screen_scale = scale
+            label.visible = index in numbered
+            label.font_screen_scale = frame.label_scale
 
     def _update_bodies(self, obstacles: Sequence[Obstacle]) -> None:
         """Draw the bodies anew whose obstacles have another shape or size."""

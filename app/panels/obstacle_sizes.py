@@ -1,4 +1,4 @@
-"""Sizes of one obstacle as numbers: of a mesh, its scale and the unit of its file."""
+"""Sizes of one obstacle as numbers; for a mesh, its scale and the unit of its file."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Path length and expanded nodes against the spacing, on the present scene, when asked."""
+"""Plot of path length and expanded nodes against the spacing, made on request."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Inputs of stage 3: algorithm, cost of an edge, taut path, and the search's slider."""
+"""Inputs of stage 3: algorithm, cost of an edge, taut path, and the slider through the search."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import viser
 
 from abi.scene.scene import Scene
 from app import style
+from app.frame import Frame
 from app.panels.widgets import Choice, Wake, clamp
 
 WEIGHTS = {"length": "length", "number of edges": "hops"}
@@ -39,12 +40,12 @@ class SearchPanel:
             hint="Cuts the zigzag that the grid forces on the path. Not in the paper.",
         )
         self.shown = gui.add_slider(
-            "visited [%]",
+            "nodes visited",
             0,
-            100,
+            1,
             1,
             0,
-            hint="Shows the nodes visited so far, from the first to the last.",
+            hint="In the order of the search: the first yellow, later ones blue, the latest red.",
         )
         self.taut.on_update(wake)
         self.shown.on_update(wake)
@@ -60,12 +61,23 @@ class SearchPanel:
             }
         }
 
-    def expanded_share(self) -> float:
-        """Part of the expansions to draw, 0 to 1."""
-        return clamp(self.shown.value, 0, 100) / 100
+    def visited(self) -> int:
+        """Number of expanded nodes to draw."""
+        return int(clamp(self.shown.value, 0, self.shown.max))
+
+    def draw(self, frame: Frame) -> None:
+        """Let the slider end where the search did, once the hand rests."""
+        path = frame.plan.path
+        if frame.interactive or frame.partial or not frame.current or path is None:
+            return
+        most = max(path.expanded, 1)
+        if self.shown.max != most:
+            self.shown.value = min(self.visited(), most)
+            self.shown.max = most
 
     def write(self, scene: Scene) -> None:
         """Show ``scene``."""
         self.algorithm.write(scene.search.algorithm)
         self.weight.write(scene.search.weight)
         self.taut.value = scene.search.taut
+        self.shown.value = 0  # of the search of another scene

@@ -1,4 +1,4 @@
-"""The search theatre's buttons and counters, for a lecture whose panels are folded."""
+"""Buttons and counters of the search theatre, for a lecture whose panels are folded."""
 
 from __future__ import annotations
 

@@ -7,9 +7,9 @@ import math
 import viser
 
 from abi.errors import AbiError, SceneError
+from abi.planner.arm_words import arm_result
 from abi.planner.plan import Plan
 from app import style
-from app.arm_words import arm_result
 from app.frame import Frame
 from app.numbers import format_length
 from app.once_a_plan import once_a_plan
@@ -53,13 +53,11 @@ class StageHeaders:
     def draw(self, frame: Frame) -> None:
         """Write the plan's results into the headings, and where an error belongs."""
         plan = frame.plan
-        state = plan, frame.coarse, frame.refused
+        state = plan, frame.refused
         if state == self._drawn:
             return
         self._drawn = state
         results = dict(_results(plan))
-        if frame.coarse and plan.free is not None:
-            results["mesh"] = f"≈ {plan.free.nodes:,} nodes"
         if (stage := _stage(frame.refused)) is not None:
             results[stage] = "not changed ✗"
         for stage, result in results.items():

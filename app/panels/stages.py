@@ -1,7 +1,7 @@
 """Inputs of all stages, each in its stage's folder on the left.
 
-A panel has ``read()``, the sections of a scene as typed, which :meth:`abi.Scene.replace` checks,
-and ``write(scene)``, which shows another scene. ``wake`` is the only callback there is.
+A panel has ``read()``, which returns sections of a scene as typed, for :meth:`abi.Scene.replace` to
+check, and ``write(scene)``, which shows another scene. ``wake`` is the only callback.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The search theatre: any search step by step, forward and back, guessed, or in a race."""
+"""The search theatre: any search step by step in both directions, with guesses, or as a race."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Five steps through the page, on demand."""
+"""Tour of the page in five steps."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ STEPS = (
     f"<b>Below</b> is the player. Press {_placed('Space', 'Play')}, or move the slider, and watch "
     "the arm follow the curve; <i>Plots</i> draws its joints over time.",
     "<b>In <i>Scene</i></b> you add obstacles, also an STL of your own, save, and copy a link. "
-    "<i>Learn</i> has lessons. <i>Undo</i> takes back anything"
+    "<i>Learn</i> has lessons. <i>Undo</i> takes back every change of the scene"
     f"{_placed('; the key H shows all keys')}.",
 )
 

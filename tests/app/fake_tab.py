@@ -37,6 +37,15 @@ def layer(session: Session, kind: type[_Layer]) -> _Layer:
     return match
 
 
+def send_file(session: Session, button: Any, name: str, content: bytes) -> None:
+    """What viser does with a file that was uploaded."""
+    button._impl.value = viser.UploadedFile(name=name, content=content)
+    number = session.client.client_id
+    event = viser.GuiEvent(client=session.client, client_id=number, target=button)
+    for callback in button._impl.update_cb:
+        callback(event)
+
+
 class FakeTab:
     """Client that sends a page's messages, and counts and drops what it receives."""
 

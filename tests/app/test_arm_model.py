@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-import viser
 
 from abi.arm.arm import Arm
 from abi.arm.urdf_arm import UrdfArm
+from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.robot.robot_files import robot_from_archive
-from abi.scene.scene import load_scene
+from abi.scene.scene import Scene, load_scene
 from app.layers.urdf_arm import UrdfArmLayer, link_mesh
 from app.panels.arm import ArmPanel
 from app.session import Session
 from tests.abi.robot.robots import arm, packed
 from tests.abi.robot.test_visuals import dae, looking
-from tests.app.fake_tab import FakeTab, layer, until
+from tests.app.fake_tab import FakeTab, layer, send_file, until
 
 
 def panel(session: Session) -> ArmPanel:
@@ -28,10 +28,7 @@ def planned_arm(session: Session) -> object:
 
 def upload(session: Session, name: str, content: bytes) -> None:
     """What viser does with an uploaded file."""
-    button = panel(session).model.upload
-    button._impl.value = viser.UploadedFile(name=name, content=content)
-    number = session.client.client_id
-    session.wake(viser.GuiEvent(client=session.client, client_id=number, target=button))
+    send_file(session, panel(session).model.upload, name, content)
 
 
 @pytest.mark.slow
@@ -90,6 +87,24 @@ def test_an_upload_is_an_arm_or_a_sentence(
     until(lambda: session.plan is not None and session.plan.scene.arm.urdf == "plain.zip")
     fake.set(panel(session).model.tip, "c")
     until(lambda: session.plan is not None and session.plan.scene.arm.tip == "c")
+
+
+@pytest.mark.slow
+def test_a_scene_that_is_opened_tells_what_is_left_out_of_its_arm(
+    tab: tuple[FakeTab, Session], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    _, session = tab
+    told: list[str] = []
+    monkeypatch.setattr(
+        session.client, "add_notification", lambda title, body, **_: told.append(body)
+    )
+    damaged = packed({"own.urdf": looking("a.dae"), "a.dae": b"<COLLADA>"})
+    data = {"version": 1, "arm": {"model": "urdf", "urdf": "damaged.zip"}}
+    scene = Scene.from_dict(data, MeshSource({"damaged.zip": damaged}))
+    until(lambda: session.resting)
+    for _ in range(2):  # once for an arm
+        panel(session).model.write(scene)
+        assert told == ["Drawn by collision shapes, as visuals cannot be read: a."]
 
 
 def test_a_link_is_drawn_with_the_triangles_of_its_visual() -> None:

@@ -291,6 +291,19 @@ def test_export_writes_by_the_files_ending_or_by_name(
     assert len(table.read_text().splitlines()) == 402
 
 
+def test_export_warns_of_a_motion_through_a_wall(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    for file in ("a.csv", "a.ros.json", "a.mcap"):
+        target = str(tmp_path / file)
+        code, _, err = run(monkeypatch, capsys, "export", "wall-with-window", "--to", target)
+        assert code == 0
+        assert err.count("\n") == 1
+        assert "Warning: the arm's motion is not proven clear. The rod touches obstacle 2" in err
+    target = str(tmp_path / "a.scene")
+    assert run(monkeypatch, capsys, "export", "wall-with-window", "--to", target)[2] == ""
+
+
 @pytest.mark.parametrize(
     ("args", "expected"),
     [

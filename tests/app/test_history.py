@@ -7,7 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from abi.scene.scene import Scene, load_scene
-from app.panels.history import History
+from app.panels.files import Loaded
+from app.panels.history import History, Step
 from app.session import Session
 from tests.app.fake_tab import FakeTab, until
 
@@ -26,19 +27,20 @@ class _Gui:
     add_command = add_button
 
 
-def _scene(number: int) -> Scene:
-    return Scene(version=1, motion={"speed": float(number + 1)})
+def _step(number: int) -> Step:
+    scene = Scene(version=1, motion={"speed": float(number + 1)})
+    return Step(scene, Loaded(f"scene {number}", scene))
 
 
 @given(st.lists(st.sampled_from(["undo", "redo", *range(5)]), max_size=30))
 def test_history_is_that_of_an_editor(steps: list[str | int]) -> None:
-    history = History(_Gui(), _scene(0), lambda _: None)  # type: ignore[arg-type]
-    before, now, after = list[Scene](), _scene(0), list[Scene]()
+    history = History(_Gui(), _step(0), lambda _: None)  # type: ignore[arg-type]
+    before, now, after = list[Step](), _step(0), list[Step]()
     for step in steps:
         if isinstance(step, int):
-            if _scene(step) != now:
-                before, now, after = [*before, now], _scene(step), []
-            history.note(_scene(step))
+            if _step(step) != now:
+                before, now, after = [*before, now], _step(step), []
+            history.note(_step(step))
         elif step == "undo":
             history._step_back(None)
             old = now
@@ -51,38 +53,40 @@ def test_history_is_that_of_an_editor(steps: list[str | int]) -> None:
             if after:
                 before, now, after = [*before, now], after[0], after[1:]
             assert history.requested(old) == now
-        assert history.noted == now
+        assert history.noted == now.scene
         assert history.can_undo == bool(before)
         assert history.can_redo == bool(after)
     assert history.requested(now) is None
 
 
 def test_undo_leads_from_what_a_teacher_shows_back_to_ones_own_work() -> None:
-    history = History(_Gui(), _scene(0), lambda _: None)  # type: ignore[arg-type]
-    shown = _scene(1)  # not noted yet: the hand has just let go
+    history = History(_Gui(), _step(0), lambda _: None)  # type: ignore[arg-type]
+    shown = _step(1)  # not noted yet: the hand has just let go
     for number in (5, 6, 7):
-        history.follow(shown, _scene(number))
-        shown = _scene(number)
-        assert history.noted == shown
+        history.follow(shown, _step(number))
+        shown = _step(number)
+        assert history.noted == shown.scene
     history._step_back(None)
-    assert history.requested(shown) == _scene(1)
+    assert history.requested(shown) == _step(1)
     # what the teacher shows next is a step of its own again
-    history.follow(_scene(1), _scene(8))
-    history.note(_scene(2))
-    history.follow(_scene(2), _scene(9))
+    history.follow(_step(1), _step(8))
+    history.note(_step(2))
+    history.follow(_step(2), _step(9))
     steps = []
+    latest = _step(9)
     for _ in range(5):
         history._step_back(None)
-        steps.append(history.requested(history.noted))
-    assert steps == [_scene(2), _scene(8), _scene(1), _scene(0), _scene(0)]
+        latest = history.requested(latest) or latest
+        steps.append(latest)
+    assert steps == [_step(2), _step(8), _step(1), _step(0), _step(0)]
 
 
 def test_a_teacher_who_shows_ones_own_scene_takes_nothing_from_it() -> None:
-    history = History(_Gui(), _scene(0), lambda _: None)  # type: ignore[arg-type]
-    history.follow(_scene(0), _scene(0))
-    history.follow(_scene(0), _scene(3))
+    history = History(_Gui(), _step(0), lambda _: None)  # type: ignore[arg-type]
+    history.follow(_step(0), _step(0))
+    history.follow(_step(0), _step(3))
     history._step_back(None)
-    assert history.requested(_scene(3)) == _scene(0)
+    assert history.requested(_step(3)) == _step(0)
 
 
 @pytest.mark.slow
@@ -108,7 +112,30 @@ def test_everything_is_undone_and_done_again(tab: tuple[FakeTab, Session]) -> No
     for scene in scenes[-2::-1]:
         fake.set(panels.history.undo, True)
         until(lambda scene=scene: session.frame.plan.scene == scene)  # type: ignore[misc]
+        assert panels.files.choice.value == panels.files.name == "paper"
+        assert panels.files.loaded == scenes[0]
     for scene in scenes[1:]:
         fake.set(panels.history.redo, True)
         until(lambda scene=scene: session.frame.plan.scene == scene)  # type: ignore[misc]
+    assert panels.files.choice.value == panels.files.name == "two-boxes"
+    assert panels.files.loaded == scenes[-1]
     assert len(panels.obstacles.gizmos) == 2
+
+
+@pytest.mark.slow
+def test_a_scene_whose_choice_was_undone_can_be_chosen_again(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    files, paper = session.panels.files, load_scene("paper")
+    until(lambda: session.resting)
+    for _ in range(2):
+        fake.set(files.choice, "two-boxes")
+        until(lambda: session.frame.plan.scene == load_scene("two-boxes"))
+        until(lambda: session.resting)
+        fake.set(session.panels.history.undo, True)
+        until(lambda: session.frame.plan.scene == paper)
+        until(lambda: session.resting)
+    assert session._state().name == "paper"
+    fake.drag(session.panels.obstacles.gizmos[0], [3.0, 3.0, 2.0])
+    until(lambda: session.frame.plan.scene != paper)
+    fake.set(files.reset, True)
+    until(lambda: session.frame.plan.scene == paper)

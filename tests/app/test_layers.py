@@ -12,6 +12,8 @@ import pytest
 import viser
 
 from abi import load_scene, plan
+from abi.planner.arm_words import arm_result
+from abi.planner.diagnosis import explain
 from abi.scene.scene import Scene
 from app.address import Address
 from app.frame import Frame
@@ -19,9 +21,14 @@ from app.layers.arm import ArmLayer
 from app.layers.headline import headline
 from app.layers.mesh import MeshLayer
 from app.layers.names import NamesLayer
-from app.layers.plots import PlotsLayer
+from app.layers.plots import PlotsLayer, _joints_title
+from app.layers.search_order import SearchOrderLayer, shades
+from app.layers.stage_notes import notes
 from app.layers.workspace import WorkspaceLayer
 from app.look import PLAIN
+from app.numbers import format_lower_bound
+from app.panels.base_offer import _may_help
+from app.panels.messages import _change_label
 from app.server import Server, start
 from app.session import Session
 from app.tab_view import SWITCHES
@@ -170,6 +177,22 @@ def test_a_plot_has_its_data_before_it_is_shown(tab: tuple[FakeTab, Session]) ->
     tabs.remove()
 
 
+@pytest.mark.parametrize(
+    ("slides", "unit", "title"),
+    [
+        ((False, True), "cm", "joint positions [rad, cm]"),
+        ((False, False), "mm", "joint positions [rad]"),
+        ((True, True), "m", "joint positions [m]"),
+    ],
+)
+def test_the_plot_of_joints_names_their_units(
+    slides: tuple[bool, ...], unit: str, title: str
+) -> None:
+    motion = plan(load_scene("paper")).motion
+    assert motion is not None
+    assert _joints_title(replace(motion, slides=slides), unit) == title
+
+
 def _still(session: Session) -> Frame:
     """The session's last frame, drawn to its end while nothing moves any more."""
     until(lambda: session.resting)
@@ -282,3 +305,87 @@ def test_the_distance_kept_is_no_good_news_while_the_arm_goes_through_something(
     assert around.arm_clearance is not None
     assert around.arm_clearance.certified
     assert "✓" in headline(around)
+
+
+@pytest.mark.parametrize(
+    "arm",
+    [
+        {"base": (3.0, -30.0, 0.0)},  # out of reach
+        {"q5": 2.5},  # past the slide's limit
+        {"clearance": 5.0, "avoid": False},  # too near
+    ],
+)
+def test_no_headline_is_green_while_the_arm_is_not_proven_clear(arm: dict[str, object]) -> None:
+    aside = {"shape": "sphere", "radius": 0.2, "position": (5.7, 0.3, 5.7)}
+    result = plan(load_scene("paper").replace(arm=arm, obstacles=[aside]))
+    assert result.followed_curve is not None
+    assert result.followed_curve.holds
+    assert result.arm_clearance is not None
+    assert not result.arm_clearance.contacts
+    assert not result.is_arm_clear
+    assert "✓" not in arm_result(result)
+    assert "✓" not in headline(result)
+    assert "kept by the tool alone" in headline(result)
+
+
+def test_links_nearer_than_asked_for_are_told_with_both_numbers() -> None:
+    scene = load_scene("paper").replace(arm={"clearance": 0.5, "avoid": False})
+    result = plan(scene)
+    assert result.arm_clearance is not None
+    assert result.arm_clearance.is_too_near
+    assert arm_result(result) == "links too near ✗"
+    note = notes(result)["arm"]
+    assert f"{format_lower_bound(result.arm_clearance.distance)} cm of the 0.5 cm wanted" in note
+    assert "✗" in note
+    assert "Proven" not in note
+    kept = plan(load_scene("paper"))
+    assert arm_result(kept) == "proven clear ✓"
+    assert "Proven: every link keeps" in notes(kept)["arm"]
+
+
+@pytest.mark.parametrize(("speed", "spilt"), [(30.0, False), (3000.0, True)])
+def test_a_cup_has_its_tilt_in_degrees_though_it_is_spilt(speed: float, spilt: bool) -> None:
+    motion = {"speed": speed, "acceleration": speed, "deceleration": speed}
+    result = plan(load_scene("paper").replace(motion=motion))
+    assert result.liquid_tilt is not None
+    note = notes(result)["motion"]
+    assert ("spilt" in note) == spilt
+    assert f"by up to {np.degrees(result.liquid_tilt):.0f}°" in note
+
+
+def test_an_obstacle_in_the_way_is_moved_by_a_button_beside_find_a_base() -> None:
+    scene = load_scene("wall-with-window").replace(arm={"avoid": True})
+    result = plan(scene)
+    reason = explain(scene, result)
+    assert reason is not None
+    assert reason.moved is not None
+    assert _change_label(reason) == f"Move obstacle {reason.moved + 1} there"
+    assert _may_help(Frame(result, reason=reason))
+
+
+def test_the_nodes_visited_are_shown_in_their_order(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    slider, visited = session.panels.stages.search.shown, layer(session, SearchOrderLayer)
+    until(lambda: session.resting)
+    plan = session.frame.plan
+    assert plan.path is not None
+    assert plan.graph is not None
+    order = plan.path.order
+    assert slider.max == len(order)
+    count = len(order) // 2
+    fake.set(slider, count)
+    until(lambda: len(visited._cloud.points) == count)
+    until(lambda: session.resting)
+    places = plan.graph.points[order[:count]].astype(np.float32)
+    assert len(np.unique(order[:count])) == count  # A* expands no node again
+    cloud = visited._cloud._cloud
+    assert cloud is not None
+    colour = {tuple(p): tuple(c) for p, c in zip(cloud.points, cloud.colors, strict=True)}
+    wanted = map(tuple, shades(np.arange(count) / (len(order) - 1)))
+    assert [colour[tuple(place)] for place in places] == list(wanted)
+    assert np.allclose(visited._latest.points, places[-1:])
+    fake.set(session.panels.files.choice, "two-boxes")
+    until(lambda: session.frame.plan.scene == load_scene("two-boxes") and session.resting)
+    assert slider.value == session.frame.visited == 0
+    path = session.frame.plan.path
+    until(lambda: path is not None and slider.max == path.expanded)

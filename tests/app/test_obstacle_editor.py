@@ -11,17 +11,17 @@ import numpy as np
 import pytest
 import viser
 
-from abi import compiling
 from abi.scene.scene import Scene, load_scene
 from abi.scene.scene_file import dump
 from app.address import Address
 from app.layers.arm import ArmLayer
 from app.layers.plots import PlotsLayer
 from app.look import PLAIN
+from app.named_obstacles import numbers_of
 from app.server import start
 from app.session import Session
 from tests.abi import meshes
-from tests.app.fake_tab import FakeTab, layer, until
+from tests.app.fake_tab import FakeTab, layer, send_file, until
 
 MILLIMETRES = {
     "version": 1,
@@ -136,11 +136,10 @@ def test_a_wrong_number_is_told_of_until_it_is_mended(tab: tuple[FakeTab, Sessio
     fake.set(session.panels.stages.motion.speed, 0.0)
     until(lambda: "The cruise speed must be" in shown["message"])
 
-    # at rest the good scene is planned anew, as it is once everything is compiled
+    # at rest the good scene is planned in full, where that had to wait
     plans = session.plans
-    compiling.compile()
-    session._pause.compiled = False
-    until(lambda: session.plans > plans and session._pause.compiled)
+    session._planner.live.partial = True
+    until(lambda: session.plans > plans and session.resting)
     assert "The cruise speed must be" in shown["message"]
     assert session.frame.refused is not None
 
@@ -192,7 +191,7 @@ def test_the_arm_is_as_large_as_the_scenes_unit_says(tmp_path: Path) -> None:
 def test_a_file_that_is_no_scene_is_named_and_changes_nothing(
     tab: tuple[FakeTab, Session], monkeypatch: pytest.MonkeyPatch, content: bytes, reason: str
 ) -> None:
-    fake, session = tab
+    _, session = tab
     notices: list[tuple[str, str]] = []
     monkeypatch.setattr(
         session.client,
@@ -200,9 +199,7 @@ def test_a_file_that_is_no_scene_is_named_and_changes_nothing(
         lambda title, body, **_: notices.append((title, body)),
     )
     good = session.plan
-    file = viser.UploadedFile("my scene.yaml", b"version: 1\n" + content)
-    session.panels.files.upload._impl.value = file
-    fake.set(session.panels.stages.search.shown, 10)
+    send_file(session, session.panels.files.upload, "my scene.yaml", b"version: 1\n" + content)
     until(lambda: bool(notices))
 
     assert notices == [("my scene.yaml is not opened", reason)]
@@ -255,3 +252,47 @@ def test_plots_are_there_when_there_is_motion(tab: tuple[FakeTab, Session]) -> N
     until(lambda: all(plot.visible for plot in plots))
     # also around the joint that does not move there is a scale
     until(lambda: all(np.ptp(np.concatenate(plot.data[1:])) > 0 for plot in plots))
+
+
+def _numbered(session: Session) -> set[int]:
+    return {k for k, label in enumerate(session.panels.obstacles._labels) if label.visible}
+
+
+@pytest.mark.slow
+def test_of_very_many_obstacles_those_that_a_message_names_are_numbered(tmp_path: Path) -> None:
+    balls = [
+        {"shape": "sphere", "radius": 0.1, "position": [0.5 + x, 5.5 - 0.1 * y, 0.5 + y]}
+        for x in range(6)
+        for y in range(6)
+    ]
+    balls += [{"shape": "sphere", "radius": 0.1, "position": [5.5, 0.3, z]} for z in range(1, 7)]
+    path = tmp_path / "many.yaml"
+    Scene.from_dict({"version": 1, "obstacles": balls, "mesh": {"pitch": 0.8}}).save(path)
+    with served(path) as (fake, session):
+        until(lambda: session.resting)
+        # one into which the start is put
+        fake.set(session.panels.editor._end_boxes["start"].handle, [5.5, 0.3, 3.0])
+        until(lambda: session.frame.reason is not None)
+        reason = session.frame.reason
+        assert reason is not None
+        assert "obstacle 39" in reason.message
+        assert 38 in _numbered(session)
+        assert len(_numbered(session)) < 10
+        fake.set(session.panels.history.undo, True)
+        until(lambda: session.resting and session.frame.plan.error is None)
+        assert 38 not in _numbered(session)
+
+
+@pytest.mark.parametrize(
+    ("text", "numbers"),
+    [
+        ("cuts 0.2 cm into obstacle 7 ✗", [6]),
+        ("The arm touches obstacles 1, 2 and 5, and the floor.", [0, 1, 4]),
+        ("Without obstacles 3–5 there is a motion.", [2, 3, 4]),
+        ("Without obstacles 1, 12 and 30 more there is one.", [0, 11]),
+        ("the forearm comes nearest to obstacle 1 at 1.25 s; obstacle 20, by 3 cm", [0, 19]),
+        ("Every link keeps 0.1 cm from the obstacles; 4 of 5", []),
+    ],
+)
+def test_the_numbers_of_a_sentence_are_found(text: str, numbers: list[int]) -> None:
+    assert numbers_of(text) == numbers

@@ -1,9 +1,19 @@
+"""Scene files: opened beside the planning, saved under their names."""
+
 from __future__ import annotations
+
+import threading
+from typing import Any
 
 import pytest
 
-from abi.scene.scene import scene_names
+from abi.scene.scene import load_scene, scene_names
+from app.guard.reader import Reader
+from app.panels.file_uploads import FileUploads
 from app.panels.files import file_stem
+from app.session import Session
+from tests.abi.robot.robots import arm
+from tests.app.fake_tab import FakeTab, send_file, until
 
 
 @pytest.mark.parametrize("name", scene_names())
@@ -33,3 +43,74 @@ def test_a_file_is_named_after_its_scene(name: str, stem: str) -> None:
 def test_a_file_that_is_opened_and_saved_keeps_its_name(name: str) -> None:
     stem = file_stem(name)
     assert file_stem(f"{stem}.zip") == file_stem(f"{stem}.yaml (opened)") == stem
+
+
+@pytest.fixture
+def held(monkeypatch: pytest.MonkeyPatch) -> threading.Event:
+    """Holds back the reading of files until it is set."""
+    event, read = threading.Event(), Reader.read
+
+    def wait(*args: Any) -> object:
+        assert event.wait(60)
+        return read(*args)
+
+    monkeypatch.setattr(Reader, "read", wait)
+    return event
+
+
+def _begin(session: Session, kind: str) -> FileUploads[Any]:
+    """Send a file of a kind; what is told of it."""
+    if kind == "scene":
+        files = session.panels.files
+        content = load_scene("sculpture").pack()
+        send_file(session, files.upload, "own.zip", content)
+        return files.uploads
+    model = session.panels.stages.arm.model
+    send_file(session, model.upload, "own.urdf", arm().encode())
+    return model.uploads
+
+
+def _is_taken(session: Session, kind: str) -> bool:
+    if kind == "scene":
+        return session.panels.files.name == "own.zip"
+    return session.panels.stages.arm.model.model.value == "own.zip"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", ["scene", "arm"])
+def test_planning_goes_on_while_a_file_is_read(
+    tab: tuple[FakeTab, Session], held: threading.Event, kind: str
+) -> None:
+    fake, session = tab
+    until(lambda: session.resting)
+    uploads = _begin(session, kind)
+    until(lambda: uploads._stop.visible and uploads._bar.visible)
+    assert "reading" in uploads._line.content
+    fake.set(session.panels.stages.spline.degree, 2)
+    until(lambda: session.frame.plan.scene.spline.degree == 2)
+    assert not _is_taken(session, kind)
+    held.set()
+    until(lambda: _is_taken(session, kind))
+    until(lambda: not uploads._stop.visible)
+    if kind == "scene":
+        opened = session.panels.files.loaded
+        assert opened.start == load_scene("sculpture").start
+        until(lambda: session.frame.plan.scene == opened)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", ["scene", "arm"])
+def test_a_file_that_is_stopped_changes_nothing(
+    tab: tuple[FakeTab, Session], held: threading.Event, kind: str
+) -> None:
+    fake, session = tab
+    until(lambda: session.resting)
+    uploads, before = _begin(session, kind), session.frame.plan.scene
+    until(lambda: uploads._stop.visible)
+    fake.set(uploads._stop, True)
+    until(lambda: not uploads._stop.visible)
+    held.set()
+    until(lambda: uploads._pending == 0)
+    fake.set(session.panels.stages.spline.degree, 2)
+    until(lambda: session.frame.plan.scene == before.replace(spline={"degree": 2}))
+    assert not _is_taken(session, kind)

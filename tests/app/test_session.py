@@ -12,6 +12,7 @@ import viser
 
 from abi.export.formats import FORMATS
 from abi.planner.plan import Plan
+from abi.planner.planner import plan
 from abi.scene.scene import Scene, load_scene
 from app import pause
 from app.address import Address
@@ -402,3 +403,25 @@ def test_a_plan_is_downloaded_in_the_format_chosen(
     fake.set(panel.button, True)
     until(lambda: bool(refused))
     assert refused[0].startswith("There is no motion to export: ")
+
+
+def test_a_motion_through_a_wall_is_exported_with_a_notice(
+    tab: tuple[FakeTab, Session], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    _, session = tab
+    sent: list[str] = []
+    told: list[str] = []
+    monkeypatch.setattr(
+        session.client,
+        "send_file_download",
+        lambda file, content, save_immediately: sent.append(file),
+    )
+    monkeypatch.setattr(
+        session.client, "add_notification", lambda title, body, **_: told.append(body)
+    )
+    until(lambda: session.resting)
+    session.panels.exports.send(plan(load_scene("paper")))
+    assert (sent, told) == (["motion.csv"], [])
+    session.panels.exports.send(plan(load_scene("wall-with-window")))
+    assert len(sent) == 2
+    assert told[0].startswith("The rod touches obstacle 2, by ")

@@ -16,6 +16,7 @@ from app import page
 from app.challenge import GOALS, Challenge, challenge_of, parsed
 from app.frame import Frame
 from app.layers.motion_curves import acceleration, links_clearance, tool_clearance
+from app.lessons.measures import value
 from app.panels.share import png
 from app.session import Session
 from app.tab_state import TabState
@@ -48,6 +49,29 @@ def test_a_challenge_can_be_met() -> None:
     assert found.is_met(frame_of(PAPER))
     assert challenge_of("make it 3 % shorter", frame_of(load_scene("no-way"))) is None
     assert challenge_of("anything", frame_of(PAPER)) is None
+
+
+def test_a_challenge_is_not_met_through_a_wall() -> None:
+    wall = frame_of(load_scene("wall-with-window"))
+    assert wall.plan.error is None
+    assert value("plan.complete", wall) == 0
+    assert value("plan.tool_complete", wall) == 1
+    for goal in ("find a plan", "keep the quadratic clear", "make it 3 % shorter"):
+        challenge = challenge_of(goal, frame_of(PAPER))
+        assert challenge is not None
+        assert "with the whole arm clear" in challenge.text
+        assert not challenge.is_met(wall)
+
+
+def test_a_challenge_through_a_wall_says_that_it_is_for_the_tool_alone() -> None:
+    wall = frame_of(load_scene("wall-with-window"))
+    challenge = challenge_of("find a plan", wall)
+    assert challenge is not None
+    assert "for the tool alone" in challenge.text
+    assert challenge.is_met(wall)
+    farther = challenge_of("keep the arm farther away", wall)
+    assert farther is not None
+    assert "plan.complete" in {condition.measure for condition in farther.until}
 
 
 @pytest.mark.parametrize("data", ["", "{", "[]", '{"text": "a", "until": []}', '{"text": 1}'])

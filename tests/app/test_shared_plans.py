@@ -11,21 +11,19 @@ from abi.planner.live_planner import LivePlanner
 from abi.planner.plan import Plan
 from abi.planner.planner import plan
 from abi.scene.scene import Scene, load_scene
+from app.frame import Frame
+from app.panels.messages import _progress
 from app.shared_plans import SharedPlans
 from app.tab_planner import TabPlanner
 
 
-def test_a_plan_is_found_by_an_equal_scene_only(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_plan_is_found_by_an_equal_scene_only() -> None:
     plans, made = SharedPlans(), plan(load_scene("two-boxes"))
-    monkeypatch.setattr(compiling, "is_done", lambda: False)
     plans.keep(made.scene, made)
     found = plans.find(load_scene("two-boxes"))
     assert found is not None
     assert found.plan is made
     assert plans.find(made.scene.replace(goal=(0.5, 0.5, 0.5))) is None
-    # its times are those of code that was not compiled
-    monkeypatch.setattr(compiling, "is_done", lambda: True)
-    assert plans.find(made.scene) is None
 
 
 def test_a_full_plan_goes_before_a_newer_partial_one() -> None:
@@ -85,3 +83,21 @@ def test_a_planner_counts_its_own_time_and_not_that_in_which_others_have_the_pro
     planner.live = Working()
     planner(scene, None)
     assert planner.processor_ms >= 200
+
+
+def test_no_time_is_told_of_what_ran_before_it_was_compiled(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    planner, scene = TabPlanner(0), load_scene("two-boxes")
+    monkeypatch.setattr(compiling, "is_done", lambda: False)
+    slow = planner(scene, None)
+    assert slow.total_ms == 0
+    assert not any(slow.ms.values())
+    assert " in " not in _progress(Frame(slow))
+    monkeypatch.setattr(compiling, "is_done", lambda: True)
+    other = planner(scene.replace(spline={"degree": 2}), None)
+    assert other.path is slow.path  # searched once, and no second time for its time
+    assert other.ms["a_star"] == 0 < other.ms["bspline"]
+    assert other.total_ms > 0
+    moved = planner(scene.replace(goal=(0.5, 0.5, 0.5)), None)
+    assert moved.ms["a_star"] > 0

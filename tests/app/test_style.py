@@ -49,6 +49,8 @@ LINES: Colours = {
     "too close": style.VIOLATION,
 }
 JOINTS: Colours = {f"q{number + 1}": colour for number, colour in enumerate(style.JOINTS)}
+PLOT: Colours = {"tool": style.MARK} | dict(zip("xyz", style.AXES, strict=True))
+STEPPED: Colours = {"now": style.MARK, "obstacle": style.OBSTACLE, "nodes": style.MESH}
 JUST_TOLD_APART = 2.3
 """Distance in CIELAB that an eye just tells apart side by side; lines need several times it."""
 DARK: style.Colour = (36, 36, 36)
@@ -80,7 +82,9 @@ def _contrast(a: style.Colour, b: style.Colour) -> float:
 
 
 @pytest.mark.parametrize("sight", SIGHTS)
-@pytest.mark.parametrize("colours", [LINES, JOINTS], ids=["lines", "joints"])
+@pytest.mark.parametrize(
+    "colours", [LINES, JOINTS, PLOT, STEPPED], ids=["lines", "joints", "plot", "stepped"]
+)
 def test_colours_keep_apart_for_every_sight(colours: Colours, sight: str) -> None:
     seen = {name: _lab(SIGHTS[sight] @ _linear(colour)) for name, colour in colours.items()}
     for a, b in itertools.combinations(seen, 2):
@@ -93,7 +97,7 @@ def test_every_line_shows_on_both_pages(colour: style.Colour) -> None:
         assert _contrast(colour, ground) > 2
 
 
-@pytest.mark.parametrize("colour", style.JOINTS)
+@pytest.mark.parametrize("colour", [*style.JOINTS, *PLOT.values()])
 def test_thin_lines_of_plots_are_easily_seen_on_both_pages(colour: style.Colour) -> None:
     for ground in ((255, 255, 255), DARK):
         assert _contrast(colour, ground) >= 3  # WCAG 2.1, 1.4.11

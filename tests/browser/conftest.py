@@ -57,7 +57,7 @@ def chromium() -> Iterator[Browser]:
 
 @pytest.fixture(scope="session")
 def server() -> Iterator[Server]:
-    # when it is ready the tabs plan anew: in the middle of whatever a test looks at
+    # until it is, plans are slow and tell no times
     abi.compile()
     server = start(Address(port=0), look=PLAIN)
     yield server
@@ -140,7 +140,7 @@ def _is_as_opened(session: Session) -> bool:
         and session.panels.layer_switches.shown()
         == {switch.name for switch in SWITCHES if switch.on}
         and not session.panels.layer_switches.dark.value
-        and session.panels.stages.search.expanded_share() == 0
+        and session.panels.stages.search.visited() == 0
         and session.playback.speed.value == "real time"
         and not session._view.viewpoint._is_moved()
     )

@@ -11,6 +11,7 @@ from playwright.sync_api import Browser
 
 from abi.scene.scene import load_scene, scene_names
 from app.extent import extent
+from app.layers.stage_notes import notes as stage_notes
 from app.layout import TITLE
 from app.server import Server
 from app.session import Session
@@ -66,6 +67,14 @@ _MISFITS = """() => {
 # Height of the content and of the frame of each panel that is open.
 _HEIGHTS = """() => [...document.querySelectorAll(".mantine-ScrollArea-viewport")]
   .filter(part => part.clientWidth > 0).map(part => [part.scrollHeight, part.clientHeight])"""
+
+# Where the left panel's controls and headings are, however far it is scrolled, [px].
+_CONTROLS = """() => {
+  const panel = document.querySelector(".mantine-ScrollArea-viewport");
+  return [...panel.querySelectorAll("input, button, .mantine-Paper-root")]
+    .map(part => part.getBoundingClientRect()).filter(box => box.height > 0)
+    .map(({left, top}) => [left, top + panel.scrollTop]);
+}"""
 
 # For each panel that scrolls: how far its content reaches, and where its bar begins, [px].
 _BARS = """() => [...document.querySelectorAll(
@@ -262,6 +271,32 @@ def test_no_panel_scrolls_on_a_small_laptop(page: Page, session: Session) -> Non
         page.click("Result")
         page.settle()
         page.until(lambda: _fits(page), f"the panels of {name} not to scroll")
+
+
+def test_nothing_moves_in_the_panel_whose_value_is_changed(page: Page, session: Session) -> None:
+    try:
+        _show_scene(page, session, "arm-in-the-way")
+        page.tab.get_by_text("6 · Arm").click()
+        page.until(lambda: page.row("links clear by [cm]").is_visible(), "the folder to open")
+        before = page.tab.evaluate(_CONTROLS)
+        notes = [_notes(session)]
+        # with them the notes of stages 4 to 6 are of other lengths
+        for clearance, fit in ((0.2, "several that do not hit"), (0.05, "paper's fit (may hit)")):
+            page.set_number("links clear by [cm]", clearance)
+            page.choose("curve", fit)
+            page.until(lambda: session.frame.plan.scene.arm.clearance == clearance, "it")  # noqa: B023
+            page.until(lambda: session.resting, "the plan")
+            page.settle()
+            notes.append(_notes(session))
+            assert page.tab.evaluate(_CONTROLS) == before
+        assert len(set(notes)) > 1
+    finally:
+        page.tab.get_by_text("6 · Arm").click()
+        _show_scene(page, session, "paper")
+
+
+def _notes(session: Session) -> str:
+    return str(stage_notes(session.frame.plan))
 
 
 def test_no_scroll_bar_lies_over_what_it_scrolls(page: Page) -> None:

@@ -125,8 +125,13 @@ def test_the_search_slider_shows_what_was_expanded(page: Page, session: Session)
     assert session.plan is not None
     assert session.plan.path is not None
     assert "/search/reached" not in page.shown()
-    page.set_number("visited [%]", 100)
+    order = session.plan.path.order.tolist()
+    page.until(lambda: session.panels.stages.search.shown.max == len(order), "the slider's end")
+    page.set_number("nodes visited", len(order))
     page.until(lambda: "/search/reached" in page.shown(), "the expanded nodes")
-    assert len(page.points("/search/reached")) == len(set(session.plan.path.order.tolist()))
-    page.set_number("visited [%]", 0)
+    points = page.points("/search/reached")
+    assert len(points) == len(set(order))
+    assert len(page.props("/search/reached")["colors"]) == points.size
+    page.picture()  # draws them, or says what WebGL lacks
+    page.set_number("nodes visited", 0)
     page.until(lambda: "/search/reached" not in page.shown(), "them to go")

@@ -1,1 +1,1 @@
-"""Triangle meshes: files read and repaired, and exact distances to them."""
+"""Triangle meshes: reading and repair of files, and exact distances."""

@@ -40,7 +40,7 @@ class TriangleTree(NamedTuple):
 
 
 NO_TREE = TriangleTree(FLOATS, IDS, FLOATS, FLOATS, 1.0)
-"""In an example: a tree."""
+"""Example of a tree to compile kernels with."""
 
 
 @register_jitable(forceinline=True)
@@ -61,9 +61,9 @@ def highest(direction: Vec3, low: Vec3, high: Vec3) -> float:
 
 @register_jitable(forceinline=True)
 def highest_in_slab(tree: TriangleTree, node: int, direction: Vec3) -> float:
-    """Upper bound, but for rounding, of a direction's product with what a node holds.
+    """Upper bound, up to rounding, of a direction's product with the points of a node.
 
-    The part of the direction along the normal of the slab counts in that, the rest in the box.
+    The slab bounds the part of the direction along its normal, the box bounds the rest.
     """
     low, high = box_of(tree, node)
     normal = vec3_at(tree.slabs, 5 * node)
@@ -96,12 +96,12 @@ def build_tree(triangles: FloatArray) -> TriangleTree:
 
 @lru_cache(maxsize=16)
 def tree_of(surface: Surface) -> TriangleTree:
-    """The tree over a surface, in the file's coordinates; those of the last 16 are kept."""
+    """The tree over a surface, in the file's coordinates; the last 16 are cached."""
     return build_tree(surface.vertices[surface.faces])
 
 
 def moved(tree: TriangleTree, centre: FloatArray, scale: float) -> TriangleTree:
-    """The tree of the same triangles where ``centre`` (3,) is the origin, times ``scale`` > 0."""
+    """The tree of the same triangles with ``centre`` (3,) as the origin, times ``scale`` > 0."""
     # rounding is monotonic: what is least before is least after
     boxes = (tree.boxes.reshape(-1, 3) - centre) * scale
     corners = (tree.corners.reshape(-1, 3) - centre) * scale
@@ -148,7 +148,7 @@ class Dipoles(NamedTuple):
 
 
 NO_DIPOLES = Dipoles(FLOATS, FLOATS, FLOATS, FLOATS)
-"""In an example: dipoles."""
+"""Example of dipoles to compile kernels with."""
 
 
 def dipoles(tree: TriangleTree) -> Dipoles:

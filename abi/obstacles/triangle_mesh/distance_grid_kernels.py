@@ -1,4 +1,4 @@
-"""A signed distance at the nodes of a grid around a surface, and the bounds that it gives."""
+"""Grid of signed distances around a surface, and the bounds that it gives."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Equal rows of a table, found by sorting one number for each."""
+"""Search for equal rows of a table, by sorting one number for each row."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ _MULTIPLIERS = (0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9)
 
 
 def in_groups(keys: NDArray[np.int64]) -> tuple[NDArray[np.int64], BoolArray]:
-    """Places (n,) of numbers (n,) from 0 on, equal ones together, and which are first of theirs.
+    """Order (n,) that groups equal numbers (n,) from 0 on, and flags of the first of each group.
 
-    Equal ones stay in their order.
+    Equal numbers stay in their order.
     """
     bits = len(keys).bit_length()
     if int(keys.max(initial=0)) >> (63 - bits):
@@ -32,9 +32,9 @@ def in_groups(keys: NDArray[np.int64]) -> tuple[NDArray[np.int64], BoolArray]:
 
 
 def distinct_rows(rows: FloatArray) -> tuple[IntArray, IntArray]:
-    """First places (k,) of the distinct rows (n, m), in their order, and the number (n,) of each.
+    """Index (k,) of the first of each distinct row of (n, m), and the number (n,) of every row.
 
-    As ``numpy.unique`` along an axis, which takes many times as long. No row may hold -0.0.
+    Like ``numpy.unique`` along an axis, but many times as fast. No row may contain -0.0.
     """
     order, is_first = _groups(rows)
     first = order[is_first]
@@ -47,7 +47,7 @@ def distinct_rows(rows: FloatArray) -> tuple[IntArray, IntArray]:
 
 
 def first_of_distinct_rows(rows: NDArray[Any]) -> NDArray[np.int64]:
-    """First places (k,) of the distinct rows (n, m), ascending."""
+    """Index (k,) of the first of each distinct row of (n, m), ascending."""
     order, is_first = _groups(rows)
     return np.sort(order[is_first])
 

@@ -1,7 +1,7 @@
 """Triangles around a segment, gathered once for many short segments there.
 
-A descent of the tree costs more than a look at a few triangles, and of most segments the planes of
-the triangles tell that they are far. Plain Python that numba compiles with its caller.
+A descent of the tree costs more than looking at a few triangles, and for most segments the planes
+of the triangles already show that they are far. Plain Python that numba compiles with its caller.
 """
 
 from __future__ import annotations

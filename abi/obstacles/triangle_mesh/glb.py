@@ -1,9 +1,9 @@
-"""Triangles of a binary glTF 2.0 file (Khronos, glTF 2.0 specification, sections 3 and 4.4).
+"""Reader of binary glTF 2.0 files (Khronos, glTF 2.0 specification, sections 3 and 4.4).
 
-Read are the positions and triangles of the default scene, placed by its nodes. Everything must lie
-in the file's own binary part; looks (materials, textures, cameras, lights) are left aside.
+It reads the positions and triangles of the default scene, placed by its nodes. Everything must lie
+in the file's own binary part; materials, textures, cameras and lights are ignored.
 
-trimesh reads GLB too, but needs every check below beforehand, and leaves out meshes that hang on a
+trimesh reads GLB too, but every check below would be needed first, and it leaves out meshes at a
 node with a camera.
 """
 
@@ -30,7 +30,7 @@ def read(data: bytes, most_faces: int) -> tuple[FloatArray, IntArray]:
     """Vertices (n, 3) and triangles (m, 3) of a GLB file in its own axes.
 
     Raises:
-        ValueError: not such a file; the message is the end of a sentence "expected …".
+        ValueError: it is no such file; the message ends a sentence "expected …".
     """
     document, binary = _chunks(data)
     required = document.get("extensionsRequired", [])

@@ -1,9 +1,9 @@
-"""Triangle meshes from the bytes of a file: STL, OBJ, GLB and others, read strictly.
+"""Strict reader of triangle meshes from the bytes of a file: STL, OBJ, GLB and others.
 
-Common loaders turn a file that is cut off or not a mesh at all into an empty mesh, and a missing
-obstacle is the worst mistake a planner can make. So here lengths must fit to the byte,
-and nothing but the bytes given is ever opened: textures, materials and other files a mesh may name
-are not looked for.
+Common loaders turn a file that is truncated, or no mesh at all, into an empty mesh, and a missing
+obstacle is the worst mistake a planner can make. So here lengths must match to the byte. Nothing
+but the given bytes is ever opened: textures, materials and other files that a mesh may name are
+not looked for.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ _OWN = {b"PK\x03\x04": ".3mf", b"<": ".dae", b"ply": ".ply"}
 
 
 def read(data: bytes, name: str) -> tuple[FloatArray, IntArray]:
-    """Vertices (n, 3) and triangles (m, 3) of a mesh file, as they stand there.
+    """Vertices (n, 3) and triangles (m, 3) of a mesh file, as the file has them.
 
     Args:
         data: the whole content, at most 50 MB and 500,000 triangles.
@@ -54,10 +54,10 @@ def read(data: bytes, name: str) -> tuple[FloatArray, IntArray]:
 
 
 def read_coloured(data: bytes, name: str) -> tuple[FloatArray, IntArray, ByteArray]:
-    """Vertices and triangles as of :func:`read`, and colours (m, 3) of these.
+    """Vertices and triangles as from :func:`read`, and colours (m, 3) of the triangles.
 
-    Without colours, which :mod:`abi.obstacles.triangle_mesh.trimesh_formats` alone and the STL of
-    :func:`abi.obstacles.triangle_mesh.stl.write` give, the last are (0, 3).
+    Only :mod:`abi.obstacles.triangle_mesh.trimesh_formats` and the STL files of
+    :func:`abi.obstacles.triangle_mesh.stl.write` give colours; otherwise they are (0, 3).
     """
     if len(data) > MAX_BYTES:
         raise SceneError("file", name, f"a file of at most {MAX_BYTES // 1_000_000} MB")

@@ -39,7 +39,7 @@ class MeshSource:
         """The cleaned surface of the mesh file ``name``.
 
         Raises:
-            SceneError: no such name, a name outside the folder, or not a mesh.
+            SceneError: there is no such file, it is outside the folder, or it is no mesh.
         """
         _check_name(name)
         if PurePosixPath(name).suffix.lower() not in SUFFIXES:
@@ -53,7 +53,7 @@ class MeshSource:
         """Content of the file ``name``, at most 50 MB.
 
         Raises:
-            SceneError: no such name, or a name outside the folder.
+            SceneError: there is no such file, or it is outside the folder.
         """
         _check_name(name)
         content = self.files.get(name)

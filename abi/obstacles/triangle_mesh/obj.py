@@ -1,4 +1,4 @@
-"""OBJ files: their vertices and faces alone."""
+"""Reader of OBJ files: vertices and faces only."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Parts of a mesh file as its reader finds them."""
+"""Parts of a mesh file, as its reader returns them."""
 
 from __future__ import annotations
 

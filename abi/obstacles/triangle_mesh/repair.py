@@ -1,4 +1,4 @@
-"""Repair of triangles, so that inside and outside are defined.
+"""Repair of a triangle mesh, so that inside and outside are defined.
 
 The steps follow what printing and simulation tools do before they trust a mesh (Attene, A
 lightweight approach to repairing digitized polygon meshes, The Visual Computer 26, 2010).
@@ -29,12 +29,12 @@ _FLAT = 1e-9
 
 
 def clean(vertices: FloatArray, faces: IntArray, name: str = "mesh") -> Surface:
-    """Repair triangles as far as that takes no guess, with notes of each repair.
+    """Repair triangles as far as that needs no guess, and note each repair.
 
-    Equal corners are welded, triangles without area and duplicates left out. Each shell whose edges
-    all have two sides is turned one way throughout and outward; overlapping, touching and nested
-    shells are united, which makes cavities solid: nothing could get into them. Where a shell stays
-    open the whole surface counts as one that nothing passes through, without an inside.
+    Equal corners are welded; triangles without area and duplicates are dropped. In each shell whose
+    edges all have two sides, all triangles are made to face outward. Overlapping, touching and
+    nested shells are united, which fills cavities, since nothing could get into them. If a shell
+    stays open, the whole surface counts as an open one that nothing may cross, without an inside.
 
     Args:
         vertices: (n, 3) finite coordinates.

@@ -1,7 +1,7 @@
-"""Bound of the error of distances of points to triangles.
+"""Bound of the rounding error of distances from points to triangles.
 
-Distances are measured in double precision. Over the plane of a triangle the rounding error grows as
-the triangle gets thinner; the thinnest count as their sides, which leaves out a part of them.
+Distances are measured in double precision. Above a triangle's plane the error grows as the triangle
+gets thinner; the thinnest triangles are replaced by their sides, which leaves out a part of them.
 """
 
 from __future__ import annotations

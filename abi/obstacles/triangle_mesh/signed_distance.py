@@ -1,8 +1,8 @@
-"""Signed distances to a surface: its tables for the kernels, made once.
+"""Signed distances to a surface, and the tables that the kernels need for them.
 
 Inside is where the surface winds around a point (Jacobson, Kavan and Sorkine-Hornung, Robust
-inside-outside segmentation using generalized winding numbers, 2013). Around a closed surface that
-number is whole, so an approximation decides.
+inside-outside segmentation using generalized winding numbers, 2013). For a closed surface that
+number is an integer, so an approximation decides.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ class BodyFrame:
     Attributes:
         centre: its origin in the file (3,).
         scale: body frame's units per unit of the file.
-        tables: the surface as the kernels take it.
+        tables: the surface in the format of the kernels.
     """
 
     def __init__(self, surface: Surface) -> None:
@@ -87,5 +87,5 @@ def _grid(tree: TriangleTree, far_field: Dipoles, closed: bool, error: float) ->
 
 @lru_cache(maxsize=16)
 def body_frame(surface: Surface) -> BodyFrame:
-    """Tables of a surface; those of the last 16 surfaces are kept."""
+    """Tables of a surface; those of the last 16 surfaces are cached."""
     return BodyFrame(surface)

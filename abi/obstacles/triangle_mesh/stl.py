@@ -1,4 +1,4 @@
-"""STL files: binary ones read to the byte, text ones facet by facet; binary ones written."""
+"""Reader of binary and text STL files, and writer of binary ones."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ _FACET = b"facet normal _ _ _ outer loop vertex _ _ _ vertex _ _ _ vertex _ _ _ 
 
 
 def write(vertices: FloatArray, faces: IntArray, colours: ByteArray = NO_COLOURS) -> bytes:
-    """A binary STL of vertices (n, 3), triangles (m, 3) and their colours (m, 3) or (0, 3).
+    """Binary STL of vertices (n, 3), triangles (m, 3) and their colours (m, 3) or (0, 3).
 
-    Colours are where many programs have them: five bits each in the attribute, the sixteenth set.
+    Colours are stored as many programs do: five bits each in the attribute, with bit 16 set.
     """
     table = np.zeros(len(faces), _TRIANGLE)
     table["corners"] = vertices[faces]

@@ -1,4 +1,4 @@
-"""Surface of an obstacle: triangles that bound a solid, or that nothing passes through."""
+"""Surface of an obstacle: triangles that bound a solid, or an open sheet that nothing may cross."""
 
 from __future__ import annotations
 

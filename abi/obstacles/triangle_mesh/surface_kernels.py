@@ -1,7 +1,7 @@
-"""Signed distances to a surface that is placed in the world, of points and of segments.
+"""Signed distances of points and segments to a surface that is placed in the world.
 
-What is asked in the world is answered in the surface's body frame: centred on its bounding box, in
-the unit of its file. Bounds by the grid answer most questions, the tree the others.
+Queries in the world are answered in the surface's body frame, which is centred on its bounding box
+and in the unit of its file. Bounds from the grid answer most of them, the tree the others.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Squared distances to a triangle and to a box, of points and of segments.
+"""Squared distances of points and segments to a triangle and to a box.
 
 The formulas are Ericson's (Real-Time Collision Detection, 2005, sections 5.1.3, 5.1.9 and 5.1.10).
 Plain Python that numba compiles with its caller.

@@ -1,7 +1,7 @@
-"""Triangle meshes in PLY, OFF, 3MF and DAE, read by trimesh, with what it does not look at checked.
+"""Reader of PLY, OFF, 3MF and DAE files by trimesh, with the checks that trimesh omits.
 
-It gets the bytes alone, so it opens no other file. Archives are measured before they are unpacked,
-XML may declare no entities, and as many faces must come out as the file announces.
+trimesh gets only the bytes, so it opens no other file. Archives are measured before they are
+unpacked, XML may declare no entities, and the number of faces must be the one the file announces.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ DAMAGED_ZIP: tuple[type[Exception], ...] = (
     *(zipfile.BadZipFile, zlib.error, lzma.LZMAError, struct.error),
     *(RuntimeError, NotImplementedError, EOFError, OSError, ValueError),
 )
-"""What reading a zip archive raises that is damaged or needs a password."""
+"""Exceptions raised when a zip archive is damaged or needs a password."""
 _ENTITIES = re.compile(rb"<!(?:DOCTYPE|ENTITY)", re.IGNORECASE)
 _ENCODING = re.compile(rb"""<\?xml[^>]{0,100}encoding\s*=\s*["']([^"']*)""")
 _ENCODINGS = (b"utf-8", b"us-ascii", b"ascii", b"iso-8859-1", b"windows-1252")
@@ -37,9 +37,9 @@ _PLY_COUNT = re.compile(rb"element[ \t]+(vertex|face)[ \t]+([0-9]{1,9})[ \t]*\r?
 
 
 def read(data: bytes, suffix: str) -> tuple[FloatArray, IntArray, ByteArray]:
-    """Vertices (n, 3) and triangles (m, 3) of a file, in its units, all its parts in their places.
+    """Vertices (n, 3), triangles (m, 3) and colours of a file, with all its parts in place.
 
-    Last come the colours of its triangles, (m, 3); (0, 3) where it gives none.
+    Coordinates are in the file's unit. The colours are (m, 3), or (0, 3) if it gives none.
 
     Args:
         data: content.

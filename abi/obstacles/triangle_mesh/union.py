@@ -21,8 +21,8 @@ def united(
         label: (m,) the shell of each face.
 
     Returns:
-        None where the library refuses a shell, or where the outcome is smaller than what went in:
-        the shells as they are have the same outside.
+        The union; None if the library refuses a shell, or if the result is smaller than the input.
+        The shells as they are have the same outside.
     """
     import manifold3d
 

@@ -1,9 +1,9 @@
 """Winding numbers of a surface around points, by a tree of dipoles.
 
-From far a group of triangles looks like one dipole: its summed normals at its centre (Barill and
-others, Fast winding numbers for soups and clouds, 2018). Near ones are taken one by one, with their
-exact solid angles (Van Oosterom and Strackee, The solid angle of a plane triangle, 1983). Plain
-Python that numba compiles with its caller.
+From afar a group of triangles looks like one dipole: its summed normals at its centre (Barill and
+others, Fast winding numbers for soups and clouds, 2018). Near triangles are taken one by one, with
+their exact solid angles (Van Oosterom and Strackee, The solid angle of a plane triangle, 1983).
+Plain Python that numba compiles with its caller.
 """
 
 from __future__ import annotations

@@ -63,6 +63,14 @@ def case(settings: ArmSettings, points: FloatArray, obstacles: Obstacles, sample
     return Case(arm, motion, solids, arm_clearance(motion, arm, solids, around, 0.0))
 
 
+def case_of(other: Case, obstacles: Obstacles) -> Case:
+    """The motion of another case among other obstacles."""
+    solids = ObstacleSet(obstacles)
+    around = surroundings(other.arm, solids, 0.0)
+    clearance = arm_clearance(other.motion, other.arm, solids, around, 0.0)
+    return Case(other.arm, other.motion, solids, clearance)
+
+
 def random_case(seed: int, samples: int = 301) -> Case:
     """An arm beside or under the workspace; the slide moves in half of the cases."""
     random = np.random.default_rng(seed)
@@ -129,6 +137,31 @@ def test_contacts_and_the_least_distance_are_those_of_dense_samples(seed: int) -
     for one in found.clearance.contacts:
         assert one.first <= one.time <= one.last
         assert one.link in found.clearance.touching(one.time)
+
+
+@pytest.mark.slow
+@settings(max_examples=20)
+@given(SEED)
+def test_of_many_meshes_the_nearest_and_all_that_touch_are_found(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    ball = clean(*meshes.sphere(1))
+    crowd = tuple(
+        MeshShape.of(
+            ball,
+            position=tuple(random.uniform(-2, 8, 3).tolist()),
+            scale=float(random.uniform(0.05, 0.4)),
+        )
+        for _ in range(30)
+    )
+    alone = random_case(seed, 61)
+    found = case_of(alone, crowd)
+    each = [case_of(alone, (one,)) for one in crowd]
+    least = [one.clearance.distances.min() for one in each]
+    assert found.clearance.distances.min() == pytest.approx(min(least), abs=1e-9)
+    touched = {one.obstacle for one in found.clearance.contacts if isinstance(one.obstacle, int)}
+    # of two that one capsule is in at once the deeper one is told
+    assert touched <= {number for number, away in enumerate(least) if away <= 0}
+    assert bool(touched) == (min(least) <= 0)
 
 
 def test_a_link_in_an_obstacle_is_named_with_its_time_and_depth() -> None:

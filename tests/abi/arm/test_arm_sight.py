@@ -46,3 +46,36 @@ def test_places_touch_an_obstacle_where_the_capsules_do(seed: int, elbow: Elbow)
             away = np.minimum(away, nearest)
         assert touching[away < _SLACK - _ROUNDING].all()
         assert not touching[away > _SLACK + 0.05 + _ROUNDING].any()
+
+
+@pytest.mark.parametrize("elbow", ["up", "down"])
+def test_a_place_that_is_not_reached_has_a_distance_or_a_limit(elbow: Elbow) -> None:
+    scene = arm_scene(1)
+    arm = Arm.from_settings(scene.arm)
+    around = surroundings(arm, ObstacleSet(()), scene.workspace.min[2])
+    sight = ArmSight(arm, elbow, around, (0.0, 0.0), 0.0, _SLACK)
+    reach = arm.a3 + arm.a4 + arm.a5
+    points = arm.shoulder + np.random.default_rng(3).uniform(-1.2, 1.2, (200, 3)) * reach
+    reasons = set()
+    for point in points:
+        fault = sight.leg_refutation(point[None])
+        unreached = sight.unreached(point)
+        if fault is not None and fault.capsule >= 0:
+            continue
+        assert (unreached is None) == (fault is None)
+        if unreached is None:
+            continue
+        distance = float(np.linalg.norm(point - arm.shoulder))
+        if unreached.shortfall:
+            nearest = abs(arm.a3 - arm.a4 - arm.a5)
+            edge = reach if unreached.shortfall > 0 else nearest
+            assert unreached.shortfall == pytest.approx(distance - edge, abs=1e-9)
+            assert "out of reach by" in unreached.words
+        else:
+            found = solve(arm, point[None], np.zeros(1), elbow, np.zeros((1, 3)))
+            value = float({"q2": found.q2, "q3": found.q3}[unreached.joint][0])
+            assert unreached.value == pytest.approx(value)
+            assert abs(value) > abs(unreached.limit) - 0.011
+            assert f"{unreached.joint} at {np.degrees(value):.1f}°" in unreached.words
+        reasons.add(unreached.joint or "distance")
+    assert reasons >= {"distance"} | ({"q2"} if elbow == "down" else set())

@@ -111,6 +111,22 @@ def test_bezier_pieces_are_the_curve(seed: int) -> None:
         assert np.abs(found - expected).max() <= 1e-12 * SIZE
 
 
+@settings(max_examples=60)
+@given(seeds)
+def test_a_curve_is_as_near_to_its_chords_as_is_said(seed: int) -> None:
+    pieces = case(seed)[0].bezier()
+    count, fine = int(seed % 7) + 1, 12
+    ends, away = pieces.chords(count)
+    largest = 0.0
+    for points, corners in zip(pieces.points, ends, strict=True):
+        for k in range(count):
+            inside = np.arange(fine + 1) / fine
+            curve = np.array([_casteljau(points, (k + part) / count) for part in inside])
+            chord = corners[k] + inside[:, None] * (corners[k + 1] - corners[k])
+            largest = max(largest, float(np.linalg.norm(curve - chord, axis=1).max()))
+    assert largest <= away + 1e-12 * SIZE
+
+
 def _casteljau(points: FloatArray, share: float) -> FloatArray:
     while len(points) > 1:
         points = (1 - share) * points[:-1] + share * points[1:]
@@ -275,6 +291,39 @@ def test_a_mesh_box_is_decided_like_the_box() -> None:
             assert kinds == {clearance > margin}
             certified += clearance > margin
     assert certified >= 40
+
+
+@pytest.mark.slow
+@settings(max_examples=30)
+@given(seeds)
+def test_among_many_meshes_a_curve_is_decided_as_by_each_alone(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    curve, _ = case(seed)
+    ball = clean(*meshes.sphere(1))
+    crowd = tuple(
+        MeshShape.of(
+            ball,
+            position=tuple(random.uniform(-SIZE, 2 * SIZE, 3).tolist()),
+            scale=float(random.uniform(0.01, 0.15) * SIZE),
+        )
+        for _ in range(24)
+    )
+    alone = min(true_clearance(curve, (one,)) for one in crowd)
+    margin = max(alone * float(random.choice([0.3, 1 - 1e-5, 1 + 1e-4])), 0.0)
+    result = certify(curve, ObstacleSet(crowd), margin)
+    assert isinstance(result, Certificate) == (alone > margin)
+    if isinstance(result, Refutation):
+        assert true_clearance(curve, (crowd[result.obstacle],)) <= margin + 1e-9
+        return
+    times = np.linspace(0, 1, 33)
+    for number, one in enumerate(crowd):
+        rows = result.obstacle == number
+        starts, ends = result.pieces[rows].T
+        normals = result.directions[rows]
+        towards = np.einsum("tvx,nx->tvn", one.triangles(), normals).max(axis=1)
+        gaps = (curve(times) @ normals.T)[:, None] - towards
+        covers = (starts <= times[:, None]) & (times[:, None] <= ends)
+        assert (np.where(covers[:, None], gaps, -np.inf).max(axis=2) > margin).all()
 
 
 @pytest.mark.slow

@@ -18,6 +18,7 @@ from abi.errors import ExportError
 from abi.export import formats
 from abi.export.formats import FORMATS
 from abi.obstacles.pose import METRES
+from abi.planner.arm_words import contact_sentence
 from abi.planner.plan import Plan
 from abi.planner.planner import plan
 from abi.scene.scene import Scene, load_scene
@@ -275,3 +276,36 @@ def test_a_file_is_replaced_whole_or_not_at_all(planned: Plan, tmp_path: Path) -
         formats.export(blocked, path, "csv")
     assert path.read_bytes() == content(planned, "csv")
     assert [file.name for file in tmp_path.iterdir()] == ["motion.csv"]
+
+
+def test_every_file_of_a_motion_tells_what_its_arm_touches(planned: Plan) -> None:
+    wall = plan(load_scene("wall-with-window"))
+    assert wall.arm_clearance is not None
+    worst = contact_sentence(wall.arm_clearance.contacts[0], "cm")
+    warnings = {name for name, row in FORMATS.items() if worst in row.warning(wall)}
+    assert warnings == set(FORMATS) - {"spline", "moveit", "urdf"}
+    assert not any(row.warning(planned) for row in FORMATS.values())
+
+    comment, *_ = content(wall, "ros").decode().splitlines()
+    assert comment.startswith("# ")
+    assert worst in comment
+    assert len(YAML(typ="safe", pure=True).load(content(wall, "ros"))["points"]) > 100
+    for result, words in ((wall, worst), (planned, "whole motion is proven clear")):
+        (record,) = make_reader(io.BytesIO(content(result, "mcap"))).iter_metadata()
+        assert words in record.metadata["state"]
+    assert worst in content(wall, "html").decode()
+    assert json.loads(content(wall, "json"))["arm"]["contacts"]
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"arm": {"base": (30.0, 0.0, 0.0)}}, "cannot reach"),
+        ({"arm": {"q5": 2.5}, "obstacles": []}, "passes its limit"),
+        ({"arm": {"clearance": 0.5, "avoid": False}}, "of the 0.5 cm wanted"),
+    ],
+)
+def test_a_motion_that_is_not_proven_clear_has_a_warning(
+    change: dict[str, Any], words: str
+) -> None:
+    assert words in FORMATS["csv"].warning(plan(load_scene("paper").replace(**change)))

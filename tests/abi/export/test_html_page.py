@@ -12,6 +12,7 @@ import abi
 from abi import load_scene, plan
 from abi.errors import ExportError
 from abi.export import html_page
+from abi.planner.arm_words import contact_sentence
 from abi.planner.plan import Plan
 from abi.planner.planner import Planner
 
@@ -97,3 +98,36 @@ def test_a_notebook_and_a_tab_show_the_page(monkeypatch: pytest.MonkeyPatch) -> 
     monkeypatch.setitem(__import__("sys").modules, "ipykernel", abi)
     abi.show(plan(load_scene("paper")))
     assert len(opened) == 1
+
+
+def test_an_arm_that_touches_something_is_told_and_red() -> None:
+    planned = plan(load_scene("wall-with-window"))
+    assert planned.arm_clearance is not None
+    assert planned.arm is not None
+    assert planned.motion is not None
+    contacts = planned.arm_clearance.contacts
+    data = data_of(html_page.write(planned, "plan.html"))
+    *_, curve, arm = data["steps"]
+    assert arm["name"].endswith("✗")
+    assert contact_sentence(contacts[0], "cm") in arm["text"]
+    assert f"{len(contacts)} contacts" in arm["text"]
+    assert "by the tool alone" in "".join(step["text"] for step in (curve, data["steps"][-3]))
+    links = [capsule.link for capsule in planned.arm.placed(planned.motion.positions[:1])]
+    for contact in contacts:
+        row = min(
+            range(len(data["arm"]["time"])),
+            key=lambda k: abs(data["arm"]["time"][k] - contact.time),
+        )
+        red = {links[k] for k in data["arm"]["touching"][row]}
+        assert contact.link in red
+    assert data["arm"]["touching"][0] == []
+
+
+def test_the_page_calls_the_arm_clear_only_where_that_is_proven() -> None:
+    clear = data_of(html_page.write(plan(load_scene("paper")), "plan.html"))["steps"][-1]
+    assert clear["name"] == "6 Arm"
+    assert "Proven: every link keeps" in clear["text"]
+    scene = load_scene("paper").replace(arm={"base": (3.0, -7.0, 0.0)})
+    far = data_of(html_page.write(plan(scene), "plan.html"))["steps"][-1]
+    assert far["text"].count("cannot reach the curve") == 1
+    assert "✗" in far["name"]

@@ -94,6 +94,13 @@ def test_bounds_and_boxes_hold_the_obstacles(seed: int) -> None:
     assert (to_boxes <= obstacles.distances_up_to(20.0, points) + 1e-9).all()
 
 
+@given(seeds)
+def test_the_thinnest_primitive_tells_how_deep_its_centre_lies(seed: int) -> None:
+    obstacles = mixed(np.random.default_rng(seed))
+    depths = [-one.signed_distance(np.array([one.position]))[0] for one in obstacles.primitives]
+    assert obstacles.least_depth == pytest.approx(min(depths, default=math.inf), abs=1e-12)
+
+
 def test_primitives_and_meshes_know_their_numbers() -> None:
     ball = MeshShape.of(clean(*meshes.box((1.0, 1, 1))))
     boxes = tuple(Box(size=(1, 1, 1), position=(k, 0, 0)) for k in range(3))

@@ -15,6 +15,7 @@ from abi.arm.surroundings import surroundings
 from abi.errors import ArmNotClear
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner.arm_exclusion import ArmExclusionCache
+from abi.planner.arm_words import contact_sentence
 from abi.planner.diagnosis import explain
 from abi.scene.scene import Scene
 from abi.scene.settings import Elbow
@@ -150,6 +151,54 @@ def test_what_no_elbow_does_names_both_and_what_was_tried() -> None:
     assert "elbow down" in found.error.message
     assert found.motion is not None  # the tool's own plan stays to be looked at
     assert explain(scene, found) is not None
+
+
+def test_a_base_behind_a_wall_is_told_with_joint_and_limit() -> None:
+    found = plan(load_scene("find-a-base"))
+    assert isinstance(found.error, ArmNotClear)
+    assert "q2 at 167.5°, past its limit of 160.4°, at the start" in found.error.message
+
+
+def test_where_no_path_is_found_link_and_obstacle_are_told() -> None:
+    """A window in a wall that is thin enough to stand on both sides of."""
+    slabs = [
+        ((0.1, 2.4, 7), (3, 1.2, 3.5)),
+        ((0.1, 3.4, 7), (3, 5.3, 3.5)),
+        ((0.1, 1.2, 2.4), (3, 3, 1.2)),
+        ((0.1, 1.2, 3.4), (3, 3, 5.3)),
+    ]
+    scene = load_scene("arm-in-the-way").replace(
+        start=(0.3, 2, 2),
+        goal=(5.7, 2, 2),
+        arm={"base": (3, -4, 0)},
+        obstacles=[{"shape": "box", "size": size, "position": at} for size, at in slabs],
+    )
+    found = plan(scene)
+    assert isinstance(found.error, ArmNotClear)
+    assert found.error.where == "path"
+    assert found.arm_clearance is not None
+    touched = contact_sentence(found.arm_clearance.contacts[0], "cm")
+    assert touched.removeprefix("The ") in found.error.message
+    assert "obstacle 1" in found.error.message
+
+
+def test_an_obstacle_that_is_in_the_way_is_moved_and_not_only_left_out() -> None:
+    scene = load_scene("wall-with-window").replace(arm={"avoid": True})
+    found = plan(scene)
+    assert isinstance(found.error, ArmNotClear)
+    reason = explain(scene, found)
+    assert reason is not None
+    assert reason.change is not None
+    assert reason.moved is not None
+    changed = scene.replace(**reason.change)
+    for number, (one, before) in enumerate(zip(changed.obstacles, scene.obstacles, strict=True)):
+        assert (one == before) == (number != reason.moved)
+    helped = plan(changed)
+    assert helped.error is None
+    assert helped.is_arm_clear
+    place = ", ".join(f"{number:g}" for number in changed.obstacles[reason.moved].position)
+    assert f"Obstacle {reason.moved + 1} at ({place}) works" in reason.hint
+    json.dumps(reason.to_dict(), allow_nan=False)
 
 
 def test_the_same_planner_plans_the_same_while_an_obstacle_moves() -> None:

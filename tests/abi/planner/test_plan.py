@@ -464,6 +464,29 @@ def test_the_json_tells_the_motion_along_the_curve(variant: str) -> None:
     assert arm["certificate"] is not None or arm["clearance"] >= least - 0.06
 
 
+@pytest.mark.parametrize("name", ["paper", "wall-with-window", "sculpture"])
+def test_the_json_has_the_clearance_of_the_arm_at_every_time(name: str) -> None:
+    made = plan(load_scene(name))
+    assert isinstance(made.arm, Arm)
+    for full in (False, True):
+        arm = json.loads(json.dumps(made.to_dict(full=full), allow_nan=False))["arm"]
+        found = np.array(arm["clearances"])
+        assert found.shape == (len(arm["time"]),)
+        ends = place_capsules(made.arm, np.array(arm["positions"])[::20])
+        shares = np.linspace(0, 1, 200)[:, None, None, None]
+        links = ends[:, :, 0] + shares * (ends[:, :, 1] - ends[:, :, 0])
+        radii = np.array([capsule.radius for capsule in made.arm.capsules])
+        sampled = (away(made, links) - radii).min(axis=(0, 2))
+        spacing = float(np.linalg.norm(ends[:, :, 1] - ends[:, :, 0], axis=2).max()) / 199
+        assert (found[::20] <= sampled + 1e-9).all()
+        assert (found[::20] >= sampled - spacing).all()
+        assert arm["clearance"] <= found.min() + 1e-9
+
+
+def test_the_json_has_no_clearances_without_obstacles() -> None:
+    assert plan(load_scene("paper").replace(obstacles=[])).to_dict()["arm"]["clearances"] is None
+
+
 def test_the_paper_shortens_stage_by_stage() -> None:
     made = plan(load_scene("paper"))
     assert made.bspline_arc is not None

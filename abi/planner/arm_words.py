@@ -1,12 +1,12 @@
-"""Sentences on the arm: whether it is clear, and what it touches."""
+"""Sentences about the arm: whether it is clear, and what it touches."""
 
 from __future__ import annotations
 
 import math
 
 from abi.arm.arm_clearance import Contact
+from abi.planner.length_text import format_length, format_lower_bound, format_setting
 from abi.planner.plan import Plan
-from app.numbers import format_length, format_lower_bound
 
 _LINKS = {"base_link": "base", "upper_arm": "upper arm"}
 
@@ -24,6 +24,8 @@ def arm_result(plan: Plan) -> str:
         return "curve not clear ✗"
     if not motion.within_limits:
         return "joint limit passed ✗"
+    if clearance.is_too_near:
+        return "links too near ✗"
     return "proven clear ✓" if clearance.certified else "not proven clear ?"
 
 
@@ -41,7 +43,10 @@ def contact_sentence(contact: Contact, unit: str) -> str:
 
 
 def clearance_sentence(plan: Plan) -> str:
-    """Sentence on the links' distance to the nearest obstacle, and what of it is proven."""
+    """Sentence on the links' distance to the nearest obstacle, and what of it is proven.
+
+    Where that is less than the scene asks for, it begins with what it lacks.
+    """
     clearance, unit = plan.arm_clearance, plan.scene.unit
     if clearance is None or clearance.contacts:
         return ""
@@ -50,10 +55,15 @@ def clearance_sentence(plan: Plan) -> str:
             return "Proven: the arm keeps clear of the floor and of itself."
         return "It is not proven that the arm keeps clear of the floor and of itself."
     distance = f"{format_lower_bound(clearance.distance)} {unit}"
+    wanted = f"{format_setting(clearance.required)} {unit}"
     nearest = (
         f"the {link_label(clearance.link)} comes nearest to obstacle {clearance.obstacle + 1} "
         f"at {clearance.time:.2f} s"
     )
-    if clearance.certificate is not None:
+    if clearance.is_too_near:
+        return f"Links too near: {distance} of the {wanted} wanted; {nearest}."
+    if clearance.certified:
         return f"Proven: every link keeps {distance} from the obstacles; {nearest}."
+    if clearance.certificate is not None:
+        return f"Only {distance} of the {wanted} wanted are proven; {nearest}."
     return f"Not proven. At the samples every link keeps {distance}; {nearest}."

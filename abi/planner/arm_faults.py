@@ -1,0 +1,59 @@
+"""Sentences on what an arm's motion lacks: reach, clearance, limits, a proof."""
+
+from __future__ import annotations
+
+import math
+
+from abi.arm.trajectory import ArmMotion, Violation
+from abi.planner.arm_words import clearance_sentence, contact_sentence
+from abi.planner.plan import Plan
+
+CONTACTS = 3
+"""Contacts that are told one by one at the most."""
+_CURVES = {"bspline": "B-spline", "quadratic": "quadratic"}
+
+
+def arm_faults(plan: Plan) -> list[str]:
+    """Sentences on what the arm's motion lacks, the worst first.
+
+    Empty where the whole arm is proven clear along a curve that is, and where nothing moves.
+    """
+    motion, clearance, unit = plan.motion, plan.arm_clearance, plan.scene.unit
+    if motion is None or clearance is None:
+        return []
+    faults = []
+    if (error := motion.error) is not None:
+        error.set_unit(unit)
+        faults.append(error.message)
+    faults += [f"{contact_sentence(one, unit)}." for one in clearance.contacts[:CONTACTS]]
+    if len(clearance.contacts) > CONTACTS:
+        faults.append(f"There are {len(clearance.contacts)} contacts in all.")
+    if plan.followed_curve is not None and not plan.followed_curve.holds:
+        name = _CURVES[plan.followed or ""]
+        faults.append(f"The {name}, which the arm follows, is too near an obstacle.")
+    faults += [limit_sentence(one, motion, unit) for one in motion.limit_violations]
+    if motion.reachable and not clearance.certified and not clearance.contacts:
+        faults.append(clearance_sentence(plan))
+    return faults
+
+
+def arm_warning(plan: Plan) -> str:
+    """The worst of these faults as one sentence, for whoever runs the motion; empty for none."""
+    contacts = () if plan.arm_clearance is None else plan.arm_clearance.contacts
+    if plan.motion is None or not contacts or not plan.motion.reachable:
+        return next(iter(arm_faults(plan)), "")
+    others = f", the deepest of {len(contacts)} contacts" if len(contacts) > 1 else ""
+    return f"{contact_sentence(contacts[0], plan.scene.unit)}{others}."
+
+
+def limit_sentence(violation: Violation, motion: ArmMotion, unit: str) -> str:
+    """Sentence on the time and the worst value of a joint beyond its limit."""
+    slides = motion.slides[motion.joints.index(violation.joint)]
+    value, limit = (
+        f"{number:.2f} {unit}" if slides else f"{math.degrees(number):.0f}°"
+        for number in (violation.value, violation.limit)
+    )
+    return (
+        f"{violation.joint} passes its limit of {limit} at {violation.since:.2f} s: "
+        f"{value} at {violation.time:.2f} s."
+    )

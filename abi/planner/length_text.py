@@ -1,0 +1,32 @@
+"""Text of lengths: they look the same wherever they stand."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+
+def format_length(length: float) -> str:
+    """A length in three decimals, in fewer from 100 on and in none from 1,000 on."""
+    return f"{length:,.{_decimals(length)}f}".replace("-", "−")
+
+
+def format_lower_bound(distance: float) -> str:
+    """A distance as a length, but rounded down, which leaves a lower bound one."""
+    shift = 10.0 ** _decimals(distance)
+    return format_length(math.floor(shift * distance + 1e-6) / shift)
+
+
+def format_setting(number: float) -> str:
+    """A number that was chosen, without trailing zeros."""
+    if abs(number) >= 10_000:
+        return f"{number:,.0f}"
+    text = np.format_float_positional(number, precision=4, fractional=False, trim="-")
+    return text.replace("-", "−")
+
+
+def _decimals(length: float) -> int:
+    if not abs(length) < 1000:
+        return 0
+    return 3 if abs(length) < 100 else 1
