@@ -22,8 +22,8 @@ class Ticket:
 class ReadingPlaces:
     """Places that are given in the order in which files come, one an owner at a time.
 
-    Once an owner has one, its other files go behind those that wait already: whoever comes waits for
-    one more file of each of the others at most.
+    Once an owner has one, its other files go behind those that wait already: whoever comes waits
+    for one more file of each of the others at most.
     """
 
     def __init__(self, count: int) -> None:
