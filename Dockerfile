@@ -17,6 +17,8 @@ ENV PATH=/opt/abi/bin:$PATH \
 RUN useradd --create-home --uid 1000 abi
 USER abi
 WORKDIR /home/abi
+# A volume that is mounted here belongs to this user, too.
+RUN mkdir uploads
 RUN python -c "import abi; abi.compile()"
 EXPOSE 8080
 STOPSIGNAL SIGTERM

@@ -2,19 +2,22 @@
 
 A file's name here is the hash of its content: it is part of the link to a scene, nobody can guess
 it, and a file that two tabs upload is kept once. The folder is ``$ABI_STORE``, or else one in the
-user's cache; when it is full, the least recently used files are removed.
+user's cache; when it is full, or takes half of its disk, the least recently used files are removed.
 """
 
 from __future__ import annotations
 
+import contextlib
+import errno
 import hashlib
 import io
 import logging
 import os
 import re
+import shutil
 import tempfile
 import zipfile
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from functools import lru_cache
 from pathlib import Path
 
@@ -24,7 +27,7 @@ from abi.arrays import read_only
 from abi.obstacles.triangle_mesh.surface import Surface
 
 MAX_STORED = 500_000_000
-"""Bytes of all files."""
+"""Bytes of all files; no more than half of a smaller disk."""
 
 _KEY = re.compile(r"[0-9a-f]{64}")
 _log = logging.getLogger("abi.store")
@@ -52,8 +55,9 @@ def keep(files: Mapping[str, bytes | Surface]) -> None:
                 path.touch()
                 continue
             path.parent.mkdir(parents=True, exist_ok=True)
-            _write(path, content if isinstance(content, bytes) else _packed(content))
-            _make_room(path.parent)
+            packed = content if isinstance(content, bytes) else _packed(content)
+            _make_room(path.parent, len(packed))
+            _write(path, packed)
         except OSError as error:
             _warn(error.strerror or type(error).__name__)
 
@@ -125,14 +129,26 @@ def _write(path: Path, content: bytes) -> None:
             raise
 
 
-def _make_room(place: Path) -> None:
-    """Remove the files used longest ago, until the others fit."""
-    files = sorted(
-        ((path.stat().st_mtime, path.stat().st_size, path) for path in place.iterdir()),
-        reverse=True,
-    )
-    total = 0
-    for _, size, path in files:
-        total += size
-        if total > MAX_STORED:
-            path.unlink(missing_ok=True)
+def _make_room(place: Path, size: int) -> None:
+    """Remove the files used longest ago, until a new one fits.
+
+    Raises:
+        OSError: it fits nowhere; nothing is removed.
+    """
+    files = sorted(_stored(place), reverse=True)
+    total, disk = sum(one for _, one, _ in files), shutil.disk_usage(place)
+    most = min(MAX_STORED, disk.total // 2, disk.free + total)
+    if size > most:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+    while files and total + size > most:
+        _, one, path = files.pop()
+        path.unlink(missing_ok=True)
+        total -= one
+
+
+def _stored(place: Path) -> Iterator[tuple[float, int, Path]]:
+    """When each file was last used, its size [bytes] and its path."""
+    for path in place.iterdir():
+        with contextlib.suppress(FileNotFoundError):  # another server has removed it
+            status = path.stat()
+            yield status.st_mtime, status.st_size, path

@@ -11,12 +11,10 @@ _PACKAGES = (
     "websockets",
     "numpy",
     "numba",
-    "llvmlite",
     "scipy",
     "pydantic",
     "trimesh",
     "manifold3d",
-    "vtk",
     "yourdfpy",
 )
 

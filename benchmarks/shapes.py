@@ -1,6 +1,6 @@
 """Cost of triangle meshes: what a moved one excludes, beside libraries, and the whole re-plan.
 
-    python -m benchmarks.shapes --triangles 500 20000 100000 --nodes 20000 200000
+    python -m benchmarks.shapes --triangles 500 20000 500000 --nodes 20000 200000
 
 A ball, a knot, a block of rooms and loose triangles take the place of a box of the same extent, and
 move a little from frame to frame. Libraries (:mod:`benchmarks.shape_libraries`) answer for the same
@@ -34,7 +34,7 @@ from benchmarks.report import Row, table
 from tests.abi import meshes
 from tests.abi.meshes import Mesh
 
-TRIANGLES = (500, 20_000, 100_000)
+TRIANGLES = (500, 20_000, 100_000, 500_000)
 NODES = (2_000, 20_000, 200_000)
 ROOMS = (60_000, 290_000)
 CLEARANCE = 0.1

@@ -192,7 +192,8 @@ def _unpacked(content: bytes) -> dict[str, bytes]:
         raise SceneError("arm.urdf", f"{len(content):,} bytes", expected)
     try:
         with zipfile.ZipFile(io.BytesIO(content)) as archive:
-            members = [member for member in archive.infolist() if not member.is_dir()]
+            # is_dir() asks for the last letter of a name that may have none
+            members = [one for one in archive.infolist() if not one.filename.endswith("/")]
             size = sum(member.file_size for member in members)
             if len(members) <= _MAX_FILES and size <= _MAX_UNPACKED:
                 return {member.filename: archive.read(member) for member in members}

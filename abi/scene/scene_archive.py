@@ -77,7 +77,8 @@ def unpack(content: bytes, name: str) -> tuple[object, dict[str, bytes]]:
         raise SceneError(_FIELD, name, f"a file of at most {MAX_BYTES // 1_000_000} MB")
     try:
         with zipfile.ZipFile(io.BytesIO(content)) as archive:
-            entries = [entry for entry in archive.infolist() if not entry.is_dir()]
+            # is_dir() asks for the last letter of a name that may have none
+            entries = [one for one in archive.infolist() if not one.filename.endswith("/")]
             size = sum(entry.file_size for entry in entries)
             if size > _MOST_UNPACKED or len(entries) > _MOST_FILES:
                 limit = f"{_MOST_FILES} files of {_MOST_UNPACKED // 1_000_000} MB in all"

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from abi.errors import AbiError
+from abi.sweep.result_file import unwritable
 from abi.sweep.row import Row, versions
 
 
@@ -34,7 +35,7 @@ class Journal:
             if whole < len(content):
                 os.truncate(path, whole)
         except OSError as error:
-            raise self._unusable(error) from None
+            raise unwritable(self.path, error) from None
         for number, line in enumerate(content[:whole].splitlines(), start=1):
             row = self._row(number, line)
             if row.get("abi") == versions()["abi"]:
@@ -53,7 +54,7 @@ class Journal:
                 file.flush()
                 os.fsync(file.fileno())
         except OSError as error:
-            raise self._unusable(error) from None
+            raise unwritable(self.path, error) from None
         self.rows.update((row["key"], row) for row in rows)
 
     def _row(self, number: int, line: bytes) -> Row:
@@ -67,7 +68,3 @@ class Journal:
             f"{str(self.path)!r} has no row of a study in line {number}.",
             "Remove the file, or name another folder.",
         )
-
-    def _unusable(self, error: OSError) -> AbiError:
-        reason = (error.strerror or "not writable").lower()
-        return AbiError(f"{str(self.path)!r} cannot be written ({reason}).")

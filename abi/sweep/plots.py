@@ -6,10 +6,12 @@ Each value of the second field that varies has a line of its own.
 from __future__ import annotations
 
 import importlib.util
+import io
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from abi.sweep.result_file import write_result
 from abi.sweep.row import Row
 from abi.sweep.table import quantile, share
 
@@ -57,6 +59,9 @@ def write_plots(rows: Sequence[Row], fields: Sequence[str], folder: Path) -> lis
         rows: rows of a study.
         fields: the field on the abscissa, and the one whose values have lines, if there is one.
         folder: folder for the files.
+
+    Raises:
+        AbiError: one of them cannot be written; those before it are, and each is whole.
     """
     if importlib.util.find_spec("matplotlib") is None:
         return []
@@ -64,10 +69,11 @@ def write_plots(rows: Sequence[Row], fields: Sequence[str], folder: Path) -> lis
 
     written = []
     for name, panels in _FIGURES.items():
-        path = folder / f"{name}.svg"
+        path, picture = folder / f"{name}.svg", io.BytesIO()
         with matplotlib.rc_context({"svg.hashsalt": name}):
             figure = _figure(rows, fields, panels)
-            figure.savefig(path, transparent=True, metadata={"Date": None})
+            figure.savefig(picture, format="svg", transparent=True, metadata={"Date": None})
+        write_result(path, picture.getvalue())
         written.append(path)
     return written
 

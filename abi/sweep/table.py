@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from abi.atomic_file import replace_file
 from abi.errors import AbiError
+from abi.sweep.result_file import write_result
 from abi.sweep.row import Row
 
 FORMATS = ("csv", "parquet")
@@ -25,12 +25,7 @@ def write(rows: Sequence[Row], path: Path) -> None:
     Raises:
         AbiError: the file cannot be written, or the library for Parquet is not installed.
     """
-    content = _parquet(rows) if path.suffix == ".parquet" else _csv(rows)
-    try:
-        replace_file(path, content)
-    except OSError as error:
-        reason = (error.strerror or "not writable").lower()
-        raise AbiError(f"{str(path)!r} cannot be written ({reason}).") from None
+    write_result(path, _parquet(rows) if path.suffix == ".parquet" else _csv(rows))
 
 
 def summary(rows: Sequence[Row], fields: Sequence[str]) -> list[Row]:

@@ -144,7 +144,7 @@ def serve(
             announce(server.link)
         # a signal that came to another thread is heard at the next turn
         while not ended.wait(_PERIOD):
-            pass
+            _measure_memory()
     except KeyboardInterrupt:
         click.echo()
     finally:
@@ -155,6 +155,13 @@ def serve(
 def _end(ended: threading.Event, number: int, frame: FrameType | None) -> None:
     """End as Ctrl+C does: the tabs are told, and the exit code is 0."""
     ended.set()
+
+
+def _measure_memory() -> None:
+    """Note it for the process that answers for all."""
+    from app import metrics  # by now the page has been sent
+
+    metrics.measure_memory()
 
 
 def _tell_nobody(link: str) -> None:

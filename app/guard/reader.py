@@ -15,7 +15,7 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import BinaryIO, NamedTuple
 
@@ -26,18 +26,32 @@ from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.obstacles.triangle_mesh.surface import Surface
 from abi.robot.robot import Robot
 from abi.robot.robot_files import load_robot
+from app.guard.process_memory import memory_in_all
 from app.guard.reader_process import READY, receive, send
 from app.guard.reading import Answer, Job
+from app.guard.reading_places import ReadingPlaces, Ticket
 
 _log = logging.getLogger(__name__)
 _ROOT = Path(__file__).resolve().parents[2]
 _PROCESSES = 2
 """Files that are read at once, at most; others wait."""
+_MOST_MEMORY = 2_000_000_000
 _LOOK = 0.05
 """Seconds between two looks at whether a file is still wanted."""
+_LONG = 2.0
+"""Seconds after which whoever waits for a place is told so."""
 _GRACE = 0.5
 """Seconds for a process to end by itself."""
 _SINGLE = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "NUMBA_NUM_THREADS")
+
+
+def reading_memory(memory: int | None) -> int:
+    """Bytes that one file may take, so that those read at once leave half of all to the server.
+
+    Args:
+        memory: [bytes] of the machine or the container; None where nobody tells.
+    """
+    return _MOST_MEMORY if memory is None else min(_MOST_MEMORY, memory // (2 * _PROCESSES))
 
 
 class Limits(NamedTuple):
@@ -47,10 +61,10 @@ class Limits(NamedTuple):
         memory: [bytes], beside what the process itself takes.
         files: that may be open at once; what is open when reading begins stays so.
         seconds: of processor time.
-        patience: seconds that anybody waits for it.
+        patience: seconds that anybody waits for it, and for a place before.
     """
 
-    memory: int = 2_000_000_000
+    memory: int = reading_memory(memory_in_all())
     files: int = 0
     seconds: int = 20
     patience: float = 90.0
@@ -124,7 +138,7 @@ class Reader:
         self.faults: list[str] = []
         self._idle: list[_Process] = []
         self._lock = threading.Lock()
-        self._places = threading.BoundedSemaphore(_PROCESSES)
+        self._places = ReadingPlaces(_PROCESSES)
         atexit.register(self.close)
 
     def warm(self) -> None:
@@ -133,19 +147,27 @@ class Reader:
             if not self._idle:
                 self._idle.append(_Process(self.limits))
 
-    def mesh(self, content: bytes, name: str, stopped: threading.Event | None = None) -> Surface:
+    def mesh(
+        self,
+        content: bytes,
+        name: str,
+        stopped: threading.Event | None = None,
+        delayed: Callable[[], object] = lambda: None,
+    ) -> Surface:
         """The repaired surface of a mesh file.
 
         Args:
             content: of the file.
             name: of the file.
-            stopped: set when it is not wanted any more.
+            stopped: set when it is not wanted any more; files with the same one are read one after
+                the other.
+            delayed: called once if files of others keep it waiting for long.
 
         Raises:
             SceneError: it is refused, or took too long or too much.
             StoppedError: ``stopped`` was set.
         """
-        return self.read(Job("mesh", name, content), stopped).surfaces[name].surface()
+        return self.read(Job("mesh", name, content), stopped, delayed).surfaces[name].surface()
 
     def arm(self, content: bytes, name: str, stopped: threading.Event | None = None) -> Robot:
         """The arm of a URDF, or of a zip with one and its meshes.
@@ -170,16 +192,25 @@ class Reader:
         surfaces = {file: one.surface() for file, one in answer.surfaces.items()}
         return json.loads(answer.data), {**answer.archives, **surfaces}
 
-    def read(self, job: Job, stopped: threading.Event | None = None) -> Answer:
-        """The answer to a job that is no refusal.
+    def read(
+        self,
+        job: Job,
+        stopped: threading.Event | None = None,
+        delayed: Callable[[], object] = lambda: None,
+    ) -> Answer:
+        """The answer to a job that is no refusal; arguments as for :meth:`mesh`.
 
         Raises:
             SceneError: it is refused, or took too long or too much.
             StoppedError: ``stopped`` was set.
         """
         stopped = stopped or threading.Event()
-        with self._places:
+        ticket = self._places.queue(stopped)
+        try:
+            self._wait(ticket, job, stopped, delayed)
             answer, seconds = self._answer(job, stopped)
+        finally:
+            self._places.give_back(ticket)
         if stopped.is_set():
             raise StoppedError
         if answer is None:
@@ -199,6 +230,25 @@ class Reader:
             idle, self._idle = self._idle, []
         for process in idle:
             process.close()
+
+    def _wait(
+        self, ticket: Ticket, job: Job, stopped: threading.Event, delayed: Callable[[], object]
+    ) -> None:
+        """Wait for a place, no longer than the file is wanted."""
+        begin, is_told = time.monotonic(), False
+        while not stopped.is_set():
+            if self._places.wait(ticket, _LOOK):
+                return
+            seconds = time.monotonic() - begin
+            if seconds > self.limits.patience:
+                _log.warning("reader busy: %s %r waited %.0f s", job.kind, job.name, seconds)
+                expected = "a moment in which the server reads fewer files; add it again then"
+                raise SceneError("file", job.name, expected)
+            if not is_told and seconds > _LONG:
+                is_told = True
+                _log.info("reader busy: %s %r waits", job.kind, job.name)
+                delayed()
+        raise StoppedError
 
     def _answer(self, job: Job, stopped: threading.Event) -> tuple[Answer | None, float]:
         """Answer of a process, None where it ended; and the seconds that it took."""

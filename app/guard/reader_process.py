@@ -60,12 +60,15 @@ def main() -> None:
 def restrict(memory: int, files: int) -> None:
     """Give up writing files, and all but ``memory`` bytes and ``files`` open files from now on.
 
-    What is open stays so. Where the system has no such limits, as Windows, time is still limited by
-    whoever waits.
+    What is open stays so. Where memory runs out in the whole machine or container, Linux ends this
+    process before any other. Where the system has no such limits, as Windows, time is still limited
+    by whoever waits.
     """
     with contextlib.suppress(ImportError):
         import resource
 
+        with contextlib.suppress(OSError):
+            Path("/proc/self/oom_score_adj").write_text("1000")
         for limit in (resource.RLIMIT_CORE, resource.RLIMIT_FSIZE):
             resource.setrlimit(limit, (0, 0))
         statm = Path("/proc/self/statm")

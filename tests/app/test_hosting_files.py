@@ -34,6 +34,11 @@ def test_compose_starts_replicas_that_share_a_token_behind_nginx() -> None:
     assert services["abi"]["read_only"]
     assert services["abi"]["cap_drop"] == ["ALL"]
     assert "ABI_TOKEN" in services["abi"]["environment"]
+    store = services["abi"]["environment"]["ABI_STORE"]
+    assert services["abi"]["volumes"] == [f"uploads:{store}"]
+    image = (ROOT / "Dockerfile").read_text(encoding="utf-8")
+    assert f"USER abi\nWORKDIR {Path(store).parent}\n" in image
+    assert f"RUN mkdir {Path(store).name}\n" in image
     (volume,) = services["proxy"]["volumes"]
     assert (ROOT / volume.split(":")[0]).is_file()
 

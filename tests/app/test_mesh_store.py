@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import os
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -89,6 +91,33 @@ def test_the_files_used_longest_ago_go(store: Path, monkeypatch: pytest.MonkeyPa
     assert len(list(store.iterdir())) == 2
     kept = mesh_store.find(mesh_store.keys({"a": contents[3]})["a"])
     assert kept == contents[3]
+
+
+def _disk(monkeypatch: pytest.MonkeyPatch, total: int, others: int, store: Path) -> None:
+    """A disk of so many bytes, of which ``others`` are taken by other files."""
+
+    def usage(path: Path) -> shutil._ntuple_diskusage:
+        used = others + sum(one.stat().st_size for one in store.iterdir())
+        return shutil._ntuple_diskusage(total, used, total - used)
+
+    monkeypatch.setattr(shutil, "disk_usage", usage)
+
+
+@pytest.mark.parametrize(("total", "others"), [(50, 0), (64, 40)])
+def test_a_small_or_a_full_disk_keeps_the_newest_files(
+    total: int, others: int, store: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    _disk(monkeypatch, total, others, store)
+    contents = [bytes([k]) * 10 for k in range(6)]
+    for number, content in enumerate(contents):
+        mesh_store.keep({"a": content})
+        os.utime(store / mesh_store.keys({"a": content})["a"], (number, number))
+    assert len(list(store.iterdir())) == 2
+    for content in contents[-2:]:
+        assert mesh_store.find(mesh_store.keys({"a": content})["a"]) == content
+
+    mesh_store.keep({"a": b"x" * 30})  # what fits nowhere drives nothing out
+    assert len(list(store.iterdir())) == 2
 
 
 def test_a_folder_that_cannot_be_written_stops_nothing(store: Path) -> None:

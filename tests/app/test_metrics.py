@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import os
+import re
+import sys
 import urllib.request
-from importlib.metadata import version
+from importlib.metadata import requires, version
+from pathlib import Path
 
 import pytest
 from prometheus_client import REGISTRY
@@ -46,6 +50,14 @@ def test_figures_follow_what_a_tab_does(server: Server, tab: tuple[FakeTab, Sess
         assert after[name] > before[name]
 
 
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux tells it")
+def test_memory_is_that_of_the_process() -> None:
+    metrics.text()
+    pages = int(Path("/proc/self/statm").read_text().split()[1])
+    resident = pages * os.sysconf("SC_PAGE_SIZE")
+    assert REGISTRY.get_sample_value("abi_memory_bytes") == pytest.approx(resident, rel=0.05)
+
+
 def test_a_stage_counts_once_for_each_time_it_ran() -> None:
     def count(stage: str) -> float:
         value = REGISTRY.get_sample_value("abi_stage_seconds_count", {"stage": stage})
@@ -61,6 +73,15 @@ def test_versions_are_those_that_are_installed() -> None:
     assert found["viser"] == version("viser") == "1.1.1"
     assert version_text().startswith("abi, version ")
     assert all(value in version_text() for value in found.values())
+
+
+def test_versions_are_of_what_is_needed_to_run() -> None:
+    needed = {
+        re.split(r"[^\w-]", requirement, maxsplit=1)[0]
+        for requirement in requires("abi-visualiser") or ()
+        if "extra ==" not in requirement
+    }
+    assert versions().keys() - {"abi", "Python", "system", "cores"} <= needed
 
 
 def test_a_bug_report_has_versions_times_scene_and_fault(tab: tuple[FakeTab, Session]) -> None:

@@ -9,6 +9,7 @@ import time
 import urllib.error
 import urllib.request
 from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 
 import click
 import pytest
@@ -89,9 +90,10 @@ def _find_all_places_wherever_they_land(server: ServerProcess, tabs: list[FakeTa
 
 @needs_linux
 @pytest.mark.slow
-def test_a_worker_ends_with_the_process_that_started_it() -> None:
+def test_memory_is_counted_and_a_worker_ends_with_the_process_that_started_it() -> None:
     server = ServerProcess("--workers", "2")
     until(lambda: len(_serving(server)) == 2)
+    until(lambda: _counts_the_memory_of_all(server))
     (worker,) = set(_serving(server)) - {server.number}
     os.kill(server.number, signal.SIGKILL)
     server.stop()
@@ -99,6 +101,12 @@ def test_a_worker_ends_with_the_process_that_started_it() -> None:
     while os.path.exists(f"/proc/{worker}") and time.monotonic() < end:
         time.sleep(0.05)
     assert not os.path.exists(f"/proc/{worker}")
+
+
+def _counts_the_memory_of_all(server: ServerProcess) -> bool:
+    pages = [int(Path(f"/proc/{n}/statm").read_text().split()[1]) for n in _serving(server)]
+    memory = sum(pages) * os.sysconf("SC_PAGE_SIZE")
+    return abs(_figure(server.url, "abi_memory_bytes") / memory - 1) < 0.1
 
 
 def test_a_class_is_kept_in_one_process() -> None:

@@ -5,6 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import scipy
+import toppra
+import toppra.algorithm
+import toppra.constraint
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -125,6 +128,40 @@ def test_the_fastest_speeds_are_the_optimum_of_a_linear_program(seed: int, joint
     assert found.sum() >= (1 - 2e-3) * best.x.sum()
     profile = from_squared_speeds(1.0, np.linspace(0, 1, count), found)
     check_derivatives(profile)
+
+
+def by_toppra(
+    path: toppra.SplineInterpolator, grid: FloatArray, speeds: FloatArray, limits: FloatArray
+) -> FloatArray:
+    """The fastest speeds along a path by TOPP-RA's own library, whose ends of steps hold, too."""
+    rates = toppra.constraint.JointVelocityConstraint(np.stack([-speeds, speeds], axis=1))
+    growth = toppra.constraint.JointAccelerationConstraint(
+        np.stack([-limits, limits], axis=1),
+        discretization_scheme=toppra.constraint.DiscretizationType.Interpolation,
+    )
+    solver = toppra.algorithm.TOPPRA([rates, growth], path, gridpoints=grid)
+    _, found, *_ = solver.compute_parameterization(0, 0, return_data=True)
+    return np.asarray(found)
+
+
+@settings(max_examples=20)
+@given(st.integers(0, 2**31), st.integers(1, 7))
+def test_the_fastest_motion_is_toppra_s(seed: int, joints: int) -> None:
+    random = np.random.default_rng(seed)
+    places = random.uniform(-2, 2, (6, joints))
+    path = toppra.SplineInterpolator(np.linspace(0, 1, len(places)), places)
+    speeds, limits = random.uniform(0.3, 3, (2, joints))
+    durations, expected = [], []
+    for points in (201, 801, 3201):
+        grid = np.linspace(0, 1, points)
+        best = by_toppra(path, grid, speeds, limits) ** 2
+        found = fastest(path(grid, 1), path(grid, 2), 1 / (points - 1), speeds, limits)
+        np.testing.assert_allclose(found, best, atol=1e-3 * float(best.max()))
+        durations.append(from_squared_speeds(1.0, grid, found).duration)
+        expected.append(from_squared_speeds(1.0, grid, best).duration)
+    np.testing.assert_allclose(durations, expected, rtol=1e-3)
+    # a coarser grid holds the limits at its own points only: the duration changes as it is refined
+    assert durations[1] == pytest.approx(expected[2], rel=0.01)
 
 
 def test_the_fastest_speeds_are_the_same_compiled_and_plain() -> None:

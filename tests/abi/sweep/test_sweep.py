@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import csv
+import errno
 import importlib.util
 import json
 import os
@@ -195,6 +196,26 @@ def test_lines_of_a_plot_are_medians(rows: list[Row], tmp_path: Path) -> None:
             )
         ]
         np.testing.assert_allclose(line.get_ydata(), expected)
+
+
+def test_a_plot_that_cannot_be_written_is_a_sentence_and_the_old_one_stays_whole(
+    rows: list[Row], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "gaps.svg").write_text("old")
+    (tmp_path / "clearances.svg").mkdir()
+    with pytest.raises(AbiError, match=r"clearances\.svg' cannot be written \(is a directory\)"):
+        plots.write_plots(rows[:6], STUDY.axes, tmp_path)
+    assert (tmp_path / "gaps.svg").read_text() != "old"
+
+    def full(descriptor: int) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    (tmp_path / "gaps.svg").write_text("old")
+    monkeypatch.setattr(os, "fsync", full)
+    with pytest.raises(AbiError, match="no space left on device"):
+        plots.write_plots(rows[:6], STUDY.axes, tmp_path)
+    assert (tmp_path / "gaps.svg").read_text() == "old"
+    assert {path.name for path in tmp_path.iterdir()} == {"gaps.svg", "clearances.svg"}
 
 
 def test_plots_without_matplotlib_are_left_out(

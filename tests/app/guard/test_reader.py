@@ -5,8 +5,10 @@ from __future__ import annotations
 import re
 import resource
 import signal
+import sys
 import threading
 from collections.abc import Iterator
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -17,6 +19,7 @@ from abi.obstacles.triangle_mesh.mesh_reader import SUFFIXES, read
 from abi.obstacles.triangle_mesh.repair import clean
 from abi.robot.robot_files import robot_from_archive
 from abi.scene.scene import Scene
+from app.guard import reader as module
 from app.guard.reader import Limits, Reader, StoppedError
 from tests.abi import meshes
 from tests.abi.robot.robots import arm, packed
@@ -124,6 +127,17 @@ def test_a_refusal_is_the_sentence_that_it_is_here(reader: Reader, name: str) ->
     assert not reader.faults
 
 
+@pytest.mark.parametrize("name", ["a.urdf", "scene.yaml"])
+def test_a_file_without_a_name_in_an_archive_is_passed_over(reader: Reader, name: str) -> None:
+    text = arm() if name == "a.urdf" else "version: 1"
+    content = packed({name: text, "x.txt": "nothing"}).replace(b"x.txt", b"\0.txt")
+    if name == "a.urdf":
+        assert reader.arm(content, "a.zip").links
+    else:
+        assert reader.scene(content, "a.zip") == ({"version": 1}, {})
+    assert not reader.faults
+
+
 def test_half_a_letter_and_a_huge_number_are_refused(reader: Reader) -> None:
     for content in (b'{"\\ud800": 1, "\\ud800": 2}', b"[" * 900 + b"]" * 900):
         with pytest.raises(SceneError):
@@ -165,6 +179,56 @@ def test_what_is_not_wanted_any_more_is_not_waited_for(reader: Reader) -> None:
     stopped.set()
     with pytest.raises(StoppedError):
         reader.mesh(file_of(".stl"), "a.stl", stopped)
+
+
+def _occupied(monkeypatch: pytest.MonkeyPatch, limits: Limits | None = None) -> Reader:
+    """A reader that others' files keep busy for good."""
+    monkeypatch.setattr(module, "_LONG", 0.05)
+    reader = Reader(limits)
+    for owner in range(module._PROCESSES):
+        assert reader._places.wait(reader._places.queue(owner), 0)
+    return reader
+
+
+@pytest.mark.timeout(20)
+def test_a_file_that_waits_for_others_can_be_stopped_and_is_told_once(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    reader, stopped = _occupied(monkeypatch), threading.Event()
+    told: list[str] = []
+
+    def tell() -> None:
+        told.append("others first")
+        threading.Timer(0.3, stopped.set).start()
+
+    with pytest.raises(StoppedError):
+        reader.mesh(file_of(".stl"), "a.stl", stopped, tell)
+    assert told == ["others first"]
+    assert not reader._places._waiting
+
+
+@pytest.mark.timeout(20)
+def test_a_file_is_refused_when_others_are_read_for_too_long(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    reader = _occupied(monkeypatch, Limits(patience=0.2))
+    with pytest.raises(SceneError, match="the server reads fewer files"):
+        reader.scene(b"{}", "a.json")
+    assert not reader._places._waiting
+
+
+def test_readers_leave_half_of_the_memory_to_the_server() -> None:
+    assert module.reading_memory(None) == module.reading_memory(64 * 10**9)
+    for memory in (10**9, 2 * 10**9, 3 * 10**9):
+        assert 2 * module._PROCESSES * module.reading_memory(memory) == memory
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere nothing is ended for want of memory")
+def test_the_reader_is_the_first_to_end_where_memory_runs_out(reader: Reader) -> None:
+    reader.mesh(file_of(".stl"), "a.stl")
+    (process,) = reader._idle
+    score = Path(f"/proc/{process._process.pid}/oom_score_adj").read_text()
+    assert int(score) == 1000
 
 
 def test_the_process_can_open_and_write_no_file(reader: Reader) -> None:
