@@ -99,7 +99,11 @@ class Kernel(Generic[_P, _R]):
             if not dispatcher.signatures:
                 if not self.cached:
                     _forget(self._stale)
-                dispatcher.compile(self._signature())
+                try:
+                    dispatcher.compile(self._signature())
+                except OSError:  # it is compiled, and cannot be kept: the disk is full
+                    if not dispatcher.signatures:
+                        raise
                 dispatcher.disable_compile()
             self._run = dispatcher
 

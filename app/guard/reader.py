@@ -169,26 +169,38 @@ class Reader:
         """
         return self.read(Job("mesh", name, content), stopped, delayed).surfaces[name].surface()
 
-    def arm(self, content: bytes, name: str, stopped: threading.Event | None = None) -> Robot:
-        """The arm of a URDF, or of a zip with one and its meshes.
+    def arm(
+        self,
+        content: bytes,
+        name: str,
+        stopped: threading.Event | None = None,
+        delayed: Callable[[], object] = lambda: None,
+    ) -> Robot:
+        """The arm of a URDF, or of a zip with one and its meshes; arguments as for :meth:`mesh`.
 
         Raises:
             SceneError: it is refused, or took too long or too much.
             StoppedError: ``stopped`` was set.
         """
-        archive = self.read(Job("arm", name, content), stopped).archives[name]
+        archive = self.read(Job("arm", name, content), stopped, delayed).archives[name]
         return load_robot(name, MeshSource({name: archive}))
 
     def scene(
-        self, content: bytes, name: str, stopped: threading.Event | None = None
+        self,
+        content: bytes,
+        name: str,
+        stopped: threading.Event | None = None,
+        delayed: Callable[[], object] = lambda: None,
     ) -> tuple[object, Mapping[str, bytes | Surface]]:
         """Plain data of a scene file, and the files that came with it, by name.
+
+        Arguments are those of :meth:`mesh`.
 
         Raises:
             SceneError: it is refused, or took too long or too much.
             StoppedError: ``stopped`` was set.
         """
-        answer = self.read(Job("scene", name, content), stopped)
+        answer = self.read(Job("scene", name, content), stopped, delayed)
         surfaces = {file: one.surface() for file, one in answer.surfaces.items()}
         return json.loads(answer.data), {**answer.archives, **surfaces}
 

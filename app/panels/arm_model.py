@@ -191,7 +191,7 @@ class ArmModelPanel:
 def _read(content: bytes, dealing: Dealing[Robot]) -> Robot:
     """Read the file of an arm."""
     dealing.step("reading", 0.5)
-    return READER.arm(content, dealing.name, dealing.stopped)
+    return READER.arm(content, dealing.name, dealing.stopped, dealing.wait)
 
 
 def _choose(box: viser.GuiDropdownHandle[str], values: Mapping[str, object], value: object) -> None:

@@ -70,6 +70,10 @@ class Dealing(Generic[_T]):
             raise StoppedError
         self._show(f"{self.name}: {does}", share)
 
+    def wait(self) -> None:
+        """Show that the files of other tabs are read first."""
+        self._show(f"{self.name}: waiting until the files of others are read", 0.0)
+
     def is_read(self, result: _T) -> None:
         """Tell what was read, though it is still to be prepared."""
         self._tell(News(self.name, result, done=False))

@@ -27,7 +27,7 @@ def add_mesh_uploads(gui: viser.GuiApi, wake: Wake) -> FileUploads[Surface]:
 def _prepared(content: bytes, dealing: Dealing[Surface]) -> Surface:
     """Read, repair and prepare one file."""
     dealing.step("reading and repairing", 0.25)
-    surface = READER.mesh(content, dealing.name, dealing.stopped)
+    surface = READER.mesh(content, dealing.name, dealing.stopped, dealing.wait)
     dealing.step("preparing", 0.75)
     drawn_triangles(surface)
     dealing.is_read(surface)

@@ -35,7 +35,7 @@ class SceneFile:
 def read(content: bytes, dealing: Dealing[SceneFile]) -> SceneFile:
     """Read a scene file, and prepare its meshes."""
     dealing.step("reading", 0.25)
-    found = SceneFile(*READER.scene(content, dealing.name, dealing.stopped))
+    found = SceneFile(*READER.scene(content, dealing.name, dealing.stopped, dealing.wait))
     for name, file in found.files.items():
         if isinstance(file, Surface):
             dealing.step(f"preparing {shown_name(name)}", 0.75)

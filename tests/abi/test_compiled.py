@@ -223,3 +223,17 @@ print(kernel.compiled, kernel.cached)
     blocked = tmp_path / "file"
     blocked.write_text("")
     assert run(code, NUMBA_CACHE_DIR=str(blocked / "no")).split()[0] == "True"
+
+
+@pytest.mark.slow
+def test_on_a_full_disk_a_kernel_is_compiled_and_not_kept(tmp_path: Path) -> None:
+    code = """
+import resource, signal
+from abi.tet_mesh import exclusion_kernels
+signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+resource.setrlimit(resource.RLIMIT_FSIZE, (0, 0))
+kernel = exclusion_kernels.mark
+kernel.compile()
+print(kernel.compiled, kernel.cached)
+"""
+    assert run(code, NUMBA_CACHE_DIR=str(tmp_path)).split() == ["True", "False"]

@@ -146,10 +146,12 @@ def test_an_arm_of_another_size_than_the_scene_says_so(
         ("kitchen-ur5e", "Franka Panda", []),
         ("paper", "UR5e", ["This arm is too large for the scene"]),
     ):
+        loaded = load_scene(scene)
         fake.set(session.panels.files.choice, scene)
-        until(lambda: session.panels.files.name == scene and session.resting)  # noqa: B023
+        until(lambda: session.plan.scene == loaded and session.resting)  # type: ignore[union-attr]  # noqa: B023
         fake.set(panel(session).model.model, name)
-        until(lambda: isinstance(planned_arm(session), UrdfArm) and session.resting)
+        until(lambda: session.plan.scene != loaded and session.resting)  # type: ignore[union-attr]  # noqa: B023
+        assert isinstance(planned_arm(session), UrdfArm)
         assert panel(session).model.model.value == name
         assert told == titles
 

@@ -299,7 +299,10 @@ def test_export_warns_of_a_motion_through_a_wall(
         code, _, err = run(monkeypatch, capsys, "export", "wall-with-window", "--to", target)
         assert code == 0
         assert err.count("\n") == 1
-        assert "Warning: the arm's motion is not proven clear. The rod touches obstacle 2" in err
+        assert (
+            "Warning: the arm's motion is not proven clear. The slide goes 0.549 cm into obstacle 2"
+            in err
+        )
     target = str(tmp_path / "a.scene")
     assert run(monkeypatch, capsys, "export", "wall-with-window", "--to", target)[2] == ""
 

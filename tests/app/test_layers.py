@@ -341,7 +341,7 @@ def test_links_nearer_than_asked_for_are_told_with_both_numbers() -> None:
     assert "Proven" not in note
     kept = plan(load_scene("paper"))
     assert arm_result(kept) == "proven clear ✓"
-    assert "Proven: every link keeps" in notes(kept)["arm"]
+    assert "Proven: every link stays" in notes(kept)["arm"]
 
 
 @pytest.mark.parametrize(("speed", "spilt"), [(30.0, False), (3000.0, True)])

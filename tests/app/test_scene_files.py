@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from collections.abc import Callable
 from typing import Any
 
 import pytest
@@ -96,6 +97,27 @@ def test_planning_goes_on_while_a_file_is_read(
         opened = session.panels.files.loaded
         assert opened.start == load_scene("sculpture").start
         until(lambda: session.frame.plan.scene == opened)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", ["scene", "arm"])
+def test_a_file_that_waits_for_those_of_others_says_so(
+    tab: tuple[FakeTab, Session], monkeypatch: pytest.MonkeyPatch, kind: str
+) -> None:
+    _, session = tab
+    released, read = threading.Event(), Reader.read
+
+    def wait(reader: Reader, job: Any, stopped: Any, delayed: Callable[[], object]) -> object:
+        delayed()
+        assert released.wait(60)
+        return read(reader, job, stopped, delayed)
+
+    monkeypatch.setattr(Reader, "read", wait)
+    until(lambda: session.resting)
+    uploads = _begin(session, kind)
+    until(lambda: "waiting until the files of others are read" in uploads._line.content)
+    released.set()
+    until(lambda: _is_taken(session, kind))
 
 
 @pytest.mark.slow

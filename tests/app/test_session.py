@@ -438,4 +438,4 @@ def test_a_motion_through_a_wall_is_exported_with_a_notice(
     assert (sent, told) == (["motion.csv"], [])
     session.panels.exports.send(plan(load_scene("wall-with-window")))
     assert len(sent) == 2
-    assert told[0].startswith("The rod touches obstacle 2, by ")
+    assert told[0].startswith("The slide goes 0.549 cm into obstacle 2")

@@ -126,7 +126,7 @@ def test_an_arm_that_touches_something_is_told_and_red() -> None:
 def test_the_page_calls_the_arm_clear_only_where_that_is_proven() -> None:
     clear = data_of(html_page.write(plan(load_scene("paper")), "plan.html"))["steps"][-1]
     assert clear["name"] == "6 Arm"
-    assert "Proven: every link keeps" in clear["text"]
+    assert "Proven: every link stays" in clear["text"]
     scene = load_scene("paper").replace(arm={"base": (3.0, -7.0, 0.0)})
     far = data_of(html_page.write(plan(scene), "plan.html"))["steps"][-1]
     assert far["text"].count("cannot reach the curve") == 1
