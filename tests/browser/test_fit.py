@@ -278,12 +278,13 @@ def test_nothing_moves_in_the_panel_whose_value_is_changed(page: Page, session: 
     try:
         _show_scene(page, session, "arm-in-the-way")
         page.tab.get_by_text("6 · Arm").click()
-        page.until(lambda: page.row("links clear by [cm]").is_visible(), "the folder to open")
+        page.until(lambda: page.row("link clearance [cm]").is_visible(), "the folder to open")
+        page.settle()
         before = page.tab.evaluate(_CONTROLS)
         notes = [_notes(session)]
         # with them the notes of stages 4 to 6 are of other lengths
         for clearance, fit in ((0.2, "several that do not hit"), (0.05, "paper's fit (may hit)")):
-            page.set_number("links clear by [cm]", clearance)
+            page.set_number("link clearance [cm]", clearance)
             page.choose("curve", fit)
             page.until(lambda: session.frame.plan.scene.arm.clearance == clearance, "it")  # noqa: B023
             page.until(lambda: session.resting, "the plan")

@@ -48,9 +48,12 @@ def _nodes(page: Page, layer: str) -> set[str]:
     }
 
 
-def _switch(page: Page, layer: str, on: bool) -> None:
+def _switch(page: Page, session: Session, layer: str, on: bool) -> None:
+    """Tick a switch, and wait for the server: of two ticks within 50 ms the page tells the last."""
     (label,) = (switch.label for switch in SWITCHES if switch.name == layer)
     page.tick(label, on)
+    box = session.panels.layer_switches.boxes[layer]
+    page.until(lambda: box.value == on, f"the switch of {layer}")
 
 
 def test_every_layer_has_its_switch(page: Page) -> None:
@@ -61,20 +64,20 @@ def test_every_layer_has_its_switch(page: Page) -> None:
         assert box.is_checked() == switch.on
 
 
-def test_a_switch_hides_and_shows_its_nodes_and_no_other(page: Page) -> None:
+def test_a_switch_hides_and_shows_its_nodes_and_no_other(page: Page, session: Session) -> None:
     page.click("Layers")
     page.settle()
     before = page.shown()
     for switch in SWITCHES:
         layer, own = switch.name, _nodes(page, switch.name)
-        _switch(page, layer, not switch.on)
+        _switch(page, session, layer, not switch.on)
         if switch.on:
             rest = before - own  # links in red are there, and hidden while clear
             assert rest < before
             page.until(lambda rest=rest: _shown(page) == rest, f"{layer} alone to go")  # type: ignore[misc]
         else:
             page.until(lambda layer=layer: _came(page, before, layer), f"{layer} alone to come")  # type: ignore[misc]
-        _switch(page, layer, switch.on)
+        _switch(page, session, layer, switch.on)
         page.until(lambda: _shown(page) == before, f"{layer} as before")
 
 
@@ -93,7 +96,7 @@ def test_what_is_hidden_stays_hidden_in_a_new_plan(page: Page, session: Session)
     before = page.shown()
     on = [switch.name for switch in SWITCHES if switch.on]
     for layer in on:
-        _switch(page, layer, False)
+        _switch(page, session, layer, False)
     hidden = set().union(*(_nodes(page, layer) for layer in on))
     page.until(lambda: not page.shown() & hidden, "all layers to go")
     page.set_number("spacing [cm]", 1.0)
@@ -107,7 +110,7 @@ def test_what_is_hidden_stays_hidden_in_a_new_plan(page: Page, session: Session)
     assert not page.shown() & hidden
 
     for layer in on:
-        _switch(page, layer, True)
+        _switch(page, session, layer, True)
     page.until(lambda: page.shown() == before, "all layers")
 
 
