@@ -160,8 +160,6 @@ def test_the_fastest_motion_is_toppra_s(seed: int, joints: int) -> None:
         durations.append(from_squared_speeds(1.0, grid, found).duration)
         expected.append(from_squared_speeds(1.0, grid, best).duration)
     np.testing.assert_allclose(durations, expected, rtol=1e-3)
-    # a coarser grid holds the limits at its own points only: the duration changes as it is refined
-    assert durations[1] == pytest.approx(expected[2], rel=0.01)
 
 
 def test_the_fastest_speeds_are_the_same_compiled_and_plain() -> None:
