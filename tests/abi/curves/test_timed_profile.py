@@ -156,10 +156,10 @@ def test_the_fastest_motion_is_toppra_s(seed: int, joints: int) -> None:
         grid = np.linspace(0, 1, points)
         best = by_toppra(path, grid, speeds, limits) ** 2
         found = fastest(path(grid, 1), path(grid, 2), 1 / (points - 1), speeds, limits)
-        np.testing.assert_allclose(found, best, atol=1e-3 * float(best.max()))
+        np.testing.assert_allclose(found, best, atol=1e-2 * float(best.max()))
         durations.append(from_squared_speeds(1.0, grid, found).duration)
         expected.append(from_squared_speeds(1.0, grid, best).duration)
-    np.testing.assert_allclose(durations, expected, rtol=1e-3)
+    np.testing.assert_allclose(durations, expected, rtol=1e-2)
 
 
 def test_the_fastest_speeds_are_the_same_compiled_and_plain() -> None:
