@@ -7,7 +7,7 @@ a pose at the start, from place to place of a coarse mesh.
 from __future__ import annotations
 
 import numpy as np
-import scipy.ndimage
+import scipy
 
 from abi.arm.chain_mask_kernels import touching_stances
 from abi.arm.chain_surroundings import bodies_of
