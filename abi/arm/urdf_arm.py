@@ -16,7 +16,7 @@ from abi.arrays import FloatArray, IntArray, read_only
 from abi.obstacles.pose import METRES, UNTURNED, Quaternion, Vec3
 from abi.robot.bounding_capsules import bounding_capsules
 from abi.robot.robot import Robot
-from abi.robot.robot_files import files_of
+from abi.robot.urdf_files import description_of, files_of
 
 _STARTS = 48
 """Random poses from which the first pose of a motion is sought."""
@@ -55,8 +55,8 @@ class UrdfArm:
     Attributes:
         chain: in [m].
         tip: name of the link that is the tool.
-        base: where its root stands, shape (3,), [unit], world.
-        wxyz: how its root is turned, as a quaternion.
+        base: where its base link stands, shape (3,), [unit], world.
+        wxyz: how its base link is turned, as a quaternion.
         unit: of the scene's lengths.
         limits: lowest and highest position of each joint, shape (n, 2), [rad] or [unit].
         capsules: around the links, those that stand still first.
@@ -150,7 +150,7 @@ class UrdfArm:
 
     def description(self) -> str:
         """URDF of the arm, in metres, standing at the origin of its root link."""
-        return self.chain.robot.urdf
+        return description_of(self.chain.robot)
 
     def files(self) -> dict[str, bytes]:
         """The same as a file of its name, and the meshes that it names, by their paths."""

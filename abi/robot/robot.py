@@ -5,8 +5,6 @@ The format: http://wiki.ros.org/urdf/XML. Lengths in [m], angles in [rad], masse
 
 from __future__ import annotations
 
-import io
-import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
@@ -108,15 +106,15 @@ class Joint:
 
 @dataclass(frozen=True, eq=False)
 class Robot:
-    """A robot: links joined into a tree; compares by the files it was read from.
+    """A robot: links joined into a tree; compares by the files it was read from and its root.
 
     Attributes:
         name: of the robot.
-        root: name of the link that has no parent.
+        root: name of the link that has no parent, or that was chosen as the base.
         links: links by name.
         joints: parents before children.
         notes: sentences on what was left out.
-        archive: the URDF and its meshes, as a zip.
+        archive: the whole URDF and its meshes, as a zip.
         may_touch: pairs of links that its SRDF, if there is one, excludes from collision checks.
     """
 
@@ -128,18 +126,11 @@ class Robot:
     archive: bytes = b""
     may_touch: frozenset[frozenset[str]] = frozenset()
 
-    @property
-    def urdf(self) -> str:
-        """Text of its URDF."""
-        with zipfile.ZipFile(io.BytesIO(self.archive)) as archive:
-            (name,) = (one for one in archive.namelist() if one.lower().endswith(".urdf"))
-            return archive.read(name).decode(errors="replace")
-
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, Robot) and self.archive == other.archive
+        return isinstance(other, Robot) and (self.archive, self.root) == (other.archive, other.root)
 
     def __hash__(self) -> int:
-        return hash(self.archive)
+        return hash((self.archive, self.root))
 
 
 def joints_to(robot: Robot, tip: str) -> tuple[Joint, ...]:

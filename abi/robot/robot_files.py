@@ -10,8 +10,6 @@ from dataclasses import replace
 from functools import lru_cache
 from pathlib import PurePosixPath
 
-from lxml import etree
-
 from abi import assets
 from abi.errors import SceneError
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
@@ -19,8 +17,7 @@ from abi.obstacles.triangle_mesh.trimesh_formats import DAMAGED_ZIP
 from abi.robot.mesh_lookup import MeshLookup, is_plain
 from abi.robot.robot import Robot
 from abi.robot.srdf_reader import read_srdf
-from abi.robot.strict_xml import Element, parse
-from abi.robot.urdf_meshes import file_name, mesh_names
+from abi.robot.urdf_meshes import mesh_names
 from abi.robot.urdf_reader import read_urdf
 
 SHIPPED: Mapping[str, str] = {"ur5e": "tool0", "panda": "panda_hand_tcp", "xarm7": "link_eef"}
@@ -88,22 +85,6 @@ def robot_from_archive(content: bytes) -> Robot:
     return _read(content)[0]
 
 
-def files_of(robot: Robot) -> dict[str, bytes]:
-    """A robot's URDF, and what came with it, by paths as the URDF names them.
-
-    It names a mesh where this is, without ``package://``: so other programs find it.
-    """
-    files = _unpacked(robot.archive)
-    (path,) = (name for name in files if name.lower().endswith(".urdf"))
-    lookup = MeshLookup(files, PurePosixPath(path).parent)
-    name = PurePosixPath(path).name
-    root = parse(files.pop(path), name)
-    for mesh in root.iterfind("link//mesh"):
-        with contextlib.suppress(SceneError):  # one for looks may be missing, as it was before
-            mesh.set("filename", lookup.path(file_name(Element(mesh, name, "mesh"))))
-    return {name: etree.tostring(root, xml_declaration=True, encoding="utf-8"), **files}
-
-
 def packed(files: Mapping[str, bytes]) -> bytes:
     """Files by their paths as a zip, the same for the same files."""
     content = io.BytesIO()
@@ -113,9 +94,33 @@ def packed(files: Mapping[str, bytes]) -> bytes:
     return content.getvalue()
 
 
+def unpacked(content: bytes) -> dict[str, bytes]:
+    """Files of an archive by their paths, no more of each than it says beforehand.
+
+    Raises:
+        SceneError: it is damaged, or too large.
+    """
+    if len(content) > _MAX_ARCHIVE:
+        expected = f"an archive of at most {_MAX_ARCHIVE // 10**6} MB"
+        raise SceneError("arm.urdf", f"{len(content):,} bytes", expected)
+    try:
+        with zipfile.ZipFile(io.BytesIO(content)) as archive:
+            # is_dir() asks for the last letter of a name that may have none
+            members = [one for one in archive.infolist() if not one.filename.endswith("/")]
+            size = sum(member.file_size for member in members)
+            if len(members) <= _MAX_FILES and size <= _MAX_UNPACKED:
+                return {member.filename: archive.read(member) for member in members}
+    except DAMAGED_ZIP as error:
+        expected = "a whole zip archive without a password"
+        raise SceneError("arm.urdf", str(error)[:60], expected) from None
+    value = f"{len(members)} files of {size:,} bytes"
+    expected = f"at most {_MAX_FILES} files of {_MAX_UNPACKED // 10**6} MB in all"
+    raise SceneError("arm.urdf", value, expected)
+
+
 def _read(content: bytes) -> tuple[Robot, dict[str, bytes]]:
     """A robot, and its files with each mesh in a format that needs no trimesh."""
-    files = _unpacked(content)
+    files = unpacked(content)
     found = [name for name in files if name.lower().endswith(".urdf")]
     if len(found) != 1:
         names = ", ".join(sorted(PurePosixPath(name).name for name in found)[:4]) or "none"
@@ -128,7 +133,7 @@ def _read(content: bytes) -> tuple[Robot, dict[str, bytes]]:
 
 def _plain(content: bytes) -> bytes:
     """An archive without meshes that trimesh reads: an STL each, or nothing where it cannot."""
-    if all(is_plain(name) for name in _unpacked(content)):
+    if all(is_plain(name) for name in unpacked(content)):
         return content
     return packed(_read(content)[1])
 
@@ -183,23 +188,3 @@ def _content(source: MeshSource, name: str) -> bytes:
         return source.content(name)
     except SceneError as error:
         raise SceneError("arm.urdf", error.value, error.expected) from None
-
-
-def _unpacked(content: bytes) -> dict[str, bytes]:
-    """Files of an archive by their paths, no more of each than it says beforehand."""
-    if len(content) > _MAX_ARCHIVE:
-        expected = f"an archive of at most {_MAX_ARCHIVE // 10**6} MB"
-        raise SceneError("arm.urdf", f"{len(content):,} bytes", expected)
-    try:
-        with zipfile.ZipFile(io.BytesIO(content)) as archive:
-            # is_dir() asks for the last letter of a name that may have none
-            members = [one for one in archive.infolist() if not one.filename.endswith("/")]
-            size = sum(member.file_size for member in members)
-            if len(members) <= _MAX_FILES and size <= _MAX_UNPACKED:
-                return {member.filename: archive.read(member) for member in members}
-    except DAMAGED_ZIP as error:
-        expected = "a whole zip archive without a password"
-        raise SceneError("arm.urdf", str(error)[:60], expected) from None
-    value = f"{len(members)} files of {size:,} bytes"
-    expected = f"at most {_MAX_FILES} files of {_MAX_UNPACKED // 10**6} MB in all"
-    raise SceneError("arm.urdf", value, expected)

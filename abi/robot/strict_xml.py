@@ -87,6 +87,16 @@ class Element:
         return float(word)
 
 
+def decoded(content: bytes) -> str:
+    """Text of an XML file in UTF-8 or UTF-16.
+
+    Raises:
+        UnicodeDecodeError: it is neither.
+    """
+    wide = content[:2] in (b"\xff\xfe", b"\xfe\xff")
+    return content.decode("utf-16" if wide else "utf-8-sig")
+
+
 def parse(content: bytes, name: str) -> etree._Element:
     """Parse XML that has no document type, entities or xacro macros, and return its root.
 
@@ -101,8 +111,7 @@ def parse(content: bytes, name: str) -> etree._Element:
     if len(content) > MAX_BYTES:
         raise SceneError(field, f"{len(content):,} bytes", f"at most {MAX_BYTES // 10**6} MB")
     try:
-        wide = content[:2] in (b"\xff\xfe", b"\xfe\xff")
-        text = content.decode("utf-16" if wide else "utf-8-sig")
+        text = decoded(content)
     except UnicodeDecodeError:
         raise SceneError(field, content[:20], "URDF text in UTF-8") from None
     if markup := _MARKUP.search(text):

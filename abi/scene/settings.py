@@ -19,6 +19,7 @@ from abi.obstacles.pose import LARGEST, UNTURNED, Length, Quaternion, Vec3
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.robot.robot import Robot, joints_to, usual_tip
 from abi.robot.robot_files import SHIPPED, load_robot
+from abi.robot.robot_part import bases_to, part_from
 
 Lattice = Literal["bcc", "kuhn", "delaunay"]
 Elbow = Literal["up", "down"]
@@ -146,11 +147,12 @@ class ArmSettings(Settings):
     """Stage 6. Link lengths and base position in [unit]; ``q5`` is the initial extension, [unit].
 
     ``model`` is ``abi``, the paper's arm, or ``urdf``. In the latter case ``urdf`` names a shipped
-    arm, or a ``.urdf`` or ``.zip`` file, ``tip`` is the link whose origin is the tool, ``axis`` the
-    direction in which the tip's z axis must point, None for any, and ``base_wxyz`` the orientation
-    of its root link, as a quaternion. All fields not named here but ``base`` belong to the paper's
-    arm. With ``avoid`` the plan keeps the whole arm clear, its links ``clearance`` [unit] from
-    every obstacle; ``elbow`` auto takes the branch with the shorter path.
+    arm, or a ``.urdf`` or ``.zip`` file, ``tip`` is the link whose origin is the tool,
+    ``base_link`` the one that stands at ``base``, by default the root; what does not hang from it
+    is left out. ``axis`` is the direction in which the tip's z axis must point, None for any, and
+    ``base_wxyz`` the orientation of the base link, as a quaternion. All fields not named here but
+    ``base`` belong to the paper's arm. With ``avoid`` the plan keeps the whole arm clear, its links
+    ``clearance`` [unit] from every obstacle; ``elbow`` auto takes the branch with the shorter path.
     ``forces``, ``masses`` and ``radii`` are the paper's Q4..Q6, m4..m6 and i4..i6: the generalised
     forces [kg·unit²/s² for q4 and q6, kg·unit/s² for q5], masses [kg] and radii of inertia [unit].
     """
@@ -158,6 +160,7 @@ class ArmSettings(Settings):
     model: Literal["abi", "urdf"] = "abi"
     urdf: Annotated[str, Strict(), Field(min_length=1, max_length=200)] = "ur5e"
     tip: Annotated[str, Strict(), Field(max_length=100)] | None = None
+    base_link: Annotated[str, Strict(), Field(max_length=100)] | None = None
     axis: Vec3 | None = None
     base: Vec3 = (3.0, -3.0, 0.0)
     base_wxyz: Quaternion = UNTURNED
@@ -184,12 +187,25 @@ class ArmSettings(Settings):
         if self.model == "urdf":
             meshes = (info.context or {}).get("meshes", MeshSource())
             self._robot = load_robot(self.urdf, meshes)
+            if self.base_link is not None:
+                self._robot = self._from_base(self._robot, self.base_link)
             joints_to(self._robot, self.tool)
         return self
 
+    def _from_base(self, robot: Robot, base: str) -> Robot:
+        """The part of a robot that its base link carries, the tip among it."""
+        named = self.tip or SHIPPED.get(self.urdf)
+        part = part_from(robot, base) if base in robot.links else robot
+        tip = named or usual_tip(part)
+        bases = bases_to(robot, tip)
+        if base not in bases and tip in robot.links:
+            names = ", ".join(bases) or "none"
+            raise SceneError("arm.base_link", base, f"a link from which joints move {tip}: {names}")
+        return part
+
     @property
     def robot(self) -> Robot:
-        """The robot that ``urdf`` names, if that is the model."""
+        """The robot that ``urdf`` names, or the part on the base link, if that is the model."""
         assert self._robot is not None
         return self._robot
 

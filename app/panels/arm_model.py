@@ -13,6 +13,7 @@ from abi.obstacles.pose import METRES, UNTURNED, Quaternion
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.robot.robot import Robot, joints_to, usual_tip
 from abi.robot.robot_files import SHIPPED, load_robot
+from abi.robot.robot_part import bases_to, part_from
 from abi.scene.scene import Scene
 from app import page
 from app.guard.reader import READER
@@ -46,7 +47,7 @@ _MOST = 6.0
 
 
 class ArmModelPanel:
-    """Widgets to choose arm, tip, direction of the tool and mounting, and to upload a URDF.
+    """Widgets to choose arm, tip, base link, tool's direction and mounting, and to upload a URDF.
 
     Attributes:
         files: archives of the arms that were uploaded, by name.
@@ -66,6 +67,12 @@ class ArmModelPanel:
         self.tip = gui.add_dropdown(
             "tip", ("–",), hint="The link whose origin follows the curve.", visible=False
         )
+        self.base_link = gui.add_dropdown(
+            "base link",
+            ("–",),
+            hint="The link that stands at the base; what does not hang from it is left out.",
+            visible=False,
+        )
         self.axis = gui.add_dropdown(
             "tool points",
             tuple(_AXES),
@@ -81,9 +88,12 @@ class ArmModelPanel:
         self._scene_axis: tuple[float, float, float] | None = None
         self._scene_mount: Quaternion = UNTURNED
         self._tips_of: str | None = None
-        self._unnamed_tip: str | None = None
+        self._unnamed_tip: tuple[str, str] | None = None
+        self._unnamed_base: str | None = None
+        self._bases_of: tuple[str, str] | None = None
         self._workspace, self._unit = 1.0, "m"
-        for handle in (self.model, self.tip, self.axis, self.mount):
+        self._of_urdf = self.tip, self.base_link, self.axis, self.mount
+        for handle in (self.model, *self._of_urdf):
             handle.on_update(wake)
 
     @property
@@ -101,24 +111,33 @@ class ArmModelPanel:
                 page.notify_refusal(self._client, title, one.result.message)
         name = self._name()
         if name is None:
-            self.tip.visible = self.axis.visible = self.mount.visible = False
+            self._show(False)
             return {"model": "abi"}
         if name != self._tips_of:
             self._list_tips(name, None)
             self._compare_size(name)
-        self.tip.visible = self.axis.visible = self.mount.visible = True
+        if (name, self.tip.value) != self._bases_of:
+            self._list_bases(name, None)
+        self._show(True)
         axis = _AXES.get(self.axis.value, self._scene_axis)
         mount = _MOUNTS.get(self.mount.value, self._scene_mount)
         # what a scene leaves to be found stays so, or it would be another scene
-        tip = None if self.tip.value == self._unnamed_tip else self.tip.value
-        return {"model": "urdf", "urdf": name, "tip": tip, "axis": axis, "base_wxyz": mount}
+        tip, base = self.tip.value, self.base_link.value
+        return {
+            "model": "urdf",
+            "urdf": name,
+            "tip": None if (tip, base) == self._unnamed_tip else tip,
+            "base_link": None if base == self._unnamed_base else base,
+            "axis": axis,
+            "base_wxyz": mount,
+        }
 
     def write(self, scene: Scene) -> None:
         """Show ``scene``."""
         self._workspace, self._unit = max(scene.workspace.size), scene.unit
         arm = scene.arm
         is_urdf = arm.model == "urdf"
-        self.tip.visible = self.axis.visible = self.mount.visible = is_urdf
+        self._show(is_urdf)
         if not is_urdf:
             self.model.value = _PAPER
             return
@@ -128,7 +147,8 @@ class ArmModelPanel:
             if is_new:
                 self._tell(arm.urdf, arm.robot)
         self.model.value = _SHIPPED.get(arm.urdf, arm.urdf)
-        self._list_tips(arm.urdf, arm.tip)
+        self._list_tips(arm.urdf, arm.tip, arm.base_link)
+        self._list_bases(arm.urdf, arm.base_link)
         self._scene_axis, self._scene_mount = arm.axis, arm.base_wxyz
         _choose(self.axis, _AXES, arm.axis)
         _choose(self.mount, _MOUNTS, arm.base_wxyz)
@@ -158,15 +178,28 @@ class ArmModelPanel:
         self.files[name] = archive
         self.model.options = (_PAPER, *_SHIPPED.values(), *self.files)
 
-    def _list_tips(self, name: str, tip: str | None) -> None:
-        """List the links of an arm that may be its tip, and choose one."""
+    def _show(self, shown: bool) -> None:
+        """Show or hide what only a URDF has."""
+        for handle in self._of_urdf:
+            handle.visible = shown
+
+    def _list_tips(self, name: str, tip: str | None, base: str | None = None) -> None:
+        """List the links of an arm that may be its tip, and choose one, else its usual one."""
         robot = load_robot(name, MeshSource(self.files))
-        moved = [joint.child for joint in robot.joints]
-        self.tip.options = tuple(moved)
-        usual = SHIPPED.get(name) or usual_tip(robot)
-        self.tip.value = tip or usual
-        self._unnamed_tip = None if tip else usual
+        base = base or robot.root
+        self.tip.options = tuple(joint.child for joint in robot.joints)
+        self.tip.value = tip or SHIPPED.get(name) or usual_tip(part_from(robot, base))
+        self._unnamed_tip = None if tip else (self.tip.value, base)
         self._tips_of = name
+
+    def _list_bases(self, name: str, base: str | None) -> None:
+        """List the links that may be the base of the tip, and choose one, else the first."""
+        robot = load_robot(name, MeshSource(self.files))
+        bases = bases_to(robot, self.tip.value) or (robot.root,)
+        self.base_link.options = bases
+        self.base_link.value = base or bases[0]
+        self._unnamed_base = None if base else robot.root
+        self._bases_of = name, self.tip.value
 
     def _compare_size(self, name: str) -> None:
         """Notify of an arm whose size is not that of the workspace."""

@@ -112,8 +112,18 @@ def test_an_upload_is_an_arm_or_a_sentence(
 
     upload(session, "plain.urdf", arm().encode())
     until(lambda: session.plan is not None and session.plan.scene.arm.urdf == "plain.zip")
+    assert panel(session).model.base_link.options == ("a", "b", "c")
+    fake.set(panel(session).model.base_link, "b")
+    until(lambda: session.plan is not None and session.plan.scene.arm.base_link == "b")
+    drawn = layer(session, ArmLayer)
+    until(lambda: len(drawn._nodes.joint_nodes) == 2)
+    assert session.plan is not None
+    panel(session).write(session.plan.scene)
+    assert panel(session).model.base_link.value == "b"
     fake.set(panel(session).model.tip, "c")
     until(lambda: session.plan is not None and session.plan.scene.arm.tip == "c")
+    assert panel(session).model.base_link.options == ("a", "b")
+    assert session.plan.scene.arm.base_link is None
 
 
 @pytest.mark.slow

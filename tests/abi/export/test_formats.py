@@ -24,7 +24,8 @@ from abi.obstacles.pose import METRES
 from abi.planner.arm_words import contact_sentence
 from abi.planner.plan import Plan
 from abi.planner.planner import plan
-from abi.robot.robot_files import files_of, robot_from_archive
+from abi.robot.robot_files import robot_from_archive
+from abi.robot.urdf_files import files_of
 from abi.scene.scene import Scene, load_scene
 from tests.abi.robot.robots import arm
 from tests.abi.robot.robots import packed as packed_files
