@@ -35,6 +35,10 @@ class AnyArm(Protocol):
     """An arm: its chain of joints, and the capsules around its links."""
 
     @property
+    def root(self) -> str:
+        """Name of the link that stands at its base."""
+
+    @property
     def base(self) -> FloatArray:
         """Position of its base, (3,), [unit], world."""
 

@@ -84,6 +84,11 @@ class Arm:
         )
 
     @property
+    def root(self) -> str:
+        """Name of the link that stands at its base."""
+        return "base_link"
+
+    @property
     def wxyz(self) -> Quaternion:
         """How it is turned on its base: it stands upright."""
         return UNTURNED

@@ -71,6 +71,11 @@ class UrdfArm:
     capsules: tuple[LinkCapsule, ...]
 
     @property
+    def root(self) -> str:
+        """Name of the link that stands at its base."""
+        return self.chain.robot.root
+
+    @property
     def joints(self) -> tuple[str, ...]:
         """Names of the n joints."""
         return self.chain.names

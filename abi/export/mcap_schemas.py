@@ -59,14 +59,16 @@ _ENTITY = _record(
     triangles=_list(_TRIANGLES),
 )
 
+_FRAME = _record(
+    timestamp=_TIME,
+    parent_frame_id=_TEXT,
+    child_frame_id=_TEXT,
+    translation=_XYZ,
+    rotation=_XYZW,
+)
+
 SCHEMAS: dict[str, Schema] = {
-    "foxglove.FrameTransform": _record(
-        timestamp=_TIME,
-        parent_frame_id=_TEXT,
-        child_frame_id=_TEXT,
-        translation=_XYZ,
-        rotation=_XYZW,
-    ),
+    "foxglove.FrameTransforms": _record(transforms=_list(_FRAME)),
     "foxglove.PoseInFrame": _record(timestamp=_TIME, frame_id=_TEXT, pose=_POSE),
     "foxglove.SceneUpdate": _record(deletions=_list({"type": "object"}), entities=_list(_ENTITY)),
     "sensor_msgs/JointState": _record(

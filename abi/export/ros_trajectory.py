@@ -40,6 +40,7 @@ def write(plan: Plan, name: str) -> bytes:
 
 def _message(plan: Plan) -> dict[str, Any]:
     trajectory = joint_trajectory(plan)
+    assert plan.arm is not None
     rows = zip(
         trajectory.positions.tolist(),
         trajectory.velocities.tolist(),
@@ -48,7 +49,7 @@ def _message(plan: Plan) -> dict[str, Any]:
         strict=True,
     )
     return {
-        "header": {"stamp": {"sec": 0, "nanosec": 0}, "frame_id": "base_link"},
+        "header": {"stamp": {"sec": 0, "nanosec": 0}, "frame_id": plan.arm.root},
         "joint_names": list(trajectory.names),
         "points": [
             {

@@ -20,7 +20,7 @@ from abi.arm.arm import JOINTS, Arm, forward
 from abi.errors import ExportError
 from abi.export import formats
 from abi.export.formats import FORMATS
-from abi.obstacles.pose import METRES
+from abi.obstacles.pose import METRES, rotation
 from abi.planner.arm_words import contact_sentence
 from abi.planner.plan import Plan
 from abi.planner.planner import plan
@@ -226,6 +226,95 @@ def test_the_recording_plays_the_motion(planned: Plan) -> None:
     assert Scene.from_dict(json.loads(attached["scene.json"])) == planned.scene
     ((_, description),) = messages["/robot_description"]
     assert description["data"] == attached["arm.urdf"]
+
+
+def matrix_of(message: dict[str, Any], place: str, turn: str) -> Any:
+    """Pose (4, 4) that a part of a message gives under these names."""
+    pose = np.eye(4)
+    wxyz = tuple(message[turn][key] for key in "wxyz")
+    pose[:3, :3], pose[:3, 3] = rotation(wxyz), [message[place][key] for key in "xyz"]
+    return pose
+
+
+def place_of(frames: dict[str, tuple[str, Any]], link: str) -> Any:
+    """World from link, (4, 4), through the frames of a recording by their children."""
+    pose = np.eye(4)
+    while link in frames:
+        link, message = frames[link]
+        pose = matrix_of(message, "translation", "rotation") @ pose
+    assert link == ("scene_world" if "world" in frames else "world")
+    return pose
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["abi", "ur5e", "xarm7"])
+def test_the_recording_has_all_of_the_arm_and_moves_it(
+    planned: Plan, name: str, tmp_path: Path
+) -> None:
+    result = planned
+    if name != "abi":
+        turned = {"urdf": name, "avoid": False, "base_wxyz": (1, 0, 0, 1)}
+        result = plan(load_scene("kitchen-ur5e").replace(arm=turned, obstacles=[]))
+    arm, motion = result.arm, result.motion
+    assert arm is not None
+    assert motion is not None
+    reader = make_reader(io.BytesIO(content(result, "mcap")))
+    found: dict[str, list[Any]] = {}
+    for schema, channel, message in reader.iter_messages():
+        assert schema is not None
+        data = json.loads(message.data)
+        assert conforms(data, json.loads(schema.data)), channel.topic
+        found.setdefault(channel.topic, []).append(data)
+    assert len(found["/tf"]) == len(motion.time)
+
+    for path, data in arm.files().items():
+        (tmp_path / path).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / path).write_bytes(data)
+    robot = yourdfpy.URDF.load(str(next(tmp_path.glob("*.urdf"))))
+    base = np.eye(4)
+    base[:3, :3], base[:3, 3] = rotation(arm.wxyz), arm.base * arm.metres
+    (drawn,) = found["/arm"]
+    entities = {entity["frame_id"]: entity for entity in drawn["entities"]}
+    assert entities.keys() == {link for link, one in robot.link_map.items() if one.visuals}
+    capsules = arm.placed(motion.positions)
+    for sample in (0, 100, len(motion.time) - 1):
+        state = found["/joint_states"][sample]
+        robot.update_cfg(dict(zip(state["name"], state["position"], strict=True)))
+        frames = {
+            one["child_frame_id"]: (one["parent_frame_id"], one)
+            for message in (found["/tf_static"][0], found["/tf"][sample])
+            for one in message["transforms"]
+        }
+        assert {*robot.link_map} <= {*frames}
+        for link in robot.link_map:
+            expected = base @ robot.get_transform(link)
+            np.testing.assert_allclose(place_of(frames, link), expected, atol=1e-9)
+        for link, entity in entities.items():  # what is drawn is inside the link's capsules
+            own = [one for one in capsules if one.link == link]
+            for kind in ("triangles", "cubes", "spheres", "cylinders"):
+                for part in entity[kind]:
+                    pose = place_of(frames, link) @ matrix_of(
+                        part["pose"], "position", "orientation"
+                    )
+                    corners = (
+                        part["points"][::50] if kind == "triangles" else [dict.fromkeys("xyz", 0)]
+                    )
+                    for corner in corners:
+                        at = (pose[:3, :3] @ [*corner.values()] + pose[:3, 3]) / arm.metres
+                        gaps = [segment_gap(at, one.ends[sample]) - one.radius for one in own]
+                        assert min(gaps) < 1e-6 * arm.reach
+    attached = {one.name: one.data for one in reader.iter_attachments()}
+    assert ("arm.zip" in attached) == (len(arm.files()) > 1)
+    if "arm.zip" in attached:
+        again = robot_from_archive(attached["arm.zip"])
+        assert again.links.keys() == result.scene.arm.robot.links.keys()
+
+
+def segment_gap(point: Any, ends: Any) -> float:
+    """Distance of a point from a segment."""
+    way = ends[1] - ends[0]
+    share = np.clip((point - ends[0]) @ way / max(way @ way, 1e-300), 0, 1)
+    return float(np.linalg.norm(point - ends[0] - share * way))
 
 
 def test_the_recording_holds_meshes(sculpture: Plan) -> None:

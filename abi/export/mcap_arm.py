@@ -1,0 +1,150 @@
+"""An arm in a recording: its links with what they are drawn with, and the frames that move them.
+
+So Foxglove draws it from the recording alone: meshes that a URDF names are nowhere where it looks.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from abi.arm.any_arm import AnyArm
+from abi.arm.chain import Chain
+from abi.arm.urdf_arm import UrdfArm
+from abi.arrays import FloatArray
+from abi.export import mcap_entities
+from abi.export.mcap_entities import Colour, Part
+from abi.export.solids import Quaternion
+from abi.obstacles.pose import Vec3
+from abi.robot.robot import Link, Shape, usual_tip
+from abi.robot.robot_files import packed, robot_from_archive
+
+_GREY: Colour = (0.72, 0.75, 0.79, 1.0)
+
+
+class LinkFrames(NamedTuple):
+    """Poses of links in the frames of their parents.
+
+    Attributes:
+        parents, children: names of the k frames.
+        positions: (k, samples, 3), [m].
+        wxyz: quaternions, (k, samples, 4).
+    """
+
+    parents: tuple[str, ...]
+    children: tuple[str, ...]
+    positions: FloatArray
+    wxyz: FloatArray
+
+    def message(self, sample: int, time: float) -> Part:
+        """The frames at a sample, as of a time [s]."""
+        rows = zip(self.parents, self.children, self.positions, self.wxyz, strict=True)
+        transforms = [
+            {
+                "timestamp": mcap_entities.stamp(time),
+                "parent_frame_id": parent,
+                "child_frame_id": child,
+                "translation": mcap_entities.xyz(position[sample]),
+                "rotation": mcap_entities.xyzw(tuple(wxyz[sample].tolist())),
+            }
+            for parent, child, position, wxyz in rows
+        ]
+        return {"transforms": transforms}
+
+
+def chain_of(arm: AnyArm) -> Chain:
+    """The chain of any arm, with all links, as it stands in the scene; lengths in [m]."""
+    if isinstance(arm, UrdfArm):
+        return arm.chain
+    robot = robot_from_archive(packed(arm.files()))
+    x, y, z = (arm.base * arm.metres).tolist()
+    return Chain.of(robot, usual_tip(robot), (x, y, z), None, arm.wxyz)
+
+
+def scene_frame(chain: Chain) -> str:
+    """Name of the scene's frame, which no link has."""
+    name = "world"
+    while name in chain.robot.links:
+        name = f"scene_{name}"
+    return name
+
+
+def link_frames(chain: Chain, positions: FloatArray) -> tuple[LinkFrames, LinkFrames]:
+    """Frames of the links that stand still in their parents' for good, and of those that move.
+
+    Args:
+        chain: the chain.
+        positions: of its joints, (samples, n), [rad] or [m].
+    """
+    poses = chain.poses(positions)
+    scene = scene_frame(chain)
+    world = {scene: np.broadcast_to(np.eye(4), (len(positions), 4, 4))}
+    for one in chain.carried:
+        frame = np.tile(np.eye(4), (len(positions), 1, 1))
+        if one.frame >= 0:
+            frame[:, :3] = poses[:, one.frame]
+        world[one.link] = frame @ one.pose
+    moving = [(joint.parent, joint.child) for joint in chain.joints]
+    pairs = [(joint.parent, joint.child) for joint in chain.robot.joints]
+    still = [(scene, chain.robot.root), *(pair for pair in pairs if pair not in moving)]
+    return _frames(world, still, 1), _frames(world, moving, len(positions))
+
+
+def link_entities(chain: Chain) -> Part:
+    """An update of the scene with an entity for each link that is drawn."""
+    links = chain.robot.links.values()
+    return {
+        "deletions": [],
+        "entities": [
+            mcap_entities.entity(f"arm/{link.name}", link.name, _drawn(link))
+            for link in links
+            if link.drawn
+        ],
+    }
+
+
+def _frames(world: dict[str, FloatArray], pairs: list[tuple[str, str]], samples: int) -> LinkFrames:
+    """Poses of the second of each pair of frames in the first, at the first samples."""
+    poses = np.stack(
+        [np.linalg.inv(world[parent][:samples]) @ world[child][:samples] for parent, child in pairs]
+    )
+    turns = Rotation.from_matrix(poses[..., :3, :3].reshape(-1, 3, 3)).as_quat()
+    wxyz = turns[:, [3, 0, 1, 2]].reshape(len(pairs), samples, 4)
+    return LinkFrames(
+        tuple(parent for parent, _ in pairs),
+        tuple(child for _, child in pairs),
+        poses[..., :3, 3],
+        wxyz,
+    )
+
+
+def _drawn(link: Link) -> dict[str, list[Part]]:
+    return mcap_entities.by_kind([_part(shape) for shape in link.drawn])
+
+
+def _part(shape: Shape) -> tuple[str, Part]:
+    colours: list[Colour] = [
+        (*(channel / 255 for channel in row), 1.0) for row in shape.colours.tolist()
+    ]
+    x, y, z, w = Rotation.from_matrix(shape.pose[:3, :3]).as_quat().tolist()
+    wxyz: Quaternion = (w, x, y, z)
+    pose = mcap_entities.pose_of(shape.pose[:3, 3], wxyz)
+    if shape.kind != "mesh":
+        return mcap_entities.solid(shape.kind, _extent(shape), pose, (colours or [_GREY])[0])
+    if len(colours) > 1:  # corners of two colours cannot be shared
+        corners = shape.vertices[shape.faces].reshape(-1, 3)
+        own = [colour for colour in colours for _ in range(3)]
+        return mcap_entities.triangles(corners, shape.faces[:0], pose, own)
+    points, rows = np.unique(shape.vertices, axis=0, return_inverse=True)
+    faces = rows.reshape(-1)[shape.faces]
+    return mcap_entities.triangles(points, faces.astype(np.int32), pose, colours or [_GREY])
+
+
+def _extent(shape: Shape) -> Vec3:
+    """Edges of the box around a shape that is no mesh, [m]."""
+    radius, length, _ = shape.size
+    if shape.kind == "box":
+        return shape.size
+    return (2 * radius, 2 * radius, length if shape.kind == "cylinder" else 2 * radius)
