@@ -184,6 +184,9 @@ class ArmSettings(Settings):
     def _load(self, info: ValidationInfo) -> Self:
         if self.axis is not None and not any(self.axis):
             raise SceneError("arm.axis", self.axis, "a direction, or none for any")
+        if self.model == "abi" and abs(self.base_wxyz[0]) < math.hypot(*self.base_wxyz):
+            expected = "[1, 0, 0, 0]: the paper's arm stands upright, only a URDF may be turned"
+            raise SceneError("arm.base_wxyz", self.base_wxyz, expected)
         if self.model == "urdf":
             meshes = (info.context or {}).get("meshes", MeshSource())
             self._robot = load_robot(self.urdf, meshes)

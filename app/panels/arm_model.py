@@ -112,7 +112,7 @@ class ArmModelPanel:
         name = self._name()
         if name is None:
             self._show(False)
-            return {"model": "abi"}
+            return {"model": "abi", "base_wxyz": UNTURNED}
         if name != self._tips_of:
             self._list_tips(name, None)
             self._compare_size(name)

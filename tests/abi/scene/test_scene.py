@@ -77,6 +77,7 @@ def test_a_saved_scene_loads_equal_to_itself(data: dict[str, Any], name: str) ->
         ({"pitch": 2}, "pitch", "mesh"),
         ({"mesh": {"pich": 1}}, "mesh.pich", "did you mean pitch"),
         ({"mesh": {"pitch": -1}}, "mesh.pitch", "at least 0.000001"),
+        ({"arm": {"base_wxyz": [0, 1, 0, 0]}}, "arm.base_wxyz", "the paper's arm stands upright"),
         ({"mesh": {"pitch": 0}}, "mesh.pitch", "at least 0.000001"),
         ({"mesh": {"pitch": 5e-324}}, "mesh.pitch", "at least 0.000001"),
         ({"mesh": {"pitch": 0.99e-6}}, "mesh.pitch", "at least 0.000001"),
