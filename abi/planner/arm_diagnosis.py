@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import itertools
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,7 @@ import numpy as np
 from abi.arm.arm_clearance import Contact
 from abi.arrays import FloatArray, read_only
 from abi.errors import ArmNotClear, format_length
-from abi.obstacles.obstacle_set import Obstacle
+from abi.obstacles.obstacle_set import Obstacle, ObstacleSet
 from abi.planner.plan import Plan
 from abi.planner.reason import Reason
 from abi.planner.what_if import WhatIf
@@ -31,7 +32,8 @@ def arm_reason(scene: Scene, plan: Plan, error: ArmNotClear, what_if: WhatIf) ->
     """Find which link touches what, and a change that helps.
 
     Tried, in this order: both elbows, links nearer to the obstacles, the base elsewhere, finer
-    pitches; each obstacle that is touched moved away, and each left out.
+    pitches; each obstacle that is touched moved away, and each left out; if that helps, it is put
+    past the arm that moves without it.
 
     Raises:
         CancelledError: the caller has cancelled the trials.
@@ -41,19 +43,15 @@ def arm_reason(scene: Scene, plan: Plan, error: ArmNotClear, what_if: WhatIf) ->
         if what_if.plan_past("arm", **change):
             hint = f"{remedy} works: it has been tried."
             return Reason(error.message, hint, change, points)
-    for number, place in _shifts(scene, plan):
+    without: dict[int, Plan] = {}
+    for number, place in itertools.chain(_shifts(scene, plan), _past(scene, what_if, without)):
         change = {"obstacles": _with_moved(scene, number, place)}
         if what_if.plan_past("arm", **change):
             hint = f"Obstacle {number + 1} at {_place(place)} works: it has been tried."
             return Reason(error.message, hint, change, points, moved=number)
-    without = [
-        k
-        for k in range(len(scene.obstacles))
-        if what_if.plan_past("arm", obstacles=_all_but(scene, k))
-    ]
     if without:
         named = " or ".join(str(k + 1) for k in without)
-        hint = f"Without obstacle {named} there is a motion: move it out of the way."
+        hint = f"Without obstacle {named} there is a motion; no place for it that was tried works."
         return Reason(error.message, hint, None, points)
     hint = "Neither another elbow, base or pitch that was tried helps, nor one obstacle less."
     return Reason(error.message, hint, None, points)
@@ -116,6 +114,28 @@ def _shifts(scene: Scene, plan: Plan) -> list[tuple[int, list[float]]]:
             to = np.add(obstacle.position, times * (contact.depth + step) * way)
             shifts.append((number, [float(f"{coordinate:.3g}") for coordinate in to]))
     return shifts
+
+
+def _past(
+    scene: Scene, what_if: WhatIf, without: dict[int, Plan]
+) -> Iterator[tuple[int, list[float]]]:
+    """Obstacles without which there is a motion, which are added to ``without``, and places for
+    them just past all that the arm sweeps in it, the nearest first.
+    """
+    for number, obstacle in enumerate(scene.obstacles):
+        plan = what_if.plan_past("arm", obstacles=_all_but(scene, number))
+        if plan is None or plan.motion is None or plan.arm is None:
+            continue
+        without[number] = plan
+        placed = plan.arm.placed(plan.motion.positions)
+        low = np.min([one.ends.min(axis=(0, 1)) - one.radius for one in placed], axis=0)
+        high = np.max([one.ends.max(axis=(0, 1)) + one.radius for one in placed], axis=0)
+        bottom, top = map(np.ravel, ObstacleSet((obstacle,)).bounds)
+        room = plan.arm.reach * _LEAST + scene.arm.clearance + scene.spline.clearance
+        ways = np.concatenate([np.diag(high - bottom + room), np.diag(low - top - room)])
+        for way in ways[np.abs(ways).max(axis=1).argsort(kind="stable")]:
+            to = np.add(obstacle.position, way)
+            yield number, [float(f"{coordinate:.4g}") for coordinate in to]
 
 
 def _way_out(obstacle: Obstacle, ends: FloatArray, step: float) -> FloatArray:

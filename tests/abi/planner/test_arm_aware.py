@@ -159,6 +159,17 @@ def test_a_base_behind_a_wall_is_told_with_joint_and_limit() -> None:
     assert "q2 at 167.5°, past its limit of 160.4°, at the start" in found.error.message
 
 
+def test_a_wall_before_the_base_is_moved_past_all_that_the_arm_sweeps() -> None:
+    scene = load_scene("find-a-base")
+    reason = explain(scene, plan(scene))
+    assert reason is not None
+    assert reason.change is not None
+    assert reason.moved == 0
+    helped = plan(scene.replace(**reason.change))
+    assert helped.error is None
+    assert helped.is_arm_clear
+
+
 def test_where_no_path_is_found_link_and_obstacle_are_told() -> None:
     """A window in a wall that is thin enough to stand on both sides of."""
     slabs = [
