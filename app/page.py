@@ -198,6 +198,11 @@ def play(client: viser.ClientHandle, motion: Mapping[str, object]) -> None:
     _run(client, f"abi.play({json.dumps(motion)})", "motion")
 
 
+def follow(client: viser.ClientHandle, bodies: Mapping[str, object] | None) -> None:
+    """Have the tab move bodies with the motion that it plays, or none any more."""
+    _run(client, f"abi.follow({json.dumps(bodies)})", "bodies")
+
+
 def stand(client: viser.ClientHandle, time: float) -> None:
     """Have the tab stand still at ``time`` [s] of the motion that it plays."""
     _run(client, f"abi.stand({json.dumps(time)})", "motion")

@@ -35,6 +35,7 @@ AXES: tuple[Colour, ...] = ((184, 82, 85), (25, 161, 160), (131, 129, 205))
 CLOSED: Colour = (84, 110, 158)
 OPEN: Colour = (122, 190, 0)
 FADED: Colour = (150, 156, 163)
+GHOST_OPACITY = 0.22
 HEAT: tuple[Colour, ...] = ((228, 160, 0), (10, 128, 96), (44, 40, 130))
 """Colours of lengths, from the shortest to the longest."""
 GOOD: tuple[Colour, Colour] = ((10, 122, 90), (60, 196, 152))

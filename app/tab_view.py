@@ -31,8 +31,6 @@ from app.tab_memory import Report
 from app.tab_state import TabState
 from app.turns import TURNS
 
-TICK = 0.25
-"""Seconds after which the arm's ghost follows while it plays."""
 _FACED = 40
 """Points of the curve that the camera looks for."""
 _SWITCHABLE: tuple[type[Switchable], ...] = (*LAYERS, ObstacleGizmos, *SLOW_LAYERS)
@@ -121,7 +119,7 @@ class TabView:
         """
         if self._is_hidden:
             return None
-        times = (self._period(frame), self._until_contact(frame))
+        times = (self.panels.theatre.timeout(), self._until_contact(frame))
         return min((max(seconds, 0.0) for seconds in times if seconds is not None), default=None)
 
     def is_due(self, frame: Frame) -> bool:
@@ -129,19 +127,12 @@ class TabView:
         if self._is_hidden:
             return False
         left = self._until_contact(frame)
-        return self._period(frame) is not None or (left is not None and left <= 0)
+        return self.panels.theatre.timeout() is not None or (left is not None and left <= 0)
 
     @property
     def _is_hidden(self) -> bool:
         area = self._watch.area()
         return area is not None and area.hidden
-
-    def _period(self, frame: Frame) -> float | None:
-        """Time between two pictures, [s]; None where none follows from the time alone."""
-        ghost = self.playback.playing and "other_elbow" in frame.shown
-        playing = TICK if ghost else None
-        times = (playing, self.panels.theatre.timeout())
-        return min((seconds for seconds in times if seconds is not None), default=None)
 
     def _until_contact(self, frame: Frame) -> float | None:
         """Time until other links of the arm that plays are red, [s]; None where none ever are."""

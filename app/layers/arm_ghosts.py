@@ -10,20 +10,22 @@ from numpy.typing import NDArray
 
 from abi.arm.arm import Arm
 from abi.arm.inverse_kinematics import solve
-from abi.arm.urdf_arm import UrdfArm
-from abi.arrays import FloatArray
+from abi.arm.urdf_arm import REACHED, UrdfArm
+from abi.arrays import FloatArray, read_only
 from abi.planner.plan import Plan
 from abi.scene.settings import Elbow
 from app import style
 from app.frame import Frame, Switch
+from app.layers.arm_playback import samples_of
+from app.layers.ghost_bodies import GhostBodies, capsule_mesh, places_of
 from app.layers.lines import NO_SEGMENTS, add_line, dashes, parameters
-from app.layers.urdf_poses import first_pose, last_pose, other_poses
+from app.layers.urdf_poses import OtherPoses, first_pose, last_pose, other_courses, other_poses
 from app.layout import Layout
+from app.once_a_plan import once_a_plan
 
-_SIDES, _RINGS = 14, 4
 _SAMPLES = 120
-_GHOSTS = {"other_elbow": ("now",), "end_poses": ("start", "goal")}
-"""Names of the ghosts of each switch."""
+_ENDS = ("start", "goal")
+"""Names of the ghosts that stand still."""
 
 
 class ArmGhostsLayer:
@@ -37,6 +39,8 @@ class ArmGhostsLayer:
 
     def __init__(self, layout: Layout) -> None:
         self._scene = layout.client.scene
+        self._others = GhostBodies(layout.client, "/arm_ghost/now", style.FADED)
+        self._stands: tuple[object, ...] | None = None
         self._meshes: dict[str, viser.MeshHandle] = {}
         self._drawn: dict[str, tuple[object, ...]] = {}
         self._line = add_line(self._scene, "/tool_only", style.FADED, 4.0)
@@ -45,12 +49,11 @@ class ArmGhostsLayer:
     def draw(self, frame: Frame) -> None:
         """Draw what is switched on."""
         plan = frame.plan
-        for switch, names in _GHOSTS.items():
-            shown = switch in frame.shown and plan.arm is not None
-            for name in names:
-                seen = shown and self._pose(name, frame)
-                if name in self._meshes:
-                    self._meshes[name].visible = seen
+        for name in _ENDS:
+            seen = "end_poses" in frame.shown and self._pose(name, frame)
+            if name in self._meshes:
+                self._meshes[name].visible = seen
+        self._draw_others(frame)
         if plan.tool_only is not self._curve:
             self._curve = plan.tool_only
             self._line.points = NO_SEGMENTS
@@ -60,8 +63,35 @@ class ArmGhostsLayer:
                 self._line.points = dashes(points, 0.03 * max(plan.scene.workspace.size))
         self._line.visible = "tool_only" in frame.shown
 
+    def _draw_others(self, frame: Frame) -> None:
+        """Draw the other poses: at the frame's time, or for the page to move while it plays."""
+        plan = frame.plan
+        arm = plan.arm
+        positions = np.empty((0, 0))
+        playing = frame.playing and plan.motion is not None
+        if "other_elbow" in frame.shown and arm is not None:
+            positions = (
+                np.array([one.positions[0] for one in _courses(plan)])
+                if playing
+                else _poses_of("now", frame)
+            )
+        state = (plan if playing else arm, playing, *np.round(positions, 9).ravel().tolist())
+        if state == self._stands:
+            return
+        self._stands = state
+        if arm is None or not len(positions):
+            self._others.hide()
+            return
+        placed = arm.placed(positions)
+        ends = np.stack([capsule.ends for capsule in placed], axis=1).reshape(-1, 2, 3)
+        radii = np.tile([capsule.radius for capsule in placed], len(positions))
+        if playing:
+            self._others.follow(ends, radii, _places(plan))
+        else:
+            self._others.stand(ends, radii)
+
     def _pose(self, name: str, frame: Frame) -> bool:
-        """Draw a ghost, or several as one; whether there is any."""
+        """Draw a ghost that stands still; whether there is any."""
         arm = frame.plan.arm
         positions = _poses_of(name, frame)
         if arm is None or not len(positions):
@@ -75,9 +105,13 @@ class ArmGhostsLayer:
             np.concatenate([capsule.ends for capsule in capsules]),
             np.repeat([capsule.radius for capsule in capsules], len(positions)),
         )
-        colour = style.FADED if name == "now" else style.POINT
         self._meshes[name] = self._scene.add_mesh_simple(
-            f"/arm_ghost/{name}", vertices, faces, color=colour, opacity=0.22, cast_shadow=False
+            f"/arm_ghost/{name}",
+            vertices,
+            faces,
+            color=style.POINT,
+            opacity=style.GHOST_OPACITY,
+            cast_shadow=False,
         )
         return True
 
@@ -129,38 +163,41 @@ def _tool_at(plan: Plan, time: float) -> FloatArray:
     return np.array([np.interp(time, motion.time, column) for column in motion.tool.T])
 
 
+@once_a_plan
+def _places(plan: Plan) -> FloatArray:
+    """Places of the capsules of all other poses at the page's samples of the motion, (k, b, 7)."""
+    arm, motion = plan.arm, plan.motion
+    assert arm is not None
+    assert motion is not None
+    found = []
+    for other in _courses(plan):
+        ends = np.stack([capsule.ends for capsule in arm.placed(other.positions)], axis=1)
+        places = places_of(ends)
+        places[other.missed > REACHED * arm.reach] = np.nan
+        found.append(places)
+    return read_only(np.concatenate(found, axis=1)) if found else np.empty((0, 0, 7))
+
+
+def _courses(plan: Plan) -> tuple[OtherPoses, ...]:
+    """Courses of the other poses, at the page's samples of the motion."""
+    arm, motion = plan.arm, plan.motion
+    if not isinstance(arm, Arm):
+        return other_courses(plan)
+    assert motion is not None
+    rows = samples_of(motion)
+    q5 = np.full(len(rows), plan.scene.arm.q5)
+    tool = motion.tool[rows]
+    found = solve(arm, tool, q5, _other(elbow_of(plan)), np.zeros_like(tool))
+    still = np.zeros_like(q5)
+    positions = np.column_stack([found.q1, found.q2, found.q3, still, q5, still])
+    return (OtherPoses(motion.time[rows], positions, still),)
+
+
 def _capsule_meshes(
     ends: FloatArray, radii: FloatArray
 ) -> tuple[NDArray[np.float32], NDArray[np.uint32]]:
-    """Vertices and faces of all capsules as one mesh.
-
-    Args:
-        ends: of the segments, (c, 2, 3), [unit], world.
-        radii: (c,), [unit].
-    """
-    rise = np.linspace(-np.pi / 2, np.pi / 2, 2 * _RINGS)
-    turn = 2 * np.pi * np.arange(_SIDES) / _SIDES
-    height, width = np.sin(rise), np.cos(rise)
-    ring = np.stack([np.cos(turn), np.sin(turn)], axis=1)
-    top = (np.arange(2 * _RINGS) >= _RINGS).astype(int)
-    vertices, faces = [], []
-    grid = np.arange(2 * _RINGS * _SIDES).reshape(2 * _RINGS, _SIDES)
-    a, b = grid[:-1], grid[1:]
-    c, d = np.roll(a, -1, axis=1), np.roll(b, -1, axis=1)
-    quads = np.stack([a, c, d, a, d, b], axis=-1).reshape(-1, 3)
-    for k, (segment, radius) in enumerate(zip(ends, radii, strict=True)):
-        way = segment[1] - segment[0]
-        length = float(np.linalg.norm(way))
-        axis = way / length if length > 0 else np.array([0.0, 0.0, 1.0])
-        side = np.cross(axis, np.eye(3)[int(np.abs(axis).argmin())])
-        side /= np.linalg.norm(side)
-        across = ring @ np.stack([side, np.cross(axis, side)])
-        points = segment[top][:, None] + radius * (
-            height[:, None, None] * axis + width[:, None, None] * across
-        )
-        vertices.append(points.reshape(-1, 3))
-        faces.append(quads + k * 2 * _RINGS * _SIDES)
-    return (
-        np.concatenate(vertices).astype(np.float32),
-        np.concatenate(faces).astype(np.uint32),
-    )
+    """Vertices and faces of capsules with ends (c, 2, 3) and radii (c,), [unit], as one mesh."""
+    meshes = [capsule_mesh(*one) for one in zip(ends, radii.tolist(), strict=True)]
+    first = np.cumsum([0, *(len(vertices) for vertices, _ in meshes[:-1])], dtype=np.uint32)
+    faces = [own + begin for (_, own), begin in zip(meshes, first, strict=True)]
+    return np.concatenate([vertices for vertices, _ in meshes]), np.concatenate(faces)

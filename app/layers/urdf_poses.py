@@ -69,7 +69,7 @@ def last_pose(plan: Plan, arm: UrdfArm) -> FloatArray | None:
 def other_poses(plan: Plan, arm: UrdfArm, time: float) -> FloatArray:
     """Other poses (k, n) that put the tool where it is at a time [s]."""
     found = []
-    for other in _other_courses(plan):
+    for other in other_courses(plan):
         at = int(np.searchsorted(other.time, time).clip(0, len(other.time) - 1))
         if other.missed[max(at - 1, 0) : at + 1].max() <= REACHED * arm.reach:
             found.append([np.interp(time, other.time, row) for row in other.positions.T])
@@ -77,7 +77,7 @@ def other_poses(plan: Plan, arm: UrdfArm, time: float) -> FloatArray:
 
 
 @once_a_plan
-def _other_courses(plan: Plan) -> tuple[OtherPoses, ...]:
+def other_courses(plan: Plan) -> tuple[OtherPoses, ...]:
     """Courses of the other first poses; without a motion these poses alone."""
     arm, motion = plan.arm, plan.motion
     assert isinstance(arm, UrdfArm)

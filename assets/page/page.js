@@ -257,6 +257,14 @@ window.abi = {
     if (idle) this.tick();
   },
 
+  // Move bodies with the motion that plays, by their places at its samples; null for none.
+  follow(bodies) {
+    this.bodies = bodies;
+    if (!bodies) return;
+    const bytes = Uint8Array.from(atob(bodies.places), letter => letter.charCodeAt(0));
+    bodies.places = new Float32Array(bytes.buffer);
+  },
+
   // Stand still at a time [s] of the motion that plays.
   stand(time) {
     const motion = this.motion;
@@ -309,8 +317,27 @@ window.abi = {
       }
       node.poseUpdateState = "needsUpdate";
     }
+    this.place(row, Math.min(row + 1, last), part);
     viser.requestRender();
     return time >= samples[last * columns] ? last : row;
+  },
+
+  // Place bodies a part of the way from a sample to another; far away where they are not there.
+  place(low, high, part) {
+    if (!this.bodies) return;
+    const {names, places} = this.bodies, width = 7 * names.length;
+    if ((high + 1) * width > places.length) return;  // of the motion before this one
+    const poses = window.__viserMutable.nodePoseData;
+    names.forEach((name, body) => {
+      const node = poses[name];
+      if (!node) return;
+      const [first, next] = [low * width + 7 * body, high * width + 7 * body];
+      const at = [...Array(7).keys()].map(k => places[first + k] + part * (places[next + k] - places[first + k]));
+      const there = !at.some(Number.isNaN), length = Math.hypot(...at.slice(3));
+      node.position = there ? at.slice(0, 3) : [0, 0, -1e7];
+      node.wxyz = there ? at.slice(3).map(number => number / length) : [1, 0, 0, 0];
+      node.poseUpdateState = "needsUpdate";
+    });
   },
 
   // Draw only the first segments of a line.

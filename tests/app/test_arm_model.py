@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import base64
+from collections import ChainMap
+from collections.abc import Mapping
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -15,12 +18,13 @@ from abi import compiling, plan
 from abi.arm.arm import Arm
 from abi.arm.chain_kernels import POSE
 from abi.arm.urdf_arm import UrdfArm, urdf_arm
+from abi.obstacles.pose import rotation
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.robot.robot_files import SHIPPED, load_robot, robot_from_archive
 from abi.scene.scene import Scene, load_scene
 from app import page
 from app.layers.arm import ArmLayer
-from app.layers.arm_ghosts import ArmGhostsLayer
+from app.layers.arm_ghosts import ArmGhostsLayer, _poses_of
 from app.layers.arm_nodes import JointNode
 from app.layers.arm_playback import samples_of
 from app.layers.arm_regions import ArmRegionsLayer
@@ -214,10 +218,9 @@ def test_ghosts_and_regions_are_those_of_any_arm(tab: tuple[FakeTab, Session]) -
     fake.set(session.panels.files.choice, "kitchen-ur5e")
     until(lambda: isinstance(planned_arm(session), UrdfArm) and session.resting)
     fake.set(session.playback.slider, 1.0)
-    ghosts, regions = (
-        layer(session, ArmGhostsLayer)._meshes,
-        layer(session, ArmRegionsLayer)._meshes,
-    )
+    drawn_ghosts = layer(session, ArmGhostsLayer)
+    regions = layer(session, ArmRegionsLayer)._meshes
+    ghosts: Mapping[str, Any] = ChainMap({"now": drawn_ghosts._others}, drawn_ghosts._meshes)
     names = {"other_elbow": ("now",), "end_poses": ("start", "goal")}
     for switch, drawn in names.items():
         fake.set(session.panels.layer_switches.boxes[switch], True)
@@ -229,6 +232,58 @@ def test_ghosts_and_regions_are_those_of_any_arm(tab: tuple[FakeTab, Session]) -
     for switch in (*names, "shadow", "reach"):
         fake.set(session.panels.layer_switches.boxes[switch], False)
     until(lambda: not any(one.visible for one in (*ghosts.values(), *regions.values())))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["paper", "kitchen-ur5e"])
+def test_the_page_plays_the_other_poses_by_itself(
+    tab: tuple[FakeTab, Session], monkeypatch: pytest.MonkeyPatch, name: str
+) -> None:
+    fake, session = tab
+    sent: list[Any] = []
+    monkeypatch.setattr(page, "follow", lambda client, bodies: sent.append(bodies))
+    compiling.compile()
+    scene = load_scene(name)
+    fake.set(session.panels.files.choice, name)
+    fake.set(session.panels.layer_switches.boxes["other_elbow"], True)
+    until(lambda: session.plan is not None and session.plan.scene == scene and session.resting)
+    until(lambda: session.frame.playing and bool(sent) and sent[-1] is not None)
+    frame = session.frame
+    count = len(sent)
+    assert session._view.timeout(frame) is None  # nothing is sent while it plays
+    plan = frame.plan
+    assert plan.arm is not None
+    assert plan.motion is not None
+    names = sent[-1]["names"]
+    table = np.frombuffer(base64.b64decode(sent[-1]["places"]), "<f4")
+    places = table.reshape(-1, len(names), 7)
+    rows = samples_of(plan.motion)
+    assert len(places) == len(rows)
+    nodes = layer(session, ArmGhostsLayer)._others
+    assert [node.name for node in nodes._nodes] == names
+    checked = 0
+    for number in (0, 37, 100):
+        shown = replace(frame, time=float(plan.motion.time[rows[number]]), playing=False)
+        positions = _poses_of("now", shown)
+        own = places[number][~np.isnan(places[number]).any(axis=1)]
+        ends = np.stack([one.ends for one in plan.arm.placed(positions)], axis=1).reshape(-1, 2, 3)
+        assert len(own) == len(ends)
+        ways = (ends[:, 1] - ends[:, 0]) / 2
+        size = np.linalg.norm(ways, axis=1)
+        along = np.array([rotation(tuple(turn))[:, 2] for turn in own[:, 3:].astype(float)])
+        np.testing.assert_allclose(own[:, :3], ends.mean(axis=1), atol=1e-4 * plan.arm.reach)
+        np.testing.assert_allclose(along * size[:, None], ways, atol=1e-4 * plan.arm.reach)
+        checked += len(own)
+    assert checked > 10
+
+    fake.set(session.playback.slider, float(plan.motion.time[-1]) / 2)
+    until(lambda: not session.frame.playing and sent[-1] is None)
+    assert len(sent) == count + 1
+    positions = _poses_of("now", session.frame)
+    ends = np.stack([one.ends for one in plan.arm.placed(positions)], axis=1).reshape(-1, 2, 3)
+    until(lambda: len(nodes._nodes) == len(ends))
+    for node, end in zip(nodes._nodes, ends, strict=True):
+        np.testing.assert_allclose(node.position, end.mean(axis=0), atol=1e-6 * plan.arm.reach)
 
 
 def test_other_poses_hold_the_tool_where_it_is() -> None:

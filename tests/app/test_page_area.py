@@ -155,12 +155,12 @@ def test_a_lectures_labels_follow_the_page_while_nothing_else_happens(
 
 
 def test_for_a_page_that_nobody_sees_nothing_follows_from_the_time(
-    tab: tuple[FakeTab, Session],
+    tab: tuple[FakeTab, Session], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     fake, session = tab
     view = session._view
-    fake.set(session.panels.layer_switches.boxes["other_elbow"], True)
-    until(lambda: session.frame.playing and "other_elbow" in session.frame.shown)
+    until(lambda: session.resting)
+    monkeypatch.setattr(session.panels.theatre, "timeout", lambda: 0.1)
     for hidden in (False, True, False):
         area = replace(WIDE, hidden=hidden)
         fake.set(view._watch._box, json.dumps(asdict(area)))

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from abi.arm.urdf_arm import UrdfArm
+from app.layers.urdf_poses import other_poses
 from app.server import Server
 from app.session import Session
 from tests.browser import drawn
@@ -135,6 +136,9 @@ def test_the_page_plays_any_arm_and_tells_when_nobody_looks(tabs: Tabs, server: 
     made, motion = session.plan.arm, session.plan.motion
     assert isinstance(made, UrdfArm)
     assert motion is not None
+    page.click("Layers")
+    page.tick("other elbow, or other poses (ghosts)", True)
+    page.until(lambda: page.tab.evaluate("!!abi.bodies?.names.length"), "the other poses to play")
     joint = "/robot/base/" + "/".join(f"joint{number}" for number in range(6))
     page.until(lambda: joint in page.names(), "the arm's nodes")
     for time in (0.4, 1.25):
@@ -147,6 +151,13 @@ def test_the_page_plays_any_arm_and_tells_when_nobody_looks(tabs: Tabs, server: 
             lambda expected=expected: bool(np.allclose(page.position(joint), expected, atol=0.002)),  # type: ignore[misc]
             f"the wrist at {time:g} s",
         )
+        placed = made.placed(other_poses(session.plan, made, time))
+        middles = np.stack([one.ends.mean(axis=1) for one in placed], axis=1).reshape(-1, 3)
+        names = page.tab.evaluate("abi.bodies.names")
+        held = np.array([page.position(name) for name in names])
+        held = held[np.abs(held).max(axis=1) < 1e6]  # the others are not there at this time
+        assert len(held) == len(middles) > 0
+        np.testing.assert_allclose(held, middles, atol=0.004)
     for hidden in (True, False):
         page.tab.evaluate(
             "on => (Object.defineProperty(document, 'hidden', {value: on, configurable: true}),"
