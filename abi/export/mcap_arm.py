@@ -8,7 +8,6 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from abi.arm.any_arm import AnyArm
 from abi.arm.chain import Chain
@@ -16,7 +15,6 @@ from abi.arm.urdf_arm import UrdfArm
 from abi.arrays import FloatArray
 from abi.export import mcap_entities
 from abi.export.mcap_entities import Colour, Part
-from abi.export.solids import Quaternion
 from abi.obstacles.pose import Vec3
 from abi.robot.robot import Link, Shape, usual_tip
 from abi.robot.robot_files import packed, robot_from_archive
@@ -110,8 +108,7 @@ def _frames(world: dict[str, FloatArray], pairs: list[tuple[str, str]], samples:
     poses = np.stack(
         [np.linalg.inv(world[parent][:samples]) @ world[child][:samples] for parent, child in pairs]
     )
-    turns = Rotation.from_matrix(poses[..., :3, :3].reshape(-1, 3, 3)).as_quat()
-    wxyz = turns[:, [3, 0, 1, 2]].reshape(len(pairs), samples, 4)
+    wxyz = _quaternions(poses[..., :3, :3].reshape(-1, 3, 3)).reshape(len(pairs), samples, 4)
     return LinkFrames(
         tuple(parent for parent, _ in pairs),
         tuple(child for _, child in pairs),
@@ -128,9 +125,8 @@ def _part(shape: Shape) -> tuple[str, Part]:
     colours: list[Colour] = [
         (*(channel / 255 for channel in row), 1.0) for row in shape.colours.tolist()
     ]
-    x, y, z, w = Rotation.from_matrix(shape.pose[:3, :3]).as_quat().tolist()
-    wxyz: Quaternion = (w, x, y, z)
-    pose = mcap_entities.pose_of(shape.pose[:3, 3], wxyz)
+    w, x, y, z = _quaternions(shape.pose[None, :3, :3])[0].tolist()
+    pose = mcap_entities.pose_of(shape.pose[:3, 3], (w, x, y, z))
     if shape.kind != "mesh":
         return mcap_entities.solid(shape.kind, _extent(shape), pose, (colours or [_GREY])[0])
     if len(colours) > 1:  # corners of two colours cannot be shared
@@ -140,6 +136,13 @@ def _part(shape: Shape) -> tuple[str, Part]:
     points, rows = np.unique(shape.vertices, axis=0, return_inverse=True)
     faces = rows.reshape(-1)[shape.faces]
     return mcap_entities.triangles(points, faces.astype(np.int32), pose, colours or [_GREY])
+
+
+def _quaternions(turns: FloatArray) -> FloatArray:
+    """Quaternions wxyz (k, 4) of rotation matrices (k, 3, 3)."""
+    from scipy.spatial.transform import Rotation  # here, since it takes long to import
+
+    return np.asarray(Rotation.from_matrix(turns).as_quat()[:, [3, 0, 1, 2]])
 
 
 def _extent(shape: Shape) -> Vec3:
