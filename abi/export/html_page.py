@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 import math
-from typing import Any, assert_never
+from typing import Any
 
 import numpy as np
 
@@ -16,10 +16,7 @@ from abi import assets
 from abi.arrays import FloatArray, IntArray
 from abi.curves.curve import Curve
 from abi.errors import ExportError
-from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import Obstacle
-from abi.obstacles.pose import rotation
-from abi.obstacles.primitives import Box, Capsule, Cylinder, Sphere
 from abi.planner.arm_faults import arm_faults
 from abi.planner.arm_words import clearance_sentence
 from abi.planner.plan import Plan
@@ -34,7 +31,6 @@ FACES = 3_000
 _CURVE, _POSES = 161, 121  # samples
 _DIGITS = 5
 _SEARCH_SECONDS = 8.0
-_ROUND_ANGLE = 24
 
 
 def write(plan: Plan, name: str) -> bytes:
@@ -184,26 +180,9 @@ def _sampled(curve: Curve) -> Any:
 
 def _faces(obstacle: Obstacle) -> FloatArray:
     """Triangles (m, 3, 3) of an obstacle's surface, [unit], world."""
-    if isinstance(obstacle, MeshShape):
-        triangles = obstacle.triangles()
-        # of a fine surface every few triangles still show its shape
-        return np.asarray(triangles[:: -(-len(triangles) // FACES)])
-    from trimesh import creation  # here, since it takes long to import
-
-    if isinstance(obstacle, Box):
-        mesh = creation.box(obstacle.size)
-    elif isinstance(obstacle, Sphere):
-        mesh = creation.icosphere(subdivisions=2, radius=obstacle.radius)
-    elif isinstance(obstacle, Cylinder):
-        mesh = creation.cylinder(obstacle.radius, obstacle.height, sections=_ROUND_ANGLE)
-    elif isinstance(obstacle, Capsule):
-        count = (_ROUND_ANGLE, _ROUND_ANGLE // 2)
-        mesh = creation.capsule(radius=obstacle.radius, height=obstacle.height, count=count)
-        mesh.apply_translation((0, 0, -mesh.bounds.mean(axis=0)[2]))
-    else:
-        assert_never(obstacle)
-    own = np.asarray(mesh.triangles, dtype=float)
-    return np.asarray(own @ rotation(obstacle.wxyz).T + np.array(obstacle.position))
+    triangles = obstacle.triangles()
+    # of a fine surface every few triangles still show its shape
+    return np.asarray(triangles[:: -(-len(triangles) // FACES)])
 
 
 def _rounded(array: FloatArray) -> Any:

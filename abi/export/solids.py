@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Literal, assert_never
+from typing import Literal
 
 import numpy as np
 
 from abi.arrays import FloatArray, read_only
+from abi.obstacles.convex_shape import ConvexShape
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import Obstacle, Obstacles
-from abi.obstacles.pose import METRES, Vec3, rotation
-from abi.obstacles.primitives import Box, Capsule, Cylinder, Sphere
+from abi.obstacles.pose import METRES, Vec3
 
 Quaternion = tuple[float, float, float, float]
+
+KINDS = ("box", "sphere", "cylinder")
+"""Convex shapes that other programs know."""
 
 
 def _no_triangles() -> FloatArray:
@@ -25,7 +28,7 @@ class Solid:
     """A box, sphere, cylinder or triangle mesh.
 
     Attributes:
-        kind: which of them.
+        kind: which of them, one of ``KINDS`` or "mesh".
         size: edges of the box; diameter thrice of the sphere; diameter twice and height of the
             cylinder, whose axis is its z; of a mesh 1, [m].
         position: of its centre, world, [m].
@@ -33,7 +36,7 @@ class Solid:
         triangles: of a mesh, shape (m, 3, 3), world, [m]; empty otherwise.
     """
 
-    kind: Literal["box", "sphere", "cylinder", "mesh"]
+    kind: str
     size: Vec3
     position: Vec3 = (0.0, 0.0, 0.0)
     wxyz: Quaternion = (1.0, 0.0, 0.0, 0.0)
@@ -47,23 +50,20 @@ def solids(obstacle: Obstacles, unit: Literal["m", "cm", "mm"]) -> tuple[tuple[S
 
 def _of(shape: Obstacle, metres: float) -> tuple[Solid, ...]:
     if isinstance(shape, MeshShape):
-        return (Solid("mesh", (1.0, 1.0, 1.0), triangles=shape.triangles() * metres),)
-    centre, wxyz = _scaled(shape.position, metres), shape.wxyz
-    if isinstance(shape, Box):
-        return (Solid("box", _scaled(shape.size, metres), centre, wxyz),)
-    width = 2 * shape.radius * metres
-    ball = (width, width, width)
-    if isinstance(shape, Sphere):
-        return (Solid("sphere", ball, centre, wxyz),)
-    height = shape.height * metres
-    column = Solid("cylinder", (width, width, height), centre, wxyz)
-    if isinstance(shape, Cylinder):
-        return (column,)
-    if not isinstance(shape, Capsule):
-        assert_never(shape)
-    half = rotation(wxyz)[:, 2] * height / 2
-    ends = (_scaled(np.add(centre, side * half), 1.0) for side in (-1, 1))
-    return (column, *(Solid("sphere", ball, end, wxyz) for end in ends))
+        return (_mesh(shape.triangles() * metres),)
+    return tuple(_solid(part, metres) for part in shape.parts())
+
+
+def _solid(shape: ConvexShape, metres: float) -> Solid:
+    """A convex shape by its name, or by its triangles where other programs have no such."""
+    if shape.shape not in KINDS:
+        return _mesh(shape.triangles() * metres)
+    size = _scaled(2 * shape.half_extents(np.eye(3)), metres)
+    return Solid(shape.shape, size, _scaled(shape.position, metres), shape.wxyz)
+
+
+def _mesh(triangles: FloatArray) -> Solid:
+    return Solid("mesh", (1.0, 1.0, 1.0), triangles=triangles)
 
 
 def _scaled(vector: Vec3 | FloatArray, factor: float) -> Vec3:

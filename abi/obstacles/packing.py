@@ -6,7 +6,6 @@ import math
 import threading
 from collections.abc import Iterable
 from functools import lru_cache
-from typing import assert_never
 
 import numpy as np
 
@@ -14,7 +13,7 @@ from abi.arrays import FloatArray, read_only
 from abi.obstacles.pose import rotation
 from abi.obstacles.primitive_kernels import WIDTH
 from abi.obstacles.primitive_tree_kernels import TREE, link
-from abi.obstacles.primitives import Box, Capsule, Cylinder, Primitive, Sphere
+from abi.obstacles.primitives import Primitive
 
 _CROWD = 64
 """Primitives from which on the last rows are remembered."""
@@ -64,7 +63,7 @@ def _of_last(primitives: tuple[Primitive, ...]) -> tuple[FloatArray, list[int]]:
 def row(primitive: Primitive) -> FloatArray:
     """Row of a primitive without its place in a tree, (``TREE``,)."""
     axes = _axes(primitive.wxyz)
-    a, b, c, radius, is_cylinder = core = _core(primitive)
+    a, b, c, radius, is_cylinder = core = primitive.core()
     half = [
         abs(axes[k + 6]) * c + math.hypot(axes[k], axes[k + 3]) * a
         if is_cylinder
@@ -81,17 +80,3 @@ def row(primitive: Primitive) -> FloatArray:
 def _axes(wxyz: tuple[float, float, float, float]) -> tuple[float, ...]:
     """The body's axes in the world, one after the other (9,)."""
     return tuple(rotation(wxyz).T.ravel().tolist())
-
-
-def _core(primitive: Primitive) -> tuple[float, float, float, float, float]:
-    """Half sizes of the core, the radius around it, and whether it is a cylinder."""
-    if isinstance(primitive, Box):
-        x, y, z = primitive.size
-        return x / 2, y / 2, z / 2, 0.0, 0.0
-    if isinstance(primitive, Cylinder):
-        return primitive.radius, primitive.radius, primitive.height / 2, 0.0, 1.0
-    if isinstance(primitive, Capsule):
-        return 0.0, 0.0, primitive.height / 2, primitive.radius, 0.0
-    if isinstance(primitive, Sphere):
-        return 0.0, 0.0, 0.0, primitive.radius, 0.0
-    assert_never(primitive)

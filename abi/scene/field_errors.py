@@ -12,7 +12,10 @@ from pydantic_core import ErrorDetails
 
 from abi.errors import SceneError
 from abi.obstacles.mesh_shape import MeshShape
-from abi.obstacles.primitives import Box, Capsule, Cylinder, Sphere
+from abi.obstacles.primitives import PRIMITIVES
+
+_SHAPES: dict[str, type[BaseModel]] = {**PRIMITIVES, "mesh": MeshShape}
+_ANY_SHAPE = f"{', '.join(PRIMITIVES)} or mesh"
 
 _EXPECTED = {
     "bool_parsing": "true or false",
@@ -38,20 +41,13 @@ _LIMITS = {
 """Name of the limit in the context of such a kind, and its wording."""
 _MISSING = {
     "version": "version: 1",
-    "shape": "shape: box, sphere, cylinder, capsule or mesh",
+    "shape": f"shape: {_ANY_SHAPE}",
     "size": "three lengths, such as size: [1, 1, 1]",
     "radius": "a length, such as radius: 0.5",
     "height": "a length, such as height: 2",
     "file": "the name of a file of triangles, such as file: bracket.stl",
 }
 """What would do for each field without a default."""
-_SHAPES: dict[str, type[BaseModel]] = {
-    "box": Box,
-    "sphere": Sphere,
-    "cylinder": Cylinder,
-    "capsule": Capsule,
-    "mesh": MeshShape,
-}
 
 
 def first_error(error: ValidationError, scene: type[BaseModel]) -> SceneError:
@@ -98,9 +94,9 @@ def _expectation(detail: ErrorDetails, location: list[int | str], scene: type[Ba
             f" (did you mean {close[0]}?)" if close else ""
         )
     if kind == "union_tag_not_found":
-        return "shape: box, sphere, cylinder, capsule or mesh"
+        return f"shape: {_ANY_SHAPE}"
     if kind == "union_tag_invalid":
-        return "box, sphere, cylinder, capsule or mesh"
+        return _ANY_SHAPE
     if kind in ("model_type", "model_attributes_type") and isinstance(location[-1], str):
         return f"the fields {', '.join(_fields_at(detail['loc'], scene))}"
     if kind in _EXPECTED:

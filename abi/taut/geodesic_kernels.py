@@ -136,8 +136,8 @@ def _solid_bound(core: Core, clearance: float, start: Vec3, goal: Vec3) -> Lengt
     if min(signed_distance(core, start), signed_distance(core, goal)) < clearance:
         return distance(start, goal), False
     radius, half = core.radius, core.z
-    if core.is_cylinder == 0 and radius == 0:
-        length, exact = around_box((core.x, core.y, half), clearance, start, goal)
+    if core.is_cylinder == 0 and core.x + core.y > 0:
+        length, exact = around_box((core.x, core.y, half), radius + clearance, start, goal)
         other = 0.0 if exact else _ball_bound(core, clearance, start, goal)
     elif core.is_cylinder == 0 and half == 0:
         return around_ball(radius + clearance, start, goal), True

@@ -14,7 +14,8 @@ import numpy as np
 
 from abi.arrays import FloatArray, read_only
 from abi.obstacles.pose import Vec3, rotation
-from abi.obstacles.primitives import Box, Capsule, Cylinder, Primitive, Sphere
+from abi.obstacles.primitive_kernels import Core
+from abi.obstacles.primitives import Primitive
 
 _SIDES = 8  # of the prism around a round solid
 _WIDER = 1e-6  # part of the margin that the edges keep beyond it
@@ -35,21 +36,24 @@ def obstacle_edges(primitives: tuple[Primitive, ...], margin: float, ahead: Vec3
         after the other, (12 n,), world.
     """
     wider = margin * (1 + _WIDER) + _APART
-    edges = [
-        _edges(solid, wider, ahead if isinstance(solid, Sphere) else None) for solid in primitives
-    ]
+    edges = [_edges(one, wider, ahead if _is_ball(one.core()) else None) for one in primitives]
     return read_only(np.concatenate(edges)) if edges else _NONE
 
 
 @lru_cache(maxsize=1024)
 def _edges(solid: Primitive, margin: float, ahead: Vec3 | None) -> FloatArray:
     axes = rotation(solid.wxyz).T if ahead is None else _axes_along(np.array(ahead))
-    ends, normals = (
-        (_box_edges(solid, margin), _CUBE_NORMALS)
-        if isinstance(solid, Box)
-        else (_prism_edges(solid, margin), _prism_normals(type(solid)))
-    )
+    core = solid.core()
+    if core.is_cylinder == 0 and core.x + core.y > 0:
+        ends, normals = _box_edges(core, margin), _CUBE_NORMALS
+    else:
+        ends = _prism_edges(core, margin)
+        normals = _prism_normals(_is_ball(core), core.is_cylinder == 1)
     return read_only(np.concatenate([ends @ axes + solid.position, normals @ axes], axis=1).ravel())
+
+
+def _is_ball(core: Core) -> bool:
+    return max(core[:3]) == 0
 
 
 def _axes_along(ahead: FloatArray) -> FloatArray:
@@ -90,23 +94,22 @@ def _cube_normals() -> FloatArray:
 _CUBE_NORMALS = _cube_normals()
 
 
-def _box_edges(solid: Box, margin: float) -> FloatArray:
+def _box_edges(core: Core, margin: float) -> FloatArray:
     """Ends (12, 2, 3) of the edges of a box, moved outwards along both their faces, body."""
-    return np.asarray(_CUBE * (np.array(solid.size) / 2) + _ACROSS * margin)
+    return np.asarray(_CUBE * np.array(core[:3]) + _ACROSS * (core.radius + margin))
 
 
-def _prism_edges(solid: Cylinder | Capsule | Sphere, margin: float) -> FloatArray:
-    """Ends (n, 2, 3) of the edges of a prism around a widened solid, body."""
-    radius, turn = solid.radius + margin, math.pi / _SIDES
-    half_height = 0.0 if isinstance(solid, Sphere) else solid.height / 2
+def _prism_edges(core: Core, margin: float) -> FloatArray:
+    """Ends (n, 2, 3) of the edges of a prism around a widened round solid, body."""
+    radius, turn, half_height = core.x + core.radius + margin, math.pi / _SIDES, core.z
     angle = 2 * turn * np.arange(_SIDES)
     ring = np.stack([np.cos(angle), np.sin(angle), np.zeros(_SIDES)], axis=1) / math.cos(turn)
     up = np.array([0.0, 0.0, 1.0])
     sides = np.stack([radius * ring - half_height * up, radius * ring + half_height * up], axis=1)
-    if isinstance(solid, Sphere):
+    if _is_ball(core):
         return sides
     # over an end: a cylinder's rim, or the second corner of an octagon around a cap
-    if isinstance(solid, Cylinder):
+    if core.is_cylinder:
         rim, height = radius * ring, half_height + margin
     else:
         rim, height = radius * math.tan(turn) * ring, half_height + radius
@@ -116,7 +119,7 @@ def _prism_edges(solid: Cylinder | Capsule | Sphere, margin: float) -> FloatArra
 
 
 @lru_cache(maxsize=3)
-def _prism_normals(kind: type[Primitive]) -> FloatArray:
+def _prism_normals(is_ball: bool, is_cylinder: bool) -> FloatArray:
     """Normals (n, 2, 3) of the faces at the edges of that prism, in the order of the edges."""
     turn = math.pi / _SIDES
     angle = 2 * turn * np.arange(_SIDES)
@@ -125,12 +128,12 @@ def _prism_normals(kind: type[Primitive]) -> FloatArray:
         for middle in (angle - turn, angle + turn)
     )
     sides = np.stack([before, after], axis=1)
-    if kind is Sphere:
+    if is_ball:
         return read_only(sides)
     rims = []
     for side in (-1.0, 1.0):
         over = np.broadcast_to([0.0, 0.0, side], after.shape)
         # a capsule's rim lies between an end and the bevel around it
-        beside = after if kind is Cylinder else (after + over) / math.sqrt(2)
+        beside = after if is_cylinder else (after + over) / math.sqrt(2)
         rims.append(np.stack([beside, over], axis=1))
     return read_only(np.concatenate([sides, np.stack(rims).reshape(-1, 2, 3)]))

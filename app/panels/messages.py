@@ -9,7 +9,6 @@ import html
 from typing import Any
 
 from abi.errors import AbiError, NoPath
-from abi.obstacles.primitives import Box, Capsule, Cylinder, Sphere
 from abi.planner.arm_words import contact_sentence
 from abi.planner.plan import Plan
 from abi.planner.reason import Reason
@@ -22,8 +21,6 @@ from app.overlay import button
 from app.panels.base_offer import BaseOffer
 from app.panels.find_base import FindBasePanel
 from app.panels.widgets import Wake
-
-_SHAPES = ((Box, "box"), (Sphere, "ball"), (Cylinder, "cylinder"), (Capsule, "capsule"))
 
 
 class Messages:
@@ -135,10 +132,9 @@ def _invitation(plan: Plan) -> str:
     obstacles = plan.scene.obstacles
     if not obstacles:
         return "Drag start or goal."
-    names = [name for kind, name in _SHAPES if isinstance(obstacles[0], kind)]
-    if len(obstacles) > 1 or not names:
-        return "Drag an orange obstacle." if len(obstacles) > 1 else "Drag the orange obstacle."
-    return f"Drag the orange {names[0]}."
+    if len(obstacles) > 1:
+        return "Drag an orange obstacle."
+    return f"Drag the orange {'obstacle' if obstacles[0].shape == 'mesh' else obstacles[0].shape}."
 
 
 def _change_label(reason: Reason) -> str:

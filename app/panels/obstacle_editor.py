@@ -16,7 +16,7 @@ from abi.arrays import FloatArray
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import Obstacle
 from abi.obstacles.pose import METRES
-from abi.obstacles.primitives import Box, Capsule, Cylinder, Sphere
+from abi.obstacles.primitives import PRIMITIVES
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.obstacles.triangle_mesh.surface import Surface
 from abi.scene.scene import Scene
@@ -67,7 +67,7 @@ class ObstacleEditor:
         self._mesh_note = MeshNote(gui, wake)
         self._position = VectorBox(gui, "position", 0.1, "The obstacle's centre.", wake)
         self._angles = VectorBox(gui, "turned [°]", 5.0, "About x, then y, then z.", wake)
-        self.kind = gui.add_dropdown("new shape", ("box", "sphere", "cylinder", "capsule"))
+        self.kind = gui.add_dropdown("new shape", tuple(PRIMITIVES))
         self.buttons = gui.add_button_group("edit", ("Add", "Duplicate", "Delete"))
         self.uploads = add_mesh_uploads(gui, wake)
         self.surfaces: dict[str, Surface] = {}
@@ -317,11 +317,4 @@ def _new_obstacle(kind: str, scene: Scene) -> Obstacle:
             scene.workspace.min, scene.workspace.max, (0.5, 0.5, 0.75), strict=True
         )
     )
-    pose = {"position": (x, y, z)}
-    if kind == "box":
-        return Box(shape="box", size=(length, length, length), **pose)
-    if kind == "sphere":
-        return Sphere(shape="sphere", radius=length / 2, **pose)
-    if kind == "cylinder":
-        return Cylinder(shape="cylinder", radius=length / 2, height=length, **pose)
-    return Capsule(shape="capsule", radius=length / 3, height=length, **pose)
+    return PRIMITIVES[kind].of_length(length, (x, y, z))

@@ -184,7 +184,7 @@ def test_moveit_reads_every_obstacle_in_metres(sculpture: Plan) -> None:
     faces = np.array(numbers[2 + 3 * count :], dtype=int).reshape(-1, 3)
     (mesh,) = sculpture.scene.obstacles
     assert kind == "mesh"
-    np.testing.assert_array_equal(corners[faces], mesh.triangles() * METRES["cm"])  # type: ignore[union-attr]
+    np.testing.assert_array_equal(corners[faces], mesh.triangles() * METRES["cm"])
 
 
 def test_a_scene_without_obstacles_is_no_moveit_scene() -> None:
@@ -324,7 +324,7 @@ def test_the_recording_holds_meshes(sculpture: Plan) -> None:
     entity, _curve = json.loads(message.data)["entities"]
 
     corners = [list(point.values()) for point in entity["triangles"][0]["points"]]
-    np.testing.assert_allclose(corners, mesh.triangles().reshape(-1, 3) * METRES["cm"])  # type: ignore[union-attr]
+    np.testing.assert_allclose(corners, mesh.triangles().reshape(-1, 3) * METRES["cm"])
 
 
 def test_yourdfpy_moves_the_arm_to_where_the_motion_does(planned: Plan) -> None:

@@ -299,7 +299,7 @@ def test_a_changed_scene_keeps_its_surfaces(folder: Path) -> None:
     assert hash(again) == hash(scene)
     other = scene.replace(start=[0.1, 0.0, 0.0])
     assert other.obstacles == scene.obstacles
-    assert other.obstacles[0].surface is scene.obstacles[0].surface  # type: ignore[union-attr]
+    assert other.obstacles[0].surface is scene.obstacles[0].surface
     added = {"shape": "mesh", "file": "box.stl"}
     both = scene.replace(FILES, obstacles=[*scene.to_dict()["obstacles"], added])
     assert len(both.replace(goal=[6.0, 6.0, 5.0]).obstacles) == 2
