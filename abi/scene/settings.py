@@ -20,8 +20,8 @@ from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.robot.robot import Robot, joints_to, usual_tip
 from abi.robot.robot_files import SHIPPED, load_robot
 from abi.robot.robot_part import bases_to, part_from
+from abi.scene.lattices import LATTICES, Lattice
 
-Lattice = Literal["bcc", "kuhn", "delaunay"]
 Elbow = Literal["up", "down"]
 Algorithm = Literal["a_star", "dijkstra", "bellman_ford"]
 Count = Annotated[int, Strict()]
@@ -67,19 +67,15 @@ class MeshSettings(Settings):
     max_nodes: Annotated[Count, Field(ge=8, le=20_000_000)] = 1_000_000
 
     def cells(self, workspace: Workspace) -> tuple[int, int, int]:
-        """Cells along each axis, as nearly cubes as the box allows.
-
-        In the body-centred lattice the nearest neighbours are half a cube's diagonal apart, so
-        its cubes are 2/√3 times the pitch.
-        """
-        cube = self.pitch * (2 / math.sqrt(3) if self.lattice == "bcc" else 1.0)
+        """Cells along each axis, as nearly cubes as the box allows."""
+        cube = self.pitch * LATTICES[self.lattice].cube
         x, y, z = (max(1, round(size / cube)) for size in workspace.size)
         return (x, y, z)
 
     def node_count(self, workspace: Workspace) -> int:
         """Number of mesh nodes that this pitch gives, without building the mesh."""
         x, y, z = self.cells(workspace)
-        return (x + 1) * (y + 1) * (z + 1) + (x * y * z if self.lattice == "bcc" else 0)
+        return (x + 1) * (y + 1) * (z + 1) + (x * y * z if LATTICES[self.lattice].centred else 0)
 
     def finest_pitch(self, workspace: Workspace) -> float:
         """Smallest pitch, to three digits, whose mesh has at most ``max_nodes`` nodes.

@@ -6,13 +6,12 @@ import numpy as np
 import scipy
 
 from abi.arrays import FloatArray, IntArray, read_only
-from abi.tet_mesh.adjacency_kernels import BCC, KUHN, NO_SHAPE, Adjacency, Shape
+from abi.tet_mesh.adjacency_kernels import NO_SHAPE, Adjacency, Shape
+from abi.tet_mesh.lattice import REGULAR
 from abi.tet_mesh.stencil import Stencil
 
 NO_IDS: IntArray = read_only(np.zeros(0, dtype=np.int32))
 NO_NUMBERS: FloatArray = read_only(np.zeros(0))
-KINDS = {"bcc": BCC, "kuhn": KUHN}
-"""Numbers of the lattices in the kernels, by name."""
 
 
 def of_lattice(stencil: Stencil, nodes: int) -> Adjacency:
@@ -20,7 +19,7 @@ def of_lattice(stencil: Stencil, nodes: int) -> Adjacency:
     nx, ny, nz = stencil.cells
     directions = len(stencil.lengths)
     shape = Shape(
-        kind=KINDS[stencil.lattice],
+        kind=REGULAR[stencil.lattice].kind,
         nx=nx,
         ny=ny,
         nz=nz,

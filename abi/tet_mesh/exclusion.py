@@ -17,7 +17,7 @@ from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import Obstacle, ObstacleSet
 from abi.obstacles.packing import row
 from abi.tet_mesh import exclusion_kernels as kernels
-from abi.tet_mesh import lattice
+from abi.tet_mesh.lattice import REGULAR
 from abi.tet_mesh.mesh_exclusion_kernels import exclusion_near_mesh
 from abi.tet_mesh.tet_mesh import TetMesh
 
@@ -74,7 +74,7 @@ class FreeMesh:
         free = ~self.excluded
         if self.mesh.irregular is not None:
             return int(np.count_nonzero(free[self.mesh.irregular].all(axis=1)))
-        families = lattice.tetrahedra(self.mesh.lattice, free, self.mesh.cells)
+        families = REGULAR[self.mesh.lattice].tetrahedra(free, self.mesh.cells)
         return sum(int(np.count_nonzero(a & b & c & d)) for a, b, c, d in families)
 
 

@@ -9,23 +9,13 @@ both; the others come in pairs, 2m one way and 2m + 1 the other.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import product
 
 import numpy as np
 
 from abi.arrays import FloatArray, IntArray, read_only
 from abi.obstacles.pose import Vec3
-from abi.tet_mesh import lattice
-from abi.tet_mesh.lattice import Cells, Step
-
-_KUHN = tuple(step for step in product((0, 2), repeat=3) if any(step))
-_CROSS = tuple((1 - 2 * x, 1 - 2 * y, 1 - 2 * z) for x, y, z in product((0, 1), repeat=3))
-_BCC = ((2, 0, 0), (0, 2, 0), (0, 0, 2), (0, 2, 2), (2, 0, 2), (2, 2, 0))
-_STEPS: dict[str, tuple[tuple[tuple[int, ...], ...], tuple[tuple[int, ...], ...]]] = {
-    "bcc": (_CROSS, _BCC),
-    "kuhn": ((), _KUHN),
-}
-"""Of each lattice: steps from a corner to the centres around it, and those between like nodes."""
+from abi.tet_mesh.lattice import REGULAR
+from abi.tet_mesh.regular_lattice import Cells, Step
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,7 +23,7 @@ class Stencil:
     """The d directions of a lattice in a box.
 
     Attributes:
-        lattice: ``bcc`` or ``kuhn``.
+        lattice: its name in ``lattice.REGULAR``.
         cells: cubes along each axis.
         cross: number of directions from a corner to a centre.
         steps: (d, 3) half cells from a corner; from a centre the first ``cross`` are opposite.
@@ -58,8 +48,8 @@ class Stencil:
     @classmethod
     def of(cls, name: str, low: FloatArray, high: FloatArray, cells: Cells) -> Stencil:
         """The stencil of the lattice that divides the box ``low``..``high``, [unit]."""
-        cross, paired = _STEPS[name]
-        both = [tuple(sign * s for s in step) for step in paired for sign in (1, -1)]
+        cross = REGULAR[name].cross
+        both = [tuple(sign * s for s in step) for step in REGULAR[name].steps for sign in (1, -1)]
         steps = np.array([*cross, *both], dtype=np.int32)
         _, ny, nz = cells
         strides = np.array([[(ny + 1) * (nz + 1), nz + 1, 1], [ny * nz, nz, 1]])
@@ -87,7 +77,7 @@ class Stencil:
     def open_directions(self, nodes: int) -> IntArray:
         """The directions in which each node has a neighbour (n,), as bits."""
         bits = np.zeros(nodes, dtype=np.int32)
-        for tail, head, step in lattice.edges(self.lattice, bits, self.cells):
+        for tail, head, step in REGULAR[self.lattice].edges(bits, self.cells):
             there, back = self.ends(step)
             tail |= np.int32(1 << there)
             head |= np.int32(1 << back)

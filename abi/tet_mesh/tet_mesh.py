@@ -6,28 +6,24 @@ primitives in the form of a tetrahedron".
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from types import MappingProxyType
 
 import numpy as np
-import scipy
 
 from abi.arrays import ByteArray, FloatArray, IntArray, read_only
 from abi.scene.settings import MeshSettings, Workspace
-from abi.tet_mesh import adjacency, lattice
+from abi.tet_mesh import adjacency
 from abi.tet_mesh.adjacency_kernels import Adjacency
-from abi.tet_mesh.lattice import Cells
+from abi.tet_mesh.delaunay import jittered_delaunay
+from abi.tet_mesh.lattice import REGULAR
 from abi.tet_mesh.node_tree import NodeTree, tree_over
+from abi.tet_mesh.regular_lattice import Cells
 from abi.tet_mesh.stencil import Stencil
 
 _CORNER_PAIRS = np.array([(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)])
-
-_JITTER = 0.3
-"""Largest displacement of a node along each axis, in cells; below 0.5 nodes keep their order."""
-
-_SLIVER = 1e-9
-"""Part of a cell's volume below which a tetrahedron is left out: where more than four nodes lie on
-one sphere, Delaunay's triangulation has tetrahedra without volume."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,12 +31,12 @@ class TetMesh:
     """Tetrahedra that fill the workspace; tables are made at their first use.
 
     Attributes:
-        lattice: ``bcc``, ``kuhn`` or ``delaunay``.
+        lattice: its name.
         cells: cubes along each axis.
-        pitch: shortest edge of the lattice, [unit]; of the undisturbed grid for ``delaunay``.
+        pitch: shortest edge of the lattice, [unit]; of the undisturbed grid where it is irregular.
         points: (n, 3), [unit], world.
-        stencil: the directions of the lattice; None for ``delaunay``.
-        irregular: tetrahedra of ``delaunay``; None for a lattice, where they follow from ``cells``.
+        stencil: the directions of a regular lattice; None of an irregular one.
+        irregular: tetrahedra of an irregular lattice; those of a regular one follow from ``cells``.
     """
 
     lattice: str
@@ -58,7 +54,7 @@ class TetMesh:
         ids = np.arange(len(self.points), dtype=np.int32)
         families = [
             np.stack([corner.ravel() for corner in corners], axis=1)
-            for corners in lattice.tetrahedra(self.lattice, ids, self.cells)
+            for corners in REGULAR[self.lattice].tetrahedra(ids, self.cells)
         ]
         return read_only(np.concatenate(families))
 
@@ -68,7 +64,7 @@ class TetMesh:
         if self.irregular is not None:
             return read_only(edges_of(self.irregular, len(self.points)))
         ids = np.arange(len(self.points), dtype=np.int32)
-        families = lattice.edges(self.lattice, ids, self.cells)
+        families = REGULAR[self.lattice].edges(ids, self.cells)
         return read_only(
             np.concatenate([np.stack([a.ravel(), b.ravel()], axis=1) for a, b, _ in families])
         )
@@ -91,7 +87,7 @@ class TetMesh:
         """Directions (e,) in the stencil of the edges at their first nodes, for a lattice."""
         assert self.stencil is not None
         ids = np.empty(len(self.points), dtype=np.bool_)
-        families = lattice.edges(self.lattice, ids, self.cells)
+        families = REGULAR[self.lattice].edges(ids, self.cells)
         numbers = [np.full(a.size, self.stencil.ends(step)[0], np.uint8) for a, _, step in families]
         return read_only(np.concatenate(numbers))
 
@@ -142,34 +138,40 @@ class TetMesh:
         return adjacency.rows(self.edges, self.lengths, len(self.points))
 
 
+IRREGULAR: Mapping[str, Callable[[Workspace, Cells, int], tuple[FloatArray, IntArray]]] = (
+    MappingProxyType({"delaunay": jittered_delaunay})
+)
+"""Nodes (n, 3) and tetrahedra (m, 4) in a box, of its cells and a seed, by the lattice's name."""
+
+
 def tetrahedralise(workspace: Workspace, settings: MeshSettings) -> TetMesh:
     """Fill the workspace with tetrahedra.
 
-    The box is divided into cells that are as nearly cubes as it allows.
-
-    - ``bcc``: nodes at the corners and centres of the cubes. Around each face between two cubes
-      the two centres and the face's corners make four tetrahedra; in cubic cells all of these are
-      congruent, with edges h and h·√3/2. Between a face of the box and the centre behind it stands
-      a pyramid, which a diagonal of the face splits into two of the same volume as the others.
-    - ``kuhn``: nodes at the corners; six tetrahedra around the diagonal of each cube.
-    - ``delaunay``: the corners displaced at random, repeatably by ``settings.seed``, and
-      triangulated by Delaunay. Nodes on a face, edge or corner of the box stay on it.
+    The box is divided into cells that are as nearly cubes as it allows: those of a regular lattice
+    (:data:`abi.tet_mesh.lattice.REGULAR`), or the ones whose corners an irregular one displaces
+    (:data:`IRREGULAR`).
 
     Args:
         workspace: the box.
         settings: lattice, pitch and seed; the number of nodes was checked with the scene.
     """
     cells = settings.cells(workspace)
-    cube = np.asarray(workspace.size) / cells
-    if settings.lattice == "delaunay":
-        return _jittered_delaunay(workspace, cells, cube, settings.seed)
+    if settings.lattice in IRREGULAR:
+        points, tetrahedra = IRREGULAR[settings.lattice](workspace, cells, settings.seed)
+        return TetMesh(
+            lattice=settings.lattice,
+            cells=cells,
+            pitch=float((np.asarray(workspace.size) / cells).min()),
+            points=read_only(points),
+            irregular=read_only(tetrahedra),
+        )
     low, high = np.array(workspace.min), np.array(workspace.max)
     stencil = Stencil.of(settings.lattice, low, high, cells)
     return TetMesh(
         lattice=settings.lattice,
         cells=cells,
         pitch=float(stencil.lengths.min()),
-        points=read_only(lattice.points(settings.lattice, low, high, cells)),
+        points=read_only(REGULAR[settings.lattice].points(low, high, cells)),
         stencil=stencil,
     )
 
@@ -187,37 +189,3 @@ def edges_of(tetrahedra: IntArray, nodes: int) -> IntArray:
     ends = tetrahedra[:, _CORNER_PAIRS].reshape(-1, 2)
     keys = np.unique(ends.min(axis=1).astype(np.int64) * nodes + ends.max(axis=1))
     return np.stack(np.divmod(keys, nodes), axis=1).astype(np.int32)
-
-
-def volumes(points: FloatArray, tetrahedra: IntArray) -> FloatArray:
-    """Signed volumes of tetrahedra, shape (m,), [unit³]: (b - a) × (c - a) · (d - a) / 6."""
-    a, b, c, d = (points[tetrahedra[:, corner]] for corner in range(4))
-    return np.asarray(np.einsum("ij,ij->i", np.cross(b - a, c - a), d - a) / 6)
-
-
-def _jittered_delaunay(workspace: Workspace, cells: Cells, cube: FloatArray, seed: int) -> TetMesh:
-    """The grid with displaced nodes; a node on a face of the box is not moved out of its plane."""
-    points = lattice.grid(workspace.min, workspace.max, cells)
-    inside = (points > np.asarray(workspace.min)) & (points < np.asarray(workspace.max))
-    displacement = np.random.default_rng(seed).uniform(-_JITTER, _JITTER, points.shape)
-    points += np.where(inside, displacement * cube, 0.0)
-    tetrahedra = _delaunay(points, cells)
-    return TetMesh(
-        lattice="delaunay",
-        cells=cells,
-        pitch=float(cube.min()),
-        points=read_only(points),
-        irregular=read_only(tetrahedra),
-    )
-
-
-def _delaunay(points: FloatArray, cells: Cells) -> IntArray:
-    """Delaunay tetrahedra of positive volume, (m, 4), positively oriented."""
-    # relative to the box: Delaunay works with squares, which lose digits far from the origin
-    tetrahedra: IntArray = scipy.spatial.Delaunay(points - points.min(axis=0)).simplices.astype(
-        np.int32
-    )
-    volume = volumes(points, tetrahedra)
-    tetrahedra[volume < 0] = tetrahedra[volume < 0][:, [0, 1, 3, 2]]
-    cube = np.prod(np.ptp(points, axis=0) / cells)
-    return np.asarray(tetrahedra[np.abs(volume) > _SLIVER * cube])

@@ -7,15 +7,12 @@ from typing import Any
 
 import viser
 
+from abi.scene.lattices import LATTICES
 from abi.scene.scene import Scene
 from app.frame import Frame
 from app.panels.widgets import DIGITS, Choice, Wake, clamp
 
-LATTICES = {
-    "BCC (14 neighbours)": "bcc",
-    "Kuhn (cube cut in 6)": "kuhn",
-    "Delaunay (irregular)": "delaunay",
-}
+_LABELS = {kind.label: name for name, kind in LATTICES.items()}
 
 
 class MeshPanel:
@@ -24,7 +21,7 @@ class MeshPanel:
     def __init__(self, gui: viser.GuiApi, scene: Scene, wake: Wake) -> None:
         low, high, step = _pitch_range(scene)
         self.lattice = Choice(
-            gui, "grid type", LATTICES, "How the workspace is cut into tetrahedra.", wake
+            gui, "grid type", _LABELS, "How the workspace is cut into tetrahedra.", wake
         )
         self.pitch = gui.add_slider(
             f"spacing [{scene.unit}]",
@@ -72,7 +69,7 @@ class MeshPanel:
             self._show_seed(frame.plan.scene)
 
     def _show_seed(self, scene: Scene) -> None:
-        self.seed.visible = scene.mesh.lattice == "delaunay"
+        self.seed.visible = LATTICES[scene.mesh.lattice].seeded
 
 
 def _pitch_range(scene: Scene) -> tuple[float, float, float]:

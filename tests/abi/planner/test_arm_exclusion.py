@@ -8,7 +8,8 @@ import pytest
 from abi.arrays import BoolArray, FloatArray, read_only
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner.arm_exclusion import ArmExclusionCache
-from abi.scene.settings import Lattice, MeshSettings, Workspace
+from abi.scene.lattices import Lattice
+from abi.scene.settings import MeshSettings, Workspace
 from abi.tet_mesh.exclusion import Exclusion, FreeMesh, apply
 from abi.tet_mesh.node_tree import NodeTree
 from abi.tet_mesh.tet_mesh import tetrahedralise

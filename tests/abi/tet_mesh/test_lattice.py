@@ -6,24 +6,25 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from abi.arrays import IntArray
-from abi.tet_mesh import lattice
-from abi.tet_mesh.lattice import Cells
-from abi.tet_mesh.tet_mesh import edges_of, volumes
+from abi.tet_mesh.delaunay import volumes
+from abi.tet_mesh.lattice import REGULAR
+from abi.tet_mesh.regular_lattice import Cells
+from abi.tet_mesh.tet_mesh import edges_of
 
-LATTICES = st.sampled_from(["bcc", "kuhn"])
+LATTICES = st.sampled_from(list(REGULAR))
 CELLS = st.tuples(*[st.integers(1, 5)] * 3)
 
 
 def table(name: str, points: int, cells: Cells) -> IntArray:
-    families = lattice.tetrahedra(name, np.arange(points, dtype=np.int32), cells)
+    families = REGULAR[name].tetrahedra(np.arange(points, dtype=np.int32), cells)
     return np.concatenate([np.stack([c.ravel() for c in four], axis=1) for four in families])
 
 
 @settings(max_examples=60)
 @given(LATTICES, CELLS)
 def test_edges_are_the_edges_of_the_tetrahedra(name: str, cells: Cells) -> None:
-    points = lattice.points(name, (0, 0, 0), cells, cells)
-    families = list(lattice.edges(name, np.arange(len(points)), cells))
+    points = REGULAR[name].points((0, 0, 0), cells, cells)
+    families = list(REGULAR[name].edges(np.arange(len(points)), cells))
     edges = np.concatenate([np.stack([a.ravel(), b.ravel()], axis=1) for a, b, _ in families])
     expected = edges_of(table(name, len(points), cells), len(points))
     assert (edges[:, 0] < edges[:, 1]).all()
@@ -33,19 +34,19 @@ def test_edges_are_the_edges_of_the_tetrahedra(name: str, cells: Cells) -> None:
 @settings(max_examples=60)
 @given(LATTICES, CELLS)
 def test_the_step_leads_from_one_end_of_an_edge_to_the_other(name: str, cells: Cells) -> None:
-    points = lattice.points(name, (0, 0, 0), cells, cells)
-    for a, b, step in lattice.edges(name, np.arange(len(points)), cells):
+    points = REGULAR[name].points((0, 0, 0), cells, cells)
+    for a, b, step in REGULAR[name].edges(np.arange(len(points)), cells):
         assert np.allclose(points[b] - points[a], step, rtol=0, atol=1e-14)
 
 
 @settings(max_examples=60)
 @given(LATTICES, CELLS, st.integers(0, 2**32 - 1))
 def test_a_family_of_flags_counts_what_a_table_counts(name: str, cells: Cells, seed: int) -> None:
-    points = len(lattice.points(name, (0, 0, 0), cells, cells))
+    points = len(REGULAR[name].points((0, 0, 0), cells, cells))
     free = np.random.default_rng(seed).random(points) < 0.8
     counted = sum(
         np.count_nonzero(np.logical_and.reduce(four))
-        for four in lattice.tetrahedra(name, free, cells)
+        for four in REGULAR[name].tetrahedra(free, cells)
     )
     assert counted == np.count_nonzero(free[table(name, points, cells)].all(axis=1))
 
@@ -54,7 +55,7 @@ def test_a_family_of_flags_counts_what_a_table_counts(name: str, cells: Cells, s
 def test_tetrahedra_of_cubes_are_congruent(name: str, kinds: int) -> None:
     # between the faces of the box and the nearest centres, bcc has halves of pyramids instead
     cells = (3, 4, 2)
-    points = lattice.points(name, (0, 0, 0), cells, cells)
+    points = REGULAR[name].points((0, 0, 0), cells, cells)
     tetrahedra = table(name, len(points), cells)
     if name == "bcc":
         centre = tetrahedra >= (4 * 5 * 3)
@@ -72,6 +73,6 @@ def test_tetrahedra_of_cubes_are_congruent(name: str, kinds: int) -> None:
 @settings(max_examples=40)
 @given(LATTICES, CELLS)
 def test_all_tetrahedra_have_the_same_volume(name: str, cells: Cells) -> None:
-    points = lattice.points(name, (0, 0, 0), cells, cells)
+    points = REGULAR[name].points((0, 0, 0), cells, cells)
     volume = volumes(points, table(name, len(points), cells))
     assert np.allclose(volume, 1 / 12 if name == "bcc" else 1 / 6, rtol=1e-12)

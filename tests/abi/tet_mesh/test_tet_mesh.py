@@ -12,8 +12,9 @@ from scipy.spatial import cKDTree
 from abi.obstacles.obstacle_set import NO_OBSTACLES, ObstacleSet
 from abi.obstacles.primitives import Sphere
 from abi.scene.settings import MeshSettings, Workspace
+from abi.tet_mesh.delaunay import volumes
 from abi.tet_mesh.exclusion import exclude, within
-from abi.tet_mesh.tet_mesh import TetMesh, edges_of, tetrahedralise, volumes
+from abi.tet_mesh.tet_mesh import TetMesh, edges_of, tetrahedralise
 from tests.random_geometry import random_obstacles
 
 Lattice = Literal["bcc", "kuhn", "delaunay"]
@@ -127,7 +128,7 @@ def test_delaunay_tiles_a_box_far_from_the_origin() -> None:
 
 def test_flat_tetrahedra_are_dropped(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(
-        "abi.tet_mesh.tet_mesh._JITTER", 0.0
+        "abi.tet_mesh.delaunay._JITTER", 0.0
     )  # eight nodes of each cube lie on one sphere
     workspace = Workspace(max=(3, 3, 3))
     mesh = tetrahedralise(workspace, MeshSettings(lattice="delaunay", pitch=1))
