@@ -6,6 +6,8 @@ near black; none carries a meaning alone (dashes, widths, signs and words go wit
 
 from __future__ import annotations
 
+from abi.search.compare import COMPARED
+
 Colour = tuple[int, int, int]
 
 A_STAR: Colour = (120, 139, 241)
@@ -45,20 +47,16 @@ BAD: tuple[Colour, Colour] = ((201, 42, 42), (255, 135, 135))
 PAGES: tuple[Colour, Colour] = ((255, 255, 255), (46, 46, 46))
 """Grounds of the panels: the light page's, and the lighter of the dark one's."""
 
-ALGORITHMS: dict[str, tuple[str, Colour]] = {
-    "a_star": ("A*", A_STAR),
-    "dijkstra": ("Dijkstra", DIJKSTRA),
-    "bellman_ford": ("Bellman-Ford (queue)", BELLMAN_FORD),
-}
-SEARCH_NAMES: dict[str, str] = {
-    **{name: label for name, (label, _) in ALGORITHMS.items()},
-    "bellman_ford_rounds": "Bellman-Ford, by rounds",
-    "weighted_a_star": "weighted A*",
-    "greedy_best_first": "greedy best-first",
-    "bidirectional_dijkstra": "Dijkstra from both ends",
-    "lazy_theta_star": "Lazy Theta*",
-}
+SEARCH_NAMES: dict[str, str] = {name: search.label for name, search in COMPARED.items()}
 """Names of all searches that can be compared."""
+ALGORITHMS: dict[str, tuple[str, Colour]] = {
+    name: (SEARCH_NAMES[name], colour)
+    for name, colour in (
+        ("a_star", A_STAR),
+        ("dijkstra", DIJKSTRA),
+        ("bellman_ford", BELLMAN_FORD),
+    )
+}
 CURVES: dict[str, tuple[str, Colour]] = {
     "bspline": ("B-spline", BSPLINE),
     "quadratic": ("quadratic", QUADRATIC),

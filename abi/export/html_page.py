@@ -20,6 +20,7 @@ from abi.obstacles.obstacle_set import Obstacle
 from abi.planner.arm_faults import arm_faults
 from abi.planner.arm_words import clearance_sentence
 from abi.planner.plan import Plan
+from abi.search.compare import COMPARED
 from abi.search.subset import subset
 
 EDGES = 5_000
@@ -96,8 +97,7 @@ def _steps(plan: Plan) -> list[dict[str, Any]]:
         text = f"{plan.graph.edge_count:,} edges, each clear along its whole length."
         steps.append(_step("2 Graph", "The graph of what is left", text, ["mesh"]))
     if plan.path is not None:
-        name = {"a_star": "A*", "dijkstra": "Dijkstra", "bellman_ford": "Bellman-Ford"}
-        chosen = name[plan.path.algorithm]
+        chosen = COMPARED[plan.path.algorithm].label
         length = _length(plan.path.length, unit)
         text = f"{plan.path.expanded:,} nodes expanded, dark first; the path is {length} long."
         search = _step("3 Search", f"The shortest path, by {chosen}", text, ["search"])

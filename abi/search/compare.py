@@ -1,7 +1,7 @@
 """Table of the searches that can be compared and stepped through, by name.
 
 They run on request, not in every plan. A new one is a file beside this one, with a function from a
-task to a trace, an entry here, and its name for the page in ``app.style.SEARCH_NAMES``.
+task to a trace, and an entry here.
 """
 
 from __future__ import annotations
@@ -27,12 +27,14 @@ class ComparedSearch:
     """An entry of the table.
 
     Attributes:
+        label: its name on the page.
         find: the search.
         exact: whether its path is always the cheapest of the graph.
         one_way: whether it can handle arcs in one direction only, such as one of negative cost.
         any_angle: whether its path may leave the edges; it then minimises the length.
     """
 
+    label: str
     find: Callable[[SearchTask], SearchTrace]
     exact: bool
     one_way: bool
@@ -57,14 +59,22 @@ def _bellman_ford(task: SearchTask) -> SearchTrace:
 
 COMPARED: Mapping[str, ComparedSearch] = MappingProxyType(
     {
-        "a_star": ComparedSearch(partial(_best_first, "a_star", (1.0, 1.0)), True, True),
-        "dijkstra": ComparedSearch(partial(_best_first, "dijkstra", (1.0, 0.0)), True, True),
-        "bellman_ford": ComparedSearch(_bellman_ford, True, False),
-        "bellman_ford_rounds": ComparedSearch(bellman_ford_rounds, True, True),
-        "weighted_a_star": ComparedSearch(weighted_a_star, False, True),
-        "greedy_best_first": ComparedSearch(greedy_best_first, False, True),
-        "bidirectional_dijkstra": ComparedSearch(bidirectional_dijkstra, True, False),
-        "lazy_theta_star": ComparedSearch(lazy_theta_star, False, False, any_angle=True),
+        "a_star": ComparedSearch("A*", partial(_best_first, "a_star", (1.0, 1.0)), True, True),
+        "dijkstra": ComparedSearch(
+            "Dijkstra", partial(_best_first, "dijkstra", (1.0, 0.0)), True, True
+        ),
+        "bellman_ford": ComparedSearch("Bellman-Ford (queue)", _bellman_ford, True, False),
+        "bellman_ford_rounds": ComparedSearch(
+            "Bellman-Ford, by rounds", bellman_ford_rounds, True, True
+        ),
+        "weighted_a_star": ComparedSearch("weighted A*", weighted_a_star, False, True),
+        "greedy_best_first": ComparedSearch("greedy best-first", greedy_best_first, False, True),
+        "bidirectional_dijkstra": ComparedSearch(
+            "Dijkstra from both ends", bidirectional_dijkstra, True, False
+        ),
+        "lazy_theta_star": ComparedSearch(
+            "Lazy Theta*", lazy_theta_star, False, False, any_angle=True
+        ),
     }
 )
 """The searches by name; the first three are those of every plan."""

@@ -61,7 +61,7 @@ def a_star(graph: Graph, weight: Weight) -> SearchResult:
     Raises:
         NoPath: no edges lead from start to goal.
     """
-    return _search("a_star", best_first_kernels.best_first, graph, weight, metric(graph, weight))
+    return _search("a_star", graph, weight)
 
 
 def dijkstra(graph: Graph, weight: Weight) -> SearchResult:
@@ -70,7 +70,7 @@ def dijkstra(graph: Graph, weight: Weight) -> SearchResult:
     Raises:
         NoPath: no edges lead from start to goal.
     """
-    return _search("dijkstra", best_first_kernels.best_first, graph, weight, NO_METRIC)
+    return _search("dijkstra", graph, weight)
 
 
 def bellman_ford(graph: Graph, weight: Weight) -> SearchResult:
@@ -79,7 +79,7 @@ def bellman_ford(graph: Graph, weight: Weight) -> SearchResult:
     Raises:
         NoPath: no edges lead from start to goal.
     """
-    return _search("bellman_ford", bellman_ford_kernels.bellman_ford, graph, weight, NO_METRIC)
+    return _search("bellman_ford", graph, weight)
 
 
 SEARCHES: MappingProxyType[str, Callable[[Graph, Weight], SearchResult]] = MappingProxyType(
@@ -90,11 +90,7 @@ SEARCHES: MappingProxyType[str, Callable[[Graph, Weight], SearchResult]] = Mappi
 
 def order_of_expansion(algorithm: str, graph: Graph, weight: Weight) -> IntArray:
     """Nodes (m,) in the order in which one of :data:`SEARCHES` expands them."""
-    towards = metric(graph, weight) if algorithm == "a_star" else NO_METRIC
-    kernel: Any = best_first_kernels.best_first
-    if algorithm == "bellman_ford":
-        kernel = bellman_ford_kernels.bellman_ford
-    return read_only(kernel(problem_of(graph, weight, towards))[2])
+    return read_only(_run(algorithm, graph, weight)[2])
 
 
 def problem_of(graph: Graph, weight: Weight, towards: Metric) -> Problem:
@@ -114,12 +110,21 @@ def problem_of(graph: Graph, weight: Weight, towards: Metric) -> Problem:
     )
 
 
-def _search(
-    algorithm: str, kernel: Any, graph: Graph, weight: Weight, towards: Metric
-) -> SearchResult:
-    """Search the graph by one of the kernels."""
-    found = kernel(problem_of(graph, weight, towards))
-    return _result(algorithm, graph, weight, *found)
+def _search(algorithm: str, graph: Graph, weight: Weight) -> SearchResult:
+    """Search the graph by one of the algorithms."""
+    return _result(algorithm, graph, weight, *_run(algorithm, graph, weight))
+
+
+def _run(
+    algorithm: str, graph: Graph, weight: Weight
+) -> tuple[FloatArray, IntArray, IntArray, int]:
+    """Costs and parents of the nodes (n,), the order of expansion, and the edges tried."""
+    towards = metric(graph, weight) if algorithm == "a_star" else NO_METRIC
+    kernel: Any = best_first_kernels.best_first
+    if algorithm == "bellman_ford":
+        kernel = bellman_ford_kernels.bellman_ford
+    costs, parents, order, relaxed = kernel(problem_of(graph, weight, towards))
+    return costs, parents, order, relaxed
 
 
 def _most_hops(graph: Graph) -> float:
