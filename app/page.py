@@ -9,13 +9,11 @@ import time
 import uuid as uuids
 from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import Executor, Future
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import viser
-from viser import _assignable_props_api, _messages
+from viser import _messages
 from viser._threadpool_exceptions import print_awaited_callback_error
 
 from abi import assets
@@ -26,20 +24,6 @@ assert viser.__version__ == "1.1.1", "app/page.py uses private names of viser 1.
 
 SILENCE = 60.0
 """Seconds after which a file of which nothing more has come is taken for lost."""
-
-# viser looks up the types of a handle's fields anew for each handle, most of the time that it
-# takes, and makes three array types for each field that is set, most of the time of that
-_props: Any = _assignable_props_api
-_props.get_type_hints = functools.cache(_props.get_type_hints)
-_props.npt = SimpleNamespace(
-    NDArray={
-        np.float16: npt.NDArray[np.float16],
-        np.float32: npt.NDArray[np.float32],
-        np.float64: npt.NDArray[np.float64],
-        np.uint8: npt.NDArray[np.uint8],
-    }
-)
-
 
 viser_shortcuts.install()
 

@@ -7,7 +7,7 @@ looks up the types of each. The bytes that are sent stay the same.
 from __future__ import annotations
 
 import functools
-from types import NoneType
+from types import NoneType, SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -31,8 +31,13 @@ _prepare: Any = _messages._prepare_for_serialization
 
 def install() -> None:
     """Take the shortcuts from now on; once is enough."""
-    handle: Any = _assignable_props_api.AssignablePropsBase
-    handle.__setattr__ = _set_field
+    props: Any = _assignable_props_api
+    props.AssignablePropsBase.__setattr__ = _set_field
+    # viser looks up the types of a handle's fields anew for each handle, most of the time that it
+    # takes, and makes three array types for each field that is set, most of the time of that
+    props.get_type_hints = functools.cache(props.get_type_hints)
+    numbers = (np.float16, np.float32, np.float64, np.uint8)
+    props.npt = SimpleNamespace(NDArray={one: NDArray[one] for one in numbers})  # type: ignore[valid-type]
     _messages._prepare_for_serialization = _prepare_field
 
 
@@ -45,7 +50,7 @@ def _set_field(self: Any, name: str, value: Any) -> None:
 
 
 def _is_set(handle: Any, impl: Any, name: str, value: Any) -> bool:
-    """Whether a field has that value, or has it now."""
+    """Check whether a field has that value, or has it now."""
     fields = vars(impl.props)
     if name in fields:
         current = fields[name]
@@ -83,18 +88,18 @@ def _set_array(self: Any, name: str, current: AnyArray, value: AnyArray) -> None
 
 @functools.cache
 def _is_only_field(handle: type, name: str) -> bool:
-    """Whether a handle's field of that name is nothing but a field."""
+    """Check whether a handle's field of that name is nothing but a field."""
     return not isinstance(getattr(handle, name, None), property)
 
 
 @functools.cache
 def _can_cast(have: np.dtype[Any], wanted: np.dtype[Any]) -> bool:
-    """Whether numbers are taken as they are: colours are not, where they are given as shares."""
+    """Check if numbers are taken as they are: colours are not, where they are given as shares."""
     return have == wanted or (have.kind == wanted.kind == "f")
 
 
 def _prepare_field(value: Any, annotation: object, binary_buffers: Any = None) -> Any:
-    """What of a message's field is sent."""
+    """Content of a message's field as it is sent."""
     kind = type(value)
     if kind in _UNCHANGED and annotation is not float and annotation is not int:
         return value

@@ -20,7 +20,7 @@ import numpy as np
 
 from app.address import Address
 from app.look import PLAIN
-from app.server import start
+from app.server import Server, start
 from benchmarks.browser import scene_with
 from tests.app.fake_tab import FakeTab
 
@@ -45,17 +45,11 @@ def measure(nodes: int) -> dict[str, Any]:
         scene.save(file)
         server = start(Address(port=0), scene=str(file), look=PLAIN)
     tabs: list[FakeTab] = []
-
-    def open_tab() -> None:
-        tabs.append(FakeTab(server.url))
-        _until(lambda: len(server.sessions) == len(tabs))
-        _until(lambda: all(session.resting for session in server.sessions.values()))
-
     try:
-        open_tab()
+        _open_tab(server, tabs)
         before = _megabytes()
         for _ in range(TABS):
-            open_tab()
+            _open_tab(server, tabs)
         each = (_megabytes() - before) / TABS
         session = server.sessions[max(server.sessions)]
         session.playback.playing = False
@@ -92,7 +86,7 @@ def _drag(tab: FakeTab, session: Any, step: int) -> int:
 
 
 def _is_quiet(tab: FakeTab) -> bool:
-    """Whether nothing arrived for a moment; less than a rest, after which it is planned anew."""
+    """Check if nothing arrived for a moment; less than a rest, after which it is planned anew."""
     before = tab.received
     _PAUSE.wait(0.05)
     return tab.received == before
@@ -103,6 +97,13 @@ def _megabytes() -> float:
     gc.collect()
     pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[1])
     return pages * 4096 / 1e6
+
+
+def _open_tab(server: Server, tabs: list[FakeTab]) -> None:
+    """Open one more tab, and wait until all rest."""
+    tabs.append(FakeTab(server.url))
+    _until(lambda: len(server.sessions) == len(tabs))
+    _until(lambda: all(session.resting for session in server.sessions.values()))
 
 
 def _until(condition: Callable[[], bool]) -> None:
