@@ -6,7 +6,7 @@ import re
 
 from app.frame import Frame
 from app.labels import sentence
-from app.layers.stage_notes import notes
+from app.plan_notes import notes
 
 _NAMED = re.compile(r"\bobstacles? (\d+(?:–\d+)?(?:(?:, | and )\d+(?! more|\d))*)")
 _RANGE = re.compile(r"(\d+)(?:–(\d+))?")

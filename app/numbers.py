@@ -9,6 +9,7 @@ from abi.clearance.curve_clearance import Clearance
 from abi.planner.length_text import format_length, format_lower_bound, format_setting
 
 __all__ = [
+    "FASTEST_SHOWN",
     "distance_to_show",
     "format_count",
     "format_excess",
@@ -19,6 +20,8 @@ __all__ = [
     "unbroken",
 ]
 
+FASTEST_SHOWN = 1.0
+"""Shorter times say more about the machine than about the search, [ms]."""
 _MILLION = 1_000_000
 _UNIT = re.compile(r"(?<=\d) (?=(?:[cm]?m|m?s|%)(?![a-zA-Z])(?![^<>]*>))")
 """Space between a number and its unit, not in a tag."""

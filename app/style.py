@@ -6,8 +6,6 @@ near black; none carries a meaning alone (dashes, widths, signs and words go wit
 
 from __future__ import annotations
 
-from abi.search.compare import COMPARED
-
 Colour = tuple[int, int, int]
 
 A_STAR: Colour = (120, 139, 241)
@@ -47,16 +45,12 @@ BAD: tuple[Colour, Colour] = ((201, 42, 42), (255, 135, 135))
 PAGES: tuple[Colour, Colour] = ((255, 255, 255), (46, 46, 46))
 """Grounds of the panels: the light page's, and the lighter of the dark one's."""
 
-SEARCH_NAMES: dict[str, str] = {name: search.label for name, search in COMPARED.items()}
-"""Names of all searches that can be compared."""
 ALGORITHMS: dict[str, tuple[str, Colour]] = {
-    name: (SEARCH_NAMES[name], colour)
-    for name, colour in (
-        ("a_star", A_STAR),
-        ("dijkstra", DIJKSTRA),
-        ("bellman_ford", BELLMAN_FORD),
-    )
+    "a_star": ("A*", A_STAR),
+    "dijkstra": ("Dijkstra", DIJKSTRA),
+    "bellman_ford": ("Bellman-Ford (queue)", BELLMAN_FORD),
 }
+"""The searches of every plan; all that can be compared are in :mod:`abi.search.compare`."""
 CURVES: dict[str, tuple[str, Colour]] = {
     "bspline": ("B-spline", BSPLINE),
     "quadratic": ("quadratic", QUADRATIC),

@@ -14,10 +14,10 @@ from app import style
 from app.frame import Frame, Switch
 from app.layers.arm_nodes import ArmNodes
 from app.layers.arm_playback import ArmPlayback, JointPose, samples_of
-from app.layers.lines import NO_SEGMENTS, Segments, add_line, segments
 from app.layers.paper_arm import PaperArmNodes
 from app.layers.urdf_arm import UrdfArmNodes
 from app.layout import Layout
+from app.lines import NO_SEGMENTS, Segments, add_line, segments
 
 _TRACE_SAMPLES = 100
 _NO_JOINTS: list[JointPose] = []

@@ -18,9 +18,9 @@ from app import style
 from app.frame import Frame, Switch
 from app.layers.arm_playback import samples_of
 from app.layers.ghost_bodies import GhostBodies, capsule_mesh, places_of
-from app.layers.lines import NO_SEGMENTS, add_line, dashes, parameters
 from app.layers.urdf_poses import OtherPoses, first_pose, last_pose, other_courses, other_poses
 from app.layout import Layout
+from app.lines import NO_SEGMENTS, add_line, dashes, parameters
 from app.once_a_plan import once_a_plan
 
 _SAMPLES = 120

@@ -61,7 +61,7 @@ class JointNode:
 
 
 class ArmNodes(Protocol):
-    """What one kind of arm is drawn with; one place of the scene is for each kind."""
+    """Nodes of one kind of arm; one place of the scene is for each kind."""
 
     @property
     def root(self) -> viser.FrameHandle:
@@ -72,7 +72,7 @@ class ArmNodes(Protocol):
         """One for each joint, parents before their children; another list for another arm."""
 
     def draws(self, arm: AnyArm) -> bool:
-        """Whether an arm is of that kind."""
+        """Check whether an arm is of that kind."""
 
     def place(self, arm: AnyArm) -> None:
         """Put an arm on its base; build its nodes anew where it looks otherwise."""

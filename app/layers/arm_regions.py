@@ -90,7 +90,7 @@ class ArmRegionsLayer:
 
 
 def _start_of(plan: Plan) -> object:
-    """What an arm's poses depend on beside its settings; None where it reaches no start."""
+    """Values that an arm's poses depend on beside its settings; None where it reaches no start."""
     if not isinstance(plan.arm, UrdfArm):
         return elbow_of(plan)
     pose = first_pose(plan, plan.arm)

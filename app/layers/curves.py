@@ -10,9 +10,9 @@ from abi.curves.curve import Curve
 from abi.planner.plan import Plan
 from app import style
 from app.frame import Frame, Switch
-from app.layers.lines import NO_SEGMENTS, Segments, add_line, parameters, recolour, segments
 from app.layers.points import Points
 from app.layout import Layout
+from app.lines import NO_SEGMENTS, Segments, add_line, parameters, recolour, segments
 from app.once_a_plan import once_a_plan
 
 SAMPLES = 160

@@ -8,8 +8,8 @@ from abi.planner.plan import Plan
 from app import style
 from app.frame import Frame, Switch
 from app.layers.curves import SAMPLES
-from app.layers.lines import NO_SEGMENTS, add_line, dashes, parameters
 from app.layout import Layout
+from app.lines import NO_SEGMENTS, add_line, dashes, parameters
 from app.plan_before import PlanBefore
 
 

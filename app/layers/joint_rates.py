@@ -14,10 +14,10 @@ from abi.arrays import FloatArray
 from abi.planner.plan import Plan
 from app import style
 from app.frame import Frame, Switch
-from app.layers.tables import table
 from app.layers.time_plot import Lines, TimePlots, new_plot
 from app.layout import Layout
 from app.once_a_plan import once_a_plan
+from app.table import table
 
 _TINY = 5e-4
 _ROUNDING = 1.001

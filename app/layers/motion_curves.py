@@ -34,7 +34,7 @@ def tool_clearance(plan: Plan) -> FloatArray | None:
 
 
 def has_meshes(plan: Plan) -> bool:
-    """Whether an obstacle is a triangle mesh, to which distances take a while."""
+    """Check whether an obstacle is a triangle mesh, to which distances take a while."""
     return any(isinstance(obstacle, MeshShape) for obstacle in plan.scene.obstacles)
 
 

@@ -11,8 +11,8 @@ from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner.plan import Plan
 from app import style
 from app.frame import Frame, Switch
-from app.layers.lines import add_line, parameters, segments
 from app.layout import Layout
+from app.lines import add_line, parameters, segments
 from app.numbers import distance_to_show, format_lower_bound
 from app.once_a_plan import once_a_plan
 

@@ -29,7 +29,7 @@ class PaperArmNodes:
         self._touching: frozenset[str] = frozenset()
 
     def draws(self, arm: AnyArm) -> bool:
-        """Whether it is the paper's."""
+        """Check whether it is the paper's."""
         return isinstance(arm, Arm)
 
     def place(self, arm: AnyArm) -> None:

@@ -9,8 +9,8 @@ import numpy as np
 from abi.planner.plan import Plan
 from app import style
 from app.frame import Frame, Switch
-from app.layers.lines import NO_SEGMENTS, add_line, dashes, recolour, segments
 from app.layout import Layout
+from app.lines import NO_SEGMENTS, add_line, dashes, recolour, segments
 
 # Not along any edge of the lattices, so that coinciding paths lie beside each other everywhere.
 _OFFSET = np.array([0.53, -0.80, 0.27])

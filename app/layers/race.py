@@ -10,14 +10,15 @@ from numpy.typing import NDArray
 
 from abi.arrays import FloatArray
 from abi.scene.scene import Scene
+from abi.search.compare import COMPARED
 from abi.search.replay import SearchState
 from app import style
 from app.camera import View, aspect
 from app.frame import Frame, Switch
-from app.layers.lines import add_line, segments
 from app.layers.theatre import few, order_colours
 from app.layers.workspace import box_edges
 from app.layout import Layout
+from app.lines import add_line, segments
 from app.numbers import format_count, format_length
 from app.obstacle_body import add_body
 from app.theatre import Theatre
@@ -153,14 +154,14 @@ def report(name: str, state: SearchState, unit: str) -> str:
     """Counters of one search, as HTML."""
     done = f"found {format_length(state.trace.length)} {unit}" if _found(state) else "no path"
     return (
-        f"<b>{style.SEARCH_NAMES[name]}</b>: {_steps(state)}, "
+        f"<b>{COMPARED[name].label}</b>: {_steps(state)}, "
         f"{format_count(state.examined)} edges tried, {done if state.done else 'searching'}"
     )
 
 
 def _label(name: str, state: SearchState, unit: str) -> str:
     """The same in short lines, since the three stand side by side."""
-    lines = [style.SEARCH_NAMES[name], _steps(state), f"{format_count(state.examined)} edges"]
+    lines = [COMPARED[name].label, _steps(state), f"{format_count(state.examined)} edges"]
     if state.done:
         lines.append(f"{format_length(state.trace.length)} {unit}" if _found(state) else "no path")
     return "\n".join(lines)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from typing import ClassVar
 
 from abi.planner.plan import Plan
@@ -11,6 +11,7 @@ from app import style
 from app.frame import Frame, Switch
 from app.layout import Layout
 from app.numbers import (
+    FASTEST_SHOWN,
     distance_to_show,
     format_count,
     format_excess,
@@ -20,22 +21,8 @@ from app.numbers import (
     unbroken,
 )
 from app.once_a_plan import once_a_plan
+from app.table import table
 
-_STYLE = (
-    "<style>.abi-table{width:100%;border-collapse:collapse;font-size:12.5px;"
-    "font-variant-numeric:tabular-nums}"
-    ".abi-table th,.abi-table td{padding:3px 4px;text-align:right;white-space:nowrap;"
-    "border-bottom:1px solid rgba(128,128,128,.22)}"
-    ".abi-table th{font-weight:600;white-space:normal;vertical-align:bottom;"
-    "border-bottom-color:rgba(128,128,128,.5)}"
-    ".abi-table :first-child{text-align:left}"
-    ".mantine-Tabs-tab{padding-left:9px;padding-right:9px}"
-    ".abi-name{display:inline-block;max-width:7.6em;white-space:normal;vertical-align:middle}"
-    "@media(max-height:760px){.abi-table th,.abi-table td{padding:2px 4px}}"
-    "@media(max-width:600px){.abi-table{font-size:12px}"
-    ".abi-table th,.abi-table td{padding:2px}}</style>"
-)
-"""Numbers stay on one line; names and headings wrap where the font is wide or the page narrow."""
 _LEGEND = (
     f"{style.BOX}✓ keeps the distance you asked for (? unproven). ✗\N{NO-BREAK SPACE}closer: "
     "thick red in the scene. ▸ the arm follows it.</div>"
@@ -44,8 +31,6 @@ _NOTHING = ("–",) * 5
 _NO_STAGE = ("–",) * 3
 _OLD = '<span style="opacity:.55">{}</span>'
 """Of the last full plan, while the next has not got so far."""
-FASTEST_SHOWN = 1.0
-"""Shorter times say more about the machine than about the search, [ms]."""
 
 
 class TablesLayer:
@@ -76,7 +61,7 @@ class TablesLayer:
 
 @once_a_plan
 def _results(plan: Plan) -> dict[str, tuple[str, ...]]:
-    """What each search found, as the cells of its row and its time."""
+    """Cells of each search's row, and its time."""
     return {
         result.algorithm: (
             f"{len(result.vertices)}",
@@ -195,19 +180,3 @@ def _clearance(distance: float, required: float, proven: bool) -> str:
     colour, sign = (style.GOOD, "✓" if proven else "?") if kept else (style.BAD, "✗")
     shown = max(distance, 0.0) if kept else distance
     return f'<span style="color:{style.readable(colour)}">{format_lower_bound(shown)} {sign}</span>'
-
-
-def table(head: tuple[str, ...], rows: Iterable[tuple[str, ...]], last: str = "") -> str:
-    """An HTML table of rows under a head; ``last`` is one cell over the whole width."""
-    lines = [_row("th", head)] + [_row("td", row) for row in rows]
-    if last:
-        cell = f'<td colspan="{len(head)}" style="white-space:normal">{last}</td>'
-        lines.append(f"<tr>{cell}</tr>")
-    return (
-        f'{_STYLE}<div style="margin:4px 8px 6px"><table class="abi-table">{"".join(lines)}'
-        "</table></div>"
-    )
-
-
-def _row(tag: str, cells: tuple[str, ...]) -> str:
-    return f"<tr>{''.join(f'<{tag}>{cell}</{tag}>' for cell in cells)}</tr>"

@@ -9,14 +9,15 @@ import viser
 
 from abi.arrays import FloatArray, IntArray
 from abi.scene.scene import Scene
+from abi.search.compare import COMPARED
 from abi.search.replay import SearchState
 from app import glb, style
 from app.frame import Frame, Switch
-from app.layers.lines import NO_SEGMENTS, add_line, segments
 from app.layers.points import Points
-from app.layers.tables import table
 from app.layout import Layout
+from app.lines import NO_SEGMENTS, add_line, segments
 from app.numbers import format_count, format_length, unbroken
+from app.table import table
 from app.theatre import Theatre, labels
 
 NODE_BUDGET = 20_000
@@ -147,7 +148,7 @@ def describe(theatre: Theatre, scene: Scene) -> str:
     trace, n = state.trace, len(state.trace.arcs.points)
     what = "round" if trace.queue == "rounds" else "step"
     text = (
-        f"<b>{style.SEARCH_NAMES[theatre.name]}</b>, {what} {format_count(state.step)} of "
+        f"<b>{COMPARED[theatre.name].label}</b>, {what} {format_count(state.step)} of "
         f"{format_count(trace.steps)}: "
         f"{_swatch(style.CLOSED)}{format_count(len(state.closed))} closed, "
         f"{_swatch(style.OPEN)}{format_count(len(state.open))} open, "

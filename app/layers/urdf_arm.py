@@ -43,7 +43,7 @@ class UrdfArmNodes:
         self._touching: frozenset[str] = frozenset()
 
     def draws(self, arm: AnyArm) -> bool:
-        """Whether a URDF describes it."""
+        """Check whether a URDF describes it."""
         return isinstance(arm, UrdfArm)
 
     def place(self, arm: AnyArm) -> None:

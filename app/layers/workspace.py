@@ -11,8 +11,8 @@ import viser
 from abi.scene.settings import Workspace
 from app import style
 from app.frame import Frame, Switch
-from app.layers.lines import Segments, add_line
 from app.layout import Layout
+from app.lines import Segments, add_line
 
 _CORNERS = np.array(list(itertools.product((0.0, 1.0), repeat=3)))
 _EDGES = [(a, b) for a, b in itertools.combinations(range(8), 2) if bin(a ^ b).count("1") == 1]

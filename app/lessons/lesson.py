@@ -14,7 +14,7 @@ from abi import assets
 from abi.errors import AbiError, SceneError
 from abi.scene.scene import Scene, load_scene, scene_names
 from abi.scene.scene_file import parse
-from app import style
+from abi.search.compare import COMPARED
 from app.frame import Frame
 from app.lessons.measures import MEASURES, names_in, value
 
@@ -50,7 +50,7 @@ class Condition(_Part):
         return self
 
     def holds(self, frame: Frame) -> bool:
-        """Whether it holds now; a measure that there is not holds in nothing."""
+        """Check whether it holds now; a measure that there is not holds in nothing."""
         number = value(self.measure, frame)
         return number is not None and (
             (self.at_least is None or number >= self.at_least - 1e-9)
@@ -78,8 +78,8 @@ class SearchCue(_Part):
 
     @model_validator(mode="after")
     def _search_exists(self) -> Self:
-        if self.algorithm is not None and self.algorithm not in style.SEARCH_NAMES:
-            raise ValueError(f"one of the searches {', '.join(style.SEARCH_NAMES)}")
+        if self.algorithm is not None and self.algorithm not in COMPARED:
+            raise ValueError(f"one of the searches {', '.join(COMPARED)}")
         return self
 
 

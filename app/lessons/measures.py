@@ -56,7 +56,7 @@ def _followed_length(plan: Plan) -> float | None:
 
 
 def _is_complete(plan: Plan) -> bool:
-    """Whether there is a plan along a curve that keeps the clearance, for the tool alone."""
+    """Check whether there is a plan along a curve that keeps the clearance, for the tool alone."""
     curve = plan.followed_curve
     return plan.error is None and curve is not None and curve.holds
 

@@ -166,7 +166,7 @@ class AllPanels:
         return scene.replace(files, **sections)
 
     def step(self, scene: Scene) -> Step:
-        """What the history is to note of ``scene``, which is shown."""
+        """Step that the history is to note of ``scene``, which is shown."""
         return Step(scene, self.files.last)
 
     def cue(self, scene: Scene) -> Cue | None:
@@ -182,7 +182,7 @@ class AllPanels:
             self.theatre.set(**cue.setting.search.model_dump(exclude_none=True))
 
     def left(self) -> bool:
-        """Whether a lesson or the figures were left since the last call."""
+        """Check whether a lesson or the figures were left since the last call."""
         lessons, figures = self.lessons.left(), self.figures.left()
         return lessons or figures
 

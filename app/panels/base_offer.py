@@ -18,13 +18,13 @@ class BaseOffer:
         self._bases = bases
 
     def state(self, frame: Frame) -> tuple[object, ...]:
-        """What the offer depends on."""
+        """Values that the offer depends on."""
         found = frame.bases
         best = found is not None and found.best is not None
         return self._bases.running, best, found is not None
 
     def sentence(self, frame: Frame) -> str:
-        """What a search for a base does, is doing or has found; empty where none is offered."""
+        """Text on a search for a base: offered, running or done; empty where none is offered."""
         if not _may_help(frame):
             return ""
         running, has_best, was_sought = self.state(frame)
@@ -46,7 +46,7 @@ class BaseOffer:
 
 
 def _may_help(frame: Frame) -> bool:
-    """Whether another base may help; not known before an arm in the way is explained."""
+    """Check whether another base may help; not known before an arm in the way is explained."""
     error, reason = frame.plan.error, frame.reason
     if isinstance(error, ArmNotClear):
         if reason is None:

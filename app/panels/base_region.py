@@ -13,7 +13,7 @@ from abi.obstacles.pose import Vec3
 from abi.planner.find_base import default_region
 from abi.scene.scene import Scene
 from app import style
-from app.layers.lines import NO_SEGMENTS, Segments, add_line
+from app.lines import NO_SEGMENTS, Segments, add_line
 from app.panels.length_step import length_step
 from app.panels.widgets import VectorBox, Wake
 

@@ -93,7 +93,7 @@ class ClassroomPanel:
         return view
 
     def shares(self, scene: Scene) -> bool:
-        """Whether ``scene`` is one that all show: the teacher's, or what a student follows."""
+        """Check if ``scene`` is one that all show: the teacher's, or what a student follows."""
         return self.teaches or (self._followed is not None and self._followed == scene)
 
     @property

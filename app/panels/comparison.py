@@ -15,10 +15,10 @@ from abi.search.lifelong_a_star import Repair, can_repair, lifelong_a_star
 from abi.search.trace import SearchTrace
 from app import style
 from app.frame import Frame
-from app.layers.tables import FASTEST_SHOWN, table
-from app.numbers import format_count, format_length
+from app.numbers import FASTEST_SHOWN, format_count, format_length
 from app.panels.widgets import Wake
 from app.plan_before import PlanBefore
+from app.table import table
 
 _NOTE = (
     "<b>gap</b>: how far above the least cost (=), or below it by leaving the mesh's edges. "
@@ -91,7 +91,7 @@ def _mended(before: Plan | None, arcs: Arcs, weight: Weight) -> Repair | None:
 
 
 def _told(mended: Repair | None, a_star: Comparison) -> str:
-    """What mending the search before would have taken, as HTML."""
+    """Note on mending the search before, as HTML."""
     if mended is None:
         return f"{style.BOX}Move an obstacle and compare again: {_MENDING}</div>"
     nodes, anew = format_count(mended.expanded), format_count(a_star.trace.steps)
@@ -121,7 +121,7 @@ def _table(found: tuple[Comparison, ...], weight: Weight, unit: str) -> str:
             gap = "=" if abs(cost - least) < 1e-9 * max(least, 1) else gap
         rows.append(
             (
-                f'<span style="white-space:normal">{style.SEARCH_NAMES[one.algorithm]}</span>',
+                f'<span style="white-space:normal">{COMPARED[one.algorithm].label}</span>',
                 str(trace.hops) if trace.hops >= 0 else "–",
                 format_length(trace.length) if trace.hops >= 0 else "–",
                 gap,

@@ -12,11 +12,11 @@ from abi import assets
 from abi.scene.scene import Scene
 from app import style
 from app.frame import Frame
-from app.layers.tables import table
 from app.lessons.cue import Cue
 from app.lessons.figures import figures
 from app.lessons.lesson import scene_of
 from app.panels.widgets import Wake
+from app.table import table
 
 _SIGNS = {"holds": "✓", "depends on the mesh": "≈", "does not hold": "✗"}
 
@@ -73,7 +73,7 @@ class FiguresPanel:
         return Cue(figure.set, scene_of(figure.set, scene, assets.path("scenes")))
 
     def left(self) -> bool:
-        """Whether the figures were left since the last call."""
+        """Check whether the figures were left since the last call."""
         left, self._left = self._left, False
         return left
 

@@ -29,7 +29,7 @@ _NAME_LENGTH = 40
 
 @dataclass(frozen=True)
 class News(Generic[_T]):
-    """What became of a file.
+    """News of a file.
 
     Attributes:
         name: of the file.
@@ -81,7 +81,7 @@ class Dealing(Generic[_T]):
 
 @dataclass(frozen=True)
 class FileKind(Generic[_T]):
-    """How files of a kind are dealt with.
+    """Treatment of files of a kind.
 
     Attributes:
         deal: what comes of the content of one; may raise SceneError and StoppedError.
@@ -123,7 +123,7 @@ class FileUploads(Generic[_T]):
         return self._stopped.is_set()
 
     def news(self) -> list[News[_T]]:
-        """What became of the files since the last call: each is read, then prepared, or refused."""
+        """News of the files since the last call: each is read, then prepared, or refused."""
         found = []
         while not self._news.empty():
             found.append(self._news.get())

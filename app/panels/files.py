@@ -80,7 +80,7 @@ class FilesPanel:
 
     @property
     def last(self) -> Loaded:
-        """What was loaded last."""
+        """The last file or demo that was loaded."""
         return self._last
 
     def show(self, loaded: Loaded) -> None:

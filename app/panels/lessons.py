@@ -116,7 +116,7 @@ class LessonPanel:
             return None
 
     def left(self) -> bool:
-        """Whether a lesson was finished, or left, since the last call."""
+        """Check whether a lesson was finished, or left, since the last call."""
         ended, self._ended = self._ended, False
         return ended
 

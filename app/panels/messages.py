@@ -76,7 +76,7 @@ class Messages:
         return self._reason.obstacle if pressed and self._reason is not None else None
 
     def _failure(self, frame: Frame, error: AbiError) -> str:
-        """Why there is no plan, and the buttons of what would help."""
+        """Reason why there is no plan, and the buttons of what would help."""
         reason = frame.reason
         explained = error if reason is None else reason
         dots = "Blue dots: nodes that the start reaches." if isinstance(error, NoPath) else ""

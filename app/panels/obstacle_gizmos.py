@@ -301,7 +301,7 @@ class ObstacleGizmos:
 
 
 def _same_shapes(old: Sequence[Obstacle], new: Sequence[Obstacle]) -> bool:
-    """Whether each obstacle is of the old one's shape, and of the same surface."""
+    """Check whether each obstacle is of the old one's shape, and of the same surface."""
     return len(old) == len(new) and all(
         type(a) is type(b) and getattr(a, "surface", None) is getattr(b, "surface", None)
         for a, b in zip(old, new, strict=True)
@@ -320,7 +320,7 @@ def _radius(obstacle: Obstacle) -> float:
 
 
 def _is_drawn_as(obstacle: Obstacle, mesh: MeshShape) -> bool:
-    """Whether an obstacle has the same surface, of the same size, in the same place."""
+    """Check whether an obstacle has the same surface, of the same size, in the same place."""
     if not isinstance(obstacle, MeshShape) or obstacle.surface != mesh.surface:
         return False
     pose = obstacle.factor, obstacle.position, obstacle.wxyz

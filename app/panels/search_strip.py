@@ -7,7 +7,7 @@ from typing import Any
 
 import viser
 
-from app import style
+from abi.search.compare import COMPARED
 from app.frame import Frame
 from app.numbers import format_count
 from app.overlay import button
@@ -37,7 +37,7 @@ class SearchStrip:
             step = max(one.step for _, one in theatre.race)
             title = "Race"
         else:
-            steps, step, title = state.trace.steps, state.step, style.SEARCH_NAMES[theatre.name]
+            steps, step, title = state.trace.steps, state.step, COMPARED[theatre.name].label
         text = f"{title}: {format_count(step)} of {format_count(steps)}"
         if theatre.asking and not state.done:
             text += ". Which node next?"

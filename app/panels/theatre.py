@@ -54,7 +54,9 @@ class TheatrePanel:
             False,
             hint="Any search, node by node. Paths, curves and arm are hidden meanwhile.",
         )
-        self.algorithm = gui.add_dropdown("algorithm", tuple(style.SEARCH_NAMES.values()))
+        self.algorithm = gui.add_dropdown(
+            "algorithm", tuple(one.label for one in COMPARED.values())
+        )
         self.weight = gui.add_slider(
             "heuristic weight w",
             0.0,
@@ -108,7 +110,7 @@ class TheatrePanel:
     def chosen(self) -> str:
         """Name of the search in :data:`abi.search.compare.COMPARED`."""
         name = next(
-            (k for k, v in style.SEARCH_NAMES.items() if v == self.algorithm.value), "a_star"
+            (k for k, one in COMPARED.items() if one.label == self.algorithm.value), "a_star"
         )
         return name if not self._kind else one_way_search(name)
 
@@ -153,7 +155,7 @@ class TheatrePanel:
                 self._position = float(value)
                 self.playing = False
             elif name == "algorithm":
-                self.algorithm.value = style.SEARCH_NAMES[value]
+                self.algorithm.value = COMPARED[value].label
             else:
                 getattr(self, name).value = value
 
@@ -202,7 +204,7 @@ class TheatrePanel:
 
     def _replace_search(self) -> None:
         """Choose one that takes a negative edge, where the one chosen does not."""
-        label = style.SEARCH_NAMES[self.chosen]
+        label = COMPARED[self.chosen].label
         if self.on.value and self._kind and label != self.algorithm.value:
             page.notify_refusal(
                 self._client,

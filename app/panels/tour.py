@@ -71,6 +71,6 @@ class Tour:
 
 
 def _pressed(widget: Any) -> bool:
-    """Whether a button was pressed since the last call."""
+    """Check whether a button was pressed since the last call."""
     pressed, widget.value = bool(widget.value), False
     return pressed

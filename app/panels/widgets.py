@@ -21,7 +21,7 @@ _SHOWN_DIGITS = 3
 
 
 def phase_holds(phase: str, held: bool) -> bool:
-    """Whether a hand holds what it drags after a drag's ``phase``, if it was ``held`` before."""
+    """Check if a hand holds what it drags after a drag's ``phase``, if it was ``held`` before."""
     return phase != "end" and (held or phase == "start")
 
 

@@ -23,12 +23,12 @@ from app.layers.mesh import MeshLayer
 from app.layers.names import NamesLayer
 from app.layers.plots import PlotsLayer, _joints_title
 from app.layers.search_order import SearchOrderLayer, shades
-from app.layers.stage_notes import notes
 from app.layers.workspace import WorkspaceLayer
 from app.look import PLAIN
 from app.numbers import format_lower_bound
 from app.panels.base_offer import _may_help
 from app.panels.messages import _change_label
+from app.plan_notes import notes
 from app.server import Server, start
 from app.session import Session
 from app.tab_view import SWITCHES

@@ -13,7 +13,6 @@ from hypothesis import strategies as st
 
 from abi import load_scene, plan
 from abi.scene.scene import scene_names
-from app.layers.stage_notes import _clearance, _control_points
 from app.layers.tables import _searches, _stages
 from app.numbers import (
     format_count,
@@ -25,6 +24,7 @@ from app.numbers import (
     unbroken,
 )
 from app.panels.stage_headers import _TITLES, _results
+from app.plan_notes import _clearance, _control_points
 
 
 def _number(text: str) -> float:

@@ -67,7 +67,7 @@ def test_what_is_written_has_the_numbers_of_the_step(name: str) -> None:
     state = state_of(name, 5)
     text = describe(Theatre(name, state), PLAN.scene)
     assert f"{len(state.open)} open" in text
-    assert style.SEARCH_NAMES[name] in text
+    assert COMPARED[name].label in text
     end = replay(state.trace, state.trace.steps)
     assert f"{end.trace.length:.3f} cm" in describe(Theatre(name, end), PLAN.scene)
     shares = order_colours(end, end.closed)
@@ -145,17 +145,17 @@ def test_a_search_follows_its_plan_and_takes_any_edge(tab: tuple[FakeTab, Sessio
         )
     )
     fake.set(panel.edges, "one, with a cycle")
-    fake.set(panel.algorithm, style.SEARCH_NAMES["bellman_ford_rounds"])
+    fake.set(panel.algorithm, COMPARED["bellman_ford_rounds"].label)
     until(
         lambda: (
             session.frame.theatre is not None and len(session.frame.theatre.state.trace.cycle) > 0
         )
     )
-    fake.set(panel.algorithm, style.SEARCH_NAMES["bidirectional_dijkstra"])
+    fake.set(panel.algorithm, COMPARED["bidirectional_dijkstra"].label)
     until(lambda: session.frame.theatre is not None and session.frame.theatre.name == "dijkstra")
     fake.set(session.panels.comparison.button, True)
     until(lambda: session.panels.comparison._text.visible)
-    for label in style.SEARCH_NAMES.values():
+    for label in (one.label for one in COMPARED.values()):
         assert label in session.panels.comparison._text.content
 
 
@@ -204,14 +204,14 @@ def test_what_takes_no_negative_edge_says_what_is_shown_instead(
     panel = session.panels.theatre
     fake.set(panel.on, True)
     fake.set(panel.edges, "one")
-    fake.set(panel.algorithm, style.SEARCH_NAMES[name])
+    fake.set(panel.algorithm, COMPARED[name].label)
     takes_it = COMPARED[name].one_way
     until(
         lambda: (
             session.frame.theatre is not None
             and session.frame.theatre.state.trace.arcs.negative is not None
             and (session.frame.theatre.name == name) == takes_it
-            and panel.algorithm.value == style.SEARCH_NAMES[session.frame.theatre.name]
+            and panel.algorithm.value == COMPARED[session.frame.theatre.name].label
         )
     )
 

@@ -11,8 +11,8 @@ from playwright.sync_api import Browser
 
 from abi.scene.scene import load_scene, scene_names
 from app.extent import extent
-from app.layers.stage_notes import notes as stage_notes
 from app.layout import TITLE
+from app.plan_notes import notes as stage_notes
 from app.server import Server
 from app.session import Session
 from tests.browser.page import Page
@@ -247,7 +247,7 @@ def test_the_arms_foot_is_above_the_headline_numbers(page: Page, session: Sessio
 
 
 def _are_above(page: Page, points: Sequence[Sequence[float]]) -> bool:
-    """Whether points, (n, 3), [unit], are above the headline numbers."""
+    """Check whether points, (n, 3), [unit], are above the headline numbers."""
     return all(page.pixel("/workspace", list(one))[1] < _strip(page) for one in points)
 
 
@@ -363,12 +363,12 @@ def test_a_lecture_shows_the_whole_arm_above_its_strip(
 
 
 def _strip(page: Page) -> float:
-    """Where the strip of a lecture begins, [px] from the top."""
+    """Top of a lecture's strip, [px] from that of the page."""
     return float(page.tab.evaluate(_STRIP))
 
 
 def _is_seen(page: Page, points: NDArray[np.float64], height: int) -> bool:
-    """Whether the scene has all points, and nothing of a lecture's strip over them."""
+    """Check whether the scene has all points, and nothing of a lecture's strip over them."""
     left, _, right, _ = page.tab.evaluate(_OVERLAY)[0]
     chosen = np.vstack([points[:9], points[9 :: len(points) // 50]])
     pixels = np.array([page.pixel("/workspace", list(point)) for point in chosen])

@@ -18,7 +18,7 @@ NO_SEGMENTS: Segments = read_only(np.zeros((1, 2, 3), np.float32))
 
 @functools.lru_cache(64)
 def parameters(interval: tuple[float, float], count: int) -> FloatArray:
-    """So many parameters from the first of an interval to its last."""
+    """``count`` parameters from the first of an interval to its last."""
     return read_only(np.linspace(*interval, count))
 
 
