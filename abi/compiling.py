@@ -204,7 +204,7 @@ def begin() -> None:
 
 
 def is_done() -> bool:
-    """Whether all kernels run compiled."""
+    """Check whether all kernels run compiled."""
     return _compilation.done.is_set()
 
 

@@ -38,7 +38,7 @@ class Address:
     entrance: Porter | SideDoor | None = None
 
     def usable_host(self) -> str:
-        """Where to listen, tried out; as it is where another process does.
+        """Address to listen at, tried out; as it is where another process does.
 
         Raises:
             AbiError: as for :func:`usable_address`.

@@ -51,5 +51,5 @@ def describe_fault(error: Exception) -> str:
 
 
 def _is_own(file: Path) -> bool:
-    """Whether a file is the project's; its folder may hold the libraries, too."""
+    """Check whether a file is the project's; its folder may hold the libraries, too."""
     return file.is_relative_to(_ROOT) and "site-packages" not in file.relative_to(_ROOT).parts

@@ -163,7 +163,7 @@ class Viewpoint:
             self._place()
 
     def _free(self, area: PageArea | None) -> Window:
-        """What is free of the picture; text that comes and goes counts while the shape stays.
+        """Free part of the picture; text that comes and goes counts while the shape stays.
 
         The text above counts only where all points are to be surrounded: it changes with each plan,
         at which the scene is not to move.
@@ -192,7 +192,7 @@ class Viewpoint:
         self._places.append(position)
 
     def _is_moved(self) -> bool:
-        """Whether the user has moved the camera.
+        """Check whether the user has moved the camera.
 
         What the page tells may be older than our last word: a place before that is ours as well.
         """

@@ -33,7 +33,7 @@ class Challenge(BaseModel):
     until: Annotated[tuple[Condition, ...], Field(min_length=1, max_length=3)]
 
     def is_met(self, frame: Frame) -> bool:
-        """Whether all conditions hold now."""
+        """Check whether all conditions hold now."""
         return all(condition.holds(frame) for condition in self.until)
 
     def html(self, met: bool, frame: Frame) -> str:

@@ -61,7 +61,7 @@ class Classroom:
         return self._poll
 
     def is_teacher(self, secret: str) -> bool:
-        """Whether that is the teacher's secret; takes the same time for every wrong one."""
+        """Check whether that is the teacher's secret; takes the same time for every wrong one."""
         return secrets.compare_digest(secret.encode(), self.secret.encode())
 
     def join(self, tab: int, wake: Callable[[], None]) -> None:

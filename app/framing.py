@@ -81,7 +81,7 @@ def lift(
 
 
 def holds(points: FloatArray, position: FloatArray, target: FloatArray, window: Window) -> bool:
-    """Whether a camera sees all points in the free part of its picture.
+    """Check whether a camera sees all points in the free part of its picture.
 
     Args:
         points: (n, 3), [unit], world.

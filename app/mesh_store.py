@@ -147,7 +147,7 @@ def _make_room(place: Path, size: int) -> None:
 
 
 def _stored(place: Path) -> Iterator[tuple[float, int, Path]]:
-    """When each file was last used, its size [bytes] and its path."""
+    """Time of each file's last use, its size [bytes] and its path."""
     for path in place.iterdir():
         with contextlib.suppress(FileNotFoundError):  # another server has removed it
             status = path.stat()

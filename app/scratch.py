@@ -39,7 +39,7 @@ class ScratchFolder:
 
 
 def are_possible() -> bool:
-    """Whether the system has such locks: all but Windows."""
+    """Check whether the system has such locks: all but Windows."""
     return sys.platform != "win32"
 
 
@@ -64,7 +64,7 @@ def remove_abandoned() -> int:
 
 
 def _is_abandoned(folder: Path) -> bool:
-    """Whether nobody has its lock.
+    """Check whether nobody has its lock.
 
     Raises:
         OSError: there is no such lock, or it is not ours to open.

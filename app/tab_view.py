@@ -123,7 +123,7 @@ class TabView:
         return min((max(seconds, 0.0) for seconds in times if seconds is not None), default=None)
 
     def is_due(self, frame: Frame) -> bool:
-        """Whether there is another picture to draw now, after a wait for :meth:`timeout`."""
+        """Check whether there is another picture to draw now, after a wait for :meth:`timeout`."""
         if self._is_hidden:
             return False
         left = self._until_contact(frame)

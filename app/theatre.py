@@ -59,7 +59,7 @@ def node_at(points: FloatArray, nodes: IntArray, origin: FloatArray, direction: 
 
 
 def judge(state: SearchState, node: int) -> tuple[bool, str]:
-    """Whether a node may be expanded next, and why, as HTML with the present numbers."""
+    """Check whether a node may be expanded next, and why, as HTML with the present numbers."""
     if state.following < 0:
         return False, "The search has ended: nothing comes next."
     queue = state.trace.queue

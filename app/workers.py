@@ -36,7 +36,7 @@ _METRICS = "PROMETHEUS_MULTIPROC_DIR"
 
 
 def are_possible() -> bool:
-    """Whether processes can hand each other connections, one in a message, as on Linux."""
+    """Check whether processes can hand each other connections, one in a message, as on Linux."""
     return sys.platform == "linux"
 
 

@@ -1,1 +1,1 @@
-"""What the claims of speed and quality rest on: ``abi bench``, or each part by itself."""
+"""Grounds for the claims of speed and quality: ``abi bench``, or each part by itself."""

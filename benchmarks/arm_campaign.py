@@ -45,7 +45,7 @@ _FALSE = 1e-3
 
 
 def record(seed: int) -> Record:
-    """What came of one scene, as plain data."""
+    """Outcome of one scene, as plain data."""
     scene = arm_scene(seed, PITCH, meshes=True)
     plan, ms = _planned(scene)
     found: Record = {"seed": seed, "ms": ms, "length": _length(plan)}
@@ -146,7 +146,7 @@ def _length(plan: Plan) -> float | None:
 
 
 def _checked(plan: Plan, dense: float) -> Record:
-    """Whether the certificate is accepted, and how many damaged ones."""
+    """Check whether the certificate is accepted, and how many damaged ones."""
     data = json.loads(json.dumps(plan.to_dict()))
     meshes = plan.scene.meshes
     damaged = []

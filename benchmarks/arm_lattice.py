@@ -34,7 +34,7 @@ _SIDES: tuple[Literal[1, -1], ...] = (1, -1)
 
 @dataclass(frozen=True, eq=False)
 class Poses:
-    """What an arm may do: poses by tool place and branch, tried without margins."""
+    """Poses of an arm by tool place and branch, tried without margins."""
 
     scene: Scene
     arm: Arm
@@ -61,7 +61,7 @@ class Poses:
         )
 
     def free(self, points: FloatArray, sides: FloatArray) -> BoolArray:
-        """Whether tool and arm are clear at places (n, 3) on branches (n,), 1 or -1."""
+        """Check whether tool and arm are clear at places (n, 3) on branches (n,), 1 or -1."""
         joints, reached = self.joints(points, sides)
         free = reached & self._tool_is_free(points)
         rows = np.flatnonzero(free)
@@ -80,7 +80,7 @@ class Poses:
         return free
 
     def edge_is_free(self, a: FloatArray, b: FloatArray, side: int) -> bool:
-        """Whether the way between two places (3,) is, on one branch."""
+        """Check whether the way between two places (3,) is, on one branch."""
         shares = self._shares(a, b)
         if shares is None:
             return False
@@ -109,7 +109,7 @@ class Poses:
         return np.union1d(shares, np.clip(foot + off * np.tan(angles), 0, 1))
 
     def turn_is_free(self, a: FloatArray) -> bool:
-        """Whether the arm may stretch from a place (3,), and bend the other way."""
+        """Check whether the arm may stretch from a place (3,), and bend the other way."""
         shoulder = self.arm.shoulder
         away = a - shoulder
         full = shoulder + away / np.linalg.norm(away) * (self._longest - 1e-9)

@@ -155,7 +155,7 @@ class _ArmCheck(base.MotionValidator):  # type: ignore[misc]
         self._margins = np.zeros(max(len(scene.obstacles), 2))
 
     def checkMotion(self, a: Any, b: Any, *_: Any) -> bool:
-        """Whether the motion from a to b is clear; OMPL's name."""
+        """Check whether the motion from a to b is clear; OMPL's name."""
         return bool(
             _is_clear(
                 *(_joints(a), _joints(b), self._numbers, self._capsules),
@@ -164,7 +164,7 @@ class _ArmCheck(base.MotionValidator):  # type: ignore[misc]
         )
 
     def at(self, a: Any) -> bool:
-        """Whether state a is clear."""
+        """Check whether state a is clear."""
         return self.checkMotion(a, a)
 
 

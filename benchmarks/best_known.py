@@ -87,7 +87,7 @@ def _tightened(points: FloatArray, space: FreeSpace) -> FloatArray:
 
 @numba.njit(cache=True)
 def _visibility(points: FloatArray, primitives: FloatArray, margins: FloatArray) -> BoolArray:
-    """Which points (n, 3) see each other (n, n), each pair once."""
+    """Flags (n, n) of the points (n, 3) that see each other, each pair once."""
     n = len(points)
     visible = np.zeros((n, n), np.bool_)
     for i in range(n):

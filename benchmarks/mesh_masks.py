@@ -1,4 +1,4 @@
-"""What triangle meshes exclude from a tetrahedral mesh, against distances by another library."""
+"""Exclusions by triangle meshes, against distances by another library."""
 
 from __future__ import annotations
 

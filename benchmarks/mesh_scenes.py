@@ -94,7 +94,7 @@ _SURFACES = {name: clean(*mesh) for name, mesh in _SHAPES.items()}
 
 
 def _refuted(result: Plan) -> bool:
-    """Whether a sample of a path, or of a certified curve, is nearer than it may be."""
+    """Check whether a sample of a path, or of a certified curve, is nearer than it may be."""
     asked = result.scene.spline.clearance
     for path in (result.path, result.taut):
         if path is not None and len(path.points) > 1:

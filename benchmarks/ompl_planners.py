@@ -105,11 +105,11 @@ class _ClearanceCheck(base.MotionValidator):  # type: ignore[misc]
         self._margins = np.full(len(self._primitives), scene.spline.clearance)
 
     def checkMotion(self, a: Any, b: Any, *_: Any) -> bool:
-        """Whether the motion from a to b is clear; OMPL's name."""
+        """Check whether the motion from a to b is clear; OMPL's name."""
         return not _blocked(self._primitives, self._margins, a[0], a[1], a[2], b[0], b[1], b[2])
 
     def at(self, a: Any) -> bool:
-        """Whether state a is clear."""
+        """Check whether state a is clear."""
         return self.checkMotion(a, a)
 
 

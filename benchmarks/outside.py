@@ -30,7 +30,7 @@ class Outside:
         self.address = f"127.0.0.1:{self._server.getsockname()[1]}/secret.stl"
 
     def asked(self) -> int:
-        """How often the file was opened and the server was called since the last time."""
+        """Counts of openings of the file and calls of the server since the last time."""
         count = 0
         try:
             events = os.read(self._events, 1 << 20)

@@ -55,7 +55,7 @@ Runs = dict[str, list[tuple[float, float]]]  # by method: ratio (inf: not solved
 
 
 def is_ompl_installed() -> bool:
-    """Whether OMPL is installed; prints a line where it is not."""
+    """Check whether OMPL is installed; prints a line where it is not."""
     installed = importlib.util.find_spec("ompl") is not None
     if not installed:
         print("OMPL is not installed (pip install ompl): its planners are left out.")

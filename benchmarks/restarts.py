@@ -120,7 +120,7 @@ def _serve(port: int, told: int) -> None:
 
 
 class Tally:
-    """What has come of the faults so far.
+    """Outcome of the faults so far.
 
     Attributes:
         lost: faults after which the page did not show what it remembered.
@@ -272,7 +272,7 @@ def _remembered(page: Page) -> int:
 
 
 def _within(page: Page, condition: Callable[[], bool]) -> bool:
-    """Whether it comes true in time."""
+    """Check whether it comes true in time."""
     try:
         page.until(condition, "", _PATIENCE)
     except AssertionError:

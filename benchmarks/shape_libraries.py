@@ -25,12 +25,12 @@ _EDGES_NEED = (("fcl",), ("coal", "eigenpy"))
 
 
 def installed(modules: tuple[str, ...]) -> bool:
-    """Whether all of some modules are installed."""
+    """Check whether all of some modules are installed."""
     return all(importlib.util.find_spec(module) is not None for module in modules)
 
 
 def can_compare() -> bool:
-    """Whether there are libraries for nodes and for edges."""
+    """Check whether there are libraries for nodes and for edges."""
     return installed(_NODES_NEED) and any(map(installed, _EDGES_NEED))
 
 
@@ -82,7 +82,7 @@ class _Fcl:
         self._mesh = fcl.CollisionObject(model)
 
     def lost(self, starts: FloatArray, ends: FloatArray, margin: float) -> BoolArray:
-        """As of every library."""
+        """Flags (n,) of the segments that come nearer than the margin."""
         fcl, lost = self._fcl, np.zeros(len(starts), dtype=np.bool_)
         sizes, wxyz, middles = _along(starts, ends)
         request = fcl.CollisionRequest()
@@ -112,7 +112,7 @@ class _Coal:
         self._mesh = model
 
     def lost(self, starts: FloatArray, ends: FloatArray, margin: float) -> BoolArray:
-        """As of every library."""
+        """Flags (n,) of the segments that come nearer than the margin."""
         coal, lost = self._coal, np.zeros(len(starts), dtype=np.bool_)
         sizes, wxyz, middles = _along(starts, ends)
         request, here = coal.CollisionRequest(), coal.Transform3s.Identity()

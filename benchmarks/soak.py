@@ -179,7 +179,7 @@ async def shut(tab: WebTab, phase: float) -> None:
 
 
 def _remembers(tab: WebTab) -> bool:
-    """Whether what the tab remembers has the obstacle where it was dragged to last."""
+    """Check whether what the tab remembers has the obstacle where it was dragged to last."""
     if not tab.remembered:
         return False
     scene = TabState.decode(tab.remembered, MeshSource()).scene
@@ -187,7 +187,7 @@ def _remembers(tab: WebTab) -> bool:
 
 
 async def catches_up(tab: WebTab) -> bool:
-    """Whether a tab that reads again comes to show the last position."""
+    """Check whether a tab that reads again comes to show the last position."""
     tab.freeze(False)
     expected = await asyncio.to_thread(expected_curve, tab)
     return bool(np.isfinite(await tab.shows(expected, _PATIENCE)))
@@ -235,7 +235,7 @@ def faults(url: str) -> int:
 
 
 class _Account:
-    """What the server takes, printed with the figures so far.
+    """Use of the server, printed with the figures so far.
 
     Attributes:
         figures: processor cores of the server, and of the process that has the tabs, from the first

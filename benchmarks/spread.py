@@ -1,4 +1,4 @@
-"""How the tabs of a server are spread over its processes, on Linux."""
+"""Spread of a server's tabs over its processes, on Linux."""
 
 from __future__ import annotations
 

@@ -68,7 +68,7 @@ class StoredMesh:
         return rows
 
     def shut_edges(self, obstacles: Obstacles, margin: float) -> BoolArray:
-        """Which edges of all rows are shut (2e,). Obstacles of the last call stand still."""
+        """Flags of the shut edges of all rows (2e,). Obstacles of the last call stand still."""
         moving = self._moving(obstacles, margin)
         shut = self._still_shut.copy()
         for obstacle in moving:
@@ -143,7 +143,7 @@ def _is_shut(
     tail: int,
     head: int,
 ) -> bool:
-    """Whether an end is excluded or the edge comes nearer to the obstacle than the margin."""
+    """Check whether an end is excluded or the edge comes nearer to the obstacle than the margin."""
     side, other = sides[tail], sides[head]
     if side == _EXCLUDED or other == _EXCLUDED:
         return True

@@ -30,7 +30,7 @@ from abi.arrays import FloatArray
 from abi.planner.live_planner import LivePlanner
 from abi.scene.scene import load_scene
 from app.layers.curves import SAMPLES
-from app.layers.lines import segments
+from app.lines import segments
 from benchmarks.interrupt import Interrupt
 from benchmarks.spread import process_family, spread
 from benchmarks.web_tab import WebTab, is_same_curve

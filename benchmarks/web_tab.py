@@ -10,6 +10,7 @@ import struct
 import time
 from collections import deque
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import msgspec
@@ -103,7 +104,7 @@ class WebTab:
         self._reading = asyncio.create_task(self._read())
 
     async def answers(self) -> bool:
-        """Whether the server answers, rather than having cut the tab off; reads all it had sent."""
+        """Tell if the server answers, rather than having cut the tab off; reads all it had sent."""
         try:
             await (await self._connection.ping())
         except ConnectionClosed:
@@ -182,13 +183,11 @@ class WebTab:
                 await asyncio.sleep(_POLL)
 
     async def shows(self, expected: FloatArray, patience: float = 120.0) -> float:
-        """When the curve came that is shown, if it is the ``expected`` one; else infinity."""
-
-        def right() -> bool:
-            return bool(self.curves) and is_same_curve(self.curves[-1][1], expected)
-
+        """Time at which the shown curve came, if it is the ``expected`` one; else infinity."""
         try:
-            await self.until(right, patience)
+            await self.until(
+                lambda: bool(self.curves) and is_same_curve(self.curves[-1][1], expected), patience
+            )
         except TimeoutError:
             return math.inf
         return self.curves[-1][0]
@@ -246,7 +245,7 @@ class WebTab:
 
 
 def is_same_curve(points: FloatArray, expected: FloatArray) -> bool:
-    """Whether a curve is the expected one, as far as single precision tells."""
+    """Check whether a curve is the expected one, as far as single precision tells."""
     return points.shape == expected.shape and np.allclose(points, expected, atol=1e-4)
 
 
@@ -267,9 +266,10 @@ def decode(
         place += -place % 8
         places.append((place, size))
         place += size
+    return content, partial(_array, frame, places)
 
-    def array(placeholder: dict[str, Any]) -> FloatArray:
-        begin, size = places[placeholder["__binary_index"]]
-        return np.frombuffer(frame[begin : begin + size], placeholder["dtype"])
 
-    return content, array
+def _array(frame: bytes, places: list[tuple[int, int]], placeholder: dict[str, Any]) -> FloatArray:
+    """The array that a placeholder stands for, at its place in the frame."""
+    begin, size = places[placeholder["__binary_index"]]
+    return np.frombuffer(frame[begin : begin + size], placeholder["dtype"])

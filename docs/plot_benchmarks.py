@@ -45,7 +45,7 @@ def _frames(rows: list[Row]) -> Figure:
 
 
 def _ratios(rows: list[Row]) -> Figure:
-    """How many times longer the best library's frame takes, by scene."""
+    """Ratio of the best library's time for a frame to ours, by scene."""
     figure, axes = _axes("nodes", "best library's time / ours")
     for scene in sorted({row["scene"] for row in rows}):
         points = _series(rows, scene, "frame a_star", "faster")
@@ -57,7 +57,7 @@ def _ratios(rows: list[Row]) -> Figure:
 
 
 def _quality(rows: list[Row]) -> Figure:
-    """How much longer than the best known length, in nine scenes of ten."""
+    """Excess over the best known length, in nine scenes of ten."""
     figure, axes = _axes("longer than the best known, nine of ten scenes [%]", "")
     found: dict[str, float] = defaultdict(float)
     for row in rows:

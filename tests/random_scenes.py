@@ -83,7 +83,7 @@ def box_scene(seed: int, pitch: float) -> Scene:
 
 
 def crowd(count: int, seed: int, nodes: int, meshes: float = 0.0, fill: float = 0.12) -> Scene:
-    """So many small obstacles of all shapes, apart from start and goal, in a mesh of so many nodes.
+    """A scene of many small obstacles of all shapes, apart from start and goal.
 
     There is room for the tool alone: the arm does not avoid them.
 

@@ -1,4 +1,4 @@
-"""What the lock files must hold so that pip and uv install the same from them on any day."""
+"""Contents of the lock files, so that pip and uv install the same from them on any day."""
 
 import re
 from importlib.metadata import PackageNotFoundError, requires

@@ -164,7 +164,7 @@ def _pair(browser: Browser, scene: str, pair: Pair) -> Image.Image:
 
 
 def _shadow(browser: Browser) -> Image.Image:
-    """Where the obstacles do not let the tool be on account of the arm's links."""
+    """Places that the obstacles keep the tool from on account of the arm's links."""
     with visit(browser, SHADOWED, width=WIDE) as visited:
         visited.hide_overlay()
         visited.show(*BASE, "bspline", "arm", "shadow")

@@ -76,7 +76,7 @@ class Visit:
         assert "This did not work" not in self.page.text(), "the page tells of a fault: see its log"
 
     def picture(self, panels: bool = True) -> Image.Image:
-        """What the tab shows, or only the scene between the panels."""
+        """Picture of the tab, or only of the scene between the panels."""
         image = Image.open(io.BytesIO(self.page.tab.screenshot())).convert("RGB")
         if panels:
             return image

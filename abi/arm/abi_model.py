@@ -71,7 +71,7 @@ class AbiCourse:
         return trajectory.follow(self.curve, self.arc, profile, self.arm, self.settings, samples)
 
     def is_refuted(self, profile: PathProfile, around: Surroundings, required: float) -> bool:
-        """Whether a few poses show that the arm is not clear.
+        """Check whether a few poses show that the arm is not clear.
 
         If q5 slides, a proof is tried instead, since q5 at a pose would have to be computed first.
         """

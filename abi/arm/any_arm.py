@@ -44,7 +44,7 @@ class AnyArm(Protocol):
 
     @property
     def wxyz(self) -> Quaternion:
-        """How it is turned there, as a quaternion."""
+        """Orientation of the base, as a quaternion."""
 
     @property
     def unit(self) -> Literal["m", "cm", "mm"]:

@@ -90,7 +90,7 @@ class Arm:
 
     @property
     def wxyz(self) -> Quaternion:
-        """How it is turned on its base: it stands upright."""
+        """Orientation of the base, a quaternion: the arm stands upright."""
         return UNTURNED
 
     @property

@@ -147,7 +147,7 @@ def arm_clearance(
 
 
 def is_clear(motion: ArmMotion, clearance: ArmClearance) -> bool:
-    """Whether the whole arm is proven clear all along a motion, within reach and limits."""
+    """Check whether the whole arm is proven clear all along a motion, within reach and limits."""
     return motion.reachable and motion.within_limits and clearance.certified
 
 

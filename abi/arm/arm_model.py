@@ -50,7 +50,7 @@ class Course(Protocol):
         """The motion by a profile, at uniform times."""
 
     def is_refuted(self, profile: PathProfile, around: Surroundings, required: float) -> bool:
-        """Whether a quick test shows that the arm is not clear; False if that would take long."""
+        """Check if a quick test shows that the arm is not clear; False if that would take long."""
 
     def clearance(
         self, motion: ArmMotion, obstacles: ObstacleSet, around: Surroundings, required: float
@@ -66,12 +66,12 @@ class Places(Protocol):
         """Everything that they depend on, except the obstacles."""
 
     def reached(self, points: FloatArray) -> BoolArray:
-        """Whether the arm reaches nodes (n, 3) of the mesh, clear of the floor and itself, (n,)."""
+        """Flag the nodes (n, 3) of the mesh that the arm reaches, clear of the floor and itself."""
 
     def touching(
         self, points: FloatArray, number: int, reached: BoolArray, tree: NodeTree | None = None
     ) -> BoolArray:
-        """Whether the arm touches, or nearly touches, an obstacle at nodes (n, 3), (n,).
+        """Check whether the arm touches, or nearly touches, an obstacle at nodes (n, 3), (n,).
 
         Args:
             points: the nodes, [unit], world.
@@ -82,7 +82,7 @@ class Places(Protocol):
 
 
 class Sight(Places, Protocol):
-    """What an arm allows its tool on one branch; see :class:`abi.arm.arm_sight.ArmSight`."""
+    """Edges and curves that an arm allows on one branch, as :class:`abi.arm.arm_sight.ArmSight`."""
 
     @property
     def branch(self) -> str:
@@ -96,13 +96,13 @@ class Sight(Places, Protocol):
         """Find where on a curve the arm is not proven clear; None if it is clear throughout."""
 
     def leg_refutation(self, points: FloatArray) -> ArmRefutation | None:
-        """As :meth:`refutation`, for a polyline (k, 3), k >= 1; parameter k is its vertex k."""
+        """The same for a polyline (k, 3), k >= 1; parameter k is its vertex k."""
 
     def unreached(self, point: FloatArray) -> Unreached | None:
-        """Why the arm does not take its pose at a place (3,); None where that is not known."""
+        """Reason why the arm does not take its pose at a place (3,); None where it is not known."""
 
     def clear_legs(self, points: FloatArray) -> BoolArray:
-        """Whether the arm is proven clear on each leg (k - 1,) of a polyline (k, 3), k >= 2."""
+        """Check if the arm is proven clear on each leg (k - 1,) of a polyline (k, 3), k >= 2."""
 
     def course(self, curve: Curve, arc: ArcLength) -> Course:
         """The joints along a curve."""

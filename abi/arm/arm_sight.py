@@ -30,7 +30,7 @@ _SPARE = 0.01
 
 @dataclass(frozen=True, eq=False)
 class ArmSight:
-    """What the paper's arm allows its tool on one elbow branch, with its slide in a range.
+    """Edges and curves that the paper's arm allows on one elbow branch, its slide in a range.
 
     Attributes:
         arm: the arm.
@@ -77,7 +77,7 @@ class ArmSight:
         return None if isinstance(result, ArmCertificate) else result
 
     def leg_refutation(self, points: FloatArray) -> ArmRefutation | None:
-        """As :meth:`refutation`, for a polyline (k, 3), [unit]; parameter k is its vertex k."""
+        """The same for a polyline (k, 3), [unit]; parameter k is its vertex k."""
         vertices = points if len(points) > 1 else np.repeat(points, 2, axis=0)
         count = len(vertices) - 1
         legs = np.stack([vertices[:-1], vertices[1:]], axis=1)
@@ -100,7 +100,7 @@ class ArmSight:
         return ArmRefutation(at, capsule, int(self.around.numbers[row]), decided)
 
     def unreached(self, point: FloatArray) -> Unreached | None:
-        """Why the arm does not take its pose at a place (3,), [unit], world."""
+        """Reason why the arm does not take its pose at a place (3,), [unit], world."""
         extensions = np.array(self.extensions)
         places, still = np.stack([point, point]), np.zeros((2, 3))
         found = solve(self.arm, places, extensions, self.elbow, still)
@@ -115,13 +115,13 @@ class ArmSight:
         return None
 
     def clear_legs(self, points: FloatArray) -> BoolArray:
-        """Whether the arm is proven clear on each leg (k - 1,) of a polyline (k, 3), k >= 2."""
+        """Check if the arm is proven clear on each leg (k - 1,) of a polyline (k, 3), k >= 2."""
         clear = np.zeros(len(points) - 1, dtype=np.bool_)
         leg_kernels.clear_legs(flat(points), self.legs, clear)
         return clear
 
     def reached(self, points: FloatArray) -> BoolArray:
-        """Whether the arm reaches points (n, 3), clear of floor and column, (n,)."""
+        """Check whether the arm reaches points (n, 3), clear of floor and column, (n,)."""
         reached = np.zeros(len(points), dtype=np.bool_)
         mask_kernels.reached_places(flat(points), self._table.numbers, *self._forearm, reached)
         return reached & ~self._touching(points, self.around.only(self.around.numbers < 0), reached)
@@ -129,7 +129,7 @@ class ArmSight:
     def touching(
         self, points: FloatArray, number: int, reached: BoolArray, tree: NodeTree | None = None
     ) -> BoolArray:
-        """Whether it nearly touches obstacle ``number`` at points (n, 3) that it reaches, (n,)."""
+        """Check if it nearly touches obstacle ``number`` at points (n, 3) that it reaches, (n,)."""
         of_it = self.around.numbers == number
         around = self.around.only(of_it)
         forearm, slide = self._forearm

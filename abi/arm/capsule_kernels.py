@@ -52,7 +52,7 @@ def place_capsules(
 
 @register_jitable(forceinline=True)
 def _way(ends: FloatArray, k: int, before: int) -> float:
-    """How far the points of a segment are from where they were, at most; both by their rows."""
+    """Largest distance of a segment's points from where they were; both by their rows."""
     a, b = vec3_at(ends, 6 * k), vec3_at(ends, 6 * k + 3)
     at_a, at_b = vec3_at(ends, 6 * before), vec3_at(ends, 6 * before + 3)
     return (1 + _ROUNDING) * max(distance(a, at_a), distance(b, at_b)) + _ROUNDING

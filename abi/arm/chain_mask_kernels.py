@@ -22,7 +22,7 @@ from abi.obstacles.vector_kernels import dot, sub, vec3_at
 
 @register_jitable
 def _touches_itself(bodies: Bodies, ends: FloatArray, slack: float) -> bool:
-    """Whether two capsules that are to keep apart are nearer than ``slack``."""
+    """Check whether two capsules that are to keep apart are nearer than ``slack``."""
     for pair in range(len(bodies.pairs) // 2):
         i, j = bodies.pairs[2 * pair], bodies.pairs[2 * pair + 1]
         p, q = vec3_at(ends, 6 * i), vec3_at(ends, 6 * j)
@@ -36,7 +36,7 @@ def _touches_itself(bodies: Bodies, ends: FloatArray, slack: float) -> bool:
 
 @register_jitable
 def _touches_solids(bodies: Bodies, ends: FloatArray, around: Obstacles, waiting: IntArray) -> bool:
-    """Whether a capsule is too near to something it is to keep clear of."""
+    """Check whether a capsule is too near to something it is to keep clear of."""
     count = len(around.margins)
     for c in range(len(bodies.frames)):
         a, b = vec3_at(ends, 6 * c), vec3_at(ends, 6 * c + 3)

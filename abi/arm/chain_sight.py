@@ -32,7 +32,7 @@ _SAMPLES = 241
 
 @dataclass(frozen=True, eq=False)
 class ChainSight:
-    """What a URDF arm allows its tool from one start pose.
+    """Edges and curves that a URDF arm allows its tool from one start pose.
 
     A redundant arm takes the stance at a point that it reaches from the start pose, drawn towards a
     pose called home; legs begin with the stance of the nearest node.
@@ -79,7 +79,7 @@ class ChainSight:
         return self._refutation(joints, missed, parameters, self.clearance)
 
     def leg_refutation(self, points: FloatArray) -> ArmRefutation | None:
-        """As :meth:`refutation`, for a polyline (k, 3), [unit]; parameter k is its vertex k."""
+        """The same for a polyline (k, 3), [unit]; parameter k is its vertex k."""
         begin = self.stances.near(points[0])
         if begin is None:
             return ArmRefutation(0.0, -1, -1, True)
@@ -88,7 +88,7 @@ class ChainSight:
         return self._refutation(joints, missed, parameters, self._beyond, self.most_tries)
 
     def unreached(self, point: FloatArray) -> Unreached | None:
-        """Why the arm does not take its pose at a place (3,), [unit], world."""
+        """Reason why the arm does not take its pose at a place (3,), [unit], world."""
         begin = self.stances.near(point)
         if begin is None:
             return None
@@ -104,7 +104,7 @@ class ChainSight:
         return Unreached(float(missed[-1]), name, float(joints[-1, joint]), limit, bool(slides))
 
     def clear_legs(self, points: FloatArray) -> BoolArray:
-        """Whether the arm is proven clear on each leg (k - 1,) of a polyline (k, 3), k >= 2.
+        """Check whether the arm is proven clear on each leg (k - 1,) of a polyline (k, 3), k >= 2.
 
         Each begins with the pose in which the one before ended; after one that is not clear, with
         the stance of the nearest node.
@@ -128,7 +128,7 @@ class ChainSight:
         return course_from(self.stances.first, curve, arc, self.arm, self.stances.home)
 
     def reached(self, points: FloatArray) -> BoolArray:
-        """Whether the arm reaches nodes (n, 3), clear of the floor and itself, (n,)."""
+        """Check whether the arm reaches nodes (n, 3), clear of the floor and itself, (n,)."""
         reached = self.stances.reached
         assert len(points) == len(reached)
         around = self.around.only(self.around.numbers < 0)
@@ -137,7 +137,7 @@ class ChainSight:
     def touching(
         self, points: FloatArray, number: int, reached: BoolArray, tree: NodeTree | None = None
     ) -> BoolArray:
-        """Whether it nearly touches obstacle ``number`` at nodes (n, 3) that it reaches, (n,)."""
+        """Check if it nearly touches obstacle ``number`` at nodes (n, 3) that it reaches, (n,)."""
         assert len(points) == len(reached)
         return self._touching(self.around.only(self.around.numbers == number), -1.0, reached)
 

@@ -36,7 +36,7 @@ NO_DIRECTION = Direction((0.0, 0.0, 1.0), 0.0, -1)
 
 @register_jitable(forceinline=True)
 def is_separated(around: Obstacles, s: int, latest: list[Direction]) -> bool:
-    """Whether one of the latest directions keeps the part of a mesh in row s from a capsule.
+    """Check whether one of the latest directions keeps the part of a mesh in row s from a capsule.
 
     Near triangles have one in common with those beside and behind them.
     """
@@ -46,7 +46,7 @@ def is_separated(around: Obstacles, s: int, latest: list[Direction]) -> bool:
 
 @register_jitable
 def _is_beyond(around: Obstacles, s: int, latest: list[Direction]) -> bool:
-    """Whether row s is beyond one of the directions."""
+    """Check whether row s is beyond one of the directions."""
     mesh = around.meshes[s]
     axes, core = axes_of(around.primitives, s), core_of(around.primitives, s)
     centre, margin = centre_of(around.primitives, s), around.margins[s]

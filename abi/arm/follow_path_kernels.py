@@ -151,7 +151,7 @@ def _move(chain: ChainTable, q: FloatArray, step: FloatArray, longest: float) ->
 
 
 class Drift(NamedTuple):
-    """How joints that the task leaves free move.
+    """Motion of joints that the task leaves free.
 
     Attributes:
         home: coordinates to drift to, (n,).

@@ -34,7 +34,7 @@ class _Body(NamedTuple):
 
 
 def has_masses(chain: Chain) -> bool:
-    """Whether the URDF gives a mass for any link that the chain moves."""
+    """Check whether the URDF gives a mass for any link that the chain moves."""
     moved = [carried.link for carried in chain.carried if carried.frame >= 0]
     return any(chain.robot.links[link].mass > 0 for link in moved)
 

@@ -90,7 +90,7 @@ NO_LEGS = ArmLegs(NO_ARM, NO_OBSTACLES, IDS, (0.0, 0.0), MOST_TRIES)
 
 @register_jitable(forceinline=True)
 def _judged_on(legs: ArmLegs, s: int, capsule: Moving, piece: _Piece) -> tuple[int, Vec3]:
-    """Whether a capsule is CERTIFIED clear of row s on a piece, REFUTED in its middle, or neither.
+    """Check if a capsule is CERTIFIED clear of row s on a piece, REFUTED in its middle, or neither.
 
     Args:
         legs: what to keep clear of.
@@ -129,7 +129,7 @@ def _judged_on(legs: ArmLegs, s: int, capsule: Moving, piece: _Piece) -> tuple[i
 
 @register_jitable(forceinline=True)
 def _bow(legs: ArmLegs, c: int, piece: _Piece) -> float:
-    """How far capsule c bows out between the ends of a piece, at most, [unit]; inf if unbounded."""
+    """Largest bow of capsule c between the ends of a piece, [unit]; inf if unbounded."""
     if math.isinf(piece.bend):
         return math.inf
     arm, capsules = legs.table
@@ -153,7 +153,7 @@ def _level(legs: ArmLegs, capsule: Moving, piece: _Piece, way: Vec3) -> float:
 
 @register_jitable
 def arm_is_clear(legs: ArmLegs, first: Vec3, last: Vec3) -> bool:
-    """Whether it is proven that the arm keeps clear from one place of the tool to another."""
+    """Check whether it is proven that the arm keeps clear from one place of the tool to another."""
     (arm, capsules), around, pairs, (low, high), most_tries = legs
     count = len(around.margins)
     forearm, slid = arm.forearm + (low + high) / 2, (high - low) / 2

@@ -67,7 +67,7 @@ def reached_places(
 
 @register_jitable(forceinline=True)
 def is_near(primitives: FloatArray, s: int, a: Vec3, b: Vec3, need: float) -> bool:
-    """Whether a..b is nearer than ``need`` to row s."""
+    """Check whether a..b is nearer than ``need`` to row s."""
     if box_gap(primitives, s, a, b) >= need:
         return False
     axes = axes_of(primitives, s)
@@ -119,7 +119,7 @@ def touched_row(
 
 @register_jitable(forceinline=True)
 def is_far(primitives: FloatArray, s: int, a: Vec3, b: Vec3, most: float) -> bool:
-    """Whether a..b is farther than ``most`` from the bounds of row s, or the ball around them."""
+    """Check if a..b is farther than ``most`` from the bounds of row s, or the ball around them."""
     if box_gap(primitives, s, a, b) >= most:
         return True
     k = WIDTH * s + BOUNDS
@@ -135,7 +135,7 @@ def is_far(primitives: FloatArray, s: int, a: Vec3, b: Vec3, most: float) -> boo
 
 @register_jitable(forceinline=True)
 def is_beside(around: Obstacles, s: int, arm: ArmNumbers, tool: Vec3, widest: float) -> bool:
-    """Whether row s is too far from the upright plane of the arm to be touched."""
+    """Check whether row s is too far from the upright plane of the arm to be touched."""
     k = WIDTH * s + BOUNDS
     primitives = around.primitives
     x, y = tool[0] - arm.x, tool[1] - arm.y

@@ -57,7 +57,7 @@ class _Widths(NamedTuple):
 
 
 class _Near(NamedTuple):
-    """What is known of a ball.
+    """Knowledge of a ball.
 
     Attributes:
         upper, fore: whether upper arm and forearm are clear all over it.
@@ -73,7 +73,7 @@ class _Near(NamedTuple):
 
 @register_jitable
 def _widths_of(table: ArmTable, forearm: float) -> _Widths:
-    """How far the capsules stand out.
+    """Reaches of the capsules.
 
     A point at a share t of the forearm goes no farther than abs(1 - t) + abs(t) times what goes
     farther, the elbow or the tool.
@@ -103,7 +103,7 @@ def _clear_of(
     guess: int,
     waiting: IntArray,
 ) -> tuple[bool, int]:
-    """Whether a segment is farther than ``need`` from all of an obstacle, and what to guess next.
+    """Check if a segment is farther than ``need`` from all of an obstacle, and what to guess next.
 
     Args:
         around: what to keep clear of.
@@ -130,7 +130,7 @@ def _near_ball(
     widths: _Widths,
     waiting: IntArray,
 ) -> _Near:
-    """What is seen of a ball from the pose in its middle.
+    """Verdict on a ball from the pose in its middle.
 
     Args:
         table: the arm.

@@ -119,7 +119,7 @@ NO_RATES = Rates(math.inf, math.inf, 0.0, 0.0)
 
 @register_jitable(forceinline=True)
 def reaches(arm: ArmNumbers, tool: Vec3, forearm: float) -> bool:
-    """Whether the tool can be there, off the axis, with the elbow bent and q3 within its limit."""
+    """Check if the tool can be there, off the axis, with the elbow bent and q3 within its limit."""
     x, y, z = tool[0] - arm.x, tool[1] - arm.y, tool[2] - arm.shoulder
     reach = math.sqrt(x * x + y * y + z * z)
     low, high = abs(arm.upper - forearm), arm.upper + forearm
@@ -132,7 +132,7 @@ def reaches(arm: ArmNumbers, tool: Vec3, forearm: float) -> bool:
 
 @register_jitable(forceinline=True)
 def shoulder_holds(arm: ArmNumbers, pose: Pose) -> bool:
-    """Whether q2 is within its limit."""
+    """Check whether q2 is within its limit."""
     holds: bool = pose.elbow[2] - arm.shoulder >= arm.upper * arm.least_cosine_q2
     return holds
 
@@ -198,7 +198,7 @@ def bend_near(arm: ArmNumbers, pose: Pose, rates: Rates, tool: float) -> float:
 
 @register_jitable(forceinline=True)
 def limits_hold_near(arm: ArmNumbers, pose: Pose, rates: Rates, tool: float, slide: float) -> bool:
-    """Whether q2 and q3 keep their limits within distances of tool and slide from a pose."""
+    """Check whether q2 and q3 keep their limits within distances of tool and slide from a pose."""
     near, long = pose.reach - tool, rates.longest
     cosine = near * near - arm.upper * arm.upper - long * long
     cosine /= 2 * arm.upper * (rates.shortest if cosine < 0 else long)

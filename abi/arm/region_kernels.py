@@ -49,7 +49,7 @@ def reach_rooms(points: FloatArray, arm: ArmNumbers, forearm: float, rooms: Floa
 
 @register_jitable
 def _crossing(points: FloatArray, values: FloatArray, i: int, j: int) -> Vec3:
-    """Where the values of two neighbours cross 0 between them."""
+    """Crossing of 0 between the values of two neighbours."""
     share = values[i] / (values[i] - values[j])
     a, b = vec3_at(points, 3 * i), vec3_at(points, 3 * j)
     return axpy(share, sub(b, a), a)

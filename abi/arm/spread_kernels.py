@@ -31,7 +31,7 @@ class Nodes(NamedTuple):
 
 
 class Limits(NamedTuple):
-    """What counts as a stance.
+    """Conditions on a stance.
 
     Attributes:
         error: what a stance may lack, over the reach or in [rad].

@@ -1,4 +1,4 @@
-"""Why an arm cannot take its pose at a place."""
+"""Reasons why an arm cannot take its pose at a place."""
 
 from __future__ import annotations
 

@@ -108,7 +108,7 @@ class UrdfArm:
 
     @cached_property
     def pair_levers(self) -> FloatArray:
-        """As ``levers``, of the second capsule of each pair relative to its first, (p, n)."""
+        """Levers of the second capsule of each pair relative to its first, (p, n)."""
         rows = [self._lever(self.capsules[j], self.capsules[i].frame) for i, j in self.pairs]
         return read_only(np.array(rows).reshape(len(rows), len(self.joints)))
 

@@ -123,7 +123,7 @@ class UrdfModel:
         return {k: pose for k, pose in enumerate(poses) if self._is_clear(task, pose)}
 
     def _is_clear(self, task: _Task, pose: FloatArray) -> bool:
-        """Whether the arm, standing still, is proven clear and in no closed mesh."""
+        """Check whether the arm, standing still, is proven clear and in no closed mesh."""
         found = certify_chain(self.arm, np.stack([pose, pose]), task.around, task.margin)
         if not isinstance(found, ArmCertificate):
             return False
@@ -153,7 +153,7 @@ class UrdfModel:
 
 @dataclass(frozen=True, eq=False)
 class _Task:
-    """What sights are asked for."""
+    """Key of a sight."""
 
     scene: Scene
     mesh: TetMesh

@@ -69,7 +69,7 @@ class JointCourse:
         return _follow(self, profile, samples)
 
     def is_refuted(self, profile: PathProfile, around: Surroundings, required: float) -> bool:
-        """Whether a quick test shows that the arm is not clear: False, it takes the motion."""
+        """Check if a quick test shows that the arm is not clear: False, it takes the motion."""
         return False
 
     def clearance(

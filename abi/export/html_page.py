@@ -134,7 +134,7 @@ def _arm_step(plan: Plan, followed: str, duration: float) -> dict[str, Any]:
 
 
 def _kept(plan: Plan, name: str) -> str:
-    """Whether a curve keeps the clearance, and by whom that is kept where the arm does not."""
+    """Check if a curve keeps the clearance, and by whom that is kept where the arm does not."""
     fit = plan.bspline if name == "bspline" else plan.quadratic
     if fit is None or not fit.holds:
         return "✗ nearer to an obstacle than asked"

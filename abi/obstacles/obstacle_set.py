@@ -110,7 +110,7 @@ class ObstacleSet:
 
     @cached_property
     def least_depth(self) -> float:
-        """How deep the centre of the thinnest primitive lies in it, [unit]; inf without any."""
+        """Depth of the thinnest primitive's centre in it, [unit]; inf without any."""
         cores = self.packed.reshape(-1, WIDTH)[:, CORE : CORE + 4]
         return float((cores[:, :3].min(axis=1) + cores[:, 3]).min(initial=math.inf))
 

@@ -214,7 +214,7 @@ def blocked_segments(
     primitives: FloatArray,
     found: BoolArray,
 ) -> None:
-    """Which segments come nearer to a primitive than their margins.
+    """Flags of the segments that come nearer to a primitive than their margins.
 
     Args:
         starts, ends: flat (3 n,), [unit], world.

@@ -139,7 +139,7 @@ def signed_distance_gradient(core: Core, p: Vec3) -> tuple[float, Vec3]:
 
 @register_jitable
 def segment_within(core: Core, margin: float, p: Vec3, d: Vec3) -> bool:
-    """Whether the segment from p to p + d, in the body's axes, comes nearer than ``margin``.
+    """Check whether the segment from p to p + d, in the body's axes, comes nearer than ``margin``.
 
     The distance is convex along the segment, so a tangent at t bounds it from below: on one side
     of t it stays above the margin, on the other it does so for a known stretch. The rest is

@@ -56,7 +56,7 @@ def row_after(primitives: FloatArray, s: int) -> int:
 
 @register_jitable
 def _apart(rows: FloatArray, k: int, margin: float, low: Vec3, high: Vec3) -> bool:
-    """Whether the box at ``rows[k:]`` is ``margin`` or farther from another along an axis."""
+    """Check whether the box at ``rows[k:]`` is ``margin`` or farther from another along an axis."""
     result: bool = (
         low[0] - rows[k + 3] >= margin
         or rows[k] - high[0] >= margin
@@ -70,7 +70,7 @@ def _apart(rows: FloatArray, k: int, margin: float, low: Vec3, high: Vec3) -> bo
 
 @register_jitable
 def _apart_across(rows: FloatArray, k: int, margin: float, a: Vec3, b: Vec3) -> bool:
-    """Whether the box at ``rows[k:]``, widened, is beside a segment, across one of the axes.
+    """Check whether the box at ``rows[k:]``, widened, is beside a segment, across one of the axes.
 
     By the separating axis theorem, for a box and a segment (Ericson, Real-Time Collision Detection,
     section 5.3.3); for segments whose own box does not tell.
@@ -95,13 +95,13 @@ def _apart_across(rows: FloatArray, k: int, margin: float, a: Vec3, b: Vec3) -> 
 
 @register_jitable
 def bounds_apart(primitives: FloatArray, s: int, margin: float, low: Vec3, high: Vec3) -> bool:
-    """Whether a box is ``margin`` or farther from that around primitive s, along an axis."""
+    """Check whether a box is ``margin`` or farther from that around primitive s, along an axis."""
     return _apart(primitives, WIDTH * s + BOUNDS, margin, low, high)
 
 
 @register_jitable
 def tree_apart(primitives: FloatArray, s: int, margin: float, low: Vec3, high: Vec3) -> bool:
-    """Whether a box is ``margin`` or farther from those around primitive s and all below it."""
+    """Check if a box is ``margin`` or farther from those around primitive s and all below it."""
     return _apart(primitives, WIDTH * s + TREE, margin, low, high)
 
 
@@ -118,7 +118,7 @@ def tree_gap(primitives: FloatArray, s: int, x: Vec3) -> float:
 
 @register_jitable
 def is_leaf(primitives: FloatArray, s: int) -> bool:
-    """Whether nothing is below row s: then its bounds are those of its primitive."""
+    """Check whether nothing is below row s: then its bounds are those of its primitive."""
     k = WIDTH * s
     leaf: bool = primitives[k + _NEXT] == primitives[k + _AFTER]
     return leaf
@@ -128,7 +128,7 @@ def is_leaf(primitives: FloatArray, s: int) -> bool:
 def segment_apart(
     primitives: FloatArray, s: int, below: bool, margin: float, a: Vec3, b: Vec3
 ) -> bool:
-    """Whether the segment a..b is certain to be ``margin`` or farther from primitive s.
+    """Check whether the segment a..b is certain to be ``margin`` or farther from primitive s.
 
     Args:
         primitives: rows.
@@ -146,7 +146,7 @@ def segment_apart(
 
 @register_jitable
 def any_within(primitives: FloatArray, margin: float, p: Vec3) -> bool:
-    """Whether any primitive is nearer to a point of the world than ``margin``."""
+    """Check whether any primitive is nearer to a point of the world than ``margin``."""
     s = first_row(primitives)
     while s >= 0:
         if tree_apart(primitives, s, margin, p, p):
@@ -162,7 +162,7 @@ def any_within(primitives: FloatArray, margin: float, p: Vec3) -> bool:
 
 @register_jitable
 def _blocks(primitives: FloatArray, s: int, margin: float, a: Vec3, b: Vec3) -> bool:
-    """Whether the segment a..b comes nearer to primitive s than ``margin``."""
+    """Check whether the segment a..b comes nearer to primitive s than ``margin``."""
     axes = axes_of(primitives, s)
     p = in_body(axes, sub(a, centre_of(primitives, s)))
     return segment_within(core_of(primitives, s), margin, p, in_body(axes, sub(b, a)))
@@ -170,7 +170,7 @@ def _blocks(primitives: FloatArray, s: int, margin: float, a: Vec3, b: Vec3) -> 
 
 @register_jitable
 def any_nearer(primitives: FloatArray, margin: float, a: Vec3, b: Vec3) -> bool:
-    """Whether the segment a..b comes nearer to any primitive than ``margin``."""
+    """Check whether the segment a..b comes nearer to any primitive than ``margin``."""
     s = first_row(primitives)
     while s >= 0:
         if segment_apart(primitives, s, True, margin, a, b):
@@ -186,7 +186,7 @@ def any_nearer(primitives: FloatArray, margin: float, a: Vec3, b: Vec3) -> bool:
 
 @register_jitable
 def blocked(primitives: FloatArray, margins: FloatArray, first: int, a: Vec3, b: Vec3) -> bool:
-    """Whether the segment a..b comes nearer to a primitive than that one's margin.
+    """Check whether the segment a..b comes nearer to a primitive than that one's margin.
 
     Args:
         primitives: (k WIDTH,) rows, one after the other.

@@ -103,7 +103,7 @@ def _random_scenes(scene: Scene) -> Iterator[Scene]:
 
 
 def _enters(scene: Scene) -> bool:
-    """Whether the path enters an obstacle where nodes and edges are excluded."""
+    """Check whether the path enters an obstacle where nodes and edges are excluded."""
     ends = scene.start, scene.goal
     mesh = tetrahedralise(scene.workspace, scene.mesh)
     obstacles = ObstacleSet(scene.obstacles)
@@ -116,7 +116,7 @@ def _enters(scene: Scene) -> bool:
 
 
 def _enters_by_nodes(scene: Scene) -> bool:
-    """Whether the path enters an obstacle where only nodes inside are excluded."""
+    """Check whether the path enters an obstacle where only nodes inside are excluded."""
     mesh = tetrahedralise(scene.workspace, scene.mesh)
     inside = np.zeros(len(mesh.points), dtype=bool)
     for body in scene.obstacles:

@@ -162,7 +162,7 @@ def _all_but(scene: Scene, left_out: int) -> list[Any]:
 
 
 def _places(scene: Scene, plan: Plan, error: ArmNotClear) -> FloatArray:
-    """Where the tool is when the arm is in the way, (k, 3), [unit], world."""
+    """Places of the tool at which the arm is in the way, (k, 3), [unit], world."""
     if error.where in ("start", "goal"):
         places = [scene.start if error.where == "start" else scene.goal]
     elif plan.motion is not None and plan.arm_clearance is not None:

@@ -25,7 +25,7 @@ _CUT = (0.45, 0.2)
 
 @register_jitable
 def _clear(around: Surroundings, legs: ArmLegs, room: Room, a: Vec3, b: Vec3) -> bool:
-    """Whether tool and arm are clear on the leg from a to b."""
+    """Check whether tool and arm are clear on the leg from a to b."""
     return is_clear(around, 0, a, b, room) and arm_is_clear(legs, a, b)
 
 

@@ -55,7 +55,7 @@ class NodeBudget:
         self._held = False
 
     def fits_all_searches(self, scene: Scene) -> bool:
-        """Whether there is time for all three searches, two of which visit all nodes."""
+        """Check whether there is time for all three searches, two of which visit all nodes."""
         most = max(self.nodes / _ALL_SEARCHES, LEAST_NODES)
         return scene.mesh.node_count(scene.workspace) <= most
 
@@ -68,7 +68,7 @@ class NodeBudget:
             self.nodes = max((self.nodes + fits) / 2, LEAST_NODES)
 
     def _still_fits(self, counts: list[int]) -> bool:
-        """Whether the last pitch is a little too fine at most, and not far too coarse."""
+        """Check whether the last pitch is a little too fine at most, and not far too coarse."""
         last = self._halvings
         return (
             last > 0 and counts[last] <= 1.3 * self.nodes and counts[last - 1] >= 0.7 * self.nodes

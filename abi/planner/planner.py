@@ -201,7 +201,7 @@ class Planner:
             raise results["motion"].error
 
     def _are_refuted(self, courses: Sequence[Course], scene: Scene, around: Surroundings) -> bool:
-        """Whether it shows at once that no branch of the arm is clear along the tool's own curve.
+        """Check if it shows at once that no branch of the arm is clear along the tool's own curve.
 
         Only then need the motion along it not be sampled and measured, which takes longer.
         """

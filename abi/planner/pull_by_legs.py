@@ -50,7 +50,7 @@ class _Legs:
     sight: Sight
 
     def clear(self, *points: FloatArray) -> bool:
-        """Whether the legs between points (3,) are."""
+        """Check whether the legs between points (3,) are."""
         polyline = np.stack(points)
         if self.obstacles.polyline_clearance(polyline) < self.margin:
             return False

@@ -50,7 +50,7 @@ class Stage(Generic[_P, _R]):
 
 
 def _same(before: tuple[object, ...], now: tuple[object, ...]) -> bool:
-    """Whether settings are equal by value, and results and their arrays by identity."""
+    """Check whether settings are equal by value, and results and their arrays by identity."""
     return len(before) == len(now) and all(
         a is b or (not isinstance(a, np.ndarray) and a == b)
         for a, b in zip(before, now, strict=True)

@@ -60,7 +60,7 @@ class WhatIf:
     def connected(
         self, clearance: float, pitch: float | None = None, obstacles: ObstacleSet | None = None
     ) -> bool:
-        """Whether the graph connects start and goal; None means the scene's value."""
+        """Check whether the graph connects start and goal; None means the scene's value."""
         self._check_cancelled()
         scene = self.scene
         obstacles = self.obstacles if obstacles is None else obstacles

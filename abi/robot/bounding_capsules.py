@@ -61,7 +61,7 @@ def bounding_capsules(link: Link) -> tuple[Capsule, ...]:
 
 
 def _hold(capsules: tuple[Capsule, ...], triangles: FloatArray) -> bool:
-    """Whether each of triangles (n, 3, 3) is inside one of the capsules, which are convex."""
+    """Check whether each of triangles (n, 3, 3) is inside one of the capsules, which are convex."""
     points = triangles.reshape(-1, 3)
     held = np.zeros(len(triangles), dtype=bool)
     for low, high, radius in capsules:

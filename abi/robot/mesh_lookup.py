@@ -80,7 +80,7 @@ class MeshLookup:
 
 
 def is_plain(path: str) -> bool:
-    """Whether a file can be read without trimesh."""
+    """Check whether a file can be read without trimesh."""
     return PurePosixPath(path).suffix.lower() not in trimesh_formats.SUFFIXES
 
 

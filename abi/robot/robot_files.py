@@ -46,7 +46,7 @@ def load_robot(name: str, source: MeshSource) -> Robot:
 
 
 def load_plain_robot(name: str, source: MeshSource) -> Robot:
-    """As :func:`load_robot`, with an archive that can be read without trimesh.
+    """Load an arm with an archive that can be read without trimesh; see :func:`load_robot`.
 
     Raises:
         SceneError: as in :func:`load_robot`.

@@ -74,7 +74,7 @@ def add_visuals(root: Element, links: dict[str, Link], meshes: Meshes) -> tuple[
 
 
 def _are_same(first: Sequence[Shape], second: Sequence[Shape]) -> bool:
-    """Whether shapes are the same solids at the same places."""
+    """Check whether shapes are the same solids at the same places."""
     return len(first) == len(second) and all(
         (a.kind, a.size) == (b.kind, b.size)
         and np.array_equal(a.pose, b.pose)

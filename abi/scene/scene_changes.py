@@ -58,13 +58,13 @@ def _reused(current: object, change: object) -> object:
 
 
 def _fields_equal(change: dict[str, object], current: BaseModel) -> bool:
-    """Whether all the fields in ``change`` equal those of ``current``."""
+    """Check whether all the fields in ``change`` equal those of ``current``."""
     fields = vars(current)
     return all(name in fields and _equal(value, fields[name]) for name, value in change.items())
 
 
 def _equal(change: object, current: object) -> bool:
-    """Whether plain data equal a checked value; 1, 1.0 and True differ."""
+    """Check whether plain data equal a checked value; 1, 1.0 and True differ."""
     if change is current:
         return True
     if isinstance(current, tuple) and isinstance(change, list | tuple):

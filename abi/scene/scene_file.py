@@ -125,7 +125,7 @@ def dump(data: dict[str, Any], name: str) -> str:
 
 
 def is_json(name: str) -> bool:
-    """Whether a file of that name holds JSON."""
+    """Check whether a file of that name holds JSON."""
     return name.lower().endswith(".json")
 
 

@@ -192,7 +192,7 @@ def _joined(
     links: list[tuple[IntArray, IntArray, FloatArray]],
     ids: list[int],
 ) -> bool:
-    """Whether there is an edge between start and goal already."""
+    """Check whether there is an edge between start and goal already."""
     a, b = ids
     if any(
         ((tails == a) & (heads == b) | (tails == b) & (heads == a)).any()

@@ -144,13 +144,13 @@ class Graph:
 
     @property
     def _free_ends(self) -> BoolArray:
-        """Which of the mesh's edges have no excluded end (e,)."""
+        """Flags of the mesh's edges that have no excluded end (e,)."""
         tail, head = self.mesh.edges.T  # numpy takes ten times as long to reduce rows of two
         return np.asarray(~(self.excluded[tail] | self.excluded[head]))
 
     @cached_property
     def _kept(self) -> BoolArray:
-        """Which of the mesh's edges there are (e,)."""
+        """Flags of the mesh's edges that the graph has (e,)."""
         mesh = self.mesh
         if mesh.stencil is None:
             indptr, indices = mesh.adjacency.indptr, mesh.adjacency.indices

@@ -54,7 +54,7 @@ class Repair:
 
 
 def can_repair(before: Arcs, now: Arcs) -> bool:
-    """Whether both have the same nodes, start and goal."""
+    """Check whether both have the same nodes, start and goal."""
     ends = (before.start, before.goal) == (now.start, now.goal)
     both_ways = before.negative is None and now.negative is None
     return ends and both_ways and np.array_equal(before.points, now.points)

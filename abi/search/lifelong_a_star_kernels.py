@@ -20,7 +20,7 @@ Key = tuple[float, float, int]
 
 
 class _Labels(NamedTuple):
-    """What is known of the nodes.
+    """Labels of the nodes.
 
     Attributes:
         cost: (n,) g, by which a node was expanded last; inf where it was not.
@@ -115,7 +115,7 @@ def _settle(
 
 @register_jitable
 def _changed(before: ArcRows, now: ArcRows, node: int) -> bool:
-    """Whether a node has other arcs than before."""
+    """Check whether a node has other arcs than before."""
     a, b = before.indptr[node], now.indptr[node]
     count = now.indptr[node + 1] - b
     if before.indptr[node + 1] - a != count:

@@ -24,7 +24,7 @@ _TOO_LITTLE = 1e-3
 
 
 class _Place(NamedTuple):
-    """Where an arc may go.
+    """A place for an arc.
 
     Attributes:
         room: between the least reward that pays and the way back.

@@ -81,7 +81,7 @@ class SearchState:
         return self.open[np.lexsort((self.open, promise))]
 
     def may_follow(self, node: int) -> bool:
-        """Whether a node is as good a choice as the one that is expanded next."""
+        """Check whether a node is as good a choice as the one that is expanded next."""
         if self.following < 0:
             return False
         if self.trace.queue != "best_first" or node == self.following:

@@ -128,7 +128,7 @@ def _run(
 
 
 def _most_hops(graph: Graph) -> float:
-    """So many hops the heuristic may change by along an edge, at the most by twice as many.
+    """Half the hops by which the heuristic may change along an edge, at most.
 
     A link counts as one hop however far it goes; a lattice takes up to two for each cell.
     """

@@ -16,7 +16,7 @@ LITTLE = 1e-11
 
 
 class Ends(NamedTuple):
-    """Where a path begins and ends.
+    """Ends of a path.
 
     Attributes:
         start, goal: node ids.

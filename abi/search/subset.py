@@ -38,7 +38,7 @@ class Subset:
 
 
 def fits(free: FreeMesh, budget: int) -> bool:
-    """Whether the whole mesh has no more than about ``budget`` edges."""
+    """Check whether the whole mesh has no more than about ``budget`` edges."""
     return _EDGES_A_NODE * free.nodes <= budget
 
 
@@ -85,7 +85,7 @@ def subset(
 
 
 def _seen(view: str, free: FreeMesh, points: FloatArray, obstacles: Obstacles) -> BoolArray:
-    """Which nodes the view shows, however many."""
+    """Flags of the nodes that the view shows, however many."""
     low, high = free.mesh.points.min(axis=0), free.mesh.points.max(axis=0)
     if view == "near":
         return np.ones(len(points), dtype=np.bool_)
@@ -104,7 +104,7 @@ def _seen(view: str, free: FreeMesh, points: FloatArray, obstacles: Obstacles) -
 def _near(
     points: FloatArray, seen: BoolArray, path_points: FloatArray, obstacles: Obstacles, most: int
 ) -> BoolArray:
-    """Which nodes are in the cells nearest to path and obstacles, about ``most`` of those seen."""
+    """Flags of about ``most`` of the nodes seen, in the cells nearest to path and obstacles."""
     low, high = points.min(axis=0), points.max(axis=0)
     side = float((high - low).max()) / _CELLS
     counts = np.maximum(np.ceil((high - low) / side).astype(int), 1)

@@ -132,7 +132,7 @@ def _draw(axes: Any, rows: Sequence[Row], across: str, column: str, number: int,
 
 
 def _has(rows: Sequence[Row], column: str) -> bool:
-    """Whether enough rows have a value in the column; a share counts them all."""
+    """Check whether enough rows have a value in the column; a share counts them all."""
     found = sum(row.get(column) is not None for row in rows)
     return column in _SHARES or found >= _FEWEST * len(rows)
 

@@ -139,7 +139,7 @@ def row_place(places: FloatArray, nodes: int, node: int) -> Vec3:
 
 @register_jitable
 def y_and_z_origins(shape: Shape) -> tuple[int, int]:
-    """Where the half cells along y and z begin in a lattice's ``places``."""
+    """Starts of the half cells along y and z in a lattice's ``places``."""
     y0 = 2 * shape.nx + 1
     return y0, y0 + 2 * shape.ny + 1
 

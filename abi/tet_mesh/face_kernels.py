@@ -73,7 +73,7 @@ def stretch_along(core: Core, margin: float, reach: float, aside: Aside, p: Vec3
 
 @register_jitable
 def beside(core: Core, margin: float, p: Vec3, q: Vec3) -> bool:
-    """Whether p and q are beyond the same face of a box by the margin, and all between them is."""
+    """Check if p and q are beyond the same face of a box by the margin, and all between them is."""
     over = margin + core.radius
     x, y, z = core.x + over, core.y + over, core.z + over
     return (

@@ -172,7 +172,7 @@ def _edges_in_body(adjacency: Adjacency, axes: Axes) -> FloatArray:
 
 @register_jitable
 def _reach_aside(edges: FloatArray, reach: float) -> Aside:
-    """How far edges that lead towards a face lead along it; of nodes on the box any edge may."""
+    """Length along a face of edges that lead towards it; of nodes on the box any edge may."""
     pad = _ROUNDING * reach
     xy, xz, yx, yz, zx, zy = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for k in range(0, 3 * INTERIOR_DIRECTIONS, 3):
@@ -188,7 +188,7 @@ def _reach_aside(edges: FloatArray, reach: float) -> Aside:
 
 @register_jitable
 def _nodes_inside(body: Body, p: Vec3, away: float, r: Vec3, step: float) -> int:
-    """How many nodes that follow an excluded one along z are certain to be excluded, too."""
+    """Number of nodes after an excluded one along z that are certain to be excluded, too."""
     many = (body.margin - away) / step
     if body.core.is_cylinder == 0:
         many = max(many, stretch_in(body.core, body.margin, p, r))

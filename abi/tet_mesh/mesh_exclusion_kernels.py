@@ -184,7 +184,7 @@ def _edges_of_lattice(
 
 @register_jitable
 def _end_of_stretch(shape: Shape, near: IntArray, first: int) -> int:
-    """Where in ``near`` a stretch of near nodes that begins at a place and is in one line ends."""
+    """End in ``near`` of the stretch of near nodes that begins at a place and is in one line."""
     a, b, _ = cell(shape, near[first])
     end = first + 1
     while end < len(near) and near[end] - near[first] < _STRETCH:
@@ -246,7 +246,7 @@ def _is_lost(
     size: float,
     hint: int,
 ) -> tuple[bool, int]:
-    """Whether an edge that the bounds at its ends do not clear comes nearer than the margin.
+    """Check whether an edge that the bounds at its ends do not clear comes nearer than the margin.
 
     Between places at a distance l whose signed distances are s and t, or more, the signed distance
     is at least (s + t - l) / 2.

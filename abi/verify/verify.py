@@ -84,7 +84,7 @@ class PlanMeshes(MeshSource):
         self._folder = folder
 
     def surface(self, name: str) -> Surface:
-        """As in :class:`MeshSource`."""
+        """Source of the meshes, as in :class:`MeshSource`."""
         try:
             return super().surface(name)
         except SceneError as error:

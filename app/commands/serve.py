@@ -178,7 +178,7 @@ def _workers(count: int, classroom: bool) -> Workers:
 
 
 def _arguments(scene: str, **options: Any) -> list[str]:
-    """What ``abi serve`` is told for another process of the same server."""
+    """Arguments of ``abi serve`` for another process of the same server."""
     looks = {True: ["--dark"], False: ["--light"], None: []}
     words = ["--no-open", *looks[options.pop("dark")]]
     words.append("--demo" if options.pop("demo") else "--no-demo")

@@ -140,7 +140,7 @@ class GuardedConnection(ServerConnection):
             super().process_event(event)
 
     def _has_moved(self, frame: Frame) -> bool:
-        """Whether a frame was a gizmo's move, and is done."""
+        """Check whether a frame was a gizmo's move, and is done."""
         if frame.opcode is not Opcode.BINARY or not frame.fin or len(self.recv_messages.frames):
             return False
         message = decode_message(frame.data)
@@ -169,7 +169,7 @@ class GuardedConnection(ServerConnection):
                 return frame
 
     def _refusal(self, message: Message | None) -> str | None:
-        """Why a message may not be read; None where it may."""
+        """Reason why a message may not be read; None where it may."""
         if message is None:
             return "malformed"
         if isinstance(message, UploadPart):

@@ -17,7 +17,7 @@ from app.guard.policy import Policy
 
 
 def is_known_host(policy: Policy, headers: Headers) -> bool:
-    """Whether the request asks for a name or address that is the server's."""
+    """Check whether the request asks for a name or address that is the server's."""
     host = single(headers, "Host")
     name = None if host is None else _name(host)
     if name is None:
@@ -26,7 +26,7 @@ def is_known_host(policy: Policy, headers: Headers) -> bool:
 
 
 def is_own_origin(policy: Policy, headers: Headers) -> bool:
-    """Whether a websocket comes from the server's own page, or from no page at all."""
+    """Check whether a websocket comes from the server's own page, or from no page at all."""
     if not headers.get_all("Origin"):
         return True
     origin = single(headers, "Origin")

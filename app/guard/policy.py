@@ -74,7 +74,7 @@ def policy_for(
 
 
 def is_loopback(host: str) -> bool:
-    """Whether only this machine can reach a server on ``host``."""
+    """Check whether only this machine can reach a server on ``host``."""
     if host in _NAMES:
         return True
     try:

@@ -27,7 +27,7 @@ class Entrance(Protocol):
     """Way by which connections come in where several processes serve one address."""
 
     def hands_on(self, connection: ServerConnection, head: bytes) -> bool:
-        """Whether a connection is another process's from now on; ``head``: its whole request."""
+        """Check if a connection is another process's from now on; ``head``: its whole request."""
 
     def leave(self, connection: ServerConnection) -> None:
         """Count a connection no more: it is lost."""
@@ -98,5 +98,5 @@ class Porter:
 
 
 def lost_tabs(number: int) -> bytes:
-    """What another process tells the porter."""
+    """Figures that another process reports to the porter."""
     return number.to_bytes(_NUMBER)

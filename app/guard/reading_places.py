@@ -40,7 +40,7 @@ class ReadingPlaces:
         return ticket
 
     def wait(self, ticket: Ticket, seconds: float) -> bool:
-        """Whether the ticket has a place, waited for as long as ``seconds``."""
+        """Check whether the ticket has a place, waited for as long as ``seconds``."""
         end = time.monotonic() + seconds
         with self._changed:
             while self._next() is not ticket:

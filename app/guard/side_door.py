@@ -82,7 +82,7 @@ class SideDoor:
         return self._loop
 
     def is_serving(self) -> bool:
-        """Whether connections are taken."""
+        """Check whether connections are taken."""
         return self._is_open
 
     async def wait_closed(self) -> None:

@@ -16,20 +16,20 @@ def link(url: str, token: str | None) -> str:
 
 
 def in_query(path: str, token: str) -> bool:
-    """Whether a request's path carries the token."""
+    """Check whether a request's path carries the token."""
     given = [value for key, value in _query(path) if key == QUERY]
     return len(given) == 1 and _equal(given[0], token)
 
 
 def is_bearer(headers: Headers, token: str) -> bool:
-    """Whether a request carries it as a program's does, ``Authorization: Bearer TOKEN``."""
+    """Check whether a request carries it as a program's does, ``Authorization: Bearer TOKEN``."""
     values = headers.get_all("Authorization")
     scheme, _, bearer = values[0].partition(" ") if len(values) == 1 else ("", "", "")
     return scheme.lower() == "bearer" and _equal(bearer.strip(), token)
 
 
 def in_headers(headers: Headers, token: str, port: int) -> bool:
-    """Whether a request carries it in the cookie, or as a program does."""
+    """Check whether a request carries it in the cookie, or as a program does."""
     if is_bearer(headers, token):
         return True
     pairs = [

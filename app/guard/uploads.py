@@ -18,7 +18,7 @@ class Uploads:
         self._missing: dict[str, tuple[int, int]] = {}
 
     def begins(self, start: UploadStart, button: Any) -> bool:
-        """Whether a file may come, of a kind that the button takes."""
+        """Check whether a file may come, of a kind that the button takes."""
         kinds = [kind.strip().lower() for kind in str(button.mime_type).split(",")]
         suffix = PurePosixPath(start.filename).suffix.lower()
         named = [kind for kind in kinds if kind.startswith(".")]
@@ -31,7 +31,7 @@ class Uploads:
         return True
 
     def continues(self, part: UploadPart) -> bool:
-        """Whether a part belongs to a file that was announced with room for it."""
+        """Check whether a part belongs to a file that was announced with room for it."""
         size, count = self._missing.get(part.transfer_uuid, (0, 0))
         size, count = size - len(part.content), count - 1
         if size < 0 or count < 0:

@@ -11,7 +11,7 @@ _MAX_INTEGER = 1e15
 
 
 def fits(widget: Any, value: object) -> bool:
-    """Whether ``value`` is of the kind that the widget holds.
+    """Check whether ``value`` is of the kind that the widget holds.
 
     A number may be out of the widget's range, or no finite one: typing passes through such numbers,
     and the panel that reads them says what is wrong with the last.

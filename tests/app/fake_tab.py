@@ -38,7 +38,7 @@ def layer(session: Session, kind: type[_Layer]) -> _Layer:
 
 
 def send_file(session: Session, button: Any, name: str, content: bytes) -> None:
-    """What viser does with a file that was uploaded."""
+    """Hand over an uploaded file as viser does."""
     button._impl.value = viser.UploadedFile(name=name, content=content)
     number = session.client.client_id
     event = viser.GuiEvent(client=session.client, client_id=number, target=button)

@@ -47,7 +47,7 @@ def planned_arm(session: Session) -> object:
 
 
 def upload(session: Session, name: str, content: bytes) -> None:
-    """What viser does with an uploaded file."""
+    """Hand over an uploaded file as viser does."""
     send_file(session, panel(session).model.upload, name, content)
 
 

@@ -33,7 +33,7 @@ def session() -> Iterator[Session]:
 
 @pytest.fixture
 def obstacles(session: Session) -> ObstacleGizmos:
-    """Of the session, as nobody has touched them."""
+    """The session's ends, as nobody has touched them."""
     obstacles = session.panels.obstacles
     obstacles.write(session.frame.plan.scene)
     obstacles.pulled = False

@@ -37,7 +37,7 @@ def _all(name: str) -> list[str]:
 
 
 def _environment() -> dict[str, str]:
-    """What the last ENV sets, without the folders that only the image has."""
+    """Values that the last ENV sets, without the folders that only the image has."""
     pairs = (pair.partition("=") for pair in _all("ENV")[-1].split())
     return {name: value for name, _, value in pairs if name not in ("PATH", "NUMBA_CACHE_DIR")}
 

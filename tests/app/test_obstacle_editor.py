@@ -51,7 +51,7 @@ def served(path: Path) -> Iterator[tuple[FakeTab, Session]]:
 
 
 def shows(session: Session, scene: Scene) -> bool:
-    """Whether the tab has planned ``scene``, and nothing waits."""
+    """Check whether the tab has planned ``scene``, and nothing waits."""
     return session.plan is not None and session.plan.scene == scene and session.resting
 
 

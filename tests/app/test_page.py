@@ -1,4 +1,4 @@
-"""What is sent to a page is not kept after that, and the newest replaces what still waits."""
+"""A message to a page is not kept once sent, and the newest replaces what still waits."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a page says of its size, and what panels and camera make of that."""
+"""A page's report of its size, and the panels and camera that follow it."""
 
 from __future__ import annotations
 

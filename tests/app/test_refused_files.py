@@ -1,4 +1,4 @@
-"""What a page says of files that it does not send."""
+"""A page's report of files that it does not send."""
 
 from __future__ import annotations
 

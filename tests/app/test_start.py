@@ -1,4 +1,4 @@
-"""What the command waits for before there is a page to load."""
+"""The command's work before there is a page to load."""
 
 from __future__ import annotations
 

@@ -75,7 +75,7 @@ def test_an_array_is_sent_as_it_was_when_it_was_set(tab: tuple[FakeTab, Session]
     ones = np.ones((1, 2, 3), np.float32)
 
     def sent() -> list[Any]:
-        """What was set and has not gone yet."""
+        """Fields that were set and have not gone yet."""
         waiting: list[Any] = list(buffer.message_from_id.values())
         own = [one for one in waiting if getattr(one, "name", "") == "/array"]
         return [one.updates for one in own if "points" in getattr(one, "updates", {})]

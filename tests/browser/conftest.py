@@ -134,7 +134,7 @@ class Tabs:
 
 
 def _is_as_opened(session: Session) -> bool:
-    """Whether all that "Back to the scene as loaded" leaves alone is as in a new tab."""
+    """Check whether all that "Back to the scene as loaded" leaves alone is as in a new tab."""
     return (
         session.panels.files.choice.value == "paper"
         and session.panels.layer_switches.shown()
@@ -172,5 +172,5 @@ def page(shared: Tabs) -> Iterator[Page]:
 
 @pytest.fixture
 def session(page: Page, server: Server) -> Session:
-    """What the server keeps for ``page``."""
+    """The session of ``page``."""
     return server.sessions[page.client]

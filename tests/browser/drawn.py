@@ -24,12 +24,12 @@ def chain(lines: Points) -> Points:
 
 
 def is_nothing(lines: Points) -> bool:
-    """Whether segments (n, 2, 3) have no length at all."""
+    """Check whether segments (n, 2, 3) have no length at all."""
     return bool((lines[:, 0] == lines[:, 1]).all())
 
 
 def shows_curve(page: Page, name: str, fit: Fit[BSpline] | Fit[Quadratic] | None) -> bool:
-    """Whether the line ``/curve/<name>`` in the page runs along the fitted curve."""
+    """Check whether the line ``/curve/<name>`` in the page runs along the fitted curve."""
     lines = page.points(f"/curve/{name}")
     if fit is None:
         return is_nothing(lines)
@@ -39,7 +39,7 @@ def shows_curve(page: Page, name: str, fit: Fit[BSpline] | Fit[Quadratic] | None
 
 
 def shows_path(page: Page, plan: Plan) -> bool:
-    """Whether A*'s line in the page is the plan's path, vertex by vertex."""
+    """Check whether A*'s line in the page is the plan's path, vertex by vertex."""
     lines = page.points("/path/a_star")
     if not plan.searches:
         return is_nothing(lines)
@@ -49,7 +49,7 @@ def shows_path(page: Page, plan: Plan) -> bool:
 
 
 def shows(page: Page, plan: Plan | None) -> bool:
-    """Whether path and curves in the page are those of ``plan``; not before it has any."""
+    """Check whether path and curves in the page are those of ``plan``; not before it has any."""
     assert plan is not None
     return (
         {"/path/a_star", "/curve/bspline", "/curve/quadratic"} <= page.names()
@@ -60,7 +60,7 @@ def shows(page: Page, plan: Plan | None) -> bool:
 
 
 def same(a: Plan, b: Plan) -> bool:
-    """Whether two complete plans have the same path, curves and motion, number by number.
+    """Check whether two complete plans have the same path, curves and motion, number by number.
 
     But for rounding, in which kernels differ from what runs until they are compiled.
     """
@@ -83,7 +83,7 @@ def _numbers(plan: Plan) -> tuple[Points, ...]:
 
 
 def tool_at(plan: Plan, time: float) -> Points:
-    """Where the tool of ``plan`` is at ``time`` [s], (3,) [unit]."""
+    """Place of the tool of ``plan`` at ``time`` [s], (3,) [unit]."""
     assert plan.motion is not None
     return np.array([np.interp(time, plan.motion.time, axis) for axis in plan.motion.tool.T])
 

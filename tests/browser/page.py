@@ -265,11 +265,11 @@ class Page:
         return flat.reshape(-1, 2, 3) if lines else flat.reshape(-1, 3)
 
     def triangles(self, name: str) -> int:
-        """How many triangles the mesh of a node has."""
+        """Number of triangles of a node's mesh."""
         return int(self.tab.evaluate(_TRIANGLES, name))
 
     def edges(self, name: str) -> float:
-        """How many edges the meshes under a node draw."""
+        """Number of edges that the meshes under a node draw."""
         return float(self.tab.evaluate(_EDGES, name))
 
     def names(self) -> set[str]:
@@ -288,14 +288,14 @@ class Page:
         return (x, y, z)
 
     def pixel(self, name: str, point: Sequence[float] = (0.0, 0.0, 0.0)) -> Point:
-        """Where ``point``, in the frame of the node, [unit], is on the page, [px]."""
+        """Place on the page, [px], of ``point`` in the frame of the node, [unit]."""
         pixel = self.tab.evaluate(_PIXEL, [name, list(point)])
         assert pixel is not None, f"no node {name}"
         x, y = pixel
         return (x, y)
 
     def is_free(self, pixel: Point) -> bool:
-        """Whether the canvas itself is at ``pixel``: no panel or notice lies over it."""
+        """Check whether the canvas itself is at ``pixel``: no panel or notice lies over it."""
         return bool(self.tab.evaluate(_FREE, list(pixel)))
 
     def drag(
@@ -421,7 +421,7 @@ class Page:
         written.or_(told).click()
 
     def is_open(self, name: str) -> bool:
-        """Whether the panel's tab of that name is the one that is shown."""
+        """Check whether the panel's tab of that name is the one that is shown."""
         return bool(self.tab.evaluate(_IS_OPEN, name))
 
     def upload(self, button: str, name: str, content: bytes) -> None:

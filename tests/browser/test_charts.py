@@ -18,7 +18,7 @@ _NUMBERS = """() => Object.values(window.__viserTestpoints.uplots).map(({chart})
 
 
 def _ends(page: Page) -> tuple[float, float, float, float]:
-    """What the first plot shows, and its data: from, to, from, to, [s]."""
+    """Range of the first plot, and of its data: from, to, from, to, [s]."""
     page.until(lambda: bool(page.tab.evaluate(_ENDS)), "a plot")
     low, high, first, last = page.tab.evaluate(_ENDS)[0]
     return (low, high, first, last)

@@ -121,7 +121,7 @@ def test_no_hand_takes_the_goal_out_of_the_workspace(page: Page, session: Sessio
 
 
 def _coordinates(page: Page) -> list[float]:
-    """What the goal's label says of its place."""
+    """The goal's place by its label."""
     text = page.props("/goal/label")["text"]
     assert text.startswith("goal (")
     return [float(number.replace("−", "-")) for number in text[6:-1].split(", ")]

@@ -56,7 +56,7 @@ def _overlapping(page: Page) -> list[tuple[str, str]]:
 
 
 def _shifts(page: Page) -> list[float]:
-    """How far labels stand beside their places, [px]."""
+    """Distance of labels from their places, [px]."""
     script = "() => [...abiLabels.placed.values()].map(({shift}) => Math.hypot(...shift))"
     return list(page.tab.evaluate(script))
 

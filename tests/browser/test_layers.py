@@ -86,7 +86,7 @@ def _shown(page: Page) -> set[str]:
 
 
 def _came(page: Page, before: set[str], layer: str) -> bool:
-    """Whether nodes of a layer are seen besides what was seen before, and no others."""
+    """Check whether nodes of a layer are seen besides what was seen before, and no others."""
     more = _shown(page) - before
     return before <= _shown(page) and len(more) > 0 and more <= _nodes(page, layer)
 

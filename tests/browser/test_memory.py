@@ -1,4 +1,4 @@
-"""What a tab shows comes back after a reload, "back", a new server, and by a link."""
+"""A tab's picture comes back after a reload, "back", a new server, and by a link."""
 
 from __future__ import annotations
 

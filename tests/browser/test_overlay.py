@@ -1,4 +1,4 @@
-"""What lies over the scene: the tour, lecture mode, and the demonstration of a new tab."""
+"""The overlay: the tour, lecture mode, and the demonstration of a new tab."""
 
 from __future__ import annotations
 

@@ -29,13 +29,13 @@ _SHARES = """() => [innerHeight, window.__viserMutable.canvas.getBoundingClientR
 
 
 def _are_both_seen(page: Page) -> bool:
-    """Whether the scene has half of the page, down to the sheet."""
+    """Check whether the scene has half of the page, down to the sheet."""
     height, scene, sheet = page.tab.evaluate(_SHARES)
     return bool(0.45 * height <= scene <= sheet + 1 <= scene + 3)
 
 
 def _in_sight(page: Page) -> bool:
-    """Whether the tabs are at the top of the sheet, or as far up as their content lets them be."""
+    """Check if the tabs are at the top of the sheet, or as far up as their content lets them be."""
     below, left = page.tab.evaluate(_TABS_BEGIN)
     return bool(0 < below < 80 or left < 2)
 

@@ -1,4 +1,4 @@
-"""What is on the screen, sent to somebody else; and a plot that is clicked."""
+"""Sharing what is on the screen; and a plot that is clicked."""
 
 from __future__ import annotations
 

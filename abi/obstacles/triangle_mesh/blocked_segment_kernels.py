@@ -25,7 +25,7 @@ def limit_of(tables: SurfaceTables, margin: float, length: float) -> float:
 
 @register_jitable
 def is_blocked(tables: SurfaceTables, p: Vec3, q: Vec3, margin: float, room: Room) -> bool:
-    """Whether a segment of the body frame comes nearer to the surface than a margin, or touches it.
+    """Check if a segment of the body frame comes nearer to a surface than a margin, or touches it.
 
     Walks along the segment as far as the grid's bounds allow at each place (Hart, Sphere tracing,
     1996). The stretch in which they allow less than half a step of the grid is tested against the

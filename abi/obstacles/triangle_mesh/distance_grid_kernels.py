@@ -136,7 +136,7 @@ def _foreseen(before: Vec3, step: float, slack: float) -> tuple[float, float]:
 def _side(
     tree: TriangleTree, x: Vec3, free: float, before: Vec3, step: float, waiting: IntArray
 ) -> int:
-    """Whether a node is inside (1), outside (0), or the nodes before it do not tell (-1).
+    """Check whether a node is inside (1), outside (0), or the nodes before it do not tell (-1).
 
     One before is on the same side where balls around both that nothing is in overlap, or where
     nothing is between. ``free`` is the radius of the node's, less the slack of the other.
@@ -164,7 +164,7 @@ def _side(
 
 @register_jitable
 def side_of(grid: DistanceGrid, tree: TriangleTree, x: Vec3, waiting: IntArray) -> int:
-    """Whether a point near a closed surface is inside (1), outside (0), or unknown (-1).
+    """Check whether a point near a closed surface is inside (1), outside (0), or unknown (-1).
 
     It is on the side of a node around it when nothing is between.
     """

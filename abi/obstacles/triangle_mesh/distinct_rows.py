@@ -53,7 +53,7 @@ def first_of_distinct_rows(rows: NDArray[Any]) -> NDArray[np.int64]:
 
 
 def _groups(rows: NDArray[Any]) -> tuple[NDArray[np.int64], BoolArray]:
-    """As :func:`in_groups`, of rows."""
+    """Groups of equal rows; see :func:`in_groups`."""
     for multiplier in _MULTIPLIERS:
         order, is_first = in_groups(_hashed(rows, multiplier))
         repeats = np.flatnonzero(~is_first)

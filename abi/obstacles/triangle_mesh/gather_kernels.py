@@ -112,7 +112,7 @@ def comes_near_gathered(
     limit: float,
     doubt: float,
 ) -> bool:
-    """Whether a segment comes as near to one of the triangles gathered as a limit.
+    """Check whether a segment comes as near to one of the triangles gathered as a limit.
 
     Args:
         tree: over the triangles.

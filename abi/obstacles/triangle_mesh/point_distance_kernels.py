@@ -27,14 +27,14 @@ _IN_DOUBT = 1e-14
 
 @register_jitable
 def is_inside_near(tables: SurfaceTables, x: Vec3, room: Room) -> bool:
-    """Whether a point of the body frame, near a closed surface, is inside."""
+    """Check whether a point of the body frame, near a closed surface, is inside."""
     side = side_of(tables.grid, tables.tree, x, room.waiting)
     return side == 1 if side >= 0 else is_inside(tables.tree, tables.dipoles, x, room.stack)
 
 
 @register_jitable
 def is_inside_surface(tables: SurfaceTables, x: Vec3, room: Room) -> bool:
-    """Whether a point of the body frame is inside a closed surface."""
+    """Check whether a point of the body frame is inside a closed surface."""
     lower, upper = distance_bounds(tables.grid, x)
     if lower > 0.0 or upper < 0.0:
         return upper < 0.0
@@ -54,7 +54,7 @@ def signed_distance_at(tables: SurfaceTables, x: Vec3, room: Room) -> tuple[floa
 def signed_distance_beside(
     tables: SurfaceTables, x: Vec3, beside: float, other: Vec3, apart: float, room: Room
 ) -> tuple[float, int]:
-    """As :func:`signed_distance_at`, given that of another point.
+    """Signed distance, given that of another point; see :func:`signed_distance_at`.
 
     They are on one side where balls around both that nothing is in overlap, or where nothing is
     between them, which costs less to see than to find out anew.

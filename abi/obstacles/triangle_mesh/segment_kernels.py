@@ -83,7 +83,7 @@ def stretch_in(p: Vec3, inverse: Vec3, low: Vec3, high: Vec3, limit: float) -> f
 def comes_near(
     tree: TriangleTree, p: Vec3, q: Vec3, limit: float, normal: Vec3, waiting: IntArray
 ) -> bool:
-    """Whether the segment from p to q comes as near to some triangle as a limit.
+    """Check whether the segment from p to q comes as near to some triangle as a limit.
 
     Args:
         tree, p, q, limit, normal, waiting: see :func:`near_triangle`.

@@ -47,7 +47,7 @@ class SurfaceTables(NamedTuple):
 
 
 class Placement(NamedTuple):
-    """Where the body frame is in the world.
+    """Pose of the body frame in the world.
 
     Attributes:
         origin: its origin, [unit], world.

@@ -34,7 +34,7 @@ def clamp(t: float) -> float:
 
 @register_jitable
 def on_side(x: Vec3, a: Vec3, e: Vec3) -> float:
-    """Where the point a + t e, t in [0, 1], nearest to x is."""
+    """Parameter of the point a + t e, t in [0, 1], nearest to x."""
     ee = dot(e, e)
     return clamp(dot(e, sub(x, a)) / ee) if ee > 0.0 else 0.0
 
@@ -90,7 +90,7 @@ def closest_point(x: Vec3, triangle: Triangle) -> Vec3:
 
 @register_jitable
 def over_triangle(x: Vec3, a: Vec3, b: Vec3, c: Vec3, n: Vec3) -> bool:
-    """Whether the projection of x along the normal n lies in the triangle."""
+    """Check whether the projection of x along the normal n lies in the triangle."""
     return (
         dot(cross(sub(b, a), sub(x, a)), n) >= 0.0
         and dot(cross(sub(c, b), sub(x, b)), n) >= 0.0

@@ -92,7 +92,7 @@ def winding_number(
 
 @register_jitable
 def is_inside(tree: TriangleTree, dipoles: Dipoles, x: Vec3, stack: IntArray) -> bool:
-    """Whether a closed surface winds around x; in doubt it does.
+    """Check whether a closed surface winds around x; in doubt it does.
 
     Args:
         tree: over the triangles of the surface.

@@ -230,7 +230,7 @@ def _corners(plate: LinkSolid) -> FloatArray:
 
 
 def _inside(plate: LinkSolid, z: float) -> bool:
-    """Whether a box that is turned about x only holds (y, z) = (0, z) or ends beside it."""
+    """Check whether a box that is turned about x only holds (y, z) = (0, z) or ends beside it."""
     cos, sin = math.cos(plate.rpy[0]), math.sin(plate.rpy[0])
     y, z = -plate.xyz[1], z - plate.xyz[2]
     across, along = cos * y + sin * z, -sin * y + cos * z

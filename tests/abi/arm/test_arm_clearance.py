@@ -1,4 +1,4 @@
-"""What is proven of the arm, against dense samples measured in another way."""
+"""Proofs of the arm, against dense samples measured in another way."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is proven of an arm's motion between samples, against dense sampling."""
+"""Proofs of an arm's motion between samples, against dense sampling."""
 
 from __future__ import annotations
 

@@ -78,7 +78,7 @@ def test_legs_are_clear_where_they_have_a_certificate_and_no_place_that_touches(
 
 
 def _poses_clear(sight: ArmSight, a: FloatArray, b: FloatArray) -> bool:
-    """Whether no place of many on a leg is found not to be clear."""
+    """Check whether no place of many on a leg is found not to be clear."""
     places = a + np.linspace(0, 1, 50)[:, None] * (b - a)
     faults = (sight.leg_refutation(place[None]) for place in places)
     return not any(fault is not None and fault.decided for fault in faults)

@@ -95,7 +95,7 @@ def test_the_reach_is_where_inverse_kinematics_keeps_the_limits() -> None:
 
 
 def _winding(triangles: FloatArray, points: FloatArray) -> FloatArray:
-    """How often closed triangles of any orientation hide the way along x, modulo 2, (n,)."""
+    """Number of closed triangles of any orientation that hide the way along x, modulo 2, (n,)."""
     found = np.zeros(len(points))
     for k, point in enumerate(points + np.array([0.0, 1.23e-7, 2.34e-7])):
         a, b, c = (triangles[:, i] - point for i in range(3))

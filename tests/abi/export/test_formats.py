@@ -193,7 +193,7 @@ def test_a_scene_without_obstacles_is_no_moveit_scene() -> None:
 
 
 def conforms(data: Any, schema: dict[str, Any]) -> bool:
-    """Whether ``data`` is of a JSON schema, as far as ours go."""
+    """Check whether ``data`` is of a JSON schema, as far as ours go."""
     kinds = {"number": int | float, "integer": int, "string": str, "boolean": bool}
     if schema["type"] == "array":
         return isinstance(data, list) and all(conforms(item, schema["items"]) for item in data)

@@ -1,4 +1,4 @@
-"""What a shape says of itself is enough for every stage to measure, pass and draw it."""
+"""A shape's own description is enough for every stage to measure, pass and draw it."""
 
 from __future__ import annotations
 

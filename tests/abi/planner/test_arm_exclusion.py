@@ -1,4 +1,4 @@
-"""What an arm excludes from a mesh, by runs of nodes: the same as node by node."""
+"""An arm's exclusion from a mesh, by runs of nodes: the same as node by node."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a planner remembers, and what it must not."""
+"""A planner's memory, and its limits."""
 
 from __future__ import annotations
 

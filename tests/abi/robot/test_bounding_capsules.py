@@ -13,7 +13,7 @@ from tests.abi.robot.robots import arm, packed
 
 
 def lacks(capsules: tuple[Capsule, ...], points: FloatArray) -> float:
-    """How far the points stick out of all capsules at most."""
+    """Largest distance by which the points stick out of all capsules."""
     away = np.full(len(points), np.inf)
     for low, high, radius in capsules:
         way = high - low

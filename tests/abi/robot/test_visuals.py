@@ -1,4 +1,4 @@
-"""What a link is drawn with: its visuals where they can be read, else its collision shapes."""
+"""Pictures of links: their visuals where they can be read, else their collision shapes."""
 
 from __future__ import annotations
 

@@ -36,7 +36,7 @@ def solids_of(scene: Scene) -> tuple[Primitive, ...]:
 def arguments(
     whole: TetMesh, scene: Scene, margins: FloatArray, stride: int = 1, most: float = math.inf
 ) -> tuple[Any, ...]:
-    """What the kernel is given; ``margins`` (4, k) are for each kind of segment and solid."""
+    """Arguments of the kernel; ``margins`` (4, k) are for each kind of segment and solid."""
     free = exclude(whole, ObstacleSet(scene.obstacles), float(margins.max(initial=0)))
     return (
         *(whole.adjacency, free.excluded, stride, stride * REACH * whole.longest_edge),

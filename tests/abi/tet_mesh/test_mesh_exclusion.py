@@ -1,4 +1,4 @@
-"""What triangle meshes exclude, against distances that are sampled along every edge."""
+"""Exclusions by triangle meshes, against distances that are sampled along every edge."""
 
 from __future__ import annotations
 

@@ -295,7 +295,7 @@ def test_a_margin_that_is_too_large_by_next_to_nothing_is_refused() -> None:
 
 
 def down(obstacles: Obstacles, planes: list[list[float]], margin: float = -0.9e-9) -> Verdict:
-    """Of a line from 1 to -1 along z, by planes of two parameters, an obstacle and a normal."""
+    """Certificate of a line along z by planes of two parameters, an obstacle and a normal."""
     line = clamped(np.array([[0.0, 0, 1], [0, 0, 0], [0, 0, -1]]), 1)
     first, last, whose, *normals = np.array(planes).T
     proof = Certificate(

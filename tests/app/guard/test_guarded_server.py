@@ -218,7 +218,7 @@ def test_moves_that_come_too_fast_wait_and_end_where_the_hand_does(
 
 @pytest.mark.skipif(not hasattr(socket, "TCP_NOTSENT_LOWAT"), reason="the system has no such limit")
 def test_what_a_page_does_not_read_is_not_in_the_system_s_hands(server: Server) -> None:
-    """What is there is old by the time a slow line has carried it, and newer pictures follow it."""
+    """A picture is old by the time a slow line has carried it, and newer ones follow it."""
     version = f"Sec-WebSocket-Protocol: viser-v{viser.__version__}\r\n"
     request = (
         f"GET / HTTP/1.1\r\nHost: localhost\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"

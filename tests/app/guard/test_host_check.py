@@ -1,4 +1,4 @@
-"""Which Hosts and Origins are the server's own."""
+"""Hosts and Origins that are the server's own."""
 
 from __future__ import annotations
 

@@ -22,7 +22,7 @@ PAGE = b"GET /?upgrade:%20websocket HTTP/1.1\r\nHost: localhost\r\n\r\n"
 
 
 class Connection:
-    """As much of a connection as the porter asks for."""
+    """The part of a connection that the porter asks for."""
 
     def __init__(self, wire: socket.socket) -> None:
         self.transport = SimpleNamespace(get_extra_info={"socket": wire}.__getitem__)

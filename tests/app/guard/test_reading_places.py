@@ -60,7 +60,7 @@ def test_all_are_served_and_nobody_twice_while_others_wait(owners: list[str], co
 
 
 def owners_before(order: list[Ticket], ticket: Ticket) -> int:
-    """How many of its owner's files were read before it."""
+    """Number of its owner's files that were read before it."""
     return sum(other.owner == ticket.owner for other in order[: order.index(ticket)])
 
 
