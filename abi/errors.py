@@ -21,6 +21,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from abi.arrays import FloatArray, IntArray
+from abi.length_text import format_setting
 
 UNIT = " [unit]"
 """Placeholder after every length in a sentence, until the unit is known."""
@@ -152,7 +153,9 @@ class ClearanceNotHeld(StageError):
 
     def __init__(self, clearance: float, reached: float) -> None:
         lack = max(clearance - reached, 0.0)
-        fault = f"enters an obstacle by {-reached:.3g}" if reached < 0 else f"lacks {lack:.2g}"
+        fault = f"lacks {format_length(lack)}"
+        if reached < 0:
+            fault = f"enters an obstacle by {format_length(-reached)}"
         super().__init__(
             "bspline",
             "clearance_not_held",
@@ -314,7 +317,7 @@ class NotFollowed(StageError):
 
 def format_length(length: float) -> str:
     """Text of a length, with the placeholder of its unit."""
-    return f"{length:.3g}{UNIT}" if abs(length) < 1000 else f"{length:.0f}{UNIT}"
+    return f"{format_setting(length, digits=3)}{UNIT}"
 
 
 def in_unit(sentences: tuple[str, str], unit: str) -> tuple[str, str]:

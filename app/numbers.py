@@ -6,7 +6,7 @@ import math
 import re
 
 from abi.clearance.curve_clearance import Clearance
-from abi.planner.length_text import format_length, format_lower_bound, format_setting
+from abi.length_text import format_length, format_lower_bound, format_setting
 
 __all__ = [
     "FASTEST_SHOWN",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from abi.arm.arm_clearance import Contact
-from abi.planner.length_text import format_length, format_lower_bound, format_setting
+from abi.length_text import format_length, format_lower_bound, format_setting
 from abi.planner.plan import Plan
 
 _LINKS = {"base_link": "base", "base_link_inertia": "base", "link_base": "base", "rod": "slide"}

@@ -18,11 +18,11 @@ def format_lower_bound(distance: float) -> str:
     return format_length(math.floor(shift * distance + 1e-6) / shift)
 
 
-def format_setting(number: float) -> str:
-    """A number that was chosen, without trailing zeros."""
+def format_setting(number: float, digits: int = 4) -> str:
+    """A number that was chosen, or stands in a sentence, without trailing zeros."""
     if abs(number) >= 10_000:
         return f"{number:,.0f}"
-    text = np.format_float_positional(number, precision=4, fractional=False, trim="-")
+    text = np.format_float_positional(number, precision=digits, fractional=False, trim="-")
     return text.replace("-", "−")
 
 
