@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 from collections import deque
-from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -14,18 +13,15 @@ from pydantic import ValidationError
 
 from abi.arrays import FloatArray, IntArray
 from abi.errors import StageError
-from abi.planner.comparison import search_task
-from abi.planner.plan import Plan
 from abi.search.compare import COMPARED
-from abi.search.negative_arc import with_negative_arc
 from abi.search.replay import replay
-from abi.search.task import SearchTask
 from abi.search.trace import SearchTrace
 from app import page, style
 from app.frame import Frame
 from app.lessons.lesson import SearchCue
 from app.panels.widgets import Wake, clamp
 from app.theatre import Theatre, judge, node_at, one_way_search, race_of
+from app.theatre_searches import TheatreSearches
 
 FRAME = 1 / 20
 """Seconds between two pictures while it plays."""
@@ -88,9 +84,7 @@ class TheatrePanel:
         self._inputs: deque[int | None] = deque()
         self._click: tuple[FloatArray, FloatArray] | None = None
         self._advanced, self._position, self._written = time.monotonic(), 0.0, 0
-        self._plan: Plan | None = None
-        self._tasks: dict[str, SearchTask] = {}
-        self._traces: dict[tuple[str, str, float], SearchTrace] = {}
+        self._searches = TheatreSearches()
         self._answer: tuple[int, str] = (-1, "")
         self._refused: object = None
         self._last: Theatre | None = None
@@ -169,16 +163,11 @@ class TheatrePanel:
         if not self.on.value or plan.graph is None:
             self._last = None
             return None
-        if (
-            self._plan is None
-            or plan.graph is not self._plan.graph
-            or (plan.scene.search.weight != self._plan.scene.search.weight)
-        ):
+        if not self._searches.are_of(plan):
             if frame.interactive or frame.partial or frame.outdated:
                 return None
-            self._plan, self._tasks, self._last = plan, {}, None
+            self._searches, self._last = TheatreSearches(plan), None
             self._answer = (-1, "")  # a node of another graph
-            self._traces.clear()
         name, trace = self._trace_of(self.chosen)
         racing = tuple(map(self._trace_of, race_of(name))) if self.race.value else ()
         steps = max([trace.steps, *(other.steps for _, other in racing)])
@@ -217,34 +206,16 @@ class TheatrePanel:
     def _kind(self) -> str:
         return EDGES.get(self.edges.value, "")
 
-    def _task(self) -> SearchTask:
-        """The plan's graph, with a negative edge where one is asked for."""
-        assert self._plan is not None
-        if self._kind not in self._tasks:
-            if "" not in self._tasks:
-                self._tasks[""] = search_task(self._plan)
-            if self._kind:
-                try:
-                    task = with_negative_arc(self._tasks[""], self._kind == "cycle")
-                except StageError as error:
-                    page.notify_refusal(self._client, "No negative edge", error.message)
-                    self.edges.value = next(iter(EDGES))
-                else:
-                    self._tasks[self._kind] = task
-        return self._tasks[self._kind]
-
     def _trace_of(self, name: str) -> tuple[str, SearchTrace]:
-        """A search and its trace, searched once; another where it takes no one-way edges."""
-        task = self._task()
+        """A search and its trace; another where it takes no one-way edges."""
+        try:
+            self._searches.prepare(self._kind)
+        except StageError as error:
+            page.notify_refusal(self._client, "No negative edge", error.message)
+            self.edges.value = next(iter(EDGES))
         if self._kind:
             name = one_way_search(name)
-        w = float(clamp(self.weight.value, 0.0, 2.0)) if name == "weighted_a_star" else 0.0
-        key = (name, self._kind, w)
-        if key not in self._traces:
-            if len(self._traces) > 12:
-                self._traces.clear()
-            self._traces[key] = COMPARED[name].find(replace(task, heuristic_weight=w))
-        return name, self._traces[key]
+        return name, self._searches.trace(name, self._kind, clamp(self.weight.value, 0.0, 2.0))
 
     def _move(self, trace: SearchTrace, steps: int, elapsed: float) -> None:
         """Go to the step that the widgets and the clock ask for."""

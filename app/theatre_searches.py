@@ -1,0 +1,62 @@
+"""The searches of a plan's graph that the theatre shows, each searched once."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from abi.planner.comparison import search_task
+from abi.planner.plan import Plan
+from abi.search.compare import COMPARED
+from abi.search.negative_arc import with_negative_arc
+from abi.search.task import SearchTask
+from abi.search.trace import SearchTrace
+
+_MOST = 12
+"""Traces that are kept."""
+
+
+class TheatreSearches:
+    """Tasks and traces by the kind of negative edge: none (empty), ``negative`` or ``cycle``."""
+
+    def __init__(self, plan: Plan | None = None) -> None:
+        self._plan = plan
+        self._tasks: dict[str, SearchTask] = {}
+        self._traces: dict[tuple[str, str, float], SearchTrace] = {}
+
+    def are_of(self, plan: Plan) -> bool:
+        """Check whether they search a plan's graph, by its weight."""
+        own = self._plan
+        return (
+            own is not None
+            and own.graph is plan.graph
+            and own.scene.search.weight == plan.scene.search.weight
+        )
+
+    def prepare(self, kind: str) -> None:
+        """Place the negative edge of that kind.
+
+        Raises:
+            StageError: there is no place for one.
+        """
+        assert self._plan is not None
+        if "" not in self._tasks:
+            self._tasks[""] = search_task(self._plan)
+        if kind not in self._tasks:
+            self._tasks[kind] = with_negative_arc(self._tasks[""], kind == "cycle")
+
+    def trace(self, name: str, kind: str, weight: float) -> SearchTrace:
+        """Trace of a search, with the edge of a kind that was prepared.
+
+        Args:
+            name: in :data:`abi.search.compare.COMPARED`.
+            kind: of the negative edge.
+            weight: of the heuristic, where the search has one to choose.
+        """
+        w = float(weight) if name == "weighted_a_star" else 0.0
+        key = (name, kind, w)
+        if key not in self._traces:
+            if len(self._traces) >= _MOST:
+                self._traces.clear()
+            task = replace(self._tasks[kind], heuristic_weight=w)
+            self._traces[key] = COMPARED[name].find(task)
+        return self._traces[key]
