@@ -192,7 +192,7 @@ class Session:
             self._update()
         elif not self._broken:
             if self._pause.seconds >= REST:
-                self._rest()
+                self._work_in_pause()
             if resized or self._view.is_due(self.frame):
                 self._draw(self.frame)
         leads = self._class is not None and self._class.teaches
@@ -362,7 +362,7 @@ class Session:
         if self.panels.lessons.waiting:
             self._changed.set()
 
-    def _rest(self) -> None:
+    def _work_in_pause(self) -> None:
         """Complete what the input has left incomplete; after that, use the pause."""
         if self._planner.partial:
             self._complete()

@@ -89,7 +89,7 @@ def _check(plan: Plan) -> None:
     """Compare path and B-spline with each obstacle by itself."""
     if plan.taut is None:
         return
-    samples = _along(plan.taut.points)
+    samples = _polyline_samples(plan.taut.points)
     assert _least(plan, samples) >= plan.taut.clearance - _ROUNDING
     if plan.bspline is not None and plan.bspline.clearance.certified:
         curve = plan.bspline.curve
@@ -101,7 +101,7 @@ def _least(plan: Plan, points: FloatArray) -> float:
     return min(float(one.signed_distance(points).min()) for one in plan.scene.obstacles)
 
 
-def _along(points: FloatArray) -> FloatArray:
+def _polyline_samples(points: FloatArray) -> FloatArray:
     shares = np.linspace(0, 1, _SAMPLES // len(points))[:, None, None]
     between: FloatArray = points[:-1] + shares * (points[1:] - points[:-1])
     return between.reshape(-1, 3)

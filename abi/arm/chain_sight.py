@@ -84,7 +84,7 @@ class ChainSight:
         if begin is None:
             return ArmRefutation(0.0, -1, -1, True)
         vertices = points if len(points) > 1 else np.repeat(points, 2, axis=0)
-        parameters, joints, missed = self._along(vertices, begin)
+        parameters, joints, missed = self._follow_polyline(vertices, begin)
         return self._refutation(joints, missed, parameters, self._beyond, self.most_tries)
 
     def unreached(self, point: FloatArray) -> Unreached | None:
@@ -92,7 +92,7 @@ class ChainSight:
         begin = self.stances.near(point)
         if begin is None:
             return None
-        _, joints, missed = self._along(np.stack([point, point]), begin)
+        _, joints, missed = self._follow_polyline(np.stack([point, point]), begin)
         if missed[-1] <= REACHED * self.arm.reach:
             return None
         room = np.abs(self.arm.limits - joints[-1][:, None])
@@ -115,7 +115,7 @@ class ChainSight:
             begin = pose or self.stances.near(points[k])
             if begin is None:
                 return clear
-            _, joints, missed = self._along(points[k : k + 2], begin)
+            _, joints, missed = self._follow_polyline(points[k : k + 2], begin)
             clear[k] = (missed <= REACHED * self.arm.reach).all() and isinstance(
                 certify_chain(self.arm, joints, self.around, self._beyond, self.most_tries),
                 ArmCertificate,
@@ -146,7 +146,7 @@ class ChainSight:
         """Distance that legs and places keep, [unit]."""
         return self.clearance + self.slack
 
-    def _along(
+    def _follow_polyline(
         self, vertices: FloatArray, begin: tuple[FloatArray, FloatArray]
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Parameters (m,), joints (m, n) and errors (m,) along a polyline (k, 3), k >= 2.

@@ -64,19 +64,19 @@ def link_capsules(a1: float, a2: float, a3: float, a4: float, a5: float) -> tupl
     solids = arm_links.links(a1, a2, a3, a4, a5)
     gripper, wrist = solids["gripper"], a4 + size.wrist
     fingers = gripper[_FINGERS:]
-    low, high, radius = _around(solids["upper_arm"], 0.0)
+    low, high, radius = _bounding_capsule(solids["upper_arm"], 0.0)
     middle = (low + high) / 2
     return (
-        LinkCapsule("base_link", COLUMN, *_around(solids["base_link"], 0.0)),
-        LinkCapsule("turret", COLUMN, *_around(solids["turret"], a1)),
+        LinkCapsule("base_link", COLUMN, *_bounding_capsule(solids["base_link"], 0.0)),
+        LinkCapsule("turret", COLUMN, *_bounding_capsule(solids["turret"], a1)),
         LinkCapsule("upper_arm", UPPER_ARM, low, middle, radius, neighbour=True),
         LinkCapsule("upper_arm", UPPER_ARM, middle, high, radius),
-        LinkCapsule("elbow", FOREARM, *_around(solids["elbow"], 0.0)),
-        LinkCapsule("forearm", FOREARM, *_around(solids["forearm"], size.roll)),
-        LinkCapsule("rod", SLIDE, *_around(solids["rod"], a4)),
-        LinkCapsule("gripper", SLIDE, *_around(gripper[:_FINGERS], wrist)),
-        LinkCapsule("gripper", SLIDE, *_around([*fingers[0::3], *fingers[1::3]], wrist)),
-        LinkCapsule("gripper", SLIDE, *_around(fingers[2::3], wrist), grips=True),
+        LinkCapsule("elbow", FOREARM, *_bounding_capsule(solids["elbow"], 0.0)),
+        LinkCapsule("forearm", FOREARM, *_bounding_capsule(solids["forearm"], size.roll)),
+        LinkCapsule("rod", SLIDE, *_bounding_capsule(solids["rod"], a4)),
+        LinkCapsule("gripper", SLIDE, *_bounding_capsule(gripper[:_FINGERS], wrist)),
+        LinkCapsule("gripper", SLIDE, *_bounding_capsule([*fingers[0::3], *fingers[1::3]], wrist)),
+        LinkCapsule("gripper", SLIDE, *_bounding_capsule(fingers[2::3], wrist), grips=True),
     )
 
 
@@ -100,7 +100,7 @@ def steepest_bend(capsules: Sequence[LinkCapsule], a4: float) -> float:
     return math.pi - math.asin(min(1.0, max([*sines, (upper + sleeve) / a4])))
 
 
-def _around(solids: Sequence[LinkSolid], height: float) -> tuple[float, float, float]:
+def _bounding_capsule(solids: Sequence[LinkSolid], height: float) -> tuple[float, float, float]:
     """Low and high end on the z axis and radius of a capsule around solids, [unit].
 
     Args:

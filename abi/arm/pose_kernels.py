@@ -237,7 +237,7 @@ def capsule_share(arm: ArmNumbers, forearm: float, capsules: FloatArray, c: int)
 
 
 @register_jitable(forceinline=True)
-def _along(rates: Rates, share: float, slides: bool) -> tuple[float, float]:
+def _forearm_rates(rates: Rates, share: float, slides: bool) -> tuple[float, float]:
     """Ways of a point at a share of the forearm, per way of the tool and of the slide."""
     behind, ahead = abs(1 - share), abs(share)
     if slides:
@@ -261,7 +261,7 @@ def capsule_rates(
     for forearm in (rates.shortest, rates.longest):
         for end in (low, high):
             at = end + (forearm - arm.forearm if slides else 0.0)
-            a, b = _along(rates, at / forearm, slides)
+            a, b = _forearm_rates(rates, at / forearm, slides)
             most, slid = max(most, a), max(slid, b)
         if rates.shortest == rates.longest:  # nothing slides
             break

@@ -115,10 +115,10 @@ def _row(triangles: FloatArray, count: int) -> tuple[Capsule, ...]:
     along = points @ axis
     cuts = np.linspace(along.min(), along.max(), count + 1)
     if count == 1:
-        return (_around(points),)
+        return (_smallest_capsule(points),)
     pad = 1e-9 * (1 + float(np.abs(points).max()))
     parts = (_between(triangles, axis, a - pad, b + pad) for a, b in itertools.pairwise(cuts))
-    return tuple(_around(part) for part in parts if len(part))
+    return tuple(_smallest_capsule(part) for part in parts if len(part))
 
 
 def _between(triangles: FloatArray, axis: FloatArray, low: float, high: float) -> FloatArray:
@@ -136,17 +136,17 @@ def _between(triangles: FloatArray, axis: FloatArray, low: float, high: float) -
     return triangles.reshape(-1, 3)
 
 
-def _around(points: FloatArray) -> Capsule:
+def _smallest_capsule(points: FloatArray) -> Capsule:
     """The smallest of the capsules around points along their principal axes."""
     hull = _corners(points)
-    return min((_along(hull, axis) for axis in _principal_axes(hull)), key=_volume)
+    return min((_capsule_along_axis(hull, axis) for axis in _principal_axes(hull)), key=_volume)
 
 
 def _volume(capsule: Capsule) -> float:
     return capsule.volume
 
 
-def _along(points: FloatArray, axis: FloatArray) -> Capsule:
+def _capsule_along_axis(points: FloatArray, axis: FloatArray) -> Capsule:
     """Capsule along ``axis`` around points (n, 3)."""
     across = points - np.outer(points @ axis, axis)
     centre = across.mean(axis=0)

@@ -111,7 +111,7 @@ def _near(
     place = np.minimum(((points - low) / side).astype(np.int32), counts - 1)
     cell = np.ravel_multi_index(tuple(place.T), tuple(counts))
     centres = low + side * (np.indices(tuple(counts)).reshape(3, -1).T + 0.5)
-    away = scipy.spatial.cKDTree(_along(path_points, side)).query(centres)[0]
+    away = scipy.spatial.cKDTree(_polyline_samples(path_points, side)).query(centres)[0]
     np.minimum(away, ObstacleSet(obstacles).boxed.signed_distance(centres).clip(0), out=away)
     order = away.argsort(kind="stable")
     filled = np.cumsum(np.bincount(cell[seen], minlength=len(centres))[order])
@@ -125,7 +125,7 @@ def _evenly(ids: NDArray[np.intp], most: int) -> NDArray[np.intp]:
     return ids if len(ids) <= most else ids[:: -(-len(ids) // most)]
 
 
-def _along(points: FloatArray, step: float) -> FloatArray:
+def _polyline_samples(points: FloatArray, step: float) -> FloatArray:
     """Places (m, 3) along a polyline (n, 3), no farther apart than ``step``, [unit]."""
     if len(points) < 2:
         return points

@@ -34,15 +34,15 @@ def tighten_near_meshes(
 @lru_cache(maxsize=4)
 def _tightened(points: bytes, obstacles: ObstacleSet, limits: bytes) -> FloatArray:
     """The new path: the arm's plan often begins with one that the tool's plan has tightened."""
-    path = tightened(flat(np.frombuffer(points)), _around(obstacles, np.frombuffer(limits)))
+    path = tightened(flat(np.frombuffer(points)), _surroundings(obstacles, np.frombuffer(limits)))
     return read_only(np.asarray(path).reshape(-1, 3))
 
 
 def clear_of(obstacles: ObstacleSet, margin: float) -> Surroundings:
     """The obstacles in the format of the kernels, with one margin for all segments, [unit]."""
-    return _around(obstacles, np.full(4, margin))
+    return _surroundings(obstacles, np.full(4, margin))
 
 
-def _around(obstacles: ObstacleSet, limits: FloatArray) -> Surroundings:
+def _surroundings(obstacles: ObstacleSet, limits: FloatArray) -> Surroundings:
     margins = flat(np.repeat(limits, len(obstacles.primitives)))
     return Surroundings(obstacles.packed, margins, obstacles.surfaces, flat(limits))

@@ -91,7 +91,7 @@ class ArmLayer:
         if motion is None:
             self._trace.points = NO_SEGMENTS
             if plan.arm is not None and plan.arm is self._arm:
-                self._move(self._nodes.rest(plan))
+                self._move(self._nodes.rest_pose(plan))
             return
         if plan.arm is self._arm:
             self._move(np.array([np.interp(time, motion.time, q) for q in motion.positions.T]))

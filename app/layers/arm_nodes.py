@@ -77,7 +77,7 @@ class ArmNodes(Protocol):
     def place(self, arm: AnyArm) -> None:
         """Put an arm on its base; build its nodes anew where it looks otherwise."""
 
-    def rest(self, plan: Plan) -> FloatArray:
+    def rest_pose(self, plan: Plan) -> FloatArray:
         """Positions (n,) in which the arm of a plan without a motion stands, [rad] and [unit]."""
 
     def values(self, positions: FloatArray) -> FloatArray:

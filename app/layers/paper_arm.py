@@ -44,7 +44,7 @@ class PaperArmNodes:
             self._built = solids
         self._lengths = lengths
 
-    def rest(self, plan: Plan) -> FloatArray:
+    def rest_pose(self, plan: Plan) -> FloatArray:
         """Pose with the tool on the start."""
         assert isinstance(plan.arm, Arm)
         return rest_pose(plan.arm, plan.scene.arm, plan.scene.start)

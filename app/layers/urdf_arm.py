@@ -60,7 +60,7 @@ class UrdfArmNodes:
         assert self._base is not None
         self._base.position, self._base.wxyz = arm.base, np.array(arm.wxyz)
 
-    def rest(self, plan: Plan) -> FloatArray:
+    def rest_pose(self, plan: Plan) -> FloatArray:
         """The first pose found with the tool on the start."""
         assert isinstance(plan.arm, UrdfArm)
         return first_poses(plan.arm, plan.scene.start)[0]

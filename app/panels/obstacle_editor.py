@@ -158,11 +158,11 @@ class ObstacleEditor:
         scale = fitted_scale(surface, scene)
         half = scale * np.ptp(surface.vertices, axis=0) / 2
         wanted = np.add(scene.workspace.min, scene.workspace.max) / 2
-        place = free_place(half, wanted, scene, self._taken(scene))
+        place = free_place(half, wanted, scene, self._occupied(scene))
         x, y, z = (place - scale * _middle(surface)).tolist()
         return MeshShape.of(surface, file=name, position=(x, y, z), scale=scale)
 
-    def _taken(self, scene: Scene) -> list[Bounds]:
+    def _occupied(self, scene: Scene) -> list[Bounds]:
         """Bounds of the obstacles of the last valid scene, and of those added since."""
         return [*(obstacle.bounds() for obstacle in scene.obstacles), *self._added]
 
@@ -219,7 +219,7 @@ class ObstacleEditor:
         """Add an obstacle at the free place nearest to its own."""
         low, high = obstacle.bounds()
         middle, half = (low + high) / 2, (high - low) / 2
-        place = free_place(half, middle, scene, self._taken(scene))
+        place = free_place(half, middle, scene, self._occupied(scene))
         self._added.append((place - half, place + half))
         x, y, z = (np.array(obstacle.position) + place - middle).tolist()
         self._obstacles.add(obstacle.model_copy(update={"position": (x, y, z)}))
