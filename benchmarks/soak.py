@@ -93,8 +93,7 @@ async def soak(
     url: str,
     tabs: int,
     seconds: float,
-    drag: float = DRAG,
-    rest: float = REST,
+    hand: tuple[float, float] = (DRAG, REST),
     settle: float = SETTLE,
     watch: Watch = lambda moment, figures: None,
     enough: Callable[[], bool] = lambda: False,
@@ -105,8 +104,7 @@ async def soak(
         url: of the server.
         tabs: number of tabs that are tested.
         seconds: in which they drag.
-        drag: seconds of one drag.
-        rest: seconds after it.
+        hand: seconds of one drag, and those after it.
         settle: seconds before the first one.
         watch: told the figures as they come.
         enough: whether to end early.
@@ -122,15 +120,13 @@ async def soak(
     await shut(sleeper, tabs + 2)
     end = time.monotonic() + seconds
     workers = [Worker(tab, phase) for phase, tab in enumerate(tested)]
-    dozing = [
-        asyncio.create_task(_doze(slow, SLOW_PAUSE, _SLOW_READ)),
-        asyncio.create_task(_doze(frozen, FROZEN, _THAWED)),
-    ]
+    pauses = (slow, SLOW_PAUSE, _SLOW_READ), (frozen, FROZEN, _THAWED)
+    dozing = [asyncio.create_task(_doze(*pause)) for pause in pauses]
     watch("open", {})
     tasks = [
         asyncio.create_task(work)
         for work in (
-            *(worker.work(end, drag, rest) for worker in workers),
+            *(worker.work(end, *hand) for worker in workers),
             slow.drag(seconds, tabs),
             frozen.drag(seconds, tabs + 1),
         )

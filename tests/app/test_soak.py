@@ -61,7 +61,7 @@ def test_all_tabs_end_with_the_right_curve_beside_a_slow_and_a_frozen_one(
 
     result = run_apart(
         soak(
-            *(crowd.url, 3, 600.0, 1.0, 2.5, 0.5),
+            *(crowd.url, 3, 600.0, (1.0, 2.5), 0.5),
             watch=watch,
             enough=lambda: figures.get("drags", 0) >= 3,
         )
