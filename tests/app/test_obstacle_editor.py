@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 import viser
 
+from abi.obstacles.primitives import PRIMITIVES
 from abi.scene.scene import Scene, load_scene
 from abi.scene.scene_file import dump
 from app.address import Address
@@ -82,6 +83,24 @@ def test_another_scene_is_in_the_numbers(tab: tuple[FakeTab, Session], name: str
     x, y, z = scene.start
     fake.set(session.panels.editor._end_boxes["start"].handle, [x + 0.125, *shown["start"][1:]])
     until(lambda: shows(session, scene.replace(start=(x + 0.125, y, z))))
+
+
+@pytest.mark.parametrize("kind", PRIMITIVES)
+def test_each_shape_is_added_with_a_body_and_a_box_for_every_size(
+    tab: tuple[FakeTab, Session], kind: str
+) -> None:
+    fake, session = tab
+    editor = session.panels.editor
+    count = len(session.frame.plan.scene.obstacles)
+    fake.set(editor.kind, kind)
+    fake.set(editor.buttons, "Add")
+    until(lambda: session.resting and len(session.frame.plan.scene.obstacles) == count + 1)
+    added = session.frame.plan.scene.obstacles[-1]
+    assert added.shape == kind
+    assert editor._obstacles._bodies[-1] is not None
+    sizes = set(type(added).model_fields) - {"shape", "position", "wxyz"}
+    shown = {name for name in ("size", "radius", "height") if getattr(editor.sizes, name).visible}
+    assert shown == sizes
 
 
 def test_without_obstacles_there_is_nothing_to_edit(tab: tuple[FakeTab, Session]) -> None:
