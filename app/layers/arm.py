@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import ClassVar
 
 import numpy as np
+import viser
 
 from abi.arm.any_arm import AnyArm
+from abi.arm.arm import Arm
 from abi.arm.trajectory import ArmMotion
+from abi.arm.urdf_arm import UrdfArm
 from abi.arrays import FloatArray
 from abi.planner.plan import Plan
 from app import style
@@ -19,6 +23,11 @@ from app.layers.urdf_arm import UrdfArmNodes
 from app.layout import Layout
 from app.lines import NO_SEGMENTS, Segments, add_line, segments
 
+_KINDS: dict[type[AnyArm], Callable[[viser.SceneApi], ArmNodes]] = {
+    Arm: PaperArmNodes,
+    UrdfArm: UrdfArmNodes,
+}
+"""Nodes of each kind of arm."""
 _TRACE_SAMPLES = 100
 _NO_JOINTS: list[JointPose] = []
 
@@ -37,8 +46,8 @@ class ArmLayer:
     def __init__(self, layout: Layout) -> None:
         scene = layout.client.scene
         self._playback = ArmPlayback(layout.client)
-        self._kinds: tuple[ArmNodes, ...] = (PaperArmNodes(scene), UrdfArmNodes(scene))
-        self._nodes: ArmNodes = self._kinds[0]
+        self._kinds = {kind: nodes(scene) for kind, nodes in _KINDS.items()}
+        self._nodes = next(iter(self._kinds.values()))
         self._joint_poses: list[JointPose] = []
         self._arm: AnyArm | None = None
         self._posed: object = None
@@ -59,7 +68,7 @@ class ArmLayer:
             self._pose(frame.plan, frame.time)
         clearance = frame.plan.arm_clearance
         self._nodes.redden(frozenset() if clearance is None else clearance.touching(frame.time))
-        for nodes in self._kinds:
+        for nodes in self._kinds.values():
             nodes.root.visible = shown and nodes is self._nodes
         self._trace.visible = "trace" in frame.shown
 
@@ -67,7 +76,7 @@ class ArmLayer:
         """Show another arm."""
         self._arm, self._posed = arm, None
         before = self._nodes.joint_nodes
-        self._nodes = next(nodes for nodes in self._kinds if nodes.draws(arm))
+        self._nodes = self._kinds[type(arm)]
         self._nodes.place(arm)
         if (joints := self._nodes.joint_nodes) is not before:
             self._joint_poses = [pose for node in joints if (pose := node.pose) is not None]

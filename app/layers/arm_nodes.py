@@ -71,9 +71,6 @@ class ArmNodes(Protocol):
     def joint_nodes(self) -> list[JointNode]:
         """One for each joint, parents before their children; another list for another arm."""
 
-    def draws(self, arm: AnyArm) -> bool:
-        """Check whether an arm is of that kind."""
-
     def place(self, arm: AnyArm) -> None:
         """Put an arm on its base; build its nodes anew where it looks otherwise."""
 

@@ -28,10 +28,6 @@ class PaperArmNodes:
         self._names: dict[str, str] = {}
         self._touching: frozenset[str] = frozenset()
 
-    def draws(self, arm: AnyArm) -> bool:
-        """Check whether it is the paper's."""
-        return isinstance(arm, Arm)
-
     def place(self, arm: AnyArm) -> None:
         """Put the arm on its base; build it anew when its links changed."""
         assert isinstance(arm, Arm)

@@ -42,10 +42,6 @@ class UrdfArmNodes:
         self._arm: UrdfArm | None = None
         self._touching: frozenset[str] = frozenset()
 
-    def draws(self, arm: AnyArm) -> bool:
-        """Check whether a URDF describes it."""
-        return isinstance(arm, UrdfArm)
-
     def place(self, arm: AnyArm) -> None:
         """Put the arm on its base; its geometry stays where robot, tip and unit do."""
         assert isinstance(arm, UrdfArm)

@@ -77,7 +77,7 @@ def test_an_arm_is_chosen_drawn_and_left(tab: tuple[FakeTab, Session]) -> None:
 
     fake.set(panel(session).model.mount, "on the ceiling")
     until(lambda: session.plan is not None and session.plan.scene.arm.base_wxyz == (0, 1, 0, 0))
-    until(lambda: np.allclose(drawn._kinds[1]._base.wxyz, (0, 1, 0, 0)))  # type: ignore[attr-defined]
+    until(lambda: np.allclose(drawn._kinds[UrdfArm]._base.wxyz, (0, 1, 0, 0)))  # type: ignore[attr-defined]
     assert session.plan is not None
     again = Scene.from_dict(session.plan.scene.to_dict())
     assert again.arm.base_wxyz == (0, 1, 0, 0)
@@ -87,7 +87,7 @@ def test_an_arm_is_chosen_drawn_and_left(tab: tuple[FakeTab, Session]) -> None:
     fake.set(panel(session).model.model, "the paper's arm")
     until(lambda: isinstance(planned_arm(session), Arm))
     until(lambda: drawn._nodes.root.name == "/arm" and drawn._nodes.root.visible)
-    assert not drawn._kinds[1].root.visible
+    assert not drawn._kinds[UrdfArm].root.visible
     assert panel(session).links.visible
 
 
