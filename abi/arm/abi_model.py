@@ -14,6 +14,7 @@ from abi.arm.arm_clearance import ArmClearance, arm_clearance
 from abi.arm.arm_model import OtherSights
 from abi.arm.arm_sight import ArmSight
 from abi.arm.inverse_kinematics import solve
+from abi.arm.solid_rows import RowTable
 from abi.arm.surroundings import Surroundings, surroundings
 from abi.arm.trajectory import ArmMotion
 from abi.arm.wrist_drives import wrist_positions
@@ -102,14 +103,15 @@ class AbiCourse:
 
 
 class AbiModel:
-    """The paper's arm."""
+    """The paper's arm; it remembers the rows of the last obstacles."""
 
     def __init__(self, settings: ArmSettings, unit: Literal["m", "cm", "mm"]) -> None:
         self.arm = Arm.from_settings(settings, unit)
+        self._rows = RowTable()
 
     def surroundings(self, obstacles: ObstacleSet, lowest: float) -> Surroundings:
         """Surroundings of the arm: obstacles, floor and column."""
-        return surroundings(self.arm, obstacles, lowest)
+        return surroundings(self.arm, obstacles, lowest, self._rows)
 
     def courses(
         self,

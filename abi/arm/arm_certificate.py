@@ -106,7 +106,9 @@ def certify_arm(
     """
     pieces = curve.bezier()
     room = np.zeros(3 * (len(pieces.points) + 2 * MOST_HALVINGS + 2) * (pieces.degree + 1))
-    tries = _MOST_TRIES + 20 * around.asked.size if most_tries is None else most_tries
+    tries = (
+        _MOST_TRIES + 20 * len(around.asked) * around.in_use if most_tries is None else most_tries
+    )
     status, at, pair, _, planes = separate_arm(
         flat(pieces.points),
         flat(pieces.breaks),

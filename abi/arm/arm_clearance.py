@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from typing import Literal, NamedTuple
@@ -15,10 +15,11 @@ from abi.arm import capsule_kernels
 from abi.arm.any_arm import AnyArm
 from abi.arm.arm import Arm, place
 from abi.arm.arm_certificate import ArmCertificate, ArmRefutation, certify_arm
-from abi.arm.surroundings import FLOOR, Surroundings
+from abi.arm.capsule_mesh_kernels import capsules_near_meshes
+from abi.arm.solid_rows import FLOOR
+from abi.arm.surroundings import Surroundings
 from abi.arm.trajectory import ArmMotion
 from abi.arrays import FloatArray, IntArray, flat, read_only
-from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import ObstacleSet
 
 _SHARES = (0.95, 0.8, 0.6, 0.4, 0.2)
@@ -30,9 +31,6 @@ _MANY = 1_000
 _TOUCH = 1e-9
 """Distance up to which it is measured how far the arm is from itself and the floor, [unit]: only
 what is touched is told."""
-
-_FIRST = 8
-"""Capsules whose ends are nearest to a mesh, which are measured before the others."""
 
 
 class Contact(NamedTuple):
@@ -132,7 +130,7 @@ def arm_clearance(
     proof = None
     if motion.reachable and not contacts:
         certify = partial(certify_arm, motion.curve, motion.slide, arm, motion.elbow, around)
-        proof = best_proof(certify, measured, required, len(around.numbers))
+        proof = best_proof(certify, measured, required, around.in_use)
     return ArmClearance(
         elbow=motion.elbow,
         distances=read_only(least),
@@ -209,58 +207,12 @@ def _measured(
 
 def _with_meshes(solid: _Measured, ends: FloatArray, arm: Arm, obstacles: ObstacleSet) -> _Measured:
     """The nearer of convex solids and meshes, for capsules with these ends (m, c, 2, 3)."""
-    shape = solid.distance.shape
-    radii = np.broadcast_to([capsule.radius for capsule in arm.capsules], shape).ravel()
-    starts, stops = ends[:, :, 0].reshape(-1, 3), ends[:, :, 1].reshape(-1, 3)
-    distance, number = solid.distance.ravel().copy(), solid.number.ravel().copy()
-    for k, mesh, rows in _within_reach(starts, stops, radii, obstacles, float(distance.min())):
-        away = _to_mesh(starts[rows], stops[rows], radii[rows], mesh, float(distance.min()))
-        nearer = away < distance[rows]
-        distance[rows[nearer]], number[rows[nearer]] = away[nearer], k
-    return _Measured(distance.reshape(shape), number.reshape(shape))
-
-
-def _within_reach(
-    starts: FloatArray, ends: FloatArray, radii: FloatArray, obstacles: ObstacleSet, best: float
-) -> Iterator[tuple[int, MeshShape, IntArray]]:
-    """Meshes whose boxes let them touch a capsule, or be nearer than ``best``; and the capsules.
-
-    Of many meshes most are far from an arm, and a look at their boxes costs less than at each.
-
-    Yields:
-        Number of a mesh, the mesh, and rows of the capsules.
-    """
-    if len(obstacles.meshes) > 1:
-        enough = float((obstacles.most_to_mesh(starts) - radii).min())
-        best = min(best, enough)
-    return obstacles.near_meshes(starts, ends, max(best, 0.0) + radii)
-
-
-def _to_mesh(
-    starts: FloatArray, ends: FloatArray, radii: FloatArray, mesh: MeshShape, best: float
-) -> FloatArray:
-    """Distances of capsules (n,) to a mesh, [unit]; inf of those that cannot count."""
-    count = len(starts)
-    both = np.concatenate([starts, ends])
-    lower, upper = (bound.reshape(2, count) for bound in mesh.distance_bounds(both))
-    lengths = np.linalg.norm(ends - starts, axis=1)
-    # the distance is 1-Lipschitz: only capsules that could touch, or be nearest, are measured
-    bound = (lower.sum(axis=0) - lengths) / 2 - radii
-    reached = upper.min(axis=0) - radii
-    near = bound <= max(0.0, min(best, float(reached.min())))
-    found = np.full(count, np.inf)
-    # first the likely nearest, then what touches or is nearer still
-    first = min(_FIRST, count) - 1
-    likely = near & (reached <= np.partition(reached, first)[first])
-    most = math.inf
-    for rows in (likely, near & ~likely):
-        rows = rows & (bound <= most)
-        if rows.any():
-            limits = most + radii[rows]
-            away = mesh.segment_distance(starts[rows], ends[rows], limits)
-            found[rows] = np.where(away < limits, away - radii[rows], np.inf)
-            most = max(float(found.min()), 0.0) + _TOUCH
-    return found
+    distance, mesh = solid.distance.copy(), np.empty(solid.number.shape, dtype=np.int32)
+    capsules_near_meshes(
+        *(flat(ends), arm.capsule_rows, obstacles.surfaces),
+        *(distance.reshape(-1), mesh.reshape(-1)),
+    )
+    return _Measured(distance, np.where(mesh >= 0, obstacles.mesh_numbers[mesh], solid.number))
 
 
 def _contacts(time: FloatArray, measured: _Measured, arm: Arm) -> tuple[Contact, ...]:

@@ -130,13 +130,12 @@ class ArmSight:
         self, points: FloatArray, number: int, reached: BoolArray, tree: NodeTree | None = None
     ) -> BoolArray:
         """Check if it nearly touches obstacle ``number`` at points (n, 3) that it reaches, (n,)."""
-        of_it = self.around.numbers == number
-        around = self.around.only(of_it)
+        around = self.around.only(self.around.numbers == number)
         forearm, slide = self._forearm
         if tree is None or slide > 0:
             return self._touching(points, around, reached)
         touching = np.zeros(len(points), dtype=np.bool_)
-        obstacle = around.beyond(self.clearance + self.slack), int(of_it.argmax())
+        obstacle = around.beyond(self.clearance + self.slack), self.around.first_row(number)
         place_tree_kernels.places_touching(
             tree, self.arm.table(self.elbow), obstacle, forearm, reached, touching
         )
@@ -158,7 +157,9 @@ class ArmSight:
     def legs(self) -> ArmLegs:
         """Surroundings of the tool's legs in the format of the kernels."""
         low, high = map(float, self.extensions)
-        pairs = read_only(np.flatnonzero(self._beyond.asked).astype(np.int32))
+        asked, outer = self.around.asked, self.around.outer
+        capsules, places = np.nonzero(asked[:, outer])
+        pairs = read_only((capsules * asked.shape[1] + outer[places]).astype(np.int32))
         return ArmLegs(self._table, self._beyond, pairs, (low, high), self.most_tries)
 
     def _slide(self, curve: PolynomialCurve) -> Slide:

@@ -5,13 +5,16 @@ from __future__ import annotations
 import numpy as np
 
 from abi.arm.separate_chain_kernels import Bodies
-from abi.arm.surroundings import FLOOR, Surroundings, outer_rows, solid_rows
+from abi.arm.solid_rows import FLOOR, Own, RowTable
+from abi.arm.surroundings import Surroundings, around
 from abi.arm.urdf_arm import UrdfArm
 from abi.arrays import flat, read_only
 from abi.obstacles.obstacle_set import ObstacleSet
 
 
-def chain_surroundings(arm: UrdfArm, obstacles: ObstacleSet, lowest: float) -> Surroundings:
+def chain_surroundings(
+    arm: UrdfArm, obstacles: ObstacleSet, lowest: float, table: RowTable | None = None
+) -> Surroundings:
     """Surroundings of an arm, without the arm itself.
 
     The floor is level with the base, or with the bottom of the workspace if that is lower. Links
@@ -21,22 +24,13 @@ def chain_surroundings(arm: UrdfArm, obstacles: ObstacleSet, lowest: float) -> S
         arm: the arm.
         obstacles: the solids.
         lowest: height of the workspace's bottom, [unit].
+        table: with the rows of obstacles as they were; None to make all anew.
     """
-    solids = solid_rows(obstacles, np.zeros(0))
-    asked = np.tile(np.append(solids.outermost, True), (len(arm.capsules), 1))
-    asked[:, -1] = [one.frame >= 1 for one in arm.capsules]
-    size = float(np.abs(arm.base).max()) + 2 * arm.reach + solids.largest_coordinate
-    numbers = read_only(np.append(solids.numbers, np.int32(FLOOR)).astype(np.int32))
-    return Surroundings(
-        rows=read_only(solids.rows),
-        inside=read_only(solids.inside.reshape(-1)),
-        numbers=numbers,
-        meshes=read_only(np.append(solids.meshes, np.int32(-1))),
-        asked=read_only(asked),
-        outer=outer_rows(asked),
-        floor=min(float(arm.base[2]), lowest),
-        size=size,
-    )
+    moves = np.array([one.frame >= 1 for one in arm.capsules])[:, None]
+    own = Own(np.zeros(0), np.array([FLOOR], dtype=np.int32), moves)
+    solids = (table or RowTable())(obstacles, own)
+    size = float(np.abs(arm.base).max()) + 2 * arm.reach
+    return around(solids, own, size, min(float(arm.base[2]), lowest))
 
 
 def bodies_of(arm: UrdfArm) -> Bodies:

@@ -4,30 +4,20 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import NamedTuple
 
 import numpy as np
 
 from abi.arm.arm import Arm
-from abi.arm.box_row_kernels import box_rows
 from abi.arm.link_capsules import COLUMN
+from abi.arm.solid_rows import FLOOR, Own, RowTable, SolidRows
 from abi.arm.surroundings_kernels import Obstacles
-from abi.arrays import BoolArray, FloatArray, IntArray, flat, read_only
-from abi.obstacles.mesh_shape import MeshShape
+from abi.arrays import BoolArray, FloatArray, IntArray, read_only
 from abi.obstacles.obstacle_set import ObstacleSet
-from abi.obstacles.pose import rotation
 from abi.obstacles.primitive_kernels import BOUNDS, WIDTH
 from abi.obstacles.primitive_tree_kernels import TREE
-from abi.obstacles.triangle_mesh.bvh import tree_of
-from abi.obstacles.triangle_mesh.surface import Surface
-from abi.obstacles.vector_kernels import vec3_at
 
-FLOOR, OWN = -1, -2
-"""Numbers of the floor and of the arm's first capsule, beside those of obstacles; -3 is its second,
-and so on."""
-
-_MOST_TRIANGLES = 20_000
-"""Triangles above which a mesh is taken for the boxes of the leaves of a tree."""
+OWN = -2
+"""Number of the arm's first capsule, beside those of obstacles; -3 is its second, and so on."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,7 +33,8 @@ class Surroundings:
             (k + 1,).
         meshes: the same of the rows of triangle meshes, -1 of others, (k + 1,).
         asked: whether a capsule must keep clear of it, False for boxes inside others, (c, k + 1).
-        outer: rows of which some capsule must, in their order.
+        outer: those that are in no other, obstacles and the floor in their order.
+        in_use: rows in use and the floor; of what no capsule is asked, more may be there.
         floor: height of the floor, [unit].
         size: largest coordinate of arm and obstacles, [unit].
     """
@@ -54,6 +45,7 @@ class Surroundings:
     meshes: IntArray
     asked: BoolArray
     outer: IntArray
+    in_use: int
     floor: float
     size: float
 
@@ -65,12 +57,18 @@ class Surroundings:
             *(self.asked.reshape(-1), self.outer, self.floor, self.size),
         )
 
+    def first_row(self, number: int) -> int:
+        """Row of an obstacle; of a mesh that of the box around it."""
+        return int(self.outer[(self.numbers[self.outer] == number).argmax()])
+
     def only(self, kept: BoolArray) -> Surroundings:
         """A copy that asks only about some of the rows; ``kept`` has one flag for each."""
         return replace(self, asked=read_only(self.asked & kept))
 
 
-def surroundings(arm: Arm, obstacles: ObstacleSet, lowest: float) -> Surroundings:
+def surroundings(
+    arm: Arm, obstacles: ObstacleSet, lowest: float, table: RowTable | None = None
+) -> Surroundings:
     """Build the surroundings of the paper's arm.
 
     The floor is level with the base, or with the bottom of the workspace if that is lower. Links
@@ -80,51 +78,40 @@ def surroundings(arm: Arm, obstacles: ObstacleSet, lowest: float) -> Surrounding
         arm: the arm.
         obstacles: the solids.
         lowest: height of the workspace's bottom, [unit].
+        table: with the rows of obstacles as they were; None to make all anew.
     """
-    own = _own_rows(arm)
-    solids = solid_rows(obstacles, own.rows)
-    number = np.concatenate([solids.numbers, own.numbers])
-    within = np.concatenate([solids.inside, np.zeros((len(own.numbers) - 1, 2), dtype=np.int32)])
-    asked = np.empty((len(arm.capsules), len(number)), dtype=np.bool_)
-    asked[:, : len(solids.numbers)] = solids.outermost
-    asked[:, len(solids.numbers) :] = own.asked
     reach = arm.a1 + arm.a2 + arm.a3 + 2 * arm.a4 + arm.a5
     size = float(np.abs(arm.base).max()) + reach
-    size += max(solids.largest_coordinate, largest_coordinate(own.rows))
-    meshes = np.concatenate([solids.meshes, np.full(len(own.numbers), -1, dtype=np.int32)])
+    own = _own(arm)
+    solids = (table or RowTable())(obstacles, own)
+    return around(solids, own, size, min(float(arm.base[2]), lowest))
+
+
+def around(solids: SolidRows, own: Own, size: float, floor: float) -> Surroundings:
+    """Surroundings of rows.
+
+    Args:
+        solids: the rows.
+        own: what the arm keeps clear of beside obstacles.
+        size: largest coordinate of the arm, [unit].
+        floor: height of the floor, [unit].
+    """
+    asked = np.zeros((len(own.asked), len(solids.numbers)), dtype=np.bool_)
+    asked[:, solids.outer] = True
+    asked[:, solids.outer[len(solids.outer) - own.asked.shape[1] :]] = own.asked
+    corners = solids.rows.reshape(-1, WIDTH)[solids.outer[:-1], BOUNDS:TREE]
     return Surroundings(
-        rows=read_only(solids.rows),
-        inside=read_only(within.reshape(-1)),
-        numbers=read_only(number),
-        meshes=read_only(meshes),
+        *(solids.rows, solids.inside, solids.numbers, solids.meshes),
         asked=read_only(asked),
-        outer=outer_rows(asked),
-        floor=min(float(arm.base[2]), lowest),
-        size=size,
+        outer=solids.outer,
+        in_use=solids.in_use,
+        floor=floor,
+        size=size + float(np.abs(corners).max(initial=0.0)),
     )
 
 
-def outer_rows(asked: BoolArray) -> IntArray:
-    """Rows that some capsule is asked to keep clear of, of flags (c, k)."""
-    return read_only(np.flatnonzero(asked.any(axis=0)).astype(np.int32))
-
-
-class _OwnRows(NamedTuple):
-    """What an arm keeps clear of beside obstacles: its column, and the floor.
-
-    Attributes:
-        rows: of the column, flat (k WIDTH,).
-        numbers: ``OWN`` minus a capsule's number of each of them, last ``FLOOR``, (k + 1,).
-        asked: whether a capsule is to keep clear of it, (c, k + 1).
-    """
-
-    rows: FloatArray
-    numbers: IntArray
-    asked: BoolArray
-
-
 @lru_cache(maxsize=16)
-def _own_rows(arm: Arm) -> _OwnRows:
+def _own(arm: Arm) -> Own:
     still = [k for k, capsule in enumerate(arm.capsules) if capsule.body == COLUMN]
     x, y, z = arm.base.tolist()
     rows = [np.zeros(0)]
@@ -137,136 +124,7 @@ def _own_rows(arm: Arm) -> _OwnRows:
     jointed = np.array([capsule.neighbour for capsule in arm.capsules])[:, None]
     grips = np.array([capsule.grips for capsule in arm.capsules])[:, None]
     asked = moves & np.where(numbers == FLOOR, ~grips, ~jointed)
-    return _OwnRows(read_only(np.concatenate(rows)), read_only(numbers), read_only(asked))
-
-
-class SolidRows(NamedTuple):
-    """Obstacles as rows of convex primitives.
-
-    Attributes:
-        rows: flat (k WIDTH,), and what was to come behind them.
-        numbers: obstacle of each, (k,).
-        meshes: the same of the rows of triangle meshes, -1 of others, (k,).
-        inside: first and last but one of the boxes inside each, 0 and 0 without, (k, 2).
-        outermost: flags of the rows that are in no other, (k,).
-    """
-
-    rows: FloatArray
-    numbers: IntArray
-    meshes: IntArray
-    inside: IntArray
-    outermost: BoolArray
-
-    @property
-    def largest_coordinate(self) -> float:
-        """Largest coordinate of the obstacles, [unit]."""
-        rows = self.rows.reshape(-1, WIDTH)[: len(self.numbers)]
-        return largest_coordinate(rows[self.outermost])
-
-
-def solid_rows(obstacles: ObstacleSet, behind: FloatArray) -> SolidRows:
-    """Obstacles as rows: primitives as they are, meshes as trees of boxes.
-
-    Args:
-        obstacles: the solids.
-        behind: further rows to come behind theirs, flat.
-    """
-    count = len(obstacles.primitives)
-    trees = [_boxes_of(mesh.surface).inside for mesh in obstacles.meshes]
-    begins = count + np.cumsum([0, *map(len, trees)])
-    last = int(begins[-1])
-    # of large meshes they take up to 100 MB: written in place, never copied
-    rows = np.zeros(last * WIDTH + len(behind))
-    rows[: count * WIDTH], rows[last * WIDTH :] = obstacles.packed, behind
-    numbers = np.repeat(obstacles.mesh_numbers, np.diff(begins)).astype(np.int32)
-    outermost = np.zeros(last, dtype=np.bool_)
-    outermost[:count] = outermost[begins[:-1]] = True
-    inside = [np.zeros((count, 2), dtype=np.int32)]
-    for mesh, tree, begin in zip(obstacles.meshes, trees, begins.tolist(), strict=False):
-        _write_boxes(mesh, rows[begin * WIDTH : (begin + len(tree)) * WIDTH])
-        inside.append(np.where(tree[:, 1:] > 0, tree + np.int32(begin), np.int32(0)))
-    others = np.full(count, -1, dtype=np.int32)
-    return SolidRows(
-        rows,
-        np.concatenate([obstacles.primitive_numbers, numbers]).astype(np.int32),
-        np.concatenate([others, numbers]),
-        np.concatenate(inside),
-        outermost,
-    )
-
-
-def largest_coordinate(rows: FloatArray) -> float:
-    """Largest coordinate of primitives, flat or one after the other, [unit]."""
-    bounds = rows.reshape(-1, WIDTH)[:, BOUNDS:TREE]
-    return float(np.abs(bounds).max(initial=0.0))
-
-
-def _write_boxes(mesh: MeshShape, rows: FloatArray) -> None:
-    """Write the rows of the boxes of a mesh, flat."""
-    boxes = _boxes_of(mesh.surface)
-    a, b, c = (vec3_at(flat(axis), 0) for axis in rotation(mesh.wxyz).T)
-    flat_boxes = flat(boxes.middles), flat(boxes.halves), flat(boxes.axes)
-    box_rows(*flat_boxes, (a, b, c), mesh.position, mesh.factor, rows)
-
-
-class _Boxes(NamedTuple):
-    """A tree of boxes that hold the triangles of a surface, in the file's unit.
-
-    Attributes:
-        middles: (n, 3).
-        halves: half sizes (n, 3).
-        axes: as columns (n, 3, 3).
-        inside: first and last but one of the boxes in each, 0 and 0 of the last ones, (n, 2).
-    """
-
-    middles: FloatArray
-    halves: FloatArray
-    axes: FloatArray
-    inside: IntArray
-
-
-@lru_cache(maxsize=16)
-def _boxes_of(surface: Surface) -> _Boxes:
-    """Boxes of a tree over the triangles, and a flat one for each triangle, in its plane.
-
-    Of a mesh of many triangles these are left out. Each box holds those inside it: were a flat one
-    to stick out, an arm could be clear of the one and in the way of the other.
-    """
-    tree = tree_of(surface)
-    low, high = np.split(tree.boxes.reshape(-1, 6), 2, axis=1)
-    nodes = len(low)
-    inner = nodes // 2
-    inside = np.zeros((nodes, 2), dtype=np.int32)
-    inside[:inner] = 2 * np.arange(inner)[:, None] + (1, 3)
-    upright = np.tile(np.eye(3), (nodes, 1, 1))
-    if len(surface.faces) > _MOST_TRIANGLES:
-        return _Boxes((low + high) / 2, (high - low) / 2, upright, inside)
-    inside[inner:, 0], inside[inner:, 1] = tree.leaves[:-1] + nodes, tree.leaves[1:] + nodes
-    corners = tree.corners.reshape(-1, 3, 3)
-    first, second = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-    # any orthonormal axes do: those of a triangle with no width are whatever comes out
-    axes, _ = np.linalg.qr(np.stack([first, second, np.cross(first, second)], axis=2))
-    own = np.einsum("nij,nki->nkj", axes, corners)
-    middles = np.einsum("nij,nj->ni", axes, (own.min(axis=1) + own.max(axis=1)) / 2)
-    halves = np.ptp(own, axis=1) / 2
-    spread = np.einsum("nij,nj->ni", np.abs(axes), halves)
-    low = _united(np.minimum, middles - spread, tree.leaves, inner)
-    high = _united(np.maximum, middles + spread, tree.leaves, inner)
-    return _Boxes(
-        np.concatenate([(low + high) / 2, middles]),
-        np.concatenate([(high - low) / 2, halves]),
-        np.concatenate([upright, axes]),
-        np.concatenate([inside, np.zeros((len(corners), 2), dtype=np.int32)]),
-    )
-
-
-def _united(outer: np.ufunc, corners: FloatArray, leaves: IntArray, inner: int) -> FloatArray:
-    """Outer corner (nodes, 3) of each box of a tree, from those of what its leaves hold."""
-    united = np.empty((2 * inner + 1, 3))
-    united[inner:] = outer.reduceat(corners, leaves[:-1])
-    for k in range(inner - 1, -1, -1):
-        united[k] = outer(united[2 * k + 1], united[2 * k + 2])
-    return united
+    return Own(read_only(np.concatenate(rows)), read_only(numbers), read_only(asked))
 
 
 def _rows(centres: FloatArray, axes: FloatArray, halves: FloatArray, radius: float) -> FloatArray:

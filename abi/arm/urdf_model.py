@@ -21,6 +21,7 @@ from abi.arm.chain_sight import ChainSight
 from abi.arm.chain_surroundings import chain_surroundings
 from abi.arm.joint_course import joint_course
 from abi.arm.pose_pairs import PosePair, pose_pairs
+from abi.arm.solid_rows import RowTable
 from abi.arm.stances import Stances, spread_over
 from abi.arm.surroundings import Surroundings
 from abi.arm.urdf_arm import TRIED, urdf_arm
@@ -42,7 +43,10 @@ _REMEMBERED = 16
 
 
 class UrdfModel:
-    """An arm that a URDF describes; it remembers its stances on the last mesh."""
+    """An arm that a URDF describes.
+
+    It remembers its stances on the last mesh, and the rows of the last obstacles.
+    """
 
     def __init__(self, settings: ArmSettings, unit: Literal["m", "cm", "mm"]) -> None:
         axis = settings.axis
@@ -52,10 +56,11 @@ class UrdfModel:
         self._poses: dict[Vec3, tuple[FloatArray, ...]] = {}
         self._at: tuple[TetMesh, Vec3, Vec3] | None = None
         self._stances: dict[PosePair, Stances] = {}
+        self._rows = RowTable()
 
     def surroundings(self, obstacles: ObstacleSet, lowest: float) -> Surroundings:
         """Surroundings of the arm: obstacles and floor."""
-        return chain_surroundings(self.arm, obstacles, lowest)
+        return chain_surroundings(self.arm, obstacles, lowest, self._rows)
 
     def courses(
         self,

@@ -151,7 +151,7 @@ def _clearance(
     if motion.reachable and not contacts:
         proof = best_proof(
             partial(certify_chain, arm, motion.positions, around),
-            *(measured, required, len(around.numbers)),
+            *(measured, required, around.in_use),
         )
     has = len(obstacles) > 0
     return ArmClearance(

@@ -75,8 +75,9 @@ class MeshShape(Posed):
     @property
     def surface(self) -> Surface:
         """The cleaned surface, in the file's coordinates."""
-        surface = self._surface
-        assert surface is not None
+        # not by its name, which pydantic looks up in microseconds
+        assert self.__pydantic_private__ is not None
+        surface: Surface = self.__pydantic_private__["_surface"]
         return surface
 
     @property

@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property
 from typing import Annotated, Self
 
 import numpy as np
@@ -21,6 +21,7 @@ from abi.arrays import BoolArray, FloatArray, IntArray, flat, read_only
 from abi.obstacles import obstacle_set_kernels as kernels
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.packing import pack
+from abi.obstacles.per_shape import PerShape
 from abi.obstacles.polyline_kernels import polyline_distances
 from abi.obstacles.primitive_kernels import BOUNDS, CORE, WIDTH
 from abi.obstacles.primitives import Box, Primitive
@@ -289,7 +290,7 @@ class ObstacleSet:
     @cached_property
     def _mesh_boxes(self) -> tuple[Box, ...]:
         """Bounding boxes of the meshes (m,)."""
-        return tuple(map(_bounding_box, self.meshes))
+        return tuple(_bounding_box.of_all(self.meshes))
 
     @cached_property
     def packed_mesh_boxes(self) -> FloatArray:
@@ -306,7 +307,7 @@ class ObstacleSet:
 NO_OBSTACLES = ObstacleSet()
 
 
-@lru_cache(maxsize=4096)
+@PerShape
 def _bounding_box(mesh: MeshShape) -> Box:
     low, high = mesh.bounds()
     x, y, z = np.maximum(high - low, 1e-9).tolist()

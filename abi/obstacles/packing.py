@@ -10,18 +10,16 @@ from functools import lru_cache
 import numpy as np
 
 from abi.arrays import FloatArray, read_only
+from abi.obstacles.per_shape import CROWD
 from abi.obstacles.pose import rotation
 from abi.obstacles.primitive_kernels import WIDTH
 from abi.obstacles.primitive_tree_kernels import TREE, link
 from abi.obstacles.primitives import Primitive
 
-_CROWD = 64
-"""Primitives from which on the last rows are remembered."""
-
 
 def pack(primitives: tuple[Primitive, ...]) -> FloatArray:
     """Rows of k primitives and their tree, flat (k ``WIDTH``,); see ``primitive_kernels``."""
-    if len(primitives) < _CROWD:
+    if len(primitives) < CROWD:
         rows = np.zeros((len(primitives), WIDTH))
         changed: Iterable[int] = range(len(primitives))
     else:
@@ -32,13 +30,14 @@ def pack(primitives: tuple[Primitive, ...]) -> FloatArray:
     if len(rows):
         link(packed)
     packed = read_only(packed)
-    if len(primitives) >= _CROWD:
-        _memory.crowds = ((primitives, packed), *_memory.crowds)[:2]
+    if len(primitives) >= CROWD:
+        others = [one for one in _memory.crowds if len(one[0]) != len(primitives)]
+        _memory.crowds = ((primitives, packed), *others[:2])
     return packed
 
 
 class _Memory(threading.local):
-    """Each thread's last two crowds, a scene's and one with boxes for meshes, and their rows."""
+    """Each thread's last crowds with their rows: primitives, the boxes of meshes, and both."""
 
     crowds: tuple[tuple[tuple[Primitive, ...], FloatArray], ...] = ()
 

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from abi.arrays import FloatArray, IntArray, read_only
 from abi.compiled import FLOATS, IDS
 from abi.obstacles.mesh_shape import MeshShape
+from abi.obstacles.per_shape import PerShape
 from abi.obstacles.triangle_mesh.bvh import Dipoles, TriangleTree
 from abi.obstacles.triangle_mesh.distance_grid_kernels import DistanceGrid
 from abi.obstacles.triangle_mesh.signed_distance import body_frame
@@ -95,16 +96,19 @@ def surface_set(meshes: Sequence[MeshShape], bounds: FloatArray) -> SurfaceSet:
     """The meshes as one, given the rows of their bounding boxes."""
     if not meshes:
         return NO_SURFACES
-    surfaces = tuple(dict.fromkeys(mesh.surface for mesh in meshes))
+    placed = _placed.of_all(meshes)
+    surfaces = tuple(dict.fromkeys(surface for surface, _ in placed))
     number = {surface: k for k, surface in enumerate(surfaces)}
-    whose = np.array([number[mesh.surface] for mesh in meshes], dtype=np.int32)
-    poses = []
-    for mesh in meshes:
-        origin, axes, factor = mesh.placed[1]
-        poses.append([*origin, *axes[0], *axes[1], *axes[2], factor])
-    return _joined(surfaces)._replace(
-        whose=read_only(whose), poses=read_only(np.array(poses).ravel()), bounds=bounds
-    )
+    whose = np.array([number[surface] for surface, _ in placed], dtype=np.int32)
+    poses = read_only(np.concatenate([pose for _, pose in placed]))
+    return _joined(surfaces)._replace(whose=read_only(whose), poses=poses, bounds=bounds)
+
+
+@PerShape
+def _placed(mesh: MeshShape) -> tuple[Surface, FloatArray]:
+    """Surface of a mesh, and its row of ``poses``."""
+    origin, axes, factor = mesh.placed[1]
+    return mesh.surface, np.array([*origin, *axes[0], *axes[1], *axes[2], factor])
 
 
 @lru_cache(maxsize=2)

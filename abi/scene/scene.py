@@ -6,6 +6,7 @@ of the visualiser read, and the only input of a plan.
 
 import json
 from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
@@ -15,7 +16,8 @@ from abi import assets
 from abi.errors import SceneError
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import Obstacles
-from abi.obstacles.pose import LARGEST, Vec3
+from abi.obstacles.per_shape import PerShape
+from abi.obstacles.pose import LARGEST, METRES, Vec3
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.obstacles.triangle_mesh.surface import Surface
 from abi.robot.robot_files import SHIPPED
@@ -37,6 +39,17 @@ from abi.scene.settings import (
 
 MOST_OBSTACLES = 5_000
 """Largest number of obstacles of a scene; the first plan with so many takes about a second."""
+
+
+def _in_unit(unit: str, shape: MeshShape) -> MeshShape | SceneError:
+    """A mesh in a scene of this unit, or what is wrong with it."""
+    try:
+        return shape.in_unit(unit)
+    except SceneError as error:
+        return error
+
+
+_IN_UNIT = {unit: PerShape(partial(_in_unit, unit)) for unit in METRES}
 
 
 class Scene(Settings):
@@ -70,18 +83,17 @@ class Scene(Settings):
     @classmethod
     def _scale_meshes(cls, obstacles: Obstacles, info: ValidationInfo) -> Obstacles:
         scaled = list(obstacles)
+        meshes = [k for k, shape in enumerate(obstacles) if isinstance(shape, MeshShape)]
+        in_unit = _IN_UNIT[info.data.get("unit", "m")].of_all([obstacles[k] for k in meshes])
         first_of: dict[str, MeshShape] = {}
-        for index, shape in enumerate(obstacles):
-            if not isinstance(shape, MeshShape):
-                continue
-            if first_of.setdefault(shape.file, shape).surface != shape.surface:
+        for index, shape in zip(meshes, in_unit, strict=True):
+            if isinstance(shape, SceneError):
+                raise SceneError(f"obstacles[{index}].{shape.field}", shape.value, shape.expected)
+            first = first_of.setdefault(shape.file, shape).surface
+            if first is not shape.surface and first != shape.surface:
                 expected = "another name: an obstacle before it has this one with other content"
                 raise SceneError(f"obstacles[{index}].file", shape.file, expected)
-            try:
-                scaled[index] = shape.in_unit(info.data.get("unit", "m"))
-            except SceneError as error:
-                field = f"obstacles[{index}].{error.field}"
-                raise SceneError(field, error.value, error.expected) from None
+            scaled[index] = shape
         return tuple(scaled)
 
     @model_validator(mode="after")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -12,6 +11,7 @@ from numba.extending import register_jitable
 from abi.arrays import FloatArray, IntArray, flat, read_only
 from abi.compiled import FLOATS, IDS
 from abi.obstacles.triangle_mesh.bvh_kernels import order_of_leaves, slabs_of_nodes
+from abi.obstacles.triangle_mesh.per_surface import PerSurface
 from abi.obstacles.triangle_mesh.surface import Surface
 from abi.obstacles.vector_kernels import Vec3, axpy, dot, vec3_at
 
@@ -94,9 +94,9 @@ def build_tree(triangles: FloatArray) -> TriangleTree:
     )
 
 
-@lru_cache(maxsize=16)
+@PerSurface
 def tree_of(surface: Surface) -> TriangleTree:
-    """The tree over a surface, in the file's coordinates; the last 16 are cached."""
+    """The tree over a surface, in the file's coordinates."""
     return build_tree(surface.vertices[surface.faces])
 
 

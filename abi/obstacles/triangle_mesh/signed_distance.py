@@ -7,14 +7,13 @@ number is an integer, so an approximation decides.
 
 from __future__ import annotations
 
-from functools import lru_cache
-
 import numpy as np
 
 from abi.arrays import FloatArray, read_only
 from abi.obstacles.pose import Vec3, rotation
 from abi.obstacles.triangle_mesh.bvh import Dipoles, TriangleTree, coarser, dipoles, moved, tree_of
 from abi.obstacles.triangle_mesh.distance_grid_kernels import DistanceGrid, grid_values
+from abi.obstacles.triangle_mesh.per_surface import PerSurface
 from abi.obstacles.triangle_mesh.rounding import error_of_distances
 from abi.obstacles.triangle_mesh.surface import Surface
 from abi.obstacles.triangle_mesh.surface_tables_kernels import Placement, SurfaceTables
@@ -85,7 +84,7 @@ def _grid(tree: TriangleTree, far_field: Dipoles, closed: bool, error: float) ->
     return DistanceGrid(read_only(values), (nx, ny, nz), (x, y, z), step, corners, bound)
 
 
-@lru_cache(maxsize=16)
+@PerSurface
 def body_frame(surface: Surface) -> BodyFrame:
-    """Tables of a surface; those of the last 16 surfaces are cached."""
+    """Tables of a surface."""
     return BodyFrame(surface)

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from abi.arm.arm import Arm, place
 from abi.arm.arm_clearance import ArmClearance, arm_clearance
 from abi.arm.capsule_kernels import capsule_clearances
+from abi.arm.capsule_mesh_kernels import capsules_near_meshes
 from abi.arm.surroundings import surroundings
 from abi.arm.trajectory import ArmMotion, follow
 from abi.arrays import FloatArray, flat, read_only
@@ -26,6 +27,7 @@ from abi.obstacles.triangle_mesh.repair import clean
 from abi.scene.settings import ArmSettings
 from tests.abi import meshes
 from tests.random_geometry import random_obstacle
+from tests.random_scenes import mesh_source
 
 SEED = st.integers(0, 2**32 - 1)
 
@@ -235,3 +237,38 @@ def test_a_capsule_left_unmeasured_is_neither_the_nearest_nor_touching(seed: int
     assert np.allclose(together[measured], one_by_one[measured], rtol=0, atol=1e-12)
     assert np.allclose(together.min(axis=1), one_by_one.min(axis=1), rtol=0, atol=1e-12)
     assert measured[one_by_one <= 0].all()
+
+
+@given(SEED)
+@settings(max_examples=20)
+def test_the_nearest_capsule_and_those_that_touch_a_mesh_are_measured(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    source = mesh_source()
+    obstacles = ObstacleSet(
+        tuple(
+            MeshShape.model_validate(
+                {"file": name, "scale": 0.5, "position": tuple(random.uniform(0, 4, 3).tolist())},
+                context={"meshes": source},
+            )
+            for name in random.choice(list(source.files), 5)
+        )
+    )
+    arm = Arm.from_settings(ArmSettings(base=(3.0, -3.0, 0.0)))
+    positions = np.zeros((40, 6))
+    first, last = random.uniform(-1.5, 1.5, (2, 3))
+    positions[:, :3] = np.linspace(first, last, 40)
+    ends = place(arm, positions)
+    count = ends.shape[0] * ends.shape[1]
+    found, nearest = np.full(count, np.inf), np.empty(count, dtype=np.int32)
+    capsules_near_meshes(flat(ends), arm.capsule_rows, obstacles.surfaces, found, nearest)
+
+    radii = np.tile([one.radius for one in arm.capsules], 40)
+    segments = ends[:, :, 0].reshape(-1, 3), ends[:, :, 1].reshape(-1, 3)
+    away = np.stack([one.segment_distance(*segments) - radii for one in obstacles.meshes])
+    outside = np.isfinite(found) & (found > 0)
+    assert np.allclose(found[outside], away.min(axis=0)[outside], rtol=0, atol=1e-9)
+    assert (found[away.min(axis=0) <= -1e-9] <= 0).all()
+    if away.min() > 0:
+        assert found.min() == pytest.approx(away.min(), abs=1e-9)
+    picked = np.flatnonzero(outside)
+    assert np.allclose(away[nearest[picked], picked], found[picked], rtol=0, atol=1e-9)

@@ -13,7 +13,7 @@ from abi.arm.arm_certificate import ArmCertificate
 from abi.arm.chain_certificate import certify_chain
 from abi.arm.chain_distances import floor_distances, obstacle_distances, own_distances
 from abi.arm.chain_surroundings import chain_surroundings
-from abi.arm.surroundings import FLOOR
+from abi.arm.solid_rows import FLOOR
 from abi.arm.urdf_arm import UrdfArm, segment_distances, urdf_arm
 from abi.arrays import FloatArray
 from abi.obstacles.mesh_shape import MeshShape

@@ -7,7 +7,7 @@ import itertools
 import numpy as np
 import pytest
 
-from abi.arm.surroundings import _boxes_of
+from abi.arm.mesh_boxes import boxes_of
 from abi.obstacles.triangle_mesh.repair import clean
 from tests.abi import meshes
 
@@ -19,7 +19,7 @@ _SIGNS = np.array(list(itertools.product((-1, 1), repeat=3)))
 )
 def test_each_box_holds_those_inside_it(mesh: meshes.Mesh) -> None:
     surface = clean(*mesh)
-    middles, halves, axes, inside = _boxes_of(surface)
+    middles, halves, axes, inside = boxes_of(surface)
     corners = middles[:, None] + np.einsum("nij,ncj->nci", axes, _SIGNS * halves[:, None])
     assert (inside[:, 1] > 0).any()
     for k, (first, last) in enumerate(inside):

@@ -1,0 +1,44 @@
+"""What is remembered of shapes and surfaces."""
+
+from __future__ import annotations
+
+import gc
+from unittest.mock import Mock
+
+from abi.obstacles.per_shape import CROWD, PerShape
+from abi.obstacles.primitives import Sphere
+from abi.obstacles.triangle_mesh.per_surface import PerSurface
+from abi.obstacles.triangle_mesh.repair import clean
+from abi.obstacles.triangle_mesh.surface import Surface
+from tests.abi import meshes
+
+
+def test_of_a_crowd_only_what_has_moved_is_asked_again() -> None:
+    radius = Mock(side_effect=lambda one: one.radius)
+    radii = PerShape[Sphere, float](radius)
+    crowd = [Sphere(radius=1.0 + k) for k in range(CROWD)]
+    assert radii.of_all(crowd) == [1.0 + k for k in range(CROWD)]
+    crowd[3] = Sphere(radius=0.5)
+    radius.reset_mock()
+    assert radii.of_all(crowd)[3] == 0.5
+    radius.assert_called_once_with(crowd[3])
+    assert radii.of_all(crowd[:2]) == [1.0, 2.0]
+    del crowd[5]
+    radius.reset_mock()
+    assert len(radii.of_all([*crowd, crowd[0]])) == CROWD
+    radius.assert_not_called()
+
+
+def test_results_are_kept_as_long_as_their_surfaces() -> None:
+    extent = Mock(side_effect=lambda one: one.extent)
+    extents = PerSurface[float](extent)
+    surfaces = [clean(*meshes.sphere(1, 0.5 + 0.01 * k)) for k in range(40)]
+    for _ in range(2):
+        assert [extents(one) for one in surfaces] == [one.extent for one in surfaces]
+    same = Surface(surfaces[0].vertices, surfaces[0].faces, surfaces[0].closed)
+    assert extents(same) == same.extent
+    assert extent.call_count == 40
+    extent.reset_mock()
+    del surfaces
+    gc.collect()
+    assert len(extents._results) < 40
