@@ -20,12 +20,8 @@ def obstacle_distances(
     ends = arm.place(positions)
     shape = ends.shape[:2]
     p, q = ends[:, :, 0].reshape(-1, 3), ends[:, :, 1].reshape(-1, 3)
-    distance, number = np.full(shape, np.inf), np.full(shape, -1, dtype=np.int32)
-    for index, obstacle in enumerate(obstacles):
-        gap = obstacle.segment_distance(p, q).reshape(shape) - arm.radii
-        nearer = gap < distance
-        distance[nearer], number[nearer] = gap[nearer], index
-    return distance, number
+    distance, number = obstacles.nearest_to_segments(p, q)
+    return distance.reshape(shape) - arm.radii, number.reshape(shape)
 
 
 def own_distances(arm: UrdfArm, positions: FloatArray) -> FloatArray:
