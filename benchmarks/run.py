@@ -79,7 +79,7 @@ def _tabs(sizes: Sequence[int], scenes: int) -> list[Row]:
 def _crowds(sizes: Sequence[int], scenes: int) -> list[Row]:
     from benchmarks import crowds
 
-    return crowds.measure(crowds.COUNTS) + crowds.measure(crowds.COUNTS, meshes=0.2)
+    return crowds.measure(crowds.COUNTS) + crowds.measure(crowds.COUNTS, meshes=0.33)
 
 
 def _arm(sizes: Sequence[int], scenes: int) -> list[Row]:
