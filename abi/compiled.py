@@ -19,6 +19,7 @@ import numpy as np
 from numba.core import caching
 
 from abi.arrays import read_only
+from abi.borrowed import Borrowing
 from abi.kernel_stamp import fields_of, stamp
 
 _P = ParamSpec("_P")
@@ -64,7 +65,7 @@ class Kernel(Generic[_P, _R]):
         self.example = example
         self.lock = threading.Lock()
         self.__doc__ = function.__doc__
-        self._options = {"nogil": True, **options}
+        self._options = {"nogil": True, "pipeline_class": Borrowing, **options}
         self._dispatcher: Any = None
         self._stale: tuple[Path, str, str] | None = None
         self._run: Callable[..., Any] = self.interpret if fallback else self._compile_and_run
