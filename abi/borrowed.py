@@ -76,7 +76,9 @@ class _BorrowArguments(FunctionPass):  # type: ignore[misc]
             body.append(line)
             if isinstance(line, ir.Assign) and isinstance(line.value, ir.Arg):
                 function = first.scope.redefine("$borrowed", line.loc)
-                body.append(ir.Assign(ir.Global("borrowed", borrowed, line.loc), function, line.loc))
+                body.append(
+                    ir.Assign(ir.Global("borrowed", borrowed, line.loc), function, line.loc)
+                )
                 call = ir.Expr.call(function, [line.target], (), line.loc)
                 body.append(ir.Assign(call, line.target, line.loc))
         first.body = body

@@ -15,10 +15,13 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+import numpy as np
 from numba.extending import register_jitable
 
 from abi.arm.direction_kernels import NO_DIRECTION, is_separated, keep_direction
+from abi.arm.mask_kernels import touched_row
 from abi.arm.pose_kernels import (
+    CAPSULE,
     NO_ARM,
     ArmTable,
     Pose,
@@ -42,13 +45,19 @@ from abi.arm.surroundings_kernels import (
     support,
 )
 from abi.arrays import BoolArray, FloatArray, IntArray
+from abi.borrowed import borrowed, held
 from abi.clearance.separation_kernels import CERTIFIED, REFUTED, UNDECIDED
 from abi.compiled import FLOATS, IDS, NEW_FLAGS, compiled
 from abi.obstacles.primitive_kernels import axes_of, centre_of, core_of, in_body, in_world
+from abi.obstacles.triangle_mesh.closest_point_kernels import DEPTH
 from abi.obstacles.vector_kernels import Vec3, axpy, distance, dot, sub, vec3_at
 
 MOST_TRIES = 20_000
 """Largest number of tries to prove a leg clear, before it counts as shut."""
+
+
+_LOOKS = (2, 4, 8)
+"""Parts of a leg at whose ends it is seen whether what was touched last is touched again."""
 
 
 class ArmLegs(NamedTuple):
@@ -67,6 +76,18 @@ class ArmLegs(NamedTuple):
     pairs: IntArray
     extensions: tuple[float, float]
     most_tries: int
+
+
+class Touched(NamedTuple):
+    """What the arm touched on the last leg that was not clear: on the next one it often does again.
+
+    Attributes:
+        pair: (1,) capsule times number of obstacles, plus obstacle; -1 at first.
+        waiting: room for ``DEPTH`` rows.
+    """
+
+    pair: IntArray
+    waiting: IntArray
 
 
 class _Piece(NamedTuple):
@@ -152,8 +173,50 @@ def _level(legs: ArmLegs, capsule: Moving, piece: _Piece, way: Vec3) -> float:
 
 
 @register_jitable
-def arm_is_clear(legs: ArmLegs, first: Vec3, last: Vec3) -> bool:
-    """Check whether it is proven that the arm keeps clear from one place of the tool to another."""
+def new_touched() -> Touched:
+    """Nothing touched yet."""
+    return Touched(np.full(1, -1, np.int32), np.empty(DEPTH, np.int32))
+
+
+@register_jitable
+def _touches_again(legs: ArmLegs, touched: Touched, first: Vec3, last: Vec3) -> bool:
+    """Check if the capsule that touched an obstacle last touches it at places of a leg."""
+    (arm, capsules), around, _, (low, high), _ = legs
+    count = len(around.margins)
+    c, s = touched.pair[0] // count, touched.pair[0] % count
+    if touched.pair[0] < 0 or s == count - 1:
+        return False
+    root = s
+    if around.meshes[s] >= 0:
+        for k in range(len(around.outer)):
+            if around.meshes[around.outer[k]] == around.meshes[s]:
+                root = int(around.outer[k])
+    way, forearm = sub(last, first), arm.forearm + (low + high) / 2
+    need = capsules[CAPSULE * c + 3] + around.margins[s] - ALLOWANCE * around.size
+    for parts in _LOOKS:
+        for k in range(1, parts, 2):
+            tool = axpy(k / parts, way, first)
+            if not reaches(arm, tool, forearm):
+                return True
+            a, b = capsule_ends(arm, pose_of(arm, tool, forearm), capsules, c)
+            row = touched_row(around, root, a, b, need, s, touched.waiting)
+            if row >= 0:
+                touched.pair[0] = c * count + row
+                return True
+    return False
+
+
+@register_jitable
+def arm_is_clear(legs: ArmLegs, touched: Touched, first: Vec3, last: Vec3) -> bool:
+    """Check whether it is proven that the arm keeps clear from one place of the tool to another.
+
+    Args:
+        legs: what to keep clear of.
+        touched: what it touched last; written.
+        first, last: places of the tool, [unit], world.
+    """
+    if _touches_again(legs, touched, first, last):
+        return False
     (arm, capsules), around, pairs, (low, high), most_tries = legs
     count = len(around.margins)
     forearm, slid = arm.forearm + (low + high) / 2, (high - low) / 2
@@ -188,7 +251,7 @@ def arm_is_clear(legs: ArmLegs, first: Vec3, last: Vec3) -> bool:
                 piece = _Piece(a, b, bend, allowance)
         capsule = moving_capsule(arm, capsules, 0, pose, rates, (farthest, slid))
         latest.clear()
-        left, touched = len(candidates), -1
+        left, met = len(candidates), -1
         for i in range(lowest, highest):
             work.clear()
             work.append(candidates[i])
@@ -200,15 +263,16 @@ def arm_is_clear(legs: ArmLegs, first: Vec3, last: Vec3) -> bool:
                         arm, capsules, pair // count, pose, rates, (farthest, slid)
                     )
                     latest.clear()
-                    touched = -1
+                    met = -1
                 if is_separated(around, s, latest):
                     continue
-                if touched >= 0 and around.meshes[s] == touched:
+                if met >= 0 and around.meshes[s] == met:
                     candidates.append(pair)
                     continue
                 tries += 1
                 outcome, away = _judged_on(legs, s, capsule, piece)
                 if outcome == REFUTED and is_solid(around, pair):
+                    touched.pair[0] = pair
                     return False
                 if bounded and outcome == CERTIFIED:
                     if around.meshes[s] >= 0:
@@ -217,7 +281,7 @@ def arm_is_clear(legs: ArmLegs, first: Vec3, last: Vec3) -> bool:
                 elif not open_box(around, pair, capsule.way, (capsule.first, capsule.last), work):
                     candidates.append(pair)
                     # the piece is halved anyhow: the rest of the mesh is as good tried there
-                    touched = around.meshes[s] + 0
+                    met = around.meshes[s] + 0
         if len(candidates) == left:
             continue
         if tries > most_tries or farthest < FINEST * around.size:
@@ -236,5 +300,8 @@ def clear_legs(points: FloatArray, legs: ArmLegs, clear: BoolArray) -> None:
         legs: what the arm is to keep clear of.
         clear: (k - 1,); written.
     """
+    own = new_touched()
+    touched = borrowed(own)
     for k in range(len(clear)):
-        clear[k] = arm_is_clear(legs, vec3_at(points, 3 * k), vec3_at(points, 3 * k + 3))
+        clear[k] = arm_is_clear(legs, touched, vec3_at(points, 3 * k), vec3_at(points, 3 * k + 3))
+    held(own)

@@ -242,33 +242,34 @@ def _separate_pairs(
         REFUTED or UNDECIDED; the pair and the distance that refute it; how many were tried.
     """
     (arm, capsules), count = table, len(around.margins)
+    planes, candidates, work, latest = room
     capsule = moving_capsule(arm, capsules, 0, stance.pose, stance.rates, stance.ways)
     left, tries = -1, 0
-    while len(room.work) > 0:
-        pair = room.work.pop()
+    while len(work) > 0:
+        pair = work.pop()
         tries += 1
         s = pair % count
         if pair // count != capsule.number:
             number = pair // count
             capsule = moving_capsule(arm, capsules, number, stance.pose, stance.rates, stance.ways)
-            room.latest.clear()
+            latest.clear()
             left = -1
-        if is_separated(around, s, room.latest):
+        if is_separated(around, s, latest):
             continue
         if left >= 0 and around.meshes[s] == left:
-            room.candidates.append(pair)
+            candidates.append(pair)
             continue
         outcome, away, way = separates(around, s, capsule, stance.rates)
         if outcome == REFUTED and is_solid(around, pair):
             return REFUTED, pair, away, tries
         if stance.bounded and outcome == CERTIFIED:
-            room.planes.append(Plane(piece.start, piece.end, pair, way, at))
+            planes.append(Plane(piece.start, piece.end, pair, way, at))
             if around.meshes[s] >= 0:
                 level = min(dot(way, capsule.first), dot(way, capsule.last))
                 level -= separating_gap(around, capsule, stance.rates)
-                keep_direction(room.latest, way, level, around.meshes[s])
-        elif not open_box(around, pair, capsule.way, (capsule.first, capsule.last), room.work):
-            room.candidates.append(pair)
+                keep_direction(latest, way, level, around.meshes[s])
+        elif not open_box(around, pair, capsule.way, (capsule.first, capsule.last), work):
+            candidates.append(pair)
             # the piece is halved anyhow: the rest of the mesh is as good tried on its halves
             left = around.meshes[s] + 0
     return UNDECIDED, -1, 0.0, tries

@@ -12,6 +12,7 @@ from typing import NamedTuple
 from numba.extending import register_jitable
 
 from abi.arrays import FloatArray
+from abi.borrowed import borrowed, held
 from abi.clearance.bezier_kernels import divide, extent_of
 from abi.clearance.mesh_clearance_kernels import ends_near_meshes, middles_near_meshes
 from abi.compiled import FLOATS, compiled
@@ -270,7 +271,8 @@ def measure_curve(
             that are not halved for their ends alone.
     """
     required = demand[0]
-    around = _Around(primitives, surfaces, new_room())
+    own = new_room()
+    around = _Around(primitives, surfaces, borrowed(own))
     pieces = _first_pieces(control, breaks, parts)
     nearest = _sample_ends(around, pieces, required)
     bottom = nearest.distance
@@ -292,5 +294,6 @@ def measure_curve(
         if len(chosen) == 0:
             break
         pieces = _halves(pieces, middles, chosen)
+    held(own)
     distance, at, obstacle = nearest
     return min(bottom, distance), at, distance, obstacle, stretches

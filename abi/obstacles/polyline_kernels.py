@@ -10,6 +10,7 @@ import math
 import numpy as np
 
 from abi.arrays import FloatArray, IntArray
+from abi.borrowed import borrowed, held
 from abi.compiled import FLOATS, NEW_FLOATS, NEW_IDS, compiled
 from abi.obstacles.obstacle_set_kernels import distance_to_segment, nearest_to_segment
 from abi.obstacles.primitive_kernels import WIDTH
@@ -39,7 +40,8 @@ def polyline_distances(
         enough: distances from here on, but for the least of all, may be any from here on, [unit].
         distances: of each polyline (n,), [unit], inf without obstacles; written.
     """
-    room = new_room()
+    own = new_room()
+    room = borrowed(own)
     least = math.inf
     for run in range(len(distances)):
         first, last = 3 * run * size, 3 * (run * size + size - 1)
@@ -58,6 +60,7 @@ def polyline_distances(
             best = min(best, most)
         distances[run] = best
         least = min(least, best)
+    held(own)
 
 
 @compiled(example=(FLOATS, FLOATS, FLOATS, NO_SURFACES, NEW_FLOATS, NEW_IDS))
@@ -79,7 +82,8 @@ def segment_distances(
         distances: (n,), [unit], inf without obstacles; written.
         rows: (n,) number of the primitive or, after these, of the mesh; -1 without; written.
     """
-    room = new_room()
+    own = new_room()
+    room = borrowed(own)
     for i in range(len(distances)):
         a, b = vec3_at(starts, 3 * i), vec3_at(ends, 3 * i)
         best, whose = nearest_to_segment(primitives, math.inf, a, b)
@@ -89,6 +93,7 @@ def segment_distances(
             if mesh >= 0 and away < best:
                 best, whose = away, len(primitives) // WIDTH + mesh
         distances[i], rows[i] = best, whose
+    held(own)
 
 
 @compiled(example=(FLOATS, FLOATS, 1.0))

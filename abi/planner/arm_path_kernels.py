@@ -6,11 +6,14 @@ points, [unit], world.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numba.extending import register_jitable
 
-from abi.arm.leg_kernels import NO_LEGS, ArmLegs, arm_is_clear
+from abi.arm.leg_kernels import NO_LEGS, ArmLegs, Touched, arm_is_clear, new_touched
 from abi.arrays import FloatArray
+from abi.borrowed import borrowed, held
 from abi.compiled import FLOATS, compiled
 from abi.obstacles.triangle_mesh.surface_tables_kernels import Room, new_room
 from abi.obstacles.vector_kernels import Vec3, axpy, dot, sub, vec3_at
@@ -23,29 +26,46 @@ _SETTLED = 1e-3
 _CUT = (0.45, 0.2)
 
 
+class _Around(NamedTuple):
+    """What tool and arm keep clear of.
+
+    Attributes:
+        tool: what the tool does.
+        room: for its descents.
+        arm: what the arm does.
+        touched: what it touched last.
+    """
+
+    tool: Surroundings
+    room: Room
+    arm: ArmLegs
+    touched: Touched
+
+
 @register_jitable
-def _clear(around: Surroundings, legs: ArmLegs, room: Room, a: Vec3, b: Vec3) -> bool:
+def _clear(around: _Around, a: Vec3, b: Vec3) -> bool:
     """Check whether tool and arm are clear on the leg from a to b."""
-    return is_clear(around, 0, a, b, room) and arm_is_clear(legs, a, b)
+    tool, room, arm, touched = around
+    return is_clear(tool, 0, a, b, room) and arm_is_clear(arm, touched, a, b)
 
 
 @register_jitable
-def _shortcuts(path: list[Vec3], around: Surroundings, legs: ArmLegs, room: Room) -> list[Vec3]:
+def _shortcuts(path: list[Vec3], around: _Around) -> list[Vec3]:
     """From each vertex straight to the farthest in sight, found by doubling, then halving."""
     kept, i, last = [path[0]], 0, len(path) - 1
     while i < last:
         near, step = i + 1, 2
-        while i + step <= last and _clear(around, legs, room, path[i], path[i + step]):
+        while i + step <= last and _clear(around, path[i], path[i + step]):
             near, step = i + step, 2 * step
         tried = i + step <= last
         far = min(i + step, last)
         while far > near + 1:
             middle = (near + far) // 2
-            if _clear(around, legs, room, path[i], path[middle]):
+            if _clear(around, path[i], path[middle]):
                 near = middle
             else:
                 far, tried = middle, True
-        if near < far and not tried and _clear(around, legs, room, path[i], path[last]):
+        if near < far and not tried and _clear(around, path[i], path[last]):
             near = last
         i = near
         kept.append(path[i])
@@ -53,12 +73,12 @@ def _shortcuts(path: list[Vec3], around: Surroundings, legs: ArmLegs, room: Room
 
 
 @register_jitable
-def _moved(path: list[Vec3], around: Surroundings, legs: ArmLegs, room: Room) -> list[Vec3]:
+def _moved(path: list[Vec3], around: _Around) -> list[Vec3]:
     """Vertices dropped, or moved towards the chord of their neighbours."""
     kept = [path[0]]
     for k in range(1, len(path) - 1):
         a, vertex, b = kept[-1], path[k], path[k + 1]
-        if _clear(around, legs, room, a, b):
+        if _clear(around, a, b):
             continue
         chord = sub(b, a)
         share = dot(sub(vertex, a), chord) / max(dot(chord, chord), 1e-300)
@@ -66,7 +86,7 @@ def _moved(path: list[Vec3], around: Surroundings, legs: ArmLegs, room: Room) ->
         found = vertex
         for step in _STEPS:
             at = axpy(step, pull, vertex)
-            if _clear(around, legs, room, a, at) and _clear(around, legs, room, at, b):
+            if _clear(around, a, at) and _clear(around, at, b):
                 found = at
                 break
         kept.append(found)
@@ -75,7 +95,7 @@ def _moved(path: list[Vec3], around: Surroundings, legs: ArmLegs, room: Room) ->
 
 
 @register_jitable
-def _cut_corners(path: list[Vec3], around: Surroundings, legs: ArmLegs, room: Room) -> list[Vec3]:
+def _cut_corners(path: list[Vec3], around: _Around) -> list[Vec3]:
     """Bends cut where that is clear."""
     kept = [path[0]]
     for k in range(1, len(path) - 1):
@@ -84,7 +104,7 @@ def _cut_corners(path: list[Vec3], around: Surroundings, legs: ArmLegs, room: Ro
         cut = False
         for share in _CUT:
             first, last = axpy(share, back, vertex), axpy(share, ahead, vertex)
-            if _clear(around, legs, room, first, last):
+            if _clear(around, first, last):
                 kept.append(first)
                 kept.append(last)
                 cut = True
@@ -107,14 +127,16 @@ def pulled(points: FloatArray, around: Surroundings, legs: ArmLegs) -> FloatArra
     Returns:
         The path, flat, never longer.
     """
-    room = new_room()
-    path = _shortcuts([vec3_at(points, 3 * k) for k in range(len(points) // 3)], around, legs, room)
+    own = _Around(around, new_room(), legs, new_touched())
+    both = borrowed(own)
+    path = _shortcuts([vec3_at(points, 3 * k) for k in range(len(points) // 3)], both)
     for _ in range(_ROUNDS):
         before = length_of(path)
-        path = _cut_corners(_moved(path, around, legs, room), around, legs, room)
+        path = _cut_corners(_moved(path, both), both)
         if length_of(path) > (1 - _SETTLED) * before:
             break
     taut = np.empty(3 * len(path))
     for k in range(len(path)):
         taut[3 * k], taut[3 * k + 1], taut[3 * k + 2] = path[k]
+    held(own)
     return taut

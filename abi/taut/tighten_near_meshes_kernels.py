@@ -13,6 +13,7 @@ import numpy as np
 from numba.extending import register_jitable
 
 from abi.arrays import FloatArray
+from abi.borrowed import borrowed, held
 from abi.compiled import FLOATS, compiled
 from abi.obstacles.obstacle_set_kernels import nearest_to_segment
 from abi.obstacles.primitive_kernels import (
@@ -114,13 +115,23 @@ def _shortcut(path: list[Vec3], around: Surroundings, room: Room) -> list[Vec3]:
 
 
 @register_jitable
+def _leg_is_clear(
+    path: list[Vec3], i: int, trial: Vec3, first: bool, around: Surroundings, room: Room
+) -> bool:
+    """Whether the leg to vertex i, or else the leg from it, would be clear with it elsewhere."""
+    last = len(path) - 1
+    if first:
+        return is_clear(around, kind_of(i - 1, i, last), path[i - 1], trial, room)
+    return is_clear(around, kind_of(i, i + 1, last), trial, path[i + 1], room)
+
+
+@register_jitable
 def _move(path: list[Vec3], i: int, around: Surroundings, room: Room) -> None:
     """Move a vertex to where its legs are shortest, of the places tried.
 
     Towards the chord of its neighbours, straight and in the plane across the gradient of the
     distance, as far as the legs stay clear.
     """
-    last = len(path) - 1
     a, here, b = path[i - 1], path[i], path[i + 1]
     before, best = distance(a, here), distance(a, here) + distance(here, b)
     if best == 0.0:
@@ -129,6 +140,7 @@ def _move(path: list[Vec3], i: int, around: Surroundings, room: Room) -> None:
     normal = _outward(around, here, room)
     across = axpy(-dot(pull, normal), normal, pull)
     best *= 1.0 - 1e-12
+    first = True  # whether it was the first leg that was blocked last: it mostly is again
     for direction in (pull, across):
         step = 1.0
         for _ in range(_HALVINGS):
@@ -137,9 +149,10 @@ def _move(path: list[Vec3], i: int, around: Surroundings, room: Room) -> None:
             step /= 2
             if length >= best:
                 continue
-            if is_clear(around, kind_of(i - 1, i, last), a, trial, room) and is_clear(
-                around, kind_of(i, i + 1, last), trial, b, room
-            ):
+            if not _leg_is_clear(path, i, trial, first, around, room):
+                continue
+            first = not first
+            if _leg_is_clear(path, i, trial, first, around, room):
                 best, path[i] = length, trial
                 break
 
@@ -173,7 +186,8 @@ def _cut_corners(path: list[Vec3], around: Surroundings, room: Room) -> list[Vec
 @compiled(example=(FLOATS, NO_SURROUNDINGS), fallback=False)
 def tightened(points: FloatArray, around: Surroundings) -> FloatArray:
     """Pull a path (3 k,) taut, see :func:`abi.taut.tighten_near_meshes.tighten_near_meshes`."""
-    room = new_room()
+    own = new_room()
+    room = borrowed(own)
     path = [vec3_at(points, 3 * i) for i in range(len(points) // 3)]
     path = _shortcut(path, around, room)
     for _ in range(_CUTS):
@@ -191,4 +205,5 @@ def tightened(points: FloatArray, around: Surroundings) -> FloatArray:
     taut = np.empty(3 * len(path))
     for i in range(len(path)):
         taut[3 * i], taut[3 * i + 1], taut[3 * i + 2] = path[i]
+    held(own)
     return taut

@@ -13,6 +13,7 @@ import numpy as np
 from numba.extending import register_jitable
 
 from abi.arrays import FloatArray, IntArray
+from abi.borrowed import borrowed, held
 from abi.compiled import IDS, compiled
 from abi.obstacles.primitive_kernels import in_body
 from abi.obstacles.triangle_mesh.blocked_segment_kernels import limit_of
@@ -86,14 +87,15 @@ def exclusion_near_mesh(
     near_point = margin / placement.factor
     doubt = tables.error[0] + tables.error[1] * near_point
     limits = Limits(near_point, (margin + longest) / placement.factor, near_point + doubt)
-    surface = PlacedSurface(tables, placement, limits, new_room())
-    bounds = np.full(adjacency.shape.nodes, FAR)
+    own, bounds = new_room(), np.full(adjacency.shape.nodes, FAR)
+    surface = PlacedSurface(tables, placement, limits, borrowed(own))
     if adjacency.shape.kind == CSR:
         starts, lengths, near = near_nodes_of_rows(adjacency, surface, bounds)
         cut_nodes, cut_bits = _edges_of_rows(adjacency, surface, bounds, near)
     else:
         starts, lengths, near = near_nodes_of_lattice(adjacency, surface, bounds)
         cut_nodes, cut_bits = _edges_of_lattice(adjacency, open_directions, surface, bounds, near)
+    held(own)
     return starts, lengths, cut_nodes, cut_bits
 
 

@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from abi.arrays import BoolArray, FloatArray
+from abi.borrowed import borrowed, held
 from abi.compiled import FLOATS, NEW_FLAGS, NEW_FLOATS, compiled
 from abi.obstacles.primitive_kernels import in_world
 from abi.obstacles.triangle_mesh.blocked_segment_kernels import is_blocked
@@ -30,11 +31,13 @@ def signed_distances(
     tables: SurfaceTables, placement: Placement, points: FloatArray, distances: FloatArray
 ) -> None:
     """Signed distances (n,) of points (3 n,), [unit], world; written."""
-    room = new_room()
+    own = new_room()
+    room = borrowed(own)
     for i in range(len(points) // 3):
         x = to_surface(placement, vec3_at(points, 3 * i))
         away, _ = signed_distance_at(tables, x, room)
         distances[i] = away * placement.factor
+    held(own)
 
 
 @compiled(example=(NO_TABLES, NO_PLACEMENT, FLOATS, NEW_FLOATS, NEW_FLOATS), fallback=False)
@@ -46,7 +49,8 @@ def signed_distance_gradients(
     gradients: FloatArray,
 ) -> None:
     """Signed distances (n,) of points (3 n,), [unit], world, and gradients (3 n,); written."""
-    room = new_room()
+    own = new_room()
+    room = borrowed(own)
     for i in range(len(points) // 3):
         x = to_surface(placement, vec3_at(points, 3 * i))
         away, gradient = gradient_at(tables, x, room)
@@ -54,6 +58,7 @@ def signed_distance_gradients(
         gradient = in_world(placement.axes, gradient)
         for k in range(3):
             gradients[3 * i + k] = gradient[k]
+    held(own)
 
 
 @compiled(example=(NO_TABLES, NO_PLACEMENT, FLOATS, FLOATS, NEW_FLOATS), fallback=False)
@@ -65,12 +70,14 @@ def least_distances(
     distances: FloatArray,
 ) -> None:
     """Least signed distances (n,) along segments (3 n,), [unit], world, where less; written."""
-    room = new_room()
+    own = new_room()
+    room = borrowed(own)
     factor = placement.factor
     for i in range(len(distances)):
         p = to_surface(placement, vec3_at(starts, 3 * i))
         q = to_surface(placement, vec3_at(ends, 3 * i))
         distances[i] = least_distance(tables, p, q, distances[i] / factor, room) * factor
+    held(own)
 
 
 @compiled(example=(NO_TABLES, NO_PLACEMENT, FLOATS, FLOATS, 1, 0.0), fallback=False)
@@ -87,7 +94,8 @@ def nearest_segment(
     ``most`` and -1 where none is nearer. A segment that is where the one ``legs`` before it is, as
     a link of an arm that stands still, is passed over.
     """
-    room = new_room()
+    own = new_room()
+    room = borrowed(own)
     count = len(starts) // 3
     bounds = np.empty(count)
     nearest, found = most / placement.factor, -1
@@ -112,6 +120,7 @@ def nearest_segment(
         away = least_distance(tables, p, q, nearest, room)
         if away < nearest:
             nearest, found = away, i
+    held(own)
     return (nearest * placement.factor if found >= 0 else most), found
 
 
@@ -125,11 +134,13 @@ def blocked_segments(
     blocked: BoolArray,
 ) -> None:
     """Flags (n,) of the segments (3 n,) nearer than margins (n,), [unit], world; written."""
-    room = new_room()
+    own = new_room()
+    room = borrowed(own)
     for i in range(len(starts) // 3):
         p = to_surface(placement, vec3_at(starts, 3 * i))
         q = to_surface(placement, vec3_at(ends, 3 * i))
         blocked[i] = is_blocked(tables, p, q, margins[i] / placement.factor, room)
+    held(own)
 
 
 @compiled(example=(NO_TABLES, NO_PLACEMENT, FLOATS, NEW_FLOATS, NEW_FLOATS), fallback=False)
