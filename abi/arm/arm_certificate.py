@@ -21,6 +21,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Literal
 
 import numpy as np
@@ -104,11 +105,26 @@ def certify_arm(
         margin: distance to prove from obstacles, at least 0, [unit].
         most_tries: pairs of a capsule and an obstacle to try at most; None for the default limit.
     """
-    pieces = curve.bezier()
-    room = np.zeros(3 * (len(pieces.points) + 2 * MOST_HALVINGS + 2) * (pieces.degree + 1))
     tries = (
         _MOST_TRIES + 20 * len(around.asked) * around.in_use if most_tries is None else most_tries
     )
+    bounds = tuple(flat(values).tobytes() for values in slide)
+    return _certified(curve, bounds, arm, elbow, around, margin, tries)  # type: ignore[arg-type]
+
+
+@lru_cache(maxsize=2)
+def _certified(
+    curve: PolynomialCurve,
+    bounds: tuple[bytes, ...],
+    arm: Arm,
+    elbow: Literal["up", "down"],
+    around: Surroundings,
+    margin: float,
+    tries: int,
+) -> ArmCertificate | ArmRefutation:
+    """The same: a curve that is tried for the arm is proven again once it is executed."""
+    pieces, slide = curve.bezier(), Slide(*map(np.frombuffer, bounds))
+    room = np.zeros(3 * (len(pieces.points) + 2 * MOST_HALVINGS + 2) * (pieces.degree + 1))
     status, at, pair, _, planes = separate_arm(
         flat(pieces.points),
         flat(pieces.breaks),

@@ -8,6 +8,7 @@ points in the world frame.
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -290,8 +291,10 @@ class ObstacleSet:
                 limits = np.minimum(limits, self.most_to_mesh(starts))
             wide = flat(limits * (1 + _WIDER) + _WIDER)
             rows, boxes = kernels.near_boxes(flat(starts), flat(ends), wide, self.packed_mesh_boxes)
-        cuts = np.flatnonzero(np.diff(boxes, prepend=-1, append=-1))
-        for first, last in zip(cuts[:-1].tolist(), cuts[1:].tolist(), strict=True):
+        if not len(boxes):
+            return
+        cuts = (np.flatnonzero(boxes[1:] != boxes[:-1]) + 1).tolist()
+        for first, last in itertools.pairwise([0, *cuts, len(boxes)]):
             k = int(boxes[first])
             yield int(self.mesh_numbers[k]), self.meshes[k], rows[first:last]
 
