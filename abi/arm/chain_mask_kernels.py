@@ -15,6 +15,7 @@ from abi.arm.mask_kernels import touched_row
 from abi.arm.separate_chain_kernels import BODIES, Bodies, between_segments, place_bodies
 from abi.arm.surroundings_kernels import NO_OBSTACLES, Obstacles
 from abi.arrays import BoolArray, FloatArray, IntArray
+from abi.borrowed import borrowed, held
 from abi.compiled import FLAGS, FLOATS, NEW_FLAGS, compiled
 from abi.obstacles.triangle_mesh.closest_point_kernels import DEPTH
 from abi.obstacles.vector_kernels import dot, sub, vec3_at
@@ -76,7 +77,8 @@ def touching_stances(
     """
     count = len(chain.limits) // 2
     joints, poses = np.empty(count), np.empty(POSE * (len(chain.source) + 1))
-    ends, waiting = np.empty(6 * len(bodies.frames)), np.empty(DEPTH, np.int32)
+    own = joints, poses, np.empty(6 * len(bodies.frames)), np.empty(DEPTH, np.int32)
+    joints, poses, ends, waiting = borrowed(own)
     for node in range(len(reached)):
         if not reached[node]:
             continue
@@ -86,3 +88,4 @@ def touching_stances(
         touching[node] = _touches_solids(bodies, ends, around, waiting)
         if slack >= 0 and not touching[node]:
             touching[node] = _touches_itself(bodies, ends, slack)
+    held(own)

@@ -28,6 +28,7 @@ from abi.arm.pose_kernels import (
 )
 from abi.arm.surroundings_kernels import NO_OBSTACLES, Obstacles, asked_rows, box_gap
 from abi.arrays import BoolArray, FloatArray, IntArray
+from abi.borrowed import borrowed, held
 from abi.compiled import FLAGS, FLOATS, NEW_FLAGS, compiled
 from abi.obstacles.primitive_kernels import (
     BOUNDS,
@@ -199,7 +200,8 @@ def touching_places(
     count, moving = len(around.margins), len(capsules) // CAPSULE
     still, widest, out_of_upper, out_of_fore = outline(table)
     rows = asked_rows(around, moving)
-    waiting = np.empty(DEPTH, np.int32)
+    own = np.empty(DEPTH, np.int32)
+    waiting = borrowed(own)
     latest = np.full(moving, -1)  # what each capsule touched last
     likely = still  # the capsule that touched something last: beside its place it does so again
     for i in range(len(reached)):
@@ -251,3 +253,4 @@ def touching_places(
                     break
             if touching[i]:
                 break
+    held(own)

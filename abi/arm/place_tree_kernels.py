@@ -29,6 +29,7 @@ from abi.arm.pose_kernels import (
 )
 from abi.arm.surroundings_kernels import NO_OBSTACLES, Obstacles
 from abi.arrays import BoolArray, IntArray
+from abi.borrowed import borrowed, held
 from abi.compiled import FLAGS, NEW_FLAGS, compiled
 from abi.obstacles.triangle_mesh.closest_point_kernels import DEPTH
 from abi.obstacles.vector_kernels import Vec3, vec3_at
@@ -188,7 +189,8 @@ def places_touching(
     count, margin = len(around.margins), around.margins[root]
     still, _, _, _ = outline(table)
     widths = _widths_of(table, forearm)
-    waiting = np.empty(DEPTH, np.int32)
+    own = np.empty(DEPTH, np.int32)
+    waiting = borrowed(own)
     latest = np.full(len(capsules) // CAPSULE, -1)  # what each capsule touched last
     likely = still  # the capsule that touched something last: beside its place it does so again
     inner, rows = len(nodes.leaves) - 2, (-1, -1)
@@ -228,3 +230,4 @@ def places_touching(
                 if row >= 0:
                     latest[c], likely, touching[at] = row, c, True
                     break
+    held(own)

@@ -9,6 +9,7 @@ import numpy as np
 from numba.extending import register_jitable
 
 from abi.arrays import FloatArray, IntArray
+from abi.borrowed import borrowed, held
 from abi.compiled import FLOATS, compiled
 from abi.obstacles.triangle_mesh.bvh import NO_DIPOLES, NO_TREE, Dipoles, TriangleTree
 from abi.obstacles.triangle_mesh.closest_point_kernels import DEPTH, nearest_triangle
@@ -206,8 +207,8 @@ def grid_values(
     nx, ny, nz = counts
     strides = (ny * nz, nz, 1)
     values = np.empty(nx * ny * nz)
-    waiting, squares = np.empty(DEPTH, np.int32), np.empty(DEPTH)
-    stack = np.empty(128, np.int32)
+    own = np.empty(DEPTH, np.int32), np.empty(DEPTH), np.empty(128, np.int32)
+    waiting, squares, stack = borrowed(own)
     for i in range(nx):
         for j in range(ny):
             for k in range(nz):
@@ -225,4 +226,5 @@ def grid_values(
                         side = 1 if is_inside(tree, dipoles, x, stack) else 0
                 distance -= error - slack
                 values[i * strides[0] + j * strides[1] + k] = -distance if side == 1 else distance
+    held(own)
     return values
