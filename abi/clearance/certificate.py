@@ -185,8 +185,10 @@ def _against_mesh(
     )
     if status != CERTIFIED:
         return Refutation(margin, at, index, distance * factor, status == REFUTED)
-    if mesh.closed:
-        at_start = float(mesh.signed_distance(curve.points[0, :1])[0])
+    start = curve.points[0, :1]
+    # bounds first: far from a large mesh the nearest triangle takes long to find
+    if mesh.closed and mesh.distance_bounds(start)[0][0] <= 0:
+        at_start = float(mesh.signed_distance(start)[0])
         if at_start <= 0:
             return Refutation(margin, first, index, at_start, True)
     planes[:, 2] = index

@@ -24,6 +24,7 @@ from abi.taut.tighten_near_meshes import clear_of
 
 _MOST_REPAIRS = 60
 _REFINEMENTS = 30
+_ROUNDING = 1e-9  # [unit]
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,8 +79,8 @@ def pull_clear(
     """
     if sight.clear_legs(of_tool.points).all():
         return of_tool
-    ends = obstacles.signed_distance(path.points[[0, -1]]).min()
-    margin = min(margin, float(ends) - 1e-9)
+    ends = obstacles.signed_distance(path.points[[0, -1]], margin + 2 * _ROUNDING).min()
+    margin = min(margin, float(ends) - _ROUNDING)
     if sight.legs is None:
         points = pull_by_legs(path.points, obstacles, margin, sight)
     else:
