@@ -325,5 +325,7 @@ def _run(client: viser.ClientHandle, script: str, slot: str = "") -> None:
 
 @functools.cache
 def _script() -> str:
-    files = (assets.path("page", name) for name in ("page.js", "files.js", "labels.js"))
+    files = (
+        assets.path("page", name) for name in ("page.js", "files.js", "labels.js", "keyboard.js")
+    )
     return "\n".join(file.read_text(encoding="utf-8") for file in files)

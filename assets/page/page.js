@@ -458,6 +458,7 @@ document.head.insertAdjacentHTML("beforeend", `<style id="abi-style">
   width: auto !important; flex: 0 1 auto !important;
 }
 .mantine-Flex-root > div:last-child:has(> div > .mantine-Checkbox-root) { display: flex; }
+[role=button]:focus-visible { outline: 2px solid #1f84d6; }
 /* a heading is nearer to its own text than to the one before */
 .mantine-ScrollArea-content p ~ :is(h3, h4).mantine-Title-root { margin-top: .6em; }
 .mantine-ScrollArea-content p + p { margin-top: .5em; }
