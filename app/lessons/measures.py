@@ -116,8 +116,8 @@ MEASURES: Mapping[str, Measure] = MappingProxyType(
         "quadratic.speed_last": lambda f: _axis_speed(f.plan, 1.0),
         "curve.length": lambda f: _followed_length(f.plan),
         "motion.speed": lambda f: f.plan.scene.motion.speed,
-        "motion.a1": lambda f: f.plan.scene.motion.acceleration,
-        "motion.a3": lambda f: f.plan.scene.motion.deceleration,
+        "motion.a": lambda f: f.plan.scene.motion.acceleration,
+        "motion.b": lambda f: f.plan.scene.motion.deceleration,
         "motion.t1": lambda f: getattr(f.plan.profile, "t1", None),
         "motion.t2": lambda f: getattr(f.plan.profile, "t2", None),
         "motion.t3": lambda f: getattr(f.plan.profile, "t3", None),
@@ -144,7 +144,7 @@ MEASURES: Mapping[str, Measure] = MappingProxyType(
 _COUNTS = {"nodes", "excluded", "edges", "crossing", "hops", "expanded", "relaxed", "points"}
 _COUNTS |= {"degree", "pieces", "step"}
 _LENGTHS = {"length", "clearance", "wanted", "pitch"}
-_SETTINGS = {"wanted", "speed", "a1", "a3"}
+_SETTINGS = {"wanted", "speed", "a", "b"}
 _LOWER_BOUNDS = {"optimum.length"}
 
 

@@ -58,13 +58,13 @@ class MotionPanel:
             wake,
         )
         self.speed = gui.add_number(
-            "speed", 1.0, step=0.1, hint="Of the tool, once it has sped up (V in the paper)."
+            "speed", 1.0, step=0.1, hint="Of the tool, once it has sped up."
         )
         self.rates = gui.add_vector2(
-            "accel.",
+            "speed up, brake",
             (1.0, 1.0),
             step=0.1,
-            hint="Acceleration from rest, and braking to rest (a₁ and a₃ in the paper).",
+            hint="Acceleration from rest, and deceleration to rest.",
         )
         self.joint_acceleration = gui.add_number(
             "joints [rad/s²]", 1.0, step=0.1, hint="Largest acceleration of any joint."
@@ -95,7 +95,7 @@ class MotionPanel:
     def write(self, scene: Scene) -> None:
         """Show ``scene``."""
         self.speed.label = f"speed [{scene.unit}/s]"
-        self.rates.label = f"accel. [{scene.unit}/s²]"
+        self.rates.label = f"speed up, brake [{scene.unit}/s²]"
         step = length_step(scene)
         self.speed.step = self.rates.step = step
         self.jerk.step = _JERK_STEPS * step

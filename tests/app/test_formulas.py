@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import re
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 
@@ -22,6 +23,14 @@ def test_every_formula_of_a_lesson_becomes_mathml(path: Path) -> None:
         tree = ElementTree.fromstring(f"<math{formula}</math>")
         unknown = [element.text for element in tree.iter() if (element.text or "").startswith("\\")]
         assert not unknown
+
+
+def test_links_and_accelerations_have_letters_of_their_own() -> None:
+    text = assets.path("lessons", "paper.md").read_text(encoding="utf-8")
+    before, arm = text.split("#### 6 · Arm")
+    # in brackets stands what the paper writes
+    assert re.findall(r"[ab]_\d", re.sub(r"\(For .*?\)", "", before)) == []
+    assert re.findall(r"= V|V /", arm) == []
 
 
 def test_inline_and_block() -> None:

@@ -115,7 +115,7 @@ def test_every_measure_is_a_number_or_missing(scene: str) -> None:
 
 def test_a_measure_has_no_more_digits_than_it_means_and_a_bound_stays_one() -> None:
     frame = Frame(Planner(compile=False)(load_scene("paper")))
-    assert text("motion.a1", frame) == "6"
+    assert text("motion.a", frame) == "6"
     assert text("clearance.wanted", frame) == "0.2 cm"
     bound = value("optimum.length", frame)
     assert bound is not None

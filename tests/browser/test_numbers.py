@@ -13,7 +13,7 @@ from tests.browser import drawn
 from tests.browser.page import Page
 
 SPEED = "speed [cm/s]"
-RATES = "accel. [cm/s²]"
+RATES = "speed up, brake [cm/s²]"
 PITCH = "spacing [cm]"
 
 
