@@ -113,7 +113,7 @@ class PointBlocked(StageError):
         )
         hint = "Move it out of the obstacle" + (", or lower the clearance" if clearance else "")
         if nearest is not None:
-            hint += "; the nearest free point is ({:.2f}, {:.2f}, {:.2f})".format(*nearest)
+            hint += f"; the nearest free point is {format_point(np.round(nearest, 2))}"
         super().__init__("graph", f"{which}_blocked", f"The {which} is {place}.", f"{hint}.")
         self.which = which
         self.obstacle = obstacle
@@ -318,6 +318,12 @@ class NotFollowed(StageError):
 def format_length(length: float) -> str:
     """Text of a length, with the placeholder of its unit."""
     return f"{format_setting(length, digits=3)}{UNIT}"
+
+
+def format_point(point: Sequence[float] | FloatArray) -> str:
+    """Text of a point, with the placeholder of its unit."""
+    x, y, z = point
+    return f"({x:g}, {y:g}, {z:g}){UNIT}"
 
 
 def in_unit(sentences: tuple[str, str], unit: str) -> tuple[str, str]:

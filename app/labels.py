@@ -37,14 +37,13 @@ _LONGEST = 60
 """Letters of a wrong value that are shown."""
 _OBSTACLE = re.compile(r"obstacles\[(\d+)\]\.?")
 _COORDINATE = re.compile(r"\[[012]\]$")
-_ABOVE_ZERO = re.compile(r"at least 0\.0*1$")
 
 
 def sentence(error: AbiError) -> str:
     """Message of an error in the words of the page: its name of the field, and what it must be."""
     if not isinstance(error, SceneError):
         return error.message
-    name, expected = label(error.field), _ABOVE_ZERO.sub("above 0", error.expected)
+    name, expected = label(error.field), error.expected
     if error.field.endswith("file"):
         return f"{error.value} cannot be used: it should be {expected}."
     if expected[:2] in ("x ", "y ", "z "):  # of a point

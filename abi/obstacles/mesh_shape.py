@@ -245,7 +245,7 @@ def _to_world(shape: MeshShape, points: FloatArray) -> FloatArray:
 
 
 def _size_limits(size: float) -> str:
-    return f"a mesh between 1e-06 and {LARGEST:g} large, it would be {size:g}"
+    return f"a mesh between 0.000001 and {LARGEST:,.0f} large, it would be {size:,.6g}"
 
 
 def suggest_unit(extent: float, workspace: Sequence[float], unit: str) -> str | None:

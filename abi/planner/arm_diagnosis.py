@@ -10,7 +10,7 @@ import numpy as np
 
 from abi.arm.arm_clearance import Contact
 from abi.arrays import FloatArray, read_only
-from abi.errors import ArmNotClear, format_length
+from abi.errors import ArmNotClear, format_length, format_point
 from abi.obstacles.obstacle_set import Obstacle, ObstacleSet
 from abi.planner.plan import Plan
 from abi.planner.reason import Reason
@@ -47,13 +47,15 @@ def arm_reason(scene: Scene, plan: Plan, error: ArmNotClear, what_if: WhatIf) ->
     for number, place in itertools.chain(_shifts(scene, plan), _past(scene, what_if, without)):
         change = {"obstacles": _with_moved(scene, number, place)}
         if what_if.plan_past("arm", **change):
-            hint = f"Obstacle {number + 1} at {_place(place)} works: it has been tried."
+            hint = f"Obstacle {number + 1} at {format_point(place)} works: it has been tried."
             return Reason(error.message, hint, change, points, moved=number)
     if without:
         named = " or ".join(str(k + 1) for k in without)
         hint = f"Without obstacle {named} there is a motion; no place for it that was tried works."
         return Reason(error.message, hint, None, points)
-    hint = "Neither another elbow, base or pitch that was tried helps, nor one obstacle less."
+    hint = (
+        "Neither another elbow, base or node spacing that was tried helps, nor one obstacle less."
+    )
     return Reason(error.message, hint, None, points)
 
 
@@ -72,10 +74,12 @@ def _remedies(
         text = f"Links that may be as near as 0, not {format_length(scene.arm.clearance)},"
         remedies.append((text, {"arm": {"clearance": 0.0}}))
     for base in _bases(scene, plan):
-        remedies.append((f"The base at {_place(base)}", {"arm": {"base": base, "elbow": "auto"}}))
+        remedies.append(
+            (f"The base at {format_point(base)}", {"arm": {"base": base, "elbow": "auto"}})
+        )
     if error.where in ("path", "curve"):
         for fine in what_if.finer_pitches():
-            remedies.append((f"A pitch of {format_length(fine)}", {"mesh": {"pitch": fine}}))
+            remedies.append((f"A node spacing of {format_length(fine)}", {"mesh": {"pitch": fine}}))
     return remedies
 
 
@@ -84,10 +88,6 @@ def _bases(scene: Scene, plan: Plan) -> list[list[float]]:
     step = (1.0 if plan.arm is None else plan.arm.reach) / 11
     moves = [scale * step * np.array(way) for scale in _STEPS for way in _WAYS]
     return [[float(f"{number:.3g}") for number in np.add(scene.arm.base, move)] for move in moves]
-
-
-def _place(place: Sequence[float]) -> str:
-    return f"({', '.join(f'{number:g}' for number in place)})"
 
 
 def _shifts(scene: Scene, plan: Plan) -> list[tuple[int, list[float]]]:

@@ -17,6 +17,7 @@ from abi.errors import (
     PointBlocked,
     StageError,
     format_length,
+    format_point,
     in_unit,
 )
 from abi.obstacles.obstacle_set import ObstacleSet
@@ -111,7 +112,7 @@ def _blocked(scene: Scene, plan: Plan, what_if: WhatIf) -> Reason:
         which: point.tolist() for which, point in free.items() if point is not None
     }
     if len(change) == len(free) and (trial := what_if.plan_past("graph", **change)):
-        targets = [f"the {which} to ({x:g}, {y:g}, {z:g})" for which, (x, y, z) in change.items()]
+        targets = [f"the {which} to {format_point(point)}" for which, point in change.items()]
         hint = f"move {' and '.join(targets)}, the nearest free point found"
         remedies.append((trial, change, hint))
     if distances.min() >= 0:

@@ -6,7 +6,6 @@ import difflib
 import itertools
 from typing import Any
 
-import numpy as np
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
@@ -39,6 +38,8 @@ _LIMITS = {
     "less_than_equal": ("le", "at most"),
 }
 """Name of the limit in the context of such a kind, and its wording."""
+_TINY = 1e-3
+"""A positive limit below this only keeps numbers above 0."""
 _MISSING = {
     "version": "version: 1",
     "shape": f"shape: {_ANY_SHAPE}",
@@ -105,11 +106,19 @@ def _expectation(detail: ErrorDetails, location: list[int | str], scene: type[Ba
         return f"a list of {detail['ctx']['max_length']}"
     if kind in _LIMITS:
         name, wording = _LIMITS[kind]
-        return f"{wording} {np.format_float_positional(detail['ctx'][name], trim='-')}"
+        limit = detail["ctx"][name]
+        if (limit == 0 and name == "gt") or (name == "ge" and detail["input"] <= 0 < limit < _TINY):
+            return "above 0"
+        return f"{wording} {_format_limit(limit)}"
     message = detail["msg"]
     for prefix in ("Input should be ", "Value error, "):
         message = message.removeprefix(prefix)
     return message
+
+
+def _format_limit(limit: float) -> str:
+    """Text of a limit, with commas in a large one and no exponent in a small one."""
+    return f"{limit:,.10f}".rstrip("0").rstrip(".")
 
 
 def _fields_at(location: tuple[int | str, ...], scene: type[BaseModel]) -> list[str]:

@@ -104,7 +104,8 @@ class Scene(Settings):
                 "xyz", point, self.workspace.min, self.workspace.max, strict=True
             ):
                 if not low <= number <= high:
-                    raise SceneError(name, point, f"{axis} between {low:g} and {high:g}")
+                    expected = f"{axis} between {low:g} and {high:g} {self.unit}"
+                    raise SceneError(name, point, expected)
         nodes = self.mesh.node_count(self.workspace)
         if nodes > self.mesh.max_nodes:
             coarsest = self.mesh.model_copy(update={"pitch": LARGEST}).node_count(self.workspace)
@@ -114,8 +115,8 @@ class Scene(Settings):
             raise SceneError(
                 "mesh.pitch",
                 self.mesh.pitch,
-                f"at least {self.mesh.finest_pitch(self.workspace):g}: this pitch takes {nodes:,} "
-                f"nodes and mesh.max_nodes is {self.mesh.max_nodes:,}",
+                f"at least {self.mesh.finest_pitch(self.workspace):g} {self.unit}: less takes more "
+                f"nodes than mesh.max_nodes, {self.mesh.max_nodes:,}",
             )
         return self
 

@@ -64,7 +64,7 @@ def test_a_bad_speed_says_why_and_keeps_the_plan(page: Page, session: Session) -
     page.until(lambda: drawn.shows(page, session.plan), "its picture")
     good = session.plan
     places = [_place(page, heading) for heading in ("4 · B-spline", "5 · Quadratic", "6 · Arm")]
-    for bad, limit in (("-1", "above 0"), ("10000000", "at most 1000000"), ("0", "above 0")):
+    for bad, limit in (("-1", "above 0"), ("10000000", "at most 1,000,000"), ("0", "above 0")):
         page.set_number(SPEED, bad)
         page.reads(f"Not changed. The cruise speed must be {limit}")
         (sentence,) = page.complaints()

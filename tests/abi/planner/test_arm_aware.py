@@ -208,7 +208,7 @@ def test_an_obstacle_that_is_in_the_way_is_moved_and_not_only_left_out() -> None
     assert helped.error is None
     assert helped.is_arm_clear
     place = ", ".join(f"{number:g}" for number in changed.obstacles[reason.moved].position)
-    assert f"Obstacle {reason.moved + 1} at ({place}) works" in reason.hint
+    assert f"Obstacle {reason.moved + 1} at ({place}) {scene.unit} works" in reason.hint
     json.dumps(reason.to_dict(), allow_nan=False)
 
 
