@@ -6,6 +6,7 @@ the newest input is planned; what came before it is skipped.
 
 from __future__ import annotations
 
+import contextlib
 import logging
 import threading
 import time
@@ -93,6 +94,7 @@ class Session:
         self._pause = Pause(
             client, self.panels, self._planner, self._changed.is_set, has_lights=look.plain
         )
+        self._drawn = self.panels.step(scene)
         self._demonstrated = False  # whether the scene is where the demonstration left it
         self._changed.set()
         self._worker = threading.Thread(
@@ -205,8 +207,8 @@ class Session:
     def _recover(self, error: Exception) -> None:
         """Go back to the last plan after a fault of our own, and say so, until there is input."""
         self._broken = True
-        self._scene = self.frame.plan.scene
-        self.panels.read_all()
+        self._scene = self._drawn.scene
+        self.panels.read_all()  # what was typed or dragged stays with the hand
         self._fault = describe_fault(error)
         metrics.FAULTS.inc()
         _log.exception("fault", extra={"tab": self.client.client_id})
@@ -216,6 +218,11 @@ class Session:
             else "The visualiser met a fault of its own. The Scene tab has a text for a bug report."
         )
         page.notify_refusal(self.client, "This did not work", f"{words} The last picture stays.")
+        if self.panels.files.last is not self._drawn.loaded:
+            with contextlib.suppress(Exception):  # the fault may be in what draws
+                self.panels.show(self._drawn)
+                self._view.look_at(self._scene, face=False)
+                self._draw(self.frame)
 
     def _timeout(self) -> float:
         """Time to wait for input, [s]."""
@@ -327,7 +334,8 @@ class Session:
 
         One that a teacher shows has been planned already.
         """
-        loaded = self.panels.files.loaded is scene
+        # a scene noted before is gone back to, with the camera as it is
+        loaded = self.panels.files.loaded is scene and scene is not self.panels.history.noted
         if scene.workspace != self._scene.workspace or loaded:
             self._view.look_at(scene)
         self._scene = scene
@@ -353,6 +361,7 @@ class Session:
         self._draw(replace(frame, outdated=False))
         if interactive and self.plans:
             metrics.UPDATES.observe(time.monotonic() - self._woken)
+        self._drawn = self.panels.step(plan.scene)
         self.plans += 1
         self._planned.set()
 

@@ -23,7 +23,13 @@ from app.layers.time_plot import TimePlots, new_plot
 from app.layout import Layout
 
 _JOINTS = ("q1 base", "q2 shoulder", "q3 elbow", "q4 wrist", "q5 slide", "q6 gripper")
-_NO_MOTION = '<div style="margin:8px 10px;font-size:12.5px">No motion, nothing to plot.</div>'
+_NO_MOTION = (
+    '<div style="box-sizing:border-box;height:{}px;padding:8px 10px;font-size:12.5px">'
+    "No motion, nothing to plot.</div>"
+)
+_SPEED_HEIGHT = 130
+_AROUND = 71
+"""Height of a plot's title and legend with the space around them, [px]."""
 
 
 class PlotsLayer:
@@ -36,9 +42,11 @@ class PlotsLayer:
         speed = (("speed", style.MARK), *zip("xyz", style.AXES, strict=True))
         angles = tuple((_JOINTS[i - 1], style.JOINTS[i - 1]) for i in (1, 2, 3, 4, 6))
         with layout.result:
-            self._speed = new_plot(gui, _speed_title(unit), speed, 130)
+            # as high as the plot: what is below is not to move under the hand
+            notes = [gui.add_html(_NO_MOTION.format(_SPEED_HEIGHT + _AROUND), visible=False)]
+            self._speed = new_plot(gui, _speed_title(unit), speed, _SPEED_HEIGHT)
         with layout.plots:
-            self._no_motion = gui.add_html(_NO_MOTION)
+            notes.append(gui.add_html(_NO_MOTION.format(40), visible=False))
             self._angles = new_plot(gui, "joint angles [rad]", angles, 250)
             self._slide = new_plot(gui, _slide_title(unit), ((_JOINTS[4], style.JOINTS[4]),), 170)
             clear = (("links to obstacles", style.MARK),)
@@ -48,12 +56,13 @@ class PlotsLayer:
             self._tool = new_plot(gui, _tool_title(unit), tool, 170)
             self._pull = new_plot(gui, _pull_title(unit), pulls, 190)
         self._unit = unit
+        self._no_motion = notes
         self._quick = (self._speed, self._angles, self._slide, self._clearance)
         self._plots = (*self._quick, self._tool, self._pull)
         self._layout = layout
         self._named: tuple[str, ...] = ()
         self._other: viser.GuiUplotHandle | None = None
-        self._motion: object = None
+        self._motion: object = self  # not that of the first plan, which may be None
         self._resting: object = None
         self._shown = TimePlots()
 
@@ -71,7 +80,8 @@ class PlotsLayer:
         if self._other is not None and (plan.motion is None or plan.motion.joints == JOINTS):
             self._other.visible = False
         self._shown.clear()
-        self._no_motion.visible = plan.motion is None
+        for note in self._no_motion:
+            note.visible = plan.motion is None
         if plan.motion is None:
             for plot in self._plots:
                 plot.visible = False

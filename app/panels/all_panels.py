@@ -152,8 +152,8 @@ class AllPanels:
             if requested is None and (change := panel.accepted_change()) is not None:
                 requested = scene.replace(**change)
         if requested is None and (step := self.history.requested(self.step(scene))) is not None:
-            self.files.show(step.loaded)
-            requested = step.scene
+            self.show(step)
+            return step.scene
         if requested is not None:
             self._write(requested)
             return requested
@@ -168,6 +168,11 @@ class AllPanels:
     def step(self, scene: Scene) -> Step:
         """Step that the history is to note of ``scene``, which is shown."""
         return Step(scene, self.files.last)
+
+    def show(self, step: Step) -> None:
+        """Show a scene of before, and what it was made from."""
+        self.files.show(step.loaded)
+        self._write(step.scene)
 
     def cue(self, scene: Scene) -> Cue | None:
         """Setting of a lesson or a figure now, starting from ``scene``; None for none."""

@@ -117,13 +117,13 @@ class PlaybackPanel:
     def mark(self, clearance: ArmClearance | None, duration: float, seen: bool = True) -> None:
         """Colour the times at which the arm touches something; no player without a motion.
 
-        Nor is there one while the arm is not to be ``seen``, nor a speed to choose without.
+        Nor is there one, nor a speed to choose, while the arm is not to be ``seen``.
         """
         moves = duration > 0 and seen
+        self.speed.visible = seen
         if clearance is self._marked and moves == self._moves:
             return
         self._marked, self._moves = clearance, moves
-        self.speed.visible = moves
         contacts = () if clearance is None else clearance.contacts
         stretches = [(one.first, one.last) for one in contacts]
         self._overlay.show("marks", page.player_style(stretches, duration if moves else 0.0))

@@ -71,6 +71,19 @@ def test_a_view_that_is_chosen_follows_the_picture(tab: tuple[FakeTab, Session])
     assert camera.position[1] > camera.look_at[1]
 
 
+def test_undo_leaves_the_camera_where_the_hand_has_put_it(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    until(lambda: session.resting)
+    speed = session.panels.stages.motion.speed
+    fake.look(session.client.camera, 900, position=[1.0, -9.0, 2.0])
+    fake.set(speed, 3.0)
+    until(lambda: session.resting and session.panels.history.can_undo)
+    fake.set(session.panels.history.undo, True)
+    until(lambda: session.resting and session.frame.plan.scene.motion.speed != 3.0)
+    assert session.frame.plan.scene is session.panels.files.loaded
+    np.testing.assert_allclose(session.client.camera.position, [1.0, -9.0, 2.0])
+
+
 def test_in_a_lecture_the_camera_follows_what_the_hand_has_let_go(
     tab: tuple[FakeTab, Session],
 ) -> None:

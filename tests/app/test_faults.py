@@ -95,6 +95,28 @@ def test_going_back_after_a_fault_shows_the_last_plan_as_it_is(
     assert session.frame.current
 
 
+@pytest.mark.slow
+def test_a_scene_that_breaks_a_stage_is_not_the_one_listed(
+    tab: tuple[FakeTab, Session], notices: list[str]
+) -> None:
+    fake, session = tab
+    until(lambda: session.resting)
+    good, planner = session.plan, session._planner.live._planner
+    whole = planner._bspline
+    planner._bspline = _fail(RuntimeError())  # type: ignore[assignment]
+    files, speed = session.panels.files, session.panels.stages.motion.speed
+    fake.set(files.choice, "two-boxes")
+    until(lambda: bool(notices))
+    until(lambda: files.choice.value == "paper" and session.frame.current)
+    assert session.plan is good
+    # nor do the other panels show any of it
+    planner._bspline = whole
+    fake.set(speed, 3.0)
+    until(lambda: session.resting and session.frame.plan.scene.motion.speed == 3.0)
+    assert files.name == "paper"
+    assert session.frame.plan.scene.obstacles == good.scene.obstacles  # type: ignore[union-attr]
+
+
 def test_a_tab_that_is_cut_in_the_middle_of_a_drag_leaves_nothing_behind(server: Server) -> None:
     known = set(server.sessions)
     fake = FakeTab(server.url)

@@ -63,3 +63,26 @@ def test_what_a_line_is_worth_can_be_read_beside_every_plot(page: Page, session:
             page.settle()
             page.until(lambda: bool(page.tab.evaluate(_NUMBERS)), "plots")
             assert min(page.tab.evaluate(_NUMBERS)) >= 2, (name, tab)
+
+
+# Where the playback's speed is, and how high what scrolls with it is, [px].
+_PLACE = """() => {
+  const label = [...document.querySelectorAll("label")]
+    .find(each => each.textContent === "playback speed" && each.checkVisibility());
+  const panel = label.closest(".mantine-ScrollArea-viewport");
+  return [label.getBoundingClientRect().top, panel.scrollHeight];
+}"""
+
+
+def test_nothing_moves_below_the_plot_of_no_motion(page: Page, session: Session) -> None:
+    page.settle()
+    before = page.tab.evaluate(_PLACE)
+    page.click("Scene")
+    page.set_number("goal [cm]", 3, 0)
+    page.set_number("goal [cm]", 3, 1)
+    page.set_number("goal [cm]", 3, 2)
+    page.click("Result")
+    page.until(lambda: session.resting and session.frame.plan.motion is None, "no motion")
+    page.reads("No motion, nothing to plot.")
+    page.settle()
+    assert page.tab.evaluate(_PLACE) == pytest.approx(before, abs=1.5)
