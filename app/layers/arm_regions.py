@@ -52,20 +52,26 @@ class ArmRegionsLayer:
     def draw(self, frame: Frame) -> None:
         """Draw what is switched on, anew where obstacles or arm have changed."""
         for name in _COLOURS:
-            seen = name in frame.shown and self._update(name, frame.plan)
+            seen = name in frame.shown and self._update(name, frame.plan, frame.interactive)
             if name in self._meshes:
                 self._meshes[name].visible = seen
 
-    def _update(self, name: str, plan: Plan) -> bool:
-        """Draw a region; whether there is one, as where the arm reaches the start."""
+    def _update(self, name: str, plan: Plan, interactive: bool) -> bool:
+        """Draw a region; whether there is one, as where the arm reaches the start.
+
+        Those of a URDF arm take longer than a frame where the start is another, and change little:
+        while a hand drags that they stay as they are.
+        """
         scene, arm = plan.scene, plan.arm
         start = _start_of(plan)
         if arm is None or start is None:
             return False
-        state: tuple[object, ...] = (scene.arm, start, scene.workspace, scene.unit)
-        if name == "shadow":
-            state = (*state, scene.obstacles)
-        if self._drawn.get(name) == state:
+        obstacles = scene.obstacles if name == "shadow" else None
+        state = (start, scene.arm, scene.workspace, scene.unit, obstacles)
+        drawn = self._drawn.get(name, ())
+        if drawn == state:
+            return True
+        if interactive and isinstance(arm, UrdfArm) and drawn[1:] == state[1:]:
             return True
         self._drawn[name] = state
         if isinstance(arm, Arm):

@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from unittest.mock import MagicMock
+
 import pytest
 
 from abi.arm.urdf_arm import UrdfArm
 from abi.arrays import FloatArray
 from abi.planner.live_planner import LivePlanner
+from abi.planner.planner import Planner
 from abi.scene.scene import load_scene
+from app.frame import Frame
+from app.layers.arm_regions import ArmRegionsLayer
 from app.layers.urdf_poses import first_pose
 
 
@@ -29,3 +35,25 @@ def test_poses_of_a_drag_without_a_motion_are_found_once(monkeypatch: pytest.Mon
             patched.setattr(UrdfArm, "first_poses", note)
             first_pose(made, made.arm)
     assert len(asked) == 1
+
+
+def test_regions_stay_while_the_start_is_dragged_and_follow_what_else_changes() -> None:
+    scene = load_scene("kitchen-ur5e").replace(arm={"avoid": False})
+    x, y, z = scene.start
+    planner = Planner(compile=False)
+    first = Frame(planner(scene), shown=frozenset({"shadow"}))
+    moved = replace(first, plan=planner(scene.replace(start=[x, y, z + 0.01])))
+    without = replace(first, plan=planner(scene.replace(obstacles=[])))
+    layout = MagicMock()
+    drawn = layout.client.scene.add_mesh_simple
+    regions = ArmRegionsLayer(layout)
+    counts = []
+    for frame, interactive in (
+        (first, False),
+        (moved, True),
+        (moved, False),
+        (without, True),
+    ):
+        regions.draw(replace(frame, interactive=interactive))
+        counts.append(drawn.call_count)
+    assert counts == [1, 1, 2, 3]
