@@ -25,7 +25,6 @@ _FONTS = {
 _TABS = ("Search", "Plots", "Scene", "Layers", "Learn", "Result")
 # the first is also what is left of 1920x1080 at a zoom of 200 %
 _SIZES = ((960, 540), (1280, 720), (1440, 900), (1920, 1080), (390, 844))
-_ALL_TABS = ((1280, 720), (390, 844))
 _SCENE_WIDTH = "window.__viserMutable.canvas.getBoundingClientRect().width"
 _SCHEME = "document.documentElement.dataset.mantineColorScheme"
 _PAINTED = "() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))"
@@ -63,6 +62,13 @@ _MISFITS = """() => {
   }
   return [panels.length, found];
 }"""
+
+# Scroll all panels to a height [px]; whether one was scrolled.
+_SCROLL = """top => [...document.querySelectorAll(".mantine-ScrollArea-viewport")].map(panel => {
+  const before = panel.scrollTop;
+  panel.scrollTop = top;
+  return panel.scrollTop !== before;
+}).some(Boolean)"""
 
 # Height of the content and of the frame of each panel that is open.
 _HEIGHTS = """() => [...document.querySelectorAll(".mantine-ScrollArea-viewport")]
@@ -171,6 +177,12 @@ def _put_back(page: Page) -> None:
     page.click("Result")
 
 
+def _toggle_stages(page: Page) -> None:
+    """Unfold the stages that begin folded, or fold them."""
+    for stage in ("2 · Graph", "6 · Arm"):
+        page.tab.get_by_role("button", name=stage).click()
+
+
 def _darken(page: Page, dark: bool) -> None:
     page.click("Layers")
     page.tick("dark page", dark)
@@ -190,19 +202,23 @@ def test_everything_can_be_read(page: Page, size: tuple[int, int]) -> None:
             page.tab.get_by_text("Result · Search ·").or_(page.tab.get_by_role("tab")).first.click()
         elif size[0] < 1000:
             page.until(lambda: page.tab.evaluate(_SCENE_WIDTH) > 0.85 * size[0], "them to fold")
+            page.tab.get_by_text(TITLE, exact=True).click()
+        _toggle_stages(page)
         for dark in (False, True):
             _darken(page, dark)
             for font, family in _FONTS.items():
                 page.tab.evaluate(_SET_FONT, family)
                 page.settle()
-                # panels are as wide on every page but a phone: all tabs there and on one of these,
-                # with either font once
-                whole = size in _ALL_TABS and (font == "narrow") == dark
-                for tab in _TABS if whole else ("Result",):
+                for tab in _TABS:
                     page.click(tab)
                     _check(page)
+                    # what is further down has the same colours and widths: each font once
+                    if (font == "narrow") == dark and page.tab.evaluate(_SCROLL, 1e6):
+                        _check(page)
+                        page.tab.evaluate(_SCROLL, 0)
     finally:
         page.tab.evaluate(_SET_FONT, "")
+        _toggle_stages(page)
         _darken(page, False)
         _put_back(page)
 
