@@ -52,12 +52,18 @@ class Overlay:
 
 
 def button(
-    widget: viser.GuiButtonHandle, label: str, enabled: bool = True, kind: str = "", hint: str = ""
+    widget: viser.GuiButtonHandle,
+    label: str,
+    enabled: bool = True,
+    kind: str = "",
+    hint: str = "",
+    name: str = "",
 ) -> str:
-    """HTML of a button that presses ``widget``, which is hidden itself."""
+    """HTML of a button that presses ``widget``, hidden itself; ``name`` is read out for a sign."""
     title = f' title="{html.escape(hint)}"' if hint else ""
+    spoken = f' aria-label="{html.escape(name)}"' if name else ""
     return (
-        f'<button class="{kind}" data-press="{page.uuid(widget)}"{title}'
+        f'<button class="{kind}" data-press="{page.uuid(widget)}"{title}{spoken}'
         f"{'' if enabled else ' disabled'}>{html.escape(label)}</button>"
     )
 

@@ -22,7 +22,6 @@ from app.panels.exports import ExportPanel
 from app.panels.figures import FiguresPanel
 from app.panels.files import FilesPanel
 from app.panels.history import History, Step
-from app.panels.keys import KeysPanel
 from app.panels.layer_switches import LayerSwitches
 from app.panels.lecture import Lecture
 from app.panels.lessons import LessonPanel
@@ -31,6 +30,7 @@ from app.panels.obstacle_editor import ObstacleEditor
 from app.panels.obstacle_gizmos import ObstacleGizmos
 from app.panels.pitch_study import PitchStudyPanel
 from app.panels.share import SharePanel
+from app.panels.sheet import ABOUT, KEYS, Sheet
 from app.panels.stage_headers import StageHeaders
 from app.panels.stages import StagePanels
 from app.panels.theatre import TheatrePanel
@@ -82,14 +82,15 @@ class AllPanels:
         with self.layout.learn:
             self.lessons = LessonPanel(client, library, wake)
             self.figures = FiguresPanel(client.gui, wake)
-        self.keys = KeysPanel(client.gui, wake)
+        self.keys = Sheet(client.gui, wake, "Keys", KEYS, "Show the keys", "H")
+        self.about = Sheet(client.gui, wake, "What is this?", ABOUT, "What is this?")
         self.tour = Tour(self.layout, wake)
         self.lecture = Lecture(self.layout, self.theatre, wake)
         self._inputs = (self.stages, self.obstacles, self.ends)
         self._typed = True
         self.drawn: tuple[Drawable, ...] = (
             self.messages,
-            Toolbar(self.layout, self.history, self.tour, self.lecture),
+            Toolbar(self.layout, self.history, self.about, self.tour, self.lecture),
             self.tour,
             self.lecture,
             self.stage_headers,
@@ -106,6 +107,7 @@ class AllPanels:
             self.figures,
             self.share,
             self.keys,
+            self.about,
         )
 
     @property

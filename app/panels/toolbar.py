@@ -1,4 +1,4 @@
-"""Buttons over the scene: undo and redo, the tour, and lecture mode."""
+"""Buttons over the scene: undo and redo, what this is, the tour, and lecture mode."""
 
 from __future__ import annotations
 
@@ -7,14 +7,17 @@ from app.layout import Layout
 from app.overlay import button
 from app.panels.history import History
 from app.panels.lecture import Lecture
+from app.panels.sheet import Sheet
 from app.panels.tour import Tour
 
 
 class Toolbar:
     """One row of buttons, which press hidden ones."""
 
-    def __init__(self, layout: Layout, history: History, tour: Tour, lecture: Lecture) -> None:
-        self._tour, self._lecture = tour, lecture
+    def __init__(
+        self, layout: Layout, history: History, about: Sheet, tour: Tour, lecture: Lecture
+    ) -> None:
+        self._about, self._tour, self._lecture = about, tour, lecture
         self._overlay = layout.overlay
         self._history = history
 
@@ -25,8 +28,9 @@ class Toolbar:
         changed = not frame.interactive and frame.plan.scene != history.noted
         undo = button(history.undo, "Undo", history.can_undo or changed, hint="Ctrl+Z")
         redo = button(history.redo, "Redo", history.can_redo, hint="Ctrl+Shift+Z or Ctrl+Y")
+        about = button(self._about.open, "?", hint="What is this?", name="What is this?")
         tour = button(self._tour.begin, "Tour", hint="Five steps through the page")
         hint = "Large letters, folded panels (L)"
         lecture = "" if self._lecture.on else button(self._lecture.toggle, "Lecture", hint=hint)
-        content = f'<div class="abi-buttons">{undo}{redo}{tour}{lecture}</div>'
+        content = f'<div class="abi-buttons">{undo}{redo}{about}{tour}{lecture}</div>'
         self._overlay.show("tools", content)

@@ -382,7 +382,7 @@ document.head.insertAdjacentHTML("beforeend", `<style id="abi-style">
 }
 #abi-overlay .abi-top, #abi-overlay .abi-bottom { padding: 8px 10px; display: flex; gap: 6px; }
 #abi-overlay .abi-top { flex-wrap: wrap; justify-content: space-between; }
-#abi-overlay [data-part=message] { flex: 1 1 240px; }
+#abi-overlay [data-part=message] { flex: 1 1 200px; }
 /* below sentence and buttons, in the fewest lines: what it lies over should be seen */
 #abi-overlay [data-part=contact]:not(:empty) { flex: 1 0 100%; }
 #abi-overlay [data-part=contact] .abi-card { width: fit-content; }
@@ -461,7 +461,7 @@ document.head.insertAdjacentHTML("beforeend", `<style id="abi-style">
 [role=button]:focus-visible { outline: 2px solid #1f84d6; }
 /* a heading is nearer to its own text than to the one before */
 .mantine-ScrollArea-content p ~ :is(h3, h4).mantine-Title-root { margin-top: .6em; }
-.mantine-ScrollArea-content p + p { margin-top: .5em; }
+.mantine-ScrollArea-content p + p, .mantine-Modal-body :is(p, ol) + :is(p, ol) { margin-top: .5em; }
 .mantine-ScrollArea-content h3.mantine-Title-root { font-size: 17px; text-wrap: balance; }
 @media (max-height: 760px) {  /* nothing scrolls on a small laptop, or at 200 % on a large screen */
   .mantine-ScrollArea-content .mantine-Paper-root:not(.mantine-Paper-root *) { margin-block: 7px; }

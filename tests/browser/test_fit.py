@@ -436,7 +436,8 @@ def test_a_heading_is_nearer_to_its_own_text_than_to_the_text_before(page: Page)
 def test_the_name_of_every_layer_is_on_one_line(page: Page) -> None:
     page.click("Layers")
     page.settle()
-    names = page.tab.locator("label").filter(visible=True)
+    row = ".mantine-Flex-root:has(input[type=checkbox])"
+    names = page.tab.locator(f"{row} label").filter(visible=True)
     heights = {row["height"] for row in (name.bounding_box() for name in names.all()) if row}
     assert names.count() > 15
     assert max(heights) < 1.5 * min(heights), heights

@@ -52,13 +52,11 @@ def test_every_control_has_a_name(page: Page, tree: CDPSession) -> None:
 def test_names_follow_the_unit(page: Page, session: Session, tree: CDPSession) -> None:
     page.click("Scene")
     page.choose("scene", "kitchen-ur5e")
-    page.until(lambda: session.resting and session.panels.files.name == "kitchen-ur5e", "it")
-    unit = session.plan.scene.unit  # type: ignore[union-attr]
-    assert unit != "cm"
-    named = f"brake[{unit}/s²]"
+    page.until(lambda: session.resting and session.frame.plan.scene.unit == "m", "another unit")
+    named = "brake[m/s²]"
     page.until(lambda: named in [name.replace(" ", "") for _, name in _controls(tree)], named)
     page.choose("scene", "paper")
-    page.until(lambda: session.resting and session.panels.files.name == "paper", "the paper's")
+    page.until(lambda: session.resting and session.frame.plan.scene.unit == "cm", "the paper's")
     page.click("Result")
 
 
