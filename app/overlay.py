@@ -57,11 +57,10 @@ def button(
     enabled: bool = True,
     kind: str = "",
     hint: str = "",
-    name: str = "",
 ) -> str:
-    """HTML of a button that presses ``widget``, hidden itself; ``name`` is read out for a sign."""
+    """HTML of a button that presses ``widget``, hidden itself; of a sign the hint is read out."""
     title = f' title="{html.escape(hint)}"' if hint else ""
-    spoken = f' aria-label="{html.escape(name)}"' if name else ""
+    spoken = f' aria-label="{html.escape(hint)}"' if len(label) == 1 else ""
     return (
         f'<button class="{kind}" data-press="{page.uuid(widget)}"{title}{spoken}'
         f"{'' if enabled else ' disabled'}>{html.escape(label)}</button>"

@@ -28,7 +28,7 @@ class Toolbar:
         changed = not frame.interactive and frame.plan.scene != history.noted
         undo = button(history.undo, "Undo", history.can_undo or changed, hint="Ctrl+Z")
         redo = button(history.redo, "Redo", history.can_redo, hint="Ctrl+Shift+Z or Ctrl+Y")
-        about = button(self._about.open, "?", hint="What is this?", name="What is this?")
+        about = button(self._about.open, "?", hint="What is this?")
         tour = button(self._tour.begin, "Tour", hint="Five steps through the page")
         hint = "Large letters, folded panels (L)"
         lecture = "" if self._lecture.on else button(self._lecture.toggle, "Lecture", hint=hint)

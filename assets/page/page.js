@@ -397,6 +397,7 @@ document.head.insertAdjacentHTML("beforeend", `<style id="abi-style">
   color: inherit; background: var(--mantine-color-body); cursor: pointer; padding: 3px 9px;
   border: 1px solid rgba(128, 128, 128, .55); border-radius: 5px;
 }
+#abi-overlay [data-part=tools] button { padding-inline: 7px; }
 #abi-overlay button:hover { border-color: currentColor; }
 #abi-overlay button:disabled {
   color: color-mix(in srgb, currentColor 40%, var(--mantine-color-body)); border-color: rgba(128, 128, 128, .22);
