@@ -86,7 +86,7 @@ def test_the_change_that_helps_is_made_at_a_press(page: Page, session: Session) 
     page.until(lambda: _offers(page) == 1, "the offer")
     (sentence,) = page.complaints()
     assert "The start is 0.25 cm inside obstacle 1." in sentence
-    found = re.search(r"Move the start to \((.+)\), the nearest free point found", sentence)
+    found = re.search(r"Move the start to \((.+)\) cm, the nearest free point found", sentence)
     assert found is not None
     free = tuple(float(number) for number in found.group(1).split(","))
     assert free[0] < 2
