@@ -8,13 +8,14 @@ from __future__ import annotations
 import hashlib
 import itertools
 import math
+import os.path
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from abi.errors import SceneError
-from abi.scene.scene import Scene, load_scene
+from abi.errors import AbiError, SceneError
+from abi.scene.scene import Scene, load_scene, scene_names
 from abi.scene.scene_file import parse
 from abi.sweep.random_boxes import random_boxes
 
@@ -49,15 +50,17 @@ class Study:
             SceneError: names the first field that is wrong.
         """
         fields = _mapping("study", data, _FIELDS)
-        if fields.get("version") != 1:
-            raise SceneError("version", fields.get("version"), "version: 1")
+        version = fields.get("version")
+        if type(version) is not int or version != 1:
+            raise SceneError("version", version, "version: 1")
         listed = fields.get("scenes")
         if not isinstance(listed, list | tuple) or not listed:
             raise SceneError("scenes", listed, "a list with at least one scene")
+        folder = folder or Path()
         scenes = itertools.chain.from_iterable(
-            _scenes(f"scenes[{k}]", one) for k, one in enumerate(listed)
+            _scenes(f"scenes[{k}]", one, folder) for k, one in enumerate(listed)
         )
-        study = cls(tuple(scenes), _vary(fields.get("vary", {})), folder or Path())
+        study = cls(tuple(scenes), _vary(fields.get("vary", {})), folder)
         if study.size > MOST_PLANS:
             raise SceneError("vary", f"{study.size:,} plans", f"at most {MOST_PLANS:,}")
         return study
@@ -81,12 +84,15 @@ class Study:
         """A scene of the study before anything is varied.
 
         Raises:
-            SceneError: it cannot be read.
+            AbiError: it cannot be read; names the scene and the field.
         """
         if seed is not None:
             return random_boxes(seed, int(name.split()[0]))
         beside = self.folder / name
-        return load_scene(beside if beside.is_file() else name)
+        try:
+            return load_scene(beside if beside.is_file() else name)
+        except SceneError as error:
+            raise AbiError(f"The scene {name} cannot be planned: {error.message}") from None
 
 
 def load_study(path: Path) -> Study:
@@ -127,9 +133,12 @@ def plan_key(scene: Scene) -> str:
     return digest.hexdigest()[:16]
 
 
-def _scenes(field: str, data: object) -> list[tuple[str, int | None]]:
+def _scenes(field: str, data: object, folder: Path) -> list[tuple[str, int | None]]:
     """Names and seeds of one entry: a scene's name, or random scenes."""
     if isinstance(data, str):
+        shipped = scene_names()
+        if data not in shipped and not any(os.path.isfile(one) for one in (folder / data, data)):
+            raise SceneError(field, data, f"a scene's file, or one of {', '.join(shipped)}")
         return [(data, None)]
     if not isinstance(data, dict):
         raise SceneError(field, data, "a scene's name, a file, or boxes: 8 with seeds: 100")

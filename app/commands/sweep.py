@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import functools
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -10,7 +11,12 @@ from typing import TYPE_CHECKING
 import click
 
 if TYPE_CHECKING:
+    from rich.progress import Progress, TaskID
+
     from abi.sweep.row import Row
+
+_ROUNDING = 1e-9
+"""Numbers up to this in the printed table differ from 0 by rounding alone."""
 
 
 @click.command(short_help="Plan many scenes under many settings, as a table.")
@@ -53,7 +59,7 @@ def sweep(
     fields = (plan.axes or ("scene",))[:2]
     path = folder / f"plans.{table_format}"
     table.write(rows, path)
-    _print(table.summary(rows, fields))
+    print_table(table.summary(rows, fields))
     for written in (path, *plots.write_plots(rows, fields, folder)):
         click.echo(f"written: {written}")
 
@@ -73,21 +79,31 @@ def _progress(folder: Path) -> Iterator[Callable[[int, int], None]]:
     )
     line = bar.add_task("plans", total=None)
     try:
-        with bar:
-            yield lambda done, of: bar.update(line, completed=done, total=of)
+        yield functools.partial(_advance, bar, line)
     except KeyboardInterrupt:
         click.echo(f"Stopped; {folder} keeps what is planned, the same command goes on.", err=True)
         raise click.Abort from None
+    finally:
+        if bar.live.is_started:  # stopping prints an end of line
+            bar.stop()
 
 
-def _print(rows: Sequence[Row]) -> None:
+def _advance(bar: Progress, line: TaskID, done: int, of: int) -> None:
+    """Draw the bar, which is there only once all scenes have been read."""
+    bar.start()
+    bar.update(line, completed=done, total=of)
+
+
+def print_table(rows: Sequence[Row]) -> None:
+    """Print rows with the same columns."""
     from rich.console import Console
+    from rich.markup import escape
     from rich.table import Table
 
     names = list(rows[0])
-    shown = Table(*names)
+    shown = Table(*map(escape, names))  # rich takes [ms] for markup
     for row in rows:
-        shown.add_row(*(_text(row[name]) for name in names))
+        shown.add_row(*(escape(_text(row[name])) for name in names))
     console = Console()
     if not console.is_terminal:
         console.width = 150
@@ -98,5 +114,6 @@ def _text(value: object) -> str:
     if value is None:
         return "–"
     if isinstance(value, float):
+        value = value if abs(value) > _ROUNDING else 0.0
         return f"{value:,.0f}" if value >= 1000 else f"{value:.3g}"
     return str(value)

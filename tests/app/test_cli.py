@@ -16,6 +16,7 @@ from abi.search.compare import COMPARED
 from abi.search.search import SEARCHES
 from app.__main__ import main
 from app.address import Address
+from app.commands import sweep
 from app.commands.exit_code import INCOMPLETE
 from app.guard.policy import policy_for
 from app.look import PLAIN
@@ -361,6 +362,28 @@ def test_sweep_writes_a_table_and_plots(
     assert "mesh.pitch" in printed
     assert len((out / "plans.csv").read_text().splitlines()) == 5
     assert {path.name for path in out.glob("*.svg")} == {"gaps.svg", "clearances.svg", "times.svg"}
+
+
+def test_the_table_of_a_study_keeps_its_units_and_shows_rounding_as_nothing(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    sweep.print_table([{"scene": "[b]x[/b]", "time [ms]": 12.5, "gap [%]": 1.1e-13}])
+    printed = capsys.readouterr().out
+    for words in ("time [ms]", "gap [%]", "[b]x[/b]", "│ 0 "):
+        assert words in printed
+
+
+@pytest.mark.slow
+def test_a_study_of_a_wrong_scene_is_refused_without_a_bar(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    (tmp_path / "mine.yaml").write_text("version: 1\nmesh: {pitch: -1}\n")
+    (tmp_path / "study.yaml").write_text("version: 1\nscenes: [mine.yaml]\n")
+    args = "sweep", str(tmp_path / "study.yaml"), "--out", str(tmp_path / "found")
+    code, out, err = run(monkeypatch, capsys, *args)
+    assert (code, out) == (2, "")
+    assert err.startswith("abi: The scene mine.yaml cannot be planned: mesh.pitch is -1")
+    assert err.count("\n") == 1
 
 
 @pytest.mark.parametrize(

@@ -18,6 +18,10 @@ SHIPPED = Path(__file__).parents[3] / "examples" / "studies" / "lattices.yaml"
     ("change", "field"),
     [
         ({"version": 2}, "version"),
+        ({"version": True}, "version"),
+        ({"version": 1.0}, "version"),
+        ({"scenes": ["paper", "nosuch"]}, "scenes[1]"),
+        ({"scenes": ["missing.yaml"]}, "scenes[0]"),
         ({"scenes": []}, "scenes"),
         ({"scenes": [3]}, "scenes[0]"),
         ({"scenes": ["paper", {"boxes": 4, "seed": 3}]}, "scenes[1].seed"),
@@ -64,6 +68,13 @@ def test_scenes_beside_the_study_are_found(tmp_path: Path) -> None:
     (tmp_path / "study.yaml").write_text("version: 1\nscenes: [mine.yaml]\n")
     study = load_study(tmp_path / "study.yaml")
     assert study.scene(*study.scenes[0]) == load_scene("two-boxes")
+
+
+def test_a_scene_with_a_wrong_field_is_named(tmp_path: Path) -> None:
+    (tmp_path / "mine.yaml").write_text("version: 1\nmesh: {pitch: -1}\n")
+    study = Study.from_dict({"version": 1, "scenes": ["paper", "mine.yaml"]}, tmp_path)
+    with pytest.raises(AbiError, match=r"mine\.yaml cannot be planned: mesh\.pitch is -1"):
+        tasks(study, lambda key: False)
 
 
 def test_random_scenes_are_the_same_for_the_same_seed_alone() -> None:
