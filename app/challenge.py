@@ -14,7 +14,9 @@ from app.frame import Frame
 from app.lessons.lesson import Condition
 from app.lessons.measures import text, value
 
-_SHORTER, _FARTHER = 0.97, 0.2
+_SHORTER = 0.97
+_FARTHER = 1 / 30
+"""Distance to gain, as a part of the workspace's longest side."""
 _COMPLETE = Condition(measure="plan.complete", at_least=1)
 _TOOL_COMPLETE = Condition(measure="plan.tool_complete", at_least=1)
 
@@ -63,11 +65,11 @@ def _quadratic(frame: Frame) -> Challenge | None:
 
 
 def _arm(frame: Frame) -> Challenge | None:
-    distance = value("arm.clearance", frame)
+    scene, distance = frame.plan.scene, value("arm.clearance", frame)
     if distance is None or not abs(distance) < 1e6:
         return None
-    least = float(f"{distance + _FARTHER:.3g}")
-    wording = f"bring the whole arm {least} {frame.plan.scene.unit} or more from the obstacles"
+    least = float(f"{distance + _FARTHER * max(scene.workspace.size):.3g}")
+    wording = f"bring the whole arm {least} {scene.unit} or more from the obstacles"
     condition = Condition(measure="arm.clearance", at_least=least)
     return Challenge(text=wording, until=(condition, _COMPLETE))
 

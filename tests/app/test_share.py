@@ -51,6 +51,30 @@ def test_a_challenge_can_be_met() -> None:
     assert challenge_of("anything", frame_of(PAPER)) is None
 
 
+def test_a_challenge_for_the_arm_asks_for_as_much_in_any_unit() -> None:
+    arm = {name: getattr(PAPER.arm, name) for name in ("a1", "a2", "a3", "a4", "a5")}
+    metres = PAPER.replace(
+        unit="m",
+        workspace={"max": [0.06, 0.06, 0.06]},
+        goal=[0.06, 0.06, 0.06],
+        obstacles=[{"shape": "box", "size": [0.02, 0.02, 0.02], "position": [0.03, 0.03, 0.03]}],
+        mesh={"pitch": PAPER.mesh.pitch / 100},
+        spline={"clearance": 0.002},
+        motion={"speed": 0.04, "acceleration": 0.06, "deceleration": 0.06},
+        arm={"base": [0.03, -0.03, 0], **{name: a / 100 for name, a in arm.items()}},
+    )
+    gains = []
+    for scene, size in ((PAPER, 1.0), (metres, 0.01)):
+        frame = frame_of(scene)
+        challenge = challenge_of("keep the arm farther away", frame)
+        assert challenge is not None
+        asked, now = challenge.until[0].at_least, value("arm.clearance", frame)
+        assert asked is not None
+        assert now is not None
+        gains.append((asked - now) / size)
+    assert gains[1] == pytest.approx(gains[0], rel=0.05)
+
+
 def test_a_challenge_is_not_met_through_a_wall() -> None:
     wall = frame_of(load_scene("wall-with-window"))
     assert wall.plan.error is None
