@@ -28,8 +28,9 @@ class Stances:
         start: where the tool starts, shape (3,), [unit], world.
         first: joint positions there, shape (n,), [rad] or [unit].
         home: those that spare joints drift to, shape (n,), [rad] or [unit].
-        positions: joint positions at the nodes, shape (k, n), [rad] or [unit].
-        reached: ids of these nodes, shape (k,).
+        positions: joint positions at all m nodes, shape (m, n), [rad] or [unit]; those of a node
+            that is not reached mean nothing.
+        reached: whether the arm reaches each node, shape (m,).
     """
 
     mesh: TetMesh
