@@ -112,8 +112,7 @@ def verify(plan: object, folder: Path | MeshSource | None = None) -> tuple[Verdi
         raise SceneError("plan", plan, "a plan as abi plan writes it")
     scene = Scene.from_dict(plan["scene"], folder)
     obstacles = _obstacles(plan["scene"], scene)
-    required = Fraction(scene.spline.clearance)
-    verdicts = [_verdict(name, plan[name], obstacles, required) for name in CURVES]
+    verdicts = [_verdict(name, plan[name], obstacles, scene) for name in CURVES]
     if "arm" in plan:
         verdicts.append(_arm_verdict(plan, scene, obstacles))
     return tuple(verdicts)
@@ -145,7 +144,7 @@ def _checked(check: Callable[_P, str], *args: _P.args, **kwargs: _P.kwargs) -> V
 
 
 def _verdict(
-    name: str, section: Any, obstacles: list[ExactSolid | ExactMesh], required: Fraction
+    name: str, section: Any, obstacles: list[ExactSolid | ExactMesh], scene: Scene
 ) -> Verdict:
     if section is None:
         return Verdict(name, False, "the plan has no such curve")
@@ -154,6 +153,7 @@ def _verdict(
     if certificate is None:
         claim = "it claims to be certified but" if section.get("certified") else "it"
         return Verdict(name, False, f"{claim} carries no certificate")
+    required = Fraction(scene.spline.clearance)
     field = f"{name}.certificate"
     margin, planes = _certificate(field, mapping(field, certificate), len(obstacles))
     try:
@@ -169,9 +169,9 @@ def _verdict(
         return Verdict(name, False, f"its certificate is wrong, {fault}")
     if margin is None:
         return Verdict(name, True, "there is no obstacle")
-    distance = f"{float(margin):.9g}"
+    distance = f"{float(margin):.9g} {scene.unit}"
     if margin < required - _TOUCH:
-        distance += f", less than the {float(required):g} asked for,"
+        distance += f", less than the {float(required):g} {scene.unit} asked for,"
     number = "the obstacle" if len(obstacles) == 1 else f"all {len(obstacles)} obstacles"
     count = sum(map(len, planes))
     return Verdict(name, True, f"it keeps {distance} from {number}, by {count} planes")

@@ -105,7 +105,8 @@ def check_arm(
         if isinstance(obstacle, ExactMesh) and obstacle.closed and obstacle.inside(arm.base):
             raise Fault("the base is inside a mesh")
     count = sum(map(len, planes.values()))
-    kept = "there is no obstacle" if margin is None else f"its links keep {float(margin):.9g}"
+    distance = "" if margin is None else f"{float(margin):.9g} {scene.unit}"
+    kept = f"its links keep {distance}" if distance else "there is no obstacle"
     return f"{kept}, and clear of the floor and each other, by {count} directions"
 
 

@@ -125,7 +125,8 @@ def check_chain(
                 raise Fault(f"{capsule.link} and {label}: {fault}") from None
     _check_outside(motion, capsules, obstacles)
     count = sum(map(len, planes.values()))
-    kept = "there is no obstacle" if margin is None else f"its links keep {float(margin):.9g}"
+    distance = "" if margin is None else f"{float(margin):.9g} {scene.unit}"
+    kept = f"its links keep {distance}" if distance else "there is no obstacle"
     return (
         f"{kept}, and clear of the floor and each other ({len(pairs)} pairs), by {count} directions"
     )

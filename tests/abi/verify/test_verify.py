@@ -64,6 +64,7 @@ def test_every_certificate_of_a_plan_is_accepted(name: str) -> None:
             continue
         margin = section["certificate"]["margin"]
         assert section["clearance"] == margin
+        assert margin is None or f"{margin:.9g} {scene.unit}" in one.reason
         if one.curve == "arm":
             assert section["certified"]
             continue
