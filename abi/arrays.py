@@ -1,7 +1,8 @@
-"""Array types of the package, and read-only arrays."""
+"""Array types of the package, read-only arrays, and short texts of what holds them."""
 
 from __future__ import annotations
 
+from dataclasses import fields, is_dataclass
 from typing import Any, TypeVar
 
 import numpy as np
@@ -14,6 +15,9 @@ ByteArray = NDArray[np.uint8]
 
 _Array = TypeVar("_Array", bound=NDArray[Any])
 
+_FEW, _LONG = 4, 60
+"""Entries and letters of a value that are shown."""
+
 
 def read_only(array: _Array) -> _Array:
     """Lock ``array`` against writing and return it."""
@@ -24,3 +28,30 @@ def read_only(array: _Array) -> _Array:
 def flat(array: NDArray[np.float64]) -> FloatArray:
     """Return the numbers of ``array`` flat and read-only, as kernels take them."""
     return read_only(np.ascontiguousarray(array, dtype=np.float64).reshape(-1))
+
+
+class ShortRepr:
+    """Base of dataclasses with arrays: ``repr`` is one line, with the shapes of arrays."""
+
+    def __repr__(self) -> str:
+        """Name of the class and all fields, long values by their size."""
+        assert is_dataclass(self)
+        shown = (
+            f"{one.name}={_brief(getattr(self, one.name))}" for one in fields(self) if one.repr
+        )
+        return f"{type(self).__name__}({', '.join(shown)})"
+
+
+def _brief(value: object) -> str:
+    if isinstance(value, np.ndarray):
+        return f"array{value.shape}"
+    if isinstance(value, float):
+        return f"{value:.6g}"
+    if isinstance(value, tuple | list | dict) and len(value) > _FEW:
+        return f"<{len(value)} entries>"
+    if isinstance(value, tuple):
+        return f"({', '.join(map(_brief, value))}{',' * (len(value) == 1)})"
+    text = "" if isinstance(value, ShortRepr) else repr(value)
+    if not text or (len(text) > _LONG and not isinstance(value, str)):
+        return f"{type(value).__name__}(…)"
+    return text if len(text) <= _LONG else f"{text[:_LONG]}…"

@@ -22,7 +22,7 @@ from abi.arm import capsule_kernels
 from abi.arm.any_arm import PlacedCapsule
 from abi.arm.link_capsules import BODIES, LinkCapsule, link_capsules, steepest_bend
 from abi.arm.pose_kernels import ArmNumbers, ArmTable
-from abi.arrays import FloatArray, flat, read_only
+from abi.arrays import FloatArray, ShortRepr, flat, read_only
 from abi.obstacles.pose import METRES, UNTURNED, Quaternion
 from abi.scene.settings import ArmSettings
 
@@ -36,8 +36,8 @@ STROKE = 0.8
 """Longest extension q5 as a fraction of a4: the rest of the rod stays in its sleeve."""
 
 
-@dataclass(frozen=True, eq=False)
-class Arm:
+@dataclass(frozen=True, eq=False, repr=False)
+class Arm(ShortRepr):
     """Geometry and limits of an arm.
 
     Attributes:

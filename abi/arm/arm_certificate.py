@@ -30,7 +30,7 @@ from abi.arm.arm import Arm
 from abi.arm.separate_arm_kernels import UNREACHED, Slide, separate_arm
 from abi.arm.surroundings import Surroundings
 from abi.arm.wrist_drives import wrist_positions
-from abi.arrays import FloatArray, IntArray, flat, read_only
+from abi.arrays import FloatArray, IntArray, ShortRepr, flat, read_only
 from abi.clearance.bezier import PolynomialCurve
 from abi.clearance.separation_kernels import CERTIFIED, MOST_HALVINGS, REFUTED
 from abi.curves.curve import ArcLength
@@ -42,8 +42,8 @@ _PARTS = 16  # of each polynomial, at whose ends q5 is known
 _SLIDE_PAD = 1e-3  # of its range, for the check's own coarser bounds
 
 
-@dataclass(frozen=True, eq=False)
-class ArmCertificate:
+@dataclass(frozen=True, eq=False, repr=False)
+class ArmCertificate(ShortRepr):
     """Directions that prove every capsule clear of its surroundings along a whole curve.
 
     Attributes:

@@ -19,7 +19,7 @@ from abi.arm.capsule_mesh_kernels import capsules_near_meshes
 from abi.arm.solid_rows import FLOOR
 from abi.arm.surroundings import Surroundings
 from abi.arm.trajectory import ArmMotion
-from abi.arrays import FloatArray, IntArray, flat, read_only
+from abi.arrays import FloatArray, IntArray, ShortRepr, flat, read_only
 from abi.obstacles.obstacle_set import ObstacleSet
 
 _SHARES = (0.95, 0.8, 0.6, 0.4, 0.2)
@@ -53,8 +53,8 @@ class Contact(NamedTuple):
     depth: float
 
 
-@dataclass(frozen=True, eq=False)
-class ArmClearance:
+@dataclass(frozen=True, eq=False, repr=False)
+class ArmClearance(ShortRepr):
     """Clearance of the arm from obstacles, from the floor and from itself.
 
     Attributes:

@@ -10,7 +10,7 @@ import numpy as np
 
 from abi.arm.chain_kernels import POSE, ChainTable, chain_poses
 from abi.arm.follow_path_kernels import Drift, follow_path
-from abi.arrays import FloatArray, flat, read_only
+from abi.arrays import FloatArray, ShortRepr, flat, read_only
 from abi.obstacles.pose import UNTURNED, Quaternion, Vec3, rotation
 from abi.robot.robot import Joint, Robot, joints_to
 
@@ -34,8 +34,8 @@ class Carried:
     pose: FloatArray
 
 
-@dataclass(frozen=True, eq=False)
-class Chain:
+@dataclass(frozen=True, eq=False, repr=False)
+class Chain(ShortRepr):
     """Joints between a base and a tip, standing in the world; lengths in [m].
 
     Attributes:

@@ -18,7 +18,7 @@ from abi.arm.arm_certificate import slide_bounds
 from abi.arm.inverse_kinematics import solve
 from abi.arm.separate_arm_kernels import Slide
 from abi.arm.wrist_drives import wrist_positions
-from abi.arrays import FloatArray, read_only
+from abi.arrays import FloatArray, ShortRepr, read_only
 from abi.curves.curve import ArcLength, Curve
 from abi.curves.timed_profile import PathProfile
 from abi.errors import NotFollowed, OutOfReach
@@ -58,8 +58,8 @@ class Stretch(NamedTuple):
     shortfall: float
 
 
-@dataclass(frozen=True, eq=False)
-class Trajectory:
+@dataclass(frozen=True, eq=False, repr=False)
+class Trajectory(ShortRepr):
     """Position of the tool over time: a curve run through by arc length."""
 
     curve: Curve
@@ -130,8 +130,8 @@ class Trajectory:
         return np.asarray(direction / np.where(size > 0, size, 1)[:, None])
 
 
-@dataclass(frozen=True, eq=False)
-class ArmMotion:
+@dataclass(frozen=True, eq=False, repr=False)
+class ArmMotion(ShortRepr):
     """The arm's motion, sampled uniformly in time.
 
     Attributes:

@@ -12,7 +12,7 @@ import numpy as np
 
 from abi.arm.any_arm import PlacedCapsule
 from abi.arm.chain import Chain
-from abi.arrays import FloatArray, IntArray, read_only
+from abi.arrays import FloatArray, IntArray, ShortRepr, read_only
 from abi.obstacles.pose import METRES, UNTURNED, Quaternion, Vec3
 from abi.robot.bounding_capsules import bounding_capsules
 from abi.robot.robot import Robot
@@ -48,8 +48,8 @@ class LinkCapsule(NamedTuple):
     radius: float
 
 
-@dataclass(frozen=True, eq=False)
-class UrdfArm:
+@dataclass(frozen=True, eq=False, repr=False)
+class UrdfArm(ShortRepr):
     """An arm that a URDF describes: a robot's chain in a scene.
 
     Attributes:

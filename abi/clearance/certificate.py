@@ -28,7 +28,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from abi.arrays import BoolArray, FloatArray, IntArray, flat, read_only
+from abi.arrays import BoolArray, FloatArray, IntArray, ShortRepr, flat, read_only
 from abi.clearance.bezier import Bezier, PolynomialCurve
 from abi.clearance.certify_mesh_kernels import separate_from_mesh
 from abi.clearance.certify_primitives_kernels import separate_from_primitives
@@ -44,8 +44,8 @@ _CHORDS = 8  # of each polynomial, to see which meshes it may be near
 _PLACED = 1e-10  # of the curve's size: more than the error of a mesh's place and of its box's
 
 
-@dataclass(frozen=True, eq=False)
-class Certificate:
+@dataclass(frozen=True, eq=False, repr=False)
+class Certificate(ShortRepr):
     """Planes that separate every piece of a curve from every obstacle.
 
     Attributes:

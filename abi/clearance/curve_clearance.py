@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from abi.arrays import flat
+from abi.arrays import ShortRepr, flat
 from abi.clearance.bezier import PolynomialCurve
 from abi.clearance.certificate import Certificate, certify
 from abi.clearance.curve_clearance_kernels import measure_curve
@@ -21,8 +21,8 @@ _FINEST_STRETCH = 512
 _MESH_TOLERANCE = 1e-3  # of the curve's extent: of its distance to a mesh
 
 
-@dataclass(frozen=True, eq=False)
-class Clearance:
+@dataclass(frozen=True, eq=False, repr=False)
+class Clearance(ShortRepr):
     """Distance of a curve to the obstacles.
 
     Attributes:

@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from abi.arrays import BoolArray, FloatArray, flat, read_only
+from abi.arrays import BoolArray, FloatArray, ShortRepr, flat, read_only
 from abi.clearance.bezier import Bezier
 from abi.curves import bspline_kernels as kernels
 
 
-@dataclass(frozen=True, eq=False)
-class BSpline:
+@dataclass(frozen=True, eq=False, repr=False)
+class BSpline(ShortRepr):
     """A clamped B-spline on [0, 1]; it starts at its first control point and ends at the last.
 
     Attributes:

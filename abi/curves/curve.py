@@ -9,7 +9,7 @@ import numpy as np
 from numpy.polynomial import legendre
 from numpy.typing import ArrayLike
 
-from abi.arrays import FloatArray, flat, read_only
+from abi.arrays import FloatArray, ShortRepr, flat, read_only
 from abi.clearance.bezier import PolynomialCurve
 from abi.curves import arc_length_kernels as kernels
 
@@ -42,8 +42,8 @@ class Curve(PolynomialCurve, Protocol):
         """
 
 
-@dataclass(frozen=True, eq=False)
-class ArcLength:
+@dataclass(frozen=True, eq=False, repr=False)
+class ArcLength(ShortRepr):
     """Arc length of one curve as a function of the parameter, and back.
 
     The parameter interval is cut into pieces so short that on each the speed is a Legendre series

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
+from abi.arrays import ShortRepr
 from abi.clearance.bezier import PolynomialCurve
 from abi.clearance.curve_clearance import ROUNDING, Clearance, proven_clearance
 from abi.obstacles.obstacle_set import ObstacleSet
@@ -14,8 +15,8 @@ CurveT = TypeVar("CurveT", bound=PolynomialCurve)
 _TOLERANCE = 1e-6  # of the curve's extent
 
 
-@dataclass(frozen=True, eq=False)
-class Fit(Generic[CurveT]):
+@dataclass(frozen=True, eq=False, repr=False)
+class Fit(ShortRepr, Generic[CurveT]):
     """A fitted curve and its clearance.
 
     Attributes:

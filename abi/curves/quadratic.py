@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from abi.arrays import FloatArray, read_only
+from abi.arrays import FloatArray, ShortRepr, read_only
 from abi.clearance.bezier import Bezier
 from abi.curves.curve import ArcLength, Curve
 
@@ -16,8 +16,8 @@ Piece = tuple[float, float, FloatArray]
 """First and last parameter, and rows c0, c1, c2 of c0 + c1·t + c2·t² between them (3, 3), [unit]"""
 
 
-@dataclass(frozen=True, eq=False)
-class Quadratic:
+@dataclass(frozen=True, eq=False, repr=False)
+class Quadratic(ShortRepr):
     """A curve on [0, 1] whose piece i is c0 + c1·t + c2·t² from ``breaks[i]`` to ``breaks[i + 1]``.
 
     Where pieces meet they share points and first derivatives (C¹), so the tool passes at full

@@ -11,14 +11,14 @@ import ruckig
 import scipy
 from numpy.typing import ArrayLike
 
-from abi.arrays import FloatArray, read_only
+from abi.arrays import FloatArray, ShortRepr, read_only
 from abi.curves.speed_profile import SpeedProfile
 
 _TINY = 1e-12
 
 
-@dataclass(frozen=True, eq=False)
-class TimedProfile:
+@dataclass(frozen=True, eq=False, repr=False)
+class TimedProfile(ShortRepr):
     """Motion from rest to rest that never moves backwards.
 
     Attributes:

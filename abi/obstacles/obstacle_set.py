@@ -18,7 +18,7 @@ from typing import Annotated, Self
 import numpy as np
 from pydantic import Field
 
-from abi.arrays import BoolArray, FloatArray, IntArray, flat, read_only
+from abi.arrays import BoolArray, FloatArray, IntArray, ShortRepr, flat, read_only
 from abi.obstacles import obstacle_set_kernels as kernels
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.packing import pack
@@ -38,8 +38,8 @@ _TOUCH = 1e-9
 """Least margin to a mesh's bounds, [unit]: what touches the surface may lie on them."""
 
 
-@dataclass(frozen=True, eq=False)
-class ObstacleSet:
+@dataclass(frozen=True, eq=False, repr=False)
+class ObstacleSet(ShortRepr):
     """Obstacles and their distances; tables are made at their first use.
 
     Two sets are equal only if they are the same object: comparing obstacles one by one would cost

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from abi.arrays import ShortRepr
 from abi.obstacles.pose import Vec3
 from abi.scene.scene import Scene
 
@@ -39,8 +40,8 @@ class BaseTrial:
         return self.length, -self.clearance
 
 
-@dataclass(frozen=True, eq=False)
-class BaseMap:
+@dataclass(frozen=True, eq=False, repr=False)
+class BaseMap(ShortRepr):
     """The places tried so far.
 
     Attributes:

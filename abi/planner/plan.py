@@ -85,6 +85,16 @@ class Plan:
     ms: Mapping[str, float] = field(default_factory=dict)
     total_ms: float = 0.0
 
+    def __repr__(self) -> str:
+        """One line: what is followed, or why there is no plan."""
+        if self.error is not None or self.followed_arc is None or self.profile is None:
+            return f"<Plan: {self.error or 'incomplete'}>"
+        clear = "proven" if self.is_arm_clear else "not proven"
+        return (
+            f"<Plan: {self.followed} of {self.followed_arc.length:.4g} {self.scene.unit} "
+            f"in {self.profile.duration:.3g} s, whole arm {clear} clear>"
+        )
+
     @property
     def followed_curve(self) -> Fit[BSpline] | Fit[Quadratic] | None:
         """The curve that the arm executes."""

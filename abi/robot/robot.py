@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
-from abi.arrays import ByteArray, FloatArray, IntArray
+from abi.arrays import ByteArray, FloatArray, IntArray, ShortRepr
 from abi.errors import SceneError
 from abi.obstacles.pose import Vec3
 
@@ -41,8 +41,8 @@ class Shape:
     colours: ByteArray
 
 
-@dataclass(frozen=True, eq=False)
-class Link:
+@dataclass(frozen=True, eq=False, repr=False)
+class Link(ShortRepr):
     """A link: a body of a robot.
 
     Attributes:
@@ -104,8 +104,8 @@ class Joint:
     mimic: Mimic | None
 
 
-@dataclass(frozen=True, eq=False)
-class Robot:
+@dataclass(frozen=True, eq=False, repr=False)
+class Robot(ShortRepr):
     """A robot: links joined into a tree; compares by the files it was read from and its root.
 
     Attributes:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from abi.arrays import BoolArray, FloatArray, IntArray, read_only
+from abi.arrays import BoolArray, FloatArray, IntArray, ShortRepr, read_only
 from abi.tet_mesh import adjacency
 from abi.tet_mesh.adjacency_kernels import LINKED_BIT
 from abi.tet_mesh.tet_mesh import TetMesh
@@ -23,8 +23,8 @@ if TYPE_CHECKING:
 _DIRECTIONS = (1 << LINKED_BIT) - 1
 
 
-@dataclass(frozen=True, eq=False)
-class Graph:
+@dataclass(frozen=True, eq=False, repr=False)
+class Graph(ShortRepr):
     """Nodes and the edges between them that keep clear of the obstacles.
 
     Node ids are those of the mesh, including excluded nodes, which have no edges; start and goal

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from abi.arrays import FloatArray, IntArray, read_only
+from abi.arrays import FloatArray, IntArray, ShortRepr, read_only
 from abi.errors import NoPath
 from abi.search import bellman_ford_kernels, best_first_kernels
 from abi.search.graph import Graph
@@ -24,8 +24,8 @@ from abi.search.search_kernels import Ends, Problem, reconstruct_path
 from abi.tet_mesh.adjacency_kernels import Links, OpenEdges
 
 
-@dataclass(frozen=True, eq=False)
-class SearchResult:
+@dataclass(frozen=True, eq=False, repr=False)
+class SearchResult(ShortRepr):
     """A path from start to goal, and the work that it took to find it.
 
     Attributes:

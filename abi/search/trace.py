@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from abi.arrays import FloatArray, IntArray, read_only
+from abi.arrays import FloatArray, IntArray, ShortRepr, read_only
 from abi.search.arcs import Arcs
 from abi.search.label_kernels import relax_in_order
 
@@ -18,8 +18,8 @@ Queue = Literal["best_first", "first_in", "rounds"]
 NO_NODES: IntArray = read_only(np.zeros(0, np.int32))
 
 
-@dataclass(frozen=True, eq=False)
-class SearchTrace:
+@dataclass(frozen=True, eq=False, repr=False)
+class SearchTrace(ShortRepr):
     """A finished search. A step is the expansion of one node, or a round of all.
 
     In a search from both ends, n is added to the ids of the second search's nodes.

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from abi.arrays import FloatArray, flat, read_only
+from abi.arrays import FloatArray, ShortRepr, flat, read_only
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.polyline_kernels import near_polyline
 from abi.obstacles.primitives import Primitive
@@ -57,8 +57,8 @@ None of these can be passed over, and uncompiled, in a first plan, so many take 
 """
 
 
-@dataclass(frozen=True, eq=False)
-class TautPath:
+@dataclass(frozen=True, eq=False, repr=False)
+class TautPath(ShortRepr):
     """A short polyline from start to goal, whose inner vertices need not be nodes.
 
     Attributes:

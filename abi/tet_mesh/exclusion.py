@@ -12,7 +12,7 @@ from functools import cached_property
 
 import numpy as np
 
-from abi.arrays import BoolArray, FloatArray, IntArray, read_only
+from abi.arrays import BoolArray, FloatArray, IntArray, ShortRepr, read_only
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import Obstacle, ObstacleSet
 from abi.obstacles.packing import row
@@ -22,8 +22,8 @@ from abi.tet_mesh.mesh_exclusion_kernels import exclusion_near_mesh
 from abi.tet_mesh.tet_mesh import TetMesh
 
 
-@dataclass(frozen=True, eq=False)
-class Exclusion:
+@dataclass(frozen=True, eq=False, repr=False)
+class Exclusion(ShortRepr):
     """Nodes and edges that one obstacle excludes; several obstacles exclude the union.
 
     The edges of excluded nodes are excluded, too.
@@ -42,8 +42,8 @@ class Exclusion:
     cut_bits: IntArray
 
 
-@dataclass(frozen=True, eq=False)
-class FreeMesh:
+@dataclass(frozen=True, eq=False, repr=False)
+class FreeMesh(ShortRepr):
     """A mesh without the nodes that are in an obstacle or nearer to it than the margin.
 
     Attributes:

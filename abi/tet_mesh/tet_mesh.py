@@ -13,7 +13,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from abi.arrays import ByteArray, FloatArray, IntArray, read_only
+from abi.arrays import ByteArray, FloatArray, IntArray, ShortRepr, read_only
 from abi.scene.settings import MeshSettings, Workspace
 from abi.tet_mesh import adjacency
 from abi.tet_mesh.adjacency_kernels import Adjacency
@@ -26,8 +26,8 @@ from abi.tet_mesh.stencil import Stencil
 _CORNER_PAIRS = np.array([(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)])
 
 
-@dataclass(frozen=True, eq=False)
-class TetMesh:
+@dataclass(frozen=True, eq=False, repr=False)
+class TetMesh(ShortRepr):
     """Tetrahedra that fill the workspace; tables are made at their first use.
 
     Attributes:

@@ -9,11 +9,11 @@ from functools import cached_property
 import numpy as np
 import scipy
 
-from abi.arrays import FloatArray, IntArray, read_only
+from abi.arrays import FloatArray, IntArray, ShortRepr, read_only
 
 
-@dataclass(frozen=True, eq=False)
-class Surface:
+@dataclass(frozen=True, eq=False, repr=False)
+class Surface(ShortRepr):
     """Triangles in the coordinates of their file; compares and hashes by its content.
 
     Attributes:
