@@ -23,6 +23,7 @@ from typing import Any
 import numba
 
 from abi.compiled import KERNELS, Kernel
+from abi.errors import AbiError
 
 _log = logging.getLogger(__name__)
 
@@ -191,7 +192,12 @@ def compile(spare: int = 0) -> None:
 
     Args:
         spare: number of processors to leave to other programs meanwhile.
+
+    Raises:
+        AbiError: ``spare`` is no such number.
     """
+    if not isinstance(spare, int) or spare < 0:
+        raise AbiError(f"spare is {spare!r}; expected a whole number of processors, at least 0.")
     _compilation.spare = spare
     _compilation.begin()
     _compilation.wanted.set()

@@ -51,9 +51,7 @@ class SceneError(AbiError):
     """
 
     def __init__(self, field: str, value: object, expected: str) -> None:
-        text = repr(value)
-        text = text if len(text) <= 90 else f"{text[:40]} … {text[-40:]}"
-        super().__init__(f"{field} is {text}; expected {expected}.")
+        super().__init__(f"{field} is {short(value)}; expected {expected}.")
         self.field = field
         self.value = value
         self.expected = expected
@@ -313,6 +311,12 @@ class NotFollowed(StageError):
         self.first = first
         self.last = last
         self.shortfall = shortfall
+
+
+def short(value: object) -> str:
+    """Text of a value given, without the middle if it is long."""
+    text = repr(value)
+    return text if len(text) <= 90 else f"{text[:40]} … {text[-40:]}"
 
 
 def format_length(length: float) -> str:

@@ -6,6 +6,7 @@ content, or raises :class:`abi.errors.ExportError` if the format cannot hold the
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -24,7 +25,7 @@ from abi.export import (
     urscript,
 )
 from abi.planner.arm_faults import arm_warning
-from abi.planner.plan import Plan
+from abi.planner.plan import Plan, require_plan
 
 
 @dataclass(frozen=True)
@@ -117,18 +118,28 @@ def format_of(path: Path) -> str:
     return endings[max(fitting, key=len)]
 
 
-def export(plan: Plan, path: Path, format_name: str) -> None:
+def export(plan: Plan, path: str | Path, format: str | None = None) -> None:
     """Write a plan to a file, whole or not at all.
 
     Args:
         plan: the plan.
         path: file to write; an existing file is replaced.
-        format_name: a name in :data:`FORMATS`.
+        format: a name in :data:`FORMATS`; None for what the file's ending means.
 
     Raises:
-        ExportError: the format cannot hold the plan, or the file cannot be written.
+        ExportError: there is no such format, it cannot hold the plan, or the file cannot be
+            written.
     """
-    content = FORMATS[format_name].write(plan, path.name)
+    require_plan(plan)
+    if not isinstance(path, str | os.PathLike):
+        raise ExportError(f"path is {path!r}; expected the file to write, such as 'motion.csv'.")
+    path = Path(path)
+    if format is None:
+        format = format_of(path)
+    if format not in tuple(FORMATS):
+        known = ", ".join(FORMATS)
+        raise ExportError(f"The format is {format!r}; expected one of {known}.")
+    content = FORMATS[format].write(plan, path.name)
     try:
         replace_file(path, content)
     except (OSError, ValueError) as error:

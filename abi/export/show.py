@@ -9,15 +9,16 @@ import webbrowser
 from dataclasses import dataclass
 from pathlib import Path
 
+from abi.arrays import ShortRepr
 from abi.export import html_page
-from abi.planner.plan import Plan
+from abi.planner.plan import Plan, require_plan
 
 HEIGHT = 560
 """Height of the frame in a notebook, [px]."""
 
 
-@dataclass(frozen=True)
-class Shown:
+@dataclass(frozen=True, repr=False)
+class Shown(ShortRepr):
     """The page of a plan, which a notebook draws as a cell's value.
 
     Attributes:
@@ -46,8 +47,9 @@ def show(plan: Plan) -> Shown:
         An object with the HTML text in ``page``, which a notebook draws.
 
     Raises:
-        ExportError: the plan has no mesh.
+        ExportError: no plan, or one without a mesh.
     """
+    require_plan(plan)
     page = html_page.write(plan, "plan.html").decode()
     if "ipykernel" not in sys.modules:
         folder = Path(tempfile.mkdtemp(prefix="abi-"))

@@ -20,7 +20,7 @@ from abi.obstacles.pose import Vec3
 from abi.planner.base_map import BaseMap, BaseTrial
 from abi.planner.plan import Plan
 from abi.planner.planner import Planner
-from abi.scene.scene import Scene
+from abi.scene.scene import Scene, require_scene
 
 MOST_NODES = 8_000
 """Largest mesh that bases are tried on, in nodes; the best ones are planned on the scene's."""
@@ -32,6 +32,7 @@ _SPLIT = 4
 _SPLIT_BLINDLY = 16
 """The same while no base has a plan."""
 _FARTHEST = 1e6
+_THREE = "three numbers from -1,000,000 to 1,000,000"
 _RANKS = {"start": 1, "goal": 2, "path": 3, "curve": 4}
 _COARSER = 2 ** (1 / 3)
 
@@ -52,14 +53,17 @@ def find_base(
         scene: the scene; only ``arm.base`` is varied.
         low: low corner of the region, [unit], world.
         high: high corner of the region; a side of length 0 is not divided.
-        cancelled: called before each plan; once it returns True, the search ends.
+        cancelled: called after each plan; once it returns True, the search ends.
 
     Returns:
         The map of all places tried, with the length of the plan from each, [unit].
 
     Raises:
-        SceneError: low and high do not span a region; names the corner.
+        SceneError: no scene, or low and high do not span a region; names the corner.
     """
+    require_scene(scene)
+    if not callable(cancelled):
+        raise SceneError("cancelled", cancelled, "a function without arguments")
     found = BaseMap(scene, *_region(low, high))
     for latest in base_maps(scene, low, high):
         found = latest
@@ -127,10 +131,19 @@ def _region(low: Sequence[float], high: Sequence[float]) -> tuple[Vec3, Vec3]:
     """Both corners, checked."""
     corners = []
     for name, corner in (("low", low), ("high", high)):
-        numbers = [float(number) for number in corner]
-        if len(numbers) != 3 or not all(abs(number) <= _FARTHEST for number in numbers):
-            raise SceneError(f"region.{name}", list(corner), "three finite numbers")
-        corners.append((numbers[0], numbers[1], numbers[2]))
+        field = f"region.{name}"
+        try:
+            numbers = np.asarray(corner, dtype=float)
+        except (TypeError, ValueError, OverflowError):
+            raise SceneError(field, corner, _THREE) from None
+        if (
+            isinstance(corner, str)
+            or numbers.shape != (3,)
+            or not np.all(abs(numbers) <= _FARTHEST)
+        ):
+            raise SceneError(field, corner, _THREE)
+        x, y, z = numbers.tolist()
+        corners.append((x, y, z))
     if any(a > b for a, b in zip(*corners, strict=True)):
         expected = f"no number below that of region.low, {list(low)}"
         raise SceneError("region.high", list(high), expected)

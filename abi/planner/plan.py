@@ -20,7 +20,7 @@ from abi.curves.curve import ArcLength
 from abi.curves.fit import Fit
 from abi.curves.quadratic import Quadratic
 from abi.curves.timed_profile import PathProfile
-from abi.errors import StageError
+from abi.errors import ExportError, StageError, short
 from abi.planner import plan_json
 from abi.scene.scene import Scene
 from abi.search.graph import Graph
@@ -188,3 +188,9 @@ class Plan:
             "total_ms": self.total_ms,
             "error": plan_json.error(self.error),
         }
+
+
+def require_plan(value: object) -> None:
+    """Raise an ExportError for what is given instead of a plan."""
+    if not isinstance(value, Plan):
+        raise ExportError(f"plan is {short(value)}; expected a Plan, such as abi.plan(scene).")

@@ -31,7 +31,7 @@ from abi.planner.arm_words import contact_sentence
 from abi.planner.exclusion_cache import ExclusionCache
 from abi.planner.plan import Plan
 from abi.planner.stage import Stage
-from abi.scene.scene import Scene
+from abi.scene.scene import Scene, require_scene
 from abi.scene.settings import MotionSettings
 from abi.search.build_graph import build_graph
 from abi.search.search import SEARCHES
@@ -63,6 +63,9 @@ def plan(scene: Scene) -> Plan:
 
     Returns:
         The plan. If the scene has none, its ``error`` says why, and nothing is raised.
+
+    Raises:
+        SceneError: ``scene`` is no scene.
     """
     return Planner()(scene)
 
@@ -113,7 +116,11 @@ class Planner:
 
         Returns:
             The plan. If the scene has none, its ``error`` says why, and nothing is raised.
+
+        Raises:
+            SceneError: ``scene`` is no scene.
         """
+        require_scene(scene)
         # one that compiles waits for what another planner has begun to load; a tab's first does not
         if self._planned or self._compile:
             compiling.wait_for_loading()

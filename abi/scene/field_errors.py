@@ -27,6 +27,7 @@ _EXPECTED = {
     "list_type": "a list",
     "model_attributes_type": "a mapping",
     "model_type": "a mapping",
+    "string_too_short": "a name",
     "string_type": "text",
     "tuple_type": "a list",
 }
@@ -67,16 +68,21 @@ def first_error(error: ValidationError, scene: type[BaseModel]) -> SceneError:
     if detail["type"] == "mesh_file":
         location.append("file")
         detail["input"] = detail["ctx"]["file"]
+    if detail["type"] in ("union_tag_invalid", "union_tag_not_found") and isinstance(
+        detail["input"], dict
+    ):
+        location.append("shape")
+        detail["input"] = detail["input"].get("shape", Missing())
     field = "".join(f"[{p}]" if isinstance(p, int) else f".{p}" for p in location).lstrip(".")
     missing = detail["type"] == "missing"
     return SceneError(
         field or "scene",
-        _Missing() if missing else detail["input"],
+        Missing() if missing else detail["input"],
         _expectation(detail, location, scene),
     )
 
 
-class _Missing:
+class Missing:
     """Stands in an error for a value that was not given."""
 
     def __repr__(self) -> str:
@@ -88,20 +94,22 @@ def _expectation(detail: ErrorDetails, location: list[int | str], scene: type[Ba
     kind = detail["type"]
     if kind == "missing":
         return "a number" if isinstance(location[-1], int) else _MISSING[location[-1]]
+    if location == ["version"]:
+        return "1"
     if kind == "extra_forbidden":
         names = _fields_at(detail["loc"][:-1], scene)
         close = difflib.get_close_matches(str(location[-1]), names, 1)
         return f"one of the fields {', '.join(names)}" + (
             f" (did you mean {close[0]}?)" if close else ""
         )
-    if kind == "union_tag_not_found":
-        return f"shape: {_ANY_SHAPE}"
-    if kind == "union_tag_invalid":
-        return _ANY_SHAPE
+    if kind in ("union_tag_invalid", "union_tag_not_found"):
+        return _ANY_SHAPE if location[-1] == "shape" else f"a mapping with shape: {_ANY_SHAPE}"
     if kind in ("model_type", "model_attributes_type") and isinstance(location[-1], str):
         return f"the fields {', '.join(_fields_at(detail['loc'], scene))}"
     if kind in _EXPECTED:
         return _EXPECTED[kind]
+    if kind == "string_too_long":
+        return f"at most {detail['ctx']['max_length']} characters"
     if kind == "too_long":
         return f"a list of {detail['ctx']['max_length']}"
     if kind in _LIMITS:

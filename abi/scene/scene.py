@@ -5,6 +5,7 @@ of the visualiser read, and the only input of a plan.
 """
 
 import json
+import os
 from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
@@ -22,9 +23,9 @@ from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.obstacles.triangle_mesh.surface import Surface
 from abi.robot.robot_files import SHIPPED
 from abi.scene import scene_archive
-from abi.scene.field_errors import first_error
+from abi.scene.field_errors import Missing, first_error
 from abi.scene.scene_changes import changed_value, without_stale_meshes
-from abi.scene.scene_file import parse, read_file, write
+from abi.scene.scene_file import ENDINGS, parse, read_file, write
 from abi.scene.settings import (
     ArmSettings,
     Count,
@@ -56,6 +57,8 @@ class Scene(Settings):
     """Everything that a plan depends on: workspace, ends, obstacles and settings.
 
     A scene is frozen and compares by value. Lengths are in its ``unit``, points in the world frame.
+    :func:`load_scene`, :meth:`from_dict` and :meth:`replace` make one, and say what is wrong if a
+    field is.
     """
 
     version: Annotated[Count, Field(ge=1, le=1)]
@@ -98,6 +101,7 @@ class Scene(Settings):
 
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
+        self._refuse_default_ends_outside()
         for name in ("start", "goal"):
             point = getattr(self, name)
             for axis, number, low, high in zip(
@@ -119,6 +123,15 @@ class Scene(Settings):
                 f"nodes than mesh.max_nodes, {self.mesh.max_nodes:,}",
             )
         return self
+
+    def _refuse_default_ends_outside(self) -> None:
+        """A workspace of its own may leave out a default start or goal, which nobody has given."""
+        corners = self.workspace.min, self.workspace.max
+        for name in {"start", "goal"} - self.model_fields_set:
+            point = getattr(self, name)
+            if not all(low <= x <= high for x, low, high in zip(point, *corners, strict=True)):
+                expected = f"a point of the workspace, as the default {point} is outside"
+                raise SceneError(name, Missing(), expected)
 
     @classmethod
     def from_dict(
@@ -169,6 +182,8 @@ class Scene(Settings):
         Raises:
             SceneError: a field is wrong; names it.
         """
+        if not isinstance(files, Mapping | None):
+            raise SceneError("files", files, "the content of each file by its name")
         data: dict[str, Any] = dict(vars(self))
         for name, change in changes.items():
             data[name] = changed_value(data.get(name), change)
@@ -199,6 +214,8 @@ class Scene(Settings):
         Raises:
             SceneError: the file cannot be written, or :func:`load_scene` would refuse it.
         """
+        if not isinstance(path, str | os.PathLike):
+            raise SceneError("path", path, "the file to write, such as 'mine.yaml'")
         write(self.to_dict(), Path(path))
 
 
@@ -213,17 +230,27 @@ def load_scene(name_or_path: str | Path) -> Scene:
     Raises:
         SceneError: there is no such scene, the file is not readable, or a field is wrong.
     """
+    if not isinstance(name_or_path, str | os.PathLike):
+        raise SceneError("scene", name_or_path, "the name or path of one, such as 'paper'")
     shipped = scene_names()
     if str(name_or_path) in shipped:
         path = assets.path("scenes", f"{name_or_path}.yaml")
         return Scene.from_dict(parse(path), path.parent)
     path = Path(name_or_path)
-    if not path.suffix:
+    if not path.suffix and not os.path.lexists(path):
         raise SceneError("scene", str(name_or_path), f"a file or one of {', '.join(shipped)}")
+    if path.suffix.lower() not in (*ENDINGS, scene_archive.SUFFIX):
+        raise SceneError("scene", str(path), "a file that ends in .yaml, .yml, .json or .zip")
     if path.suffix.lower() == scene_archive.SUFFIX:
         data, files = scene_archive.unpack(read_file(path, scene_archive.MAX_BYTES), path.name)
         return Scene.from_dict(data, files)
     return Scene.from_dict(parse(path), path.parent)
+
+
+def require_scene(value: object) -> None:
+    """Raise a SceneError for what is given instead of a scene."""
+    if not isinstance(value, Scene):
+        raise SceneError("scene", value, "a Scene, such as abi.load_scene('paper')")
 
 
 def scene_names() -> tuple[str, ...]:

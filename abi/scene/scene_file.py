@@ -28,7 +28,8 @@ _MOST_EVENTS = 60_000
 """Scalars, and beginnings and ends of lists, in YAML: some 2,500 obstacles."""
 _MANY = 1_000  # obstacles that are not tried to be written as YAML
 
-_ENDINGS = (".yaml", ".yml", ".json")
+ENDINGS = (".yaml", ".yml", ".json")
+"""Those of scene files."""
 
 
 def parse(path: Path) -> object:
@@ -134,7 +135,7 @@ def _most(name: str) -> int:
 
 
 def _refuse_ending(path: Path) -> None:
-    if path.suffix.lower() not in _ENDINGS:
+    if path.suffix.lower() not in ENDINGS:
         raise SceneError("scene", str(path), "a file that ends in .yaml, .yml or .json")
 
 

@@ -12,7 +12,7 @@ from abi.obstacles.triangle_mesh.surface import Surface
 from abi.robot.robot_files import SHIPPED, archive_of
 from abi.scene import scene_archive
 from abi.scene.scene import Scene, load_scene, scene_names
-from abi.scene.scene_file import parse, read_file
+from abi.scene.scene_file import ENDINGS, parse, read_file
 from app.guard.reader import Limits, Reader
 from app.guard.reading import named_files
 
@@ -27,7 +27,7 @@ def load_local(name: str) -> Scene:
         SceneError: no such scene, not readable, or a field is wrong.
     """
     path = Path(name)
-    if name in scene_names() or not path.suffix:
+    if name in scene_names() or path.suffix.lower() not in (*ENDINGS, scene_archive.SUFFIX):
         return load_scene(name)
     reader = Reader(_LIMITS)
     try:

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from functools import lru_cache
 from pathlib import Path, PurePosixPath
 
-from abi.errors import SceneError
+from abi.errors import SceneError, short
 from abi.obstacles.triangle_mesh.mesh_reader import MAX_BYTES, SUFFIXES, read
 from abi.obstacles.triangle_mesh.repair import clean
 from abi.obstacles.triangle_mesh.surface import Surface
@@ -33,6 +33,8 @@ class MeshSource:
         """A source from a scene's folder, from uploaded files by name, or from nothing."""
         if isinstance(origin, MeshSource):
             return origin
+        if not isinstance(origin, str | Path | Mapping | None):
+            raise SceneError("folder", origin, "a folder, or the content of each file by its name")
         return cls(folder=Path(origin)) if isinstance(origin, str | Path) else cls(origin)
 
     def surface(self, name: str) -> Surface:
@@ -47,6 +49,8 @@ class MeshSource:
         content = self.files.get(name)
         if isinstance(content, Surface):
             return content
+        if not isinstance(content, bytes | None):
+            raise SceneError("file", name, f"its content as bytes, not {short(content)}")
         return _surface(content if content is not None else self._content(name), name)
 
     def content(self, name: str) -> bytes:
@@ -62,7 +66,11 @@ class MeshSource:
     def _content(self, name: str) -> bytes:
         if self.folder is None:
             known = ", ".join(sorted(self.files)[:5])
-            expected = f"one of the files given: {known}" if known else "its file to be given too"
+            expected = (
+                f"one of the files given: {known}"
+                if known
+                else "its file to be given too, as folder= of Scene.from_dict or files= of replace"
+            )
             raise SceneError("file", name, expected)
         try:
             folder = self.folder.resolve(strict=True)

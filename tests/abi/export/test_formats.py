@@ -400,6 +400,16 @@ def test_a_motion_that_the_arm_cannot_execute_is_for_no_robot() -> None:
         assert content(result, "csv")
 
 
+def test_the_ending_gives_the_format_and_a_path_may_be_text(planned: Plan, tmp_path: Path) -> None:
+    path = tmp_path / "trajectory.ros.json"
+    formats.export(planned, str(path))
+    assert path.read_bytes() == content(planned, "ros-json")
+    with pytest.raises(ExportError, match="'cvs'; expected one of csv, json"):
+        formats.export(planned, path, "cvs")
+    with pytest.raises(ExportError, match="means no format"):
+        formats.export(planned, tmp_path / "motion.xyz")
+
+
 def test_a_file_is_replaced_whole_or_not_at_all(planned: Plan, tmp_path: Path) -> None:
     path = tmp_path / "motion.csv"
     path.write_text("old")

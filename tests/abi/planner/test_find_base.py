@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from typing import Any
 
 import numpy as np
 import pytest
@@ -101,11 +102,12 @@ def test_it_stops_when_it_is_told_to(scene: abi.Scene) -> None:
         ((0.0, 0.0, 0.0), (1.0, -1.0, 0.0), "region.high"),
         ((float("nan"), 0.0, 0.0), (1.0, 1.0, 0.0), "region.low"),
         ((0.0, 0.0), (1.0, 1.0, 0.0), "region.low"),
+        ("123", (1.0, 1.0, 0.0), "region.low is '123'"),
+        (("a", 0.0, 0.0), (1.0, 1.0, 0.0), "region.low"),
+        ((0.0, 0.0, 0.0), None, "region.high is None"),
     ],
 )
-def test_a_wrong_corner_is_named(
-    scene: abi.Scene, low: tuple[float, ...], high: tuple[float, ...], field: str
-) -> None:
+def test_a_wrong_corner_is_named(scene: abi.Scene, low: Any, high: Any, field: str) -> None:
     with pytest.raises(abi.SceneError, match=field):
         find_base(scene, low, high)
 

@@ -101,8 +101,14 @@ def test_a_saved_scene_loads_equal_to_itself(data: dict[str, Any], name: str) ->
         ({"obstacles": [BOX, {**BOX, "size": [1, 1, 0]}]}, "obstacles[1].size[2]", "above 0"),
         ({"obstacles": [{**BOX, "siez": 1}]}, "obstacles[0].siez", "did you mean size"),
         ({"obstacles": [{"shape": "box"}]}, "obstacles[0].size", "missing"),
-        ({"obstacles": [{"shape": "blob"}]}, "obstacles[0]", "sphere"),
-        ({"obstacles": [{"size": [1, 1, 1]}]}, "obstacles[0]", "shape"),
+        ({"obstacles": [{**BOX, "shape": "blob"}]}, "obstacles[0].shape", "'blob'; expected box"),
+        ({"obstacles": [{"size": [1, 1, 1]}]}, "obstacles[0].shape", "missing; expected box"),
+        ({"obstacles": [{"shape": "mesh", "file": ""}]}, "obstacles[0].file", "a name"),
+        ({"arm": {"urdf": ""}}, "arm.urdf", "''; expected a name."),
+        ({"arm": {"tip": "t" * 101}}, "arm.tip", "; expected at most 100 characters."),
+        ({"version": 2}, "version", "2; expected 1."),
+        ({"version": True}, "version", "True; expected 1."),
+        ({"workspace": {"min": [1, 0, 0]}}, "start", "missing; expected a point of the workspace"),
         ({"obstacles": [{**BOX, "wxyz": [0, 0, 0, 0]}]}, "obstacles[0].wxyz", "rotation"),
     ],
 )
@@ -114,6 +120,15 @@ def test_what_is_wrong_is_named(change: dict[str, Any], field: str, words: str) 
     assert field in caught.value.message
     assert words in caught.value.message
     assert "\n" not in caught.value.message
+
+
+def test_a_file_without_an_ending_is_no_missing_scene(tmp_path: Path) -> None:
+    (tmp_path / "mine").write_text("version: 1")
+    for path in (tmp_path / "mine", tmp_path, Path(os.devnull), tmp_path / "mine.txt"):
+        with pytest.raises(SceneError, match=r"a file that ends in \.yaml, \.yml, \.json or \.zip"):
+            load_scene(path)
+    with pytest.raises(SceneError, match="a file or one of paper"):
+        load_scene("nosuch")
 
 
 @pytest.mark.parametrize("data", [None, 3, "paper", [1], [], {}])
