@@ -197,6 +197,9 @@ class Scene(Settings):
     def pack(self) -> bytes:
         """Pack the scene, its meshes and its arm into a zip archive for :func:`load_scene`.
 
+        The scene that this loads is equal. Meshes are stored as they are used, repaired, and not as
+        the bytes of their files.
+
         Raises:
             SceneError: the archive would be too large to be read again.
         """
@@ -243,7 +246,7 @@ def load_scene(name_or_path: str | Path) -> Scene:
         raise SceneError("scene", str(path), "a file that ends in .yaml, .yml, .json or .zip")
     if path.suffix.lower() == scene_archive.SUFFIX:
         data, files = scene_archive.unpack(read_file(path, scene_archive.MAX_BYTES), path.name)
-        return Scene.from_dict(data, files)
+        return Scene.from_dict(data, MeshSource(files))
     return Scene.from_dict(parse(path), path.parent)
 
 

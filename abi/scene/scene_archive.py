@@ -1,7 +1,9 @@
 """Zip archive of a scene: ``scene.yaml``, the meshes and the arm.
 
-Meshes are stored repaired, as OBJ text with all digits; an arm is stored as it was uploaded. An
-archive may come from anyone, so sizes and names are checked before anything is unpacked.
+Meshes are stored repaired, as OBJ text with all digits; an arm is stored as it was uploaded. A mesh
+whose file was of another format has its name as the comment of its entry, so that the scene comes
+back equal, and other programs find OBJ files under the names that ``scene.yaml`` gives. An archive
+may come from anyone, so sizes and names are checked before anything is unpacked.
 """
 
 from __future__ import annotations
@@ -13,7 +15,8 @@ from pathlib import PurePosixPath
 from typing import Any
 
 from abi.errors import SceneError
-from abi.obstacles.triangle_mesh.mesh_reader import SUFFIXES
+from abi.obstacles.triangle_mesh.mesh_reader import SUFFIXES, read
+from abi.obstacles.triangle_mesh.repair import clean
 from abi.obstacles.triangle_mesh.surface import Surface
 from abi.obstacles.triangle_mesh.trimesh_formats import DAMAGED_ZIP
 from abi.scene.scene_file import parse_bytes, text_of
@@ -24,6 +27,7 @@ _MOST_UNPACKED = 200_000_000
 _MOST_FILES = 200
 _ARMS = (".urdf", ".zip")
 _SCENES = ("scene.yaml", "scene.yml", "scene.json")
+_STORED = ".obj"
 _FIELD = "scene"
 
 
@@ -40,19 +44,14 @@ def pack(
     Raises:
         SceneError: it is too large to be read again.
     """
-    names: dict[str, str] = {}
-    for file in surfaces:
-        stem = PurePosixPath(file).stem
-        choices = [f"{stem}.obj", *(f"{stem}-{k}.obj" for k in range(2, len(surfaces) + 2))]
-        names[file] = next(name for name in choices if name not in names.values())
-    obstacles = [
-        {**one, "file": names[one["file"]]} if "file" in one else one for one in data["obstacles"]
-    ]
+    names = _stored_names(surfaces)
     packed = io.BytesIO()
     with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED, compresslevel=6) as archive:
-        archive.writestr(*text_of({**data, "obstacles": obstacles}))
+        archive.writestr(*text_of(_renamed(data, names)))
         for file, surface in surfaces.items():
             archive.writestr(names[file], _obj(surface))
+            if file != names[file]:
+                archive.getinfo(names[file]).comment = file.encode()
         for file, arm in arms.items():
             archive.writestr(file, arm)
     content = packed.getvalue()
@@ -63,15 +62,17 @@ def pack(
     return content
 
 
-def unpack(content: bytes, name: str) -> tuple[object, dict[str, bytes]]:
+def unpack(content: bytes, name: str) -> tuple[object, dict[str, bytes | Surface]]:
     """Unpack the plain data of a scene, and the content of its meshes and arms by name.
+
+    A mesh that was of another format than it is stored in is read, and comes as a surface.
 
     Args:
         content: content of the archive.
         name: name of the archive, for errors.
 
     Raises:
-        SceneError: damaged, too large, or without a scene.
+        SceneError: damaged, too large, without a scene, or with a mesh that cannot be read.
     """
     if len(content) > MAX_BYTES:
         raise SceneError(_FIELD, name, f"a file of at most {MAX_BYTES // 1_000_000} MB")
@@ -88,14 +89,57 @@ def unpack(content: bytes, name: str) -> tuple[object, dict[str, bytes]]:
             if scene is None:
                 raise SceneError(_FIELD, name, "an archive with a scene.yaml in it")
             data = parse_bytes(archive.read(files[scene]), scene)
-            meshes = {
+            stored = {
                 file: archive.read(entry)
                 for file, entry in files.items()
                 if PurePosixPath(file).suffix.lower() in (*SUFFIXES, *_ARMS)
             }
     except DAMAGED_ZIP:
         raise SceneError(_FIELD, name, "a whole zip archive, but this is damaged") from None
-    return data, meshes
+    names = _original_names(files)
+    contents: dict[str, bytes | Surface] = {}
+    for file, original in names.items():
+        contents[original] = clean(*read(stored.pop(file), file), file)
+    return _renamed(data, names), {**stored, **contents}
+
+
+def _stored_names(surfaces: Mapping[str, Surface]) -> dict[str, str]:
+    """Name of the OBJ file for each mesh file: its own, or one that is still free."""
+    names = {file: file for file in surfaces if file.lower().endswith(_STORED)}
+    for file in surfaces:
+        if file in names:
+            continue
+        path = PurePosixPath(file)
+        choices = (path.with_name(f"{path.stem}{k}{_STORED}") for k in ("", *range(2, 1 << 16)))
+        names[file] = next(name for name in map(str, choices) if name not in names.values())
+    return names
+
+
+def _original_names(entries: Mapping[str, zipfile.ZipInfo]) -> dict[str, str]:
+    """Name of the mesh file for each OBJ file that was made of one of another format."""
+    names = {
+        file: entry.comment.decode(errors="replace")
+        for file, entry in entries.items()
+        if file.lower().endswith(_STORED)
+    }
+    return {  # another program's comments are no names
+        file: name
+        for file, name in names.items()
+        if PurePosixPath(name).suffix.lower() in SUFFIXES and name not in entries
+    }
+
+
+def _renamed(data: Any, names: Mapping[str, str]) -> Any:
+    """Plain data of a scene, which need not be right, with other names of mesh files."""
+    if not isinstance(data, Mapping) or not isinstance(data.get("obstacles"), list):
+        return data
+    obstacles = [
+        {**one, "file": names[one["file"]]}
+        if isinstance(one, dict) and isinstance(one.get("file"), str) and one["file"] in names
+        else one
+        for one in data["obstacles"]
+    ]
+    return {**data, "obstacles": obstacles}
 
 
 def _obj(surface: Surface) -> str:

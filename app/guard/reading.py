@@ -7,6 +7,7 @@ server run code.
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from typing import Any, Literal
 
 import msgspec
@@ -134,7 +135,7 @@ def _arm(name: str, content: bytes) -> Answer:
 
 
 def _scene(name: str, content: bytes) -> Answer:
-    files: dict[str, bytes] = {}
+    files: dict[str, bytes | Surface] = {}
     if name.lower().endswith(scene_archive.SUFFIX):
         data, files = scene_archive.unpack(content, name)
     else:
@@ -146,7 +147,11 @@ def _scene(name: str, content: bytes) -> Answer:
     answer = Answer(data=text.encode())
     meshes, arms = named_files(data)
     for file in meshes & files.keys():
-        answer.surfaces |= _mesh(file, files[file]).surfaces
+        found = files[file]
+        if isinstance(found, Surface):
+            answer.surfaces[file] = Triangles.of(found)
+        else:
+            answer.surfaces |= _mesh(file, found).surfaces
     for file in arms & files.keys():
         answer.archives[file] = _whole(file, files).archive
     return answer
@@ -165,7 +170,7 @@ def named_files(data: object) -> tuple[set[str], set[str]]:
     )
 
 
-def _whole(name: str, files: dict[str, bytes]) -> Robot:
+def _whole(name: str, files: Mapping[str, bytes | Surface]) -> Robot:
     """An arm whose links have been put into capsules, as planning will do.
 
     Its archive has only meshes in formats of our own readers: the server reads it again.

@@ -63,11 +63,12 @@ def clean(vertices: FloatArray, faces: IntArray, name: str = "mesh") -> Surface:
     if closed and len(shells.closed) > 1:
         merged = united(vertices, faces, shells.label)
         if merged is not None:
-            vertices, faces = merged
+            vertices, faces = _in_order(*merged)
+            faces = _faces_in_order(faces)
             notes.append(f"Its {len(shells.closed)} parts count as one solid.")
     if not closed:
         notes.append("The surface has holes: it is treated as a thin shell, without an inside.")
-    vertices, faces = _compact(vertices, faces[_areas(vertices, faces) > 0])
+    vertices, faces = _in_order(*_compact(vertices, faces[_areas(vertices, faces) > 0]))
     return Surface(read_only(vertices), read_only(faces), closed, tuple(notes))
 
 
@@ -198,6 +199,21 @@ def _compact(vertices: FloatArray, faces: IntArray) -> tuple[FloatArray, IntArra
     is_used[faces] = True
     ids = np.cumsum(is_used, dtype=np.int32) - np.int32(1)
     return np.ascontiguousarray(vertices[is_used]), ids[faces]
+
+
+def _in_order(vertices: FloatArray, faces: IntArray) -> tuple[FloatArray, IntArray]:
+    """The vertices as welding orders them, so that a surface read again is the same."""
+    order = np.lexsort(vertices.T[::-1])
+    number = np.empty(len(order), dtype=np.int32)
+    number[order] = np.arange(len(order), dtype=np.int32)
+    return vertices[order], number[faces]
+
+
+def _faces_in_order(faces: IntArray) -> IntArray:
+    """The faces by their corners, the lowest first, whatever order a union has given them."""
+    first = faces.argmin(axis=1)[:, None]
+    turned = np.take_along_axis(faces, (first + np.arange(3)) % 3, axis=1)
+    return turned[np.lexsort(turned.T[::-1])]
 
 
 def _areas(vertices: FloatArray, faces: IntArray) -> FloatArray:

@@ -6,12 +6,14 @@ import io
 import zipfile
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
-import numpy as np
 import pytest
+import trimesh
 
 from abi.errors import SceneError
 from abi.obstacles.mesh_shape import MeshShape
+from abi.obstacles.triangle_mesh.mesh_reader import SUFFIXES
 from abi.scene.scene import MOST_OBSTACLES, Scene, load_scene
 from tests.abi import meshes
 from tests.abi.robot.robots import arm, packed
@@ -42,17 +44,49 @@ def test_a_scene_comes_back_with_its_meshes(tmp_path: Path) -> None:
     scene = with_meshes()
     path = tmp_path / "mine.zip"
     path.write_bytes(scene.pack())
-    again = load_scene(path)
+    assert load_scene(path) == scene
+    assert load_scene(path).meshes.files == scene.meshes.files
 
-    assert again.obstacles[1] == scene.obstacles[1]
-    assert again.replace(obstacles=[]) == scene.replace(obstacles=[])
-    for k in (0, 2):
-        one, other = scene.obstacles[k], again.obstacles[k]
+
+def test_meshes_of_every_format_come_back_equal(tmp_path: Path) -> None:
+    ball: Any = trimesh.creation.icosphere(2, 0.6)
+    parts: Any = trimesh.util.concatenate(  # united, and one apart
+        [
+            trimesh.creation.box(),
+            ball,
+            trimesh.creation.icosphere(1, 0.2).apply_translation((2, 0, 0)),
+        ]
+    )
+    files = {}
+    for suffix in SUFFIXES:
+        content = parts.export(file_type=suffix[1:])
+        files[f"parts/a{suffix}"] = content if isinstance(content, bytes) else content.encode()
+    files |= {"a.obj": files["parts/a.obj"], "parts/a2.obj": ball.export(file_type="obj").encode()}
+    shapes = [{"shape": "mesh", "file": file, "position": [3, 3, 3]} for file in files]
+    scene = Scene.from_dict({"version": 1, "obstacles": shapes}, files)
+    path = tmp_path / "mine.zip"
+    path.write_bytes(scene.pack())
+
+    assert load_scene(path) == scene
+    with zipfile.ZipFile(path) as packed:
+        packed.extractall(tmp_path / "unpacked")
+    by_hand = load_scene(tmp_path / "unpacked" / "scene.yaml")
+    for one, other in zip(scene.obstacles, by_hand.obstacles, strict=True):
         assert isinstance(one, MeshShape)
         assert isinstance(other, MeshShape)
-        assert one.closed == other.closed
-        points = np.random.default_rng(k).uniform(0, 6, (200, 3))
-        np.testing.assert_allclose(one.signed_distance(points), other.signed_distance(points))
+        assert one.surface == other.surface
+
+
+def test_an_archive_of_obj_files_keeps_their_names_whatever_their_comments(tmp_path: Path) -> None:
+    obj = trimesh.creation.box().export(file_type="obj")
+    path = tmp_path / "old.zip"
+    with zipfile.ZipFile(path, "w") as into:
+        into.writestr("scene.yaml", "version: 1\nobstacles: [{shape: mesh, file: nut.obj}]")
+        into.writestr("nut.obj", obj)
+        into.getinfo("nut.obj").comment = b"drawn with v1.2"
+    (shape,) = load_scene(path).obstacles
+    assert isinstance(shape, MeshShape)
+    assert shape.file == "nut.obj"
 
 
 def test_a_scene_comes_back_with_its_arm(tmp_path: Path) -> None:

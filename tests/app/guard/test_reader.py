@@ -77,7 +77,7 @@ def test_a_scene_comes_with_its_meshes_and_its_arm(reader: Reader) -> None:
 
     assert again.arm.robot == scene.arm.robot
     surface, other = (
-        one.meshes.surface(file) for one, file in ((scene, "a.stl"), (again, "a.obj"))
+        one.meshes.surface(file) for one, file in ((scene, "a.stl"), (again, "a.stl"))
     )
     np.testing.assert_array_equal(surface.vertices, other.vertices)
     assert reader.arm(arm().encode(), "plain.urdf").links.keys() == scene.arm.robot.links.keys()
