@@ -69,9 +69,9 @@ def judge(state: SearchState, node: int) -> tuple[bool, str]:
         same = "" if node == state.following else " Several are as good, and any of them is right."
         return True, f"{_sum(state, node)} is the least of all that wait.{same}"
     if not np.isfinite(state.cost[node]):
-        return False, "it has not been reached: no edge leads there from a closed node."
+        return False, "it has not been reached: no edge leads there from a visited node."
     if node in state.closed:
-        return False, "it is closed: it has been expanded, and its cost has not fallen since."
+        return False, "it is closed: it has been visited, and its cost has not fallen since."
     if queue == "first_in":
         return False, "it waits, but others have waited longer: first in, first out."
     least = state.promise(np.array([state.following], np.int32))[0]
@@ -84,6 +84,12 @@ def labels(state: SearchState, node: int) -> tuple[str, str, str]:
     numbers = (state.cost[node], state.to_go(one)[0], state.promise(one)[0])
     g, h, f = (format_length(float(x)) if np.isfinite(x) else "∞" for x in numbers)
     return g, h, f
+
+
+def where(state: SearchState, node: int) -> str:
+    """Position of a node, [unit], as text."""
+    points = state.trace.arcs.points
+    return "({})".format(", ".join(f"{x:.3g}" for x in points[node % len(points)] + 0.0))
 
 
 def one_way_search(name: str) -> str:

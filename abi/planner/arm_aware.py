@@ -285,6 +285,8 @@ def _named(fault: ArmRefutation, arm: AnyArm) -> tuple[str, int | str | None]:
 def _note(fault: ArmRefutation, arm: AnyArm) -> str:
     link, obstacle = _named(fault, arm)
     if obstacle is None:
-        return "On it the arm would pass its reach or a joint limit, so it follows the B-spline."
+        why = "the arm would pass its reach or a joint limit"
+        return f"On this curve {why}, so it follows the B-spline."
     name = f"obstacle {obstacle + 1}" if isinstance(obstacle, int) else f"the {obstacle}"
-    return f"On it the {link.replace('_', ' ')} may touch {name}, so the arm follows the B-spline."
+    why = f"the {link.replace('_', ' ')} may touch {name}"
+    return f"On this curve {why}, so the arm follows the B-spline."

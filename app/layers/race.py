@@ -26,13 +26,11 @@ from app.theatre import Theatre
 _ROW = np.array([0.42, 0.82, 0.0]) / np.hypot(0.42, 0.82)
 """Direction of the row: across the first view."""
 _GAP = 1.7
-_COLOURS: FloatArray = np.array(
-    [(68, 1, 84), (59, 82, 139), (33, 145, 140), (94, 201, 98), (253, 231, 37)], float
-)
-"""Viridis, early to late."""
+_COLOURS: FloatArray = np.array([(30, 44, 84), (150, 182, 232)], float)
+"""Of visited nodes, early to late: blue, as in the picture of one search."""
 _HEIGHT = 9.0
 """Height of the copies over the workspace, in its sizes: so far that it is out of their picture."""
-_LEGEND = "Dark nodes were visited early, bright ones late; magenta ones wait."
+_LEGEND = "Dark blue nodes were visited early, light ones late; green ones wait."
 
 
 class RaceLayer:
@@ -126,7 +124,7 @@ class RaceLayer:
         closed, front = few(state.closed, n), few(state.open, n)
         late = order_colours(state, closed)
         colours = np.concatenate(
-            [_viridis(late), np.tile(np.array(style.MARK, np.uint8), (len(front), 1))]
+            [_blues(late), np.tile(np.array(style.OPEN, np.uint8), (len(front), 1))]
         )
         nodes = np.concatenate([closed, front])
         size = 0.24 * float((np.prod(scene.workspace.size) / n) ** (1 / 3))
@@ -176,7 +174,7 @@ def _found(state: SearchState) -> bool:
     return len(state.trace.vertices) > 0
 
 
-def _viridis(share: FloatArray) -> NDArray[np.uint8]:
+def _blues(share: FloatArray) -> NDArray[np.uint8]:
     """Colours (k, 3) of numbers (k,) from 0 to 1."""
     places = np.linspace(0, 1, len(_COLOURS))
     columns = [np.interp(share, places, _COLOURS[:, channel]) for channel in range(3)]

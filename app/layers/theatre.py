@@ -18,7 +18,7 @@ from app.layout import Layout
 from app.lines import NO_SEGMENTS, add_line, segments
 from app.numbers import format_count, format_length, unbroken
 from app.table import table
-from app.theatre import Theatre, labels
+from app.theatre import Theatre, labels, where
 
 NODE_BUDGET = 20_000
 """Nodes of each kind that a tab is sent at the most."""
@@ -150,8 +150,8 @@ def describe(theatre: Theatre, scene: Scene) -> str:
     text = (
         f"<b>{COMPARED[theatre.name].label}</b>, {what} {format_count(state.step)} of "
         f"{format_count(trace.steps)}: "
-        f"{_swatch(style.CLOSED)}{format_count(len(state.closed))} closed, "
-        f"{_swatch(style.OPEN)}{format_count(len(state.open))} open, "
+        f"{_swatch(style.CLOSED)}{format_count(len(state.closed))} visited (closed), "
+        f"{_swatch(style.OPEN)}{format_count(len(state.open))} waiting (open), "
         f"{format_count(state.examined)} edges tried."
     )
     if state.done:
@@ -159,12 +159,15 @@ def describe(theatre: Theatre, scene: Scene) -> str:
     rows = []
     if state.current >= 0:
         rows.append(
-            (f"{_swatch(style.MARK)}now: {state.current % n}", *labels(state, state.current))
+            (
+                f"{_swatch(style.MARK)}now {where(state, state.current)}",
+                *labels(state, state.current),
+            )
         )
     if theatre.clicked >= 0:
         rows.append(
             (
-                f"{_swatch(style.POINT)}clicked: {theatre.clicked % n}",
+                f"{_swatch(style.POINT)}clicked {where(state, theatre.clicked)}",
                 *labels(state, theatre.clicked),
             )
         )
@@ -173,16 +176,18 @@ def describe(theatre: Theatre, scene: Scene) -> str:
             side = " ←" if node >= n else ""
             rows.append(
                 (
-                    f"{_PLACES[place]}: {node % n}{side}",
+                    f"{_PLACES[place]} {where(state, node)}{side}",
                     *labels(state, node),
                 )
             )
     text = f"{style.BOX}{text}</div>"
     if rows:
         cost = unit if scene.search.weight == "length" else "edges"
-        text += table(("node", f"g so far [{cost}]", f"h to go [{cost}]", f"f [{cost}]"), rows)
+        text += table(
+            (f"node at [{unit}]", f"g so far [{cost}]", f"h to go [{cost}]", f"f [{cost}]"), rows
+        )
     if theatre.asking and not state.done:
-        text += f"{style.BOX}<b>Which node is expanded next?</b> Click one of the open ones.</div>"
+        text += f"{style.BOX}<b>Which node is visited next?</b> Click one of those that wait.</div>"
     if theatre.answer:
         text += f"{style.BOX}{theatre.answer}</div>"
     return text

@@ -22,9 +22,9 @@ from app.table import table
 
 _NOTE = (
     "<b>gap</b>: how far above the least cost (=), or below it by leaving the mesh's edges. "
-    "<b>visited</b>: nodes. <b>tried</b>: edges. If an edge costs its length, all exact "
-    "searches find the same length. If each costs 1 (stage 3), they find equally few edges but "
-    "different lengths, as in the paper's Table I."
+    "<b>visited</b>: nodes, or rounds over all edges. <b>tried</b>: edges. If an edge costs its "
+    "length, all exact searches find the same length. If each costs 1 (stage 3), they find equally "
+    "few edges but different lengths, as in the paper's Table I."
 )
 _MENDING = "LPA* (lifelong A*) keeps its costs and repairs them where edges changed."
 _NO_GRAPH = f"{style.BOX}There is no graph to search: the message over the scene says why.</div>"
@@ -94,10 +94,11 @@ def _told(mended: Repair | None, a_star: Comparison) -> str:
     """Note on mending the search before, as HTML."""
     if mended is None:
         return f"{style.BOX}Move an obstacle and compare again: {_MENDING}</div>"
-    nodes, anew = format_count(mended.expanded), format_count(a_star.trace.steps)
+    visited, anew = format_count(mended.expanded), format_count(a_star.trace.steps)
+    nodes = "node" if mended.expanded == 1 else "nodes"
     return (
         f"{style.BOX}Since the last plan, the edges of {format_count(mended.changed)} nodes have "
-        f"changed. {_MENDING} It visits <b>{nodes}</b> nodes; A* from scratch, {anew}.</div>"
+        f"changed. {_MENDING} It visits <b>{visited}</b> {nodes}; A* from scratch, {anew}.</div>"
     )
 
 

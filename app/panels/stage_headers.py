@@ -90,7 +90,8 @@ def _results(plan: Plan) -> dict[str, str]:
         if fit is None or arc is None:
             continue
         if fit.holds or math.isinf(fit.clearance.distance):
-            results[stage] = f"{format_length(arc.length)} {plan.scene.unit} ✓"
+            sign = "✗" if stage == "quadratic" and fit.note else "✓"
+            results[stage] = f"{format_length(arc.length)} {plan.scene.unit} {sign}"
         else:
             results[stage] = "too close ✗" if fit.clearance.nearest > 0 else "collides ✗"
     results["arm"] = arm_result(plan)

@@ -20,7 +20,7 @@ from app import page, style
 from app.frame import Frame
 from app.lessons.lesson import SearchCue
 from app.panels.widgets import Wake, clamp
-from app.theatre import Theatre, judge, node_at, one_way_search, race_of
+from app.theatre import Theatre, judge, node_at, one_way_search, race_of, where
 from app.theatre_searches import TheatreSearches
 
 FRAME = 1 / 20
@@ -73,7 +73,7 @@ class TheatrePanel:
         self.ask = gui.add_checkbox(
             "ask me: which node next?",
             False,
-            hint="Click the node that you think will be expanded next.",
+            hint="Click the node that you think will be visited next.",
         )
         self.race = gui.add_checkbox(
             "race of three", False, hint="Three searches side by side, step for step."
@@ -250,7 +250,6 @@ class TheatrePanel:
         assert self._click is not None
         (origin, direction), self._click = self._click, None
         state = replay(trace, min(int(self._position), trace.steps))
-        n = len(trace.arcs.points)
         reached = np.flatnonzero(np.isfinite(state.cost)).astype(np.int32)
         # of both searches' nodes the one that waits
         points: FloatArray = np.concatenate([trace.arcs.points] * trace.sides)
@@ -267,7 +266,7 @@ class TheatrePanel:
         self.guesses[0] += right
         self.guesses[1] += 1
         word = "✓ <b>Right:</b>" if right else "✗ <b>Not this one:</b>"
-        self._answer = (node, f"Node {node % n}. {word} {why}")
+        self._answer = (node, f"The node at {where(state, node)}. {word} {why}")
         self._position += right
 
     def _view(
