@@ -11,6 +11,7 @@ from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner.plan import Plan
 from app import style
 from app.frame import Frame, Switch
+from app.framing import axes
 from app.layout import Layout
 from app.lines import add_line, parameters, segments
 from app.numbers import distance_to_show, format_lower_bound
@@ -28,10 +29,20 @@ _CURVES = frozenset({"bspline", "quadratic"})
 _PLACES = {
     "path": np.linspace(0.15, 0.35, 7),
     "bspline": np.linspace(0.62, 0.85, 7),
-    "quadratic": np.linspace(0.4, 0.62, 7),
+    "quadratic": np.linspace(0.3, 0.7, 13),
     **dict.fromkeys(style.ALGORITHMS, np.linspace(0.3, 0.85, 12)),
 }
 """Parts of a line's length at which its name may stand."""
+
+
+_WIDE = 3.0
+"""Width of a label over its height."""
+_UPRIGHT = 1e-3
+"""Slope below which a camera that looks down is taken for one that leans a little."""
+
+Triple = tuple[float, float, float]
+_View = tuple[Triple, Triple]
+"""Position and target of a camera, [unit], world."""
 
 
 class NamesLayer:
@@ -40,7 +51,7 @@ class NamesLayer:
     switches: ClassVar[tuple[Switch, ...]] = (Switch("names", "names and distance", style.POINT),)
 
     def __init__(self, layout: Layout) -> None:
-        scene = layout.client.scene
+        scene, self._camera = layout.client.scene, layout.client.camera
         # one below its line, the others above
         self._labels = {
             name: scene.add_label(f"/name/{name}", "", anchor=anchor, visible=False)
@@ -57,10 +68,11 @@ class NamesLayer:
     def draw(self, frame: Frame) -> None:
         """Name the plan's lines; names move along them only while the input rests."""
         plan = frame.plan
-        state = plan, frame.interactive
+        eye, target = (_rounded(place) for place in (self._camera.position, self._camera.look_at))
+        state = (plan, True) if frame.interactive else (plan, False, eye, target)
         if state != self._drawn:
             self._drawn = state
-            self._draw(plan, frame.interactive)
+            self._draw(plan, frame.interactive, (eye, target))
         on = "names" in frame.shown
         for label in (*self._labels.values(), self._distance):
             label.font_screen_scale = frame.label_scale
@@ -71,11 +83,11 @@ class NamesLayer:
         measured = on and self._measured and plan.followed in frame.shown
         self._line.visible = self._distance.visible = measured
 
-    def _draw(self, plan: Plan, interactive: bool) -> None:
+    def _draw(self, plan: Plan, interactive: bool, view: _View) -> None:
         nearest, lines = _nearest(plan), _lines(plan)
         self._draw_distance(plan, nearest)
         if not interactive or set(lines) != set(self._places):
-            self._places = _apart(plan)
+            self._places = _apart(plan, view)
         for name, points in lines.items():
             self._labels[name].text = _title(plan, name)
             self._labels[name].position = _points_at(points, np.array([self._places[name]]))[0]
@@ -133,19 +145,42 @@ def _nearest(plan: Plan) -> FloatArray | None:
 
 
 @once_a_plan
-def _apart(plan: Plan) -> dict[str, float]:
-    """Part of each line's length at which its name is farthest from the other labels."""
+def _apart(plan: Plan, view: _View) -> dict[str, float]:
+    """Part of each line's length at which its name is farthest from the other labels, as seen."""
     nearest = _nearest(plan)
     others = [np.array(plan.scene.start), np.array(plan.scene.goal)]
     others += [] if nearest is None else list(nearest)
     places = {}
     for name, points in _lines(plan).items():
         candidates = _points_at(points, _PLACES[name])
-        room = np.linalg.norm(candidates[:, None] - np.array(others), axis=2).min(axis=1)
+        away = pictured(candidates, *view)[:, None] - pictured(np.array(others), *view)
+        room = np.linalg.norm(away, axis=2).min(axis=1)
         best = int(np.argmax(room))
         places[name] = float(_PLACES[name][best])
         others.append(candidates[best])
     return places
+
+
+def pictured(points: FloatArray, eye: Triple, target: Triple) -> FloatArray:
+    """Where points are seen, (n, 2), with what is above each other farther apart, as words are.
+
+    Args:
+        points: (n, 3), [unit], world.
+        eye, target: of the camera, [unit], world.
+    """
+    away = np.subtract(eye, target)
+    if not np.hypot(away[0], away[1]) > _UPRIGHT * abs(away[2]):
+        away[1] -= max(_UPRIGHT * abs(away[2]), _UPRIGHT)
+    right, up, forward = axes(away)
+    seen = points - np.array(eye)
+    depth = np.maximum(seen @ forward, _UPRIGHT)
+    picture: FloatArray = np.stack([seen @ right, _WIDE * (seen @ up)], axis=1)
+    return picture / depth[:, None]
+
+
+def _rounded(place: FloatArray) -> Triple:
+    x, y, z = np.round(place, 3).tolist()
+    return x, y, z
 
 
 def _points_at(points: FloatArray, parts: FloatArray) -> FloatArray:

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import scipy
 import viser
 
 from abi import load_scene, plan
@@ -20,13 +21,14 @@ from app.frame import Frame
 from app.layers.arm import ArmLayer
 from app.layers.headline import headline
 from app.layers.mesh import MeshLayer
-from app.layers.names import NamesLayer
+from app.layers.names import NamesLayer, _apart, _lines, _nearest, _points_at, _rounded, pictured
 from app.layers.plots import PlotsLayer, _joints_title
 from app.layers.search_order import SearchOrderLayer, shades
 from app.layers.workspace import WorkspaceLayer
 from app.look import PLAIN
 from app.numbers import format_lower_bound
 from app.panels.base_offer import _may_help
+from app.panels.lecture import VIEWS
 from app.panels.messages import _change_label
 from app.plan_notes import notes
 from app.server import Server, start
@@ -76,6 +78,23 @@ def test_every_search_has_its_name_where_no_curve_is_shown(tab: tuple[FakeTab, S
     until(lambda: named() == {"A*", "Bellman-Ford (queue)"})
     fake.set(session.panels.stages.search.algorithm.handle, "Dijkstra")
     until(lambda: named() == {"A*", "Bellman-Ford (queue)"} and session.resting)
+
+
+@pytest.mark.parametrize("direction", VIEWS.values(), ids=list(VIEWS))
+def test_names_are_seen_apart_from_wherever_the_camera_looks(
+    direction: tuple[float, float, float],
+) -> None:
+    made = plan(load_scene("paper"))
+    eye = 3 + 14 * np.array(direction) / np.linalg.norm(direction)
+    view = (_rounded(eye), (3.0, 3.0, 3.0))
+    lines, nearest = _lines(made), _nearest(made)
+    assert nearest is not None
+    labels = [nearest.mean(axis=0), np.array(made.scene.start), np.array(made.scene.goal)]
+    for name, place in _apart(made, view).items():
+        if name in ("path", "bspline", "quadratic"):
+            labels.append(_points_at(lines[name], np.array([place]))[0])
+    seen = pictured(np.array(labels), *view)
+    assert scipy.spatial.distance.pdist(seen).min() > 0.14  # the width of a word
 
 
 @pytest.mark.slow

@@ -66,7 +66,7 @@ def test_a_sum_is_what_the_search_makes_least() -> None:
 def test_what_is_written_has_the_numbers_of_the_step(name: str) -> None:
     state = state_of(name, 5)
     text = describe(Theatre(name, state), PLAN.scene)
-    assert f"{len(state.open)} open" in text
+    assert f"{len(state.open)} waiting (open)" in text
     assert COMPARED[name].label in text
     end = replay(state.trace, state.trace.steps)
     assert f"{end.trace.length:.3f} cm" in describe(Theatre(name, end), PLAN.scene)
