@@ -174,8 +174,8 @@ def pictured(points: FloatArray, eye: Triple, target: Triple) -> FloatArray:
     right, up, forward = axes(away)
     seen = points - np.array(eye)
     depth = np.maximum(seen @ forward, _UPRIGHT)
-    picture: FloatArray = np.stack([seen @ right, _WIDE * (seen @ up)], axis=1)
-    return picture / depth[:, None]
+    picture: FloatArray = np.stack([seen @ right, _WIDE * (seen @ up)], axis=1) / depth[:, None]
+    return picture
 
 
 def _rounded(place: FloatArray) -> Triple:
