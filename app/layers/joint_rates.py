@@ -22,8 +22,9 @@ from app.table import table
 _TINY = 5e-4
 _ROUNDING = 1.001
 """What the differences of samples may be too large by."""
-_NO_MASSES = "The paper gives no link masses, so there are no torques to show."
-_NO_INERTIAS = "The URDF gives no link masses, so there are no torques to show."
+_NO_MASSES = "No torques: the paper gives no masses of links. Those in stage 6 are of the drives."
+_UNLIMITED = "A joint without a second number has no limit."
+_NO_INERTIAS = "No torques: the URDF gives no masses of links."
 _USES: Lines = (
     ("position", style.AXES[2]),
     ("speed", style.AXES[1]),
@@ -84,7 +85,11 @@ class JointRatesLayer:
         for plot in self._plots.values():
             plot.remove()
         gui = self._layout.client.gui
-        names = tuple(zip(joints, itertools.cycle(style.JOINTS), strict=False))
+        labels = [
+            f"{name} (slide, {unit})" if slide else name
+            for name, slide in zip(joints, slides, strict=True)
+        ]
+        names = tuple(zip(labels, itertools.cycle(style.JOINTS), strict=False))
         also = (f", {unit}/s", f", {unit}/s²", ", N") if any(slides) else ("", "", "")
         titles = {
             "limits": "share of its limit, of the joint nearest to it [%]",
@@ -141,10 +146,11 @@ def _peaks(plan: Plan) -> str:
             if values is not None
         ]
         rows.append((html.escape(name.removesuffix("_joint")), *cells))
-    head = ("joint: peak / limit", "[rad/s]", "[rad/s²]", "[N·m]")
-    if rates.torques is not None:
-        return table(head, rows)
-    return table(head[:3], rows, _NO_MASSES if plan.scene.arm.model == "abi" else _NO_INERTIAS)
+    head = ("joint: peak / limit", "[rad/s]", "[rad/s²]", "[N·m]")[: len(rows[0])]
+    notes = [] if np.isfinite(rates.speed_limits).all() else [_UNLIMITED]
+    if rates.torques is None:
+        notes.append(_NO_MASSES if plan.scene.arm.model == "abi" else _NO_INERTIAS)
+    return table(head, rows, " ".join(notes))
 
 
 def _cell(peak: float, limit: float, unit: str) -> str:

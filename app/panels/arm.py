@@ -65,13 +65,13 @@ class ArmPanel:
             wake,
         )
         self.forces = gui.add_vector3(
-            "torque, force, torque",
+            "drives",
             arm.forces,
             step=0.1,
-            hint="Of wrist, slide and gripper; at 0 the joint stands still.",
+            hint="Torque of the wrist, force of the slide, torque of the gripper.",
         )
         self.masses = gui.add_vector3(
-            "masses [kg]", arm.masses, step=0.1, hint="Of wrist, slide and gripper."
+            "their masses [kg]", arm.masses, step=0.1, hint="Of wrist, slide and gripper."
         )
         self.radii = gui.add_vector3(
             "radii of gyration", arm.radii, step=0.1, hint="Of wrist, slide and gripper."
@@ -125,10 +125,11 @@ class ArmPanel:
         ):
             handle.label = f"{name} [{scene.unit}]"
             handle.step = fine_step(scene) if handle is self.clearance else length_step(scene)
+        self.forces.label = f"drives [kg, {scene.unit}, s]"
         force, torque = f"kg·{scene.unit}/s²", f"kg·{scene.unit}²/s²"
         self.forces.hint = (
-            f"Of wrist [{torque}], slide [{force}] and gripper [{torque}]; at 0 the joint stands "
-            "still."
+            f"Torque of the wrist [{torque}], force of the slide [{force}], torque of the gripper "
+            f"[{torque}]; at 0 the joint stands still."
         )
         self.model.write(scene)
         self._show_papers()

@@ -19,7 +19,7 @@ def test_every_joint_has_its_line_and_torques_where_there_are_masses(
     drawn = layer(session, JointRatesLayer)
     until(lambda: bool(drawn._plots) and drawn._plots["speeds"].visible)
     assert not drawn._plots["torques"].visible
-    assert "no link masses" in drawn._peaks.content
+    assert "no masses of links" in drawn._peaks.content
     assert "✗" not in drawn._peaks.content
     fake.set(session.panels.stages.motion.joint_acceleration, 0.01)
     until(lambda: "✗" in drawn._peaks.content)
