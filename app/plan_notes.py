@@ -9,7 +9,7 @@ from abi.curves.bspline import BSpline
 from abi.curves.fit import Fit
 from abi.curves.quadratic import Quadratic
 from abi.curves.timed_profile import TimedProfile
-from abi.planner.arm_faults import CONTACTS, limit_sentence
+from abi.planner.arm_faults import CONTACTS, limit_sentence, limits_warning
 from abi.planner.arm_words import clearance_sentence, contact_sentence
 from abi.planner.plan import Plan
 from app import style
@@ -136,4 +136,6 @@ def _arm(plan: Plan) -> str:
             too_near = plan.arm_clearance.is_too_near
             lines.append(f"<b>✗ {sentence}</b>" if too_near else sentence)
     lines += [f"✗ {limit_sentence(one, motion, unit)}" for one in motion.limit_violations]
+    if past := limits_warning(plan):
+        lines.append(f"✗ {past}")
     return style.BOX + "<br>".join(lines) + "</div>" if lines else ""

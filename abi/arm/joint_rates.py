@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -9,9 +10,12 @@ import numpy as np
 from abi.arm.abi_model import JOINT_SPEED, MOVED
 from abi.arm.any_arm import AnyArm
 from abi.arm.inverse_dynamics import has_masses, joint_torques
-from abi.arm.trajectory import ArmMotion
+from abi.arm.trajectory import ArmMotion, Quantity, Violation
 from abi.arm.urdf_arm import UrdfArm
 from abi.arrays import FloatArray, read_only
+
+ROUNDING = 1.001
+"""Factor by which differences of samples may be too large."""
 
 
 class JointRates(NamedTuple):
@@ -64,3 +68,35 @@ def joint_rates(arm: AnyArm, motion: ArmMotion, acceleration: float) -> JointRat
     return JointRates(
         read_only(speeds), read_only(growths), torques, *(read_only(one) for one in limits)
     )
+
+
+def passed_limits(arm: AnyArm, motion: ArmMotion, rates: JointRates) -> tuple[Violation, ...]:
+    """Find every joint that passes a limit of its speed, acceleration or torque, where it is worst.
+
+    The paper gives its arm no such limits, and those in ``rates`` are nominal: it passes none.
+
+    Args:
+        arm: the arm.
+        motion: its motion, at m samples.
+        rates: its joints' rates there.
+    """
+    found: list[Violation] = []
+    if not isinstance(arm, UrdfArm):
+        return ()
+    limited: tuple[tuple[Quantity, FloatArray | None, FloatArray], ...] = (
+        ("speed", rates.speeds, rates.speed_limits),
+        ("acceleration", rates.accelerations, rates.acceleration_limits),
+        ("torque", rates.torques, rates.torque_limits),
+    )
+    for quantity, values, limits in limited:
+        if values is None:
+            continue
+        past = np.abs(values) > limits * ROUNDING
+        for joint in np.flatnonzero(past.any(axis=0)).tolist():
+            worst, first = int(np.abs(values[:, joint]).argmax()), int(past[:, joint].argmax())
+            value = float(values[worst, joint])
+            limit = math.copysign(float(limits[joint]), value)
+            times = float(motion.time[worst]), float(motion.time[first])
+            name = motion.joints[joint]
+            found.append(Violation(name, times[0], value, limit, times[1], quantity))
+    return tuple(found)

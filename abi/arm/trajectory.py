@@ -25,16 +25,20 @@ from abi.errors import NotFollowed, OutOfReach
 from abi.obstacles.pose import Vec3
 from abi.scene.settings import ArmSettings
 
+Quantity = Literal["position", "speed", "acceleration", "torque"]
+"""A quantity of a joint that is limited."""
+
 
 class Violation(NamedTuple):
-    """A joint past its limit.
+    """A joint past one of its limits, in the unit of that quantity.
 
     Attributes:
         joint: name of the joint.
         time: time at which it is farthest past the limit, [s].
-        value: its position then, [rad], q5 [unit].
-        limit: the limit, [rad], q5 [unit].
+        value: its value then; of a position [rad], or [unit] if the joint slides.
+        limit: the limit, on the side that is passed.
         since: time at which it passes the limit, [s].
+        quantity: what is limited.
     """
 
     joint: str
@@ -42,6 +46,7 @@ class Violation(NamedTuple):
     value: float
     limit: float
     since: float
+    quantity: Quantity = "position"
 
 
 class Stretch(NamedTuple):
@@ -144,7 +149,8 @@ class ArmMotion(ShortRepr):
         tool: position of the tool, shape (m, 3), [unit], world; off the target only out of reach.
         velocity: the target's velocity, shape (m, 3), [unit/s], world.
         unreachable: the stretches out of reach; empty when the arm follows the whole curve.
-        limit_violations: one for each joint that passes a limit, where it is farthest past it.
+        limit_violations: one for each joint whose position passes a limit, where it is farthest
+            past it.
         peak_joint_speed: largest mean speed between two samples, shape (6,), [rad/s], q5 [unit/s].
         joints: names of the joints.
         slides: which of them slide, so that their positions are lengths.
@@ -171,7 +177,7 @@ class ArmMotion(ShortRepr):
 
     @property
     def within_limits(self) -> bool:
-        """Whether no joint passes a limit."""
+        """Whether no joint's position passes a limit."""
         return not self.limit_violations
 
     @property
@@ -276,6 +282,7 @@ def _violations(time: FloatArray, joints: FloatArray, limits: FloatArray) -> tup
         side = 0 if low[joint] > high[joint] else 1
         beyond = (joints[joint] - limits[joint, side]) * (-1 if side == 0 else 1)
         worst, first = int(beyond.argmax()), int((beyond > tolerance[joint]).argmax())
-        values = (time[worst], joints[joint, worst], limits[joint, side], time[first])
-        violations.append(Violation(JOINTS[joint], *map(float, values)))
+        value, limit = float(joints[joint, worst]), float(limits[joint, side])
+        at, since = float(time[worst]), float(time[first])
+        violations.append(Violation(JOINTS[joint], at, value, limit, since))
     return tuple(violations)

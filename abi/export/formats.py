@@ -24,7 +24,7 @@ from abi.export import (
     spline_curves,
     urscript,
 )
-from abi.planner.arm_faults import arm_warning
+from abi.planner.arm_faults import arm_warning, limits_warning
 from abi.planner.plan import Plan, require_plan
 
 
@@ -49,6 +49,10 @@ class Format:
     def warning(self, plan: Plan) -> str:
         """Sentence on what the exported motion's arm touches or lacks; empty for none."""
         return arm_warning(plan) if self.holds_motion else ""
+
+    def limits_warning(self, plan: Plan) -> str:
+        """Sentence on a limit of the joints that the exported motion passes; empty for none."""
+        return limits_warning(plan) if self.holds_motion else ""
 
 
 FORMATS: dict[str, Format] = {

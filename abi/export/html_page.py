@@ -17,7 +17,7 @@ from abi.arrays import FloatArray, IntArray
 from abi.curves.curve import Curve
 from abi.errors import ExportError
 from abi.obstacles.obstacle_set import Obstacle
-from abi.planner.arm_faults import arm_faults
+from abi.planner.arm_faults import arm_faults, limits_warning
 from abi.planner.arm_words import clearance_sentence
 from abi.planner.plan import Plan
 from abi.search.compare import COMPARED
@@ -124,7 +124,7 @@ def _step(name: str, title: str, text: str, draw: list[str]) -> dict[str, Any]:
 
 def _arm_step(plan: Plan, followed: str, duration: float) -> dict[str, Any]:
     """The last stage: whether the whole arm is clear, or what it touches when and how deep."""
-    faults = arm_faults(plan)
+    faults = [*arm_faults(plan), *filter(None, [limits_warning(plan)])]
     name = {"bspline": "B-spline"}.get(followed, followed)
     text = f"The arm follows the {name}. " + (
         f"✗ {' '.join(faults)}" if faults else clearance_sentence(plan)

@@ -10,7 +10,7 @@ from abi.arm.trajectory import ArmMotion
 from abi.arrays import FloatArray, read_only
 from abi.errors import ExportError
 from abi.obstacles.pose import METRES
-from abi.planner.arm_faults import arm_warning
+from abi.planner.arm_faults import arm_warning, limits_warning
 from abi.planner.plan import Plan
 
 
@@ -46,11 +46,14 @@ def motion_of(plan: Plan) -> ArmMotion:
 
 
 def motion_state(plan: Plan) -> str:
-    """Sentence that a file of the motion carries: that the arm is clear, or what it touches."""
+    """Sentences that a file of the motion carries: whether the arm is clear, and limits passed."""
     warning = arm_warning(plan)
+    state = "The arm's whole motion is proven clear of the scene's obstacles."
     if warning:
-        return f"The arm's motion is NOT proven clear. {warning}"
-    return "The arm's whole motion is proven clear of the scene's obstacles."
+        state = f"The arm's motion is NOT proven clear. {warning}"
+    if past := limits_warning(plan):
+        state += f" It PASSES LIMITS of the joints. {past}"
+    return state
 
 
 def joint_trajectory(plan: Plan) -> JointTrajectory:
@@ -60,7 +63,7 @@ def joint_trajectory(plan: Plan) -> JointTrajectory:
     motion.
 
     Raises:
-        ExportError: there is no motion, it leaves the arm's reach, or passes a limit.
+        ExportError: there is no motion, it leaves the arm's reach, or a joint leaves its range.
     """
     motion = motion_of(plan)
     if motion.error is not None:

@@ -53,9 +53,10 @@ def write(plan: Plan, name: str) -> bytes:
     step = duration / (count - 1)
     lines = [f"  servoj({_pose(pose)}, t={step:.6f})" for pose in np.array(poses).T[1:]]
     first = _pose(trajectory.positions[0])
+    state = motion_state(plan).replace("²", "^2").replace("·", "*")  # ASCII, as controllers read
     return "\n".join(
         [
-            _NOTE + f"# It takes {duration:.2f} s. {motion_state(plan)}",
+            _NOTE + f"# It takes {duration:.2f} s. {state}",
             "def abi_motion():",
             f"  movej({first}, a=0.5, v=0.2)",
             *lines,

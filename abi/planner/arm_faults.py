@@ -46,14 +46,42 @@ def arm_warning(plan: Plan) -> str:
     return f"{contact_sentence(contacts[0], plan.scene.unit)}{others}."
 
 
+def limits_warning(plan: Plan) -> str:
+    """The worst speed, acceleration or torque past its limit, and what would hold it; or empty."""
+    passed = [one for one in plan.limits_passed if one.quantity != "position"]
+    if plan.motion is None or not passed:
+        return ""
+    worst = max(passed, key=_excess)
+    others = f" {len(passed)} limits are passed in all." if len(passed) > 1 else ""
+    hint = "Lower motion.joint_acceleration or motion.speed."
+    if plan.scene.motion.law == "three_phase":
+        hint = "motion.law: slowed keeps the joints' speeds and accelerations."
+    return f"{limit_sentence(worst, plan.motion, plan.scene.unit)}{others} {hint}"
+
+
 def limit_sentence(violation: Violation, motion: ArmMotion, unit: str) -> str:
     """Sentence on the time and the worst value of a joint beyond its limit."""
     slides = motion.slides[motion.joints.index(violation.joint)]
     value, limit = (
-        f"{number:.2f} {unit}" if slides else f"{math.degrees(number):.0f}°"
+        _quantity(number, violation.quantity, unit if slides else "")
         for number in (violation.value, violation.limit)
     )
+    kind = "" if violation.quantity == "position" else f"{violation.quantity} "
     return (
-        f"{violation.joint} passes its limit of {limit} at {violation.since:.2f} s: "
+        f"{violation.joint} passes its {kind}limit of {limit} at {violation.since:.2f} s: "
         f"{value} at {violation.time:.2f} s."
     )
+
+
+def _quantity(number: float, quantity: str, unit: str) -> str:
+    """A joint's value; ``unit`` is that of lengths if the joint slides, else empty."""
+    if quantity == "position":
+        return f"{number:.2f} {unit}" if unit else f"{math.degrees(number):.0f}°"
+    text = f"{number:.3g}" if abs(number) < 1000 else f"{number:.0f}"
+    if quantity == "torque":
+        return f"{text} {'N' if unit else 'N·m'}"
+    return f"{text} {unit or 'rad'}/s{'²' if quantity == 'acceleration' else ''}"
+
+
+def _excess(violation: Violation) -> float:
+    return violation.value / violation.limit

@@ -22,7 +22,7 @@ def arm_result(plan: Plan) -> str:
         return f"{link_label(clearance.contacts[0].link)} collides ✗"
     if plan.followed_curve is not None and not plan.followed_curve.holds:
         return "curve not clear ✗"
-    if not motion.within_limits:
+    if plan.limits_passed:
         return "joint limit passed ✗"
     if clearance.is_too_near:
         return "links too near ✗"

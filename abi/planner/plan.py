@@ -12,9 +12,9 @@ import numpy as np
 
 from abi.arm.any_arm import AnyArm
 from abi.arm.arm_clearance import ArmClearance, is_clear
-from abi.arm.joint_rates import JointRates, joint_rates
+from abi.arm.joint_rates import JointRates, joint_rates, passed_limits
 from abi.arm.liquid import largest_tilt
-from abi.arm.trajectory import ArmMotion
+from abi.arm.trajectory import ArmMotion, Violation
 from abi.curves.bspline import BSpline
 from abi.curves.curve import ArcLength
 from abi.curves.fit import Fit
@@ -108,7 +108,7 @@ class Plan:
 
     @property
     def is_arm_clear(self) -> bool:
-        """Whether the whole arm is proven clear all along its motion, within reach and limits."""
+        """Whether the whole arm is proven clear all along its motion, in reach and range."""
         if self.motion is None or self.arm_clearance is None:
             return False
         return is_clear(self.motion, self.arm_clearance)
@@ -127,6 +127,17 @@ class Plan:
         if self.arm is None or self.motion is None:
             return None
         return joint_rates(self.arm, self.motion, self.scene.motion.joint_acceleration)
+
+    @cached_property
+    def limits_passed(self) -> tuple[Violation, ...]:
+        """Joints past a limit of position, speed, acceleration or torque, each where it is worst.
+
+        The paper's arm has limits of position alone.
+        """
+        if self.arm is None or self.motion is None or self.joint_rates is None:
+            return ()
+        rates = passed_limits(self.arm, self.motion, self.joint_rates)
+        return (*self.motion.limit_violations, *rates)
 
     @property
     def straight_length(self) -> float:
@@ -182,6 +193,7 @@ class Plan:
                 self.arm_clearance,
                 self.scene.obstacles,
                 self.joint_rates,
+                self.limits_passed,
                 self.ms,
                 full,
             ),

@@ -15,7 +15,7 @@ from abi.arm.any_arm import AnyArm
 from abi.arm.arm_clearance import ArmClearance
 from abi.arm.joint_rates import JointRates
 from abi.arm.links_clearance import links_clearance
-from abi.arm.trajectory import ArmMotion
+from abi.arm.trajectory import ArmMotion, Violation
 from abi.arrays import FloatArray
 from abi.clearance.certificate import Certificate
 from abi.curves.bspline import BSpline
@@ -196,6 +196,7 @@ def arm(
     clearance: ArmClearance | None,
     obstacles: Sequence[Obstacle],
     rates: JointRates | None,
+    passed: Sequence[Violation],
     ms: Times,
     full: bool,
 ) -> Section:
@@ -232,8 +233,8 @@ def arm(
         "torques": None if rates.torques is None else rates.torques[keep].tolist(),
         "peak_joint_torque": _peaks(rates.torques),
         "joint_torque_limits": _finites(rates.torque_limits),
-        "limits_passed": [violation._asdict() for violation in motion.limit_violations],
-        "within_limits": motion.within_limits,
+        "limits_passed": [violation._asdict() for violation in passed],
+        "within_limits": not passed,
         "ms": ms["arm"],
     }
     if full:

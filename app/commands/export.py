@@ -27,7 +27,8 @@ def export(scene: str, path: Path, format_name: str | None) -> None:
     UR), urdf (the arm), urdf-zip (the same with its meshes), html (one page that plays stages,
     search and motion without a server).
 
-    A motion whose arm touches something, or is not proven clear, is written with a warning.
+    A motion whose arm touches something, is not proven clear, or passes a limit of its joints'
+    speeds, accelerations or torques is written with a warning.
 
     Exit code 0: written; 3: the scene has no complete plan, and what there is of it is written
     where the format can hold it; 2: bad input.
@@ -53,6 +54,8 @@ def export(scene: str, path: Path, format_name: str | None) -> None:
     warning = formats.FORMATS[name].warning(plan)
     if warning and (plan.error is None or warning != plan.error.message):
         click.echo(f"Warning: the arm's motion is not proven clear. {warning}", err=True)
+    if past := formats.FORMATS[name].limits_warning(plan):
+        click.echo(f"Warning: the motion passes limits of the joints. {past}", err=True)
     if plan.error is not None:
         click.echo(f"{plan.error.message} {plan.error.hint}", err=True)
         raise SystemExit(INCOMPLETE)

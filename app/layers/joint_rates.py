@@ -10,6 +10,7 @@ from typing import ClassVar
 import numpy as np
 import viser
 
+from abi.arm.joint_rates import ROUNDING
 from abi.arrays import FloatArray
 from abi.planner.plan import Plan
 from app import style
@@ -20,8 +21,6 @@ from app.once_a_plan import once_a_plan
 from app.table import table
 
 _TINY = 5e-4
-_ROUNDING = 1.001
-"""What the differences of samples may be too large by."""
 _NO_MASSES = "No torques: the paper gives no masses of links. Those in stage 6 are of the drives."
 _UNLIMITED = "A joint without a second number has no limit."
 _NO_INERTIAS = "No torques: the URDF gives no masses of links."
@@ -157,6 +156,6 @@ def _cell(peak: float, limit: float, unit: str) -> str:
     """A peak of its limit, red where it is past that; ``unit`` of a joint that slides."""
     peak = peak if peak > _TINY else 0.0
     text = f"{peak:.3g}{unit}" if math.isinf(limit) else f"{peak:.3g} / {limit:.3g}{unit}"
-    if peak > limit * _ROUNDING:
+    if peak > limit * ROUNDING:
         return f'<span style="color:{style.readable(style.BAD)}">{text} ✗</span>'
     return text

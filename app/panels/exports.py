@@ -47,3 +47,5 @@ class ExportPanel:
             self._client.send_file_download(row.file, content, save_immediately=True)
             if warning := row.warning(plan):
                 page.notify_warning(self._client, "Exported, but not proven clear", warning)
+            if past := row.limits_warning(plan):
+                page.notify_warning(self._client, "Exported, but past the joints' limits", past)

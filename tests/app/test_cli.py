@@ -11,7 +11,7 @@ import pytest
 
 from abi import assets
 from abi.errors import AbiError
-from abi.scene.scene import scene_names
+from abi.scene.scene import load_scene, scene_names
 from abi.search.compare import COMPARED
 from abi.search.search import SEARCHES
 from app.__main__ import main
@@ -306,6 +306,23 @@ def test_export_warns_of_a_motion_through_a_wall(
         )
     target = str(tmp_path / "a.scene")
     assert run(monkeypatch, capsys, "export", "wall-with-window", "--to", target)[2] == ""
+
+
+@pytest.mark.slow
+def test_export_warns_of_a_motion_past_the_joints_limits(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    fast = {"speed": 20.0, "acceleration": 1000.0, "deceleration": 1000.0, "law": "three_phase"}
+    scene = load_scene("kitchen-ur5e").replace(obstacles=[], motion=fast)
+    scene.save(tmp_path / "fast.yaml")
+    target = tmp_path / "fast.script"
+    code, _, err = run(
+        monkeypatch, capsys, "export", str(tmp_path / "fast.yaml"), "--to", str(target)
+    )
+    assert code == 0
+    assert "Warning: the motion passes limits of the joints." in err
+    assert "motion.law: slowed" in err
+    assert "PASSES LIMITS" in target.read_text()
 
 
 @pytest.mark.parametrize(

@@ -22,6 +22,7 @@ from abi.arm.urdf_arm import UrdfArm, urdf_arm
 from abi.arrays import FloatArray
 from abi.errors import ArmNotClear, ExportError, SceneError
 from abi.export.formats import FORMATS
+from abi.planner.arm_words import arm_result
 from abi.planner.plan import Plan
 from abi.planner.planner import Planner
 from abi.robot.robot_files import SHIPPED
@@ -101,6 +102,41 @@ def test_torques_are_those_of_the_samples_in_any_unit(kitchen: Plan) -> None:
     np.testing.assert_allclose(still.torques, again.torques, atol=1e-9)
     assert np.abs(still.torques - rates.torques).max() > 0.1
     assert np.abs(still.torques[:, 0]).max() < 1e-6  # its axis is upright
+
+
+def test_every_limit_that_a_joint_passes_is_told(kitchen: Plan) -> None:
+    assert kitchen.limits_passed == ()
+    assert kitchen.to_dict()["arm"]["within_limits"]
+
+    fast = {"speed": 20.0, "acceleration": 1000.0, "deceleration": 1000.0, "law": "three_phase"}
+    made = Planner()(KITCHEN.replace(obstacles=[], motion=fast))
+    data = made.to_dict(full=True)["arm"]
+    passed = {(one["quantity"], one["joint"]): one for one in data["limits_passed"]}
+    assert not data["within_limits"]
+    for quantity in ("speed", "acceleration", "torque"):
+        rows = zip(
+            data["joints"],
+            data[f"peak_joint_{quantity}"],
+            data[f"joint_{quantity}_limits"],
+            strict=True,
+        )
+        for joint, peak, limit in rows:
+            one = passed.pop((quantity, joint), None)
+            assert (one is not None) == (peak > 1.001 * limit), (quantity, joint)
+            if one is not None:
+                assert one["since"] <= one["time"]
+                assert (abs(one["value"]), abs(one["limit"])) == pytest.approx((peak, limit), 0.05)
+                assert one["value"] * one["limit"] > 0
+    assert not passed
+
+    assert arm_result(made) == "joint limit passed ✗"
+    for name in ("ros", "urscript", "mcap", "html"):
+        assert FORMATS[name].limits_warning(kitchen) == ""
+        warning = FORMATS[name].limits_warning(made)
+        assert "motion.law: slowed" in warning
+        assert b"passes its acceleration limit of 4 rad/s" in FORMATS[name].write(made, "motion")
+    slow = Planner()(made.scene.replace(motion={**fast, "law": "slowed"}))
+    assert all(one.quantity == "torque" for one in slow.limits_passed)
 
 
 def boxes(*rows: tuple[float, ...]) -> list[dict[str, Any]]:
