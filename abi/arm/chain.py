@@ -119,6 +119,15 @@ class Chain(ShortRepr):
             carried=tuple(_carried(robot, joints, base)),
         )
 
+    def usual_range(self) -> FloatArray:
+        """Positions that random poses are drawn from, (n, 2): of a turning joint one turn.
+
+        That is the turn about 0, where its limits contain 0.
+        """
+        clipped = np.clip(self.limits, -np.pi, np.pi)
+        has_zero = (self.limits[:, 0] <= 0) & (self.limits[:, 1] >= 0)
+        return np.where((has_zero & ~np.array(self.slides))[:, None], clipped, self.limits)
+
     def poses(self, positions: FloatArray) -> FloatArray:
         """World from frame behind each joint and of the tip.
 

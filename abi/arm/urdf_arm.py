@@ -185,8 +185,8 @@ class UrdfArm(ShortRepr):
         Poses in the middle of the joints' limits come first. If none reaches the point, the result
         is one that comes near it. Equal calls give equal poses.
         """
-        random, limits = np.random.default_rng(0), self.chain.limits
-        low, high = np.maximum(limits[:, 0], -np.pi), np.minimum(limits[:, 1], np.pi)
+        random = np.random.default_rng(0)
+        low, high = self.chain.usual_range().T
         target = point[None] * self.metres
         starts = [(low + high) / 2, *random.uniform(low, high, (_STARTS, len(low)))]
         solved = [self.chain.follow(start, target) for start in starts]
@@ -310,7 +310,7 @@ def _pairs(robot: Robot, tip: str) -> IntArray:
     ]
     if not candidates:
         return read_only(np.empty((0, 2), dtype=np.int32))
-    low, high = np.maximum(chain.limits[:, 0], -np.pi), np.minimum(chain.limits[:, 1], np.pi)
+    low, high = chain.usual_range().T
     positions = np.random.default_rng(0).uniform(low, high, (_SAMPLES, len(low)))
     ends = _place(capsules, chain.poses(positions))
     kept = []

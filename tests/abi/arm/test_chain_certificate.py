@@ -145,6 +145,25 @@ def test_nothing_comes_nearer_than_what_is_proven(name: str, seed: int) -> None:
         assert not clear or measured < margin + 1e-3 / one.metres
 
 
+@pytest.mark.parametrize(
+    ("kind", "low", "high"),
+    [("revolute", 3.5, 5.5), ("revolute", -6.0, -4.0), ("prismatic", 4.0, 10.0)],
+)
+def test_first_poses_fill_the_range_of_a_joint_beyond_half_a_turn(
+    kind: str, low: float, high: float
+) -> None:
+    first = '<joint name="p" type="revolute">', f'<joint name="p" type="{kind}">'
+    limits = 'lower="-2" upper="2"', f'lower="{low}" upper="{high}"'
+    one = urdf_arm(robot_from_archive(packed({"a.urdf": arm(first, limits)})), "d", (0, 0, 0))
+    for share in (0.1, 0.5, 0.9):
+        pose = np.array([low + share * (high - low), 0.7, 0.4])
+        (point,) = one.tool(pose[None])
+        found = np.array(one.first_poses(point))
+        np.testing.assert_allclose(one.tool(found), np.tile(point, (len(found), 1)), atol=1e-5)
+        assert ((found >= one.limits[:, 0]) & (found <= one.limits[:, 1])).all()
+    assert one.pairs.shape == (3, 2)
+
+
 @pytest.mark.parametrize("name", SHIPPED)
 def test_first_poses_reach_the_point_in_different_ways(name: str) -> None:
     one = some_arm(name)
