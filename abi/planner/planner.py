@@ -6,6 +6,7 @@ downstream of it.
 
 from __future__ import annotations
 
+import threading
 import time
 from collections.abc import Sequence
 from types import MappingProxyType
@@ -73,7 +74,8 @@ def plan(scene: Scene) -> Plan:
 class Planner:
     """The stages of the method, each of which remembers its last result.
 
-    A second plan reruns only the stages whose inputs have changed.
+    A second plan reruns only the stages whose inputs have changed. Threads may share a planner:
+    their calls take turns. To plan at the same time, each needs its own.
     """
 
     def __init__(self, compile: bool = True) -> None:
@@ -83,6 +85,7 @@ class Planner:
             compile: whether to compile the inner loops in the background from the first plan on.
         """
         self._compile, self._planned = compile, False
+        self._turn = threading.Lock()
         self._obstacles = Stage(ObstacleSet)
         self._mesh = Stage(tetrahedralise)
         self._exclude = Stage(ExclusionCache())
@@ -121,6 +124,11 @@ class Planner:
             SceneError: ``scene`` is no scene.
         """
         require_scene(scene)
+        with self._turn:
+            return self._plan(scene, chosen_only)
+
+    def _plan(self, scene: Scene, chosen_only: bool) -> Plan:
+        """Plan a scene, as the only call that runs."""
         # one that compiles waits for what another planner has begun to load; a tab's first does not
         if self._planned or self._compile:
             compiling.wait_for_loading()

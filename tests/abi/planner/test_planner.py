@@ -53,6 +53,35 @@ def test_what_the_machine_does_meanwhile_is_not_a_searchs_time(
     assert plan.total_ms > 1e3 * kept_from_it
 
 
+def test_calls_from_several_threads_take_turns(monkeypatch: pytest.MonkeyPatch) -> None:
+    fit, together = fit_bspline.fit, threading.Barrier(2)
+    met: list[bool] = []
+
+    def waits_for_another(*args: Any) -> Any:
+        try:
+            together.wait(0.2)
+            met.append(True)
+        except threading.BrokenBarrierError:
+            together.reset()
+        return fit(*args)
+
+    monkeypatch.setattr(fit_bspline, "fit", waits_for_another)
+    planner, plans = Planner(), {}
+
+    def plans_at(degree: int) -> None:
+        plans[degree] = planner(load_scene("paper").replace(spline={"degree": degree}))
+
+    threads = [threading.Thread(target=plans_at, args=(degree,)) for degree in (3, 4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert not met
+    for degree, found in plans.items():
+        assert found.bspline is not None
+        assert found.bspline.curve.degree == degree
+
+
 def test_many_obstacles_wait_for_the_compiler(monkeypatch: pytest.MonkeyPatch) -> None:
     calls = []
 
