@@ -17,6 +17,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Self
 
 import numpy as np
 
@@ -77,10 +78,13 @@ class StageError(AbiError):
         self.stage = stage
         self.kind = kind
 
-    def set_unit(self, unit: str) -> None:
-        """Write the unit after the lengths in message and hint."""
-        self.message, self.hint = in_unit(self._sentences, unit)
-        self.args = (self.message,)
+    def in_unit(self, unit: str) -> Self:
+        """A copy with the unit after the lengths in message and hint."""
+        copy = type(self).__new__(type(self))
+        copy.__dict__.update(self.__dict__)
+        copy.message, copy.hint = in_unit(self._sentences, unit)
+        copy.args = (copy.message,)
+        return copy
 
 
 class PointBlocked(StageError):

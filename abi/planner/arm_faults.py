@@ -23,8 +23,7 @@ def arm_faults(plan: Plan) -> list[str]:
         return []
     faults = []
     if (error := motion.error) is not None:
-        error.set_unit(unit)
-        faults.append(error.message)
+        faults.append(error.in_unit(unit).message)
     faults += [f"{contact_sentence(one, unit)}." for one in clearance.contacts[:CONTACTS]]
     if len(clearance.contacts) > CONTACTS:
         faults.append(f"There are {len(clearance.contacts)} contacts in all.")

@@ -139,8 +139,8 @@ class Planner:
         try:
             self._run(scene, chosen_only, results)
         except StageError as error:
-            error.set_unit(scene.unit)
-            results["error"] = error
+            # a copy: the stage remembers its error for scenes in another unit
+            results["error"] = error.in_unit(scene.unit)
         total = 1e3 * (time.perf_counter() - begin)
         self._planned = True
         if self._compile:

@@ -45,7 +45,8 @@ class Stage(Generic[_P, _R]):
             self._arguments = given
             self.ms = 1e3 * (self._clock() - begin)
         if self._error is not None:
-            raise self._error
+            # without the frames of earlier calls, which would pile up
+            raise self._error.with_traceback(None)
         return self._result  # type: ignore[return-value]
 
 

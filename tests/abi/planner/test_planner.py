@@ -111,6 +111,8 @@ def test_errors_name_the_unit(unit: str) -> None:
     again = planner(scene.replace(unit=other)).error
     assert again is not None
     assert f"is 1 {other} inside" in again.message
+    assert f"is 1 {unit} inside" in blocked.message == str(blocked)
+    assert type(again) is type(blocked)
 
 
 def test_a_slide_that_ran_out_is_named() -> None:

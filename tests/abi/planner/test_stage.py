@@ -50,6 +50,16 @@ def test_equal_arguments_give_back_the_same_object_and_its_time(work: Work) -> N
     assert stage((1.0, "a")) is not first
 
 
+def test_a_remembered_error_does_not_gather_frames(work: Work) -> None:
+    stage, error = Stage(work, work.clock), StageError("mesh", "none", "None.", "")
+    depths = []
+    for _ in range(3):
+        with pytest.raises(StageError) as caught:
+            stage(error)
+        depths.append(len(caught.traceback))
+    assert depths[0] >= depths[1] == depths[2]
+
+
 def test_arrays_are_the_same_only_as_objects(work: Work) -> None:
     stage, array = Stage(work), np.zeros(3)
     first = stage(array)
