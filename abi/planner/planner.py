@@ -129,6 +129,9 @@ class Planner:
 
     def _plan(self, scene: Scene, chosen_only: bool) -> Plan:
         """Plan a scene, as the only call that runs."""
+        if self._compile and scene.arm.model == "urdf":
+            # loading takes a second, and such a plan without compiled loops many
+            compiling.begin()
         # one that compiles waits for what another planner has begun to load; a tab's first does not
         if self._planned or self._compile:
             compiling.wait_for_loading()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from functools import partial
 from typing import Any
 
 import pytest
@@ -96,6 +97,21 @@ def test_many_obstacles_wait_for_the_compiler(monkeypatch: pytest.MonkeyPatch) -
     assert not calls
     Planner()(scene.replace(obstacles=many))
     assert calls
+
+
+def test_the_first_plan_of_a_urdf_arm_waits_for_kept_kernels(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    calls: list[str] = []
+    for name in ("begin", "wait_for_loading"):
+        monkeypatch.setattr(compiling, name, partial(calls.append, name))
+    monkeypatch.setattr(Planner, "_run", lambda *_: calls.append("run"))
+    scene = load_scene("paper")
+    Planner()(scene)
+    assert calls == ["wait_for_loading", "run", "begin"]
+    calls.clear()
+    Planner()(scene.replace(arm={"model": "urdf"}))
+    assert calls[:3] == ["begin", "wait_for_loading", "run"]
 
 
 @pytest.mark.parametrize("unit", ["m", "cm", "mm"])
