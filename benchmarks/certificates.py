@@ -158,8 +158,18 @@ def as_plan(
         ]
     shapes = [obstacle.model_dump(mode="json") for obstacle in obstacles]
     required = max(result.margin, 0.0)
-    scene = {"version": 1, "obstacles": shapes, "spline": {"clearance": required}}
-    plan: dict[str, Any] = {"scene": scene}
+    ends = curve(np.array(curve.interval))
+    low, high = ends.min(axis=0) - 1, ends.max(axis=0) + 1
+    scene = {
+        "version": 1,
+        "obstacles": shapes,
+        "spline": {"clearance": required},
+        "workspace": {"min": low.tolist(), "max": high.tolist()},
+        "start": ends[0].tolist(),
+        "goal": ends[1].tolist(),
+        "mesh": {"pitch": float((high - low).max())},
+    }
+    plan: dict[str, Any] = {"version": 1, "scene": scene}
     return {**plan, "bspline": None, "quadratic": None, name_of(curve): section}
 
 

@@ -267,6 +267,12 @@ def sine_and_cosine(angle: Fraction) -> tuple[int, int, int]:
     return sums[1], sums[0], errors + error
 
 
+def nearly_sine_and_cosine(angle: Fraction) -> tuple[Fraction, Fraction]:
+    """Sine and cosine, wrong by far less than the last digit of a floating-point number."""
+    sine, cosine, _ = sine_and_cosine(angle)
+    return Fraction(sine, _ONE), Fraction(cosine, _ONE)
+
+
 def _whole(number: Fraction) -> int:
     """Number of 2^-200 below it, less than one away."""
     return number.numerator * _ONE // number.denominator

@@ -35,6 +35,7 @@ from abi.verify.exact import (
 from abi.verify.exact_mesh import ExactMesh
 from abi.verify.fault import Fault
 from abi.verify.plan_fields import finite, list_of, mapping, number_of, numbers_of, vector_of
+from abi.verify.tool_path import check_ends
 from abi.verify.verify_arm import check_arm
 from abi.verify.verify_chain import check_chain
 
@@ -110,6 +111,8 @@ def verify(plan: object, folder: Path | MeshSource | None = None) -> tuple[Verdi
     """
     if not isinstance(plan, dict) or not all(name in plan for name in ("scene", *CURVES)):
         raise SceneError("plan", plan, "a plan as abi plan writes it")
+    if type(version := plan.get("version")) is not int or version != 1:
+        raise SceneError("version", version, "1")
     scene = Scene.from_dict(plan["scene"], folder)
     obstacles = _obstacles(plan["scene"], scene)
     verdicts = [_verdict(name, plan[name], obstacles, scene) for name in CURVES]
@@ -148,6 +151,7 @@ def _verdict(
 ) -> Verdict:
     if section is None:
         return Verdict(name, False, "the plan has no such curve")
+    required = Fraction(scene.spline.clearance)
     curve = _curve(name, mapping(name, section))
     certificate = section.get("certificate")
     if certificate is None:
@@ -157,6 +161,7 @@ def _verdict(
     field = f"{name}.certificate"
     margin, planes = _certificate(field, mapping(field, certificate), len(obstacles))
     try:
+        check_ends(curve, scene)
         _check_claim(section, margin, required)
         _check_margin(margin, obstacles)
         for k, obstacle in enumerate(obstacles):

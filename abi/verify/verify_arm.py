@@ -12,7 +12,7 @@ from typing import Any
 
 from abi.scene.scene import Scene
 from abi.verify.arm_planes import FIELD, Plane, planes_of
-from abi.verify.exact import ExactCurve, ExactSolid, Vec3, dot, hull, sub, times_length, vector
+from abi.verify.exact import ExactCurve, ExactSolid, dot, hull, sub, times_length, vector
 from abi.verify.exact_arm import ExactArm, ExactCapsule, ExactPose
 from abi.verify.exact_mesh import ExactMesh
 from abi.verify.exact_slide import ExactSlide, ExactTiming, anywhere, moving, still
@@ -20,6 +20,7 @@ from abi.verify.fault import Fault
 from abi.verify.interval import enclose, rounded
 from abi.verify.plan_fields import finite, list_of, mapping, number_of
 from abi.verify.sides import check_above, check_apart
+from abi.verify.tool_path import check_ends, check_tool, point_at
 
 _BODIES = ("column", "upper_arm", "forearm", "slide")
 _UPRIGHT = (1.0, 0.0, 0.0, 0.0)
@@ -45,7 +46,7 @@ class _Motion:
         points = hull(self.curve, plane.start, plane.end) if plane.start < plane.end else []
         if not points or not plane.start <= plane.at <= plane.end:
             raise Fault(f"a piece from {float(plane.start):g} is not on the curve")
-        place = rounded(_point(self.curve, plane.at))
+        place = rounded(point_at(self.curve, plane.at))
         # rounding a point moves it by less than 2^-59
         ways = [sub(rounded(point), place) for point in points]
         away = enclose(max(dot(way, way) for way in ways)).sqrt().high + Fraction(1, 1 << 59)
@@ -82,6 +83,8 @@ def check_arm(
         1 if elbow == "up" else -1,
     )
     motion = _Motion(arm, curve, _slide(scene, timing, curve))
+    check_ends(curve, scene)
+    check_tool(section, timing.get("duration"), arm, curve, motion.slide)
     capsules = [_capsule(one) for one in list_of(f"{FIELD}.capsules", certificate.get("capsules"))]
     planes = planes_of(certificate, len(capsules), _obstacle)
     floor = min(arm.base[2], Fraction(scene.workspace.min[2]))
@@ -168,14 +171,6 @@ def _least(motion: _Motion, capsule: ExactCapsule, plane: Plane) -> Fraction:
     pose = motion.near(plane)
     way = motion.arm.way(pose, capsule) + capsule.radius
     return motion.arm.least(pose, capsule, plane.normal) - times_length(way, plane.normal)
-
-
-def _point(curve: ExactCurve, at: Fraction) -> Vec3:
-    """Place on the curve."""
-    for start, end, span in curve.spans:
-        if start <= at <= end:
-            return curve.points(span, at, at)[0]
-    raise Fault(f"{float(at):g} is not on the curve")
 
 
 def _slide(scene: Scene, timing: dict[str, Any], curve: ExactCurve) -> ExactSlide:

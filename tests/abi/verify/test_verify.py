@@ -177,6 +177,14 @@ def backward_piece(data: Data) -> None:
     plane["t0"], plane["t1"] = plane["t1"], plane["t0"]
 
 
+def other_start(data: Data) -> None:
+    data["scene"]["start"] = data["scene"]["goal"]
+
+
+def other_goal(data: Data) -> None:
+    data["scene"]["goal"][2] += 1e-6
+
+
 def wrong_margin(data: Data) -> None:
     data["bspline"]["clearance"] *= 1.01
     data["bspline"]["certificate"]["margin"] = data["bspline"]["clearance"]
@@ -248,6 +256,8 @@ DAMAGES = [
     gap,
     stretched_piece,
     backward_piece,
+    other_start,
+    other_goal,
     wrong_margin,
     wrong_clearance,
     no_margin,
@@ -373,6 +383,9 @@ def test_quaternions_of_any_length_turn_alike(honest: Data) -> None:
         (("scene",), None),
         (("scene", "obstacles"), {}),
         (("scene", "version"), 7),
+        (("version",), 99),
+        (("version",), True),
+        (("version",), None),
         (("bspline",), [1]),
         (("bspline", "degree"), 3.0),
         (("bspline", "degree"), True),

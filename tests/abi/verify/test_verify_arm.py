@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import copy
 import json
+import math
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -56,6 +58,37 @@ def test_a_certificate_is_accepted_with_and_without_a_moving_slide(honest: Data)
     assert not of_arm(pushed).proven
 
 
+def backwards(rows: list[list[float]]) -> None:
+    rows.reverse()
+
+
+def one_joint_off(rows: list[list[float]]) -> None:
+    rows[7][1] += 1e-4
+
+
+def longer(rows: list[list[float]]) -> None:
+    for row in rows:
+        row[4] += 0.01
+
+
+def two_exchanged(rows: list[list[float]]) -> None:
+    rows[80], rows[90] = rows[90], rows[80]
+
+
+def mirrored(rows: list[list[float]]) -> None:
+    for row in rows:
+        row[:3] = [row[0] + math.pi, -row[1], -row[2]]
+
+
+@pytest.mark.parametrize("damage", [backwards, one_joint_off, longer, two_exchanged, mirrored])
+def test_joints_that_do_not_lead_the_tool_along_the_curve_are_refused(
+    honest: Data, damage: Callable[[list[list[float]]], None]
+) -> None:
+    data = copy.deepcopy(honest)
+    damage(data["arm"]["positions"])
+    assert not of_arm(data).proven
+
+
 @pytest.mark.slow
 def test_damage_is_refused(honest: Data) -> None:
     random = np.random.default_rng(1)
@@ -89,6 +122,14 @@ def test_damage_is_refused(honest: Data) -> None:
         (("scene", "arm", "base"), [3.6, -3, 0]),
         (("scene", "obstacles", 0, "position"), [3, 3, 3.2]),
         (("arm", "certificate", "capsules", 5, "radius"), 1.2),
+        (("scene", "start"), [0.5, 1, 1.001]),
+        (("scene", "goal"), [5.5, 5, 3.999]),
+        (("timing", "curve"), "quadratic"),
+        (("timing", "duration"), 99.0),
+        (("arm", "time", -1), 99.0),
+        (("arm", "positions"), [[0.0] * 6] * 200),
+        (("arm", "positions", 7), [0.0] * 6),
+        (("arm", "positions", 7), [0.0] * 5),
     ],
 )
 def test_a_changed_number_is_refused(honest: Data, path: tuple[Any, ...], value: Any) -> None:
