@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from abi.arrays import FloatArray
 from abi.errors import ExportError
 from abi.export.joint_trajectory import joint_trajectory, motion_state
@@ -35,7 +33,8 @@ _NOTE = """\
 def write(plan: Plan, name: str) -> bytes:
     """Write a program that moves slowly to the first pose and then follows the motion.
 
-    The motion is sent by ``servoj``.
+    ``servoj`` gets every sample of the motion, since what is proven is the straight way of the
+    joints from one to the next.
 
     Raises:
         ExportError: the arm is not one of Universal Robots, or cannot execute the motion.
@@ -47,16 +46,15 @@ def write(plan: Plan, name: str) -> bytes:
             "Choose the UR5e in stage 6, or arm: {model: urdf, urdf: ur5e} in the scene.",
         )
     duration = float(trajectory.time[-1])
-    count = max(2, min(len(trajectory.time), int(duration / _PERIOD) + 1))
-    times = np.linspace(0.0, duration, count)
-    poses = [np.interp(times, trajectory.time, column) for column in trajectory.positions.T]
-    step = duration / (count - 1)
-    lines = [f"  servoj({_pose(pose)}, t={step:.6f})" for pose in np.array(poses).T[1:]]
+    count = len(trajectory.time) - 1
+    step = max(duration / count, _PERIOD)
+    lines = [f"  servoj({_pose(pose)}, t={step:.6f})" for pose in trajectory.positions[1:]]
     first = _pose(trajectory.positions[0])
+    slowed = f"slowed down from {duration:.2f} s, " if step * count > duration * 1.001 else ""
     state = motion_state(plan).replace("²", "^2").replace("·", "*")  # ASCII, as controllers read
     return "\n".join(
         [
-            _NOTE + f"# It takes {duration:.2f} s. {state}",
+            _NOTE + f"# It takes {step * count:.2f} s, {slowed}from pose to pose. {state}",
             "def abi_motion():",
             f"  movej({first}, a=0.5, v=0.2)",
             *lines,
@@ -68,4 +66,4 @@ def write(plan: Plan, name: str) -> bytes:
 
 
 def _pose(positions: FloatArray) -> str:
-    return "[" + ", ".join(f"{position:.6f}" for position in positions.tolist()) + "]"
+    return "[" + ", ".join(f"{position:.9f}" for position in positions.tolist()) + "]"
