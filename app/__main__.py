@@ -1,79 +1,44 @@
-"""The ``abi`` command: serve the visualiser, or plan without a browser.
-
-Each command is a file in ``commands`` and imports what it needs when it runs, because the method
-takes a second to import and the page can load meanwhile.
-"""
+"""The ``abi`` command; loads nothing before it can be interrupted."""
 
 from __future__ import annotations
 
-import difflib
+import _thread
+import signal
 import sys
-from pathlib import Path
-
-import click
-
-from app.commands.bench import bench
-from app.commands.exit_code import BAD_INPUT
-from app.commands.export import export
-from app.commands.plan import plan
-from app.commands.reproduce import reproduce
-from app.commands.serve import serve
-from app.commands.sweep import sweep
-from app.commands.verify import verify
-from app.versions import version_text
-
-
-class _DefaultGroup(click.Group):
-    """Commands with ``serve`` as the default: of ``abi``, and of ``abi --port 8123``."""
-
-    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
-        if not args or args[0] not in {*self.commands, "--help", "--version"}:
-            meant = difflib.get_close_matches(args[0], self.commands, 1, 0.75) if args else []
-            if meant and not Path(args[0]).exists():
-                raise click.UsageError(f"There is no command {args[0]!r}; did you mean {meant[0]}?")
-            args = ["serve", *args]
-        return super().parse_args(ctx, args)
-
-
-def _print_versions(ctx: click.Context, parameter: click.Parameter, asked: bool) -> None:
-    if asked:
-        click.echo(version_text())
-        ctx.exit()
-
-
-@click.group(cls=_DefaultGroup)
-@click.option(
-    "--version",
-    is_flag=True,
-    is_eager=True,
-    expose_value=False,
-    callback=_print_versions,
-    help="Show the versions that matter and stop.",
-)
-def cli() -> None:
-    """Plan a smooth, clear path for a robot's tool, and see every stage of it."""
-
-
-for command in (serve, plan, verify, export, sweep, reproduce, bench):
-    cli.add_command(command)
+import threading
 
 
 def main() -> None:
-    """Run the command; a foreseen error is one line on stderr and exit code 2."""
+    """Run the command; Ctrl+C ends it without a traceback, also while it loads."""
+    before, sys.unraisablehook = sys.unraisablehook, _interrupt_again
     try:
-        cli(standalone_mode=False)
-    except click.ClickException as error:
-        click.echo(f"abi: {error.format_message()}", err=True)
-        sys.exit(BAD_INPUT)
-    except click.Abort:
-        sys.exit(130)
-    except Exception as error:
-        from abi.errors import AbiError
+        from app.command_line import run
 
-        if not isinstance(error, AbiError):
-            raise
-        click.echo(f"abi: {error.message} {error.hint}".rstrip(), err=True)
-        sys.exit(BAD_INPUT)
+        run()
+    except KeyboardInterrupt:
+        sys.exit(130)
+    finally:
+        sys.unraisablehook = before
+
+
+def _interrupt_again(dropped: sys.UnraisableHookArgs) -> None:
+    """Interrupt once more where Ctrl+C came during a callback, whose exceptions Python drops.
+
+    Importing a module makes such callbacks. The main thread must have left it by then.
+    """
+    if issubclass(dropped.exc_type, KeyboardInterrupt):
+        again = threading.Timer(0.05, _interrupt)
+        again.daemon = True
+        again.start()
+    else:
+        sys.__unraisablehook__(dropped)
+
+
+def _interrupt() -> None:
+    if hasattr(signal, "pthread_kill") and (main_thread := threading.main_thread().ident):
+        signal.pthread_kill(main_thread, signal.SIGINT)  # wakes it if it waits
+    else:
+        _thread.interrupt_main()
 
 
 if __name__ == "__main__":

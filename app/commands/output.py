@@ -2,24 +2,47 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import sys
 from pathlib import Path
 
 import click
 
+_NOT_WRITTEN = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EBADF)
+"""Errors of writing into a file that is open, which do not name it."""
+
 
 def print_text(text: str) -> None:
     """Print ``text``; a reader that has closed the pipe is no fault."""
+    if sys.__stdout__ is None:
+        raise click.ClickException("The output cannot be printed (standard output is closed).")
     try:
-        click.echo(text)
-        sys.stdout.flush()
+        print(text, flush=True)
     except BrokenPipeError:
-        # the reader has closed the pipe, as head does; Python would flush once more at its end
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _discard()
     except OSError as error:
-        reason = cause(error, "not writable")
-        raise click.ClickException(f"The plan cannot be printed ({reason}).") from None
+        raise click.ClickException(lost_output(error)) from None
+
+
+def ensure_streams() -> None:
+    """Give closed standard streams a place to write to; whoever must print checks it."""
+    for name in ("stdout", "stderr"):
+        if getattr(sys, name) is None:
+            setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115
+
+
+def lost_output(error: OSError) -> str:
+    """Sentence on why what is printed is lost; empty if the error comes from anything else."""
+    if error.filename is not None or error.errno not in _NOT_WRITTEN:
+        return ""
+    _discard()
+    return f"The output cannot be printed ({cause(error, 'not writable')})."
+
+
+def _discard() -> None:
+    """Drop what is left of the output, since Python would try to write it at its end."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def write_text(path: Path, text: str) -> None:

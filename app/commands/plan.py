@@ -31,7 +31,7 @@ def plan(scene: str, out: Path | None, full: bool, all_searches: bool, list_scen
     from abi.scene.scene import load_scene, scene_names
 
     if list_scenes:
-        click.echo("\n".join(scene_names()))
+        print_text("\n".join(scene_names()))
         return
     result = plan_scene(load_scene(scene))
     data = result.to_dict(full)

@@ -7,6 +7,8 @@ from operator import attrgetter
 
 import click
 
+from app.commands.output import print_text
+
 _FILE_WIDTH = 150  # characters of a table that is written to a file
 
 
@@ -28,5 +30,7 @@ def reproduce() -> None:
     console = Console()
     if not console.is_terminal:
         console.width = max(console.width, _FILE_WIDTH)
-    console.print(table)
-    console.print("   ".join(f"{sign} {verdict}" for verdict, sign in signs.items()))
+    with console.capture() as captured:
+        console.print(table)
+        console.print("   ".join(f"{sign} {verdict}" for verdict, sign in signs.items()))
+    print_text(captured.get().rstrip("\n"))

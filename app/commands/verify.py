@@ -8,7 +8,7 @@ from pathlib import Path
 import click
 
 from app.commands.exit_code import INCOMPLETE
-from app.commands.output import cause
+from app.commands.output import cause, print_text
 
 
 @click.command(short_help="Check a plan's certificates again, exactly.")
@@ -30,7 +30,7 @@ def verify(plan: Path, meshes: Path | None) -> None:
     verdicts = verify_plan(_read(plan), meshes or found)
     for name in dict.fromkeys(found.shipped):
         click.echo(f"{name!r} is not beside the plan; the shipped scenes' is taken.", err=True)
-    click.echo("\n".join(map(str, verdicts)))
+    print_text("\n".join(map(str, verdicts)))
     if not all(verdict.proven for verdict in verdicts):
         raise SystemExit(INCOMPLETE)
 

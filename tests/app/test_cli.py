@@ -4,13 +4,16 @@ import json
 import socket
 import subprocess
 import sys
+import threading
 import urllib.request
 from pathlib import Path
+from types import ModuleType
 
 import pytest
 
 from abi import assets
 from abi.errors import AbiError
+from abi.planner.planner import plan
 from abi.scene.scene import load_scene, scene_names
 from abi.search.compare import COMPARED
 from abi.search.search import SEARCHES
@@ -53,6 +56,63 @@ def test_who_reads_only_the_beginning_gets_it_without_complaints() -> None:
 
     assert done.stdout.strip() == "{"
     assert done.stderr == ""
+
+
+class Interrupting(ModuleType):
+    """A module in whose place Ctrl+C comes, or comes in a callback and then is dropped."""
+
+    def __init__(self, within_callback: bool) -> None:
+        super().__init__("app.command_line")
+        self._within_callback = within_callback
+
+    def run(self) -> None:
+        if not self._within_callback:
+            raise KeyboardInterrupt
+        probe = Interrupted()
+        del probe
+        threading.Event().wait(20)
+        raise AssertionError("the interrupt was lost")
+
+
+class Interrupted:
+    def __del__(self) -> None:
+        raise KeyboardInterrupt
+
+
+@pytest.mark.parametrize("within_callback", [False, True])
+def test_an_interrupt_ends_the_command_wherever_it_comes(
+    within_callback: bool,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.setitem(sys.modules, "app.command_line", Interrupting(within_callback))
+    assert run(monkeypatch, capsys) == (130, "", "")
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="only Linux has a full device")
+@pytest.mark.parametrize(
+    "args", ["--help", "plan --help", "--version", "plan --list", "plan", "verify", "export"]
+)
+def test_output_that_cannot_be_written_is_told_in_a_sentence(args: str, tmp_path: Path) -> None:
+    command = f"{sys.executable} -m app {args}"
+    if args == "verify":
+        (tmp_path / "p.json").write_text(json.dumps(plan(load_scene("paper")).to_dict()))
+        command += f" {tmp_path / 'p.json'}"
+    if args == "export":
+        command += f" paper --to {tmp_path / 'a.csv'}"
+    full = subprocess.run(
+        ["bash", "-c", f"{command} > /dev/full"], stderr=subprocess.PIPE, text=True, check=False
+    )
+    assert full.returncode == 2
+    assert full.stderr == "abi: The output cannot be printed (no space left on device).\n"
+
+    closed = subprocess.run(
+        ["bash", "-c", f"{command} >&-"], stderr=subprocess.PIPE, text=True, check=False
+    )
+    must_print = args in ("plan --list", "plan", "verify")
+    assert closed.returncode == (2 if must_print else 0)
+    assert closed.stderr.count("\n") == must_print
 
 
 @pytest.mark.parametrize(("scene", "code"), [("paper", 0), ("no-way", INCOMPLETE)])
