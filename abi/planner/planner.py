@@ -107,6 +107,7 @@ class Planner:
         self._courses = Stage(courses_of)
         self._motion = [Stage(motion_on) for _ in range(_BRANCHES)]
         self._arm_clearance = [Stage(clearance_on) for _ in range(_BRANCHES)]
+        self._timing_ms = 0.0
         self._arm_aware, self._arm_aware_ms = ArmAware(), 0.0
 
     def __call__(self, scene: Scene, chosen_only: bool = False) -> Plan:
@@ -247,8 +248,12 @@ class Planner:
         """Motion along a curve by the law that is asked for."""
         if asked.law == "three_phase":
             rates = asked.speed, asked.acceleration, asked.deceleration
-            return self._profile(path.arc.length, *rates)
-        return self._law(path, asked)
+            profile: PathProfile = self._profile(path.arc.length, *rates)
+            self._timing_ms = self._profile.ms
+        else:
+            profile = self._law(path, asked)
+            self._timing_ms = self._law.ms
+        return profile
 
     def _avoid(self, task: ArmTask, names: list[str], results: dict[str, Any]) -> None:
         """Replace results by those of a motion whose whole arm is clear, or raise."""
@@ -276,7 +281,7 @@ class Planner:
             "optimum": self._optimum.ms,
             "bspline": self._bspline.ms + self._bspline_arc.ms,
             "quadratic": self._quadratic.ms + self._quadratic_arc.ms,
-            "timing": self._profile.ms + self._law.ms,
+            "timing": self._timing_ms,
             "arm": self._arm.ms
             + self._surroundings.ms
             + self._courses.ms

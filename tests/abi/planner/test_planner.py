@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 
 from abi import compiling
+from abi.arm.motion_law import motion_law
 from abi.curves import fit_bspline
 from abi.planner import planner
 from abi.planner.planner import Planner
@@ -81,6 +82,23 @@ def test_calls_from_several_threads_take_turns(monkeypatch: pytest.MonkeyPatch) 
     for degree, found in plans.items():
         assert found.bspline is not None
         assert found.bspline.curve.degree == degree
+
+
+def test_the_time_of_the_timing_is_that_of_the_law_that_made_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    took = 0.05  # [s]
+
+    def slow_law(*args: Any) -> Any:
+        threading.Event().wait(took)
+        return motion_law(*args)
+
+    monkeypatch.setattr(planner, "motion_law", slow_law)
+    made, scene = Planner(), load_scene("paper")
+    slowed = scene.replace(motion={"law": "slowed"})
+    assert made(slowed).ms["timing"] >= 1e3 * took
+    assert made(scene).ms["timing"] < 1e3 * took
+    assert made(slowed).ms["timing"] >= 1e3 * took
 
 
 def test_many_obstacles_wait_for_the_compiler(monkeypatch: pytest.MonkeyPatch) -> None:
