@@ -82,5 +82,6 @@ def _quantity(number: float, quantity: str, unit: str) -> str:
     return f"{text} {unit or 'rad'}/s{'²' if quantity == 'acceleration' else ''}"
 
 
-def _excess(violation: Violation) -> float:
-    return violation.value / violation.limit
+def _excess(violation: Violation) -> tuple[bool, float]:
+    """What it is compared by: the drives' own limits before the acceleration asked for."""
+    return violation.quantity != "acceleration", violation.value / violation.limit
