@@ -28,7 +28,7 @@ ERRORS = [
 
 @pytest.mark.parametrize("error", ERRORS, ids=lambda error: type(error).__name__)
 def test_every_length_has_a_unit_and_three_digits(error: StageError) -> None:
-    error.set_unit("mm")
+    error = error.in_unit("mm")
     text = f"{error.message} {error.hint}"
 
     # points have one unit behind the bracket
