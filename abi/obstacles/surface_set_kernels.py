@@ -108,10 +108,11 @@ def nearest_mesh_to_segment(
             p, q = to_surface(placement, a), to_surface(placement, b)
             lower = distance_bounds(tables.grid, axpy(0.5, sub(q, p), p))[0]
             if lower * placement.factor - half < wide:
-                factor = placement.factor
-                away = least_distance(tables, p, q, best / factor, room) * factor
-                if away < best:
-                    best, whose = away, s
+                # in the surface's lengths: back in the world's, rounding would make it nearer
+                limit = best / placement.factor
+                away = least_distance(tables, p, q, limit, room)
+                if away < limit:
+                    best, whose = away * placement.factor, s
         s = row_below(bounds, s)
     return best, whose
 
