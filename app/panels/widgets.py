@@ -51,7 +51,7 @@ class VectorBox:
     def show(self, value: Any) -> None:
         """Show ``value``, unless it is that of the box up to rounding."""
         shown = zip(map(float, value), self._shown, strict=True)
-        if any(abs(a - b) > 1.5 * 10**-_SHOWN_DIGITS for a, b in shown):
+        if any(abs(a - b) > 0.51 * 10**-_SHOWN_DIGITS for a, b in shown):
             self.write(value)
 
     def write(self, value: Any) -> None:

@@ -14,6 +14,7 @@ from app.address import Address
 from app.demo import Demo
 from app.look import PLAIN
 from app.panels.obstacle_gizmos import ObstacleGizmos
+from app.panels.widgets import VectorBox
 from app.server import start
 from app.session import Session
 from tests.app.fake_tab import FakeTab, until
@@ -63,6 +64,21 @@ def test_it_moves_an_obstacle_and_puts_it_back(session: Session, obstacles: Obst
     demo.end()
     assert not demo.running
     np.testing.assert_array_equal(gizmo.position, origin)
+
+
+def test_after_it_the_numbers_are_those_of_the_scene() -> None:
+    gui = SimpleNamespace(
+        add_vector3=lambda *_, **__: SimpleNamespace(value=None, on_update=lambda _: None)
+    )
+    box = VectorBox(cast("viser.GuiApi", gui), "position", 0.1, "", lambda _: None)
+    handle = cast("Any", box.handle)
+    box.write((3.0, 2.9991, 3.0012))  # its last place
+    box.show((3.0, 3.0, 3.0))
+    assert handle.value == (3.0, 3.0, 3.0)
+    handle.value = (3.0004, 3.0, 3.0)  # typed finer than a box writes
+    assert box.typed("position") == (3.0004, 3.0, 3.0)
+    box.show((3.0004, 3.0, 3.0))
+    assert handle.value == (3.0004, 3.0, 3.0)
 
 
 def test_a_pull_that_comes_amid_a_step_is_kept(session: Session, obstacles: ObstacleGizmos) -> None:
