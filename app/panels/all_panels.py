@@ -146,6 +146,14 @@ class AllPanels:
         except AbiError:
             self.read_all()
             raise
+        finally:
+            self._pause_challenge()
+
+    def _pause_challenge(self) -> None:
+        """Put the challenge aside while another scene is shown than its own."""
+        challenge, told = self.share.challenge, self.lessons.chosen or self.figures.number > 0
+        other = challenge is not None and challenge.scene != self.files.name
+        self.share.paused = told or other
 
     def _read(self, scene: Scene, typed: bool) -> Scene:
         """Read what is posed and, where it was used, what is ``typed`` or chosen."""
@@ -208,7 +216,10 @@ class AllPanels:
         self.lessons.restore(state.lessons)
         self.theatre.restore(state.theatre)
         if state.challenge != self.share.kept:
-            self.share.challenge = parsed(state.challenge)
+            challenge = parsed(state.challenge)
+            if challenge is not None and not challenge.scene:
+                challenge = challenge.model_copy(update={"scene": self.files.name})
+            self.share.challenge = challenge
         self._write(state.scene)
 
     def apply_switches(self, frame: Frame) -> Frame:

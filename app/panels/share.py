@@ -15,7 +15,7 @@ from app import page
 from app.camera import aspect
 from app.challenge import GOALS, Challenge, challenge_of
 from app.frame import Frame
-from app.overlay import Overlay
+from app.overlay import Overlay, button
 from app.panels.files import file_stem
 from app.panels.widgets import Wake
 from app.tab_state import LONGEST_LINK, TabState
@@ -27,7 +27,12 @@ _PATIENCE = 20.0
 
 
 class SharePanel:
-    """Buttons, and the challenge of the link that opened the tab."""
+    """Buttons, and the challenge of the link that opened the tab.
+
+    Attributes:
+        challenge: None for none.
+        paused: whether another scene than the challenge's is shown.
+    """
 
     def __init__(self, client: viser.ClientHandle, overlay: Overlay, wake: Wake) -> None:
         gui, self._client, self._overlay = client.gui, client, overlay
@@ -42,9 +47,11 @@ class SharePanel:
         self.picture: Any = gui.add_button(
             "Save picture", color="gray", hint=f"A PNG {_WIDTH} pixels wide."
         )
-        for button in (self.link, self.challenge_link, self.picture):
-            button.on_click(wake)
+        self._end: Any = gui.add_button("End challenge", visible=False)
+        for one in (self.link, self.challenge_link, self.picture, self._end):
+            one.on_click(wake)
         self.challenge: Challenge | None = None
+        self.paused = False
 
     @property
     def kept(self) -> str:
@@ -60,7 +67,8 @@ class SharePanel:
             self.challenge_link.value = False
             challenge = challenge_of(self.goal.value, frame)
             if challenge is None:
-                page.notify_refusal(self._client, "No challenge", "There is no plan to start from.")
+                words = "There is no plan to start from, or nothing left to gain."
+                page.notify_refusal(self._client, "No challenge", words)
             else:
                 self._copy(state().with_challenge(challenge.model_dump_json()))
         if self.picture.value:
@@ -70,10 +78,13 @@ class SharePanel:
     def draw(self, frame: Frame) -> None:
         """Show the challenge, and whether it is met."""
         text = ""
-        if self.challenge is not None:
+        if self._end.value:
+            self._end.value, self.challenge = False, None
+        if self.challenge is not None and not self.paused:
             resting = not (frame.interactive or frame.partial)
             met = resting and self.challenge.is_met(frame)
-            text = self.challenge.html(met, frame)
+            end = button(self._end, "End", hint="Ends the challenge; the scene stays.")
+            text = f'<div class="abi-card">{self.challenge.html(met, frame)} {end}</div>'
         self._overlay.show("challenge", text)
 
     def _copy(self, state: TabState) -> None:
