@@ -197,6 +197,11 @@ def notify_refusal(client: viser.ClientHandle, title: str, reason: str) -> None:
     client.add_notification(title, reason, color="red", auto_close_seconds=12)
 
 
+def notify_refused_file(client: viser.ClientHandle, title: str, reason: str) -> None:
+    """Notify the user of a file that was not taken, and why, until the notice is closed."""
+    client.add_notification(title, reason, color="red", auto_close_seconds=None)
+
+
 def notify_warning(client: viser.ClientHandle, title: str, reason: str) -> None:
     """Notify the user of what is wrong with what was done."""
     client.add_notification(title, reason, color="orange", auto_close_seconds=12)

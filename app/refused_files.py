@@ -34,7 +34,7 @@ class RefusedFiles:
     def _tell(self, event: object) -> None:
         refused = refusal(self._box.value)
         if refused is not None:
-            page.notify_refusal(self._client, *refused)
+            page.notify_refused_file(self._client, *refused)
 
 
 def refusal(text: object) -> tuple[str, str] | None:

@@ -108,7 +108,7 @@ class ArmModelPanel:
                 self._take(one.name, one.result)
             elif one.result is not None:
                 title = f"{one.name} is not added"
-                page.notify_refusal(self._client, title, one.result.message)
+                page.notify_refused_file(self._client, title, one.result.message)
         name = self._name()
         if name is None:
             self._show(False)

@@ -126,7 +126,7 @@ class FilesPanel:
                 raise found
             scene = parse(found, meshes)
         except SceneError as error:
-            page.notify_refusal(self._client, f"{name} is not opened", error.message)
+            page.notify_refused_file(self._client, f"{name} is not opened", error.message)
             return False
         self._last = Loaded(self._list(name, scene), scene)
         return True

@@ -19,12 +19,23 @@ _LEAST, _MOST = 1 / 12, 3 / 4
 """Sizes, as parts of the workspace's longest side: when fitted, and between which none is."""
 
 
-def fitted_scale(surface: Surface, scene: Scene) -> float:
-    """Scale that makes a mesh a third of the workspace; 1 where its size will do as it is."""
-    largest = max(scene.workspace.size)
-    if _LEAST <= surface.extent / largest <= _MOST:
+def fitted_scale(surface: Surface, scene: Scene, unit: str | None = None) -> float:
+    """Scale that makes a mesh a third of the workspace; 1 where its size will do as it is.
+
+    Args:
+        surface: of the mesh.
+        scene: whose workspace it is to fit.
+        unit: of the file; None for the scene's.
+    """
+    largest, extent = max(scene.workspace.size), _own_extent(surface, scene, unit)
+    if _LEAST <= extent / largest <= _MOST:
         return 1.0
-    return max(float(f"{_FITTED * largest / surface.extent:.3g}"), 1e-6)
+    return max(float(f"{_FITTED * largest / extent:.3g}"), 1e-6)
+
+
+def _own_extent(surface: Surface, scene: Scene, unit: str | None) -> float:
+    """Longest side of a file's bounds at scale 1, [unit]."""
+    return surface.extent * (METRES[unit] / METRES[scene.unit] if unit else 1.0)
 
 
 class MeshNote:
@@ -87,8 +98,8 @@ class MeshNote:
 
     def _offer_size(self, mesh: MeshShape, scene: Scene) -> list[str]:
         """Offer the size of the file where the mesh was fitted, and one that fits elsewhere."""
-        own = mesh.surface.extent * (METRES[mesh.unit] / METRES[scene.unit] if mesh.unit else 1.0)
-        fitting = fitted_scale(mesh.surface, scene)
+        own = _own_extent(mesh.surface, scene, mesh.unit)
+        fitting = fitted_scale(mesh.surface, scene, mesh.unit)
         if mesh.scale == fitting != 1:
             self._other_scale = 1.0
             self._resize.label = f"Original size: {_length(own, scene)}"
@@ -96,8 +107,7 @@ class MeshNote:
             return ["It was scaled to fit the workspace."]
         largest = max(scene.workspace.size)
         if not _LEAST <= mesh.surface.extent * mesh.factor / largest <= _MOST:
-            per_scale = mesh.factor / mesh.scale
-            self._other_scale = float(f"{_FITTED * largest / mesh.surface.extent / per_scale:.3g}")
+            self._other_scale = float(f"{_FITTED * largest / own:.3g}")
             self._resize.label = "Fit to the workspace"
             self._resize.visible = True
         return []

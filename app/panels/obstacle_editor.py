@@ -132,7 +132,8 @@ class ObstacleEditor:
                     continue
                 self._add_mesh(one.name, one.result, scene)
             elif one.result is not None:
-                page.notify_refusal(self._client, f"{one.name} is not added", sentence(one.result))
+                title = f"{one.name} is not added"
+                page.notify_refused_file(self._client, title, sentence(one.result))
             self._obstacles.forget_foreseen()
         if self.uploads.stopped:
             self._obstacles.forget_foreseen()
@@ -259,6 +260,7 @@ class ObstacleEditor:
             before = dict(data)
             data.update(self.sizes.read(data))
             if "file" in data and data != before:
+                self._fit_again(before, data, scene)
                 self._keep_in_place(gizmo, before, data, scene)
         self._shown = {"number": number, "data": dict(data)}
         if (position := self._position.typed(f"{field}.position")) is not None:
@@ -271,6 +273,14 @@ class ObstacleEditor:
         if angles is None and turned != self._turned and (shown := _degrees(turned)) is not None:
             self._angles.show(shown)
             self._turned = turned
+
+    def _fit_again(self, before: dict[str, Any], data: dict[str, Any], scene: Scene) -> None:
+        """Fit a mesh to the workspace in its new unit, where it was fitted in the one before."""
+        surface = self.meshes(scene).surface(data["file"])
+        fitted = before["scale"] == fitted_scale(surface, scene, before["unit"]) != 1
+        if fitted and data["unit"] != before["unit"]:
+            data["scale"] = fitted_scale(surface, scene, data["unit"])
+            self.sizes.write(data)
 
     def _keep_in_place(
         self,

@@ -360,11 +360,13 @@ for (const [name, call] of [
   const options = {capture: true, signal: window.abiListeners.signal};
   document.addEventListener(name, event => window.abi[call](event), options);
 }
-// viser says of a file that has arrived that it was "uploaded successfully", even where it is refused.
+// viser says of a file that has arrived that it was "uploaded successfully", even where it is refused;
+// what became of it is told under its button, or in a notice of its own.
 window.abiNotices?.disconnect();
 window.abiNotices = new MutationObserver(() => {
   for (const notice of document.querySelectorAll(".mantine-Notification-description")) {
-    if (notice.textContent === "File uploaded successfully.") notice.firstChild.data = "It has arrived.";
+    if (notice.textContent !== "File uploaded successfully.") continue;
+    notice.closest(".mantine-Notification-root").style.display = "none";
   }
 });
 window.abiNotices.observe(document.body, {childList: true, subtree: true, characterData: true});

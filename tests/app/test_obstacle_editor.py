@@ -12,6 +12,7 @@ import pytest
 import viser
 
 from abi.obstacles.primitives import PRIMITIVES
+from abi.obstacles.mesh_shape import MeshShape
 from abi.scene.scene import Scene, load_scene
 from abi.scene.scene_file import dump
 from app.address import Address
@@ -258,6 +259,24 @@ def test_a_mesh_shrinks_about_its_middle(
         after = session.plan.scene.obstacles[0].bounds()
     np.testing.assert_allclose(np.add(*after), np.add(*before), atol=1e-9)
     np.testing.assert_allclose(np.subtract(*after), factor * np.subtract(*before), atol=1e-6)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("unit", "scale"), [("mm", 0.211), ("m", 2.11e-4)])
+def test_a_fitted_mesh_fits_in_any_unit_of_its_file(
+    tmp_path: Path, unit: str, scale: float
+) -> None:
+    (tmp_path / "part.stl").write_bytes(meshes.stl(meshes.box((95.0, 40.0, 40.0))))
+    obstacle = {"shape": "mesh", "file": "part.stl", "scale": 0.0211, "position": [3, 3, 3]}
+    path = tmp_path / "part.yaml"
+    path.write_text(dump({"version": 1, "obstacles": [obstacle]}, path.name), encoding="utf-8")
+    with served(path) as (fake, session):
+        fake.set(session.panels.editor.sizes.unit, unit)
+        until(lambda: session.plan.scene.obstacles[0].unit == unit)  # type: ignore[union-attr]
+        mesh = session.plan.scene.obstacles[0]  # type: ignore[union-attr]
+        assert isinstance(mesh, MeshShape)
+        assert mesh.scale == session.panels.editor.sizes.scale.value == scale
+    assert np.ptp(mesh.bounds(), axis=0).max() == pytest.approx(2.0, rel=5e-3)
 
 
 @pytest.mark.slow

@@ -176,7 +176,7 @@ def test_what_is_no_mesh_is_refused_and_one_in_millimetres_is_asked_about(
     whole = meshes.stl(meshes.box((30, 30, 30)))
     page.upload(ADD, "cut off.stl", whole[:-10])
     page.reads("cut_off.stl is not added")
-    page.reads("It has arrived.")
+    page.until(lambda: "Uploading" not in page.text(), "no word but that of the refusal")
     assert "successfully" not in page.text()
     assert session.plan is good
     assert len(drawn.obstacles(page)) == 1
@@ -184,6 +184,13 @@ def test_what_is_no_mesh_is_refused_and_one_in_millimetres_is_asked_about(
     _delete(page, session)
     page.upload(ADD, "far too large.stl", meshes.stl(meshes.box((200, 200, 200))))
     page.reads("It was scaled to fit the workspace.")
+    page.choose("file is in", "m")
+    page.until(lambda: session.plan.scene.obstacles[0].unit == "m", "the unit")  # type: ignore[union-attr]
+    (mesh,) = session.plan.scene.obstacles  # type: ignore[union-attr]
+    low, high = mesh.bounds()
+    assert float(max(high - low)) == pytest.approx(2.0, rel=0.01)  # a third of the workspace
+    page.choose("file is in", "the scene's unit")
+    page.until(lambda: session.plan.scene.obstacles[0].unit is None, "no unit")  # type: ignore[union-attr]
     page.click("Original size: 200 cm")
     page.reads("is the file in mm?")
     page.click("Yes, read it in mm")
