@@ -6,18 +6,17 @@ from collections.abc import Mapping
 from pathlib import PurePosixPath
 from typing import Any
 
-import numpy as np
 import viser
 
-from abi.obstacles.pose import METRES, UNTURNED, Quaternion
+from abi.obstacles.pose import UNTURNED, Quaternion
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
-from abi.robot.robot import Robot, joints_to, usual_tip
+from abi.robot.robot import Robot, usual_tip
 from abi.robot.robot_files import SHIPPED, load_robot
 from abi.robot.robot_part import bases_to, part_from
 from abi.scene.scene import Scene
 from app import page
+from app.arm_size import size_note
 from app.guard.reader import READER
-from app.numbers import format_setting
 from app.panels.file_uploads import Dealing, FileKind, FileUploads, shown_name
 from app.panels.widgets import Wake
 
@@ -42,8 +41,6 @@ _MOUNTS: dict[str, Quaternion] = {
     "on a wall, along −y": (_HALF, _HALF, 0.0, 0.0),
 }
 _OTHER = "as in the scene"
-_MOST = 6.0
-"""Length of an arm, in sides of the workspace, from which it hardly fits."""
 
 
 class ArmModelPanel:
@@ -203,22 +200,10 @@ class ArmModelPanel:
 
     def _compare_size(self, name: str) -> None:
         """Notify of an arm whose size is not that of the workspace."""
-        way = joints_to(load_robot(name, MeshSource(self.files)), str(self.tip.value))
-        links = sum(float(np.linalg.norm(joint.origin[:3, 3])) for joint in way)
-        length = links / METRES[self._unit]
-        if 0 < length < self._workspace / _MOST:
-            title = "This arm is too short for the scene"
-        elif length > _MOST * self._workspace:
-            title = "This arm is too large for the scene"
-        else:
-            return
-        self._client.add_notification(
-            title,
-            f"Its links are {format_setting(float(f'{length:.2g}'))} {self._unit} long in all; the "
-            f"workspace measures {format_setting(self._workspace)} {self._unit}. The scene "
-            "kitchen-ur5e is made for arms of about a metre.",
-            auto_close_seconds=15,
-        )
+        robot = load_robot(name, MeshSource(self.files))
+        note = size_note(robot, str(self.tip.value), self._workspace, self._unit)
+        if note is not None:
+            self._client.add_notification(*note, auto_close_seconds=15)
 
 
 def _read(content: bytes, dealing: Dealing[Robot]) -> Robot:

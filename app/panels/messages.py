@@ -8,11 +8,12 @@ from __future__ import annotations
 import html
 from typing import Any
 
-from abi.errors import AbiError, NoPath
+from abi.errors import AbiError, NoPath, StageError
 from abi.planner.arm_words import contact_sentence
 from abi.planner.plan import Plan
 from abi.planner.reason import Reason
 from app import style
+from app.arm_size import scene_size_note
 from app.frame import Frame
 from app.labels import LABELS, sentence
 from app.layout import Layout
@@ -80,6 +81,11 @@ class Messages:
         reason = frame.reason
         explained = error if reason is None else reason
         dots = "Blue dots: nodes that the start reaches." if isinstance(error, NoPath) else ""
+        of_arm = isinstance(error, StageError) and error.stage == "arm"
+        size = scene_size_note(frame.plan.scene) if of_arm else None
+        if size is not None:  # no other base, and no setting, makes it fit
+            title, numbers = size
+            return _error(f"{title}.", numbers)
         hints = (explained.hint, dots, self._base.sentence(frame))
         content = _error(explained.message, " ".join(filter(None, hints)))
         buttons = ""

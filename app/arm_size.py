@@ -1,0 +1,44 @@
+"""Arms whose size is not that of the scene."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from abi.obstacles.pose import METRES
+from abi.robot.robot import Robot, joints_to
+from abi.scene.scene import Scene
+from app.numbers import format_setting
+
+_MOST = 6.0
+"""Length of an arm, in sides of the workspace, from which it hardly fits."""
+
+
+def size_note(robot: Robot, tip: str, workspace: float, unit: str) -> tuple[str, str] | None:
+    """What is wrong with the size of an arm, and in numbers; None where it may fit.
+
+    Args:
+        robot: the arm.
+        tip: name of the link that follows the curve.
+        workspace: longest side, [unit].
+        unit: of the scene's lengths.
+    """
+    links = sum(float(np.linalg.norm(joint.origin[:3, 3])) for joint in joints_to(robot, tip))
+    length = links / METRES[unit]
+    if 0 < length < workspace / _MOST:
+        title = "This arm is too short for the scene"
+    elif length > _MOST * workspace:
+        title = "This arm is too large for the scene"
+    else:
+        return None
+    return title, (
+        f"Its links are {format_setting(float(f'{length:.2g}'))} {unit} long in all; the "
+        f"workspace measures {format_setting(workspace)} {unit}. The scene kitchen-ur5e is made "
+        "for arms of about a metre."
+    )
+
+
+def scene_size_note(scene: Scene) -> tuple[str, str] | None:
+    """The same of a scene's arm; None for the paper's, whose lengths are typed."""
+    if scene.arm.model != "urdf":
+        return None
+    return size_note(scene.arm.robot, scene.arm.tool, max(scene.workspace.size), scene.unit)
