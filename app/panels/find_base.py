@@ -47,6 +47,7 @@ class FindBasePanel:
         self._maps: Iterator[BaseMap] | None = None
         self._found: BaseMap | None = None
         self._asked = False
+        self._showed = False  # whether the region is shown only for the search
         self._drawn: tuple[object, ...] = ()
 
     @property
@@ -85,6 +86,7 @@ class FindBasePanel:
         """Plan with the base at one more place."""
         if self._asked:
             self._asked = False
+            self._showed |= not self.region.shown.value
             self.region.shown.value = True
             self._maps = base_maps(scene, *self.region.corners)
         if self._maps is not None:
@@ -101,6 +103,8 @@ class FindBasePanel:
             and _with_base(scene, found) != found.scene
         ):
             self._found = self._maps = found = None
+            if self._showed:
+                self._showed = self.region.shown.value = False
         return found
 
     def draw(self, frame: Frame) -> None:

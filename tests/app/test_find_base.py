@@ -77,6 +77,15 @@ def test_it_stops_when_asked_and_when_the_scene_changes(behind_a_wall: Tab) -> N
     until(lambda: session.frame.plan.scene.obstacles[3].position[1] == y + 0.5)
     until(lambda: session.frame.bases is None and not panel.running)
     until(lambda: layer(session, BaseMapLayer)._tiles is None)
+    until(lambda: not panel.region.gizmo.visible)  # the search has shown it
+
+    fake.set(panel.region.shown, True)
+    fake.set(panel.find, True)
+    until(lambda: session.frame.bases is not None)
+    fake.drag(session.panels.obstacles.gizmos[3], [x, y, z])
+    until(lambda: session.frame.bases is None and not panel.running)
+    until(lambda: session.resting)
+    assert panel.region.gizmo.visible, "a hand has shown it"
 
 
 @pytest.mark.slow
