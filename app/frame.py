@@ -42,6 +42,7 @@ class Frame:
         partial: whether it is, or two of its searches wait for a pause in the input.
         interactive: whether the input may still change: what takes long to draw can wait.
         outdated: whether a newer plan is being made.
+        demonstrates: whether an obstacle moves by itself.
         shown: names of the switches that are on.
         mesh_view: which part of the mesh to draw, of :data:`abi.search.subset.VIEWS`.
         visited: number of nodes to draw in the order in which the chosen search expanded them.
@@ -62,6 +63,7 @@ class Frame:
     partial: bool = False
     interactive: bool = False
     outdated: bool = False
+    demonstrates: bool = False
     shown: frozenset[str] = frozenset()
     mesh_view: str = "near"
     visited: int = 0

@@ -358,7 +358,8 @@ class Session:
         coarse, partial = self._planner.coarse, self._planner.partial
         self._view.face(plan)
         frame = replace(frame, coarse=coarse, partial=partial, interactive=interactive)
-        self._draw(replace(frame, outdated=False))
+        demonstrates = self._pause.demo.running
+        self._draw(replace(frame, outdated=False, demonstrates=demonstrates))
         if interactive and self.plans:
             metrics.UPDATES.observe(time.monotonic() - self._woken)
         self._drawn = self.panels.step(plan.scene)

@@ -20,14 +20,13 @@ class HeadlineLayer:
 
     def __init__(self, layout: Layout) -> None:
         self._overlay = layout.overlay
-        self._drawn: Plan | None = None
 
     def draw(self, frame: Frame) -> None:
-        """Write the plan's numbers; none without a curve."""
-        if frame.plan is self._drawn:
-            return
-        self._drawn = frame.plan
-        self._overlay.show("numbers", headline(frame.plan))
+        """Write the plan's numbers; none without a curve, or while something else is shown."""
+        plan = frame.plan
+        told = frame.lecture and plan.followed not in frame.shown
+        hidden = told or frame.theatre is not None
+        self._overlay.show("numbers", "" if hidden else headline(plan))
 
 
 @once_a_plan

@@ -43,7 +43,7 @@ class Messages:
 
     def draw(self, frame: Frame) -> None:
         """Write the sentence for a frame."""
-        shown = frame.plan, frame.refused, frame.reason, frame.interactive
+        shown = frame.plan, frame.refused, frame.reason, frame.interactive, frame.demonstrates
         preview = frame.coarse, frame.partial
         state = *shown, *preview, *self._base.state(frame)
         if state == self._drawn:
@@ -120,13 +120,16 @@ def _progress(frame: Frame) -> str:
     if frame.coarse:
         preview = "≈ coarser while you drag · "
     length = ""
-    if plan.bspline_arc is not None:
-        length = f"{format_length(plan.bspline_arc.length)} {plan.scene.unit}"
-        length = f": a curve of {_whole(length)}"
+    if plan.followed_arc is not None and plan.followed is not None:
+        length = f"{format_length(plan.followed_arc.length)} {plan.scene.unit}"
+        length = f": a {_whole(style.CURVES[plan.followed][0])} of {_whole(length)}"
     # of code that was not compiled the time says nothing
     took = f"took {_whole(format_time(max(plan.total_ms, 1)))} " if plan.total_ms else ""
     did = f"{preview}{name} and {_whole('B-spline')} {took}on {plan.free.nodes:,} nodes{length}."
-    return f"<b>{_invitation(plan)}</b> {did}"
+    invitation = _invitation(plan)
+    if frame.demonstrates:
+        invitation = f"A demonstration, until you touch something. {invitation}"
+    return f"<b>{invitation}</b> {did}"
 
 
 def _whole(text: str) -> str:

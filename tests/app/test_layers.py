@@ -29,10 +29,11 @@ from app.look import PLAIN
 from app.numbers import format_lower_bound
 from app.panels.base_offer import _may_help
 from app.panels.lecture import VIEWS
-from app.panels.messages import _change_label
+from app.panels.messages import _change_label, _progress
 from app.plan_notes import notes
 from app.server import Server, start
 from app.session import Session
+from app.style import CURVES
 from app.tab_view import SWITCHES
 from tests.app.fake_tab import FakeTab, layer, until
 
@@ -325,6 +326,40 @@ def test_the_distance_kept_is_no_good_news_while_the_arm_goes_through_something(
     assert around.arm_clearance is not None
     assert around.arm_clearance.certified
     assert "✓" in headline(around)
+
+
+def test_the_numbers_are_those_of_what_is_shown(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    until(lambda: session.resting)
+    panels, shown = session.panels, session.panels.layout.overlay.shown
+    assert " length" in shown["numbers"]
+    fake.set(panels.lecture.toggle, True)
+    until(lambda: session.frame.lecture)
+    assert " length" in shown["numbers"]
+    for number in range(6):
+        fake.set(panels.lecture._forward, True)
+        until(lambda: panels.lecture._stage == number)  # noqa: B023
+        until(lambda: session.frame.plan.followed in session.frame.shown or not shown["numbers"])
+    assert " length" in shown["numbers"]  # of the arm's stage
+    fake.set(panels.lecture.toggle, True)
+    until(lambda: not session.frame.lecture)
+    panels.theatre.set(on=True)
+    until(lambda: not shown["numbers"])
+
+
+def test_the_sentence_tells_of_the_curve_that_the_arm_follows() -> None:
+    for followed in ("bspline", "quadratic"):
+        result = plan(load_scene("paper").replace(motion={"curve": followed}))
+        assert result.followed == followed
+        length = headline(result).split("<b>")[1].split("</b>")[0]
+        assert f"{CURVES[followed][0]}</span> of" in _progress(Frame(result))
+        assert length in _progress(Frame(result))
+
+
+def test_a_demonstration_says_that_it_is_one() -> None:
+    frame = Frame(plan(load_scene("paper")))
+    assert "demonstration" not in _progress(frame)
+    assert "demonstration" in _progress(replace(frame, demonstrates=True))
 
 
 @pytest.mark.parametrize(
