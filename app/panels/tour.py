@@ -46,11 +46,15 @@ class Tour:
         self._next: Any = gui.add_button("Next", visible=False)
         self._end: Any = gui.add_button("End", visible=False)
         self._step: int | None = None
+        self._in_lesson = False
         for widget in (self.begin, self._next, self._end):
             widget.on_click(wake)
 
     def draw(self, frame: Frame) -> None:
-        """Show the step that the buttons lead to; no frame changes it."""
+        """Show the step that the buttons lead to; a lesson that begins ends it."""
+        if frame.lesson and not self._in_lesson:
+            self._step = None
+        self._in_lesson = frame.lesson
         if _pressed(self.begin):
             self._step = 0
         if _pressed(self._next) and self._step is not None:

@@ -249,6 +249,18 @@ def test_a_lesson_goes_on_where_it_was_left(tab: tuple[FakeTab, Session]) -> Non
     until(lambda: panel._number == 0 and not panel.next.disabled)
 
 
+def test_a_lesson_that_begins_ends_the_tour(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    panels = session.panels
+    until(lambda: session.resting and len(panels.lessons.choice.options) > 1)
+    fake.set(panels.tour.begin, True)
+    until(lambda: "1 of 5" in panels.layout.overlay.shown.get("tour", ""))
+    fake.set(panels.lessons.choice, panels.lessons.choice.options[1])
+    until(lambda: session.frame.lesson and not panels.layout.overlay.shown.get("tour", ""))
+    fake.set(panels.tour.begin, True)
+    until(lambda: "1 of 5" in panels.layout.overlay.shown.get("tour", ""))
+
+
 def test_lessons_and_figures_give_back_what_they_replaced(tab: tuple[FakeTab, Session]) -> None:
     fake, session = tab
     panels, lessons = session.panels, session.panels.lessons
