@@ -4,6 +4,10 @@ from __future__ import annotations
 
 from typing import ClassVar
 
+import numpy as np
+
+from abi.errors import NoPath
+from abi.planner.plan import Plan
 from abi.planner.reason import Reason
 from app import style
 from app.frame import Frame, Switch
@@ -26,8 +30,16 @@ class MarkersLayer:
         if reason is self._drawn:
             return
         self._drawn = reason
-        if reason is None or len(reason.points) == 0:
+        if reason is None or len(reason.points) == 0 or _are_reached(reason, frame.plan):
             self._cloud.show(False)
             return
         size = 0.03 * max(frame.plan.scene.workspace.size)
         self._cloud.draw(reason.points, style.MARK, size, visible=True)
+
+
+def _are_reached(reason: Reason, plan: Plan) -> bool:
+    """Whether the points are the nodes that the start reaches, which another layer draws."""
+    if not isinstance(plan.error, NoPath) or plan.error.reached is None or plan.graph is None:
+        return False
+    reached = plan.graph.points[np.sort(plan.error.reached)]
+    return np.array_equal(reached, reason.points)

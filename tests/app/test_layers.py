@@ -20,6 +20,7 @@ from app.address import Address
 from app.frame import Frame
 from app.layers.arm import ArmLayer
 from app.layers.headline import headline
+from app.layers.markers import _are_reached
 from app.layers.mesh import MeshLayer
 from app.layers.names import NamesLayer, _apart, _lines, _nearest, _points_at, _rounded, pictured
 from app.layers.plots import PlotsLayer, _joints_title
@@ -354,6 +355,19 @@ def test_the_sentence_tells_of_the_curve_that_the_arm_follows() -> None:
         length = headline(result).split("<b>")[1].split("</b>")[0]
         assert f"{CURVES[followed][0]}</span> of" in _progress(Frame(result))
         assert length in _progress(Frame(result))
+
+
+def test_what_the_start_reaches_has_no_second_mark() -> None:
+    paper = load_scene("paper")
+    (box,) = paper.obstacles
+    wall = {**box.model_dump(mode="json"), "size": [1.0, 8.0, 8.0]}
+    walled = ((paper.replace(obstacles=[wall]), True), (load_scene("no-way"), False))
+    for scene, around_start in walled:
+        result = plan(scene)
+        reason = explain(scene, result)
+        assert reason is not None
+        assert len(reason.points) > 0
+        assert _are_reached(reason, result) is around_start
 
 
 def test_a_demonstration_says_that_it_is_one() -> None:
