@@ -22,8 +22,7 @@ def size_note(robot: Robot, tip: str, workspace: float, unit: str) -> tuple[str,
         workspace: longest side, [unit].
         unit: of the scene's lengths.
     """
-    links = sum(float(np.linalg.norm(joint.origin[:3, 3])) for joint in joints_to(robot, tip))
-    length = links / METRES[unit]
+    length = _length(robot, tip, unit)
     if 0 < length < workspace / _MOST:
         title = "This arm is too short for the scene"
     elif length > _MOST * workspace:
@@ -35,6 +34,20 @@ def size_note(robot: Robot, tip: str, workspace: float, unit: str) -> tuple[str,
         f"workspace measures {format_setting(workspace)} {unit}. The scene kitchen-ur5e is made "
         "for arms of about a metre."
     )
+
+
+def oversize(scene: Scene) -> float:
+    """Length of a scene's arm, [unit], that is far too large for it; 0 for any other arm."""
+    if scene.arm.model != "urdf":
+        return 0.0
+    length = _length(scene.arm.robot, scene.arm.tool, scene.unit)
+    return length if length > _MOST * max(scene.workspace.size) else 0.0
+
+
+def _length(robot: Robot, tip: str, unit: str) -> float:
+    """Length of the links to the tip, [unit]."""
+    links = (float(np.linalg.norm(joint.origin[:3, 3])) for joint in joints_to(robot, tip))
+    return sum(links) / METRES[unit]
 
 
 def scene_size_note(scene: Scene) -> tuple[str, str] | None:

@@ -8,11 +8,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import viser
+from viser.transforms import SO3
 
 from abi.arrays import FloatArray
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.primitives import Cylinder
 from abi.scene.scene import Scene
+from app.arm_size import oversize
 from app.framing import Window, holds, lift, stand
 from app.page_area import PageArea
 
@@ -251,12 +253,22 @@ def _directions() -> list[FloatArray]:
     return found
 
 
+def _around_oversize(scene: Scene) -> FloatArray:
+    """Corners (n, 3), [unit], world, around an arm that is far too large; none for another arm."""
+    length = oversize(scene)
+    if not length:
+        return np.zeros((0, 3))
+    corners = length * np.array([(-0.5, -0.5, 0.0), (0.5, 0.5, 1.0)])
+    turned = SO3(np.array(scene.arm.base_wxyz)).apply(corners)
+    return np.asarray(scene.arm.base + turned, dtype=np.float64)
+
+
 def _view(
     scene: Scene, distance_factor: float, direction: FloatArray = _DIRECTION
 ) -> tuple[FloatArray, FloatArray, float]:
     """Camera position (3,) and target (3,), [unit], world, and the scene's size, [unit]."""
     low, high = np.array(scene.workspace.min), np.array(scene.workspace.max)
-    corners = np.array([low, high, scene.arm.base])
+    corners = np.vstack([low, high, scene.arm.base, _around_oversize(scene)])
     low, high = corners.min(axis=0), corners.max(axis=0)
     centre = (low + high) / 2
     size = float(np.linalg.norm(high - low))

@@ -20,6 +20,7 @@ from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.planner.plan import Plan
 from abi.scene.scene import Scene
 from app import memory, metrics, page
+from app.arm_size import oversize
 from app.bug_report import bug_report, describe_fault
 from app.classroom import Classroom
 from app.frame import Frame
@@ -336,7 +337,8 @@ class Session:
         """
         # a scene noted before is gone back to, with the camera as it is
         loaded = self.panels.files.loaded is scene and scene is not self.panels.history.noted
-        if scene.workspace != self._scene.workspace or loaded:
+        grown = scene.arm is not self._scene.arm and oversize(scene) != oversize(self._scene)
+        if scene.workspace != self._scene.workspace or loaded or grown:
             self._view.look_at(scene)
         self._scene = scene
         shared = self._shared

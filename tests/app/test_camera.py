@@ -40,6 +40,17 @@ def test_a_camera_that_the_hand_has_moved_stays(tab: tuple[FakeTab, Session]) ->
     np.testing.assert_allclose(session.client.camera.position, [1.0, -9.0, 2.0])
 
 
+def test_an_arm_that_is_far_too_large_is_seen_whole(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    model = session.panels.stages.arm.model.model
+    until(lambda: session.resting)
+    near = distance(session)
+    fake.set(model, "UR5e")
+    until(lambda: distance(session) > 8 * near)
+    fake.set(model, "the paper's arm")
+    until(lambda: distance(session) == pytest.approx(near))
+
+
 def test_in_a_lecture_all_is_seen_from_the_same_side(tab: tuple[FakeTab, Session]) -> None:
     fake, session = tab
     camera, lecture = session.client.camera, session.panels.lecture
