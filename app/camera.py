@@ -258,7 +258,7 @@ def _around_oversize(scene: Scene) -> FloatArray:
     length = oversize(scene)
     if not length:
         return np.zeros((0, 3))
-    corners = length * np.array([(-0.5, -0.5, 0.0), (0.5, 0.5, 1.0)])
+    corners = length * np.array([(-0.3, -0.3, 0.0), (0.3, 0.3, 0.6)])
     turned = SO3(np.array(scene.arm.base_wxyz)).apply(corners)
     return np.asarray(scene.arm.base + turned, dtype=np.float64)
 

@@ -82,9 +82,8 @@ class Messages:
         explained = error if reason is None else reason
         dots = "Blue dots: nodes that the start reaches." if isinstance(error, NoPath) else ""
         of_arm = isinstance(error, StageError) and error.stage == "arm"
-        size = scene_size_note(frame.plan.scene) if of_arm else None
-        if size is not None:  # no other base, and no setting, makes it fit
-            title, numbers = size
+        if of_arm and (size := scene_size_note(frame.plan.scene)) is not None:
+            title, numbers = size  # no other base, and no setting, makes it fit
             return _error(f"{title}.", numbers)
         hints = (explained.hint, dots, self._base.sentence(frame))
         content = _error(explained.message, " ".join(filter(None, hints)))
@@ -103,6 +102,8 @@ class Messages:
         contacts = () if plan.arm_clearance is None else plan.arm_clearance.contacts
         if not contacts:
             return ""
+        if (size := scene_size_note(plan.scene)) is not None:
+            return _error(f"{size[0]}.", size[1])
         sentence = html.escape(contact_sentence(contacts[0], plan.scene.unit))
         text = f"<b>{sentence} ✗</b> Only the tool's path avoids obstacles."
         if not plan.scene.arm.avoid:
