@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 import viser
 
-from abi.obstacles.primitives import PRIMITIVES
 from abi.obstacles.mesh_shape import MeshShape
+from abi.obstacles.primitives import PRIMITIVES
 from abi.scene.scene import Scene, load_scene
 from abi.scene.scene_file import dump
 from app.address import Address
