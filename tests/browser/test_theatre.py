@@ -31,7 +31,7 @@ def test_a_search_is_stepped_guessed_and_raced(page: Page, session: Session) -> 
     assert np.allclose(closed, state.trace.arcs.points[state.closed], atol=1e-6)
 
     page.tick("ask me: which node next?", True)
-    page.reads("Which node is expanded next?")
+    page.reads("Which node is visited next?")
     promise = state.promise(state.open)
     free = [
         (float(f), page.pixel("/workspace", state.trace.arcs.points[node].tolist()))
