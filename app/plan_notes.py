@@ -81,7 +81,7 @@ def _coefficients(plan: Plan) -> str:
         ]
     if len(pieces) > _PIECES_SHOWN:
         lines.append(f"… {len(pieces)} pieces in all")
-    css = "margin:0 12px 3px;font:12px/1.17 ui-monospace,monospace"
+    css = "margin:0 12px 3px;font:12px/1.12 ui-monospace,monospace"
     return f'<div style="{css}">{"<br>".join(lines)}</div>'
 
 

@@ -11,7 +11,7 @@ from app.numbers import unbroken
 from app.plan_notes import notes
 
 _FRAME = '<div style="height:{}px;overflow-y:auto">{}</div>'
-_HEIGHTS = {"bspline": 21, "quadratic": 74, "arm": 120, "motion": 38}
+_HEIGHTS = {"bspline": 21, "quadratic": 71, "arm": 120, "motion": 38}
 """Height of each note, whatever is in it, [px]: one that grew would push what the hand is on."""
 
 
