@@ -71,7 +71,11 @@ def _coefficients(plan: Plan) -> str:
     if plan.quadratic is None:
         return ""
     # above them, since of a long note the end is out of sight
-    lines = [f"✗ {html.escape(plan.quadratic.note)}"] if plan.quadratic.note else []
+    note = ""
+    if plan.quadratic.note:
+        text = html.escape(plan.quadratic.note)
+        note = f'<div style="margin:0 10px;line-height:1.2;font-size:12.5px">✗ {text}</div>'
+    lines = []
     pieces = plan.quadratic.curve.pieces
     for first, last, (c0, c1, c2) in pieces[:_PIECES_SHOWN]:
         if len(pieces) > 1:
@@ -82,7 +86,7 @@ def _coefficients(plan: Plan) -> str:
     if len(pieces) > _PIECES_SHOWN:
         lines.append(f"… {len(pieces)} pieces in all")
     css = "margin:0 12px 3px;font:12px/1.12 ui-monospace,monospace"
-    return f'<div style="{css}">{"<br>".join(lines)}</div>'
+    return f'{note}<div style="{css}">{"<br>".join(lines)}</div>'
 
 
 def _polynomial(*coefficients: float) -> str:
