@@ -19,8 +19,8 @@ import numpy as np
 from numba.core import caching
 
 from abi.arrays import read_only
-from abi.borrowed import Borrowing
-from abi.kernel_stamp import fields_of, stamp
+from abi.compilation.borrowed import Borrowing
+from abi.compilation.kernel_stamp import fields_of, stamp
 
 _P = ParamSpec("_P")
 _R = TypeVar("_R")
@@ -43,8 +43,8 @@ class Kernel(Generic[_P, _R]):
     """A function that numba compiles, callable before and after.
 
     The compiled form stays in numba's cache (``NUMBA_CACHE_DIR``) until the function, or one that
-    is compiled with it, changes; see :func:`abi.kernel_stamp.stamp`. It releases the interpreter's
-    lock.
+    is compiled with it, changes; see :func:`abi.compilation.kernel_stamp.stamp`. It releases the
+    interpreter's lock.
 
     Attributes:
         name: module and name of the function.

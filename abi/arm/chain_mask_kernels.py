@@ -15,7 +15,7 @@ from abi.arm.mask_kernels import touched_row
 from abi.arm.separate_chain_kernels import BODIES, Bodies, between_segments, place_bodies
 from abi.arm.surroundings_kernels import NO_OBSTACLES, Obstacles
 from abi.arrays import BoolArray, FloatArray, IntArray
-from abi.borrowed import borrowed, held
+from abi.compilation.borrowed import borrowed, held
 from abi.compiled import FLAGS, FLOATS, NEW_FLAGS, compiled
 from abi.obstacles.triangle_mesh.closest_point_kernels import DEPTH
 from abi.obstacles.vector_kernels import dot, sub, vec3_at

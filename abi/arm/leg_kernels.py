@@ -45,8 +45,8 @@ from abi.arm.surroundings_kernels import (
     support,
 )
 from abi.arrays import BoolArray, FloatArray, IntArray
-from abi.borrowed import borrowed, held
 from abi.clearance.separation_kernels import CERTIFIED, REFUTED, UNDECIDED
+from abi.compilation.borrowed import borrowed, held
 from abi.compiled import FLOATS, IDS, NEW_FLAGS, compiled
 from abi.obstacles.primitive_kernels import axes_of, centre_of, core_of, in_body, in_world
 from abi.obstacles.triangle_mesh.closest_point_kernels import DEPTH

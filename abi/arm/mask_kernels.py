@@ -28,7 +28,7 @@ from abi.arm.pose_kernels import (
 )
 from abi.arm.surroundings_kernels import NO_OBSTACLES, Obstacles, asked_rows, box_gap
 from abi.arrays import BoolArray, FloatArray, IntArray
-from abi.borrowed import borrowed, held
+from abi.compilation.borrowed import borrowed, held
 from abi.compiled import FLAGS, FLOATS, NEW_FLAGS, compiled
 from abi.obstacles.primitive_kernels import (
     BOUNDS,

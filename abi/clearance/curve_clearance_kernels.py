@@ -12,9 +12,9 @@ from typing import NamedTuple
 from numba.extending import register_jitable
 
 from abi.arrays import FloatArray
-from abi.borrowed import borrowed, held
 from abi.clearance.bezier_kernels import divide, extent_of
 from abi.clearance.mesh_clearance_kernels import ends_near_meshes, middles_near_meshes
+from abi.compilation.borrowed import borrowed, held
 from abi.compiled import FLOATS, compiled
 from abi.obstacles.obstacle_set_kernels import distance_gradient, nearest_primitive
 from abi.obstacles.primitive_kernels import WIDTH

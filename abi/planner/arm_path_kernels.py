@@ -13,7 +13,7 @@ from numba.extending import register_jitable
 
 from abi.arm.leg_kernels import NO_LEGS, ArmLegs, Touched, arm_is_clear, new_touched
 from abi.arrays import FloatArray
-from abi.borrowed import borrowed, held
+from abi.compilation.borrowed import borrowed, held
 from abi.compiled import FLOATS, compiled
 from abi.obstacles.triangle_mesh.surface_tables_kernels import Room, new_room
 from abi.obstacles.vector_kernels import Vec3, axpy, dot, sub, vec3_at

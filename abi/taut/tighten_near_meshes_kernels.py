@@ -13,7 +13,7 @@ import numpy as np
 from numba.extending import register_jitable
 
 from abi.arrays import FloatArray
-from abi.borrowed import borrowed, held
+from abi.compilation.borrowed import borrowed, held
 from abi.compiled import FLOATS, compiled
 from abi.obstacles.obstacle_set_kernels import nearest_to_segment
 from abi.obstacles.primitive_kernels import (

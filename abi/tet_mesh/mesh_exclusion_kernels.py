@@ -13,7 +13,7 @@ import numpy as np
 from numba.extending import register_jitable
 
 from abi.arrays import FloatArray, IntArray
-from abi.borrowed import borrowed, held
+from abi.compilation.borrowed import borrowed, held
 from abi.compiled import IDS, compiled
 from abi.obstacles.primitive_kernels import in_body
 from abi.obstacles.triangle_mesh.blocked_segment_kernels import limit_of

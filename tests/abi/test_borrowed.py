@@ -15,7 +15,7 @@ from numba.extending import register_jitable
 
 from abi import compiling
 from abi.arrays import FloatArray
-from abi.borrowed import borrowed, held
+from abi.compilation.borrowed import borrowed, held
 from abi.compiled import FLOATS, KERNELS, NEW_FLOATS, Kernel, compiled
 
 

@@ -18,8 +18,8 @@ import pytest
 
 import abi
 from abi import compiling, load_scene, plan
+from abi.compilation.kernel_stamp import fields_of, stamp
 from abi.compiled import FLOATS, KERNELS, NEW_FLOATS, Kernel, compiled
-from abi.kernel_stamp import fields_of, stamp
 from tests.kernel_forms import kernels_as
 
 

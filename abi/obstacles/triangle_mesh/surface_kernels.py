@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from abi.arrays import BoolArray, FloatArray
-from abi.borrowed import borrowed, held
+from abi.compilation.borrowed import borrowed, held
 from abi.compiled import FLOATS, NEW_FLAGS, NEW_FLOATS, compiled
 from abi.obstacles.primitive_kernels import in_world
 from abi.obstacles.triangle_mesh.blocked_segment_kernels import is_blocked
