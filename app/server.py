@@ -90,7 +90,7 @@ class Server:
         look_at(self.viser.initial_camera, scene)
         self.viser.on_client_disconnect(self._close_session)
         self.viser.on_client_connect(
-            functools.partial(self._open_session, name, scene, library, WarmUp(scene))
+            functools.partial(self._open_session, name, scene, library, WarmUp())
         )
         self.guard.ready = True
 

@@ -9,15 +9,11 @@ from __future__ import annotations
 import contextlib
 import importlib
 import threading
-from typing import TYPE_CHECKING
 
 import viser
 
 from abi import compiling
 from app.memory import loaded
-
-if TYPE_CHECKING:
-    from abi.scene.scene import Scene
 
 PLAN_TIMEOUT = 10.0
 """Seconds after which compilation no longer waits for a first plan."""
@@ -32,9 +28,7 @@ class WarmUp:
         planned: to be set once a plan is drawn: until then the plan has the processor.
     """
 
-    def __init__(self, scene: Scene) -> None:
-        """Begin; ``scene`` is what the first tab is to show."""
-        self._scene = scene
+    def __init__(self) -> None:
         self.planned = threading.Event()
         self._lock = threading.Lock()
         self._clients: list[viser.ClientHandle] = []
@@ -53,7 +47,7 @@ class WarmUp:
 
     def _work(self) -> None:
         try:
-            prepare_picture(self._scene)
+            prepare_picture()
         finally:
             loaded()
         self.planned.wait(PLAN_TIMEOUT)
@@ -108,14 +102,12 @@ class WarmUp:
         )
 
 
-def prepare_picture(scene: Scene) -> None:
-    """Import what a tab needs, and build the slowest parts of its first picture."""
+def prepare_picture() -> None:
+    """Import what a tab needs, and build the slowest part of its first page.
+
+    The arm's solids would take the interpreter from the first plan, which comes before them.
+    """
     importlib.import_module("app.session")
-    from abi.arm.arm import Arm
-    from abi.arm.models import model_of
-    from app.layers.arm_solids import solids_of
     from app.layers.paper_text import paper_text
 
-    if isinstance(arm := model_of(scene.arm, scene.unit).arm, Arm):
-        solids_of(arm)
     paper_text()
