@@ -48,6 +48,8 @@ class AllPanels:
         drawn: the panels that show something of a frame.
     """
 
+    _typed = True
+
     def __init__(
         self,
         client: viser.ClientHandle,
@@ -87,7 +89,6 @@ class AllPanels:
         self.tour = Tour(self.layout, wake)
         self.lecture = Lecture(self.layout, self.theatre, wake)
         self._inputs = (self.stages, self.obstacles, self.ends)
-        self._typed = True
         self.drawn: tuple[Drawable, ...] = (
             self.messages,
             Toolbar(self.layout, self.history, self.about, self.tour, self.lecture),

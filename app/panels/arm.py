@@ -7,6 +7,7 @@ from typing import Any
 import viser
 
 from abi.scene.scene import Scene
+from abi.scene.settings import ArmSettings
 from app.panels.arm_model import ArmModelPanel
 from app.panels.length_step import fine_step, length_step
 from app.panels.widgets import DIGITS, Choice, Wake
@@ -40,6 +41,19 @@ class ArmPanel:
         self.base = gui.add_vector3(
             "base", arm.base, step=0.1, hint="Where the arm stands: x, y, z."
         )
+        self._add_papers(gui, arm, wake)
+        boxes = self.columns, self.links, self.extension, self.forces, self.masses, self.radii
+        for box in (self.base, self.clearance, *boxes):
+            box.precision = DIGITS
+            box.on_update(wake)
+        self._shows_papers: bool | None = None
+        self._papers = (self.elbow, self.dynamics.handle, *boxes)
+        self.elbow.on_update(wake)
+        self.avoid.on_update(wake)
+        self.write(scene)
+
+    def _add_papers(self, gui: viser.GuiApi, arm: ArmSettings, wake: Wake) -> None:
+        """Add what only the paper's arm has."""
         self.columns = gui.add_vector2(
             "pedestal, column", (arm.a1, arm.a2), step=0.1, hint="Heights; together the shoulder's."
         )
@@ -76,15 +90,6 @@ class ArmPanel:
         self.radii = gui.add_vector3(
             "radii of gyration", arm.radii, step=0.1, hint="Of wrist, slide and gripper."
         )
-        boxes = self.columns, self.links, self.extension, self.forces, self.masses, self.radii
-        for box in (self.base, self.clearance, *boxes):
-            box.precision = DIGITS
-            box.on_update(wake)
-        self._shows_papers: bool | None = None
-        self._papers = (self.elbow, self.dynamics.handle, *boxes)
-        self.elbow.on_update(wake)
-        self.avoid.on_update(wake)
-        self.write(scene)
 
     def read(self) -> dict[str, Any]:
         """Read the section as typed."""
