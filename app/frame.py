@@ -20,13 +20,13 @@ class Switch:
     Attributes:
         name: element of :attr:`Frame.shown` while it is on.
         label: its text on the page.
-        colour: of what is drawn.
+        colour: of what is drawn; None for what has several or none.
         on: whether a new tab shows it.
     """
 
     name: str
     label: str
-    colour: Colour
+    colour: Colour | None
     on: bool = True
 
 

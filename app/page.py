@@ -217,11 +217,12 @@ def notify_missing(client: viser.ClientHandle, files: Iterable[str]) -> None:
     client.add_notification("Without its mesh", reason, color="red", auto_close_seconds=20)
 
 
-def swatch_style(colours: Iterable[tuple[viser.GuiCheckboxHandle, Colour]]) -> str:
-    """Style sheet that puts a line of its colour before each checkbox's label."""
+def swatch_style(colours: Iterable[tuple[viser.GuiCheckboxHandle, Colour | None]]) -> str:
+    """Style sheet that puts a line of its colour, if any, before each checkbox's label."""
     rules = [
         f'label[for="{uuid(handle)}"]::before{{content:"";display:inline-block;width:14px;'
-        f"height:4px;margin-right:7px;vertical-align:middle;background:{css(colour)}}}"
+        f"height:4px;margin-right:7px;vertical-align:middle;"
+        f"background:{'transparent' if colour is None else css(colour)}}}"
         for handle, colour in colours
     ]
     return f"<style>{''.join(rules)}</style>"

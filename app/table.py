@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import html
+import re
 from collections.abc import Iterable
 
 _STYLE = (
@@ -20,12 +22,31 @@ _STYLE = (
 )
 """Numbers stay on one line; names and headings wrap where the font is wide or the page narrow."""
 
+HINTS = {
+    "path nodes": "Nodes on the path, start and goal among them.",
+    "length": "How long the path or the curve is.",
+    "nodes visited": "Nodes from which the search went on to their neighbours.",
+    "edges tried": "How often the search looked along an edge.",
+    "longer than best": "By how much it is longer than the shortest clear path there is.",
+    "longer by at most": "The shortest clear path is not known exactly here. None is shorter than "
+    "a proven length, and this is longer than that by so much.",
+    "distance kept": "Least distance from the obstacles anywhere along it; proven if there is a ✓.",
+    "best possible": "Length of the shortest path that keeps the distance asked for, found apart "
+    "from the mesh.",
+    "gap": "By how much the path costs more than the cheapest in the mesh.",
+    "visited": "Nodes from which the search went on to their neighbours.",
+    "tried": "How often the search looked along an edge.",
+    "ms": "Processor time of the search, in milliseconds.",
+}
+"""What a heading means, by its text without unit and number."""
+_REST = re.compile(r"( \[|:).*")
+
 
 def table(head: tuple[str, ...], rows: Iterable[tuple[str, ...]], last: str = "") -> str:
     """An HTML table of rows under a head; ``last`` is one cell over the whole width."""
     lines = [_row("th", head)] + [_row("td", row) for row in rows]
     if last:
-        cell = f'<td colspan="{len(head)}" style="white-space:normal">{last}</td>'
+        cell = f'<td colspan="{len(head)}"{_hint(last)} style="white-space:normal">{last}</td>'
         lines.append(f"<tr>{cell}</tr>")
     return (
         f'{_STYLE}<div style="margin:4px 8px 6px"><table class="abi-table">{"".join(lines)}'
@@ -34,4 +55,12 @@ def table(head: tuple[str, ...], rows: Iterable[tuple[str, ...]], last: str = ""
 
 
 def _row(tag: str, cells: tuple[str, ...]) -> str:
-    return f"<tr>{''.join(f'<{tag}>{cell}</{tag}>' for cell in cells)}</tr>"
+    hints = map(_hint, cells) if tag == "th" else [""] * len(cells)
+    pairs = zip(cells, hints, strict=True)
+    return f"<tr>{''.join(f'<{tag}{hint}>{cell}</{tag}>' for cell, hint in pairs)}</tr>"
+
+
+def _hint(heading: str) -> str:
+    """Attribute with what a heading means; empty for one that says it itself."""
+    hint = HINTS.get(_REST.sub("", heading))
+    return "" if hint is None else f' title="{html.escape(hint)}"'

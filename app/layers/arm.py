@@ -40,7 +40,7 @@ class ArmLayer:
 
     switches: ClassVar[tuple[Switch, ...]] = (
         Switch("trace", "tool trace", style.TRACE),
-        Switch("arm", "arm", style.POINT),
+        Switch("arm", "arm", None),
     )
 
     def __init__(self, layout: Layout) -> None:

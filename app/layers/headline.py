@@ -12,6 +12,16 @@ from app.layout import Layout
 from app.numbers import distance_to_show, format_excess, format_length, format_lower_bound
 from app.once_a_plan import once_a_plan
 
+_HINTS = {
+    "length": "Length of the curve that the arm follows.",
+    "longer than the best": "Than the shortest clear path. ≤ where only a length is proven that "
+    "no path goes below.",
+    "from the obstacles": "Least distance of the tool's curve from the obstacles; proven if there "
+    "is a ✓.",
+    "kept by the tool alone": "The tool's curve keeps it, but the whole arm is not proven clear.",
+}
+"""What each number means, by the end of its name."""
+
 
 class HeadlineLayer:
     """Length, gap and distance kept of the curve that the arm follows."""
@@ -51,5 +61,12 @@ def headline(plan: Plan) -> str:
             colour, sign = (style.GOOD, "✓") if fit.holds else (style.BAD, "✗")
             kept = f'<span style="font-size:inherit;color:{style.readable(colour)}">'
             numbers.append((f"{kept}{shown} {unit} {sign}</span>", "from the obstacles"))
-    blocks = "".join(f"<div><b>{value}</b><span>{name}</span></div>" for value, name in numbers)
+    blocks = "".join(
+        f'<div title="{_hint(name)}"><b>{value}</b><span>{name}</span></div>'
+        for value, name in numbers
+    )
     return f'<div class="abi-card abi-numbers">{blocks}</div>'
+
+
+def _hint(name: str) -> str:
+    return next(hint for end, hint in _HINTS.items() if name.endswith(end))

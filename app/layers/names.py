@@ -48,7 +48,7 @@ _View = tuple[Triple, Triple]
 class NamesLayer:
     """A label on each line, away from the other labels, and a dimension line."""
 
-    switches: ClassVar[tuple[Switch, ...]] = (Switch("names", "names and distance", style.POINT),)
+    switches: ClassVar[tuple[Switch, ...]] = (Switch("names", "names and distance", None),)
 
     def __init__(self, layout: Layout) -> None:
         scene, self._camera = layout.client.scene, layout.client.camera

@@ -48,8 +48,6 @@ class AllPanels:
         drawn: the panels that show something of a frame.
     """
 
-    _typed = True
-
     def __init__(
         self,
         client: viser.ClientHandle,
@@ -89,7 +87,12 @@ class AllPanels:
         self.tour = Tour(self.layout, wake)
         self.lecture = Lecture(self.layout, self.theatre, wake)
         self._inputs = (self.stages, self.obstacles, self.ends)
-        self.drawn: tuple[Drawable, ...] = (
+        self._typed = True
+        self.drawn = self._drawables()
+
+    def _drawables(self) -> tuple[Drawable, ...]:
+        """Panels that show something of a frame, in their order."""
+        return (
             self.messages,
             Toolbar(self.layout, self.history, self.about, self.tour, self.lecture),
             self.tour,

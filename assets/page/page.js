@@ -408,6 +408,7 @@ document.head.insertAdjacentHTML("beforeend", `<style id="abi-style">
 #abi-overlay button:focus-visible { outline: 2px solid #1f84d6; }
 #abi-overlay .abi-buttons { display: flex; flex-wrap: wrap; gap: 6px; }
 #abi-overlay .abi-numbers { display: inline-flex; gap: 4px 18px; flex-wrap: wrap; }
+#abi-overlay .abi-numbers > div { pointer-events: auto; }
 #abi-overlay .abi-numbers b {
   display: block; font-size: clamp(16px, min(4.4cqw, 4.6vh), 34px); line-height: 1.15;
   font-variant-numeric: tabular-nums; white-space: nowrap;
@@ -422,6 +423,7 @@ document.head.insertAdjacentHTML("beforeend", `<style id="abi-style">
 #abi-overlay [data-part=class] .abi-card > div { margin-inline: 0 !important; }
 /* a lecture: letters for a hall, in rows that leave the height to the scene */
 #abi-overlay.abi-lecture { font-size: clamp(16px, min(2.8vh, 3vw), 26px); }
+body:has(#abi-overlay.abi-lecture) .mantine-Modal-body { font-size: clamp(16px, min(2.8vh, 3vw), 26px); }
 #abi-overlay.abi-lecture .abi-numbers { column-gap: 1.1em; }
 #abi-overlay.abi-lecture .abi-numbers b { font-size: clamp(22px, min(5.2vh, 5cqw), 60px); }
 #abi-overlay.abi-lecture .abi-numbers span { font-size: clamp(14px, min(2.6vh, 3cqw), 26px); }
