@@ -133,7 +133,8 @@ class _Compilation:
             child.kill()
         assert child.stdin is not None
         assert child.stdout is not None
-        with child, suppress(BrokenPipeError):
+        # a killed child breaks the pipe twice: what it was not told is written again at the end
+        with suppress(BrokenPipeError), child:
             while names := _next(waiting):
                 for name in names:
                     print(name, file=child.stdin, flush=True)

@@ -7,6 +7,7 @@ import os
 import shutil
 import subprocess
 import sys
+from collections import deque
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -173,6 +174,7 @@ def test_a_script_ends_well_while_kernels_are_compiled(tmp_path: Path) -> None:
 
 CACHED = """
 import sys
+from collections import deque
 from abi.obstacles import obstacle_set_kernels
 from abi.tet_mesh import exclusion_kernels
 for kernel in (exclusion_kernels.mark, obstacle_set_kernels.signed_distances):
@@ -237,3 +239,17 @@ kernel.compile()
 print(kernel.compiled, kernel.cached)
 """
     assert run(code, NUMBA_CACHE_DIR=str(tmp_path)).split() == ["True", "False"]
+
+
+def test_a_compiling_process_that_is_gone_ends_its_thread_in_silence(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def gone() -> subprocess.Popen[str]:
+        child = subprocess.Popen(
+            [sys.executable, "-c", ""], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+        )
+        child.wait()
+        return child
+
+    monkeypatch.setattr(compiling, "_start_child", gone)
+    compiling._Compilation()._from_child(deque([["what it is not told"]]))
