@@ -86,12 +86,14 @@ class ExactMesh:
         return np.asarray(of_corner[self.faces[rows]].all(axis=1))
 
     def inside(self, point: Vec3) -> bool:
-        """Test whether the mesh winds around a point that is not on its surface.
+        """Test whether a closed mesh winds around a point that is not on its surface.
 
         It counts the triangles that a ray along the body's x crosses, with a sign for the
         direction. A ray that meets an edge is treated as if its y and z were infinitesimally
-        greater.
+        greater. An open mesh has no inside.
         """
+        if not self.closed:
+            return False
         x, y, z = in_body(sub(point, self.position), self.wxyz)
         factor = Fraction(self.factor)
         x, y, z = x / factor, y / factor, z / factor

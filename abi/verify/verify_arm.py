@@ -105,7 +105,7 @@ def check_arm(
                 label = f"obstacle {name + 1}" if isinstance(name, int) else name
                 raise Fault(f"{capsule.link} and {label}: {fault}") from None
     for obstacle in obstacles:
-        if isinstance(obstacle, ExactMesh) and obstacle.closed and obstacle.inside(arm.base):
+        if isinstance(obstacle, ExactMesh) and obstacle.inside(arm.base):
             raise Fault("the base is inside a mesh")
     count = sum(map(len, planes.values()))
     distance = "" if margin is None else f"{float(margin):.9g} {scene.unit}"

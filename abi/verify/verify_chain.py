@@ -181,7 +181,7 @@ def _check_outside(
             else frames[capsule.frame].place(capsule.ends[0])[0]
         )
         for obstacle in obstacles:
-            if isinstance(obstacle, ExactMesh) and obstacle.closed and obstacle.inside(point):
+            if isinstance(obstacle, ExactMesh) and obstacle.inside(point):
                 raise Fault(f"{capsule.link} is inside a mesh")
 
 

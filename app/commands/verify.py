@@ -23,7 +23,7 @@ def verify(plan: Path, meshes: Path | None) -> None:
 
     Exit code 0: every curve is proven; 3: one is not, and its line says why; 2: bad input.
     """
-    from abi.verify.verify import PlanMeshes
+    from abi.verify.plan_obstacles import PlanMeshes
     from abi.verify.verify import verify as verify_plan
 
     found = PlanMeshes(plan.parent)
