@@ -58,7 +58,8 @@ def _solid(shape: ConvexShape, metres: float) -> Solid:
     """A convex shape by its name, or by its triangles where other programs have no such."""
     if shape.shape not in KINDS:
         return _mesh(shape.triangles() * metres)
-    size = _scaled(2 * shape.half_extents(np.eye(3)), metres)
+    core = shape.core()
+    size = _scaled(2 * (np.array(core[:3]) + core.radius), metres)
     return Solid(shape.shape, size, _scaled(shape.position, metres), shape.wxyz)
 
 

@@ -133,16 +133,13 @@ class MeshShape(Posed):
         kernels.signed_distances(*self.placed, flat(points), distances)
         return distances
 
-    def gradient(self, points: FloatArray) -> FloatArray:
-        """Unit vectors (n, 3) along which the signed distance of points (n, 3) grows fastest.
-
-        If that direction is not unique, it belongs to one of the nearest points; on the surface it
-        is the normal of a triangle there. As a mesh is not convex, it is no subgradient.
-        """
-        return self.signed_distance_gradient(points)[1]
-
     def signed_distance_gradient(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Signed distance (n,) of points (n, 3), [unit], and its gradient (n, 3), world."""
+        """Signed distance (n,) of points (n, 3), [unit], and its gradient (n, 3), world.
+
+        The gradient has length 1. If it is not unique, it belongs to one of the nearest points; on
+        the surface it is the normal of a triangle there. As a mesh is not convex, it is no
+        subgradient.
+        """
         distances, gradients = np.empty(len(points)), np.empty(3 * len(points))
         kernels.signed_distance_gradients(*self.placed, flat(points), distances, gradients)
         return distances, gradients.reshape(-1, 3)

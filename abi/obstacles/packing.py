@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import math
 import threading
 from collections.abc import Iterable
-from functools import lru_cache
 
 import numpy as np
 
 from abi.arrays import FloatArray, read_only
+from abi.obstacles.convex_shape import row
 from abi.obstacles.per_shape import CROWD
-from abi.obstacles.pose import rotation
 from abi.obstacles.primitive_kernels import WIDTH
 from abi.obstacles.primitive_tree_kernels import TREE, link
 from abi.obstacles.primitives import Primitive
@@ -56,26 +54,3 @@ def _of_last(primitives: tuple[Primitive, ...]) -> tuple[FloatArray, list[int]]:
             changed = [k for k, (now, then) in pairs if now is not then]
             return packed.reshape(-1, WIDTH).copy(), changed
     return np.zeros((len(primitives), WIDTH)), list(range(len(primitives)))
-
-
-@lru_cache(maxsize=8192)
-def row(primitive: Primitive) -> FloatArray:
-    """Row of a primitive without its place in a tree, (``TREE``,)."""
-    axes = _axes(primitive.wxyz)
-    a, b, c, radius, is_cylinder = core = primitive.core()
-    half = [
-        abs(axes[k + 6]) * c + math.hypot(axes[k], axes[k + 3]) * a
-        if is_cylinder
-        else abs(axes[k]) * a + abs(axes[k + 3]) * b + abs(axes[k + 6]) * c + radius
-        for k in range(3)
-    ]
-    (x, y, z), (u, v, w) = primitive.position, half
-    numbers = np.array([x, y, z, *axes, *core, x - u, y - v, z - w, x + u, y + v, z + w])
-    assert len(numbers) == TREE
-    return read_only(numbers)
-
-
-@lru_cache(maxsize=1024)
-def _axes(wxyz: tuple[float, float, float, float]) -> tuple[float, ...]:
-    """The body's axes in the world, one after the other (9,)."""
-    return tuple(rotation(wxyz).T.ravel().tolist())

@@ -67,6 +67,3 @@ class Posed(BaseModel):
 
     position: Vec3 = (0.0, 0.0, 0.0)
     wxyz: Quaternion = (1.0, 0.0, 0.0, 0.0)
-
-    def _to_body(self, points: FloatArray) -> FloatArray:
-        return np.asarray((points - np.array(self.position)) @ rotation(self.wxyz))

@@ -142,9 +142,7 @@ def _way_out(obstacle: Obstacle, ends: FloatArray, step: float) -> FloatArray:
     """Unit vector (3,) along which an obstacle leaves the segments (k, 2, 3) of a link soonest."""
     moves = step * np.concatenate([np.eye(3), -np.eye(3)])
     moved = ends[:, None] - moves[:, None]  # as far as the segments go, so the obstacle stays
-    gaps = obstacle.segment_distance(
-        moved[..., 0, :].reshape(-1, 3), moved[..., 1, :].reshape(-1, 3)
-    )
+    gaps = ObstacleSet((obstacle,)).polyline_clearances(moved.reshape(-1, 2, 3))
     nearest = gaps.reshape(len(ends), 6).min(axis=0)
     slope = nearest[:3] - nearest[3:]
     size = float(np.linalg.norm(slope))

@@ -74,7 +74,7 @@ def _pushed_out(
             break
         for k in np.unique(index[lacking > 0]):
             inside = (index == k) & (lacking > 0)
-            outward = obstacles[k].gradient(points[inside])
+            _, outward = obstacles[k].signed_distance_gradient(points[inside])
             # a little further, for rounding must not leave it inside
             push = lacking[inside] * (1 + 1e-9) + 1e-12
             points[inside] += outward * push[:, None]

@@ -13,9 +13,9 @@ from functools import cached_property
 import numpy as np
 
 from abi.arrays import BoolArray, FloatArray, IntArray, ShortRepr, read_only
+from abi.obstacles.convex_shape import row
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import Obstacle, ObstacleSet
-from abi.obstacles.packing import row
 from abi.tet_mesh import exclusion_kernels as kernels
 from abi.tet_mesh.lattice import REGULAR
 from abi.tet_mesh.mesh_exclusion_kernels import exclusion_near_mesh

@@ -16,6 +16,7 @@ from abi.curves import curve
 from abi.curves.bspline import BSpline, clamped
 from abi.obstacles.obstacle_set import Obstacles, ObstacleSet
 from abi.scene.settings import ArmSettings
+from tests.abi.shape_distances import gradient, segment_distance
 from tests.kernel_forms import compiled, plain
 from tests.random_geometry import random_obstacle
 
@@ -45,7 +46,7 @@ def test_polylines_are_as_near_as_their_nearest_segment(seed: int, size: int, sn
     starts, ends = points[:, :-1].reshape(-1, 3), points[:, 1:].reshape(-1, 3)
     expected = np.full(7, np.inf)
     for obstacle in obstacles:
-        legs = obstacle.segment_distance(starts, ends).reshape(7, -1)
+        legs = segment_distance(obstacle, starts, ends).reshape(7, -1)
         expected = np.minimum(expected, legs.min(axis=1))
     for found in (plain(lambda: obstacles.polyline_clearances(points)),
                   compiled(lambda: obstacles.polyline_clearances(points))):  # fmt: skip
@@ -61,13 +62,13 @@ def test_the_way_out_is_the_nearest_obstacles_gradient(seed: int) -> None:
     obstacles = ObstacleSet(some_obstacles(random))
     points = random.uniform(-1, 7, (50, 3))
     expected, whose = obstacles.nearest(points)
-    gradient = np.array(
-        [obstacles[k].gradient(point[None])[0] for k, point in zip(whose, points, strict=True)]
+    slopes = np.array(
+        [gradient(obstacles[k], point[None])[0] for k, point in zip(whose, points, strict=True)]
     )
     for away, out in (plain(lambda: obstacles.signed_distance_gradient(points)),
                       compiled(lambda: obstacles.signed_distance_gradient(points))):  # fmt: skip
         assert away == pytest.approx(expected, abs=1e-12)
-        assert np.abs(out - gradient).max() <= 1e-9
+        assert np.abs(out - slopes).max() <= 1e-9
 
 
 def same(first: Clearance, second: Clearance) -> bool:

@@ -10,6 +10,7 @@ from abi.curves.curve import arc_length
 from abi.curves.fit_bspline import fit
 from abi.obstacles.obstacle_set import NO_OBSTACLES, Obstacle, Obstacles, ObstacleSet
 from abi.obstacles.primitives import Box, Capsule, Cylinder, Sphere
+from tests.abi.shape_distances import gradient
 
 
 def obstacle(rng: np.random.Generator, size: float) -> Obstacle:
@@ -40,7 +41,7 @@ def taut_path(
     for k, one in enumerate(obstacles):
         rows = 2 + np.flatnonzero((index[2:] == k) & (rng.random(len(points) - 2) < 0.7))
         out = 1.01 * margin + 0.001 * size - distance[rows]
-        points[rows] += one.gradient(points[rows]) * out[:, None]
+        points[rows] += gradient(one, points[rows]) * out[:, None]
     clear = ObstacleSet(obstacles).nearest(points)[0] > margin
     if not clear[:2].all():
         return None

@@ -22,6 +22,7 @@ from abi.scene.settings import Workspace
 from abi.taut.lower_bound import lower_bound
 from abi.taut.obstacle_edges import obstacle_edges
 from tests.abi.bezier import polyline
+from tests.abi.shape_distances import segment_distance
 
 ROOMY = Workspace(min=(-50.0, -50.0, -50.0), max=(50.0, 50.0, 50.0))
 
@@ -68,8 +69,8 @@ def test_a_box_with_a_radius_is_a_box_with_more_clearance(seed: int) -> None:
         distance = box.signed_distance(points) - radius
         np.testing.assert_allclose(rounded.signed_distance(points), distance, atol=1e-12)
         np.testing.assert_allclose(of_rounded.nearest(points)[0], distance, atol=1e-12)
-    least = box.segment_distance(p, q) - radius
-    np.testing.assert_allclose(rounded.segment_distance(p, q), least, atol=1e-12)
+    least = segment_distance(box, p, q) - radius
+    np.testing.assert_allclose(segment_distance(rounded, p, q), least, atol=1e-12)
     ahead: Vec3 = (1.0, 2.0, 3.0)
     edges = (
         obstacle_edges((rounded,), 0.1, ahead),  # type: ignore[arg-type]
@@ -90,7 +91,7 @@ def test_what_is_clear_of_a_box_with_a_radius_is_proven_to_be(seed: int) -> None
     rounded, _, _ = rounded_box_and_box(random)
     obstacles = ObstacleSet((rounded,))  # type: ignore[arg-type]
     for start, goal in random.uniform(-4, 4, (30, 2, 3)):
-        distance = float(rounded.segment_distance(start[None], goal[None])[0])
+        distance = float(segment_distance(rounded, start[None], goal[None])[0])
         proof = certify(polyline(np.array([start, goal])), obstacles, 0.1)
         if abs(distance - 0.1) > 1e-6:
             assert isinstance(proof, Certificate) == (distance > 0.1)

@@ -24,6 +24,7 @@ from abi.scene.settings import MeshSettings, Workspace
 from abi.tet_mesh.exclusion import exclude
 from abi.tet_mesh.tet_mesh import tetrahedralise
 from tests.abi import meshes
+from tests.abi.shape_distances import segment_distance
 from tests.abi.solids import world_from_body
 
 Pose = dict[str, Any]
@@ -92,7 +93,7 @@ def test_a_mesh_of_a_box_is_the_box(seed: int) -> None:
     np.testing.assert_allclose(mesh.bounds(), box.bounds(), atol=tolerance)
     expected = box.signed_distance(points)
     np.testing.assert_allclose(mesh.signed_distance(points), expected, atol=tolerance)
-    found, least = mesh.segment_distance(p, q), box.segment_distance(p, q)
+    found, least = mesh.segment_distance(p, q), segment_distance(box, p, q)
     outside = least > tolerance
     np.testing.assert_allclose(found[outside], least[outside], atol=tolerance)
     assert (found <= least + tolerance).all()
@@ -112,7 +113,9 @@ def test_a_mesh_of_a_sphere_is_the_sphere_but_for_its_facets() -> None:
     facet = 2 * (1 - math.cos(0.0724))  # icosphere: the longest edge spans twice that angle
     assert gap.min() > -1e-9
     assert gap.max() < facet
-    toward = np.einsum("ij,ij->i", mesh.gradient(points), sphere.gradient(points))
+    toward = np.einsum(
+        "ij,ij->i", *(one.signed_distance_gradient(points)[1] for one in (mesh, sphere))
+    )
     away = np.abs(sphere.signed_distance(points)) > 0.1
     assert toward[away & (np.linalg.norm(points - (1, 2, 3), axis=1) > 0.3)].min() > 0.9
 
@@ -217,7 +220,7 @@ def test_the_gradient_climbs_at_rate_1() -> None:
     for surface in SURFACES.values():
         shape = MeshShape.of(surface, **pose(rng))
         points = around(shape, rng, 300)
-        gradient = shape.gradient(points)
+        gradient = shape.signed_distance_gradient(points)[1]
         np.testing.assert_allclose(np.linalg.norm(gradient, axis=1), 1)
         step = 1e-6 * size(shape)
         rise = shape.signed_distance(points + step * gradient) - shape.signed_distance(points)
@@ -225,7 +228,9 @@ def test_the_gradient_climbs_at_rate_1() -> None:
         # towards the surface exactly; inside, the medial axis may be nearer than the step
         assert np.mean(rise[off] > step * (1 - 1e-3)) > 0.98
     on = MeshShape.of(BOX)
-    np.testing.assert_allclose(np.abs(on.gradient(np.array([[1.0, 0.1, 0.2]]))), [[1, 0, 0]])
+    np.testing.assert_allclose(
+        np.abs(on.signed_distance_gradient(np.array([[1.0, 0.1, 0.2]]))[1]), [[1, 0, 0]]
+    )
 
 
 def test_nearest_of_a_mesh_among_others() -> None:
@@ -251,7 +256,7 @@ def test_no_points_and_no_segments() -> None:
         shape, none = MeshShape.of(surface), np.empty((0, 3))
         for found in (
             shape.signed_distance(none),
-            shape.gradient(none),
+            shape.signed_distance_gradient(none)[1],
             shape.segment_distance(none, none),
             shape.blocks(none, none, np.empty(0)),
         ):

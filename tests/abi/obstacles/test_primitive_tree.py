@@ -18,6 +18,7 @@ from abi.obstacles.primitive_kernels import WIDTH
 from abi.obstacles.primitives import Sphere
 from abi.obstacles.triangle_mesh.repair import clean
 from tests.abi import meshes
+from tests.abi.shape_distances import segment_distance, signed_distance
 from tests.kernel_forms import compiled, plain
 from tests.random_geometry import random_obstacle, random_obstacles
 
@@ -71,8 +72,8 @@ def test_queries_find_what_the_primitives_say_one_by_one(seed: int, margin: floa
     random = np.random.default_rng(seed)
     obstacles = ObstacleSet(crowd(random))
     starts, ends = segments(random, 20)
-    each = np.stack([one.signed_distance(starts) for one in obstacles], axis=1)
-    along = np.stack([one.segment_distance(starts, ends) for one in obstacles], axis=1)
+    each = np.stack([signed_distance(one, starts) for one in obstacles], axis=1)
+    along = np.stack([segment_distance(one, starts, ends) for one in obstacles], axis=1)
 
     distance, number = obstacles.nearest(starts)
     assert distance == pytest.approx(each.min(axis=1), abs=1e-12)
@@ -123,8 +124,8 @@ def test_many_meshes_are_found_where_they_are_near(seed: int, mixed: bool) -> No
     others = random_obstacles(random, 5, 6.0, 1.0) if mixed else ()
     obstacles = ObstacleSet((*few, *others))
     starts, ends = segments(random, 30)
-    each = np.stack([one.signed_distance(starts) for one in obstacles], axis=1)
-    along = np.min([one.segment_distance(starts, ends) for one in obstacles], axis=0)
+    each = np.stack([signed_distance(one, starts) for one in obstacles], axis=1)
+    along = np.min([segment_distance(one, starts, ends) for one in obstacles], axis=0)
 
     distance, number = obstacles.nearest(starts)
     assert distance == pytest.approx(each.min(axis=1), abs=1e-9)

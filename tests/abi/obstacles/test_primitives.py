@@ -17,6 +17,7 @@ from abi.arrays import FloatArray
 from abi.obstacles.obstacle_set import Obstacle, Obstacles, ObstacleSet
 from abi.obstacles.pose import rotation
 from abi.obstacles.primitives import Box, Capsule, Cylinder, Sphere
+from tests.abi.shape_distances import segment_distance
 from tests.abi.solids import world_from_body
 
 ADAPTER: TypeAdapter[Any] = TypeAdapter(Obstacle)
@@ -93,6 +94,11 @@ def surface(solid: Obstacle, n: int = 120_000) -> FloatArray:
     return np.asarray(solid.position + near[:, None] * rays)
 
 
+def gradient(solid: Obstacle, points: FloatArray) -> FloatArray:
+    """Gradients (n, 3) of the signed distance."""
+    return solid.signed_distance_gradient(points)[1]
+
+
 def least_along(solid: Obstacle, p: FloatArray, q: FloatArray) -> FloatArray:
     """Least signed distance along segments: dense samples, then denser around the least."""
     low, high = np.zeros(len(p)), np.ones(len(p))
@@ -114,7 +120,7 @@ def test_distance_is_the_distance_to_the_surface(solid: Obstacle) -> None:
     assert ((d < 0) == (level(solid, points) < 0)).all()
     assert (d < 0).any()
     # The step of that length along the gradient ends on the surface …
-    foot = points - d[:, None] * solid.gradient(points)
+    foot = points - d[:, None] * gradient(solid, points)
     np.testing.assert_allclose(level(solid, foot), 0, atol=1e-12)
     # … and no point of the surface is nearer.
     least, _ = cKDTree(surface(solid)).query(points)
@@ -192,8 +198,8 @@ def test_a_rigid_motion_of_everything_changes_nothing(
         moved.signed_distance(there), solid.signed_distance(points), atol=1e-11
     )
     np.testing.assert_allclose(
-        moved.segment_distance(there[:-1], there[1:]),
-        solid.segment_distance(points[:-1], points[1:]),
+        segment_distance(moved, there[:-1], there[1:]),
+        segment_distance(solid, points[:-1], points[1:]),
         atol=1e-11,
     )
 
@@ -212,7 +218,7 @@ def test_gradient_agrees_with_central_differences(solid: Obstacle) -> None:
     # Where the gradient jumps between the stencil's points the quotient is shorter than one.
     smooth = np.abs(np.linalg.norm(differences, axis=1) - 1) < 1e-6
     assert smooth.mean() > 0.99
-    np.testing.assert_allclose(solid.gradient(points)[smooth], differences[smooth], atol=1e-4)
+    np.testing.assert_allclose(gradient(solid, points)[smooth], differences[smooth], atol=1e-4)
 
 
 @pytest.mark.slow
@@ -224,7 +230,7 @@ def test_gradient_is_a_unit_subgradient_everywhere(
     others: list[tuple[float, float, float]],
 ) -> None:
     p, x = np.array([place]), np.array(others)
-    g = solid.gradient(p)
+    g = gradient(solid, p)
     assert abs(np.linalg.norm(g) - 1) < 1e-12
     assert (solid.signed_distance(x) >= solid.signed_distance(p) + (x - p) @ g[0] - 1e-12).all()
 
@@ -233,7 +239,7 @@ def test_gradient_is_a_unit_subgradient_everywhere(
 @pytest.mark.parametrize("solid", [s.model_copy(update={"position": (0, 0, 0)}) for s in SOLIDS])
 def test_gradient_has_length_one_next_to_the_centre(solid: Obstacle, offset: float) -> None:
     points = np.array([[offset, 0, 0], [0, offset, 0], [offset, 0, offset], [0, 0, offset]])
-    np.testing.assert_allclose(np.linalg.norm(solid.gradient(points), axis=1), 1, atol=1e-12)
+    np.testing.assert_allclose(np.linalg.norm(gradient(solid, points), axis=1), 1, atol=1e-12)
 
 
 @pytest.mark.slow
@@ -242,10 +248,10 @@ def test_segment_distance_is_the_least_distance_along_the_segment(solid: Obstacl
     rng = np.random.default_rng(8)
     p = solid.position + rng.uniform(-1.2, 1.2, (2000, 3))
     q = solid.position + rng.uniform(-1.2, 1.2, (2000, 3)) * rng.choice([0.2, 1, 3], (2000, 1))
-    found = solid.segment_distance(p, q)
+    found = segment_distance(solid, p, q)
     assert 200 < (found < 0).sum() < 2000
     np.testing.assert_allclose(found, least_along(solid, p, q), atol=1e-12)
-    np.testing.assert_allclose(found, solid.segment_distance(q, p), atol=1e-12)
+    np.testing.assert_allclose(found, segment_distance(solid, q, p), atol=1e-12)
 
 
 @pytest.mark.slow
@@ -255,9 +261,9 @@ def test_segment_distance_in_special_positions(
     solid: Obstacle, pairs: list[tuple[tuple[float, float, float], tuple[float, float, float]]]
 ) -> None:
     p, q = np.array(pairs).transpose(1, 0, 2)
-    found = solid.segment_distance(p, q)
+    found = segment_distance(solid, p, q)
     np.testing.assert_allclose(found, least_along(solid, p, q), atol=1e-11)
-    np.testing.assert_allclose(found, solid.segment_distance(q, p), atol=1e-11)
+    np.testing.assert_allclose(found, segment_distance(solid, q, p), atol=1e-11)
 
 
 @given(solids, ends, st.floats(0, 1e-9))
@@ -267,8 +273,10 @@ def test_segment_of_no_length_is_a_point(
 ) -> None:
     p = np.array([place])
     at_p = solid.signed_distance(p)
-    np.testing.assert_allclose(solid.segment_distance(p, p), at_p, atol=1e-14)
-    np.testing.assert_allclose(solid.segment_distance(p, p + length), at_p, atol=2 * length + 1e-14)
+    np.testing.assert_allclose(segment_distance(solid, p, p), at_p, atol=1e-14)
+    np.testing.assert_allclose(
+        segment_distance(solid, p, p + length), at_p, atol=2 * length + 1e-14
+    )
 
 
 @pytest.mark.slow
@@ -282,10 +290,10 @@ def test_a_segment_is_as_near_as_its_nearer_part(
 ) -> None:
     p, d = np.array([start]), np.array([step])
     parts = np.minimum(
-        solid.segment_distance(p, p + stretch * d / 3),
-        solid.segment_distance(p + stretch * d / 3, p + stretch * d),
+        segment_distance(solid, p, p + stretch * d / 3),
+        segment_distance(solid, p + stretch * d / 3, p + stretch * d),
     )
-    np.testing.assert_allclose(solid.segment_distance(p, p + stretch * d), parts, atol=1e-11)
+    np.testing.assert_allclose(segment_distance(solid, p, p + stretch * d), parts, atol=1e-11)
 
 
 def test_segment_distance_in_closed_form() -> None:
@@ -299,7 +307,7 @@ def test_segment_distance_in_closed_form() -> None:
         (Cylinder(radius=1, height=0.2), [-0.1, -0.1, 1, root - 1]),
         (Capsule(radius=1, height=2), [-0.5, -0.8, 1, root - 1]),
     ]:
-        np.testing.assert_allclose(solid.segment_distance(p, q), expected, atol=1e-14)
+        np.testing.assert_allclose(segment_distance(solid, p, q), expected, atol=1e-14)
 
 
 def test_segment_distance_keeps_its_digits_far_from_the_origin() -> None:
@@ -309,7 +317,7 @@ def test_segment_distance_keeps_its_digits_far_from_the_origin() -> None:
     p, q = rng.integers(-64, 64, (2, 500, 3)) / 16
     at = np.array(far.position)
     np.testing.assert_allclose(
-        far.segment_distance(p + at, q + at), home.segment_distance(p, q), atol=1e-14
+        segment_distance(far, p + at, q + at), segment_distance(home, p, q), atol=1e-14
     )
 
 
@@ -329,7 +337,7 @@ def test_blocked_segments_are_those_nearer_than_the_margin(
     blocked = ObstacleSet(tuple(obstacles)).blocked(p, q, margin)
     least = np.full(len(p), np.inf)
     for solid in obstacles:
-        least = np.minimum(least, solid.segment_distance(p, q))
+        least = np.minimum(least, segment_distance(solid, p, q))
     decided = np.abs(least - margin) > 1e-11
     assert (blocked == (least < margin))[decided].all()
 
@@ -342,7 +350,7 @@ def test_blocked_segments_with_a_margin_each(solid: Obstacle) -> None:
     q = p + rng.normal(size=p.shape) * rng.choice([0, 0.1, 1, 5], (len(p), 1))
     margins = rng.uniform(-0.2, 1, len(p))
     blocked = ObstacleSet((solid,)).blocked(p, q, margins)
-    np.testing.assert_array_equal(blocked, solid.segment_distance(p, q) < margins)
+    np.testing.assert_array_equal(blocked, segment_distance(solid, p, q) < margins)
     assert 500 < blocked.sum() < 19_000
     one = ObstacleSet((solid,)).blocked(p, q, 0.25)
     np.testing.assert_array_equal(one, ObstacleSet((solid,)).blocked(p, q, np.full(len(p), 0.25)))
@@ -390,8 +398,8 @@ def test_nothing_is_near_or_blocked_without_obstacles() -> None:
 def test_no_points_give_no_distances(solid: Obstacle) -> None:
     none = np.empty((0, 3))
     assert solid.signed_distance(none).shape == (0,)
-    assert solid.gradient(none).shape == (0, 3)
-    assert solid.segment_distance(none, none).shape == (0,)
+    assert gradient(solid, none).shape == (0, 3)
+    assert segment_distance(solid, none, none).shape == (0,)
     assert ObstacleSet((solid,)).blocked(none, none, 1.0).shape == (0,)
 
 

@@ -8,6 +8,7 @@ import pytest
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner.planner import SLACK, Planner
 from benchmarks import crowds
+from tests.abi.shape_distances import segment_distance
 from tests.random_scenes import crowd
 
 
@@ -21,7 +22,7 @@ def test_a_crowd_is_passed_at_the_clearance_asked_for() -> None:
     margin = scene.spline.clearance + SLACK * max(scene.workspace.size)
     ends = np.min([one.signed_distance(plan.taut.points[[0, -1]]) for one in scene.obstacles])
     for one in scene.obstacles:
-        near = one.segment_distance(plan.taut.points[:-1], plan.taut.points[1:]).min()
+        near = segment_distance(one, plan.taut.points[:-1], plan.taut.points[1:]).min()
         assert near >= min(margin, ends) - 1e-8
     assert plan.bspline is not None
     assert plan.bspline.clearance.certified

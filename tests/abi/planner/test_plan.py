@@ -20,6 +20,7 @@ from abi.errors import StageError
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner.planner import SLACK
 from tests.abi.scene.test_scene import obstacles, points
+from tests.abi.shape_distances import segment_distance
 from tests.random_scenes import scattered, slalom
 
 TOP = {
@@ -296,7 +297,7 @@ def test_the_json_counts_the_nodes_and_edges_that_are_left(variant: str) -> None
     gone = away(made, places) < margin
     shut = gone[edges].any(axis=1)
     for obstacle in scene.obstacles:
-        shut |= obstacle.segment_distance(places[edges[:, 0]], places[edges[:, 1]]) < margin
+        shut |= segment_distance(obstacle, places[edges[:, 0]], places[edges[:, 1]]) < margin
     ends = np.array([scene.start, scene.goal])
     own = [end for end in ends if not (places[~gone] == end).all(axis=1).any()]
     assert made.mesh is not None

@@ -29,6 +29,7 @@ from abi.taut.theta_star_kernels import any_angle
 from abi.tet_mesh import tet_mesh as mesh
 from abi.tet_mesh.exclusion import exclude
 from tests.abi.scene.test_scene import obstacles, points
+from tests.abi.shape_distances import segment_distance
 from tests.kernel_forms import kernels_as
 from tests.random_scenes import box_scene
 
@@ -72,7 +73,7 @@ def keeps(found: TautPath, path: SearchResult, solids: Obstacles, margin: float)
         own = solid.signed_distance(found.points[[0, -1]])
         asked[0] = min(asked[0], own[0])
         asked[-1] = min(asked[-1], own[1])
-    return all((solid.segment_distance(p, q) >= asked - 2e-9).all() for solid in solids)
+    return all((segment_distance(solid, p, q) >= asked - 2e-9).all() for solid in solids)
 
 
 @pytest.mark.slow

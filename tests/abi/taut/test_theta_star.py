@@ -23,6 +23,7 @@ from abi.tet_mesh.adjacency_kernels import BCC, KUHN, Shape
 from abi.tet_mesh.exclusion import exclude
 from abi.tet_mesh.tet_mesh import TetMesh
 from tests.abi.scene.test_scene import obstacles, points
+from tests.abi.shape_distances import segment_distance
 from tests.abi.taut.test_taut_path import CUBE, round_cube, scene_of
 from tests.random_scenes import box_scene
 
@@ -90,7 +91,7 @@ def test_it_goes_by_free_nodes_that_see_each_other(
         return
     np.testing.assert_array_equal(path[[0, -1]], [start, goal])
     for solid in scene.obstacles:
-        kept = solid.segment_distance(path[:-1], path[1:])
+        kept = segment_distance(solid, path[:-1], path[1:])
         assert (kept >= MARGIN - 1e-9).all()
     free = exclude(whole, ObstacleSet(scene.obstacles), MARGIN)
     nodes = {tuple(node) for node in whole.points[~free.excluded].tolist()}
@@ -198,7 +199,7 @@ def test_segments_from_and_to_ends_that_stand_near_keep_less() -> None:
         # round an edge of the cube, which is no shorter for what the ends are spared
         assert len(path) >= 4
         np.testing.assert_array_equal(path[[0, -1]], [start, goal])
-        kept = cube.segment_distance(path[:-1], path[1:])
+        kept = segment_distance(cube, path[:-1], path[1:])
         assert (kept[1:-1] >= 0.2 - 1e-9).all()
         assert kept[0] >= margins[1, 0] - 1e-9
         assert kept[-1] >= margins[2, 0] - 1e-9
@@ -258,7 +259,9 @@ def test_only_the_first_and_the_last_segment_keep_less(own: tuple[float, float])
 
         path = searched(arguments(whole, scene, margins))
 
-        kept = np.min([solid.segment_distance(path[:-1], path[1:]) for solid in scene.obstacles], 0)
+        kept = np.min(
+            [segment_distance(solid, path[:-1], path[1:]) for solid in scene.obstacles], 0
+        )
         assert kept[0] >= own[0] - 1e-9
         assert kept[-1] >= own[1] - 1e-9
         inner.extend(kept[1:-1])
