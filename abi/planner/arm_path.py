@@ -14,8 +14,8 @@ from abi.curves.control_points import place_control_points
 from abi.curves.fit import Fit, proven_fit
 from abi.curves.fit_bspline import fit as fit_bspline
 from abi.obstacles.obstacle_set import ObstacleSet
-from abi.planner.arm_path_kernels import pulled
-from abi.planner.pull_by_legs import pull_by_legs
+from abi.obstacles.pose import Vec3
+from abi.planner.arm_path_kernels import pull, pulled
 from abi.search.graph import Graph
 from abi.search.search import SearchResult
 from abi.search.without_edges import without_edges
@@ -61,6 +61,22 @@ def search_clear(
     return None
 
 
+@dataclass(frozen=True, eq=False)
+class _Legs:
+    """Legs of the tool, with an arm that the kernels do not know."""
+
+    obstacles: ObstacleSet
+    margin: float
+    sight: Sight
+
+    def clear(self, points: tuple[Vec3, ...]) -> bool:
+        """Check whether those between points are clear for tool and arm."""
+        polyline = np.array(points)
+        if self.obstacles.polyline_clearance(polyline) < self.margin:
+            return False
+        return self.sight.leg_refutation(polyline) is None
+
+
 def pull_clear(
     of_tool: TautPath, obstacles: ObstacleSet, margin: float, path: SearchResult, sight: Sight
 ) -> TautPath:
@@ -82,7 +98,8 @@ def pull_clear(
     ends = obstacles.signed_distance(path.points[[0, -1]], margin + 2 * _ROUNDING).min()
     margin = min(margin, float(ends) - _ROUNDING)
     if sight.legs is None:
-        points = pull_by_legs(path.points, obstacles, margin, sight)
+        vertices = [(x, y, z) for x, y, z in path.points.tolist()]
+        points = np.array(pull(vertices, _Legs(obstacles, margin, sight), _Legs.clear))
     else:
         points = np.asarray(pulled(flat(path.points), clear_of(obstacles, margin), sight.legs))
         points = points.reshape(-1, 3)

@@ -1,12 +1,14 @@
 """Tightening of a path on which both tool and arm stay clear.
 
-For a leg, tool and arm only answer yes or no; that takes most of the time. A path is a list of
-points, [unit], world.
+For legs, tool and arm only answer yes or no; that takes most of the time. A path is a list of
+points, [unit], world. ``clear(around, points)`` checks whether the legs between two or three points
+are clear; with one that is not compiled, :func:`pull` runs as plain Python.
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Callable
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 from numba.extending import register_jitable
@@ -19,6 +21,9 @@ from abi.obstacles.triangle_mesh.surface_tables_kernels import Room, new_room
 from abi.obstacles.vector_kernels import Vec3, axpy, dot, sub, vec3_at
 from abi.taut.tighten_kernels import length_of
 from abi.taut.tighten_near_meshes_kernels import NO_SURROUNDINGS, Surroundings, is_clear
+
+_Legs = TypeVar("_Legs")
+Clear = Callable[[_Legs, tuple[Vec3, ...]], bool]
 
 _ROUNDS = 3
 _STEPS = (0.8, 0.3, 0.08)
@@ -43,29 +48,33 @@ class _Around(NamedTuple):
 
 
 @register_jitable
-def _clear(around: _Around, a: Vec3, b: Vec3) -> bool:
-    """Check whether tool and arm are clear on the leg from a to b."""
+def _clear(around: _Around, points: tuple[Vec3, ...]) -> bool:
+    """Check whether tool and arm are clear on the legs between points."""
     tool, room, arm, touched = around
-    return is_clear(tool, 0, a, b, room) and arm_is_clear(arm, touched, a, b)
+    for k in range(len(points) - 1):
+        a, b = points[k], points[k + 1]
+        if not (is_clear(tool, 0, a, b, room) and arm_is_clear(arm, touched, a, b)):
+            return False
+    return True
 
 
 @register_jitable
-def _shortcuts(path: list[Vec3], around: _Around) -> list[Vec3]:
+def _shortcuts(path: list[Vec3], around: _Legs, clear: Clear[_Legs]) -> list[Vec3]:
     """From each vertex straight to the farthest in sight, found by doubling, then halving."""
     kept, i, last = [path[0]], 0, len(path) - 1
     while i < last:
         near, step = i + 1, 2
-        while i + step <= last and _clear(around, path[i], path[i + step]):
+        while i + step <= last and clear(around, (path[i], path[i + step])):
             near, step = i + step, 2 * step
         tried = i + step <= last
         far = min(i + step, last)
         while far > near + 1:
             middle = (near + far) // 2
-            if _clear(around, path[i], path[middle]):
+            if clear(around, (path[i], path[middle])):
                 near = middle
             else:
                 far, tried = middle, True
-        if near < far and not tried and _clear(around, path[i], path[last]):
+        if near < far and not tried and clear(around, (path[i], path[last])):
             near = last
         i = near
         kept.append(path[i])
@@ -73,12 +82,12 @@ def _shortcuts(path: list[Vec3], around: _Around) -> list[Vec3]:
 
 
 @register_jitable
-def _moved(path: list[Vec3], around: _Around) -> list[Vec3]:
+def _moved(path: list[Vec3], around: _Legs, clear: Clear[_Legs]) -> list[Vec3]:
     """Vertices dropped, or moved towards the chord of their neighbours."""
     kept = [path[0]]
     for k in range(1, len(path) - 1):
         a, vertex, b = kept[-1], path[k], path[k + 1]
-        if _clear(around, a, b):
+        if clear(around, (a, b)):
             continue
         chord = sub(b, a)
         share = dot(sub(vertex, a), chord) / max(dot(chord, chord), 1e-300)
@@ -86,7 +95,7 @@ def _moved(path: list[Vec3], around: _Around) -> list[Vec3]:
         found = vertex
         for step in _STEPS:
             at = axpy(step, pull, vertex)
-            if _clear(around, a, at) and _clear(around, at, b):
+            if clear(around, (a, at, b)):
                 found = at
                 break
         kept.append(found)
@@ -95,7 +104,7 @@ def _moved(path: list[Vec3], around: _Around) -> list[Vec3]:
 
 
 @register_jitable
-def _cut_corners(path: list[Vec3], around: _Around) -> list[Vec3]:
+def _cut_corners(path: list[Vec3], around: _Legs, clear: Clear[_Legs]) -> list[Vec3]:
     """Bends cut where that is clear."""
     kept = [path[0]]
     for k in range(1, len(path) - 1):
@@ -104,7 +113,7 @@ def _cut_corners(path: list[Vec3], around: _Around) -> list[Vec3]:
         cut = False
         for share in _CUT:
             first, last = axpy(share, back, vertex), axpy(share, ahead, vertex)
-            if _clear(around, first, last):
+            if clear(around, (first, last)):
                 kept.append(first)
                 kept.append(last)
                 cut = True
@@ -115,9 +124,30 @@ def _cut_corners(path: list[Vec3], around: _Around) -> list[Vec3]:
     return kept
 
 
+@register_jitable
+def pull(path: list[Vec3], around: _Legs, clear: Clear[_Legs]) -> list[Vec3]:
+    """Drop the vertices that a path can do without, move others, and cut corners.
+
+    Args:
+        path: the path, all of it clear.
+        around: passed to ``clear``.
+        clear: whether the legs between points are.
+
+    Returns:
+        The path, never longer.
+    """
+    path = _shortcuts(path, around, clear)
+    for _ in range(_ROUNDS):
+        before = length_of(path)
+        path = _cut_corners(_moved(path, around, clear), around, clear)
+        if length_of(path) > (1 - _SETTLED) * before:
+            break
+    return path
+
+
 @compiled(example=(FLOATS, NO_SURROUNDINGS, NO_LEGS))
 def pulled(points: FloatArray, around: Surroundings, legs: ArmLegs) -> FloatArray:
-    """Drop the vertices that a path can do without, move others, and cut corners.
+    """Pull a path taut for the tool and an arm that the kernels know.
 
     Args:
         points: flat (3 k,), clear for tool and arm, [unit], world.
@@ -129,12 +159,7 @@ def pulled(points: FloatArray, around: Surroundings, legs: ArmLegs) -> FloatArra
     """
     own = _Around(around, new_room(), legs, new_touched())
     both = borrowed(own)
-    path = _shortcuts([vec3_at(points, 3 * k) for k in range(len(points) // 3)], both)
-    for _ in range(_ROUNDS):
-        before = length_of(path)
-        path = _cut_corners(_moved(path, both), both)
-        if length_of(path) > (1 - _SETTLED) * before:
-            break
+    path = pull([vec3_at(points, 3 * k) for k in range(len(points) // 3)], both, _clear)
     taut = np.empty(3 * len(path))
     for k in range(len(path)):
         taut[3 * k], taut[3 * k + 1], taut[3 * k + 2] = path[k]
