@@ -54,6 +54,7 @@ def fit(
     obstacles: ObstacleSet,
     clearance: float,
     taut: bool = False,
+    path_clearance: float | None = None,
 ) -> Fit[BSpline]:
     """B-spline with the path's vertices as control points, kept clear of the obstacles.
 
@@ -77,6 +78,7 @@ def fit(
         taut: the path is taut, with few vertices: control points are added on its legs, so that the
             curve rounds the bends only as far as there is room; see ``abi.curves.control_points``.
             The degree is then never lowered.
+        path_clearance: the path's own distance to the obstacles, [unit], where it is known.
 
     Returns:
         The spline and its clearance; with ``holds`` False it is the clearest one found.
@@ -89,7 +91,9 @@ def fit(
         points, added = place_control_points(points, degree, obstacles, clearance)
     direct = clamped(points, min(degree, len(points) - 1), added)
     fitted = None
-    gap = obstacles.polyline_clearance(points) - clearance
+    if path_clearance is None:
+        path_clearance = obstacles.polyline_clearance(points)
+    gap = path_clearance - clearance
     if gap >= -ROUNDING and obstacles.all_convex:
         fitted = proven_fit(direct, direct.extent, obstacles, clearance)
         if fitted.holds:

@@ -191,7 +191,7 @@ def _finish(task: ArmTask, branch: _Branch, names: list[str]) -> dict[str, Any]:
         "path": path,
         "path_clearance": obstacles.polyline_clearance(path.points),
     }
-    results |= _fitted(task, branch)
+    results |= _fitted(task, branch, results["path_clearance"])
     bspline: Fit[BSpline] = results["bspline"]
     results["bspline_arc"] = arc = arc_length(bspline.curve)
     refutation = lru_cache(sight.refutation)  # the curve taken has been asked about already
@@ -214,7 +214,7 @@ def _finish(task: ArmTask, branch: _Branch, names: list[str]) -> dict[str, Any]:
     return results
 
 
-def _fitted(task: ArmTask, branch: _Branch) -> dict[str, Any]:
+def _fitted(task: ArmTask, branch: _Branch, path_clearance: float) -> dict[str, Any]:
     """The path pulled taut, if asked for, and a B-spline near it.
 
     Where no curve near the taut path is proven clear, it is pulled with more room to round its
@@ -223,12 +223,14 @@ def _fitted(task: ArmTask, branch: _Branch) -> dict[str, Any]:
     obstacles, path, wanted = task.obstacles, branch.found.path, task.scene.spline
     for times in _ROOMS if task.taut is not None else _ROOMS[:1]:
         found: dict[str, Any] = {}
-        vertices = path.points
+        vertices, away = path.points, path_clearance
         if task.taut is not None:
             roomy = branch.sight.wider(times)
             found["taut"] = pulled = pull_clear(task.taut, obstacles, task.margin, path, roomy)
-            vertices = pulled.points
-        bspline = fit_clear(vertices, wanted.degree, obstacles, wanted.clearance, branch.sight)
+            vertices, away = pulled.points, pulled.clearance
+        bspline = fit_clear(
+            vertices, wanted.degree, obstacles, wanted.clearance, away, branch.sight
+        )
         if bspline is not None:
             return found | {"bspline": bspline}
     raise _not_clear(task, branch.sight, "curve")

@@ -113,6 +113,7 @@ def fit_clear(
     degree: int,
     obstacles: ObstacleSet,
     clearance: float,
+    path_clearance: float,
     sight: Sight,
 ) -> Fit[BSpline] | None:
     """Fit a B-spline that is clear for tool and arm to a path; None if none was found.
@@ -125,9 +126,10 @@ def fit_clear(
         degree: of the curve.
         obstacles: to keep clear of.
         clearance: distance to keep from them, [unit].
+        path_clearance: the path's own, [unit].
         sight: the arm.
     """
-    fitted = fit_bspline(points, degree, obstacles, clearance, True)
+    fitted = fit_bspline(points, degree, obstacles, clearance, True, path_clearance)
     spline, fault = fitted.curve, None
     if fitted.holds:
         fault = sight.refutation(spline)

@@ -173,14 +173,14 @@ class Planner:
         results["path"] = path = searches[search.algorithm]
         results["path_clearance"] = self._path_clearance(obstacles, path.points)
 
-        vertices = path.points
+        vertices, away = path.points, results["path_clearance"]
         if search.taut:
             results["taut"] = taut = self._taut(graph, obstacles, margin, path)
-            vertices = taut.points
+            vertices, away = taut.points, taut.clearance
         results["optimum"] = self._optimum(scene.start, scene.goal, obstacles, clearance, workspace)
 
         results["bspline"] = bspline = self._bspline(
-            vertices, scene.spline.degree, obstacles, clearance, search.taut
+            vertices, scene.spline.degree, obstacles, clearance, search.taut, away
         )
         results["bspline_arc"] = bspline_arc = self._bspline_arc(bspline.curve)
 
