@@ -72,7 +72,8 @@ def curve_clearance(
 
     That is never below the bound from d being 1-Lipschitz, d(m) - max_i |P_i - m|, and its error
     falls with the square of the piece's length instead of with the length. For a mesh, which need
-    not be convex, there is only the Lipschitz bound.
+    not be convex, the balls of free space around the piece's ends and middle bound it, with an
+    error that falls as fast (:mod:`abi.clearance.mesh_clearance_kernels`).
 
     Args:
         curve: continuous, a polynomial between its breaks.

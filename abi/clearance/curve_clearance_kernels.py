@@ -48,6 +48,8 @@ class _Pieces(NamedTuple):
         ends: last parameters (n,).
         at_starts: signed distances at their first points (n,), [unit].
         at_ends: signed distances at their last points (n,), [unit].
+        mesh_starts: lower bounds of those to the meshes alone at their first points (n,), [unit].
+        mesh_ends: the same at their last points (n,), [unit].
     """
 
     points: list[float]
@@ -55,6 +57,22 @@ class _Pieces(NamedTuple):
     ends: list[float]
     at_starts: list[float]
     at_ends: list[float]
+    mesh_starts: list[float]
+    mesh_ends: list[float]
+
+
+class _Middles(NamedTuple):
+    """What is known of the middles of pieces, n in number.
+
+    Attributes:
+        at: signed distances (n,), [unit].
+        bounds: lower bounds of the distances along the pieces (n,), [unit].
+        meshes: lower bounds of the distances to the meshes alone (n,), [unit].
+    """
+
+    at: list[float]
+    bounds: list[float]
+    meshes: list[float]
 
 
 class _Nearest(NamedTuple):
@@ -132,14 +150,15 @@ def _first_pieces(control: FloatArray, breaks: FloatArray, parts: int) -> _Piece
             starts[piece] = breaks[k] + (breaks[k + 1] - breaks[k]) * (j / parts)
             ends[piece] = breaks[k] + (breaks[k + 1] - breaks[k]) * ((j + 1) / parts)
         ends[k * parts + parts - 1] = breaks[k + 1]
-    return _Pieces(points, starts, ends, [math.inf] * count, [math.inf] * count)
+    at_starts, at_ends = [math.inf] * count, [math.inf] * count
+    return _Pieces(points, starts, ends, at_starts, at_ends, at_starts.copy(), at_ends.copy())
 
 
 @register_jitable
 def _sample_ends(around: _Around, pieces: _Pieces, required: float) -> _Nearest:
     """Fill in the distances at the ends of pieces that are one curve; the nearest of them."""
     primitives, surfaces, room = around
-    points, starts, ends, at_starts, at_ends = pieces
+    points, starts, ends, at_starts, at_ends = pieces[:5]
     count = len(starts)
     size = len(points) // count
     at, nearest, whose = starts[0], math.inf, -1
@@ -156,7 +175,7 @@ def _sample_ends(around: _Around, pieces: _Pieces, required: float) -> _Nearest:
             nearest, whose = distance, primitive
     if len(surfaces.whose) > 0:
         distance, piece, mesh = ends_near_meshes(
-            surfaces, points, (at_starts, at_ends), nearest, required, room
+            surfaces, points, pieces[3:7], nearest, required, room
         )
         if distance < nearest:
             at = ends[count - 1] if piece == count else starts[piece]
@@ -166,11 +185,12 @@ def _sample_ends(around: _Around, pieces: _Pieces, required: float) -> _Nearest:
 
 @register_jitable
 def _sample_middles(
-    around: _Around, pieces: _Pieces, required: float, before: _Nearest
-) -> tuple[list[float], list[float], _Nearest]:
+    around: _Around, pieces: _Pieces, demand: tuple[float, float, float], before: _Nearest
+) -> tuple[_Middles, _Nearest]:
     """Distances at the middles of pieces and lower bounds of theirs; the nearest of all samples."""
     primitives, surfaces, room = around
-    points, starts, ends, _, _ = pieces
+    points, starts, ends = pieces.points, pieces.starts, pieces.ends
+    required = demand[0]
     count = len(starts)
     width = len(points) // (3 * count)
     size = 3 * width
@@ -185,68 +205,76 @@ def _sample_middles(
         middles[piece], bounds[piece] = distance, bound
         if distance < nearest:
             nearest, at, whose = distance, (starts[piece] + ends[piece]) / 2, primitive
+    meshes = middles.copy()
     if len(surfaces.whose) > 0:
+        known = middles, bounds, meshes
         distance, piece, mesh = middles_near_meshes(
-            surfaces, points, (middles, bounds), nearest, required, room
+            surfaces, points, pieces[3:7], known, nearest, demand, room
         )
         if distance < nearest:
             at = (starts[piece] + ends[piece]) / 2
             nearest, whose = distance, len(primitives) // WIDTH + mesh
-    return middles, bounds, _Nearest(nearest, at, whose)
+    return _Middles(middles, bounds, meshes), _Nearest(nearest, at, whose)
 
 
 @register_jitable
 def _undecided(
     pieces: _Pieces,
-    middles: list[float],
-    bounds: list[float],
+    middles: _Middles,
     nearest: float,
     demand: tuple[float, float, float],
+    exactly: bool,
 ) -> list[int]:
     """Pieces that may hold a nearer place, or of which it is open where they are too near.
 
     Args:
         pieces: the pieces.
-        middles, bounds: of each, see :func:`_sample_middles`.
+        middles: theirs.
         nearest: distance of the nearest sample, [unit].
         demand: required, tolerance and finest, see :func:`measure_curve`.
+        exactly: whether those with the nearest sample are halved until they are short, too: where
+            the bounds are good, there is no other sample near it.
     """
-    _, starts, ends, at_starts, at_ends = pieces
+    starts, ends, at_starts, at_ends = pieces[1:5]
     required, tolerance, finest = demand
     line = required - _ROUNDING
     undecided = [0] * 0
     for piece in range(len(starts)):
-        first, middle, last = at_starts[piece], middles[piece], at_ends[piece]
-        violating = min(first, middle, last) < line
+        first, middle, last = at_starts[piece], middles.at[piece], at_ends[piece]
+        least = min(first, middle, last)
+        violating = least < line
         partly = violating and max(first, middle, last) >= line
         if (
-            bounds[piece] < nearest - tolerance
-            or (not violating and bounds[piece] < required - tolerance)
-            or (partly and ends[piece] - starts[piece] > finest)
+            middles.bounds[piece] < nearest - tolerance
+            or (not violating and middles.bounds[piece] < required - tolerance)
+            or ((partly or (exactly and least <= nearest)) and ends[piece] - starts[piece] > finest)
         ):
             undecided.append(piece)
     return undecided
 
 
 @register_jitable
-def _halves(pieces: _Pieces, middles: list[float], chosen: list[int]) -> _Pieces:
-    """Both halves of the chosen pieces, whose distances at the middles are known."""
-    points, starts, ends, at_starts, at_ends = pieces
+def _halves(pieces: _Pieces, middles: _Middles, chosen: list[int]) -> _Pieces:
+    """Both halves of the chosen pieces."""
+    points, starts, ends, at_starts, at_ends, mesh_starts, mesh_ends = pieces
     width = len(points) // (3 * len(starts))
     size = 3 * width
     number = 2 * len(chosen)
     halves = [0.0] * (number * size)
     froms, tos = [0.0] * number, [0.0] * number
     at_froms, at_tos = [0.0] * number, [0.0] * number
+    mesh_froms, mesh_tos = [0.0] * number, [0.0] * number
     for j in range(len(chosen)):
         piece, left = chosen[j], 2 * j
         middle = (starts[piece] + ends[piece]) / 2
         divide(points, piece * size, halves, left * size, left * size + size, width, 0.5)
         froms[left], tos[left], tos[left + 1] = starts[piece], middle, ends[piece]
         froms[left + 1] = middle
-        at_froms[left], at_tos[left] = at_starts[piece], middles[piece]
-        at_froms[left + 1], at_tos[left + 1] = middles[piece], at_ends[piece]
-    return _Pieces(halves, froms, tos, at_froms, at_tos)
+        at_froms[left], at_tos[left] = at_starts[piece], middles.at[piece]
+        at_froms[left + 1], at_tos[left + 1] = middles.at[piece], at_ends[piece]
+        mesh_froms[left], mesh_tos[left] = mesh_starts[piece], middles.meshes[piece]
+        mesh_froms[left + 1], mesh_tos[left + 1] = middles.meshes[piece], mesh_ends[piece]
+    return _Pieces(halves, froms, tos, at_froms, at_tos, mesh_froms, mesh_tos)
 
 
 @compiled(example=(FLOATS, FLOATS, 1, FLOATS, NO_SURFACES, (1.0, 0.1, 0.1)))
@@ -278,18 +306,19 @@ def measure_curve(
     bottom = nearest.distance
     stretches = [(0.0, 0.0)]
     for halvings in range(MOST_HALVINGS + 1):
-        middles, bounds, nearest = _sample_middles(around, pieces, required, nearest)
-        chosen = _undecided(pieces, middles, bounds, nearest.distance, demand)
+        middles, nearest = _sample_middles(around, pieces, demand, nearest)
+        exactly = nearest.obstacle >= len(primitives) // WIDTH
+        chosen = _undecided(pieces, middles, nearest.distance, demand, exactly)
         if halvings == MOST_HALVINGS or 2 * len(chosen) > MOST_PIECES:
             chosen.clear()
         j = 0
-        for piece in range(len(middles)):
+        for piece in range(len(middles.at)):
             if j < len(chosen) and chosen[j] == piece:
                 j += 1
                 continue
-            bottom = min(bottom, bounds[piece])
+            bottom = min(bottom, middles.bounds[piece])
             ends = min(pieces.at_starts[piece], pieces.at_ends[piece])
-            if min(ends, middles[piece]) < required - _ROUNDING:
+            if min(ends, middles.at[piece]) < required - _ROUNDING:
                 stretches.append((pieces.starts[piece], pieces.ends[piece]))
         if len(chosen) == 0:
             break

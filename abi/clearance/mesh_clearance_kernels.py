@@ -1,7 +1,22 @@
 """Distances of a curve's samples to triangle meshes, and the bounds that follow for its pieces.
 
-A mesh need not be convex, so the bound of a piece rests on the distance being 1-Lipschitz: no point
-of it is nearer than its middle by more than the distance from there to its farthest control point.
+A mesh need not be convex, so a bound rests on balls alone. Around a sample at the distance d > 0
+nothing is nearer than d. Let a and b be the ends of a piece, at distances of at least d and e, and
+let l be their distance.
+
+If l < d + e, the balls around a and b cover the chord, and the distance of a point x of it is at
+least that of x to the edge of both balls' union. From any x between a and b the nearest point of
+the edge is where the spheres meet: a circle around the chord's line, at h = (l² + d² - e²) / 2l
+from a, with the radius r = √(d² - h²). (On the sphere around a, outside the ball around b, the
+points farthest along the chord are nearest to x, and these are on the circle; the same from b.) So
+x at t from a has a distance of at least √((t - h)² + r²): never below r, and never below the lesser
+of d and e where h is not in [0, l]. Otherwise, and for signed distances below 0, it is at least
+max(d - t, e - (l - t)) >= (d + e - l) / 2, because the distance is 1-Lipschitz.
+
+The piece is in the convex hull of its control points, and the distance to the chord is convex: no
+point of the piece is farther from the chord than a control point. That much is subtracted. The
+error of such a bound falls with the square of the piece's length.
+
 A point is three successive numbers. Plain Python that numba compiles with its caller.
 """
 
@@ -20,14 +35,19 @@ from abi.obstacles.primitive_tree_kernels import (
     tree_apart,
 )
 from abi.obstacles.surface_set import SurfaceSet, surface_at
-from abi.obstacles.surface_set_kernels import most_to_mesh, nearest_mesh, widened
+from abi.obstacles.surface_set_kernels import most_to_mesh, widened
 from abi.obstacles.triangle_mesh.distance_grid_kernels import distance_bounds
 from abi.obstacles.triangle_mesh.point_distance_kernels import signed_distance_at
 from abi.obstacles.triangle_mesh.surface_tables_kernels import Room, to_surface
-from abi.obstacles.vector_kernels import Vec3, distance, vec3_at
+from abi.obstacles.triangle_mesh.triangle_kernels import on_side
+from abi.obstacles.vector_kernels import Vec3, axpy, distance, norm, sub, vec3_at
 
 Sample = tuple[float, int, int]
 """Signed distance, [unit], number of the sample, and the mesh; inf, 0 and -1 without one."""
+
+Ends = tuple[list[float], list[float], list[float], list[float]]
+"""Distances at the first points of n pieces, and at their last, and lower bounds of those to the
+meshes alone, (n,) each, [unit]."""
 
 
 @register_jitable
@@ -38,10 +58,80 @@ def _end(points: list[float], end: int, pieces: int) -> Vec3:
 
 
 @register_jitable
+def _chord(points: list[float], start: int, size: int) -> tuple[float, float]:
+    """Length of the chord of a piece, and how far a control point of it is from it at most."""
+    a = vec3_at(points, start)
+    along = sub(vec3_at(points, start + size - 3), a)
+    off = 0.0
+    for i in range(start + 3, start + size - 3, 3):
+        p = vec3_at(points, i)
+        off = max(off, distance(p, axpy(on_side(p, a, along), along, a)))
+    return norm(along), off
+
+
+@register_jitable
+def _least_between(d: float, e: float, chord: tuple[float, float]) -> float:
+    """Lower bound of the signed distance of a piece, from such bounds at its ends.
+
+    Args:
+        d, e: at the first and at the last point, [unit].
+        chord: see :func:`_chord`.
+    """
+    length, off = chord
+    if d <= 0.0 or e <= 0.0 or length >= d + e:
+        return (d + e - length) / 2 - off
+    if abs(d - e) * (d + e) >= length * length:
+        return min(d, e) - off
+    h = (length + (d - e) * (d + e) / length) / 2
+    return math.sqrt(max((d - h) * (d + h), 0.0)) - off
+
+
+@register_jitable
+def _sought(enough: float, chord: tuple[float, float]) -> float:
+    """Distance at both ends of a piece with which none of its points is nearer than ``enough``."""
+    length, off = chord
+    return math.sqrt(max(enough, 0.0) ** 2 + length * length / 4) + off
+
+
+@register_jitable
+def _sample(
+    surfaces: SurfaceSet, x: Vec3, enough: float, sought: float, room: Room
+) -> tuple[float, int, float]:
+    """Signed distance of a point to the nearest mesh, whose it is, and a lower bound of it.
+
+    Args:
+        surfaces: the meshes.
+        x: the point, [unit], world.
+        enough: what is not nearer is left out: then the distance is inf and whose it is -1, [unit].
+        sought: the bound need not be higher, [unit].
+        room: for descents.
+    """
+    rows = surfaces.bounds
+    best, whose, bound = math.inf, -1, sought
+    s = first_row(rows)
+    while s >= 0:
+        wide = widened(bound)
+        if tree_apart(rows, s, wide, x, x):
+            s = row_after(rows, s)
+            continue
+        if not bounds_apart(rows, s, wide, x, x):
+            tables, placement = surface_at(surfaces, s)
+            p = to_surface(placement, x)
+            lower = distance_bounds(tables.grid, p)[0] * placement.factor
+            if lower < min(enough, bound):
+                lower = signed_distance_at(tables, p, room)[0] * placement.factor
+                if lower < best:
+                    best, whose = lower, s
+            bound = min(bound, lower)
+        s = row_below(rows, s)
+    return best, whose, bound
+
+
+@register_jitable
 def ends_near_meshes(
     surfaces: SurfaceSet,
     points: list[float],
-    at_ends: tuple[list[float], list[float]],
+    ends: Ends,
     nearest: float,
     required: float,
     room: Room,
@@ -51,7 +141,7 @@ def ends_near_meshes(
     Args:
         surfaces: the meshes.
         points: of the n pieces, flat (3 n (degree + 1),), [unit], world.
-        at_ends: distances at their first points (n,), and at their last (n,), [unit]; written.
+        ends: theirs; written.
         nearest: the least distance so far, [unit].
         required: what is farther than that and the nearest sample may be left out, [unit].
         room: for descents.
@@ -59,20 +149,23 @@ def ends_near_meshes(
     Returns:
         The nearest of the ends.
     """
-    at_first, at_last = at_ends
+    at_first, at_last, first, last = ends
     count = len(at_first)
+    size = len(points) // count
     for end in range(count + 1):
         nearest = most_to_mesh(surfaces, nearest, _end(points, end, count))
     enough = widened(max(nearest, required))
     least, at, whose = math.inf, 0, -1
+    before = 0.0
     for end in range(count + 1):
-        away, mesh = nearest_mesh(surfaces, enough, _end(points, end, count), room)
-        if mesh < 0:
-            continue
+        after = _sought(enough, _chord(points, end * size, size)) if end < count else 0.0
+        x = _end(points, end, count)
+        away, mesh, bound = _sample(surfaces, x, enough, max(before, after), room)
+        before = after
         if end > 0:
-            at_last[end - 1] = min(at_last[end - 1], away)
+            at_last[end - 1], last[end - 1] = min(at_last[end - 1], away), bound
         if end < count:
-            at_first[end] = min(at_first[end], away)
+            at_first[end], first[end] = min(at_first[end], away), bound
         if away < least:
             least, at, whose = away, end, mesh
     return least, at, whose
@@ -82,46 +175,49 @@ def ends_near_meshes(
 def middles_near_meshes(
     surfaces: SurfaceSet,
     points: list[float],
-    of_middles: tuple[list[float], list[float]],
+    ends: Ends,
+    of_middles: tuple[list[float], list[float], list[float]],
     nearest: float,
-    required: float,
+    demand: tuple[float, float, float],
     room: Room,
 ) -> Sample:
     """Lower the distances at the middles of pieces, and their bounds, to those to the meshes.
 
+    A middle is left out where the ends of the piece, neither of which is too near or the nearest so
+    far, bound it well enough.
+
     Args:
-        surfaces, points, nearest, required, room: see :func:`ends_near_meshes`.
-        of_middles: distances at the middles (n,), and bounds of those along the pieces from below
-            (n,), [unit]; written.
+        surfaces, points, ends, nearest, room: see :func:`ends_near_meshes`.
+        of_middles: distances at the middles (n,), bounds of those along the pieces from below
+            (n,), and of those to the meshes alone at the middles (n,), [unit]; written.
+        demand: see ``measure_curve``.
 
     Returns:
         The nearest of the middles.
     """
-    at_middles, bounds = of_middles
-    rows = surfaces.bounds
+    at_first, at_last, first, last = ends
+    at_middles, bounds, middle_bounds = of_middles
+    required, tolerance, _ = demand
     size = len(points) // len(at_middles)
     halves = [0.0] * (2 * size)
     least, at, whose = math.inf, 0, -1
     for piece in range(len(at_middles)):
-        divide(points, piece * size, halves, 0, size, size // 3, 0.5)
-        x = vec3_at(halves, size)
-        reach = 0.0
-        for i in range(piece * size, (piece + 1) * size, 3):
-            reach = max(reach, distance(vec3_at(points, i), x))
-        s = first_row(rows)
-        while s >= 0:
-            enough = widened(max(min(nearest, least), required)) + reach
-            if tree_apart(rows, s, enough, x, x):
-                s = row_after(rows, s)
-                continue
-            if not bounds_apart(rows, s, enough, x, x):
-                tables, placement = surface_at(surfaces, s)
-                p = to_surface(placement, x)
-                if distance_bounds(tables.grid, p)[0] * placement.factor < enough:
-                    away = signed_distance_at(tables, p, room)[0] * placement.factor
-                    at_middles[piece] = min(at_middles[piece], away)
-                    bounds[piece] = min(bounds[piece], away - reach)
-                    if away < least:
-                        least, at, whose = away, piece, s
-            s = row_below(rows, s)
+        enough = widened(max(min(nearest, least), required))
+        bound = _least_between(first[piece], last[piece], _chord(points, piece * size, size))
+        middle, near = bound, min(at_first[piece], at_last[piece])
+        if near < required or near <= nearest or bound < enough - tolerance:
+            divide(points, piece * size, halves, 0, size, size // 3, 0.5)
+            left, right = _chord(halves, 0, size), _chord(halves, size, size)
+            sought = max(_sought(enough, left), _sought(enough, right))
+            away, mesh, middle = _sample(surfaces, vec3_at(halves, size), enough, sought, room)
+            at_middles[piece] = min(at_middles[piece], away)
+            halved = min(
+                _least_between(first[piece], middle, left),
+                _least_between(middle, last[piece], right),
+            )
+            bound = max(bound, halved)
+            if away < least:
+                least, at, whose = away, piece, mesh
+        bounds[piece] = min(bounds[piece], bound)
+        middle_bounds[piece] = middle
     return least, at, whose

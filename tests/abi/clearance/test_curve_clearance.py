@@ -52,6 +52,14 @@ OBSTACLES: Obstacles = (
 )
 
 
+NOT_CONVEX = {
+    "knot": clean(*meshes.knot(800)),
+    "blob": clean(*meshes.bumpy(3)),
+    "rooms": clean(*meshes.room(2)),
+    "half": clean(meshes.bumpy(2)[0], meshes.bumpy(2)[1][:160]),
+}
+
+
 def dense(curve: Spline, obstacles: Obstacles, n: int = 20_001) -> tuple[FloatArray, FloatArray]:
     parameters = np.linspace(*curve.interval, n)
     return parameters, ObstacleSet(obstacles).nearest(curve(parameters))[0]
@@ -281,6 +289,37 @@ def test_where_a_mesh_is_too_near_is_told_as_finely_as_of_a_solid(
             # a rise so short that it fits between two samples is not told apart
             assert (distances[inner] < required + 2.1 * speed * fine).all()
         assert told[distances < required - 1e-3 - 1e-9].all()
+
+
+@pytest.mark.slow
+@given(
+    curves,
+    st.sampled_from(["knot", "blob", "rooms", "half"]),
+    st.floats(0.3, 2.0),
+    st.floats(-0.2, 1.0),
+    st.sampled_from([1e-1, 1e-2, 1e-3]),
+)
+@settings(max_examples=60, deadline=None)
+def test_no_dense_sample_contradicts_what_is_measured_of_meshes(
+    curve: Spline, name: str, scale: float, required: float, tolerance: float
+) -> None:
+    surface = NOT_CONVEX[name]
+    obstacles: Obstacles = (
+        MeshShape.of(surface, scale=scale, position=(0.4, -0.3, 0.2), wxyz=(0.8, -0.3, 0.4, 0.2)),
+        MeshShape.of(surface, scale=0.3, position=(2, 1, -1)),
+    )
+    found = curve_clearance(curve, ObstacleSet(obstacles), required, tolerance)
+    parameters, distances = dense(curve, obstacles, 4001)
+    assert distances.min() >= found.distance - 1e-9
+    assert 0 <= found.nearest - found.distance <= tolerance + 1e-9
+    there = np.asarray(curve(found.at))[None]
+    assert obstacles[found.obstacle].signed_distance(there)[0] == pytest.approx(
+        found.nearest, abs=1e-9
+    )
+    told = np.zeros(len(parameters), dtype=bool)
+    for start, end in found.violations:
+        told |= (parameters >= start) & (parameters <= end)
+    assert told[distances < required - tolerance - 1e-9].all()
 
 
 @pytest.mark.slow
