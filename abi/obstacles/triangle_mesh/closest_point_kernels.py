@@ -17,7 +17,7 @@ from abi.obstacles.triangle_mesh.triangle_kernels import (
     point_to_triangle,
     triangle_at,
 )
-from abi.obstacles.vector_kernels import Vec3, dot, norm, sub
+from abi.obstacles.vector_kernels import Vec3, dot, norm, sub, vec3_at
 
 DEPTH = 64
 """Room for the nodes that wait in a descent: one at each level of a tree, and there are fewer."""
@@ -33,6 +33,17 @@ def _plane_of(tree: TriangleTree, x: Vec3, number: int, away: float) -> tuple[Ve
     normal = sub(x, closest_point(x, triangle_at(tree.corners, number)))
     level = dot(normal, x) - away * norm(normal) * (1.0 + 1e-12)
     return normal, level, 1e-12 * (tree.size + away) * away
+
+
+@register_jitable(forceinline=True)
+def _is_beyond(tree: TriangleTree, node: int, x: Vec3, limit: float) -> bool:
+    """Whether the slab of a node is farther from x than a squared distance."""
+    k = 5 * node
+    height = dot(vec3_at(tree.slabs, k), x)
+    beside = max(height - tree.slabs[k + 3], tree.slabs[k + 4] - height)
+    beside -= 1e-12 * (tree.size + abs(height))
+    beyond: bool = beside > 0.0 and beside * beside >= limit
+    return beyond
 
 
 @register_jitable
@@ -74,9 +85,9 @@ def nearest_triangle(
     count = 1
     while count > 0:
         count -= 1
-        if squares[count] >= limit:
-            continue
         node = waiting[count]
+        if squares[count] >= limit or _is_beyond(tree, node, x, limit):
+            continue
         while node < inner:
             near, far = 2 * node + 1, 2 * node + 2
             to_near, to_far = point_to_box(x, boxes, near), point_to_box(x, boxes, far)
@@ -89,6 +100,8 @@ def nearest_triangle(
             if to_near >= limit:
                 break
         if node < inner or point_to_box(x, boxes, node) >= limit:
+            continue
+        if _is_beyond(tree, node, x, limit):
             continue
         if found >= 0 and highest_in_slab(tree, node, normal) + doubt < level:
             continue
