@@ -61,7 +61,8 @@ class ArmClearance(ShortRepr):
         elbow: branch of the motion.
         distances: of the links' surfaces to the nearest obstacle at each sample of the motion,
             shape (m,), [unit], negative inside; inf without obstacles, and possibly where a
-            triangle mesh is nearest and another sample is nearer to it.
+            triangle mesh is nearest and another sample is nearer to it; possibly 0 where one is
+            touched and another sample of the contact is deeper.
         required: distance to keep from obstacles, [unit].
         distance: least distance of the links' surfaces to an obstacle, [unit]; proven where there
             is a certificate, else that of the samples; inf without obstacles.
@@ -185,7 +186,8 @@ class _Measured(NamedTuple):
     """Least signed distances of capsules (m, c), [unit], and numbers of what is nearest (m, c).
 
     Of a capsule that touches nothing and is not the nearest of its pose the distance may be inf,
-    and so may what is above the distance that is enough.
+    and so may what is above the distance that is enough. Of one that touches a mesh it may be 0 if
+    it is deeper at another pose of the same contact.
     """
 
     distance: FloatArray

@@ -120,10 +120,18 @@ def nearest_mesh_to_segment(
 @register_jitable
 def meets_mesh(surfaces: SurfaceSet, margin: float, a: Vec3, b: Vec3, room: Room) -> bool:
     """Whether the segment a..b, world, comes nearer to a mesh than ``margin``, or touches it."""
-    bounds = surfaces.bounds
+    return meshes_met(surfaces, margin, a, b, 1, room)[0] > 0
+
+
+@register_jitable
+def meshes_met(
+    surfaces: SurfaceSet, margin: float, a: Vec3, b: Vec3, most: int, room: Room
+) -> tuple[int, int]:
+    """Number of meshes that a segment meets so, up to ``most``; and the last one, -1 for none."""
+    bounds, met, whose = surfaces.bounds, 0, -1
     wide = widened(max(margin, 0.0))
     s = first_row(bounds)
-    while s >= 0:
+    while s >= 0 and met < most:
         if segment_apart(bounds, s, True, wide, a, b):
             s = row_after(bounds, s)
             continue
@@ -131,6 +139,6 @@ def meets_mesh(surfaces: SurfaceSet, margin: float, a: Vec3, b: Vec3, room: Room
             tables, placement = surface_at(surfaces, s)
             p, q = to_surface(placement, a), to_surface(placement, b)
             if is_blocked(tables, p, q, margin / placement.factor, room):
-                return True
+                met, whose = met + 1, s
         s = row_below(bounds, s)
-    return False
+    return met, whose

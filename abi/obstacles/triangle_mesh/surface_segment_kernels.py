@@ -5,6 +5,8 @@ Bounds by the grid answer most questions, the tree the others.
 
 from __future__ import annotations
 
+import math
+
 from numba.extending import register_jitable
 
 from abi.obstacles.triangle_mesh.distance_grid_kernels import distance_bounds
@@ -20,6 +22,7 @@ from abi.obstacles.triangle_mesh.surface_tables_kernels import (
     Room,
     SurfaceTables,
 )
+from abi.obstacles.triangle_mesh.triangle_kernels import point_to_triangle, triangle_at
 from abi.obstacles.vector_kernels import Vec3, axpy, norm, sub
 
 
@@ -72,10 +75,22 @@ def least_distance(tables: SurfaceTables, p: Vec3, q: Vec3, most: float, room: R
     at least (s + t - l) / 2 and the least at most s and t: so it is off by at most 1/64 of the
     length.
     """
+    # whether it is inside is not asked before it would be deep enough
+    deepest = most
+    if most < 0.0 and tables.closed:
+        deepest = _least_inside(tables, p, q, most, room)
+        if deepest >= most:
+            return most
     # whether it touches counts whatever the most is
     away = distance_along(tables, p, q, max(most, TOUCHING * tables.extent), room)
     if not tables.closed or (away > 0.0 and not is_inside_surface(tables, p, room)):
         return min(away, most)
+    return deepest if most < 0.0 else _least_inside(tables, p, q, most, room)
+
+
+@register_jitable
+def _least_inside(tables: SurfaceTables, p: Vec3, q: Vec3, most: float, room: Room) -> float:
+    """The lower bound above; ``most`` where that is less."""
     d = sub(q, p)
     step = norm(d) / SAMPLES
     samples, known = room.samples, room.known
@@ -93,9 +108,28 @@ def least_distance(tables: SurfaceTables, p: Vec3, q: Vec3, most: float, room: R
         # the lower of the two that is not known
         k = first + 1 if samples[first + 1] < samples[first] else first
         k = 2 * first + 1 - k if known[k] else k
-        _take_sample(tables, (p, d), k, step, room)
+        enough = 2 * least + step - samples[2 * first + 1 - k]
+        if not _is_above(tables, axpy(k / SAMPLES, d, p), k, enough, room):
+            _take_sample(tables, (p, d), k, step, room)
         if known[first] and known[first + 1]:
             least = min(least, (samples[first] + samples[first + 1] - step) / 2)
+
+
+@register_jitable
+def _is_above(tables: SurfaceTables, x: Vec3, k: int, enough: float, room: Room) -> bool:
+    """Whether a triangle shows that a sample's signed distance is large enough; then it is raised.
+
+    It is no deeper than any triangle is far: mostly that nearest to the sample before will do.
+    """
+    tree, error, number = tables.tree, tables.error, room.nearest[0]
+    if not 0 <= number < len(tree.corners) // 9 or enough >= 0.0:
+        return False
+    away = math.sqrt(point_to_triangle(x, triangle_at(tree.corners, number), math.inf))
+    bound = -away - error[0] - error[1] * away
+    if bound < enough or bound <= room.samples[k]:
+        return False
+    room.samples[k] = bound
+    return True
 
 
 @register_jitable

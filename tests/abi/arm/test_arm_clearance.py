@@ -273,3 +273,38 @@ def test_the_nearest_capsule_and_those_that_touch_a_mesh_are_measured(seed: int)
         assert found.min() == pytest.approx(away.min(), abs=1e-9)
     picked = np.flatnonzero(outside)
     assert np.allclose(away[nearest[picked], picked], found[picked], rtol=0, atol=1e-9)
+
+
+@given(SEED)
+@settings(max_examples=10)
+def test_what_is_told_of_a_contact_with_a_mesh_is_the_deepest_of_all_its_poses(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    shapes = [
+        MeshShape.of(clean(*mesh), position=tuple(random.uniform(0, 4, 3).tolist()))
+        for mesh in (meshes.room(5), meshes.sphere(2), meshes.knot(500), meshes.soup(50))
+    ]
+    obstacles = ObstacleSet(tuple(shapes[: random.integers(1, 5)]))
+    arm = Arm.from_settings(ArmSettings(base=(3.0, -1.0, 0.0)))
+    positions = np.zeros((60, 6))
+    first, last = random.uniform(-1.5, 1.5, (2, 3))
+    positions[:, :3] = np.linspace(first, last, 60)
+    ends, moving = place(arm, positions), len(arm.capsules)
+    beside = np.where(random.random((60, moving)) < 0.05, random.uniform(-0.2, 0), np.inf)
+    found, nearest = beside.copy(), np.empty((60, moving), dtype=np.int32)
+    capsules_near_meshes(
+        flat(ends), arm.capsule_rows, obstacles.surfaces, found.ravel(), nearest.ravel()
+    )
+
+    p, q = ends[:, :, 0].reshape(-1, 3), ends[:, :, 1].reshape(-1, 3)
+    radii = np.array([one.radius for one in arm.capsules])
+    each = [one.segment_distance(p, q).reshape(-1, moving) - radii for one in obstacles.meshes]
+    away = np.stack([beside, *each])
+    whose, least = away.argmin(axis=0) - 1, away.min(axis=0)
+    assert np.array_equal(found <= 0, least <= 0)
+    assert np.array_equal(nearest[least <= 0], whose[least <= 0])
+    for c in range(moving):
+        changes = np.flatnonzero(np.diff(np.where(least[:, c] <= 0, whose[:, c], -2)))
+        for pose in np.split(np.arange(60), changes + 1):
+            if least[pose[0], c] <= 0:
+                assert found[pose, c].min() == pytest.approx(least[pose, c].min(), abs=1e-9)
+                assert (found[pose, c] >= least[pose, c] - 1e-9).all()
