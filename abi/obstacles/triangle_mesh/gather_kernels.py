@@ -23,7 +23,7 @@ from abi.obstacles.triangle_mesh.triangle_kernels import (
 )
 from abi.obstacles.vector_kernels import Vec3, cross, dot, sub, vec3_at
 
-_MOST = 48  # with more, descents are quicker
+_MOST = 96  # with more, descents are quicker
 
 
 class Gathered(NamedTuple):
