@@ -51,7 +51,7 @@ def place_capsules(
 
 
 @register_jitable(forceinline=True)
-def _way(ends: FloatArray, k: int, before: int) -> float:
+def way(ends: FloatArray, k: int, before: int) -> float:
     """Largest distance of a segment's points from where they were; both by their rows."""
     a, b = vec3_at(ends, 6 * k), vec3_at(ends, 6 * k + 3)
     at_a, at_b = vec3_at(ends, 6 * before), vec3_at(ends, 6 * before + 3)
@@ -93,7 +93,7 @@ def capsule_clearances(
                 continue
             k = i * moving + c
             if i > 0:
-                least_yet[c] -= _way(ends, k, k - moving)
+                least_yet[c] -= way(ends, k, k - moving)
             clearances[k], nearest[k] = math.inf, -1
             if least_yet[c] > max(least, 0.0):
                 continue

@@ -2,26 +2,37 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
+from abi.arm.link_distance_kernels import link_distances
 from abi.arm.urdf_arm import UrdfArm, segment_distances
-from abi.arrays import FloatArray, IntArray
+from abi.arrays import FloatArray, IntArray, flat
 from abi.obstacles.obstacle_set import ObstacleSet
 
 
 def obstacle_distances(
-    arm: UrdfArm, obstacles: ObstacleSet, positions: FloatArray
+    arm: UrdfArm, obstacles: ObstacleSet, positions: FloatArray, enough: float = math.inf
 ) -> tuple[FloatArray, IntArray]:
     """Signed distances of an arm's capsules to the nearest obstacle at joint positions (k, n).
 
+    Of a capsule that touches nothing and is not the nearest of its pose the distance may be inf,
+    and so may what is above ``enough``, [unit].
+
     Returns:
-        Distances (k, c), [unit], inf without obstacles; and numbers of the obstacles, -1 without.
+        Distances (k, c), [unit], inf without obstacles; and numbers of the obstacles, -1 where the
+        distance is inf.
     """
-    ends = arm.place(positions)
-    shape = ends.shape[:2]
-    p, q = ends[:, :, 0].reshape(-1, 3), ends[:, :, 1].reshape(-1, 3)
-    distance, number = obstacles.nearest_to_segments(p, q)
-    return distance.reshape(shape) - arm.radii, number.reshape(shape)
+    shape = len(positions), len(arm.capsules)
+    distance, row = np.empty(shape), np.empty(shape, dtype=np.int32)
+    if obstacles.meshes:
+        link_distances.compile()  # as Python it would copy their triangles
+    link_distances(
+        *(flat(arm.place(positions)), arm.radii, obstacles.packed, obstacles.surfaces, enough),
+        *(distance.reshape(-1), row.reshape(-1)),
+    )
+    return distance, np.append(obstacles.rows, np.int32(-1))[row]
 
 
 def own_distances(arm: UrdfArm, positions: FloatArray) -> FloatArray:

@@ -39,7 +39,7 @@ def joint_course(
     for pose in best:
         positions, missed = arm.follow(pose, few)
         gaps = (
-            obstacle_distances(arm, obstacles, positions)[0],
+            obstacle_distances(arm, obstacles, positions, _ENOUGH * reach)[0],
             own_distances(arm, positions),
             floor_distances(arm, floor, positions),
         )

@@ -23,7 +23,7 @@ from abi.obstacles import obstacle_set_kernels as kernels
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.packing import pack
 from abi.obstacles.per_shape import PerShape
-from abi.obstacles.polyline_kernels import polyline_distances, segment_distances
+from abi.obstacles.polyline_kernels import polyline_distances
 from abi.obstacles.primitive_kernels import BOUNDS, CORE, WIDTH
 from abi.obstacles.primitives import Box, Primitive
 from abi.obstacles.surface_set import SurfaceSet, surface_set
@@ -250,25 +250,6 @@ class ObstacleSet(ShortRepr):
         if len(points) == 1:
             points = np.concatenate([points, points])
         return self.polyline_clearances(np.stack([points[:-1], points[1:]], axis=1), enough)
-
-    def nearest_to_segments(
-        self, starts: FloatArray, ends: FloatArray
-    ) -> tuple[FloatArray, IntArray]:
-        """Least signed distance (n,) of segments, [unit], and number (n,) of that obstacle.
-
-        Without obstacles the distance is inf, the number -1; inside a closed mesh the distance is a
-        lower bound.
-
-        Args:
-            starts: first ends (n, 3), [unit], world.
-            ends: second ends (n, 3), [unit], world.
-        """
-        distance, row = np.empty(len(starts)), np.empty(len(starts), dtype=np.int32)
-        if self.meshes:
-            segment_distances.compile()  # as Python it would copy their triangles
-        kernel_form = flat(starts), flat(ends), self.packed, self.surfaces
-        segment_distances(*kernel_form, distance, row)
-        return distance, np.append(self.rows, np.int32(-1))[row]
 
     def near_meshes(
         self, starts: FloatArray, ends: FloatArray, limits: FloatArray

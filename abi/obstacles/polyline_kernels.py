@@ -9,9 +9,9 @@ import math
 
 import numpy as np
 
-from abi.arrays import FloatArray, IntArray
+from abi.arrays import FloatArray
 from abi.compilation.borrowed import borrowed, held
-from abi.compiled import FLOATS, NEW_FLOATS, NEW_IDS, compiled
+from abi.compiled import FLOATS, NEW_FLOATS, compiled
 from abi.obstacles.obstacle_set_kernels import distance_to_segment, nearest_to_segment
 from abi.obstacles.primitive_kernels import WIDTH
 from abi.obstacles.primitive_tree_kernels import first_row, row_after, row_below, segment_apart
@@ -60,39 +60,6 @@ def polyline_distances(
             best = min(best, most)
         distances[run] = best
         least = min(least, best)
-    held(own)
-
-
-@compiled(example=(FLOATS, FLOATS, FLOATS, NO_SURFACES, NEW_FLOATS, NEW_IDS))
-def segment_distances(
-    starts: FloatArray,
-    ends: FloatArray,
-    primitives: FloatArray,
-    surfaces: SurfaceSet,
-    distances: FloatArray,
-    rows: IntArray,
-) -> None:
-    """Least signed distance of each segment to an obstacle, and whose it is.
-
-    Args:
-        starts: first ends, flat (3 n,), [unit], world.
-        ends: second ends, flat (3 n,); an end may be both.
-        primitives: rows (k WIDTH,).
-        surfaces: the meshes.
-        distances: (n,), [unit], inf without obstacles; written.
-        rows: (n,) number of the primitive or, after these, of the mesh; -1 without; written.
-    """
-    own = new_room()
-    room = borrowed(own)
-    for i in range(len(distances)):
-        a, b = vec3_at(starts, 3 * i), vec3_at(ends, 3 * i)
-        best, whose = nearest_to_segment(primitives, math.inf, a, b)
-        if len(surfaces.whose) > 0:
-            most = most_to_mesh(surfaces, most_to_mesh(surfaces, best, a), b)
-            away, mesh = nearest_mesh_to_segment(surfaces, widened(most), a, b, room)
-            if mesh >= 0 and away < best:
-                best, whose = away, len(primitives) // WIDTH + mesh
-        distances[i], rows[i] = best, whose
     held(own)
 
 

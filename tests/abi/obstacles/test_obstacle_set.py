@@ -122,30 +122,3 @@ def test_nothing_is_near_an_empty_set() -> None:
     assert nothing.distances_up_to(1.0, points).shape == (3, 0)
     assert nothing.polyline_clearance(points) == math.inf
     assert nothing.boxed is nothing
-
-
-@pytest.mark.slow
-@settings(max_examples=30)
-@given(seeds)
-def test_the_obstacle_nearest_to_a_segment_is_that_of_all_one_by_one(seed: int) -> None:
-    random = np.random.default_rng(seed)
-    obstacles = mixed(random)
-    starts = random.uniform(-1, 7, (40, 3))
-    ends = starts + random.normal(size=(40, 3)) * random.choice([0, 0.1, 3], (40, 1))
-    each = np.stack([segment_distance(one, starts, ends) for one in obstacles], axis=1)
-    distance, number = obstacles.nearest_to_segments(starts, ends)
-
-    least = each.min(axis=1)
-    outside = least > 0
-    assert distance[outside] == pytest.approx(least[outside], abs=1e-9)
-    assert ((distance <= 1e-9) == (least <= 1e-9)).all()
-    lengths = np.linalg.norm(ends - starts, axis=1)
-    assert (np.abs(distance - least) <= lengths / 64 + 1e-9).all()
-    chosen = each[np.arange(40), number][outside]
-    assert chosen == pytest.approx(least[outside], abs=1e-9)
-
-
-def test_without_obstacles_nothing_is_near_a_segment() -> None:
-    distance, number = ObstacleSet().nearest_to_segments(np.zeros((2, 3)), np.ones((2, 3)))
-    assert np.isinf(distance).all()
-    assert (number == -1).all()
