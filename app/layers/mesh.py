@@ -16,6 +16,7 @@ from app.layers.points import Points
 from app.layout import Layout
 from app.numbers import format_setting
 from app.once_a_plan import once_a_plan
+from app.straight_lines import straight_lines
 
 EDGE_BUDGET = 30_000
 """Edges a tab is sent at the most; of a larger mesh only a part is shown."""
@@ -128,7 +129,10 @@ def _picture(plan: Plan, view: str) -> bytes:
     part = _part(plan, view)
     if not len(part.edges):
         return b""
-    return glb.line_set(part.points, part.edges, style.MESH, _opacity(len(part.edges)))
+    lines = part.points, part.edges
+    if plan.mesh is not None and plan.mesh.stencil is not None:
+        lines = straight_lines(*lines, plan.mesh.stencil)
+    return glb.line_set(*lines, style.MESH, _opacity(len(part.edges)))
 
 
 def _opacity(edges: int) -> float:

@@ -132,11 +132,17 @@ _SEEN = """() => {
     .map(([name, {effectiveVisibility}]) => [name, effectiveVisibility, drawn(nodes[name])]);
 }"""
 
-_EDGES = """name => {
-  let ends = 0;
-  window.__viserMutable.nodeRefFromName[name]
-    ?.traverse(part => { if (part.isLineSegments) ends += part.geometry.index.count; });
-  return ends / 2;
+_INK = """name => {
+  let length = 0;
+  window.__viserMutable.nodeRefFromName[name]?.traverse(part => {
+    if (!part.isLineSegments) return;
+    const {index, attributes: {position: {array}}} = part.geometry;
+    for (let k = 0; k < index.count; k += 2) {
+      const [from, to] = [3 * index.array[k], 3 * index.array[k + 1]];
+      length += Math.hypot(...[0, 1, 2].map(axis => array[to + axis] - array[from + axis]));
+    }
+  });
+  return length;
 }"""
 
 _TRIANGLES = """name => {
@@ -268,9 +274,9 @@ class Page:
         """Number of triangles of a node's mesh."""
         return int(self.tab.evaluate(_TRIANGLES, name))
 
-    def edges(self, name: str) -> float:
-        """Number of edges that the meshes under a node draw."""
-        return float(self.tab.evaluate(_EDGES, name))
+    def ink(self, name: str) -> float:
+        """Length of all lines that the meshes under a node draw, [unit]."""
+        return float(self.tab.evaluate(_INK, name))
 
     def names(self) -> set[str]:
         """Every node of the scene that exists, except viser's own axes, which are off."""
