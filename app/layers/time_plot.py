@@ -30,30 +30,28 @@ Lines = tuple[tuple[str, style.Colour], ...]
 
 
 class TimePlots:
-    """Plots and what they show."""
+    """Plots, and what they are still to be sent."""
 
     def __init__(self) -> None:
         self._next = 0.0
-        self._waiting = False
-        self._data: tuple[tuple[viser.GuiUplotHandle, tuple[FloatArray, ...]], ...] = ()
+        self._waiting: tuple[tuple[viser.GuiUplotHandle, tuple[FloatArray, ...]], ...] = ()
 
     def clear(self) -> None:
-        """Show nothing of what was added."""
-        self._data, self._waiting = (), False
+        """Send nothing of what was added."""
+        self._waiting = ()
 
     def add(self, handle: viser.GuiUplotHandle, times: FloatArray, *lines: FloatArray) -> None:
         """Show lines (m,) over times (m,) from the next :meth:`show` on."""
-        self._data += ((handle, (times, *lines)),)
-        self._waiting = True
+        self._waiting += ((handle, (times, *lines)),)
 
     def show(self, interactive: bool) -> None:
         """Send what is new; ``interactive``: while a hand drags, not at every frame."""
         now = clock.monotonic()
         if not self._waiting or (interactive and now < self._next):
             return
-        self._next, self._waiting = now + PERIOD, False
-        for handle, (times, *series) in self._data:
+        for handle, (times, *series) in self._waiting:
             _show(handle, times, series)
+        self._next, self._waiting = now + PERIOD, ()
 
 
 def new_plot(gui: viser.GuiApi, title: str, lines: Lines, height: int) -> viser.GuiUplotHandle:
@@ -93,7 +91,8 @@ def _show(handle: viser.GuiUplotHandle, times: FloatArray, series: list[FloatArr
     # uplot finds no scale for a constant: this line, not to be seen, spans one
     span = np.full(len(times), high)
     span[0] = low
-    handle.data = (times, *series, span)
+    # half the bytes of viser's declared type, which the page does not need
+    handle.data = tuple(line.astype(np.float32) for line in (times, *series, span))
     # Never shown before it has its data: a chart that gets them before it is drawn for the
     # first time stays without a time axis.
     handle.visible = True
