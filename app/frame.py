@@ -54,6 +54,7 @@ class Frame:
         lecture: whether the page is to be read from afar.
         label_scale: of the labels in the scene.
         rate: seconds of the motion for one of the clock, while it does.
+        plots: whether the tab with the plots has been opened: until then it stays empty.
     """
 
     plan: Plan
@@ -75,6 +76,7 @@ class Frame:
     lecture: bool = False
     label_scale: float = 1.0
     rate: float = 1.0
+    plots: bool = False
 
     @property
     def current(self) -> bool:

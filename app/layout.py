@@ -11,6 +11,7 @@ from app import page, style
 from app.overlay import Overlay
 
 TITLE = "ABI path planning"
+PLOTS = "Plots"
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,7 +55,7 @@ class Layout:
         gui.main_panel.dock_left()
         gui.main_panel.set_width(style.LEFT_WIDTH)
         right = gui.add_panel()
-        names = ("Result", "Search", "Plots", "Scene", "Layers", "Learn")
+        names = ("Result", "Search", PLOTS, "Scene", "Layers", "Learn")
         tabs = [right.add_tab(name) for name in names]
         right.dock_right()
         right.set_width(style.RIGHT_WIDTH)

@@ -73,13 +73,14 @@ def ask(client: viser.ClientHandle, widget: viser.GuiTextHandle) -> None:
     _run(client, f"abi.report({json.dumps(uuid(widget))})")
 
 
-def watch(client: viser.ClientHandle, widget: viser.GuiTextHandle, label: str) -> None:
+def watch(client: viser.ClientHandle, widget: viser.GuiTextHandle, label: str, plots: str) -> None:
     """Have the tab type into ``widget`` what panels and text leave to the scene, at each change.
 
-    On a page that is or becomes a phone's the tab folds the sheet with the panels, which has the
-    heading ``label``; viser has no command for that.
+    It says, too, whether the tab of the panels that is called ``plots`` has been opened. On a page
+    that is or becomes a phone's the tab folds the sheet with the panels, which has the heading
+    ``label``; viser has no command for that.
     """
-    _run(client, f"abi.watch({json.dumps(uuid(widget))}, {json.dumps(label)})")
+    _run(client, f"abi.watch({json.dumps([uuid(widget), label, plots])})")
 
 
 def remember(client: viser.ClientHandle, text: str) -> None:

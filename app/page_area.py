@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from dataclasses import dataclass, fields
 
 import viser
 
 from app import page
-from app.layout import TITLE
+from app.layout import PLOTS, TITLE
 
 _MOST = 100_000.0
 """Longest side of a page, [px]."""
@@ -32,6 +33,7 @@ class PageArea:
         above: part of the scene's height that text covers from above, 0 to 1.
         below: the same from below.
         hidden: whether nobody sees the page, as behind another tab of the browser.
+        plots: whether the tab with the plots has been opened.
     """
 
     width: float = 1280.0
@@ -41,6 +43,7 @@ class PageArea:
     above: float = 0.0
     below: float = 0.0
     hidden: bool = False
+    plots: bool = False
 
     @property
     def aspect(self) -> float:
@@ -53,10 +56,10 @@ class PageArea:
         try:
             data = json.loads(str(text))
             numbers = {name: float(data[name]) for name in _NUMBERS}
-            hidden = bool(data["hidden"])
+            hidden, plots = bool(data["hidden"]), bool(data["plots"])
         except (ValueError, TypeError, KeyError, RecursionError):
             return None
-        area = cls(**numbers, hidden=hidden)
+        area = cls(**numbers, hidden=hidden, plots=plots)
         sizes = (area.width, area.height, area.left, area.right)
         if not all(0 <= size <= _MOST for size in sizes):
             return None
@@ -64,7 +67,7 @@ class PageArea:
         return area if all(0 <= part <= 1 for part in covered) else None
 
 
-_NUMBERS = tuple(field.name for field in fields(PageArea) if field.name != "hidden")
+_NUMBERS = tuple(field.name for field in fields(PageArea) if field.name not in ("hidden", "plots"))
 
 
 def label_scale(area: PageArea | None, lecture: bool) -> float:
@@ -80,14 +83,28 @@ def label_scale(area: PageArea | None, lecture: bool) -> float:
 class PageWatch:
     """Hidden text box into which the page types its area whenever that changes.
 
-    No callback: a new area is no input. Who needs it looks here.
+    A new area is no input: who needs it looks here. Only plots that come into sight are waited for.
     """
 
-    def __init__(self, client: viser.ClientHandle) -> None:
+    def __init__(self, client: viser.ClientHandle, nudge: Callable[[], None]) -> None:
+        """Begin without an area; ``nudge`` is called when the plots are opened."""
         self._box = client.gui.add_text("area", "", visible=False)
         self._read: object = ""
         self._area: PageArea | None = None
-        page.watch(client, self._box, TITLE)
+        self._nudge = nudge
+        self._box.on_update(self._hear)
+        page.watch(client, self._box, TITLE, PLOTS)
+
+    @property
+    def plots(self) -> bool:
+        """Whether the tab with the plots has been opened."""
+        area = self.area()
+        return area is not None and area.plots
+
+    def _hear(self, _: object) -> None:
+        before = self._area
+        if self.plots and not (before is not None and before.plots):
+            self._nudge()
 
     def area(self) -> PageArea | None:
         """The page's area; None before its first word."""

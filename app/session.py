@@ -81,7 +81,7 @@ class Session:
         self._built = False
         self._closing = False
         page.install(client)
-        watch = PageWatch(client)
+        watch = PageWatch(client, self._changed.set)
         self._refused = RefusedFiles(client)
         self._memory = TabMemory(client, self.wake)
         self._look = look

@@ -144,6 +144,7 @@ class TabView:
         playing, rate = self.playback.playing, self.playback.rate
         scale = label_scale(self._watch.area(), frame.lecture)
         frame = replace(frame, time=now, playing=playing, rate=rate, label_scale=scale)
+        frame = replace(frame, plots=self._watch.plots)
         theatre = self.panels.theatre.advance(frame)
         told = frame.lecture or frame.lesson  # what is shown is chosen for the student
         hidden = theatre is not None or (told and "arm" not in frame.shown)
@@ -165,7 +166,8 @@ class TabView:
         area = self._watch.area()
         self._folding.update(area, self.panels.lecture.on)
         self.viewpoint.fit(area)
-        return label_scale(area, frame.lecture) != frame.label_scale
+        shown = label_scale(area, frame.lecture), self._watch.plots
+        return shown != (frame.label_scale, frame.plots)
 
     def take(self, report: Report, dark: bool | None) -> None:
         """Take over what the browser remembers, and the system's colours unless ``dark`` says."""

@@ -48,8 +48,8 @@ class JointRatesLayer:
             self._peaks = layout.client.gui.add_html("", visible=False)
 
     def draw(self, frame: Frame) -> None:
-        """Plot the plan's motion once the hand rests, with a line at "now"."""
-        if not frame.interactive and frame.plan is not self._drawn:
+        """Plot the plan's motion once the hand rests and the plots have been opened."""
+        if frame.plots and not frame.interactive and frame.plan is not self._drawn:
             self._drawn = frame.plan
             self._replace(frame.plan)
         self._shown.show(frame.interactive)

@@ -57,40 +57,40 @@ class PlotsLayer:
             self._pull = new_plot(gui, _pull_title(unit), pulls, 190)
         self._unit = unit
         self._no_motion = notes
-        self._quick = (self._speed, self._angles, self._slide, self._clearance)
-        self._plots = (*self._quick, self._tool, self._pull)
+        others = (self._angles, self._slide, self._clearance, self._tool, self._pull)
+        self._plots = (self._speed, *others)
         self._layout = layout
         self._named: tuple[str, ...] = ()
         self._other: viser.GuiUplotHandle | None = None
         self._motion: object = self  # not that of the first plan, which may be None
+        self._plotted: object = None
         self._resting: object = None
         self._shown = TimePlots()
 
     def draw(self, frame: Frame) -> None:
         """Plot the plan's motion; nothing where there is none."""
-        if frame.plan.motion is not self._motion:
-            self._replace(frame.plan)
-        if not frame.interactive and self._resting is not self._motion:
-            self._add_slow(frame.plan)
+        plan = frame.plan
+        if plan.motion is not self._motion:
+            self._replace(plan)
+        if frame.plots and plan.motion is not None:
+            if self._plotted is not plan.motion:
+                self._add_joints(plan, plan.motion)
+            if not frame.interactive and self._resting is not plan.motion:
+                self._add_slow(plan, plan.motion)
         self._shown.show(frame.interactive)
 
     def _replace(self, plan: Plan) -> None:
-        """Keep the plan's motion, to be plotted."""
-        self._motion = plan.motion
-        if self._other is not None and (plan.motion is None or plan.motion.joints == JOINTS):
+        """Keep the plan's motion, to be plotted, and plot its speed."""
+        motion = self._motion = plan.motion
+        if self._other is not None and (motion is None or motion.joints == JOINTS):
             self._other.visible = False
         self._shown.clear()
         for note in self._no_motion:
-            note.visible = plan.motion is None
-        if plan.motion is None:
+            note.visible = motion is None
+        if motion is None:
             for plot in self._plots:
                 plot.visible = False
             return
-        motion = plan.motion
-        samples = slice(None, None, max(1, len(motion.time) // 100))
-        time, positions = motion.time[samples], motion.positions[samples]
-        velocity = motion.velocity[samples]
-        speed = np.linalg.norm(velocity, axis=1)
         # a new title builds the chart anew, which then forgets its time axis
         if plan.scene.unit != self._unit:
             self._unit = plan.scene.unit
@@ -99,7 +99,14 @@ class PlotsLayer:
             self._clearance.title = _clearance_title(self._unit)
             self._tool.title = _tool_title(self._unit)
             self._pull.title = _pull_title(self._unit)
-        self._shown.add(self._speed, time, speed, *velocity.T)
+        velocity = motion.velocity[_samples(motion)]
+        speed = np.linalg.norm(velocity, axis=1)
+        self._shown.add(self._speed, motion.time[_samples(motion)], speed, *velocity.T)
+
+    def _add_joints(self, plan: Plan, motion: ArmMotion) -> None:
+        """Add what is plotted in the plots' tab, except for what is slow."""
+        self._plotted = motion
+        time, positions = motion.time[_samples(motion)], motion.positions[_samples(motion)]
         if motion.joints == JOINTS:
             self._shown.add(self._angles, time, *positions[:, [0, 1, 2, 3, 5]].T)
             self._shown.add(self._slide, time, positions[:, 4])
@@ -110,32 +117,26 @@ class PlotsLayer:
         if plan.arm_clearance is None or plan.arm_clearance.obstacle < 0:
             self._clearance.visible = False
         elif not has_meshes(plan):
-            self._add_clearance(plan)
+            self._add_clearance(plan, motion)
 
-    def _add_slow(self, plan: Plan) -> None:
+    def _add_slow(self, plan: Plan, motion: ArmMotion) -> None:
         """Add what is plotted once the hand rests."""
-        self._resting = self._motion
-        motion = plan.motion
-        if motion is None:
-            return
-        samples = slice(None, None, max(1, len(motion.time) // 100))
-        time = motion.time[samples]
-        self._shown.add(self._pull, time, *acceleration(plan)[samples].T)
+        self._resting = motion
+        time = motion.time[_samples(motion)]
+        self._shown.add(self._pull, time, *acceleration(plan)[_samples(motion)].T)
         if has_meshes(plan):
-            self._add_clearance(plan)
+            self._add_clearance(plan, motion)
         distances = tool_clearance(plan)
         if distances is None:
             self._tool.visible = False
         else:
-            self._shown.add(self._tool, time, distances[samples])
+            self._shown.add(self._tool, time, distances[_samples(motion)])
 
-    def _add_clearance(self, plan: Plan) -> None:
+    def _add_clearance(self, plan: Plan, motion: ArmMotion) -> None:
         """Add the clearance of the arm, which takes a while where there are meshes."""
-        assert plan.motion is not None
-        stride = max(1, len(plan.motion.time) // 100)
-        distances = links_clearance(plan, stride)
+        distances = links_clearance(plan, _samples(motion).step)
         if distances is not None:
-            self._shown.add(self._clearance, plan.motion.time[::stride], distances)
+            self._shown.add(self._clearance, motion.time[_samples(motion)], distances)
 
     def _others(self, motion: ArmMotion, unit: str) -> viser.GuiUplotHandle:
         """The plot of a motion's joints, made anew where names or units are others."""
@@ -149,6 +150,11 @@ class PlotsLayer:
                 self._other = new_plot(self._layout.client.gui, title, tuple(lines), 250)
             self._named = named
         return self._other
+
+
+def _samples(motion: ArmMotion) -> slice:
+    """About a hundred of a motion's samples."""
+    return slice(None, None, max(1, len(motion.time) // 100))
 
 
 def _joints_title(motion: ArmMotion, unit: str) -> str:

@@ -32,9 +32,10 @@ window.abi = {
     }));
   },
 
-  // Tell the server what panels and text leave to the scene: see app/page_area.py.
-  watch(uuid, label) {
-    this.watched = {uuid, label, told: ""};
+  // Tell the server what panels and text leave to the scene, and whether the tab with the plots has
+  // been opened: see app/page_area.py.
+  watch([uuid, label, plots]) {
+    this.watched = {uuid, label, plots, told: ""};
     this.tellArea();
   },
   tellArea() {
@@ -45,8 +46,11 @@ window.abi = {
     const edges = (part, edge) => [...document.querySelectorAll(`#abi-overlay .abi-${part} > *`)]
       .map(each => each.getBoundingClientRect()).filter(box => box.height > 0).map(box => box[edge]);
     const covered = part => Math.min(Math.max(part / canvas.height, 0), 1).toFixed(2);
+    this.plots ||= [...document.querySelectorAll("[role=tab][aria-selected=true]")]
+      .some(tab => tab.textContent === this.watched.plots);
     const area = JSON.stringify({
       hidden: document.hidden,
+      plots: this.plots,
       width: innerWidth,
       height: Math.round(canvas.height),
       left: Math.max(Math.round(canvas.left), 0),
@@ -202,6 +206,11 @@ window.abi = {
   },
   SHEET: '.mantine-Paper-root[style*="max-height: 60%"]',
 
+  // A tab of the panels is chosen once all have heard of the click.
+  tabClicked({target}) {
+    if (target.closest?.("[role=tab]")) setTimeout(() => this.tellArea());
+  },
+
   // In a phone's sheet the tabs are below the stages, in one line first: what is chosen of them comes
   // into sight, and stays there while it unfolds.
   sheetClicked({target, isTrusted}) {
@@ -354,7 +363,7 @@ window.abiListeners?.abort();
 window.abiListeners = new AbortController();
 for (const [name, call] of [
   ["pointerdown", "plotPressed"], ["pointerup", "plotReleased"], ["click", "plotClicked"],
-  ["click", "sheetClicked"], ["dblclick", "plotReset"], ["keydown", "keyPressed"],
+  ["click", "sheetClicked"], ["click", "tabClicked"], ["dblclick", "plotReset"], ["keydown", "keyPressed"],
   ["mousedown", "besideClicked"],
 ]) {
   const options = {capture: true, signal: window.abiListeners.signal};

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import contextlib
+import json
 import socket
 import threading
 from collections.abc import Callable
+from dataclasses import asdict
 from typing import Any, TypeVar
 
 import msgspec
@@ -13,6 +15,7 @@ import viser
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import ClientConnection, connect
 
+from app.page_area import PageArea
 from app.session import Session
 from benchmarks.web_tab import CAMERA
 
@@ -35,6 +38,11 @@ def layer(session: Session, kind: type[_Layer]) -> _Layer:
     """The session's layer of that kind."""
     (match,) = (layer for layer in session._view.layers if isinstance(layer, kind))
     return match
+
+
+def open_plots(tab: FakeTab, session: Session) -> None:
+    """Tell the session that the tab with the plots is open."""
+    tab.set(session._view._watch._box, json.dumps(asdict(PageArea(plots=True))))
 
 
 def send_file(session: Session, button: Any, name: str, content: bytes) -> None:

@@ -8,7 +8,7 @@ import pytest
 from abi.scene.scene import load_scene
 from app.layers.joint_rates import JointRatesLayer
 from app.session import Session
-from tests.app.fake_tab import FakeTab, layer, until
+from tests.app.fake_tab import FakeTab, layer, open_plots, until
 
 
 @pytest.mark.slow
@@ -17,6 +17,9 @@ def test_every_joint_has_its_line_and_torques_where_there_are_masses(
 ) -> None:
     fake, session = tab
     drawn = layer(session, JointRatesLayer)
+    until(lambda: session.resting)
+    assert not drawn._plots
+    open_plots(fake, session)
     until(lambda: bool(drawn._plots) and drawn._plots["speeds"].visible)
     assert not drawn._plots["torques"].visible
     assert "no masses of links" in drawn._peaks.content

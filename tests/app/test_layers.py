@@ -189,8 +189,8 @@ def test_a_plot_has_its_data_once_and_before_it_is_shown(tab: tuple[FakeTab, Ses
     result = plan(load_scene("paper"))
     assert result.motion is not None
     layer.draw(Frame(result, interactive=True))
-    layer.draw(Frame(result))
-    layer.draw(Frame(result, time=0.5))
+    layer.draw(Frame(result, plots=True))
+    layer.draw(Frame(result, plots=True, time=0.5))
     for plot in layer._plots:
         # the page itself marks the time
         assert [name for of, name in updates if of is plot] == ["data", "visible"]

@@ -23,7 +23,7 @@ from app.named_obstacles import numbers_of
 from app.server import start
 from app.session import Session
 from tests.abi import meshes
-from tests.app.fake_tab import FakeTab, layer, send_file, until
+from tests.app.fake_tab import FakeTab, layer, open_plots, send_file, until
 
 MILLIMETRES = {
     "version": 1,
@@ -283,6 +283,9 @@ def test_a_fitted_mesh_fits_in_any_unit_of_its_file(
 def test_plots_are_there_when_there_is_motion(tab: tuple[FakeTab, Session]) -> None:
     fake, session = tab
     plots: list[viser.GuiUplotHandle] = list(layer(session, PlotsLayer)._plots)
+    until(lambda: session.resting)
+    assert [plot.visible for plot in plots] == [True] + 5 * [False]
+    open_plots(fake, session)
     until(lambda: all(plot.visible for plot in plots))
     fake.set(session.panels.files.choice, "no-way")
     until(lambda: not any(plot.visible for plot in plots))

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import pytest
 
+from app.server import Server
 from app.session import Session
+from tests.browser import drawn
+from tests.browser.conftest import Tabs
 from tests.browser.page import Page
 
 _ENDS = """() => Object.values(window.__viserTestpoints.uplots).map(({chart}) => chart)
@@ -63,6 +66,24 @@ def test_what_a_line_is_worth_can_be_read_beside_every_plot(page: Page, session:
             page.settle()
             page.until(lambda: bool(page.tab.evaluate(_NUMBERS)), "plots")
             assert min(page.tab.evaluate(_NUMBERS)) >= 2, (name, tab)
+
+
+_ALL = """() => Object.values(window.__viserTestpoints.uplots).filter(({chart}) => chart).length"""
+
+
+def test_plots_behind_their_tab_come_when_it_is_opened_and_follow_a_drag(
+    tabs: Tabs, server: Server
+) -> None:
+    page = tabs()
+    session = server.sessions[page.client]
+    page.until(lambda: page.tab.evaluate(_ALL) == 1, "the speed alone")
+    page.click("Plots")
+    page.until(lambda: page.tab.evaluate(_ALL) > 6, "the plots")
+    before = session.frame.duration
+    page.until(lambda: _is_whole(page, before), "the whole motion")
+    page.drag_arrow(drawn.obstacles(page)[0], 2, -1.0)
+    page.until(lambda: session.frame.duration != before, "another motion")
+    page.until(lambda: _is_whole(page, session.frame.duration), "the whole of it")
 
 
 # Where the playback's speed is, and how high what scrolls with it is, [px].
