@@ -5,14 +5,16 @@ from __future__ import annotations
 import asyncio
 import functools
 import json
+import re
 import time
 import uuid as uuids
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import Executor, Future
 from typing import Any
 
 import numpy as np
 import viser
+from numpy.typing import NDArray
 from viser import _messages
 from viser._threadpool_exceptions import print_awaited_callback_error
 
@@ -24,6 +26,8 @@ assert viser.__version__ == "1.1.1", "app/page.py uses private names of viser 1.
 
 SILENCE = 60.0
 """Seconds after which a file of which nothing more has come is taken for lost."""
+
+_COMMENT = re.compile(r"(//.*|/\*[^*]*\*/)?")
 
 viser_shortcuts.install()
 
@@ -278,6 +282,15 @@ def tab(server: viser.ViserServer, connection: object) -> viser.ClientHandle | N
     return None
 
 
+def set_lines(plot: viser.GuiUplotHandle, lines: Sequence[NDArray[np.float32]]) -> None:
+    """Show ``lines`` (m,) over the first of them in a plot.
+
+    viser itself sends them in double precision, of which the page has no use.
+    """
+    vars(plot._impl.props)["data"] = tuple(lines)
+    plot._queue_update("data", tuple(lines))
+
+
 def move_gizmo(
     client: viser.ClientHandle,
     name: str,
@@ -332,7 +345,8 @@ def _run(client: viser.ClientHandle, script: str, slot: str = "") -> None:
 
 @functools.cache
 def _script() -> str:
-    files = (
-        assets.path("page", name) for name in ("page.js", "files.js", "labels.js", "keyboard.js")
-    )
-    return "\n".join(file.read_text(encoding="utf-8") for file in files)
+    """The page's scripts, without indentation and lines of nothing but a comment."""
+    files = ("page.js", "files.js", "labels.js", "keyboard.js")
+    text = "\n".join(assets.path("page", name).read_text(encoding="utf-8") for name in files)
+    lines = (line.strip() for line in text.splitlines())
+    return "\n".join(line for line in lines if not _COMMENT.fullmatch(line))

@@ -10,7 +10,7 @@ import viser
 from viser import uplot
 
 from abi.arrays import FloatArray
-from app import style
+from app import page, style
 
 _GREY = "rgba(128,128,128,0.25)"
 _FONT = "11px sans-serif"
@@ -84,15 +84,15 @@ def new_plot(gui: viser.GuiApi, title: str, lines: Lines, height: int) -> viser.
 
 def _show(handle: viser.GuiUplotHandle, times: FloatArray, series: list[FloatArray]) -> None:
     """Send lines over times."""
-    low = min(float(np.min(line)) for line in series)
-    high = max(float(np.max(line)) for line in series)
+    shown = [line.astype(np.float32) for line in (times, *series)]
+    low = min(float(line.min()) for line in shown[1:])
+    high = max(float(line.max()) for line in shown[1:])
     if high - low < _FLAT:
         low, high = low - 1, high + 1
     # uplot finds no scale for a constant: this line, not to be seen, spans one
-    span = np.full(len(times), high)
+    span = np.full(len(times), high, np.float32)
     span[0] = low
-    # half the bytes of viser's declared type, which the page does not need
-    handle.data = tuple(line.astype(np.float32) for line in (times, *series, span))
+    page.set_lines(handle, (*shown, span))
     # Never shown before it has its data: a chart that gets them before it is drawn for the
     # first time stays without a time axis.
     handle.visible = True
