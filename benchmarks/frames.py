@@ -32,6 +32,7 @@ from pathlib import Path
 import numpy as np
 
 from abi import compiling
+from abi.arm.models import model_of
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner.exclusion_cache import ExclusionCache
 from abi.planner.planner import SLACK, Planner
@@ -81,6 +82,7 @@ def _measure(name: str, size: int) -> list[Row]:
     stored = StoredMesh(mesh)
     libraries = graph_libraries.installed(stored)
     turns, stretch = next(frames for most, *frames in _FRAMES if nodes <= most)
+    model_of(first.arm, first.unit)  # a planner counts its making, slow at first, in every plan
     planner, exclude = Planner(), ExclusionCache()
     times: Times = defaultdict(list)
     for turn in range(turns + 1):
