@@ -71,6 +71,17 @@ class Graph(ShortRepr):
         links = np.stack([self.tails, self.heads], axis=1)
         return read_only(np.concatenate([self.mesh.edges[self._kept], links]))
 
+    def edges_among(self, nodes: BoolArray) -> IntArray:
+        """Those of the edges (m, 2) that join two of the flagged ``nodes`` (n,).
+
+        No table of all edges is made, which in a large mesh would be most of a plan's memory.
+        """
+        tail, head = self.mesh.edges.T  # numpy takes ten times as long to reduce rows of two
+        among = self._kept & nodes[tail] & nodes[head]
+        linked = nodes[self.tails] & nodes[self.heads]
+        links = np.stack([self.tails[linked], self.heads[linked]], axis=1)
+        return np.concatenate([self.mesh.edges[among], links])
+
     @property
     def indptr(self) -> IntArray:
         """Positions in ``indices`` at which the neighbours of each node begin (n + 1,)."""

@@ -159,6 +159,9 @@ def test_rows_hold_each_edge_twice_with_its_length(seed: int) -> None:
     assert np.array_equal(pairs[np.lexsort(pairs.T)], expected[np.lexsort(expected.T)])
     lengths = np.linalg.norm(graph.points[pairs[:, 1]] - graph.points[pairs[:, 0]], axis=1)
     assert np.allclose(graph.lengths, lengths, rtol=1e-12, atol=0)
+    some = rng.random(len(graph.points)) < 0.7
+    among = graph.edges[some[graph.edges].all(axis=1)]
+    np.testing.assert_array_equal(graph.edges_among(some), among)
     assert graph.longest_edge == graph.lengths.max()
     assert graph.indptr.dtype == graph.indices.dtype == np.int32
     arrays = (graph.points, graph.edges, graph.indptr, graph.indices, graph.lengths)
