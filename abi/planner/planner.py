@@ -31,6 +31,7 @@ from abi.planner.arm_stages import clearance_on, courses_of, motion_on, surround
 from abi.planner.arm_words import contact_sentence
 from abi.planner.exclusion_cache import ExclusionCache
 from abi.planner.plan import Plan
+from abi.planner.shared_mesh import shared_mesh
 from abi.planner.stage import Stage
 from abi.scene.scene import Scene, require_scene
 from abi.scene.settings import MotionSettings
@@ -38,7 +39,6 @@ from abi.search.build_graph import build_graph
 from abi.search.search import SEARCHES
 from abi.taut.lower_bound import lower_bound
 from abi.taut.taut_path import taut as pull_taut
-from abi.tet_mesh.tet_mesh import tetrahedralise
 
 SLACK = 1e-3
 """Extra clearance of mesh edges, as a fraction of the workspace's longest side.
@@ -87,7 +87,7 @@ class Planner:
         self._compile, self._planned = compile, False
         self._turn = threading.Lock()
         self._obstacles = Stage(ObstacleSet)
-        self._mesh = Stage(tetrahedralise)
+        self._mesh = Stage(shared_mesh)
         self._exclude = Stage(ExclusionCache())
         self._graph = Stage(build_graph)
         # compared with each other: what else the machine did meanwhile is not theirs

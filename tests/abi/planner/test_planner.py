@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import gc
 import threading
+import weakref
 from functools import partial
 from typing import Any
 
@@ -130,6 +132,18 @@ def test_the_first_plan_of_a_urdf_arm_waits_for_kept_kernels(
     calls.clear()
     Planner()(scene.replace(arm={"model": "urdf"}))
     assert calls[:3] == ["begin", "wait_for_loading", "run"]
+
+
+def test_planners_of_one_box_share_its_mesh_while_one_has_it() -> None:
+    scene = load_scene("paper")
+    one, other = Planner(), Planner()
+    mesh = one(scene).mesh
+    assert other(scene).mesh is mesh
+    assert other(scene.replace(mesh={"pitch": 0.9})).mesh is not mesh
+    kept = weakref.ref(mesh)
+    del one, other, mesh
+    gc.collect()
+    assert kept() is None
 
 
 @pytest.mark.parametrize("unit", ["m", "cm", "mm"])
