@@ -84,6 +84,12 @@ def links(
     }
 
 
+def joint_heights(a1: float, a2: float, a3: float, a4: float, a5: float) -> tuple[float, ...]:
+    """Height of each joint, q1 to q6, and of the tool in the frame of the joint before it, [m]."""
+    size = proportions(a1, a2, a3, a4, a5)
+    return a1, a2, a3, size.roll, a4 - size.roll, size.wrist, a5 - size.wrist
+
+
 def _base(size: Proportions, a1: float) -> tuple[LinkSolid, ...]:
     s = size.shoulder
     plate = min(0.22 * s, 0.25 * a1)

@@ -16,8 +16,8 @@ from abi.arrays import FloatArray
 from abi.planner.plan import Plan
 from app import style
 from app.frame import Frame, Switch
-from app.layers.arm_nodes import ArmNodes
-from app.layers.arm_playback import ArmPlayback, JointPose, samples_of
+from app.layers.arm_nodes import ArmNodes, JointNode
+from app.layers.arm_playback import ArmPlayback, samples_of
 from app.layers.paper_arm import PaperArmNodes
 from app.layers.urdf_arm import UrdfArmNodes
 from app.layout import Layout
@@ -29,7 +29,7 @@ _KINDS: dict[type[AnyArm], Callable[[viser.SceneApi], ArmNodes]] = {
 }
 """Nodes of each kind of arm."""
 _TRACE_SAMPLES = 100
-_NO_JOINTS: list[JointPose] = []
+_NO_JOINTS: list[JointNode] = []
 
 
 class ArmLayer:
@@ -48,7 +48,6 @@ class ArmLayer:
         self._playback = ArmPlayback(layout.client)
         self._kinds = {kind: nodes(scene) for kind, nodes in _KINDS.items()}
         self._nodes = next(iter(self._kinds.values()))
-        self._joint_poses: list[JointPose] = []
         self._arm: AnyArm | None = None
         self._posed: object = None
         self._trace = add_line(scene, "/trace", style.TRACE, 4.0)
@@ -75,16 +74,13 @@ class ArmLayer:
     def _place(self, arm: AnyArm) -> None:
         """Show another arm."""
         self._arm, self._posed = arm, None
-        before = self._nodes.joint_nodes
         self._nodes = self._kinds[type(arm)]
         self._nodes.place(arm)
-        if (joints := self._nodes.joint_nodes) is not before:
-            self._joint_poses = [pose for node in joints if (pose := node.pose) is not None]
 
     def _play(self, frame: Frame, motion: ArmMotion) -> None:
         """Have the page move the arm, and lengthen a trace of the whole motion."""
         # one that was changed while it is not to be seen has no nodes yet
-        joints = self._joint_poses if frame.plan.arm is self._arm else _NO_JOINTS
+        joints = self._nodes.joint_nodes if frame.plan.arm is self._arm else _NO_JOINTS
         if self._playback.play(
             motion, self._nodes.values, joints, self._trace.name, frame.time, frame.rate
         ):

@@ -10,7 +10,6 @@ from __future__ import annotations
 import base64
 import functools
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 import viser
@@ -18,40 +17,9 @@ import viser
 from abi.arm.trajectory import ArmMotion
 from abi.arrays import FloatArray, read_only
 from app import page
+from app.layers.arm_nodes import JointNode
 
 SAMPLES = 101
-
-
-@dataclass(frozen=True)
-class JointPose:
-    """Motion of a joint's node with its position.
-
-    Attributes:
-        name: of the node.
-        column: of the joint's position among all.
-        wxyz: orientation at position 0, (4,), in the parent node.
-        position: place at position 0, (3,), [unit].
-        axis: (3,), to turn about, in the node; or to slide along, in the parent node.
-        prismatic: whether it slides.
-    """
-
-    name: str
-    column: int
-    wxyz: FloatArray
-    position: FloatArray
-    axis: FloatArray
-    prismatic: bool
-
-    def to_dict(self) -> dict[str, object]:
-        """The fields as the page has them, to whose samples the time comes first."""
-        return {
-            "name": self.name,
-            "column": self.column + 1,
-            "wxyz": self.wxyz.tolist(),
-            "position": self.position.tolist(),
-            "axis": self.axis.tolist(),
-            "prismatic": self.prismatic,
-        }
 
 
 class ArmPlayback:
@@ -59,14 +27,14 @@ class ArmPlayback:
 
     def __init__(self, client: viser.ClientHandle) -> None:
         self._client = client
-        self._joints: tuple[list[JointPose], list[dict[str, object]]] = ([], [])
-        self._playing: tuple[object, ...] | None = None
+        self._joints: list[JointNode] | None = None
+        self._playing: tuple[ArmMotion, float] | None = None
 
     def play(
         self,
         motion: ArmMotion,
         values: Callable[[FloatArray], FloatArray],
-        joints: list[JointPose],
+        joints: list[JointNode],
         trace: str,
         time: float,
         rate: float,
@@ -85,12 +53,9 @@ class ArmPlayback:
             Whether this is new: the line named ``trace`` is then to have a segment between each
             two of :func:`samples_of`.
         """
-        key = (motion, rate, id(joints))
-        if key == self._playing:
+        if (motion, rate) == self._playing and joints is self._joints:
             return False
-        self._playing = key
-        if self._joints[0] is not joints:
-            self._joints = joints, [joint.to_dict() for joint in joints]
+        self._playing, self._joints = (motion, rate), joints
         rows = samples_of(motion)
         positions = values(motion.positions[rows]) if joints else motion.positions[rows]
         table = np.column_stack((motion.time[rows], positions)).astype("<f4")
@@ -99,7 +64,7 @@ class ArmPlayback:
             {
                 "samples": base64.b64encode(table.tobytes()).decode(),
                 "columns": table.shape[1],
-                "joints": self._joints[1],
+                "joints": [joint.played for joint in joints],
                 "trace": trace,
                 "time": time,
                 "rate": rate,

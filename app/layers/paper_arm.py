@@ -1,44 +1,33 @@
-"""Scene nodes of the paper's arm, drawn from its URDF."""
+"""Scene nodes of the paper's arm."""
 
 from __future__ import annotations
 
-import viser
+import functools
 
+import numpy as np
+import viser
+import viser.transforms
+
+from abi.arm import arm_links
 from abi.arm.any_arm import AnyArm
-from abi.arm.arm import JOINTS, Arm
+from abi.arm.arm import JOINT_AXES, SLIDES, Arm
+from abi.arm.link_solid import LinkSolid, rotation_of
 from abi.arm.trajectory import rest_pose
 from abi.arrays import FloatArray
 from abi.planner.plan import Plan
-from app.layers.arm_nodes import JointNode
-from app.layers.arm_solids import ArmSolids, Solid, solids_of
+from abi.robot.robot import Shape
+from app.layers.arm_nodes import ArmNodes
+from app.layers.link_body import link_glbs
+
+_KEPT = 8
+"""Arms of different sizes that are kept."""
 
 
-class PaperArmNodes:
-    """One node a joint, fixed ones too, nested as in the URDF."""
+class PaperArmNodes(ArmNodes):
+    """One node for each joint and one for the tool."""
 
     def __init__(self, scene: viser.SceneApi) -> None:
-        self._scene = scene
-        self.root = scene.add_frame("/arm", show_axes=False)
-        self.joint_nodes: list[JointNode] = []
-        self._lengths: tuple[float, ...] = ()
-        self._built: ArmSolids | None = None
-        self._meshes: dict[str, viser.GlbHandle] = {}
-        self._red: dict[str, viser.GlbHandle] = {}
-        self._solids: dict[str, Solid] = {}
-        self._names: dict[str, str] = {}
-        self._touching: frozenset[str] = frozenset()
-
-    def place(self, arm: AnyArm) -> None:
-        """Put the arm on its base; build it anew when its links changed."""
-        assert isinstance(arm, Arm)
-        self.root.position = arm.base
-        lengths = arm.a1, arm.a2, arm.a3, arm.a4, arm.a5, arm.metres
-        if lengths == self._lengths:
-            return
-        if (solids := solids_of(arm)) is not self._built:
-            self._build(solids)
-            self._built = solids
-        self._lengths = lengths
+        super().__init__(scene, "/arm", "links")
 
     def rest_pose(self, plan: Plan) -> FloatArray:
         """Pose with the tool on the start."""
@@ -49,50 +38,41 @@ class PaperArmNodes:
         """The same."""
         return positions
 
-    def redden(self, links: frozenset[str]) -> None:
-        """Draw links in red, and the others in their own colours."""
-        if links == self._touching:
-            return
-        self._touching = links
-        for link, mesh in self._meshes.items():
-            touching = link in links
-            if touching and link not in self._red:
-                red = self._solids[link].red
-                self._red[link] = self._scene.add_glb(f"{self._names[link]}/red", red)
-            if link in self._red:
-                self._red[link].visible = touching
-            mesh.visible = not touching
+    def _look_of(self, arm: AnyArm) -> tuple[float, ...]:
+        assert isinstance(arm, Arm)
+        return arm.a1, arm.a2, arm.a3, arm.a4, arm.a5
 
-    def _build(self, arm: ArmSolids) -> None:
-        """Add the nodes of an arm."""
-        for node in self.joint_nodes[:1]:
-            node.frame.remove()
-        self.joint_nodes = []
-        self._touching = frozenset()
-        self._meshes, self._red = {}, {}
-        self._solids = arm.solids
-        self._names = names = {arm.base: "/arm/links"}
-        self._add_mesh(arm.base)
-        for joint in arm.joints:
-            names[joint.child] = name = f"{names[joint.parent]}/{joint.child}"
-            frame = self._scene.add_frame(
-                name,
-                show_axes=False,
-                wxyz=joint.origin.rotation().wxyz,
-                position=joint.origin.translation(),
-            )
-            self._add_mesh(joint.child)
-            self.joint_nodes.append(
-                JointNode(
-                    frame,
-                    column=JOINTS.index(joint.name) if joint.name in JOINTS else None,
-                    prismatic=joint.prismatic,
-                    axis=joint.axis,
-                    origin=joint.origin,
-                )
-            )
+    def _build(self, arm: AnyArm) -> None:
+        lengths = self._look_of(arm)
+        (base, glbs), *moved = _links(*lengths).items()
+        *heights, tool = map(_above, arm_links.joint_heights(*lengths))
+        name = self._base_name
+        self._add_body(base, name, glbs)
+        joints = zip(moved, heights, JOINT_AXES, enumerate(SLIDES), strict=True)
+        for (link, glbs), origin, axis, (column, slides) in joints:
+            name = f"{name}/{link}"
+            self._add_joint(name, origin, np.array(axis), column, slides)
+            self._add_body(link, name, glbs)
+        self._scene.add_frame(f"{name}/tool", show_axes=False, position=tool.translation())
 
-    def _add_mesh(self, link: str) -> None:
-        if link in self._solids:
-            name = f"{self._names[link]}/mesh"
-            self._meshes[link] = self._scene.add_glb(name, self._solids[link].glb)
+
+@functools.lru_cache(_KEPT)
+def _links(*lengths: float) -> dict[str, tuple[bytes, bytes]]:
+    """Bodies of the links that have any, from the base to the gripper, once for all tabs."""
+    links = arm_links.links(*lengths)
+    shapes = {link: [_shape(one) for one in solids] for link, solids in links.items() if solids}
+    return {link: link_glbs(own, np.eye(4), 1.0) for link, own in shapes.items()}
+
+
+def _shape(solid: LinkSolid) -> Shape:
+    """A solid with its colour as the links of other arms have them."""
+    pose = np.eye(4)
+    pose[:3, :3], pose[:3, 3] = rotation_of(solid.rpy), solid.xyz
+    radius, _, height = solid.size
+    size = solid.size if solid.shape == "box" else (radius, height, 0.0)
+    colours = (255 * np.array([arm_links.COLOURS[solid.material]])).astype(np.uint8)
+    return Shape(solid.shape, size, pose, np.empty((0, 3)), np.empty((0, 3), np.int32), colours)
+
+
+def _above(height: float) -> viser.transforms.SE3:
+    return viser.transforms.SE3.from_translation(np.array([0.0, 0.0, height]))

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import functools
-import operator
-from typing import TYPE_CHECKING
+from dataclasses import replace
 
 import numpy as np
 import viser
@@ -13,48 +11,31 @@ import viser.transforms
 from abi.arm.any_arm import AnyArm
 from abi.arm.chain_kernels import POSE
 from abi.arm.urdf_arm import UrdfArm
-from abi.arrays import FloatArray
+from abi.arrays import ByteArray, FloatArray
 from abi.obstacles.pose import rotation
 from abi.planner.plan import Plan
-from abi.robot.robot import Link, Shape
-from app import style
-from app.layers.arm_nodes import JointNode
+from abi.robot.robot import Shape
+from app.layers.arm_nodes import ArmNodes
+from app.layers.link_body import link_glbs
 from app.layers.link_colours import muted
 from app.layers.urdf_poses import first_poses
 
-if TYPE_CHECKING:
-    import trimesh
-
-_COLOURS = ((226, 230, 234), (96, 108, 122))
+_COLOURS: ByteArray = np.array([[(226, 230, 234)], [(96, 108, 122)]], np.uint8)
 """Of every other link without a colour of its own, so that one sees where they meet."""
 
 
-class UrdfArmNodes:
-    """One node a joint of the chain, each in that of the joint before it."""
+class UrdfArmNodes(ArmNodes):
+    """One node a joint of the chain, and the links that it carries."""
 
     def __init__(self, scene: viser.SceneApi) -> None:
-        self._scene = scene
-        self.root = scene.add_frame("/robot", show_axes=False)
-        self.joint_nodes: list[JointNode] = []
-        self._base: viser.FrameHandle | None = None
-        self._links: dict[str, list[viser.GlbHandle]] = {}
-        self._red: dict[str, list[viser.GlbHandle]] = {}
+        super().__init__(scene, "/robot", "base")
         self._arm: UrdfArm | None = None
-        self._touching: frozenset[str] = frozenset()
 
     def place(self, arm: AnyArm) -> None:
-        """Put the arm on its base; its geometry stays where robot, tip and unit do."""
+        """Put an arm on its base; its geometry stays where robot, tip and unit do."""
         assert isinstance(arm, UrdfArm)
-        shown, self._arm = self._arm, arm
-        same = shown is not None and (shown.chain.robot, shown.tip, shown.unit) == (
-            arm.chain.robot,
-            arm.tip,
-            arm.unit,
-        )
-        if not same:
-            self._build(arm)
-        assert self._base is not None
-        self._base.position, self._base.wxyz = arm.base, np.array(arm.wxyz)
+        self._arm = arm
+        super().place(arm)
 
     def rest_pose(self, plan: Plan) -> FloatArray:
         """The first pose found with the tool on the start."""
@@ -66,56 +47,26 @@ class UrdfArmNodes:
         assert self._arm is not None
         return joint_values(self._arm, positions)
 
-    def redden(self, links: frozenset[str]) -> None:
-        """Draw links in red, and the others in their own colours."""
-        for link in links ^ self._touching:
-            for handle in self._red.get(link, ()):
-                handle.visible = link in links
-            for handle in self._links.get(link, ()):
-                handle.visible = link not in links
-        self._touching = links
+    def _look_of(self, arm: AnyArm) -> object:
+        assert isinstance(arm, UrdfArm)
+        return arm.chain.robot, arm.tip, arm.unit
 
-    def _build(self, arm: UrdfArm) -> None:
-        """Add the nodes of another arm, with what they carry."""
-        if self._base is not None:
-            self._base.remove()
-        name = "/robot/base"
-        self._base = self._scene.add_frame(name, show_axes=False)
-        names, self.joint_nodes = [name], []
+    def _build(self, arm: AnyArm) -> None:
+        assert isinstance(arm, UrdfArm)
+        names = [self._base_name]
         for number, joint in enumerate(arm.chain.joints):
-            name = f"{name}/joint{number}"
-            names.append(name)
-            origin = joint_origin(arm, number)
-            frame = self._scene.add_frame(
-                name,
-                show_axes=False,
-                wxyz=origin.rotation().wxyz,
-                position=origin.translation(),
-            )
+            names.append(f"{names[-1]}/joint{number}")
             slides = joint.kind == "prismatic"
-            node = JointNode(frame, number, prismatic=slides, axis=joint.axis, origin=origin)
-            self.joint_nodes.append(node)
-        self._links, self._red, self._touching = {}, {}, frozenset()
+            self._add_joint(names[-1], joint_origin(arm, number), joint.axis, number, slides)
         for number, carried in enumerate(arm.chain.carried):
             link = arm.chain.robot.links[carried.link]
             if link.drawn:
                 pose = np.array(carried.pose)
                 if carried.frame < 0:
                     pose = np.linalg.inv(root_pose(arm)) @ pose
-                self._add_meshes(f"{names[carried.frame + 1]}/{number}", link, pose, number % 2)
-
-    def _add_meshes(self, name: str, link: Link, pose: FloatArray, second: int) -> None:
-        """Add a link twice, in its own colours and in red."""
-        assert self._arm is not None
-        for label, colour, handles in (
-            ("own", _COLOURS[second], self._links),
-            ("red", style.TOUCHING, self._red),
-        ):
-            other = bool(second) if label == "own" else None
-            mesh = link_mesh(link, pose, 1 / self._arm.metres, colour, other)
-            handle = self._scene.add_mesh_trimesh(f"{name}/{label}", mesh)
-            handle.visible = label == "own"
-            handles.setdefault(link.name, []).append(handle)
+                shapes = [_muted(shape, number % 2) for shape in link.drawn]
+                name = f"{names[carried.frame + 1]}/{number}"
+                self._add_body(link.name, name, link_glbs(shapes, pose, 1 / arm.metres))
 
 
 def joint_origin(arm: UrdfArm, number: int) -> viser.transforms.SE3:
@@ -143,50 +94,7 @@ def joint_values(arm: UrdfArm, positions: FloatArray) -> FloatArray:
     return np.asarray(np.where(table.slides, values / arm.metres, values))
 
 
-def link_mesh(
-    link: Link,
-    pose: FloatArray,
-    scale: float,
-    colour: style.Colour,
-    second: bool | None = None,
-) -> trimesh.Trimesh:
-    """Mesh of what a link is drawn with, in the frame that moves it, its metres times ``scale``.
-
-    Args:
-        link: the link.
-        pose: of the link in that frame, (4, 4), [m].
-        scale: factor.
-        colour: of what has none of its own.
-        second: whether it is every other link; None where all of it has ``colour``.
-    """
-    import trimesh  # here, since it takes long to import
-
-    parts = [_shape_mesh(shape, pose @ shape.pose) for shape in link.drawn]
-    mesh = functools.reduce(operator.add, parts)
-    mesh.apply_scale(scale)  # type: ignore[no-untyped-call]
-    colours = np.tile(np.array([*colour, 255], dtype=np.uint8), (len(mesh.faces), 1))
-    if second is not None:
-        row = 0
-        for part, shape in zip(parts, link.drawn, strict=True):
-            if len(shape.colours):
-                colours[row : row + len(part.faces), :3] = muted(shape.colours, second)
-            row += len(part.faces)
-    mesh.visual = trimesh.visual.ColorVisuals(mesh, face_colors=colours)
-    return mesh
-
-
-def _shape_mesh(shape: Shape, pose: FloatArray) -> trimesh.Trimesh:
-    import trimesh  # here, since it takes long to import
-
-    radius, length, _ = shape.size
-    mesh: trimesh.Trimesh
-    if shape.kind == "mesh":
-        mesh = trimesh.Trimesh(shape.vertices, shape.faces, process=False)
-    elif shape.kind == "box":
-        mesh = trimesh.creation.box(shape.size)
-    elif shape.kind == "sphere":
-        mesh = trimesh.creation.icosphere(3, radius)
-    else:
-        mesh = trimesh.creation.cylinder(radius, length, sections=32)
-    mesh.apply_transform(pose)
-    return mesh
+def _muted(shape: Shape, second: int) -> Shape:
+    """A shape in the colours that it is drawn in; ``second``: whether of every other link."""
+    own = muted(shape.colours, bool(second)) if len(shape.colours) else _COLOURS[second]
+    return replace(shape, colours=own)

@@ -28,7 +28,8 @@ from app.layers.arm_ghosts import ArmGhostsLayer, _poses_of
 from app.layers.arm_nodes import JointNode
 from app.layers.arm_playback import samples_of
 from app.layers.arm_regions import ArmRegionsLayer
-from app.layers.urdf_arm import joint_origin, joint_values, link_mesh
+from app.layers.link_body import link_mesh
+from app.layers.urdf_arm import _muted, joint_origin, joint_values
 from app.layers.urdf_poses import first_pose, last_pose, other_poses, poses_at
 from app.panels.arm import ArmPanel
 from app.session import Session
@@ -77,7 +78,7 @@ def test_an_arm_is_chosen_drawn_and_left(tab: tuple[FakeTab, Session]) -> None:
 
     fake.set(panel(session).model.mount, "on the ceiling")
     until(lambda: session.plan is not None and session.plan.scene.arm.base_wxyz == (0, 1, 0, 0))
-    until(lambda: np.allclose(drawn._kinds[UrdfArm]._base.wxyz, (0, 1, 0, 0)))  # type: ignore[attr-defined]
+    until(lambda: np.allclose(drawn._nodes._base.wxyz, (0, 1, 0, 0)))  # type: ignore[union-attr]
     assert session.plan is not None
     again = Scene.from_dict(session.plan.scene.to_dict())
     assert again.arm.base_wxyz == (0, 1, 0, 0)
@@ -353,7 +354,8 @@ def test_joints_in_each_other_stand_where_the_chain_has_them(name: str) -> None:
 
 def test_a_link_is_drawn_with_the_triangles_of_its_visual() -> None:
     robot = robot_from_archive(packed({"r.urdf": looking("a.dae"), "a.dae": dae(0.3)}))
-    meshes = [link_mesh(robot.links[name], np.eye(4), 100.0, (0, 0, 0)) for name in "ab"]
+    shapes = [[_muted(shape, 0) for shape in robot.links[name].drawn] for name in "ab"]
+    meshes = [link_mesh(own, np.eye(4), 100.0) for own in shapes]
 
     assert [len(mesh.faces) for mesh in meshes] == [320, 12]
     np.testing.assert_allclose(meshes[0].bounds, [[-30, -28, -30], [30, 32, 30]], atol=1e-3)

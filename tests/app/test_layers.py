@@ -149,16 +149,14 @@ def test_an_arm_of_any_size_is_drawn_whole(tmp_path: Path, scene: dict[str, obje
         until(lambda: any(session.plans for session in list(server.sessions.values())))
         (session,) = server.sessions.values()
         until(lambda: bool(layer(session, ArmLayer)._nodes.joint_nodes))
-        drawn = {
-            node.frame.name.rpartition("/")[2]
-            for node in layer(session, ArmLayer)._nodes.joint_nodes
+        nodes = {
+            name.rpartition("/")[2]: node
+            for name, node in session.client.scene._handle_from_node_name.items()
+            if name.startswith("/arm/links/") and not name.endswith(("/mesh", "/red"))
         }
-        assert {"turret", "upper_arm", "forearm", "rod", "gripper", "tool"} <= drawn
+        assert [*nodes] == ["turret", "upper_arm", "elbow", "forearm", "rod", "gripper", "tool"]
         arm = scene_of_arm.arm
-        reach = sum(
-            float(np.linalg.norm(node.origin.translation()))
-            for node in layer(session, ArmLayer)._nodes.joint_nodes
-        )
+        reach = sum(float(np.linalg.norm(node.position)) for node in nodes.values())
         assert reach == pytest.approx(arm.a1 + arm.a2 + arm.a3 + arm.a4 + arm.a5, rel=1e-6)
         fake.close()
     finally:
