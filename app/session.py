@@ -21,7 +21,7 @@ from abi.planner.plan import Plan
 from abi.scene.scene import Scene
 from app import memory, metrics, page
 from app.arm_size import oversize
-from app.bug_report import bug_report, describe_fault
+from app.bug_report import describe_fault
 from app.classroom import Classroom
 from app.frame import Frame
 from app.labels import sentence
@@ -260,10 +260,9 @@ class Session:
                 self._show(self.frame.plan, interactive=True)
         self.panels.files.save_if_requested(self._scene)
         self.panels.share.share(self._state, self.frame)
-        if self.panels.exports.requested:
+        if self.panels.exports.requested():
             self._export()
-        if self.panels.bug_report.requested:
-            self.panels.bug_report.send(bug_report(self.frame, self._fault))
+        self.panels.bug_report.send_if_requested(self.frame, self._fault)
 
     def _export(self) -> None:
         """Send the plan as a file, in full."""

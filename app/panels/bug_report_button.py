@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import viser
 
-from app.panels.widgets import Wake
+from app.bug_report import bug_report
+from app.frame import Frame
+from app.panels.widgets import Wake, pressed
 
 
 class BugReportButton:
@@ -19,12 +21,8 @@ class BugReportButton:
         )
         self.button.on_click(wake)
 
-    @property
-    def requested(self) -> bool:
-        """Whether the button was pressed since the last :meth:`send`."""
-        return self.button.value
-
-    def send(self, text: str) -> None:
-        """Send the text as a file."""
-        self.button.value = False
-        self._client.send_file_download("abi-bug-report.md", text.encode(), save_immediately=True)
+    def send_if_requested(self, frame: Frame, fault: str | None) -> None:
+        """Send the report of :func:`app.bug_report.bug_report` if the button was pressed."""
+        if pressed(self.button):
+            report = bug_report(frame, fault).encode()
+            self._client.send_file_download("abi-bug-report.md", report, save_immediately=True)

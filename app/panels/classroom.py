@@ -15,7 +15,7 @@ from app import style
 from app.classroom import MAX_CHOICES, Classroom
 from app.frame import Frame
 from app.overlay import Overlay, button
-from app.panels.widgets import Wake
+from app.panels.widgets import Wake, pressed
 from app.shared_plans import SharedPlans
 from app.tab_state import TabState
 
@@ -50,22 +50,21 @@ class ClassroomPanel:
             self.lead = gui.add_checkbox(
                 "all follow me", False, visible=False, hint="What you show, the others see."
             )
-            # Any, since viser declares a button's value read-only
-            self.send: Any = gui.add_button("Show this to all once", visible=False)
+            self.send = gui.add_button("Show this to all once", visible=False)
             self.question = gui.add_text("question", "", visible=False)
             self.choices = [
                 gui.add_text(f"answer {number + 1}", "", visible=False)
                 for number in range(MAX_CHOICES)
             ]
-            self.ask: Any = gui.add_button("Ask all", visible=False)
+            self.ask = gui.add_button("Ask all", visible=False)
             self._text = gui.add_html("", visible=False)
             self.answers = [
                 gui.add_button("", visible=False, color="gray") for _ in range(MAX_CHOICES)
             ]
         for widget in (self.follow, self.lead):
             widget.on_update(wake)
-        for pressed in (self.send, self.ask):
-            pressed.on_click(wake)
+        for one in (self.send, self.ask):
+            one.on_click(wake)
         for number, choice in enumerate(self.answers):
             choice.on_click(partial(self._answer, number))
         classroom.join(self._tab, nudge)
@@ -105,12 +104,9 @@ class ClassroomPanel:
         """Send what the teacher asked to send, or all that changes while the others follow."""
         if not self.teaches:
             return
-        if self.ask.value:
-            self.ask.value = False
+        if pressed(self.ask):
             self._classroom.ask(self.question.value, tuple(box.value for box in self.choices))
-        once = bool(self.send.value)
-        if once:
-            self.send.value = False
+        once = pressed(self.send)
         if once or self.lead.value:
             view = replace(state.alone(), dark=None, challenge="")
             if once or view != self._published:
@@ -147,12 +143,11 @@ class ClassroomPanel:
 
     def _card(self, choices: tuple[str, ...], text: str) -> str:
         """The question over the scene, as HTML, with the answers to press or their bars."""
-        pressed = ""
         if not self.teaches:
             pairs = zip(self.answers, choices, strict=False)
-            pressed = "".join(button(widget, choice) for widget, choice in pairs)
-            pressed = f'<div class="abi-buttons">{pressed}</div>'
-        return f'<div class="abi-card abi-tour">{text}{pressed}</div>'
+            buttons = "".join(button(widget, choice) for widget, choice in pairs)
+            text += f'<div class="abi-buttons">{buttons}</div>'
+        return f'<div class="abi-card abi-tour">{text}</div>'
 
     def _answer(self, number: int, event: Any) -> None:
         self._chosen.append(number)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import viser
 
 from abi.planner.comparison import Comparison, compare, search_task
@@ -16,7 +14,7 @@ from abi.search.trace import SearchTrace
 from app import style
 from app.frame import Frame
 from app.numbers import FASTEST_SHOWN, format_count, format_length
-from app.panels.widgets import Wake
+from app.panels.widgets import Wake, pressed
 from app.plan_before import PlanBefore
 from app.table import table
 
@@ -39,8 +37,7 @@ class ComparisonPanel:
     """A button, and the table that it fills."""
 
     def __init__(self, gui: viser.GuiApi, wake: Wake) -> None:
-        # Any, since viser declares a button's value read-only
-        self.button: Any = gui.add_button(
+        self.button = gui.add_button(
             "Compare all searches", hint="Runs them once, on the present mesh.", order=_LAST
         )
         self._text = gui.add_html("", visible=False, order=_LAST + 1)
@@ -55,15 +52,14 @@ class ComparisonPanel:
         The table is never that of another plan's graph; it waits for the hand to rest.
         """
         before = self._before.follow(frame)
-        if pressed := bool(self.button.value):
-            self.button.value = False
+        asked = pressed(self.button)
         changed = self._plan is not None and frame.plan.graph is not self._plan.graph
-        if changed and not pressed and frame.interactive:
+        if changed and not asked and frame.interactive:
             self._text.visible = False
-        elif changed and self._ms > _LIVE and not pressed:
+        elif changed and self._ms > _LIVE and not asked:
             self._plan = None
             self._show(_PRESS_AGAIN)
-        elif pressed or changed:
+        elif asked or changed:
             self._plan = frame.plan
             self._show(self._compare(frame.plan, before))
 

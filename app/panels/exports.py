@@ -8,7 +8,7 @@ from abi.errors import ExportError
 from abi.export.formats import FORMATS
 from abi.planner.plan import Plan
 from app import page
-from app.panels.widgets import Wake
+from app.panels.widgets import Wake, pressed
 
 _LABELS = {row.label: row for row in FORMATS.values()}
 
@@ -27,14 +27,12 @@ class ExportPanel:
         )
         self.button.on_click(wake)
 
-    @property
     def requested(self) -> bool:
-        """Whether the button was pressed since the last :meth:`send`."""
-        return self.button.value
+        """Check whether the button was pressed since the last call."""
+        return pressed(self.button)
 
     def send(self, plan: Plan) -> None:
         """Send ``plan`` as a file, or a notice of why there is none."""
-        self.button.value = False
         # a page may send anything: only listed formats are written
         row = _LABELS.get(self.format.value)
         if row is None:

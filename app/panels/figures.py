@@ -15,7 +15,7 @@ from app.frame import Frame
 from app.lessons.cue import Cue
 from app.lessons.figures import figures
 from app.lessons.lesson import scene_of
-from app.panels.widgets import Wake
+from app.panels.widgets import Wake, pressed
 from app.table import table
 
 _SIGNS = {"holds": "✓", "depends on the mesh": "≈", "does not hold": "✗"}
@@ -47,8 +47,7 @@ class FiguresPanel:
                 color="gray",
                 hint="As it was before the figures.",
             )
-            # Any, since viser declares a button's value read-only
-            self.reproduce: Any = gui.add_button(
+            self.reproduce = gui.add_button(
                 "The paper's numbers beside ours",
                 hint="Computes all of them again; takes some seconds.",
             )
@@ -95,8 +94,7 @@ class FiguresPanel:
     def draw(self, frame: Frame) -> None:
         """Compute the table if its button was pressed; hide while a lesson is gone through."""
         self._folder.visible = not frame.lesson
-        if self.reproduce.value:
-            self.reproduce.value = False
+        if pressed(self.reproduce):
             self._text.content = _table()
             self._text.visible = True
 

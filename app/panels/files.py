@@ -15,7 +15,7 @@ from abi.scene.scene_file import MAX_BYTES, MAX_JSON_BYTES, text_of
 from app import page
 from app.panels.file_uploads import FileKind, FileUploads, shown_name
 from app.panels.scene_uploads import SceneFile, parse, read
-from app.panels.widgets import Wake
+from app.panels.widgets import Wake, pressed
 
 _OPENED = " (opened)"
 """Behind the name of a file that is called as a shipped scene."""
@@ -104,8 +104,7 @@ class FilesPanel:
         Args:
             meshes: those that an opened file may name besides the shipped ones.
         """
-        if self.reset.value:
-            self.reset.value = False
+        if pressed(self.reset):
             return self.loaded
         opened = [self._open(one.name, one.result, meshes) for one in self.uploads.news()]
         if any(opened):
@@ -141,9 +140,8 @@ class FilesPanel:
 
     def save_if_requested(self, scene: Scene) -> None:
         """Send the scene as a file if the button was pressed."""
-        if not self.save.value:
+        if not pressed(self.save):
             return
-        self.save.value = False
         try:
             if scene.meshes.files:
                 kind, content = ".zip", scene.pack()

@@ -15,7 +15,7 @@ from app import style
 from app.frame import Frame
 from app.numbers import format_length, format_lower_bound, format_setting, unbroken
 from app.panels.base_region import BaseRegion
-from app.panels.widgets import Wake
+from app.panels.widgets import Wake, pressed
 
 _PORTION = 0.005
 """Seconds between two plans, in which other tabs and the hand have their turn."""
@@ -33,12 +33,9 @@ class FindBasePanel:
                 "curve is from each.</div>"
             )
             self.region = BaseRegion(client, scene, wake)
-            # Any, since viser declares a button's value read-only
-            self.find: Any = gui.add_button(
-                "Find a base", hint="Searches the region while you go on."
-            )
+            self.find = gui.add_button("Find a base", hint="Searches the region while you go on.")
             self.progress = gui.add_progress_bar(0.0, visible=False)
-            self.put: Any = gui.add_button(
+            self.put = gui.add_button(
                 "Put the arm here", hint="Moves the base to the best place found.", visible=False
             )
             self._text = gui.add_html("", visible=False)
@@ -65,8 +62,7 @@ class FindBasePanel:
         Raises:
             SceneError: the region is none.
         """
-        pressed, self.find.value = self.find.value, False
-        if pressed:
+        if pressed(self.find):
             self._asked = not self.running
             self._maps = None
         self.region.read()
@@ -78,9 +74,10 @@ class FindBasePanel:
 
     def accepted_change(self) -> dict[str, Any] | None:
         """The base whose button was pressed since the last call, as a change of the scene."""
-        pressed, self.put.value = self.put.value, False
-        best = self._found.best if self._found is not None else None
-        return {"arm": {"base": list(best.base)}} if pressed and best is not None else None
+        best = None if self._found is None else self._found.best
+        if not pressed(self.put) or best is None:
+            return None
+        return {"arm": {"base": list(best.base)}}
 
     def step(self, scene: Scene) -> None:
         """Plan with the base at one more place."""

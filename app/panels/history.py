@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import viser
 
 from abi.scene.scene import Scene
 from app.panels.files import Loaded
-from app.panels.widgets import Wake
+from app.panels.widgets import Wake, hidden_button
 
 _LONGEST = 200
 
@@ -38,19 +37,16 @@ class History:
         self._noted = [first]
         self._current = 0
         self._follows = False  # whether the scene shown is another tab's
-        # Any, since viser declares a button's value read-only
-        self.undo: Any = gui.add_button("Undo", visible=False)
-        self.redo: Any = gui.add_button("Redo", visible=False)
+        self.undo = hidden_button(gui, "Undo", self._step_back)
+        self.redo = hidden_button(gui, "Redo", self._step_forward)
         self._steps = 0
         self._wake = wake
-        self.undo.on_click(self._step_back)
-        self.redo.on_click(self._step_forward)
         undo = gui.add_command("Undo", hotkey="Z", modifier="cmd/ctrl")
-        redo = gui.add_command("Redo", hotkey="Z", modifier="cmd/ctrl+shift")
-        also_redo = gui.add_command("Redo (Y)", hotkey="Y", modifier="cmd/ctrl")
         undo.on_trigger(self._step_back)
+        redo = gui.add_command("Redo", hotkey="Z", modifier="cmd/ctrl+shift")
         redo.on_trigger(self._step_forward)
-        also_redo.on_trigger(self._step_forward)
+        redo = gui.add_command("Redo (Y)", hotkey="Y", modifier="cmd/ctrl")
+        redo.on_trigger(self._step_forward)
 
     @property
     def noted(self) -> Scene:

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from app import page
 from app.frame import Frame, Switch
 from app.layout import Layout
-from app.panels.widgets import Wake
+from app.panels.widgets import Wake, pressed
 
 MESH_VIEWS = {
     "near path and obstacles": "near",
@@ -33,8 +31,7 @@ class LayerSwitches:
                 hint="Grids above 4,000 nodes are shown only in part: near path and "
                 "obstacles, or as chosen here.",
             )
-            # Any, since viser declares a button's value read-only
-            self.usual: Any = gui.add_button(
+            self.usual = gui.add_button(
                 "Usual layers",
                 hint="Shows the layers of a new tab, such as after a figure or a lesson.",
             )
@@ -61,8 +58,7 @@ class LayerSwitches:
 
     def shown(self) -> frozenset[str]:
         """Names of the switches that are on; the usual ones where they were asked for."""
-        if self.usual.value:
-            self.usual.value = False
+        if pressed(self.usual):
             self.restore(self._usual, None)
         return frozenset(name for name, box in self.boxes.items() if box.value)
 

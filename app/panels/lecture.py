@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import Any
 
 from app import page
 from app.frame import Frame
@@ -11,7 +10,7 @@ from app.layout import Layout
 from app.overlay import button
 from app.panels.search_strip import SearchStrip
 from app.panels.theatre import TheatrePanel
-from app.panels.widgets import Wake
+from app.panels.widgets import Wake, hidden_button, pressed
 
 _ALWAYS = frozenset({"workspace", "obstacles"})
 STAGES: tuple[tuple[str, frozenset[str]], ...] = (
@@ -47,19 +46,13 @@ class Lecture:
         self._wake = wake
         self._search = SearchStrip(layout.client.gui, theatre)
         gui = layout.client.gui
-        # Any, since viser declares a button's value read-only
-        self.toggle: Any = gui.add_button("Lecture", visible=False)
-        self._back: Any = gui.add_button("Stage before", visible=False)
-        self._forward: Any = gui.add_button("Next stage", visible=False)
-        self._views: dict[str, Any] = {
-            name: gui.add_button(f"View: {name}", visible=False) for name in VIEWS
-        }
+        self.toggle = hidden_button(gui, "Lecture", self._press)
+        self._back = hidden_button(gui, "Stage before", wake)
+        self._forward = hidden_button(gui, "Next stage", wake)
+        self._views = {name: hidden_button(gui, f"View: {name}", wake) for name in VIEWS}
         self.on = self._switch = self._large = False
         self._stage: int | None = None
         self._steps = 0
-        for widget in (self._back, self._forward, *self._views.values()):
-            widget.on_click(wake)
-        self.toggle.on_click(self._press)
         command = gui.add_command("Lecture mode", hotkey="L")
         command.on_trigger(self._press)
         # keys of a presenter's remote, which scroll the panels where none is given
@@ -73,7 +66,7 @@ class Lecture:
         """Names of what the chosen stage shows; those that are switched on where none is."""
         if self._switch:
             self._switch, self.on, self._stage = False, not self.on, None
-        steps = _pressed(self._forward) - _pressed(self._back) + self._steps
+        steps = pressed(self._forward) - pressed(self._back) + self._steps
         self._steps = 0
         if self.on and steps:
             # all stages together are a step before the first and after the last
@@ -90,7 +83,7 @@ class Lecture:
     def requested_view(self) -> tuple[float, float, float] | None:
         """Direction to the camera that was asked for since the last call."""
         for name, widget in self._views.items():
-            if _pressed(widget):
+            if pressed(widget):
                 return VIEWS[name]
         return None
 
@@ -124,9 +117,3 @@ class Lecture:
     def _step(self, count: int, event: object) -> None:
         self._steps += count
         self._wake(event)
-
-
-def _pressed(widget: Any) -> int:
-    """1 where a button was pressed since the last call, else 0."""
-    pressed, widget.value = bool(widget.value), False
-    return int(pressed)

@@ -12,7 +12,7 @@ from abi.obstacles.triangle_mesh.surface import Surface
 from abi.scene.scene import Scene
 from app.mesh_picture import MOST_DRAWN
 from app.numbers import format_setting
-from app.panels.widgets import Wake
+from app.panels.widgets import Wake, pressed
 
 _FITTED = 1 / 3
 _LEAST, _MOST = 1 / 12, 3 / 4
@@ -54,17 +54,11 @@ class MeshNote:
 
     def accepted(self) -> str | None:
         """The suggested unit if the button was pressed since the last call."""
-        if not self._button.value:
-            return None
-        self._button.value = False
-        return self._suggested or None
+        return (self._suggested or None) if pressed(self._button) else None
 
     def resized(self) -> float | None:
         """The scale that the button beside the size stands for, if it was pressed."""
-        if not self._resize.value:
-            return None
-        self._resize.value = False
-        return self._other_scale
+        return self._other_scale if pressed(self._resize) else None
 
     @property
     def edges(self) -> bool:

@@ -21,7 +21,7 @@ from app.numbers import format_length, format_setting, format_time
 from app.overlay import button
 from app.panels.base_offer import BaseOffer
 from app.panels.find_base import FindBasePanel
-from app.panels.widgets import Wake
+from app.panels.widgets import Wake, hidden_button, pressed
 
 
 class Messages:
@@ -31,13 +31,9 @@ class Messages:
         self._base = BaseOffer(bases)
         self._overlay = layout.overlay
         gui = layout.client.gui
-        # Any, since viser declares a button's value read-only
-        self.accept: Any = gui.add_button("Accept", visible=False)
-        self.point_out: Any = gui.add_button("Show it", visible=False)
-        self.avoid: Any = gui.add_button("Avoid", visible=False)
-        self.avoid.on_click(wake)
-        self.accept.on_click(wake)
-        self.point_out.on_click(wake)
+        self.accept = hidden_button(gui, "Accept", wake)
+        self.point_out = hidden_button(gui, "Show it", wake)
+        self.avoid = hidden_button(gui, "Avoid", wake)
         self._reason: Reason | None = None
         self._drawn: tuple[object, ...] = ()
 
@@ -65,16 +61,15 @@ class Messages:
 
     def accepted_change(self) -> dict[str, Any] | None:
         """The change of the scene whose button was pressed since the last call."""
-        avoid, self.avoid.value = self.avoid.value, False
-        if avoid:
+        if pressed(self.avoid):
             return {"arm": {"avoid": True}}
-        pressed, self.accept.value = self.accept.value, False
-        return self._reason.change if pressed and self._reason is not None else None
+        accepted = pressed(self.accept)
+        return self._reason.change if accepted and self._reason is not None else None
 
     def pointed_out(self) -> int | None:
         """The obstacle that was asked for since the last call."""
-        pressed, self.point_out.value = self.point_out.value, False
-        return self._reason.obstacle if pressed and self._reason is not None else None
+        asked = pressed(self.point_out)
+        return self._reason.obstacle if asked and self._reason is not None else None
 
     def _failure(self, frame: Frame, error: AbiError) -> str:
         """Reason why there is no plan, and the buttons of what would help."""

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import viser
 from viser import uplot
@@ -14,7 +12,7 @@ from abi.planner.planner import Planner
 from abi.scene.scene import Scene
 from app import style
 from app.frame import Frame
-from app.panels.widgets import Wake
+from app.panels.widgets import Wake, pressed
 
 STEPS = 8
 """Pitches that are tried."""
@@ -30,8 +28,7 @@ class PitchStudyPanel:
     """A button, and the two plots that it fills."""
 
     def __init__(self, gui: viser.GuiApi, wake: Wake) -> None:
-        # Any, since viser declares a button's value read-only
-        self.button: Any = gui.add_button(
+        self.button = gui.add_button(
             "Plot against the spacing",
             order=_LAST,
             hint=f"Path length and visited nodes for {STEPS} spacings around this one.",
@@ -48,9 +45,8 @@ class PitchStudyPanel:
         if self._scene is not None and scene != self._scene:
             self._scene = None
             self._note.visible = self.length.visible = self.expanded.visible = False
-        if not self.button.value:
+        if not pressed(self.button):
             return
-        self.button.value = False
         pitches, lengths, expanded = study(scene)
         self._scene, found = scene, len(pitches) >= 2
         self._note.visible, self.length.visible, self.expanded.visible = not found, found, found

@@ -10,7 +10,7 @@ import viser
 from abi.arm.arm_clearance import ArmClearance
 from app import page
 from app.overlay import Overlay, button, slider
-from app.panels.widgets import Wake
+from app.panels.widgets import Wake, hidden_button
 
 SPEEDS = {"¼ ×": 0.25, "½ ×": 0.5, "real time": 1.0, "2 ×": 2.0}
 _PAUSE_AT_END = 0.8
@@ -26,7 +26,7 @@ class PlaybackPanel:
     def __init__(self, gui: viser.GuiApi, overlay: Overlay, wake: Wake) -> None:
         self._overlay = overlay
         self.slider = gui.add_slider("time [s]", 0.0, 1.0, 0.01, 0.0, visible=False)
-        self.button = gui.add_button("Play or pause", visible=False)
+        self.button = hidden_button(gui, "Play or pause", self._toggle)
         self.speed = gui.add_dropdown("playback speed", tuple(SPEEDS), initial_value="real time")
         toggle = button(self.button, "Pause", kind="abi-play", hint="Or press Space.")
         overlay.show(
@@ -46,7 +46,6 @@ class PlaybackPanel:
         self._advanced = self._sent = time.monotonic()
         self.slider.on_update(self._scrub)
         self.speed.on_update(wake)
-        self.button.on_click(self._toggle)
         self.command.on_trigger(self._toggle)
 
     def restore(self, time: float, playing: bool) -> None:

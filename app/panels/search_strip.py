@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import Any
 
 import viser
 
@@ -12,6 +11,7 @@ from app.frame import Frame
 from app.numbers import format_count
 from app.overlay import button
 from app.panels.theatre import TheatrePanel
+from app.panels.widgets import hidden_button
 
 
 class SearchStrip:
@@ -19,11 +19,8 @@ class SearchStrip:
 
     def __init__(self, gui: viser.GuiApi, theatre: TheatrePanel) -> None:
         self._theatre = theatre
-        # Any, since viser declares a button's value read-only
-        self._back: Any = gui.add_button("Search: back", visible=False)
-        self._forward: Any = gui.add_button("Search: forward", visible=False)
-        self._back.on_click(partial(theatre.go, -1))
-        self._forward.on_click(partial(theatre.go, 1))
+        self._back = hidden_button(gui, "Search: back", partial(theatre.go, -1))
+        self._forward = hidden_button(gui, "Search: forward", partial(theatre.go, 1))
 
     def html(self, frame: Frame) -> str:
         """The row; empty where no search is stepped through."""

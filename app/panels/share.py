@@ -5,7 +5,6 @@ from __future__ import annotations
 import struct
 import zlib
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 import viser
@@ -17,7 +16,7 @@ from app.challenge import GOALS, Challenge, challenge_of
 from app.frame import Frame
 from app.overlay import Overlay, button
 from app.panels.files import file_stem
-from app.panels.widgets import Wake
+from app.panels.widgets import Wake, hidden_button, pressed
 from app.tab_state import LONGEST_LINK, TabState
 
 _WIDTH = 2560
@@ -36,19 +35,18 @@ class SharePanel:
 
     def __init__(self, client: viser.ClientHandle, overlay: Overlay, wake: Wake) -> None:
         gui, self._client, self._overlay = client.gui, client, overlay
-        # Any, since viser declares a button's value read-only
-        self.link: Any = gui.add_button(
+        self.link = gui.add_button(
             "Copy link", hint="The link opens this scene, camera, layers, time and lesson."
         )
         self.goal = gui.add_dropdown(
             "challenge", tuple(GOALS), hint="What whoever opens the link has to achieve."
         )
-        self.challenge_link: Any = gui.add_button("Copy challenge link", color="gray")
-        self.picture: Any = gui.add_button(
+        self.challenge_link = gui.add_button("Copy challenge link", color="gray")
+        self.picture = gui.add_button(
             "Save picture", color="gray", hint=f"A PNG {_WIDTH} pixels wide."
         )
-        self._end: Any = gui.add_button("End challenge", visible=False)
-        for one in (self.link, self.challenge_link, self.picture, self._end):
+        self._end = hidden_button(gui, "End challenge", wake)
+        for one in (self.link, self.challenge_link, self.picture):
             one.on_click(wake)
         self.challenge: Challenge | None = None
         self.paused = False
@@ -60,26 +58,23 @@ class SharePanel:
 
     def share(self, state: Callable[[], TabState], frame: Frame) -> None:
         """Do what was asked for since the last call, with the tab's ``state()``."""
-        if self.link.value:
-            self.link.value = False
+        if pressed(self.link):
             self._copy(state())
-        if self.challenge_link.value:
-            self.challenge_link.value = False
+        if pressed(self.challenge_link):
             challenge = challenge_of(self.goal.value, frame)
             if challenge is None:
                 words = "There is no plan to start from, or nothing left to gain."
                 page.notify_refusal(self._client, "No challenge", words)
             else:
                 self._copy(state().with_challenge(challenge.model_dump_json()))
-        if self.picture.value:
-            self.picture.value = False
+        if pressed(self.picture):
             self._take_picture(file_stem(state().name))
 
     def draw(self, frame: Frame) -> None:
         """Show the challenge, and whether it is met."""
         text = ""
-        if self._end.value:
-            self._end.value, self.challenge = False, None
+        if pressed(self._end):
+            self.challenge = None
         if self.challenge is not None and not self.paused:
             resting = not (frame.interactive or frame.partial)
             met = resting and self.challenge.is_met(frame)

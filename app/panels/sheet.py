@@ -7,7 +7,7 @@ from typing import Any
 import viser
 
 from app.frame import Frame
-from app.panels.widgets import Wake
+from app.panels.widgets import Wake, hidden_button, pressed
 
 ABOUT = """
 A robot arm is to bring its tool from start to goal and touch nothing on the way. The **ABI method**
@@ -63,16 +63,15 @@ class Sheet:
         self._gui, self._wake = gui, wake
         self._title, self._text = title, text
         self._asked = False
-        self._close: Any = None  # viser declares a button's value read-only
+        self._close: viser.GuiButtonHandle | None = None
         self.sheet: Any = None  # viser has no public name for a modal
-        self.open = gui.add_button(label, visible=False)
+        self.open = hidden_button(gui, label, self._ask)
         self.command = gui.add_command(label, hotkey=hotkey)
-        self.open.on_click(self._ask)
         self.command.on_trigger(self._ask)
 
     def draw(self, frame: Frame) -> None:
         """Open the sheet where it was asked for, or close it; no frame changes it."""
-        closed = self._close is not None and self._close.value
+        closed = self._close is not None and pressed(self._close)
         if not (self._asked or closed):
             return
         self._asked = False

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from app.frame import Frame
 from app.layout import Layout
 from app.overlay import button
-from app.panels.widgets import Wake
+from app.panels.widgets import Wake, hidden_button, pressed
 
 
 def _placed(wide: str, phone: str = "") -> str:
@@ -41,25 +39,22 @@ class Tour:
     def __init__(self, layout: Layout, wake: Wake) -> None:
         self._overlay = layout.overlay
         gui = layout.client.gui
-        # Any, since viser declares a button's value read-only
-        self.begin: Any = gui.add_button("Tour", visible=False)
-        self._next: Any = gui.add_button("Next", visible=False)
-        self._end: Any = gui.add_button("End", visible=False)
+        self.begin = hidden_button(gui, "Tour", wake)
+        self._next = hidden_button(gui, "Next", wake)
+        self._end = hidden_button(gui, "End", wake)
         self._step: int | None = None
         self._in_lesson = False
-        for widget in (self.begin, self._next, self._end):
-            widget.on_click(wake)
 
     def draw(self, frame: Frame) -> None:
         """Show the step that the buttons lead to; a lesson that begins ends it."""
         if frame.lesson and not self._in_lesson:
             self._step = None
         self._in_lesson = frame.lesson
-        if _pressed(self.begin):
+        if pressed(self.begin):
             self._step = 0
-        if _pressed(self._next) and self._step is not None:
+        if pressed(self._next) and self._step is not None:
             self._step = self._step + 1 if self._step + 1 < len(STEPS) else None
-        if _pressed(self._end):
+        if pressed(self._end):
             self._step = None
         self._overlay.show("tour", "" if self._step is None else self._card(self._step))
 
@@ -72,9 +67,3 @@ class Tour:
             f'<div class="abi-card abi-tour">{step + 1} of {len(STEPS)}. {STEPS[step]}'
             f'<div class="abi-buttons" style="margin-top:5px">{buttons}</div></div>'
         )
-
-
-def _pressed(widget: Any) -> bool:
-    """Check whether a button was pressed since the last call."""
-    pressed, widget.value = bool(widget.value), False
-    return pressed

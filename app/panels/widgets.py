@@ -1,4 +1,4 @@
-"""Widgets that several panels share: vectors of numbers, and choices with labels."""
+"""Widgets that several panels share: buttons, vectors of numbers, and choices with labels."""
 
 from __future__ import annotations
 
@@ -18,6 +18,23 @@ _Value = TypeVar("_Value")
 DIGITS = 6
 """Decimals that a box takes; by default those of its first value."""
 _SHOWN_DIGITS = 3
+
+
+def pressed(button: viser.GuiButtonHandle) -> bool:
+    """Check whether a button was pressed since the last call."""
+    was_pressed = button.value
+    if was_pressed:  # one that comes right after the look is for the next call
+        button.value = False
+    return was_pressed
+
+
+def hidden_button(
+    gui: viser.GuiApi, label: str, call: Callable[[Any], None]
+) -> viser.GuiButtonHandle:
+    """Add a button that others press, as those over the scene do."""
+    button = gui.add_button(label, visible=False)
+    button.on_click(call)
+    return button
 
 
 def phase_holds(phase: str, held: bool) -> bool:
