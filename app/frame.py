@@ -9,6 +9,7 @@ from abi.errors import AbiError
 from abi.planner.base_map import BaseMap
 from abi.planner.plan import Plan
 from abi.planner.reason import Reason
+from app.layout import Layout
 from app.style import Colour
 from app.theatre import Theatre
 
@@ -98,6 +99,13 @@ class Drawable(Protocol):
 
 
 class Switchable(Protocol):
-    """Something with entries in the legend."""
+    """Something with entries in the legend, or none."""
 
-    switches: ClassVar[tuple[Switch, ...]]
+    switches: ClassVar[tuple[Switch, ...]] = ()
+
+
+class Layer(Drawable, Switchable, Protocol):
+    """Part of the picture, in the scene or in a panel."""
+
+    def __init__(self, layout: Layout) -> None:
+        """Add what is drawn to the containers of a tab."""

@@ -71,8 +71,8 @@ class TabView:
         self._before: TabState | None = None
         self.panels = AllPanels(client, name, scene, SWITCHES, wake, dark, library)
         self._folding = PanelFolding(self.panels.layout)
-        layers: list[Drawable] = [layer(self.panels.layout) for layer in LAYERS]
-        slow_layers: list[Drawable] = [layer(self.panels.layout) for layer in SLOW_LAYERS]
+        layers = [layer(self.panels.layout) for layer in LAYERS]
+        slow_layers = [layer(self.panels.layout) for layer in SLOW_LAYERS]
         with self.panels.layout.result:
             self.playback = PlaybackPanel(client.gui, self.panels.layout.overlay, wake)
         self.layers = (*layers, *slow_layers)

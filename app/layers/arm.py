@@ -15,7 +15,7 @@ from abi.arm.urdf_arm import UrdfArm
 from abi.arrays import FloatArray
 from abi.planner.plan import Plan
 from app import style
-from app.frame import Frame, Switch
+from app.frame import Frame, Layer, Switch
 from app.layers.arm_nodes import ArmNodes, JointNode
 from app.layers.arm_playback import ArmPlayback, samples_of
 from app.layers.paper_arm import PaperArmNodes
@@ -32,7 +32,7 @@ _TRACE_SAMPLES = 100
 _NO_JOINTS: list[JointNode] = []
 
 
-class ArmLayer:
+class ArmLayer(Layer):
     """An arm's nodes: a frame sends the poses of its joints and no geometry.
 
     While the motion plays, the page poses them by itself.

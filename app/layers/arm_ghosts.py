@@ -15,7 +15,7 @@ from abi.arrays import FloatArray, read_only
 from abi.planner.plan import Plan
 from abi.scene.settings import Elbow
 from app import style
-from app.frame import Frame, Switch
+from app.frame import Frame, Layer, Switch
 from app.layers.arm_playback import samples_of
 from app.layers.ghost_bodies import GhostBodies, capsule_mesh, places_of
 from app.layers.urdf_poses import OtherPoses, first_pose, last_pose, other_courses, other_poses
@@ -28,7 +28,7 @@ _ENDS = ("start", "goal")
 """Names of the ghosts that stand still."""
 
 
-class ArmGhostsLayer:
+class ArmGhostsLayer(Layer):
     """The arm's capsules, see-through."""
 
     switches: ClassVar[tuple[Switch, ...]] = (

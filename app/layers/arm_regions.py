@@ -20,7 +20,7 @@ from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.pose import Vec3
 from abi.planner.plan import Plan
 from app import style
-from app.frame import Frame, Switch
+from app.frame import Frame, Layer, Switch
 from app.layers.arm_ghosts import elbow_of
 from app.layers.urdf_poses import first_pose
 from app.layout import Layout
@@ -34,7 +34,7 @@ _OPACITY = {"shadow": 0.28, "reach": 0.1}
 _NOTHING = np.zeros((1, 3, 3))
 
 
-class ArmRegionsLayer:
+class ArmRegionsLayer(Layer):
     """The arm's shadow, which follows the obstacles, and its reach."""
 
     switches: ClassVar[tuple[Switch, ...]] = (

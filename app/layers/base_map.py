@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from abi.planner.base_map import BaseMap
 from app import style
-from app.frame import Frame, Switch
+from app.frame import Frame, Layer, Switch
 from app.layout import Layout
 from app.numbers import format_length
 
@@ -23,7 +23,7 @@ _PIN = 0.012
 """Radius of the mark of the best, as a part of the workspace's size."""
 
 
-class BaseMapLayer:
+class BaseMapLayer(Layer):
     """Tiles level with the bases, grey without a plan, and a pin at the best."""
 
     switches: ClassVar[tuple[Switch, ...]] = (

@@ -1,11 +1,11 @@
 """Table of the layers of a tab, in the order of drawing and of the legend.
 
-A new layer is a file beside this one and a line here. Its class takes the :class:`Layout`, has
-``switches`` (none, or lines of the legend) and ``draw(frame)``.
+A new layer is a file beside this one with a :class:`app.frame.Layer`, and a line here.
 """
 
 from __future__ import annotations
 
+from app.frame import Layer
 from app.layers.arm import ArmLayer
 from app.layers.arm_ghosts import ArmGhostsLayer
 from app.layers.arm_regions import ArmRegionsLayer
@@ -27,7 +27,7 @@ from app.layers.tables import TablesLayer
 from app.layers.theatre import TheatreLayer
 from app.layers.workspace import WorkspaceLayer
 
-LAYERS = (
+LAYERS: tuple[type[Layer], ...] = (
     HeadlineLayer,
     TablesLayer,
     StageNotesLayer,
@@ -45,7 +45,7 @@ LAYERS = (
     BaseMapLayer,
     NamesLayer,
 )
-DETAILS = (TablesLayer, StageNotesLayer, PlotsLayer, MeshLayer, NamesLayer)
+DETAILS: tuple[type[Layer], ...] = (TablesLayer, StageNotesLayer, PlotsLayer, MeshLayer, NamesLayer)
 """Layers that a drag can do without for a moment while many tabs drag."""
-SLOW_LAYERS = (ArmLayer, ArmGhostsLayer, ArmRegionsLayer, PaperTextLayer)
+SLOW_LAYERS: tuple[type[Layer], ...] = (ArmLayer, ArmGhostsLayer, ArmRegionsLayer, PaperTextLayer)
 """Sent in a message of their own: the page takes longer to show them than all the others."""

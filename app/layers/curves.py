@@ -9,7 +9,7 @@ import numpy as np
 from abi.curves.curve import Curve
 from abi.planner.plan import Plan
 from app import style
-from app.frame import Frame, Switch
+from app.frame import Frame, Layer, Switch
 from app.layers.points import Points
 from app.layout import Layout
 from app.lines import NO_SEGMENTS, Segments, add_line, parameters, recolour, segments
@@ -26,7 +26,7 @@ def _line(plan: Plan, name: str) -> Segments:
     return segments(fit.curve(parameters(fit.curve.interval, SAMPLES)))
 
 
-class CurvesLayer:
+class CurvesLayer(Layer):
     """Curves of stages 4 and 5; the one the arm follows is the wider."""
 
     switches: ClassVar[tuple[Switch, ...]] = (

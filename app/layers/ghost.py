@@ -6,14 +6,14 @@ from typing import ClassVar
 
 from abi.planner.plan import Plan
 from app import style
-from app.frame import Frame, Switch
+from app.frame import Frame, Layer, Switch
 from app.layers.curves import SAMPLES
 from app.layout import Layout
 from app.lines import NO_SEGMENTS, add_line, dashes, parameters
 from app.plan_before import PlanBefore
 
 
-class GhostLayer:
+class GhostLayer(Layer):
     """The last plan at rest, dashed and grey, once there is another."""
 
     switches: ClassVar[tuple[Switch, ...]] = (

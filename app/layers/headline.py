@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import math
-from typing import ClassVar
 
 from abi.planner.plan import Plan
 from app import style
-from app.frame import Frame, Switch
+from app.frame import Frame, Layer
 from app.layout import Layout
 from app.numbers import distance_to_show, format_excess, format_length, format_lower_bound
 from app.once_a_plan import once_a_plan
@@ -23,10 +22,8 @@ _HINTS = {
 """What each number means, by the end of its name."""
 
 
-class HeadlineLayer:
+class HeadlineLayer(Layer):
     """Length, gap and distance kept of the curve that the arm follows."""
-
-    switches: ClassVar[tuple[Switch, ...]] = ()
 
     def __init__(self, layout: Layout) -> None:
         self._overlay = layout.overlay

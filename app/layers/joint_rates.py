@@ -5,7 +5,6 @@ from __future__ import annotations
 import html
 import itertools
 import math
-from typing import ClassVar
 
 import numpy as np
 import viser
@@ -14,7 +13,7 @@ from abi.arm.joint_rates import ROUNDING
 from abi.arrays import FloatArray
 from abi.planner.plan import Plan
 from app import style
-from app.frame import Frame, Switch
+from app.frame import Frame, Layer
 from app.layers.time_plot import Lines, TimePlots, new_plot
 from app.layout import Layout
 from app.once_a_plan import once_a_plan
@@ -33,10 +32,8 @@ _USES: Lines = (
 )
 
 
-class JointRatesLayer:
+class JointRatesLayer(Layer):
     """Plots and a table of peaks, drawn once the hand rests."""
-
-    switches: ClassVar[tuple[Switch, ...]] = ()
 
     def __init__(self, layout: Layout) -> None:
         self._layout = layout

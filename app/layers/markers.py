@@ -2,23 +2,19 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
-
 import numpy as np
 
 from abi.errors import NoPath
 from abi.planner.plan import Plan
 from abi.planner.reason import Reason
 from app import style
-from app.frame import Frame, Switch
+from app.frame import Frame, Layer
 from app.layers.points import Points
 from app.layout import Layout
 
 
-class MarkersLayer:
+class MarkersLayer(Layer):
     """Large bright points."""
-
-    switches: ClassVar[tuple[Switch, ...]] = ()
 
     def __init__(self, layout: Layout) -> None:
         self._drawn: Reason | None = None

@@ -10,7 +10,7 @@ from abi.arrays import FloatArray
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner.plan import Plan
 from app import style
-from app.frame import Frame, Switch
+from app.frame import Frame, Layer, Switch
 from app.framing import axes
 from app.layout import Layout
 from app.lines import add_line, parameters, segments
@@ -45,7 +45,7 @@ _View = tuple[Triple, Triple]
 """Position and target of a camera, [unit], world."""
 
 
-class NamesLayer:
+class NamesLayer(Layer):
     """A label on each line, away from the other labels, and a dimension line."""
 
     switches: ClassVar[tuple[Switch, ...]] = (Switch("names", "names and distance", None),)

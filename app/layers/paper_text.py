@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 import functools
-from typing import ClassVar
 
 from abi import assets
 from app.formulas import with_formulas
-from app.frame import Frame, Switch
+from app.frame import Frame, Layer
 from app.layout import Layout
 
 
-class PaperTextLayer:
+class PaperTextLayer(Layer):
     """Text in the Learn tab, sent after the first picture, which it would delay."""
-
-    switches: ClassVar[tuple[Switch, ...]] = ()
 
     def __init__(self, layout: Layout) -> None:
         with layout.learn:

@@ -8,7 +8,7 @@ import numpy as np
 
 from abi.planner.plan import Plan
 from app import style
-from app.frame import Frame, Switch
+from app.frame import Frame, Layer, Switch
 from app.layout import Layout
 from app.lines import NO_SEGMENTS, add_line, dashes, recolour, segments
 
@@ -17,7 +17,7 @@ _OFFSET = np.array([0.53, -0.80, 0.27])
 _OFFSET_FACTOR = {"a_star": 0.0, "dijkstra": 1.0, "bellman_ford": -1.0}
 
 
-class PathsLayer:
+class PathsLayer(Layer):
     """One fat line an algorithm; Dijkstra's is dashed, as in the paper's Fig. 3."""
 
     switches: ClassVar[tuple[Switch, ...]] = (

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
-
 import numpy as np
 import viser
 from numpy.typing import NDArray
@@ -14,7 +12,7 @@ from abi.search.compare import COMPARED
 from abi.search.replay import SearchState
 from app import style
 from app.camera import View, aspect
-from app.frame import Frame, Switch
+from app.frame import Frame, Layer
 from app.layers.theatre import few, order_colours
 from app.layers.workspace import box_edges
 from app.layout import Layout
@@ -33,10 +31,8 @@ _HEIGHT = 9.0
 _LEGEND = "Dark blue nodes were visited early, light ones late; green ones wait."
 
 
-class RaceLayer:
+class RaceLayer(Layer):
     """The copies, above the workspace; the camera looks at them while there are any."""
-
-    switches: ClassVar[tuple[Switch, ...]] = ()
 
     def __init__(self, layout: Layout) -> None:
         self._client = layout.client

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
-
 import numpy as np
 from numpy.typing import NDArray
 
 from abi.arrays import IntArray
 from app import style
-from app.frame import Frame, Switch
+from app.frame import Frame, Layer
 from app.layers.points import Points
 from app.layout import Layout
 
@@ -17,10 +15,8 @@ NODE_BUDGET = 20_000
 """Nodes a tab is sent at the most."""
 
 
-class SearchOrderLayer:
+class SearchOrderLayer(Layer):
     """Nodes in the order in which the chosen algorithm expanded them."""
-
-    switches: ClassVar[tuple[Switch, ...]] = ()
 
     def __init__(self, layout: Layout) -> None:
         self._cloud = Points(layout.client.scene, "/search/reached")

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
-
 from abi.planner.plan import Plan
-from app.frame import Frame, Switch
+from app.frame import Frame, Layer
 from app.layout import Layout
 from app.numbers import unbroken
 from app.plan_notes import notes
@@ -15,10 +13,8 @@ _HEIGHTS = {"bspline": 21, "quadratic": 71, "arm": 120, "motion": 38}
 """Height of each note, whatever is in it, [px]: one that grew would push what the hand is on."""
 
 
-class StageNotesLayer:
+class StageNotesLayer(Layer):
     """A note each for B-spline, quadratic, motion and arm, in which what is longer scrolls."""
-
-    switches: ClassVar[tuple[Switch, ...]] = ()
 
     def __init__(self, layout: Layout) -> None:
         self._notes = {}

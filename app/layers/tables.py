@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import ClassVar
 
 from abi.planner.plan import Plan
 from app import style
-from app.frame import Frame, Switch
+from app.frame import Frame, Layer
 from app.layout import Layout
 from app.numbers import (
     FASTEST_SHOWN,
@@ -33,10 +32,8 @@ _OLD = '<span style="opacity:.55">{}</span>'
 """Of the last full plan, while the next has not got so far."""
 
 
-class TablesLayer:
+class TablesLayer(Layer):
     """The two tables, as high for any plan: while one search is made, the others' rows stay."""
-
-    switches: ClassVar[tuple[Switch, ...]] = ()
 
     def __init__(self, layout: Layout) -> None:
         with layout.result:

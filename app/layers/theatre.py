@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
-
 import numpy as np
 import viser
 
@@ -12,7 +10,7 @@ from abi.scene.scene import Scene
 from abi.search.compare import COMPARED
 from abi.search.replay import SearchState
 from app import glb, style
-from app.frame import Frame, Switch
+from app.frame import Frame, Layer
 from app.layers.points import Points
 from app.layout import Layout
 from app.lines import NO_SEGMENTS, add_line, segments
@@ -27,10 +25,8 @@ _PLACES = ("next", "2nd", "3rd", "4th", "5th")
 _MIX = np.uint64(2654435761)
 
 
-class TheatreLayer:
+class TheatreLayer(Layer):
     """Pictures of the frame's theatre; nothing while it has none."""
-
-    switches: ClassVar[tuple[Switch, ...]] = ()
 
     def __init__(self, layout: Layout) -> None:
         self._scene = scene = layout.client.scene

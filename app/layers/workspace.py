@@ -10,7 +10,7 @@ import viser
 
 from abi.scene.settings import Workspace
 from app import style
-from app.frame import Frame, Switch
+from app.frame import Frame, Layer, Switch
 from app.layout import Layout
 from app.lines import Segments, add_line
 
@@ -18,7 +18,7 @@ _CORNERS = np.array(list(itertools.product((0.0, 1.0), repeat=3)))
 _EDGES = [(a, b) for a, b in itertools.combinations(range(8), 2) if bin(a ^ b).count("1") == 1]
 
 
-class WorkspaceLayer:
+class WorkspaceLayer(Layer):
     """Edges of the meshed box, and a grid below it."""
 
     switches: ClassVar[tuple[Switch, ...]] = (
