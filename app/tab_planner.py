@@ -35,7 +35,7 @@ class TabPlanner:
 
     def __init__(self, tab: int) -> None:
         """Begin with an empty memory, for the tab of this number."""
-        self.live = LivePlanner(compile=False)
+        self.live = LivePlanner()
         self._tab = tab
         self._ms: Mapping[str, float] = {}
         self._uncompiled: set[tuple[str, float]] = set()

@@ -27,7 +27,7 @@ from typing import Any
 import numpy as np
 
 from abi.arrays import FloatArray
-from abi.planner.live_planner import LivePlanner
+from abi.planner.planner import Planner
 from abi.scene.scene import load_scene
 from app.layers.curves import SAMPLES
 from app.lines import segments
@@ -242,7 +242,7 @@ def expected_curve(tab: WebTab) -> FloatArray:
     moved = scene.obstacles[0].model_dump(mode="json")
     moved |= {"position": list(tab.position or ()), "wxyz": [1.0, 0.0, 0.0, 0.0]}
     with _planning:
-        plan = LivePlanner().finish(scene.replace(obstacles=[moved, *scene.obstacles[1:]]))
+        plan = Planner()(scene.replace(obstacles=[moved, *scene.obstacles[1:]]))
     assert plan.bspline is not None
     curve = plan.bspline.curve
     return segments(curve(np.linspace(*curve.interval, SAMPLES))).ravel().astype(float)

@@ -11,19 +11,19 @@ from abi.scene.scene import Scene
 class LivePlanner:
     """Two planners, one for the scene's mesh and one for a coarser mesh, each with its own memory.
 
+    Neither compiles the inner loops: :func:`abi.compile` does, beside the first plans.
+
     Attributes:
         budget: number of nodes that fit a frame.
         coarse: whether the last plan has a coarser mesh than its scene.
         partial: whether it has a coarser mesh or only one search.
     """
 
-    def __init__(self, compile: bool = True) -> None:
-        """Begin with an empty memory; ``compile`` as for :class:`Planner`."""
+    def __init__(self) -> None:
         self.budget = NodeBudget()
         self.coarse = self.partial = False
-        self._compile = compile
         self._last_settings: tuple[object, ...] = ()
-        self._planner, self._coarse_planner = Planner(compile), Planner(compile)
+        self.forget()
 
     def __call__(self, scene: Scene) -> Plan:
         """Plan within a frame if possible: in full, with one search, or on a coarser mesh."""
@@ -46,7 +46,7 @@ class LivePlanner:
 
     def forget(self) -> None:
         """Drop the memory of earlier plans, but not what the budget has learnt from them."""
-        self._planner, self._coarse_planner = Planner(self._compile), Planner(self._compile)
+        self._planner, self._coarse_planner = Planner(compile=False), Planner(compile=False)
         self._last_settings = ()
 
     def finish(self, scene: Scene) -> Plan:
