@@ -5,8 +5,6 @@ from __future__ import annotations
 from typing import ClassVar
 
 import numpy as np
-import viser
-from numpy.typing import NDArray
 
 from abi.arm.arm import Arm
 from abi.arm.inverse_kinematics import solve
@@ -17,8 +15,8 @@ from abi.scene.settings import Elbow
 from app import style
 from app.frame import Frame, Layer, Switch
 from app.layers.arm_playback import samples_of
-from app.layers.ghost_bodies import GhostBodies, capsule_mesh, places_of
-from app.layers.urdf_poses import OtherPoses, first_pose, last_pose, other_courses, other_poses
+from app.layers.ghost_bodies import GhostBodies, places_of
+from app.layers.urdf_poses import OtherPoses, end_pose, other_courses, other_poses
 from app.layout import Layout
 from app.lines import NO_SEGMENTS, add_line, dashes, parameters
 from app.once_a_plan import once_a_plan
@@ -38,22 +36,20 @@ class ArmGhostsLayer(Layer):
     )
 
     def __init__(self, layout: Layout) -> None:
-        self._scene = layout.client.scene
-        self._others = GhostBodies(layout.client, "/arm_ghost/now", style.FADED)
-        self._stands: tuple[object, ...] | None = None
-        self._meshes: dict[str, viser.MeshHandle] = {}
+        client = layout.client
+        self._bodies = {
+            name: GhostBodies(client, f"/arm_ghost/{name}", colour)
+            for name, colour in (("now", style.FADED), *((end, style.POINT) for end in _ENDS))
+        }
         self._drawn: dict[str, tuple[object, ...]] = {}
-        self._line = add_line(self._scene, "/tool_only", style.FADED, 4.0)
+        self._line = add_line(client.scene, "/tool_only", style.FADED, 4.0)
         self._curve: object = None
 
     def draw(self, frame: Frame) -> None:
         """Draw what is switched on."""
         plan = frame.plan
-        for name in _ENDS:
-            seen = "end_poses" in frame.shown and self._pose(name, frame)
-            if name in self._meshes:
-                self._meshes[name].visible = seen
-        self._draw_others(frame)
+        for name, bodies in self._bodies.items():
+            self._draw_bodies(name, bodies, frame)
         if plan.tool_only is not self._curve:
             self._curve = plan.tool_only
             self._line.points = NO_SEGMENTS
@@ -63,96 +59,61 @@ class ArmGhostsLayer(Layer):
                 self._line.points = dashes(points, 0.03 * max(plan.scene.workspace.size))
         self._line.visible = "tool_only" in frame.shown
 
-    def _draw_others(self, frame: Frame) -> None:
-        """Draw the other poses: at the frame's time, or for the page to move while it plays."""
-        plan = frame.plan
-        arm = plan.arm
+    def _draw_bodies(self, name: str, bodies: GhostBodies, frame: Frame) -> None:
+        """Draw a ghost's poses; the others for the page to move while the motion plays."""
+        plan, arm = frame.plan, frame.plan.arm
+        playing = name == "now" and frame.playing and plan.motion is not None
         positions = np.empty((0, 0))
-        playing = frame.playing and plan.motion is not None
-        if "other_elbow" in frame.shown and arm is not None:
+        if arm is not None and ("other_elbow" if name == "now" else "end_poses") in frame.shown:
             positions = (
                 np.array([one.positions[0] for one in _courses(plan)])
                 if playing
-                else _poses_of("now", frame)
+                else _poses_of(name, frame)
             )
         state = (plan if playing else arm, playing, *np.round(positions, 9).ravel().tolist())
-        if state == self._stands:
+        if state == self._drawn.get(name):
             return
-        self._stands = state
+        self._drawn[name] = state
         if arm is None or not len(positions):
-            self._others.hide()
+            bodies.hide()
             return
         placed = arm.placed(positions)
         ends = np.stack([capsule.ends for capsule in placed], axis=1).reshape(-1, 2, 3)
         radii = np.tile([capsule.radius for capsule in placed], len(positions))
         if playing:
-            self._others.follow(ends, radii, _places(plan))
+            bodies.follow(ends, radii, _places(plan))
         else:
-            self._others.stand(ends, radii)
-
-    def _pose(self, name: str, frame: Frame) -> bool:
-        """Draw a ghost that stands still; whether there is any."""
-        arm = frame.plan.arm
-        positions = _poses_of(name, frame)
-        if arm is None or not len(positions):
-            return False
-        state = (arm, *np.round(positions, 9).ravel().tolist())
-        if self._drawn.get(name) == state:
-            return True
-        self._drawn[name] = state
-        capsules = arm.placed(positions)
-        vertices, faces = _capsule_meshes(
-            np.concatenate([capsule.ends for capsule in capsules]),
-            np.repeat([capsule.radius for capsule in capsules], len(positions)),
-        )
-        self._meshes[name] = self._scene.add_mesh_simple(
-            f"/arm_ghost/{name}",
-            vertices,
-            faces,
-            color=style.POINT,
-            opacity=style.GHOST_OPACITY,
-            cast_shadow=False,
-        )
-        return True
+            bodies.stand(ends, radii)
 
 
 def _poses_of(name: str, frame: Frame) -> FloatArray:
     """Joint positions (k, n) of a ghost, [rad] or [unit]."""
-    plan = frame.plan
-    arm = plan.arm
+    plan, arm = frame.plan, frame.plan.arm
     if isinstance(arm, Arm):
-        return _paper_pose(name, frame, arm)[None]
+        if name == "now":
+            return _paper_poses(arm, _tool_at(plan, frame.time)[None], plan, other=True)
+        return _paper_poses(arm, np.array([getattr(plan.scene, name)]), plan)
     if not isinstance(arm, UrdfArm):
         return np.empty((0, 0))
     if name == "now":
         return other_poses(plan, arm, frame.time)
-    pose = first_pose(plan, arm) if name == "start" else last_pose(plan, arm)
+    pose = end_pose(plan, arm, name)
     return np.empty((0, 0)) if pose is None else pose[None]
 
 
-def _paper_pose(name: str, frame: Frame, arm: Arm) -> FloatArray:
-    """Joint positions (6,) of a ghost of the paper's arm, which has one other elbow."""
-    tool, elbow = _place_of(name, frame)
-    q5 = np.array([frame.plan.scene.arm.q5])
-    found = solve(arm, tool[None], q5, elbow, np.zeros((1, 3)))
-    return np.array([found.q1[0], found.q2[0], found.q3[0], 0.0, q5[0], 0.0])
-
-
-def _place_of(name: str, frame: Frame) -> tuple[FloatArray, Elbow]:
-    """Place of a ghost's tool, (3,), [unit], world, and its branch."""
-    plan, elbow = frame.plan, elbow_of(frame.plan)
-    if name == "now":
-        return _tool_at(plan, frame.time), _other(elbow)
-    return np.array(plan.scene.start if name == "start" else plan.scene.goal), elbow
+def _paper_poses(arm: Arm, tool: FloatArray, plan: Plan, other: bool = False) -> FloatArray:
+    """Joint positions (k, 6) of the paper's arm with its tool at (k, 3), on its branch or not."""
+    elbow = elbow_of(plan)
+    if other:
+        elbow = "down" if elbow == "up" else "up"
+    q5, still = np.full(len(tool), plan.scene.arm.q5), np.zeros(len(tool))
+    found = solve(arm, tool, q5, elbow, np.zeros_like(tool))
+    return np.column_stack([found.q1, found.q2, found.q3, still, q5, still])
 
 
 def elbow_of(plan: Plan) -> Elbow:
     """Branch of the plan's arm."""
     return plan.scene.arm.branches[0] if plan.motion is None else plan.motion.elbow
-
-
-def _other(elbow: Elbow) -> Elbow:
-    return "down" if elbow == "up" else "up"
 
 
 def _tool_at(plan: Plan, time: float) -> FloatArray:
@@ -185,19 +146,5 @@ def _courses(plan: Plan) -> tuple[OtherPoses, ...]:
         return other_courses(plan)
     assert motion is not None
     rows = samples_of(motion)
-    q5 = np.full(len(rows), plan.scene.arm.q5)
-    tool = motion.tool[rows]
-    found = solve(arm, tool, q5, _other(elbow_of(plan)), np.zeros_like(tool))
-    still = np.zeros_like(q5)
-    positions = np.column_stack([found.q1, found.q2, found.q3, still, q5, still])
-    return (OtherPoses(motion.time[rows], positions, still),)
-
-
-def _capsule_meshes(
-    ends: FloatArray, radii: FloatArray
-) -> tuple[NDArray[np.float32], NDArray[np.uint32]]:
-    """Vertices and faces of capsules with ends (c, 2, 3) and radii (c,), [unit], as one mesh."""
-    meshes = [capsule_mesh(*one) for one in zip(ends, radii.tolist(), strict=True)]
-    first = np.cumsum([0, *(len(vertices) for vertices, _ in meshes[:-1])], dtype=np.uint32)
-    faces = [own + begin for (_, own), begin in zip(meshes, first, strict=True)]
-    return np.concatenate([vertices for vertices, _ in meshes]), np.concatenate(faces)
+    positions = _paper_poses(arm, motion.tool[rows], plan, other=True)
+    return (OtherPoses(motion.time[rows], positions, np.zeros(len(rows))),)

@@ -22,7 +22,7 @@ from abi.planner.plan import Plan
 from app import style
 from app.frame import Frame, Layer, Switch
 from app.layers.arm_ghosts import elbow_of
-from app.layers.urdf_poses import first_pose
+from app.layers.urdf_poses import end_pose
 from app.layout import Layout
 
 _SENTENCES = (
@@ -99,7 +99,7 @@ def _start_of(plan: Plan) -> object:
     """Values that an arm's poses depend on beside its settings; None where it reaches no start."""
     if not isinstance(plan.arm, UrdfArm):
         return elbow_of(plan)
-    pose = first_pose(plan, plan.arm)
+    pose = end_pose(plan, plan.arm, "start")
     return None if pose is None else (plan.scene.start, *np.round(pose, 6).tolist())
 
 
@@ -116,7 +116,7 @@ def _paper_region(name: str, plan: Plan, arm: Arm) -> FloatArray:
 
 def _chain_region(name: str, plan: Plan, arm: UrdfArm) -> FloatArray:
     """The same of another arm."""
-    scene, first = plan.scene, first_pose(plan, arm)
+    scene, first = plan.scene, end_pose(plan, arm, "start")
     assert first is not None
     lowest = scene.workspace.min[2]
     if name == "reach":

@@ -82,8 +82,7 @@ class GhostBodies:
             self._root = scene.add_frame(self._name, show_axes=False)
             self._shapes, self._nodes, self._following = shapes, [], None
             for number, (length, radius) in enumerate(shapes):
-                along = np.array([[0.0, 0.0, -length / 2], [0.0, 0.0, length / 2]])
-                vertices, faces = capsule_mesh(along, radius)
+                vertices, faces = capsule_mesh(length, radius)
                 self._nodes.append(
                     scene.add_mesh_simple(
                         f"{self._name}/{number}",
@@ -138,26 +137,16 @@ def _product(first: FloatArray, second: FloatArray) -> FloatArray:
     return np.concatenate([scalar, a * v + b * u + np.cross(u, v)], axis=1)
 
 
-def capsule_mesh(
-    segment: FloatArray, radius: float
-) -> tuple[NDArray[np.float32], NDArray[np.uint32]]:
-    """Vertices and faces of a capsule around a segment (2, 3), [unit]."""
+def capsule_mesh(length: float, radius: float) -> tuple[NDArray[np.float32], NDArray[np.uint32]]:
+    """Vertices and faces of a capsule around a segment of the z axis, about the origin, [unit]."""
     rise = np.linspace(-np.pi / 2, np.pi / 2, 2 * _RINGS)
     turn = 2 * np.pi * np.arange(_SIDES) / _SIDES
-    height, width = np.sin(rise), np.cos(rise)
-    ring = np.stack([np.cos(turn), np.sin(turn)], axis=1)
-    top = (np.arange(2 * _RINGS) >= _RINGS).astype(int)
+    ring = radius * np.stack([np.cos(turn), np.sin(turn)], axis=1)
+    points = np.empty((2 * _RINGS, _SIDES, 3), np.float32)
+    points[..., :2] = np.cos(rise)[:, None, None] * ring
+    points[..., 2] = (radius * np.sin(rise) + length / 2 * np.sign(rise))[:, None]
     grid = np.arange(2 * _RINGS * _SIDES).reshape(2 * _RINGS, _SIDES)
     a, b = grid[:-1], grid[1:]
     c, d = np.roll(a, -1, axis=1), np.roll(b, -1, axis=1)
     quads = np.stack([a, c, d, a, d, b], axis=-1).reshape(-1, 3)
-    way = segment[1] - segment[0]
-    length = float(np.linalg.norm(way))
-    axis = way / length if length > 0 else np.array([0.0, 0.0, 1.0])
-    side = np.cross(axis, np.eye(3)[int(np.abs(axis).argmin())])
-    side /= np.linalg.norm(side)
-    across = ring @ np.stack([side, np.cross(axis, side)])
-    points = segment[top][:, None] + radius * (
-        height[:, None, None] * axis + width[:, None, None] * across
-    )
-    return points.reshape(-1, 3).astype(np.float32), quads.astype(np.uint32)
+    return points.reshape(-1, 3), quads.astype(np.uint32)

@@ -50,20 +50,12 @@ def poses_at(arm: UrdfArm, point: Vec3) -> tuple[FloatArray, ...]:
     )
 
 
-def first_pose(plan: Plan, arm: UrdfArm) -> FloatArray | None:
-    """Pose (n,) with the tool at the start; None where that is out of reach."""
+def end_pose(plan: Plan, arm: UrdfArm, end: str) -> FloatArray | None:
+    """Pose (n,) with the tool at the ``start`` or ``goal``; None where that is out of reach."""
     if plan.motion is not None:
-        first: FloatArray = plan.motion.positions[0]
-        return first
-    return next(iter(poses_at(arm, plan.scene.start)), None)
-
-
-def last_pose(plan: Plan, arm: UrdfArm) -> FloatArray | None:
-    """Pose (n,) with the tool at the goal; None where that is out of reach."""
-    if plan.motion is not None:
-        last: FloatArray = plan.motion.positions[-1]
-        return last
-    return next(iter(poses_at(arm, plan.scene.goal)), None)
+        pose: FloatArray = plan.motion.positions[0 if end == "start" else -1]
+        return pose
+    return next(iter(poses_at(arm, getattr(plan.scene, end))), None)
 
 
 def other_poses(plan: Plan, arm: UrdfArm, time: float) -> FloatArray:
@@ -81,7 +73,7 @@ def other_courses(plan: Plan) -> tuple[OtherPoses, ...]:
     """Courses of the other first poses; without a motion these poses alone."""
     arm, motion = plan.arm, plan.motion
     assert isinstance(arm, UrdfArm)
-    first = first_pose(plan, arm)
+    first = end_pose(plan, arm, "start")
     if first is None:
         return ()
     others = _different(arm, first, poses_at(arm, plan.scene.start))[:_OTHERS]

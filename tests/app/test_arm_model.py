@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import base64
-from collections import ChainMap
-from collections.abc import Mapping
 from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
@@ -30,7 +28,7 @@ from app.layers.arm_playback import samples_of
 from app.layers.arm_regions import ArmRegionsLayer
 from app.layers.link_body import link_mesh
 from app.layers.urdf_arm import _muted, joint_origin, joint_values
-from app.layers.urdf_poses import first_pose, last_pose, other_poses, poses_at
+from app.layers.urdf_poses import end_pose, other_poses, poses_at
 from app.panels.arm import ArmPanel
 from app.session import Session
 from tests.abi.arm.test_chain import LINKED_BIT
@@ -228,7 +226,7 @@ def test_ghosts_and_regions_are_those_of_any_arm(tab: tuple[FakeTab, Session]) -
     fake.set(session.playback.slider, 1.0)
     drawn_ghosts = layer(session, ArmGhostsLayer)
     regions = layer(session, ArmRegionsLayer)._meshes
-    ghosts: Mapping[str, Any] = ChainMap({"now": drawn_ghosts._others}, drawn_ghosts._meshes)
+    ghosts = drawn_ghosts._bodies
     names = {"other_elbow": ("now",), "end_poses": ("start", "goal")}
     for switch, drawn in names.items():
         fake.set(session.panels.layer_switches.boxes[switch], True)
@@ -239,7 +237,8 @@ def test_ghosts_and_regions_are_those_of_any_arm(tab: tuple[FakeTab, Session]) -
         assert len(regions[switch].vertices) > 100
     for switch in (*names, "shadow", "reach"):
         fake.set(session.panels.layer_switches.boxes[switch], False)
-    until(lambda: not any(one.visible for one in (*ghosts.values(), *regions.values())))
+    until(lambda: not any(one.visible for one in ghosts.values()))
+    until(lambda: not any(one.visible for one in regions.values()))
 
 
 @pytest.mark.slow
@@ -267,7 +266,7 @@ def test_the_page_plays_the_other_poses_by_itself(
     places = table.reshape(-1, len(names), 7)
     rows = samples_of(plan.motion)
     assert len(places) == len(rows)
-    nodes = layer(session, ArmGhostsLayer)._others
+    nodes = layer(session, ArmGhostsLayer)._bodies["now"]
     assert [node.name for node in nodes._nodes] == names
     checked = 0
     for number in (0, 37, 100):
@@ -312,8 +311,8 @@ def test_other_poses_hold_the_tool_where_it_is() -> None:
             np.testing.assert_allclose(arm.tool(pose[None])[0], tool, atol=1e-3 * arm.reach)
             assert np.abs(arm.place(pose[None]) - arm.place(own[None])).max() > 0.02 * arm.reach
     assert some >= 5
-    ends = first_pose(made, arm), last_pose(made, arm)
-    for pose, place in zip(ends, (made.scene.start, made.scene.goal), strict=True):
+    for name in ("start", "goal"):
+        pose, place = end_pose(made, arm, name), getattr(made.scene, name)
         assert pose is not None
         np.testing.assert_allclose(arm.tool(pose[None])[0], place, atol=1e-4 * arm.reach)
     assert poses_at(arm, (9.0, 9.0, 9.0)) == ()

@@ -14,7 +14,7 @@ from abi.planner.planner import Planner
 from abi.scene.scene import load_scene
 from app.frame import Frame
 from app.layers.arm_regions import ArmRegionsLayer
-from app.layers.urdf_poses import first_pose
+from app.layers.urdf_poses import end_pose
 
 
 def test_poses_of_a_drag_without_a_motion_are_found_once(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -33,7 +33,7 @@ def test_poses_of_a_drag_without_a_motion_are_found_once(monkeypatch: pytest.Mon
         assert isinstance(made.arm, UrdfArm)
         with monkeypatch.context() as patched:
             patched.setattr(UrdfArm, "first_poses", note)
-            first_pose(made, made.arm)
+            end_pose(made, made.arm, "start")
     assert len(asked) == 1
 
 
