@@ -38,6 +38,8 @@ class Classroom:
     Attributes:
         secret: what a teacher's address has and no other: ``?teach=…``.
         plans: of what the teacher shows; one tab makes them for all.
+        view: number of the view sent last, 0 for none, and the view.
+        poll: the question asked last; None before the first.
     """
 
     def __init__(self) -> None:
@@ -45,20 +47,10 @@ class Classroom:
         self.plans = SharedPlans()
         self._lock = threading.Lock()
         self._wakes: dict[int, Callable[[], None]] = {}
-        self._view: tuple[int, TabState | None] = (0, None)
-        self._poll: Poll | None = None
+        self.view: tuple[int, TabState | None] = (0, None)
+        self.poll: Poll | None = None
         self._answers: dict[int, int] = {}
         self._teachers: set[int] = set()
-
-    @property
-    def view(self) -> tuple[int, TabState | None]:
-        """Number of the view sent last, 0 for none, and the view."""
-        return self._view
-
-    @property
-    def poll(self) -> Poll | None:
-        """The question asked last; None before the first."""
-        return self._poll
 
     def is_teacher(self, secret: str) -> bool:
         """Check whether that is the teacher's secret; takes the same time for every wrong one."""
@@ -84,7 +76,7 @@ class Classroom:
     def show(self, view: TabState) -> None:
         """Send a view to all tabs; one that has not taken the last yet goes on to this."""
         with self._lock:
-            self._view = (self._view[0] + 1, view)
+            self.view = (self.view[0] + 1, view)
         self._wake_all()
 
     def ask(self, text: str, choices: tuple[str, ...]) -> bool:
@@ -93,15 +85,15 @@ class Classroom:
         if not text.strip() or len(kept) < 2:
             return False
         with self._lock:
-            number = 1 if self._poll is None else self._poll.number + 1
-            self._poll, self._answers = Poll(number, text[:_MAX_TEXT], kept), {}
+            number = 1 if self.poll is None else self.poll.number + 1
+            self.poll, self._answers = Poll(number, text[:_MAX_TEXT], kept), {}
         self._wake_all()
         return True
 
     def answer(self, tab: int, number: int, choice: int) -> None:
         """Count a tab's answer, its last one, if the question is still the one asked."""
         with self._lock:
-            poll = self._poll
+            poll = self.poll
             if poll is None or poll.number != number or not 0 <= choice < len(poll.choices):
                 return
             self._answers[tab] = choice
@@ -116,10 +108,10 @@ class Classroom:
     def counts(self) -> tuple[int, ...]:
         """Number of tabs for each answer of the present question."""
         with self._lock:
-            if self._poll is None:
+            if self.poll is None:
                 return ()
             given = list(self._answers.values())
-            return tuple(given.count(choice) for choice in range(len(self._poll.choices)))
+            return tuple(given.count(choice) for choice in range(len(self.poll.choices)))
 
     @property
     def tabs(self) -> int:

@@ -62,19 +62,14 @@ class TheatreLayer(Layer):
         state = theatre.state
         points, n = state.trace.arcs.points, len(state.trace.arcs.points)
         size = _size(state)
+        current, clicked = (
+            np.array([node], np.int32)[: node >= 0] for node in (state.current, theatre.clicked)
+        )
         shown = {
             "closed": (style.CLOSED, size, few(state.closed, n)),
             "open": (style.OPEN, 1.25 * size, few(state.open, n)),
-            "current": (
-                style.MARK,
-                1.9 * size,
-                np.array([state.current], np.int32)[: state.current >= 0],
-            ),
-            "clicked": (
-                style.POINT,
-                1.6 * size,
-                np.array([theatre.clicked], np.int32)[: theatre.clicked >= 0],
-            ),
+            "current": (style.MARK, 1.9 * size, current),
+            "clicked": (style.POINT, 1.6 * size, clicked),
         }
         for name, (colour, diameter, nodes) in shown.items():
             if name not in self._clouds:
@@ -152,30 +147,19 @@ def describe(theatre: Theatre, scene: Scene) -> str:
     )
     if state.done:
         text += f" {_end(state, unit)}"
-    rows = []
-    if state.current >= 0:
-        rows.append(
-            (
-                f"{_swatch(style.MARK)}now {where(state, state.current)}",
-                *labels(state, state.current),
-            )
-        )
-    if theatre.clicked >= 0:
-        rows.append(
-            (
-                f"{_swatch(style.POINT)}clicked {where(state, theatre.clicked)}",
-                *labels(state, theatre.clicked),
-            )
-        )
+    named = [
+        (f"{_swatch(style.MARK)}now", state.current, ""),
+        (f"{_swatch(style.POINT)}clicked", theatre.clicked, ""),
+    ]
     if not theatre.asking and trace.queue != "rounds":
-        for place, node in enumerate(state.queue(len(_PLACES)).tolist()):
-            side = " ←" if node >= n else ""
-            rows.append(
-                (
-                    f"{_PLACES[place]} {where(state, node)}{side}",
-                    *labels(state, node),
-                )
-            )
+        queue = state.queue(len(_PLACES)).tolist()
+        sides = (" ←" if node >= n else "" for node in queue)
+        named += zip(_PLACES, queue, sides, strict=False)
+    rows = [
+        (f"{name} {where(state, node)}{side}", *labels(state, node))
+        for name, node, side in named
+        if node >= 0
+    ]
     text = f"{style.BOX}{text}</div>"
     if rows:
         cost = unit if scene.search.weight == "length" else "edges"
