@@ -8,7 +8,7 @@ import json
 import re
 import time
 import uuid as uuids
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor, Future
 from typing import Any
 
@@ -20,7 +20,6 @@ from viser._threadpool_exceptions import print_awaited_callback_error
 
 from abi import assets
 from app import viser_shortcuts
-from app.style import VIOLATION, Colour, css
 
 assert viser.__version__ == "1.1.1", "app/page.py uses private names of viser 1.1.1"
 
@@ -195,63 +194,6 @@ def follow(client: viser.ClientHandle, bodies: Mapping[str, object] | None) -> N
 def stand(client: viser.ClientHandle, time: float) -> None:
     """Have the tab stand still at ``time`` [s] of the motion that it plays."""
     _run(client, f"abi.stand({json.dumps(time)})", "motion")
-
-
-def notify_refusal(client: viser.ClientHandle, title: str, reason: str) -> None:
-    """Notify the user of what was not done, and why."""
-    client.add_notification(title, reason, color="red", auto_close_seconds=12)
-
-
-def notify_refused_file(client: viser.ClientHandle, title: str, reason: str) -> None:
-    """Notify the user of a file that was not taken, and why, until the notice is closed."""
-    client.add_notification(title, reason, color="red", auto_close_seconds=None)
-
-
-def notify_warning(client: viser.ClientHandle, title: str, reason: str) -> None:
-    """Notify the user of what is wrong with what was done."""
-    client.add_notification(title, reason, color="orange", auto_close_seconds=12)
-
-
-def notify_missing(client: viser.ClientHandle, files: Iterable[str]) -> None:
-    """Notify the user of mesh files of a link that this server does not have."""
-    names = ", ".join(files)
-    reason = (
-        f"{names} was uploaded to another server, or too long ago. Everything else is here. "
-        "A scene that is saved as a file has its meshes in it."
-    )
-    client.add_notification("Without its mesh", reason, color="red", auto_close_seconds=20)
-
-
-def swatch_style(colours: Iterable[tuple[viser.GuiCheckboxHandle, Colour | None]]) -> str:
-    """Style sheet that puts a line of its colour, if any, before each checkbox's label."""
-    rules = [
-        f'label[for="{uuid(handle)}"]::before{{content:"";display:inline-block;width:14px;'
-        f"height:4px;margin-right:7px;vertical-align:middle;"
-        f"background:{'transparent' if colour is None else css(colour)}}}"
-        for handle, colour in colours
-    ]
-    return f"<style>{''.join(rules)}</style>"
-
-
-def player_style(stretches: Iterable[tuple[float, float]], end: float) -> str:
-    """Style sheet that makes stretches of the player's slider red, which runs from 0 to ``end``.
-
-    A short one is made as wide as can be seen. The player of no motion is hidden.
-    """
-    if end == 0:
-        return "<style>#abi-overlay .abi-player{visibility:hidden}</style>"
-    stops, reached = [], 0.0
-    for first, last in sorted(stretches):
-        low, high = max(100 * first / end - 0.5, reached), min(100 * last / end + 0.5, 100.0)
-        if high > low:
-            stops += [f"transparent {reached:.2f}% {low:.2f}%"]
-            stops += [f"{css(VIOLATION)} {low:.2f}% {high:.2f}%"]
-            reached = high
-    if not stops:
-        return ""
-    stops.append(f"transparent {reached:.2f}% 100%")
-    fill = f"linear-gradient(90deg,{','.join(stops)})"
-    return f"<style>#abi-overlay .abi-track{{background:{fill} 0 100%/100% 4px no-repeat}}</style>"
 
 
 def disable_sharing(server: viser.ViserServer) -> None:

@@ -6,7 +6,7 @@ import json
 
 import viser
 
-from app import page
+from app import notices, page
 from app.guard.messages import MAX_UPLOAD
 from app.panels.file_uploads import shown_name
 
@@ -34,7 +34,7 @@ class RefusedFiles:
     def _tell(self, event: object) -> None:
         refused = refusal(self._box.value)
         if refused is not None:
-            page.notify_refused_file(self._client, *refused)
+            notices.notify_refused_file(self._client, *refused)
 
 
 def refusal(text: object) -> tuple[str, str] | None:

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 
 import viser
 
-from app import page
+from app import notices, page
 from app.address import Address, ensure_port, listening_url
 from app.guard import guarded_server, token
 from app.guard.guard import Guard
@@ -108,7 +108,7 @@ class Server:
             sessions, self.sessions = list(self.sessions.values()), {}
         for session in sessions:
             session.close()
-            session.tell_end()
+            notices.notify_end(session.client)
         if sessions:
             threading.Event().wait(_FAREWELL)
         page.run_on_loop(self.viser, self.guard.hang_up)

@@ -1,7 +1,6 @@
-"""One browser tab: its worker thread reads the panels, plans what changed, and draws the frame.
+"""One browser tab: its worker reads the panels, plans what changed, and draws the frame.
 
-Callbacks only wake the worker. It gives one frozen :class:`Frame` to every layer and panel. Only
-the newest input is planned; what came before it is skipped.
+Callbacks only wake the worker. It gives one frozen :class:`Frame` to every layer and panel.
 """
 
 from __future__ import annotations
@@ -19,7 +18,7 @@ from abi.errors import AbiError, SceneError
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.planner.plan import Plan
 from abi.scene.scene import Scene
-from app import memory, metrics, page
+from app import memory, metrics, notices, page
 from app.arm_size import oversize
 from app.bug_report import describe_fault
 from app.classroom import Classroom
@@ -37,7 +36,8 @@ from app.tab_memory import Report, TabMemory
 from app.tab_planner import TabPlanner
 from app.tab_state import TabState
 from app.tab_view import TabView
-from app.turns import AT_ONCE, PATIENT, TURNS, Turn
+from app.tab_worker import TabWorker
+from app.turns import AT_ONCE, PATIENT
 
 _log = logging.getLogger("abi.tab")
 
@@ -75,11 +75,15 @@ class Session:
         self._woken = 0.0
         self._fault: str | None = None
         self._broken = False
-        self._changed = threading.Event()
-        self._turn = Turn(TURNS)
         self._planned = planned
-        self._built = False
-        self._closing = False
+        self._built = self._closed = False
+        self._worker = worker = TabWorker(
+            f"tab-{client.client_id}",
+            prepare=lambda: self._memory.wait(),
+            timeout=self._timeout,
+            patience=self._patience,
+            step=self._work,
+        )
         page.install(client)
         watch = PageWatch(client, self._changed.set)
         self._refused = RefusedFiles(client)
@@ -91,17 +95,11 @@ class Session:
             self._built = True
             self._class: ClassroomPanel | None = None
             if classroom is not None:
-                self._class = self._view.join(classroom, self.wake, self._changed.set)
-        self._pause = Pause(
-            client, self.panels, self._planner, self._changed.is_set, has_lights=look.plain
-        )
+                self._class = self._view.join(classroom, self.wake, worker.wake)
+        self._pause = Pause(client, self.panels, self._planner, worker.is_woken, look.plain)
         self._drawn = self.panels.step(scene)
         self._demonstrated = False  # whether the scene is where the demonstration left it
-        self._changed.set()
-        self._worker = threading.Thread(
-            target=self._work, name=f"tab-{client.client_id}", daemon=True
-        )
-        self._worker.start()
+        worker.start()
         self._opened = time.monotonic()
         metrics.SESSIONS.inc()
         metrics.TABS.inc()
@@ -109,29 +107,17 @@ class Session:
 
     def close(self) -> None:
         """End the worker of a closed tab."""
-        if self._closing:
+        if self._closed:
             return
-        self._closing = True
+        self._closed = True
         if self._class is not None:
             self._class.close()
-        self._changed.set()
-        if threading.current_thread() is not self._worker:
-            self._worker.join(timeout=5)
+        self._worker.close()
         metrics.TABS.dec()
         memory.give_back_soon()
         seconds = time.monotonic() - self._opened
         fields = {"tab": self.client.client_id, "seconds": seconds, "plans": self.plans}
         _log.info("tab closed", extra=fields)
-
-    def tell_end(self) -> None:
-        """Tell the tab that the server is about to stop."""
-        self.client.add_notification(
-            "The server has stopped",
-            "This tab keeps its scene. Once the server runs again, the page connects by itself.",
-            color="yellow",
-            auto_close_seconds=None,
-        )
-        self.client.flush()
 
     @property
     def plan(self) -> Plan | None:
@@ -141,7 +127,7 @@ class Session:
     @property
     def resting(self) -> bool:
         """Whether the plan is complete, all of it is drawn, and no input is waiting."""
-        waiting = self.frame.interactive or self.frame.partial or self._changed.is_set()
+        waiting = self.frame.interactive or self.frame.partial or self._worker.is_woken()
         return self.plans > 0 and not waiting
 
     def wake(self, event: object) -> None:
@@ -153,26 +139,16 @@ class Session:
         if getattr(event, "client", None) is not None:
             if self._built:  # until then no widget has been read
                 self.panels.note(event)
-            if not self._changed.is_set():
+            if not self._worker.is_woken():
                 self._woken = time.monotonic()
-            self._changed.set()
-            self._turn.hasten()
+            self._worker.hurry()
 
-    def _work(self) -> None:
-        """Plan and draw until the tab is closed: the worker's thread."""
-        self._memory.wait()
-        while True:
-            self._changed.wait(self._timeout())
-            if self._closing:
-                return
-            with self._turn.after(self._patience()):
-                # not what wait() returned: the input may have come while it gave up
-                if woken := self._changed.is_set():
-                    self._changed.clear()
-                try:
-                    self._step(woken)
-                except Exception as error:
-                    self._recover(error)
+    def _work(self, woken: bool) -> None:
+        """Take a step, or go back."""
+        try:
+            self._step(woken)
+        except Exception as error:
+            self._recover(error)
 
     def _patience(self) -> float:
         """Time for which what there is to do can wait behind the hands in other tabs, [s]."""
@@ -218,7 +194,7 @@ class Session:
             if isinstance(error, MemoryError)
             else "The visualiser met a fault of its own. The Scene tab has a text for a bug report."
         )
-        page.notify_refusal(self.client, "This did not work", f"{words} The last picture stays.")
+        notices.notify_refusal(self.client, "This did not work", f"{words} The last picture stays.")
         if self.panels.files.last is not self._drawn.loaded:
             with contextlib.suppress(Exception):  # the fault may be in what draws
                 self.panels.show(self._drawn)
@@ -280,7 +256,7 @@ class Session:
             return self.panels.read(self._scene)
         except AbiError as error:
             scene = self.panels.read(self._scene)
-            page.notify_refusal(self.client, "Not changed", sentence(error))
+            notices.notify_refusal(self.client, "Not changed", sentence(error))
             return scene
 
     def _restore(self, report: Report) -> bool:
@@ -293,10 +269,10 @@ class Session:
         try:
             state = TabState.decode(report.state, meshes)
         except SceneError as error:
-            page.notify_refusal(self.client, "The link cannot be opened", error.message)
+            notices.notify_refusal(self.client, "The link cannot be opened", error.message)
             return False
         if state.missing:
-            page.notify_missing(self.client, state.missing)
+            notices.notify_missing(self.client, state.missing)
         self._view.restore(state)
         self._scene = state.scene
         return True
@@ -371,7 +347,7 @@ class Session:
         """Draw a frame at the time of the playback."""
         self.frame = self._view.draw(frame)
         if self.panels.lessons.waiting:
-            self._changed.set()
+            self._worker.wake()
 
     def _work_in_pause(self) -> None:
         """Complete what the input has left incomplete; after that, use the pause."""
@@ -392,14 +368,9 @@ class Session:
     def _complete(self) -> None:
         """Plan in full; where all tabs of a class are to, the first does it for the others."""
         shared = self._shared
-        if shared is None:
-            self._finish(None)
-            return
-        with shared.claim(self._scene) as mine:
-            if mine:
-                self._finish(shared)
-
-    def _finish(self, shared: SharedPlans | None) -> None:
-        if self._planner.coarse:
-            self._draw(replace(self.frame, outdated=True))
-        self._show(self._planner.finish(self._scene, shared))
+        with contextlib.nullcontext(True) if shared is None else shared.claim(self._scene) as mine:
+            if not mine:
+                return
+            if self._planner.coarse:
+                self._draw(replace(self.frame, outdated=True))
+            self._show(self._planner.finish(self._scene, shared))

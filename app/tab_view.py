@@ -10,7 +10,7 @@ import viser
 
 from abi.planner.plan import Plan
 from abi.scene.scene import Scene
-from app import page
+from app import notices
 from app.camera import View, Viewpoint
 from app.classroom import Classroom
 from app.extent import extent
@@ -243,7 +243,7 @@ class TabView:
             )
         state = before or replace(self.state(scene, 0.0), shown=SHOWN, view=None, theatre="")
         if state.missing:
-            page.notify_missing(self._client, state.missing)
+            notices.notify_missing(self._client, state.missing)
         self.panels.go_back(state)
         self.look_at(state.scene, state.view is None)
         if state.view is not None:

@@ -14,7 +14,7 @@ from abi.robot.robot import Robot, usual_tip
 from abi.robot.robot_files import SHIPPED, load_robot
 from abi.robot.robot_part import bases_to, part_from
 from abi.scene.scene import Scene
-from app import page
+from app import notices
 from app.arm_size import size_note
 from app.guard.reader import READER
 from app.panels.file_uploads import Dealing, FileKind, FileUploads, shown_name
@@ -105,7 +105,7 @@ class ArmModelPanel:
                 self._take(one.name, one.result)
             elif one.result is not None:
                 title = f"{one.name} is not added"
-                page.notify_refused_file(self._client, title, one.result.message)
+                notices.notify_refused_file(self._client, title, one.result.message)
         name = self._name()
         if name is None:
             self._show(False)

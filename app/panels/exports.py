@@ -7,7 +7,7 @@ import viser
 from abi.errors import ExportError
 from abi.export.formats import FORMATS
 from abi.planner.plan import Plan
-from app import page
+from app import notices
 from app.panels.widgets import Wake, pressed
 
 _LABELS = {row.label: row for row in FORMATS.values()}
@@ -40,10 +40,10 @@ class ExportPanel:
         try:
             content = row.write(plan, row.file)
         except ExportError as error:
-            page.notify_refusal(self._client, "Not exported", error.message)
+            notices.notify_refusal(self._client, "Not exported", error.message)
         else:
             self._client.send_file_download(row.file, content, save_immediately=True)
             if warning := row.warning(plan):
-                page.notify_warning(self._client, "Exported, but not proven clear", warning)
+                notices.notify_warning(self._client, "Exported, but not proven clear", warning)
             if past := row.limits_warning(plan):
-                page.notify_warning(self._client, "Exported, but past the joints' limits", past)
+                notices.notify_warning(self._client, "Exported, but past the joints' limits", past)

@@ -12,7 +12,7 @@ from abi.errors import SceneError
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.scene.scene import Scene, load_scene, scene_names
 from abi.scene.scene_file import MAX_BYTES, MAX_JSON_BYTES, text_of
-from app import page
+from app import notices
 from app.panels.file_uploads import FileKind, FileUploads, shown_name
 from app.panels.scene_uploads import SceneFile, parse, read
 from app.panels.widgets import Wake, pressed
@@ -125,7 +125,7 @@ class FilesPanel:
                 raise found
             scene = parse(found, meshes)
         except SceneError as error:
-            page.notify_refused_file(self._client, f"{name} is not opened", error.message)
+            notices.notify_refused_file(self._client, f"{name} is not opened", error.message)
             return False
         self._last = Loaded(self._list(name, scene), scene)
         return True
@@ -149,7 +149,7 @@ class FilesPanel:
                 usual, text = text_of(scene.to_dict())
                 kind, content = Path(usual).suffix, text.encode()
         except SceneError as error:
-            page.notify_refusal(self._client, "Not saved", error.message)
+            notices.notify_refusal(self._client, "Not saved", error.message)
         else:
             name = file_stem(self.name) + kind
             self._client.send_file_download(name, content, save_immediately=True)

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
-from app import page
+from collections.abc import Iterable
+
+import viser
+
+from app import page, style
 from app.frame import Frame, Switch
 from app.layout import Layout
 from app.panels.widgets import Wake, pressed
@@ -39,7 +43,7 @@ class LayerSwitches:
                 switch.name: gui.add_checkbox(switch.label, switch.on) for switch in switches
             }
             colours = [switch.colour for switch in switches]
-            gui.add_html(page.swatch_style(zip(self.boxes.values(), colours, strict=True)))
+            gui.add_html(_swatch_style(zip(self.boxes.values(), colours, strict=True)))
         self._usual = frozenset(switch.name for switch in switches if switch.on)
         self.usual.on_click(wake)
         for box in (self.dark, *self.boxes.values()):
@@ -74,3 +78,14 @@ class LayerSwitches:
 
     def _configure_theme(self) -> None:
         self._gui.configure_theme(dark_mode=self._dark, show_logo=False, show_share_button=False)
+
+
+def _swatch_style(colours: Iterable[tuple[viser.GuiCheckboxHandle, style.Colour | None]]) -> str:
+    """Style sheet that puts a line of its colour, if any, before each checkbox's label."""
+    rules = [
+        f'label[for="{page.uuid(handle)}"]::before{{content:"";display:inline-block;width:14px;'
+        f"height:4px;margin-right:7px;vertical-align:middle;"
+        f"background:{'transparent' if colour is None else style.css(colour)}}}"
+        for handle, colour in colours
+    ]
+    return f"<style>{''.join(rules)}</style>"

@@ -10,7 +10,7 @@ import viser
 
 from abi.errors import SceneError
 from abi.scene.scene import Scene
-from app import page, style
+from app import notices, style
 from app.formulas import with_formulas
 from app.frame import Frame
 from app.lessons.cue import Cue
@@ -112,7 +112,7 @@ class LessonPanel:
         try:
             return Cue(setting, scene_of(setting, scene, folder))
         except SceneError as error:
-            page.notify_refusal(self._client, "The lesson cannot change this", error.message)
+            notices.notify_refusal(self._client, "The lesson cannot change this", error.message)
             return None
 
     def left(self) -> bool:

@@ -20,7 +20,7 @@ from abi.obstacles.primitives import PRIMITIVES
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.obstacles.triangle_mesh.surface import Surface
 from abi.scene.scene import Scene
-from app import page
+from app import notices
 from app.frame import Frame
 from app.labels import sentence
 from app.panels.end_gizmos import EndGizmos
@@ -133,7 +133,7 @@ class ObstacleEditor:
                 self._add_mesh(one.name, one.result, scene)
             elif one.result is not None:
                 title = f"{one.name} is not added"
-                page.notify_refused_file(self._client, title, sentence(one.result))
+                notices.notify_refused_file(self._client, title, sentence(one.result))
             self._obstacles.forget_foreseen()
         if self.uploads.stopped:
             self._obstacles.forget_foreseen()
@@ -176,7 +176,7 @@ class ObstacleEditor:
         if str(error or "") != self._refused:
             self._refused = str(error or "")
             if error is not None and getattr(error, "field", "").startswith(_FIELDS):
-                page.notify_refusal(self._client, "Not changed", sentence(error))
+                notices.notify_refusal(self._client, "Not changed", sentence(error))
         self._fit_boxes(frame.plan.scene)
         self._added.clear()
         self._obstacles.show_edges(self._mesh_note.edges)

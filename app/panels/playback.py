@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Iterable
 
 import viser
 
 from abi.arm.arm_clearance import ArmClearance
-from app import page
+from app import style
 from app.overlay import Overlay, button, slider
 from app.panels.widgets import Wake, hidden_button
 
@@ -125,7 +126,7 @@ class PlaybackPanel:
         self._marked, self._moves = clearance, moves
         contacts = () if clearance is None else clearance.contacts
         stretches = [(one.first, one.last) for one in contacts]
-        self._overlay.show("marks", page.player_style(stretches, duration if moves else 0.0))
+        self._overlay.show("marks", _player_style(stretches, duration if moves else 0.0))
 
     def _toggle(self, event: object) -> None:
         self._presses += 1
@@ -134,3 +135,24 @@ class PlaybackPanel:
     def _scrub(self, event: viser.GuiEvent[viser.GuiSliderHandle[float]]) -> None:
         self._scrubbed |= event.client is not None
         self._wake(event)
+
+
+def _player_style(stretches: Iterable[tuple[float, float]], end: float) -> str:
+    """Style sheet that makes stretches of the player's slider red, which runs from 0 to ``end``.
+
+    A short one is made as wide as can be seen. The player of no motion is hidden.
+    """
+    if end == 0:
+        return "<style>#abi-overlay .abi-player{visibility:hidden}</style>"
+    stops, reached = [], 0.0
+    for first, last in sorted(stretches):
+        low, high = max(100 * first / end - 0.5, reached), min(100 * last / end + 0.5, 100.0)
+        if high > low:
+            stops += [f"transparent {reached:.2f}% {low:.2f}%"]
+            stops += [f"{style.css(style.VIOLATION)} {low:.2f}% {high:.2f}%"]
+            reached = high
+    if not stops:
+        return ""
+    stops.append(f"transparent {reached:.2f}% 100%")
+    fill = f"linear-gradient(90deg,{','.join(stops)})"
+    return f"<style>#abi-overlay .abi-track{{background:{fill} 0 100%/100% 4px no-repeat}}</style>"

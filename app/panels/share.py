@@ -10,7 +10,7 @@ import numpy as np
 import viser
 from numpy.typing import NDArray
 
-from app import page
+from app import notices, page
 from app.camera import aspect
 from app.challenge import GOALS, Challenge, challenge_of
 from app.frame import Frame
@@ -64,7 +64,7 @@ class SharePanel:
             challenge = challenge_of(self.goal.value, frame)
             if challenge is None:
                 words = "There is no plan to start from, or nothing left to gain."
-                page.notify_refusal(self._client, "No challenge", words)
+                notices.notify_refusal(self._client, "No challenge", words)
             else:
                 self._copy(state().with_challenge(challenge.model_dump_json()))
         if pressed(self.picture):
@@ -85,7 +85,7 @@ class SharePanel:
     def _copy(self, state: TabState) -> None:
         text = state.alone().encode()
         if len(text) > LONGEST_LINK:
-            page.notify_refusal(
+            notices.notify_refusal(
                 self._client, "Too much for a link", "Save the scene as a file instead."
             )
             return
@@ -110,7 +110,9 @@ class SharePanel:
                 height, _WIDTH, transport_format="png", timeout=_PATIENCE
             )
         except Exception as error:  # viser raises a plain Exception where the page is gone
-            page.notify_refusal(self._client, "No picture", f"The page did not draw it ({error}).")
+            notices.notify_refusal(
+                self._client, "No picture", f"The page did not draw it ({error})."
+            )
         else:
             self._client.send_file_download(f"{name}.png", png(picture), save_immediately=True)
 

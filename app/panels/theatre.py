@@ -16,7 +16,7 @@ from abi.errors import StageError
 from abi.search.compare import COMPARED
 from abi.search.replay import replay
 from abi.search.trace import SearchTrace
-from app import page, style
+from app import notices, style
 from app.frame import Frame
 from app.lessons.lesson import SearchCue
 from app.panels.widgets import Wake, clamp
@@ -195,7 +195,7 @@ class TheatrePanel:
         """Choose one that takes a negative edge, where the one chosen does not."""
         label = COMPARED[self.chosen].label
         if self.on.value and self._kind and label != self.algorithm.value:
-            page.notify_refusal(
+            notices.notify_refusal(
                 self._client,
                 f"{label} instead",
                 f"{self.algorithm.value} cannot handle a negative one-way edge.",
@@ -211,7 +211,7 @@ class TheatrePanel:
         try:
             self._searches.prepare(self._kind)
         except StageError as error:
-            page.notify_refusal(self._client, "No negative edge", error.message)
+            notices.notify_refusal(self._client, "No negative edge", error.message)
             self.edges.value = next(iter(EDGES))
         if self._kind:
             name = one_way_search(name)

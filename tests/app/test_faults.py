@@ -18,7 +18,7 @@ import zstandard
 from websockets.exceptions import ConnectionClosed
 
 from abi.atomic_file import replace_file
-from app import page
+from app import notices as module
 from app.commands.output import write_text
 from app.server import Server
 from app.session import Session
@@ -28,7 +28,7 @@ from tests.app.fake_tab import FakeTab, until
 @pytest.fixture
 def notices(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     told: list[str] = []
-    monkeypatch.setattr(page, "notify_refusal", lambda _, title, text: told.append(text))
+    monkeypatch.setattr(module, "notify_refusal", lambda _, title, text: told.append(text))
     return told
 
 

@@ -44,7 +44,7 @@ def test_the_mesh_shown_has_the_start_where_it_is(tab: tuple[FakeTab, Session]) 
     place = [5.7, 0.35, 0.1]
     fake.drag(session.panels.ends.gizmos["start"], place)
     until(lambda: np.allclose(session.plan.scene.start, place))  # type: ignore[union-attr]
-    until(lambda: session.resting and not session._changed.is_set())
+    until(lambda: session.resting and not session._worker.is_woken())
 
     nodes = np.asarray(layer(session, MeshLayer)._clouds["nodes"].points, dtype=float)
     assert np.linalg.norm(nodes - np.array(place), axis=1).min() < 1e-4
