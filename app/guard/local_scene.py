@@ -13,8 +13,9 @@ from abi.robot.robot_files import SHIPPED, archive_of
 from abi.scene import scene_archive
 from abi.scene.scene import Scene, load_scene, scene_names
 from abi.scene.scene_file import ENDINGS, parse, read_file
-from app.guard.reader import Limits, Reader
+from app.guard.reader import Reader
 from app.guard.reading import named_files
+from app.guard.running_reader import Limits
 
 _LIMITS = Limits(seconds=120, patience=600.0)
 """Above those of an upload: nobody else waits, and the file is one's own."""

@@ -1,7 +1,7 @@
 """The process that reads files from outside: it cannot open files, and its resources are limited.
 
-:mod:`app.guard.reader` starts it, and it ends with its input. Jobs and answers are msgpack, each
-preceded by its length in eight bytes.
+:mod:`app.guard.running_reader` starts it, and it ends with its input. Jobs and answers are msgpack,
+each preceded by its length in eight bytes.
 """
 
 from __future__ import annotations

@@ -20,7 +20,8 @@ from abi.obstacles.triangle_mesh.repair import clean
 from abi.robot.robot_files import robot_from_archive
 from abi.scene.scene import Scene
 from app.guard import reader as module
-from app.guard.reader import Limits, Reader, StoppedError
+from app.guard.reader import Reader, StoppedError
+from app.guard.running_reader import AT_ONCE, Limits, reading_memory
 from tests.abi import meshes
 from tests.abi.robot.robots import arm, packed
 from tests.abi.robot.test_robot_files import HOSTILE
@@ -185,7 +186,7 @@ def _occupied(monkeypatch: pytest.MonkeyPatch, limits: Limits | None = None) -> 
     """A reader that others' files keep busy for good."""
     monkeypatch.setattr(module, "_LONG", 0.05)
     reader = Reader(limits)
-    for owner in range(module._PROCESSES):
+    for owner in range(AT_ONCE):
         assert reader._places.wait(reader._places.queue(owner), 0)
     return reader
 
@@ -218,9 +219,9 @@ def test_a_file_is_refused_when_others_are_read_for_too_long(
 
 
 def test_readers_leave_half_of_the_memory_to_the_server() -> None:
-    assert module.reading_memory(None) == module.reading_memory(64 * 10**9)
+    assert reading_memory(None) == reading_memory(64 * 10**9)
     for memory in (10**9, 2 * 10**9, 3 * 10**9):
-        assert 2 * module._PROCESSES * module.reading_memory(memory) == memory
+        assert 2 * AT_ONCE * reading_memory(memory) == memory
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="elsewhere nothing is ended for want of memory")
