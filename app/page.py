@@ -191,6 +191,11 @@ def follow(client: viser.ClientHandle, bodies: Mapping[str, object] | None) -> N
     _run(client, f"abi.follow({json.dumps(bodies)})", "bodies")
 
 
+def seek(client: viser.ClientHandle, time: float) -> None:
+    """Have the tab go on at ``time`` [s] of the motion that it plays."""
+    _run(client, f"abi.seek({json.dumps(time)})", "moment")
+
+
 def stand(client: viser.ClientHandle, time: float) -> None:
     """Have the tab stand still at ``time`` [s] of the motion that it plays."""
     _run(client, f"abi.stand({json.dumps(time)})", "motion")

@@ -59,14 +59,18 @@ class ArmLayer(Layer):
         shown = "arm" in frame.shown
         if arm is not None and shown and arm is not self._arm:
             self._place(arm)
-        if frame.playing and frame.plan.motion is not None:
-            self._play(frame, frame.plan.motion)
+        started = False
+        if plays := frame.playing and frame.plan.motion is not None:
+            started = self._play(frame, frame.plan.motion)
         else:
             if self._playback.stop(frame.time):
                 self._posed, self._traced = None, (None, -1)
             self._pose(frame.plan, frame.time)
         clearance = frame.plan.arm_clearance
-        self._nodes.redden(frozenset() if clearance is None else clearance.touching(frame.time))
+        links = frozenset[str]() if clearance is None else clearance.touching(frame.time)
+        if self._nodes.redden(links) and plays and not started:
+            # the page's clock may be behind: a link is to turn red as it touches
+            self._playback.seek(frame.time)
         for nodes in self._kinds.values():
             nodes.root.visible = shown and nodes is self._nodes
         self._trace.visible = "trace" in frame.shown
@@ -77,14 +81,16 @@ class ArmLayer(Layer):
         self._nodes = self._kinds[type(arm)]
         self._nodes.place(arm)
 
-    def _play(self, frame: Frame, motion: ArmMotion) -> None:
-        """Have the page move the arm, and lengthen a trace of the whole motion."""
+    def _play(self, frame: Frame, motion: ArmMotion) -> bool:
+        """Have the page move the arm and lengthen the trace of a motion; whether that is new."""
         # one that was changed while it is not to be seen has no nodes yet
         joints = self._nodes.joint_nodes if frame.plan.arm is self._arm else _NO_JOINTS
-        if self._playback.play(
+        started = self._playback.play(
             motion, self._nodes.values, joints, self._trace.name, frame.time, frame.rate
-        ):
+        )
+        if started:
             self._trace.points = self._trace_of(frame.plan, motion.tool[samples_of(motion)])
+        return started
 
     def _pose(self, plan: Plan, time: float) -> None:
         """Move the arm to its pose at ``time`` [s], and draw the trace up to then."""

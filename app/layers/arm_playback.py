@@ -72,6 +72,10 @@ class ArmPlayback:
         )
         return True
 
+    def seek(self, time: float) -> None:
+        """Have the page go on at ``time`` [s] of the motion that it plays."""
+        page.seek(self._client, time)
+
     def stop(self, time: float) -> bool:
         """Have the page stand still at ``time`` [s]; whether it played."""
         if self._playing is None:

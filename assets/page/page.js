@@ -263,7 +263,14 @@ window.abi = {
     const idle = !this.motion;
     this.motion = motion;
     this.playing = true;
-    if (idle) this.tick();
+    if (idle) this.tick(); else this.step();
+  },
+
+  // Go on from a time [s] of the motion that plays.
+  seek(time) {
+    if (!this.motion) return;
+    this.motion.begin = performance.now() - 1000 * time / this.motion.rate;
+    this.step();
   },
 
   // Move bodies with the motion that plays, by their places at its samples; null for none.
@@ -286,9 +293,14 @@ window.abi = {
   PAUSE: 0.8,  // [s] of real time at the end of a motion
 
   tick() {
-    const motion = this.motion;
-    if (!motion) return;
-    const {samples, columns, rate} = motion;
+    if (!this.motion) return;
+    this.step();
+    requestAnimationFrame(() => this.tick());
+  },
+
+  // Show the motion that plays as it is now.
+  step() {
+    const motion = this.motion, {samples, columns, rate} = motion;
     const duration = samples[samples.length - columns];
     const played = rate * (performance.now() - motion.begin) / 1000;
     const time = Math.min(played % (duration + this.PAUSE * rate), duration);
@@ -298,7 +310,6 @@ window.abi = {
       this.shown = time;
       this.face(time, duration);
     }
-    requestAnimationFrame(() => this.tick());
   },
 
   // Pose every joint at a time; the number of whole steps between samples up to then.

@@ -2,12 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
+from unittest.mock import MagicMock
 
 import pytest
 
 from abi.arm.arm_clearance import ArmClearance, Contact
+from abi.planner.planner import Planner
+from abi.scene.scene import load_scene
+from app import page
+from app.frame import Frame
+from app.layers.arm import ArmLayer
 from app.overlay import Overlay
 from app.panels import playback
 from app.panels.playback import SPEEDS, PlaybackPanel
@@ -75,3 +82,26 @@ def test_an_arm_that_touches_nothing_needs_no_picture(tab: tuple[FakeTab, Sessio
     _, session = tab
     for clearance in (None, _clearance()):
         assert _panel(session, clearance, "real time").until_contact(_DURATION) is None
+
+
+def test_the_page_goes_to_the_moment_at_which_links_turn_red(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    made = Planner(compile=False)(load_scene("paper"))
+    contact = Contact("forearm", 0, 1.0, 1.5, 1.2, 0.1)
+    assert made.arm_clearance is not None
+    clearance = replace(made.arm_clearance, contacts=(contact,))
+    shown = frozenset({"arm"})
+    first = Frame(replace(made, arm_clearance=clearance), shown=shown, playing=True)
+    told: list[tuple[str, float]] = []
+    monkeypatch.setattr(page, "play", lambda _, motion: told.append(("play", motion["time"])))
+    monkeypatch.setattr(page, "seek", lambda _, time: told.append(("seek", time)))
+    layer = ArmLayer(MagicMock())
+    moments = (0.0, 0.5, 1.1, 1.3, 1.6, 0.0)
+    for time in moments:
+        layer.draw(replace(first, time=time))
+    assert told == [("play", 0.0), ("seek", 1.1), ("seek", 1.6)]
+    # another motion begins at its own moment
+    other = replace(first.plan, motion=replace(made.motion))  # type: ignore[type-var]
+    layer.draw(replace(first, plan=other, time=1.2))
+    assert told[3:] == [("play", 1.2)]
