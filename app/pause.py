@@ -85,7 +85,7 @@ class Pause:
             self.demo.begin(scene)
         elif self._has_memory and self.seconds >= UNUSED:
             self._has_memory = False
-            self._planner.forget()
+            self._planner.live.forget()
             memory.give_back_soon()
         return frame
 

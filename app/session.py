@@ -242,7 +242,7 @@ class Session:
 
     def _export(self) -> None:
         """Send the plan as a file, in full."""
-        if self._planner.partial:
+        if self._planner.live.partial:
             self._show(self._planner.finish(self._scene, self._shared))
         self.panels.exports.send(self.frame.plan)
 
@@ -332,9 +332,9 @@ class Session:
         frame = self.panels.apply_switches(self.frame)
         if plan is not frame.plan:
             frame = replace(frame, plan=plan, reason=None)
-        coarse, partial = self._planner.coarse, self._planner.partial
+        live = self._planner.live
         self._view.face(plan)
-        frame = replace(frame, coarse=coarse, partial=partial, interactive=interactive)
+        frame = replace(frame, coarse=live.coarse, partial=live.partial, interactive=interactive)
         demonstrates = self._pause.demo.running
         self._draw(replace(frame, outdated=False, demonstrates=demonstrates))
         if interactive and self.plans:
@@ -351,7 +351,7 @@ class Session:
 
     def _work_in_pause(self) -> None:
         """Complete what the input has left incomplete; after that, use the pause."""
-        if self._planner.partial:
+        if self._planner.live.partial:
             self._complete()
             return
         if not self.panels.held:
@@ -371,6 +371,6 @@ class Session:
         with contextlib.nullcontext(True) if shared is None else shared.claim(self._scene) as mine:
             if not mine:
                 return
-            if self._planner.coarse:
+            if self._planner.live.coarse:
                 self._draw(replace(self.frame, outdated=True))
             self._show(self._planner.finish(self._scene, shared))

@@ -41,16 +41,6 @@ class TabPlanner:
         self._uncompiled: set[tuple[str, float]] = set()
         self.processor_ms = 0.0
 
-    @property
-    def coarse(self) -> bool:
-        """Whether the last plan has a coarser mesh than its scene."""
-        return self.live.coarse
-
-    @property
-    def partial(self) -> bool:
-        """Whether the last plan has that, or one search alone."""
-        return self.live.partial
-
     def take(self, scene: Scene, shared: SharedPlans, full: bool = False) -> Plan | None:
         """The plan of ``scene`` that another tab has made, a ``full`` one if asked; or None."""
         if (found := shared.find(scene, full)) is None:
@@ -63,7 +53,7 @@ class TabPlanner:
         """Plan within a frame if possible, for the tabs, too, that have these ``shared``."""
         plan = self._make(self.live, scene)
         if shared is not None:
-            shared.keep(scene, plan, self.coarse, self.partial)
+            shared.keep(scene, plan, self.live.coarse, self.live.partial)
         return plan
 
     def finish(self, scene: Scene, shared: SharedPlans | None = None) -> Plan:
@@ -74,10 +64,6 @@ class TabPlanner:
         if shared is not None:
             shared.keep(scene, plan)
         return plan
-
-    def forget(self) -> None:
-        """Give up what is kept only to plan faster."""
-        self.live.forget()
 
     def _make(self, planner: Callable[[Scene], Plan], scene: Scene) -> Plan:
         """Plan, and count it."""

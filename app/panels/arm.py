@@ -46,6 +46,8 @@ class ArmPanel:
         for box in (self.base, self.clearance, *boxes):
             box.precision = DIGITS
             box.on_update(wake)
+        lengths = self.clearance, self.base, self.columns, self.links, self.extension, self.radii
+        self._lengths = [(handle, handle.label) for handle in lengths]
         self._shows_papers: bool | None = None
         self._papers = (self.elbow, self.dynamics.handle, *boxes)
         self.elbow.on_update(wake)
@@ -93,8 +95,8 @@ class ArmPanel:
 
     def read(self) -> dict[str, Any]:
         """Read the section as typed."""
-        a1, a2 = self.columns.value
-        a3, a4, a5 = self.links.value
+        names = ("a1", "a2", "a3", "a4", "a5")
+        lengths = zip(names, (*self.columns.value, *self.links.value), strict=True)
         model = self.model.read()
         self._show_papers()
         return {
@@ -104,11 +106,7 @@ class ArmPanel:
                 "elbow": self.elbow.value,
                 "clearance": self.clearance.value,
                 "base": self.base.value,
-                "a1": a1,
-                "a2": a2,
-                "a3": a3,
-                "a4": a4,
-                "a5": a5,
+                **dict(lengths),
                 "q5": self.extension.value,
                 "dynamics": self.dynamics.read(),
                 "forces": self.forces.value,
@@ -120,14 +118,7 @@ class ArmPanel:
     def write(self, scene: Scene) -> None:
         """Show ``scene``."""
         arm = scene.arm
-        for handle, name in (
-            (self.clearance, "link clearance"),
-            (self.base, "base"),
-            (self.columns, "pedestal, column"),
-            (self.links, "upper arm, forearm, slide"),
-            (self.extension, "slide at start"),
-            (self.radii, "radii of gyration"),
-        ):
+        for handle, name in self._lengths:
             handle.label = f"{name} [{scene.unit}]"
             handle.step = fine_step(scene) if handle is self.clearance else length_step(scene)
         self.forces.label = f"drives [kg, {scene.unit}, s]"

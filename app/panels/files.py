@@ -39,7 +39,11 @@ class Loaded:
 
 
 class FilesPanel:
-    """Widgets to choose, open, save and reset; the worker asks what they were used for."""
+    """Widgets to choose, open, save and reset; the worker asks what they were used for.
+
+    Attributes:
+        last: what was loaded last.
+    """
 
     def __init__(self, client: viser.ClientHandle, name: str, scene: Scene, wake: Wake) -> None:
         self._client = client
@@ -63,7 +67,7 @@ class FilesPanel:
             hint="Downloads it as a YAML file, or as a zip if it has meshes.",
         )
         self.reset = gui.add_button("Back to the scene as loaded", color="gray")
-        self._last = Loaded(name, scene)
+        self.last = Loaded(name, scene)
         self.choice.on_update(wake)
         self.save.on_click(wake)
         self.reset.on_click(wake)
@@ -71,21 +75,16 @@ class FilesPanel:
     @property
     def name(self) -> str:
         """Name of the scene loaded last."""
-        return self._last.name
+        return self.last.name
 
     @property
     def loaded(self) -> Scene:
         """The scene as it was loaded last."""
-        return self._last.scene
-
-    @property
-    def last(self) -> Loaded:
-        """The last file or demo that was loaded."""
-        return self._last
+        return self.last.scene
 
     def show(self, loaded: Loaded) -> None:
         """Take something loaded earlier for what was loaded last."""
-        self._last = loaded
+        self.last = loaded
         if self.choice.value != loaded.name:
             self.choice.value = loaded.name
 
@@ -94,7 +93,7 @@ class FilesPanel:
         if name == self.name == self.choice.value:
             return
         if name not in (*self._opened, *scene_names()):
-            self._last = Loaded(self._list(shown_name(name), scene), scene)
+            self.last = Loaded(self._list(shown_name(name), scene), scene)
         else:
             self.show(Loaded(name, self._opened.get(name) or load_scene(name)))
 
@@ -112,7 +111,7 @@ class FilesPanel:
         name = self.choice.value
         # a page may send anything: only listed scenes are opened
         if name != self.name and (name in self._opened or name in scene_names()):
-            self._last = Loaded(name, self._opened.get(name) or load_scene(name))
+            self.last = Loaded(name, self._opened.get(name) or load_scene(name))
             return self.loaded
         return None
 
@@ -127,7 +126,7 @@ class FilesPanel:
         except SceneError as error:
             notices.notify_refused_file(self._client, f"{name} is not opened", error.message)
             return False
-        self._last = Loaded(self._list(name, scene), scene)
+        self.last = Loaded(self._list(name, scene), scene)
         return True
 
     def _list(self, name: str, scene: Scene) -> str:

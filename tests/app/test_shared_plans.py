@@ -55,10 +55,10 @@ def test_a_planner_takes_a_plan_as_incomplete_as_it_is() -> None:
     planner = TabPlanner(1)
     plans.keep(made.scene, made, coarse=True, partial=True)
     assert planner.take(made.scene, plans) is made
-    assert (planner.coarse, planner.partial) == (True, True)
+    assert (planner.live.coarse, planner.live.partial) == (True, True)
     plans.keep(made.scene, made)
     assert planner.finish(made.scene, plans) is made
-    assert (planner.coarse, planner.partial) == (False, False)
+    assert (planner.live.coarse, planner.live.partial) == (False, False)
 
 
 def test_a_planner_counts_its_own_time_and_not_that_in_which_others_have_the_processor() -> None:
