@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from collections import deque
 from dataclasses import dataclass, replace
 
@@ -15,6 +14,7 @@ from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.primitives import Cylinder
 from abi.scene.scene import Scene
 from app.arm_size import oversize
+from app.box import box_corners
 from app.framing import Window, holds, lift, stand
 from app.page_area import PageArea
 
@@ -225,8 +225,7 @@ def _rounded(vector: FloatArray) -> tuple[float, ...]:
 
 def _outline(scene: Scene) -> FloatArray:
     """Corners of the workspace, and points around the arm's foot (n, 3), [unit], world."""
-    low, high = np.array(scene.workspace.min), np.array(scene.workspace.max)
-    corners = [np.where(choice, high, low) for choice in itertools.product((0, 1), repeat=3)]
+    corners = box_corners(scene.workspace.min, scene.workspace.max)
     radius = _FOOT * _view(scene, 1.0)[2]
     around = radius * np.array([(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0)])
     return np.vstack([corners, np.array(scene.arm.base) + around])

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import itertools
-
 import numpy as np
 
 from abi.arm.arm import Arm
 from abi.arm.trajectory import rest_pose
 from abi.arrays import FloatArray
 from abi.planner.plan import Plan
+from app.box import box_corners
 
 _CURVE_POINTS = 40
 _POSES = 40
@@ -18,9 +17,8 @@ _POSES = 40
 
 def extent(plan: Plan) -> FloatArray:
     """Points (n, 3) whose convex hull holds nearly all of it, [unit], world."""
-    low, high = np.array(plan.scene.workspace.min), np.array(plan.scene.workspace.max)
-    corners = [np.where(choice, high, low) for choice in itertools.product((0, 1), repeat=3)]
-    parts = [np.array(corners), np.array([plan.scene.arm.base], dtype=float)]
+    corners = box_corners(plan.scene.workspace.min, plan.scene.workspace.max)
+    parts = [corners, np.array([plan.scene.arm.base], dtype=float)]
     if plan.bspline is not None:
         curve = plan.bspline.curve
         parts.append(curve(np.linspace(*curve.interval, _CURVE_POINTS)))

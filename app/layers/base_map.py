@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from abi.planner.base_map import BaseMap
 from app import style
+from app.colour_scale import scale_colours
 from app.frame import Frame, Layer, Switch
 from app.layout import Layout
 from app.numbers import format_length
@@ -98,10 +99,8 @@ class BaseMapLayer(Layer):
 def _colours(found: BaseMap) -> NDArray[np.uint8]:
     """Colour (n, 3) of each cell: from the shortest length to the longest, grey without a plan."""
     least, most = found.lengths or (0.0, 0.0)
-    stops = np.linspace(0, 1, len(style.HEAT))
-    colours = np.full((len(found.cells), 3), style.FADED, dtype=np.uint8)
-    for k, cell in enumerate(found.cells):
-        if cell.length is not None:
-            share = (cell.length - least) / (most - least) if most > least else 0.0
-            colours[k] = [np.interp(share, stops, part) for part in zip(*style.HEAT, strict=True)]
+    lengths = np.array([np.nan if one.length is None else one.length for one in found.cells])
+    shares = (lengths - least) / (most - least) if most > least else np.zeros(len(lengths))
+    colours = scale_colours(style.HEAT, np.nan_to_num(shares))
+    colours[np.isnan(lengths)] = style.FADED
     return colours

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 import viser
-from numpy.typing import NDArray
 
 from abi.arrays import FloatArray
 from abi.scene.scene import Scene
 from abi.search.compare import COMPARED
 from abi.search.replay import SearchState
 from app import style
+from app.box import box_edges
 from app.camera import View, aspect
+from app.colour_scale import scale_colours
 from app.frame import Frame, Layer
 from app.layers.theatre import few, order_colours
-from app.layers.workspace import box_edges
 from app.layout import Layout
 from app.lines import add_line, segments
 from app.numbers import format_count, format_length
@@ -24,7 +24,7 @@ from app.theatre import Theatre
 _ROW = np.array([0.42, 0.82, 0.0]) / np.hypot(0.42, 0.82)
 """Direction of the row: across the first view."""
 _GAP = 1.7
-_COLOURS: FloatArray = np.array([(30, 44, 84), (150, 182, 232)], float)
+_COLOURS = ((30, 44, 84), (150, 182, 232))
 """Of visited nodes, early to late: blue, as in the picture of one search."""
 _HEIGHT = 9.0
 """Height of the copies over the workspace, in its sizes: so far that it is out of their picture."""
@@ -79,7 +79,7 @@ class RaceLayer(Layer):
             name = f"/race/{place}"
             self._scene.add_frame(name, show_axes=False, position=tuple(shift.tolist()))
             box = add_line(self._scene, f"{name}/box", style.WORKSPACE, 1.5)
-            box.points = box_edges(scene.workspace)
+            box.points = box_edges(scene.workspace.min, scene.workspace.max).astype(np.float32)
             for number, obstacle in enumerate(scene.obstacles):
                 self._scene.add_frame(
                     f"{name}/obstacle_{number}",
@@ -118,10 +118,9 @@ class RaceLayer(Layer):
     def _draw_one(self, place: int, name: str, state: SearchState, scene: Scene) -> None:
         points, n = state.trace.arcs.points, len(state.trace.arcs.points)
         closed, front = few(state.closed, n), few(state.open, n)
-        late = order_colours(state, closed)
-        colours = np.concatenate(
-            [_blues(late), np.tile(np.array(style.OPEN, np.uint8), (len(front), 1))]
-        )
+        visited = scale_colours(_COLOURS, order_colours(state, closed))
+        waiting = np.tile(np.array(style.OPEN, np.uint8), (len(front), 1))
+        colours = np.concatenate([visited, waiting])
         nodes = np.concatenate([closed, front])
         size = 0.24 * float((np.prod(scene.workspace.size) / n) ** (1 / 3))
         self._scene.add_point_cloud(
@@ -168,10 +167,3 @@ def _steps(state: SearchState) -> str:
 
 def _found(state: SearchState) -> bool:
     return len(state.trace.vertices) > 0
-
-
-def _blues(share: FloatArray) -> NDArray[np.uint8]:
-    """Colours (k, 3) of numbers (k,) from 0 to 1."""
-    places = np.linspace(0, 1, len(_COLOURS))
-    columns = [np.interp(share, places, _COLOURS[:, channel]) for channel in range(3)]
-    return np.stack(columns, axis=1).astype(np.uint8)

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from abi.arrays import IntArray
 from app import style
+from app.colour_scale import scale_colours
 from app.frame import Frame, Layer
 from app.layers.points import Points
 from app.layout import Layout
@@ -51,16 +51,9 @@ class SearchOrderLayer(Layer):
         # Bellman-Ford may expand a node again: the last time counts
         found, from_end = np.unique(order[::-1], return_index=True)
         nodes, ranks = _thinned(found), _thinned((len(order) - 1 - from_end).astype(np.int32))
-        colours = shades(ranks / max(result.expanded - 1, 1))
+        colours = scale_colours(style.HEAT, ranks / max(result.expanded - 1, 1))
         self._cloud.draw(points[nodes], colours, 0.13 * pitch, visible=True)
         self._latest.draw(points[order[-1:]], style.MARK, 0.26 * pitch, visible=True)
-
-
-def shades(parts: NDArray[np.float64]) -> NDArray[np.uint8]:
-    """Colours (n, 3) of parts (n,) of a way, from 0 at its begin to 1 at its end."""
-    stops = np.linspace(0, 1, len(style.HEAT))
-    channels = zip(*style.HEAT, strict=True)
-    return np.stack([np.interp(parts, stops, channel) for channel in channels], 1).astype(np.uint8)
 
 
 def _thinned(nodes: IntArray) -> IntArray:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from typing import ClassVar
 
 import numpy as np
@@ -10,12 +9,10 @@ import viser
 
 from abi.scene.settings import Workspace
 from app import style
+from app.box import box_edges
 from app.frame import Frame, Layer, Switch
 from app.layout import Layout
-from app.lines import Segments, add_line
-
-_CORNERS = np.array(list(itertools.product((0.0, 1.0), repeat=3)))
-_EDGES = [(a, b) for a, b in itertools.combinations(range(8), 2) if bin(a ^ b).count("1") == 1]
+from app.lines import add_line
 
 
 class WorkspaceLayer(Layer):
@@ -41,7 +38,7 @@ class WorkspaceLayer(Layer):
             self._draw_box(*state)
 
     def _draw_box(self, workspace: Workspace, base: float) -> None:
-        self._box.points = box_edges(workspace)
+        self._box.points = box_edges(workspace.min, workspace.max).astype(np.float32)
         longest = max(workspace.size)
         centre = np.add(workspace.min, workspace.max) / 2
         ground = min(workspace.min[2], base) - 0.002 * longest
@@ -61,9 +58,3 @@ class WorkspaceLayer(Layer):
             shadow_opacity=0.1,
             position=(centre[0], centre[1], ground),
         )
-
-
-def box_edges(workspace: Workspace) -> Segments:
-    """The twelve edges (12, 2, 3) of the box, [unit], world."""
-    corners = np.array(workspace.min) + _CORNERS * workspace.size
-    return corners[_EDGES].astype(np.float32)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
-
 import numpy as np
 import viser
 
@@ -13,12 +11,11 @@ from abi.obstacles.pose import Vec3
 from abi.planner.find_base import default_region
 from abi.scene.scene import Scene
 from app import style
+from app.box import box_edges
 from app.lines import NO_SEGMENTS, Segments, add_line
 from app.panels.length_step import length_step
 from app.panels.widgets import VectorBox, Wake
 
-_CORNERS = np.array(list(itertools.product((-0.5, 0.5), repeat=3)))
-_EDGES = [(a, b) for a, b in itertools.combinations(range(8), 2) if bin(a ^ b).count("1") == 1]
 _HANDLE = 0.12
 """Length of the gizmo's arrows, as a part of the region's longest side."""
 
@@ -101,6 +98,6 @@ class BaseRegion:
 
 def _edges(size: FloatArray) -> Segments:
     """Edges (n, 2, 3) of a box around the origin; those of no length are left out."""
-    lines: FloatArray = (_CORNERS * size)[_EDGES]
+    lines = box_edges(-size / 2, size / 2)
     lines = lines[np.linalg.norm(lines[:, 1] - lines[:, 0], axis=1) > 0]
     return lines.astype(np.float32) if len(lines) else NO_SEGMENTS

@@ -17,6 +17,7 @@ from abi.planner.arm_words import arm_result
 from abi.planner.diagnosis import explain
 from abi.scene.scene import Scene
 from app.address import Address
+from app.colour_scale import scale_colours
 from app.frame import Frame
 from app.layers.arm import ArmLayer
 from app.layers.headline import headline
@@ -24,7 +25,7 @@ from app.layers.markers import _are_reached
 from app.layers.mesh import MeshLayer
 from app.layers.names import NamesLayer, _apart, _lines, _nearest, _points_at, _rounded, pictured
 from app.layers.plots import PlotsLayer, _joints_title
-from app.layers.search_order import SearchOrderLayer, shades
+from app.layers.search_order import SearchOrderLayer
 from app.layers.workspace import WorkspaceLayer
 from app.look import PLAIN
 from app.numbers import format_lower_bound
@@ -34,7 +35,7 @@ from app.panels.messages import _change_label, _progress
 from app.plan_notes import notes
 from app.server import Server, start
 from app.session import Session
-from app.style import CURVES
+from app.style import CURVES, HEAT
 from app.tab_view import SWITCHES
 from tests.app.fake_tab import FakeTab, layer, until
 
@@ -448,7 +449,7 @@ def test_the_nodes_visited_are_shown_in_their_order(tab: tuple[FakeTab, Session]
     cloud = visited._cloud._cloud
     assert cloud is not None
     colour = {tuple(p): tuple(c) for p, c in zip(cloud.points, cloud.colors, strict=True)}
-    wanted = map(tuple, shades(np.arange(count) / (len(order) - 1)))
+    wanted = map(tuple, scale_colours(HEAT, np.arange(count) / (len(order) - 1)))
     assert [colour[tuple(place)] for place in places] == list(wanted)
     assert np.allclose(visited._latest.points, places[-1:])
     fake.set(session.panels.files.choice, "two-boxes")
