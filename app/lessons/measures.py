@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sized
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 
@@ -24,6 +25,22 @@ Measure = Callable[[Frame], float | None]
 """A number of the frame; None where there is none."""
 
 _PLACE = re.compile(r"\{\{\s*([a-z_.0-9]+)\s*\}\}")
+
+
+def _at(path: str) -> Measure:
+    """The number, or how many there are, at a path of attributes from the frame on."""
+    return lambda frame: _number(frame, path)
+
+
+def _number(frame: Frame, path: str) -> float | None:
+    found: Any = frame
+    for name in path.split("."):
+        if found is None:
+            return None
+        found = getattr(found, name)
+    if isinstance(found, Sized):
+        return len(found)
+    return None if found is None else float(found)
 
 
 def _of_search(name: str, attribute: str) -> Measure:
@@ -50,11 +67,6 @@ def _clearance(plan: Plan, name: str) -> float | None:
     return distance_to_show(fit.clearance)
 
 
-def _followed_length(plan: Plan) -> float | None:
-    arc = plan.followed_arc
-    return None if arc is None else arc.length
-
-
 def _is_complete(plan: Plan) -> bool:
     """Check whether there is a plan along a curve that keeps the clearance, for the tool alone."""
     curve = plan.followed_curve
@@ -72,13 +84,13 @@ def _axis_speed(plan: Plan, place: float) -> float | None:
 
 MEASURES: Mapping[str, Measure] = MappingProxyType(
     {
-        "mesh.nodes": lambda f: None if f.plan.free is None else f.plan.free.nodes,
+        "mesh.nodes": _at("plan.free.nodes"),
         "mesh.excluded": lambda f: None if f.plan.free is None else int(f.plan.free.excluded.sum()),
-        "mesh.pitch": lambda f: None if f.plan.mesh is None else f.plan.mesh.pitch,
-        "graph.edges": lambda f: None if f.plan.graph is None else f.plan.graph.edge_count,
-        "graph.crossing": lambda f: None if f.plan.graph is None else len(f.plan.graph.crossing),
-        "path.length": lambda f: None if f.plan.path is None else f.plan.path.length,
-        "path.hops": lambda f: None if f.plan.path is None else f.plan.path.hops,
+        "mesh.pitch": _at("plan.mesh.pitch"),
+        "graph.edges": _at("plan.graph.edge_count"),
+        "graph.crossing": _at("plan.graph.crossing"),
+        "path.length": _at("plan.path.length"),
+        "path.hops": _at("plan.path.hops"),
         "path.gap": lambda f: None if f.plan.path is None else _gap(f.plan.path.length, f.plan),
         "path.clearance": lambda f: None if f.plan.path is None else f.plan.path_clearance,
         **{
@@ -86,57 +98,45 @@ MEASURES: Mapping[str, Measure] = MappingProxyType(
             for name in ("a_star", "dijkstra", "bellman_ford")
             for attribute in ("length", "hops", "expanded", "relaxed")
         },
-        "taut.length": lambda f: None if f.plan.taut is None else f.plan.taut.length,
+        "taut.length": _at("plan.taut.length"),
         "taut.gap": lambda f: None if f.plan.taut is None else _gap(f.plan.taut.length, f.plan),
         "optimum.length": lambda f: (
             f.plan.straight_length if f.plan.optimum is None else f.plan.optimum.length
         ),
-        "straight.length": lambda f: f.plan.straight_length,
-        "clearance.wanted": lambda f: f.plan.scene.spline.clearance,
-        "bspline.length": lambda f: (
-            None if f.plan.bspline_arc is None else f.plan.bspline_arc.length
-        ),
-        "bspline.degree": lambda f: f.plan.scene.spline.degree,
+        "straight.length": _at("plan.straight_length"),
+        "clearance.wanted": _at("plan.scene.spline.clearance"),
+        "bspline.length": _at("plan.bspline_arc.length"),
+        "bspline.degree": _at("plan.scene.spline.degree"),
         "bspline.clearance": lambda f: _clearance(f.plan, "bspline"),
-        "bspline.points": lambda f: (
-            None if f.plan.bspline is None else len(f.plan.bspline.curve.control_points)
-        ),
-        "quadratic.length": lambda f: (
-            None if f.plan.quadratic_arc is None else f.plan.quadratic_arc.length
-        ),
+        "bspline.points": _at("plan.bspline.curve.control_points"),
+        "quadratic.length": _at("plan.quadratic_arc.length"),
         "quadratic.clearance": lambda f: _clearance(f.plan, "quadratic"),
-        "quadratic.clear": lambda f: (
-            None if f.plan.quadratic is None else float(f.plan.quadratic.holds)
-        ),
-        "quadratic.pieces": lambda f: (
-            None if f.plan.quadratic is None else len(f.plan.quadratic.curve.pieces)
-        ),
+        "quadratic.clear": _at("plan.quadratic.holds"),
+        "quadratic.pieces": _at("plan.quadratic.curve.pieces"),
         "quadratic.speed_first": lambda f: _axis_speed(f.plan, 0.0),
         "quadratic.speed_middle": lambda f: _axis_speed(f.plan, 0.5),
         "quadratic.speed_last": lambda f: _axis_speed(f.plan, 1.0),
-        "curve.length": lambda f: _followed_length(f.plan),
-        "motion.speed": lambda f: f.plan.scene.motion.speed,
-        "motion.a": lambda f: f.plan.scene.motion.acceleration,
-        "motion.b": lambda f: f.plan.scene.motion.deceleration,
+        "curve.length": _at("plan.followed_arc.length"),
+        "motion.speed": _at("plan.scene.motion.speed"),
+        "motion.a": _at("plan.scene.motion.acceleration"),
+        "motion.b": _at("plan.scene.motion.deceleration"),
         "motion.t1": lambda f: getattr(f.plan.profile, "t1", None),
         "motion.t2": lambda f: getattr(f.plan.profile, "t2", None),
         "motion.t3": lambda f: getattr(f.plan.profile, "t3", None),
-        "motion.duration": lambda f: None if f.plan.profile is None else f.plan.profile.duration,
-        "motion.peak": lambda f: None if f.plan.profile is None else f.plan.profile.peak_speed,
-        "arm.clearance": lambda f: (
-            None if f.plan.arm_clearance is None else f.plan.arm_clearance.distance
-        ),
-        "arm.reaches": lambda f: None if f.plan.motion is None else float(f.plan.motion.reachable),
+        "motion.duration": _at("plan.profile.duration"),
+        "motion.peak": _at("plan.profile.peak_speed"),
+        "arm.clearance": _at("plan.arm_clearance.distance"),
+        "arm.reaches": _at("plan.motion.reachable"),
         "plan.complete": lambda f: float(_is_complete(f.plan) and f.plan.is_arm_clear),
         "plan.tool_complete": lambda f: float(_is_complete(f.plan)),
-        "search.step": lambda f: None if f.theatre is None else f.theatre.state.step,
-        "search.done": lambda f: None if f.theatre is None else float(f.theatre.state.done),
-        "search.length": lambda f: None if f.theatre is None else f.theatre.state.trace.length,
-        "search.cost": lambda f: None if f.theatre is None else f.theatre.state.trace.cost,
+        "search.step": _at("theatre.state.step"),
+        "search.done": _at("theatre.state.done"),
+        "search.length": _at("theatre.state.trace.length"),
+        "search.cost": _at("theatre.state.trace.cost"),
         "search.cycle": lambda f: (
             None if f.theatre is None else float(len(f.theatre.state.trace.cycle) > 0)
         ),
-        "playback.time": lambda f: f.time,
+        "playback.time": _at("time"),
     }
 )
 """The numbers by name."""
