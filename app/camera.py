@@ -58,6 +58,17 @@ class View:
             return None
         return cls(_rounded(position), _rounded(target), _rounded(up))
 
+    @classmethod
+    def of_camera(cls, camera: viser.CameraHandle) -> View | None:
+        """The view of a page's camera; None where it reports none."""
+        return cls.of([camera.position, camera.look_at, camera.up_direction])
+
+    def show(self, camera: viser.CameraHandle) -> None:
+        """Put a camera there."""
+        camera.up_direction = np.array(self.up)
+        camera.position = np.array(self.position)
+        camera.look_at = np.array(self.target)
+
     def to_list(self) -> list[float]:
         """The nine numbers."""
         return [*self.position, *self.target, *self.up]
@@ -134,14 +145,11 @@ class Viewpoint:
 
     def now(self) -> View | None:
         """The page's camera; None where it reports none."""
-        camera = self._camera
-        return View.of([camera.position, camera.look_at, camera.up_direction])
+        return View.of_camera(self._camera)
 
     def restore(self, view: View) -> None:
         """Put the camera where it was."""
-        self._camera.up_direction = np.array(view.up)
-        self._camera.position = np.array(view.position)
-        self._camera.look_at = np.array(view.target)
+        view.show(self._camera)
 
     def mirror(self, scene: Scene, view: View | None) -> None:
         """Look at another tab's ``scene`` as that tab does; a camera in its place is left alone."""

@@ -51,7 +51,7 @@ def _clearance(plan: Plan, fit: Fit[BSpline] | Fit[Quadratic] | None) -> str:
         text = f"too close: {distance} {unit}, wanted {format_setting(fit.required)} {unit}"
     else:
         text = f"cuts {distance.removeprefix('−')} {unit} into obstacle {number}"
-    return f"{style.BOX}<b>{text} ✗</b></div>"
+    return style.paragraph(f"<b>{text} ✗</b>")
 
 
 def _control_points(plan: Plan) -> str:
@@ -63,7 +63,7 @@ def _control_points(plan: Plan) -> str:
     first, *others = [(count, done) for count, done in counts if count]
     text = f"{first[0]} point{'s' if first[0] > 1 else ''} {first[1]}"
     text += "".join(f", {count} {done}" for count, done in others)
-    return f"{style.BOX}{text} to stay clear ({len(spline.control_points)} now).</div>"
+    return style.paragraph(f"{text} to stay clear ({len(spline.control_points)} now).")
 
 
 def _coefficients(plan: Plan) -> str:
@@ -105,14 +105,14 @@ def _motion(plan: Plan) -> str:
     profile, unit = plan.profile, f"{plan.scene.unit}/s"
     if isinstance(profile, TimedProfile):
         text = f"{_LAWS[profile.law]}, up to {format_length(profile.peak_speed)} {unit}: "
-        return f"{style.BOX}{text}{profile.duration:.2f} s in all.{_tilt(plan)}</div>"
+        return style.paragraph(f"{text}{profile.duration:.2f} s in all.{_tilt(plan)}")
     text = f"Speed up {profile.t1:.2f} s, cruise {profile.t2:.2f} s, brake {profile.t3:.2f} s."
     if profile.triangular:
         text += (
             f" The path is too short to reach {format_setting(plan.scene.motion.speed)} {unit}; "
             f"top speed {format_length(profile.peak_speed)} {unit}."
         )
-    return f"{style.BOX}{text}{_tilt(plan)}</div>"
+    return style.paragraph(text + _tilt(plan))
 
 
 def _tilt(plan: Plan) -> str:
@@ -142,4 +142,4 @@ def _arm(plan: Plan) -> str:
     lines += [f"✗ {limit_sentence(one, motion, unit)}" for one in motion.limit_violations]
     if past := limits_warning(plan):
         lines.append(f"✗ {past}")
-    return style.BOX + "<br>".join(lines) + "</div>" if lines else ""
+    return style.paragraph("<br>".join(lines)) if lines else ""

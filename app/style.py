@@ -56,16 +56,19 @@ CURVES: dict[str, tuple[str, Colour]] = {
     "quadratic": ("quadratic", QUADRATIC),
 }
 
-BOX = '<div style="margin:0 10px 4px;line-height:1.35;font-size:12.5px">'
-"""Opening tag of a paragraph between widgets, as HTML."""
-HEADING = (
-    '<div style="position:relative;top:-3px;margin:0 10px -3px;line-height:1.1;font-size:12.5px;'
-    'font-weight:600">'
-)
-"""Opening tag of a heading between widgets, as HTML."""
-
 LEFT_WIDTH = 344
 RIGHT_WIDTH = 384
+
+
+def paragraph(text: str) -> str:
+    """HTML between widgets."""
+    return f'<div style="margin:0 10px 4px;line-height:1.35;font-size:12.5px">{text}</div>'
+
+
+def heading(text: str) -> str:
+    """HTML of a heading between widgets."""
+    place = "position:relative;top:-3px;margin:0 10px -3px;line-height:1.1"
+    return f'<div style="{place};font-size:12.5px;font-weight:600">{text}</div>'
 
 
 def css(colour: Colour) -> str:

@@ -61,10 +61,6 @@ class TabState:
     before: TabState | None = None
     figure: int = 0
 
-    def with_challenge(self, challenge: str) -> TabState:
-        """The state with a challenge, for a link to it."""
-        return replace(self, challenge=challenge)
-
     def alone(self) -> TabState:
         """The state without the one before it, as others are shown it."""
         return replace(self, before=None, figure=0)

@@ -47,7 +47,7 @@ class ArmRegionsLayer(Layer):
         self._meshes: dict[str, viser.MeshHandle] = {}
         self._drawn: dict[str, tuple[object, ...]] = {}
         with layout.layers:
-            layout.client.gui.add_html(f"{style.BOX}{_SENTENCES}</div>")
+            layout.client.gui.add_html(style.paragraph(_SENTENCES))
 
     def draw(self, frame: Frame) -> None:
         """Draw what is switched on, anew where obstacles or arm have changed."""

@@ -21,7 +21,7 @@ from app.straight_lines import straight_lines
 EDGE_BUDGET = 30_000
 """Edges a tab is sent at the most; of a larger mesh only a part is shown."""
 
-_COUNTS_PENDING = f"{style.BOX}… counted when your hand rests.</div>"
+_COUNTS_PENDING = style.paragraph("… counted when your hand rests.")
 _VIEW_NAMES = {
     "near": "those nearest to path and obstacles",
     "slice_x": "a slice across x",
@@ -154,7 +154,7 @@ def _counts(plan: Plan, note: str) -> str:
     ]
     if note:
         lines.append(html.escape(note) + ".")
-    return style.BOX + "<br>".join(lines) + "</div>"
+    return style.paragraph("<br>".join(lines))
 
 
 def _divides(plan: Plan) -> str:

@@ -68,7 +68,7 @@ class RaceLayer(Layer):
             label.font_screen_scale = frame.label_scale
         unit = frame.plan.scene.unit
         lines = [report(name, state, unit) for name, state in theatre.race]
-        self._text.content = f"{style.BOX}{'<br>'.join(lines)}<br>{_LEGEND}</div>"
+        self._text.content = style.paragraph("<br>".join([*lines, _LEGEND]))
 
     def _build(self, scene: Scene, count: int) -> None:
         """Add boxes and obstacles, and turn the camera to them."""
@@ -94,7 +94,7 @@ class RaceLayer(Layer):
                 self._scene.add_label(f"{name}/label", "", position=top, anchor="bottom-center")
             )
         camera = self._client.camera
-        self._view = View.of([camera.position, camera.look_at, camera.up_direction])
+        self._view = View.of_camera(camera)
         centre = np.add(scene.workspace.min, scene.workspace.max) / 2
         target = centre + offset(scene, 0, 1)
         away = np.array([_ROW[1], -_ROW[0], 0.42])
@@ -110,10 +110,7 @@ class RaceLayer(Layer):
         self._root, self._built = None, ()
         self._labels.clear()
         if self._view is not None:
-            camera = self._client.camera
-            camera.up_direction = np.array(self._view.up)
-            camera.position = np.array(self._view.position)
-            camera.look_at = np.array(self._view.target)
+            self._view.show(self._client.camera)
 
     def _draw_one(self, place: int, name: str, state: SearchState, scene: Scene) -> None:
         points, n = state.trace.arcs.points, len(state.trace.arcs.points)

@@ -22,9 +22,9 @@ from app.numbers import (
 from app.once_a_plan import once_a_plan
 from app.table import table
 
-_LEGEND = (
-    f"{style.BOX}✓ keeps the distance you asked for (? unproven). ✗\N{NO-BREAK SPACE}closer: "
-    "thick red in the scene. ▸ the arm follows it.</div>"
+_LEGEND = style.paragraph(
+    "✓ keeps the distance you asked for (? unproven). ✗\N{NO-BREAK SPACE}closer: thick red in the "
+    "scene. ▸ the arm follows it."
 )
 _NOTHING = ("–",) * 5
 _NO_STAGE = ("–",) * 3
@@ -92,7 +92,7 @@ def _searches(plan: Plan, old: Mapping[str, tuple[str, ...]]) -> str:
         times.append(time)
     head = ("search", "path nodes", f"length [{plan.scene.unit}]", "nodes visited", "edges tried")
     # one line, however long they took
-    return f"{table(head, rows)}{style.BOX}Time, in this order: {', '.join(times)}.</div>"
+    return table(head, rows) + style.paragraph(f"Time, in this order: {', '.join(times)}.")
 
 
 def _time(ms: float) -> str:

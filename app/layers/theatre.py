@@ -160,16 +160,17 @@ def describe(theatre: Theatre, scene: Scene) -> str:
         for name, node, side in named
         if node >= 0
     ]
-    text = f"{style.BOX}{text}</div>"
+    text = style.paragraph(text)
     if rows:
         cost = unit if scene.search.weight == "length" else "edges"
         text += table(
             (f"node at [{unit}]", f"g so far [{cost}]", f"h to go [{cost}]", f"f [{cost}]"), rows
         )
     if theatre.asking and not state.done:
-        text += f"{style.BOX}<b>Which node is visited next?</b> Click one of those that wait.</div>"
+        asked = "<b>Which node is visited next?</b> Click one of those that wait."
+        text += style.paragraph(asked)
     if theatre.answer:
-        text += f"{style.BOX}{theatre.answer}</div>"
+        text += style.paragraph(theatre.answer)
     return text
 
 

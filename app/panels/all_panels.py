@@ -71,9 +71,9 @@ class AllPanels:
             self.pitch_study = PitchStudyPanel(client.gui, wake)
         with self.layout.scene:
             self.files = FilesPanel(client, name, scene, wake)
-            client.gui.add_html(f"{style.HEADING}Points and obstacles</div>")
+            client.gui.add_html(style.heading("Points and obstacles"))
             self.editor = ObstacleEditor(client, self.obstacles, self.ends, wake)
-            client.gui.add_html(f"{style.HEADING}Share and export</div>")
+            client.gui.add_html(style.heading("Share and export"))
             self.share = SharePanel(client, self.layout.overlay, wake)
             self.exports = ExportPanel(client, wake)
             self.bug_report = BugReportButton(client, wake)

@@ -128,7 +128,7 @@ class ClassroomPanel:
         self._text.visible = poll is not None
         if poll is None:
             return
-        text = f"{style.BOX}<b>{html.escape(poll.text)}</b></div>"
+        text = style.paragraph(f"<b>{html.escape(poll.text)}</b>")
         if self.teaches:
             text += bars(poll.choices, counts, self._classroom.tabs - 1)
         self._text.content = text
@@ -162,4 +162,4 @@ def bars(choices: tuple[str, ...], counts: tuple[int, ...], students: int) -> st
         f'background:{style.css(style.POINT)};width:{100 * count / most:.0f}%"></div></div>'
         for choice, count in zip(choices, counts, strict=True)
     )
-    return f"{style.BOX}{rows}{sum(counts)} of {students} have answered.</div>"
+    return style.paragraph(f"{rows}{sum(counts)} of {students} have answered.")

@@ -25,8 +25,8 @@ _NOTE = (
     "few edges but different lengths, as in the paper's Table I."
 )
 _MENDING = "LPA* (lifelong A*) keeps its costs and repairs them where edges changed."
-_NO_GRAPH = f"{style.BOX}There is no graph to search: the message over the scene says why.</div>"
-_PRESS_AGAIN = f"{style.BOX}The scene has changed: press again to compare on its new mesh.</div>"
+_NO_GRAPH = style.paragraph("There is no graph to search: the message over the scene says why.")
+_PRESS_AGAIN = style.paragraph("The scene has changed: press again to compare on its new mesh.")
 _LIVE = 50.0
 """Time for all searches, [ms], within which the table follows the plan."""
 _LAST = 1e9
@@ -89,12 +89,12 @@ def _mended(before: Plan | None, arcs: Arcs, weight: Weight) -> Repair | None:
 def _told(mended: Repair | None, a_star: Comparison) -> str:
     """Note on mending the search before, as HTML."""
     if mended is None:
-        return f"{style.BOX}Move an obstacle and compare again: {_MENDING}</div>"
+        return style.paragraph(f"Move an obstacle and compare again: {_MENDING}")
     visited, anew = format_count(mended.expanded), format_count(a_star.trace.steps)
     nodes = "node" if mended.expanded == 1 else "nodes"
-    return (
-        f"{style.BOX}Since the last plan, the edges of {format_count(mended.changed)} nodes have "
-        f"changed. {_MENDING} It visits <b>{visited}</b> {nodes}; A* from scratch, {anew}.</div>"
+    return style.paragraph(
+        f"Since the last plan, the edges of {format_count(mended.changed)} nodes have changed. "
+        f"{_MENDING} It visits <b>{visited}</b> {nodes}; A* from scratch, {anew}."
     )
 
 
@@ -128,4 +128,4 @@ def _table(found: tuple[Comparison, ...], weight: Weight, unit: str) -> str:
             )
         )
     head = ("search", "edges", f"length [{unit}]", "gap", "visited", "tried", "ms")
-    return f'<div style="zoom:.82">{table(head, rows)}</div>{style.BOX}{_NOTE}</div>'
+    return f'<div style="zoom:.82">{table(head, rows)}</div>' + style.paragraph(_NOTE)

@@ -57,11 +57,6 @@ class FiguresPanel:
         self.back.on_click(self._leave)
         self.reproduce.on_click(wake)
 
-    @property
-    def waiting(self) -> bool:
-        """Whether a figure was asked for."""
-        return self._pressed is not None
-
     def cue(self, scene: Scene) -> Cue | None:
         """The figure asked for since the last call; None for none."""
         if self._pressed is None:
@@ -82,7 +77,7 @@ class FiguresPanel:
             return
         self.number = number
         caption = html.escape(figures()[number - 1].caption)
-        self._caption.content = f"{style.BOX}<b>Fig. {number}.</b> {caption}</div>"
+        self._caption.content = style.paragraph(f"<b>Fig. {number}.</b> {caption}")
         self._caption.visible = self.back.visible = True
         self._folder.expand_by_default = True  # in a new page, or the way back is not seen
 

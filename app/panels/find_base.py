@@ -20,6 +20,7 @@ from app.panels.widgets import Wake, pressed
 _PORTION = 0.005
 """Seconds between two plans, in which other tabs and the hand have their turn."""
 _REASONS = 4
+_INTRO = "Tries the base at many places in a region and shows how long the curve is from each."
 
 
 class FindBasePanel:
@@ -28,10 +29,7 @@ class FindBasePanel:
     def __init__(self, client: viser.ClientHandle, scene: Scene, wake: Wake) -> None:
         gui = client.gui
         with gui.add_folder("Find a base", expand_by_default=False):
-            gui.add_html(
-                f"{style.BOX}Tries the base at many places in a region and shows how long the "
-                "curve is from each.</div>"
-            )
+            gui.add_html(style.paragraph(_INTRO))
             self.region = BaseRegion(client, scene, wake)
             self.find = gui.add_button("Find a base", hint="Searches the region while you go on.")
             self.progress = gui.add_progress_bar(0.0, visible=False)
@@ -120,7 +118,7 @@ class FindBasePanel:
         if found is not None:
             done, of = found.planned
             self.progress.value = min(100.0, 100 * done / of)
-            self._text.content = unbroken(f"{style.BOX}{_result(found)}</div>")
+            self._text.content = unbroken(style.paragraph(_result(found)))
 
 
 def _with_base(scene: Scene, found: BaseMap) -> Scene:

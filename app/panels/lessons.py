@@ -20,9 +20,9 @@ from app.panels.widgets import Wake
 
 _NONE = "choose a lesson"
 _MOST_CHOICES = 4
-_INTRO = (
-    f"{style.BOX}A lesson takes a few minutes. It asks before it explains, lets you try for "
-    "yourself, and brings your own scene back at the end.</div>"
+_INTRO = style.paragraph(
+    "A lesson takes a few minutes. It asks before it explains, lets you try for yourself, and "
+    "brings your own scene back at the end."
 )
 
 
@@ -241,9 +241,9 @@ class LessonPanel:
         lesson = self._lessons[self._name][0]
         done = sum((self._name, number) in self._passed for number in range(len(lesson.steps)))
         asked = sum(one.question is not None or one.task is not None for one in lesson.steps)
-        self._place.content = (
-            f"{style.BOX}<b>{self._number + 1} of {len(lesson.steps)}</b>, "
-            f"{done} of {asked} tasks done; about {lesson.minutes} minutes in all</div>"
+        self._place.content = style.paragraph(
+            f"<b>{self._number + 1} of {len(lesson.steps)}</b>, {done} of {asked} tasks done; "
+            f"about {lesson.minutes} minutes in all"
         )
         self._show(self._text, step.text, frame)
         question, task = step.question, step.task

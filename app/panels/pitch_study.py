@@ -19,7 +19,7 @@ STEPS = 8
 _FINEST, _COARSEST = 0.45, 1.5
 """Range of these, as parts of the scene's pitch."""
 _MOST_NODES = 40_000
-_NOTHING = f"{style.BOX}Fewer than two of {STEPS} spacings gave a path: nothing to plot.</div>"
+_NOTHING = style.paragraph(f"Fewer than two of {STEPS} spacings gave a path: nothing to plot.")
 _LAST = 1e9 + 10
 """Place in the tab: behind the table of searches."""
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import struct
 import zlib
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import viser
@@ -66,7 +67,7 @@ class SharePanel:
                 words = "There is no plan to start from, or nothing left to gain."
                 notices.notify_refusal(self._client, "No challenge", words)
             else:
-                self._copy(state().with_challenge(challenge.model_dump_json()))
+                self._copy(replace(state(), challenge=challenge.model_dump_json()))
         if pressed(self.picture):
             self._take_picture(file_stem(state().name))
 

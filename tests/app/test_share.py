@@ -178,7 +178,7 @@ def test_a_challenge_waits_while_another_scene_is_shown_and_can_be_ended(
     panels, shown = session.panels, session.panels.layout.overlay.shown
     challenge = challenge_of("make it shorter", session.frame)
     assert challenge is not None
-    state = session._state().with_challenge(challenge.model_dump_json())
+    state = replace(session._state(), challenge=challenge.model_dump_json())
     panels.restore(state)
     fake.set(panels.files.choice, "two-boxes")
     until(lambda: panels.files.name == "two-boxes" and not shown.get("challenge"))
