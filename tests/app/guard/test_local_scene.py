@@ -74,6 +74,6 @@ def test_what_is_wrong_with_a_file_is_said(tmp_path: Path) -> None:
 
 
 def test_a_scene_that_names_no_file_starts_no_process(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("app.guard.reader.subprocess.Popen", refuse)
+    monkeypatch.setattr("app.guard.running_reader.subprocess.Popen", refuse)
     assert load_local("paper").to_dict() == load_scene("paper").to_dict()
     assert load_local("kitchen-ur5e").arm.urdf == "ur5e"
