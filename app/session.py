@@ -289,8 +289,7 @@ class Session:
     @property
     def _shared(self) -> SharedPlans | None:
         """Plans of the class, where this tab shows what its teacher shows."""
-        shares = self._class is not None and self._class.shares(self._scene)
-        return self._class.plans if shares and self._class is not None else None
+        return None if self._class is None else self._class.shared_plans(self._scene)
 
     def _follow(self, cue: Cue) -> bool:
         """Show what a lesson or a figure sets; whether there is another scene to plan."""

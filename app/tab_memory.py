@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import threading
 import time
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import viser
@@ -46,7 +46,7 @@ class TabMemory:
         self._arrived = threading.Event()
         self._wake = wake
         self._read = ""
-        self._kept: tuple[object, ...] = ()
+        self._kept: TabState | None = None
         self._encoder = StateEncoder()
         self._sent = -_PERIOD
         self._scene: object = None
@@ -76,19 +76,7 @@ class TabMemory:
 
         Not before the page's report has been read: until then it may remember more than is shown.
         """
-        kept = (
-            state.name,
-            state.scene,
-            state.view,
-            state.time,
-            state.shown,
-            state.dark,
-            state.lessons,
-            state.challenge,
-            state.theatre,
-            state.before,
-            state.figure,
-        )
+        kept = replace(state, playing=True, missing=())
         if not self._read or kept == self._kept or not (now or self.is_due):
             return
         self._kept, self._sent = kept, time.monotonic()

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import functools
+from typing import Literal
 
-from pydantic import BaseModel, ConfigDict
+from pydantic import BaseModel, ConfigDict, TypeAdapter
 
 from abi import assets
 from abi.scene.scene_file import parse
@@ -25,13 +26,11 @@ class Figure(BaseModel):
     set: Setting
 
 
-class _Figures(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-    figures: tuple[Figure, ...]
+_FILE = TypeAdapter(dict[Literal["figures"], tuple[Figure, ...]])
 
 
 @functools.cache
 def figures() -> tuple[Figure, ...]:
     """The figures in the paper's order."""
-    return _Figures.model_validate(parse(assets.path("lessons", "figures", "paper.yaml"))).figures
+    data = parse(assets.path("lessons", "figures", "paper.yaml"))
+    return _FILE.validate_python(data)["figures"]

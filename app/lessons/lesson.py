@@ -217,21 +217,20 @@ def load_lessons(folder: Path | None = None) -> Lessons:
     return found
 
 
-def library(folder: Path | None, layers: Collection[str]) -> Library:
+def library(folder: Path, layers: Collection[str]) -> Library:
     """The shipped lessons and those of a folder, which is checked at once.
 
     Args:
-        folder: of a teacher's own; None for none.
+        folder: of a teacher's own.
         layers: names that ``shown`` may have.
 
     Raises:
         LessonError: as :func:`load_lessons`, or a layer has another name.
     """
     read = functools.cache(functools.partial(load_lessons, folder))
-    if folder is not None:
-        for name, (lesson, place) in read().items():
-            if place is folder:
-                check_layers(name, lesson, layers)
+    for name, (lesson, place) in read().items():
+        if place is folder:
+            check_layers(name, lesson, layers)
     return read
 
 

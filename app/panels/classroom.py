@@ -91,14 +91,10 @@ class ClassroomPanel:
         self._seen, self._followed = number, None if view is None else view.scene
         return view
 
-    def shares(self, scene: Scene) -> bool:
-        """Check if ``scene`` is one that all show: the teacher's, or what a student follows."""
-        return self.teaches or (self._followed is not None and self._followed == scene)
-
-    @property
-    def plans(self) -> SharedPlans:
-        """Plans of what the teacher shows."""
-        return self._classroom.plans
+    def shared_plans(self, scene: Scene) -> SharedPlans | None:
+        """Plans of the class where all show ``scene``: the teacher's, or what a student follows."""
+        shared = self.teaches or (self._followed is not None and self._followed == scene)
+        return self._classroom.plans if shared else None
 
     def publish(self, state: TabState) -> None:
         """Send what the teacher asked to send, or all that changes while the others follow."""

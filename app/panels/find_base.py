@@ -92,15 +92,12 @@ class FindBasePanel:
     def found(self, scene: Scene) -> BaseMap | None:
         """Findings for ``scene``, wherever its base; forgotten once all else is another."""
         found = self._found
-        if (
-            found is not None
-            and scene is not found.scene
-            and _with_base(scene, found) != found.scene
-        ):
-            self._found = self._maps = found = None
-            if self._showed:
-                self._showed = self.region.shown.value = False
-        return found
+        if found is None or scene is found.scene or _with_base(scene, found) == found.scene:
+            return found
+        self._found = self._maps = None
+        if self._showed:
+            self._showed = self.region.shown.value = False
+        return None
 
     def draw(self, frame: Frame) -> None:
         """Show region, progress and result."""

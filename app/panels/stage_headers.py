@@ -14,7 +14,6 @@ from app.frame import Frame
 from app.numbers import format_length
 from app.once_a_plan import once_a_plan
 
-STAGES = ("mesh", "graph", "search", "bspline", "quadratic", "arm")
 _TITLES = {
     "mesh": "1 · Mesh",
     "graph": "2 · Graph",
@@ -23,6 +22,7 @@ _TITLES = {
     "quadratic": "5 · Quadratic",
     "arm": "6 · Arm",
 }
+STAGES = tuple(_TITLES)
 _MAX_LENGTH = 30
 """Letters of a heading that fit beside its arrow in a wide font."""
 _FAILURES = {"graph": "blocked ✗", "search": "no path ✗", "bspline": "too close ✗"}
