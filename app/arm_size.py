@@ -14,7 +14,7 @@ _MOST = 6.0
 
 
 def size_note(robot: Robot, tip: str, workspace: float, unit: str) -> tuple[str, str] | None:
-    """What is wrong with the size of an arm, and in numbers; None where it may fit.
+    """Fault of an arm's size, in words and in numbers; None where it may fit.
 
     Args:
         robot: the arm.

@@ -153,8 +153,8 @@ class Viewpoint:
 
     def mirror(self, scene: Scene, view: View | None) -> None:
         """Look at another tab's ``scene`` as that tab does; a camera in its place is left alone."""
-        around = self._scene.workspace, self._scene.arm.base
-        if around != (scene.workspace, scene.arm.base):
+        shown = self._scene.workspace, self._scene.arm.base
+        if shown != (scene.workspace, scene.arm.base):
             self.show(scene)
         self._scene = scene
         if view is not None and view != self.now():
@@ -235,8 +235,8 @@ def _outline(scene: Scene) -> FloatArray:
     """Corners of the workspace, and points around the arm's foot (n, 3), [unit], world."""
     corners = box_corners(scene.workspace.min, scene.workspace.max)
     radius = _FOOT * _view(scene, 1.0)[2]
-    around = radius * np.array([(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0)])
-    return np.vstack([corners, np.array(scene.arm.base) + around])
+    rim = radius * np.array([(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0)])
+    return np.vstack([corners, np.array(scene.arm.base) + rim])
 
 
 def _column(scene: Scene, size: float) -> Cylinder:

@@ -37,7 +37,7 @@ class Demo:
     def begin(self, scene: Scene) -> None:
         """Begin, where the scene has an obstacle that no hand has moved."""
         self.wanted = False
-        if not self._obstacles.gizmos or self._obstacles.pulled:
+        if not self._obstacles.gizmos or self._obstacles.dragged:
             return
         self.running = True
         self._begun = time.monotonic()

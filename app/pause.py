@@ -69,8 +69,8 @@ class Pause:
         incomplete = frame.interactive or frame.partial or self._is_undiagnosed(frame.plan)
         idle = self._has_lights and not incomplete and not self.demo.wanted
         bases = self._panels.stages.bases.timeout()
-        rest = IDLE if idle else REST
-        return rest if bases is None else min(bases, rest)
+        usual = IDLE if idle else REST
+        return usual if bases is None else min(bases, usual)
 
     def use(self, frame: Frame, scene: Scene) -> Frame:
         """Do the first thing that is left to do; the frame to draw, or the same."""

@@ -118,18 +118,18 @@ class StateEncoder:
         """The state in letters that an address takes as they are."""
         self._scene.write(state.scene, lambda: "{" + _scene_fields(state))
         self._before.write(state.before, lambda: _before_field(state))
-        rest = json.dumps(state.settings(), separators=(",", ":")).encode()
-        rest = b"," + rest.removeprefix(b"{")
+        settings = json.dumps(state.settings(), separators=(",", ":")).encode()
+        settings = b"," + settings.removeprefix(b"{")
         parts = [self._scene, self._before]
-        if sum(len(part.text) for part in parts) + len(rest) > MAX_JSON_BYTES:
+        if sum(len(part.text) for part in parts) + len(settings) > MAX_JSON_BYTES:
             parts.pop()  # what is shown now comes back rather than nothing
         # a zlib stream (RFC 1950) in stretches, none of which looks back into another
         checksum = zlib.adler32(b"")
         for part in parts:
             checksum = zlib.adler32(part.text, checksum)
-        checksum = zlib.adler32(rest, checksum)
+        checksum = zlib.adler32(settings, checksum)
         packed = b"".join(part.packed for part in parts)
-        stream = _ZLIB_HEADER + packed + _deflate(rest, zlib.Z_FINISH) + checksum.to_bytes(4)
+        stream = _ZLIB_HEADER + packed + _deflate(settings, zlib.Z_FINISH) + checksum.to_bytes(4)
         return base64.urlsafe_b64encode(stream).decode().rstrip("=")
 
 

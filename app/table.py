@@ -38,7 +38,7 @@ HINTS = {
     "tried": "How often the search looked along an edge.",
     "ms": "Processor time of the search, in milliseconds.",
 }
-"""What a heading means, by its text without unit and number."""
+"""Meaning of each heading, by its text without unit and number."""
 _REST = re.compile(r"( \[|:).*")
 
 

@@ -108,8 +108,8 @@ def _paper_region(name: str, plan: Plan, arm: Arm) -> FloatArray:
     scene, elbow = plan.scene, elbow_of(plan)
     lowest, box = scene.workspace.min[2], (scene.workspace.min, scene.workspace.max)
     if name == "shadow":
-        around = surroundings(arm, ObstacleSet(scene.obstacles), lowest)
-        return shadow(arm, elbow, scene.arm.q5, around, box)
+        obstacles = surroundings(arm, ObstacleSet(scene.obstacles), lowest)
+        return shadow(arm, elbow, scene.arm.q5, obstacles, box)
     floor = min(lowest, scene.arm.base[2])
     return reachable(arm, elbow, scene.arm.q5, floor)
 

@@ -19,7 +19,7 @@ _HINTS = {
     "is a ✓.",
     "kept by the tool alone": "The tool's curve keeps it, but the whole arm is not proven clear.",
 }
-"""What each number means, by the end of its name."""
+"""Meaning of each number, by the end of its name."""
 
 
 class HeadlineLayer(Layer):

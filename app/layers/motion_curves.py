@@ -21,8 +21,8 @@ def acceleration(plan: Plan) -> FloatArray:
     """
     motion = plan.motion
     assert motion is not None
-    along = np.gradient(motion.velocity, motion.time, axis=0)
-    return np.column_stack([np.linalg.norm(along, axis=1), along])
+    components = np.gradient(motion.velocity, motion.time, axis=0)
+    return np.column_stack([np.linalg.norm(components, axis=1), components])
 
 
 @once_a_plan

@@ -162,7 +162,7 @@ def _apart(plan: Plan, view: _View) -> dict[str, float]:
 
 
 def pictured(points: FloatArray, eye: Triple, target: Triple) -> FloatArray:
-    """Where points are seen, (n, 2), with what is above each other farther apart, as words are.
+    """Places (n, 2) of points as seen, with what is above each other farther apart, as words are.
 
     Args:
         points: (n, 3), [unit], world.

@@ -54,14 +54,14 @@ class EndGizmos:
                 depth_test=False,
                 opacity=0.9,
             )
-            gizmo.on_update(self._pull)
+            gizmo.on_update(self._drag_gizmo)
             page.own(gizmo)
             self.gizmos[name], self._origins[name] = gizmo, position
             self._balls[name] = ball = client.scene.add_icosphere(
                 f"/{name}/ball", radius=_RADIUS * size, color=style.POINT
             )
             ball.on_click(self._choose)
-            ball.on_drag(self._drag)
+            ball.on_drag(self._drag_body)
             self._labels[name] = client.scene.add_label(
                 f"/{name}/label", name, anchor="top-center", depth_test=False
             )
@@ -116,7 +116,7 @@ class EndGizmos:
         elif frame.current and frame.plan.scene is not self._labelled:
             self._label_ends_of(frame.plan.scene)
 
-    def _pull(self, event: viser.TransformControlsEvent) -> None:
+    def _drag_gizmo(self, event: viser.TransformControlsEvent) -> None:
         self.held = phase_holds(event.phase, self.held)
         self._wake(event)
 
@@ -124,7 +124,7 @@ class EndGizmos:
         self._chosen = self._name_of(event.target)
         self._wake(event)
 
-    def _drag(self, event: viser.SceneNodeDragEvent[Any]) -> None:
+    def _drag_body(self, event: viser.SceneNodeDragEvent[Any]) -> None:
         """Move an end with the hand, in the plane that faces the camera, within the workspace."""
         self._chosen = name = self._name_of(event.target)
         grip = self._grips.setdefault(

@@ -17,7 +17,7 @@ Bounds = tuple[FloatArray, FloatArray]
 
 
 def free_place(
-    half: FloatArray, wanted: FloatArray, scene: Scene, taken: Sequence[Bounds]
+    half: FloatArray, wanted: FloatArray, scene: Scene, occupied: Sequence[Bounds]
 ) -> FloatArray:
     """Centre (3,) of a box that meets no other, as near as possible to where it is wanted, [unit].
 
@@ -27,7 +27,7 @@ def free_place(
         half: half sizes (3,) of the box, [unit].
         wanted: (3,), [unit].
         scene: whose start, goal and workspace count.
-        taken: bounds of the obstacles there are.
+        occupied: bounds of the obstacles there are.
     """
     low, high = np.array(scene.workspace.min), np.array(scene.workspace.max)
     inner = np.minimum(half, (high - low) / 2)
@@ -37,7 +37,7 @@ def free_place(
     room = half * (1 + _GAP)
     ends = map(np.array, (scene.start, scene.goal))
     overlap = np.zeros(len(places))
-    for below, above in [*taken, *((end - _GAP * half, end + _GAP * half) for end in ends)]:
+    for below, above in [*occupied, *((end - _GAP * half, end + _GAP * half) for end in ends)]:
         shared = np.minimum(places + room, above) - np.maximum(places - room, below)
         overlap += np.maximum(shared, 0).prod(axis=1)
     distance = np.linalg.norm(places - wanted, axis=1)

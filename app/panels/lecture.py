@@ -21,7 +21,7 @@ STAGES: tuple[tuple[str, frozenset[str]], ...] = (
     ("5 · Quadratic", _ALWAYS | {"bspline", "quadratic", "names"}),
     ("6 · Arm", _ALWAYS | {"bspline", "quadratic", "arm", "trace", "names"}),
 )
-"""What each stage shows."""
+"""Layers that each stage shows."""
 _SEARCH = 2
 """Place of the search among the stages."""
 VIEWS = {

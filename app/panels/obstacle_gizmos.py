@@ -54,7 +54,7 @@ class ObstacleGizmos:
         gizmos: in the order of the obstacles.
         chosen: number of the obstacle with the handles, from 0.
         held: whether a hand holds an obstacle or its handles.
-        pulled: whether a hand has ever moved one.
+        dragged: whether a hand has ever moved one.
         foreseen: a mesh that is no obstacle yet.
     """
 
@@ -79,7 +79,7 @@ class ObstacleGizmos:
         self._touched = False
         self._grip: FloatArray | None = None
         self._placing = threading.Lock()  # hands are heard in another thread than places one
-        self.pulled = False
+        self.dragged = False
         self.foreseen: Foreseen | None = None
         self.chosen = 0
         self.write(scene)
@@ -154,7 +154,7 @@ class ObstacleGizmos:
     def _embody(self, number: int, body: Body) -> None:
         self._bodies[number] = body
         body.on_click(self._choose_clicked)
-        body.on_drag(self._drag)
+        body.on_drag(self._drag_body)
 
     def foresee(self, mesh: MeshShape) -> None:
         """Draw a mesh that is not turned, faintly, until it is added."""
@@ -225,7 +225,7 @@ class ObstacleGizmos:
             disable_sliders=True,
             disable_rotations=True,
         )
-        gizmo.on_update(self._pull)
+        gizmo.on_update(self._drag_gizmo)
         page.own(gizmo)
         return gizmo
 
@@ -246,9 +246,9 @@ class ObstacleGizmos:
         self._with_handles = -2
 
     def place(self, number: int, position: FloatArray) -> None:
-        """Move obstacle ``number``, from 0, unless a hand has ``pulled`` one."""
+        """Move obstacle ``number``, from 0, unless a hand has ``dragged`` one."""
         with self._placing:
-            if not self.pulled:
+            if not self.dragged:
                 self.gizmos[number].position = position
 
     def point_out(self, number: int) -> None:
@@ -270,8 +270,8 @@ class ObstacleGizmos:
                 continue
             gizmo.disable_axes = gizmo.disable_sliders = gizmo.disable_rotations = hidden
 
-    def _pull(self, event: viser.TransformControlsEvent) -> None:
-        self.pulled = True
+    def _drag_gizmo(self, event: viser.TransformControlsEvent) -> None:
+        self.dragged = True
         self.held = phase_holds(event.phase, self.held)
         self._wake(event)
 
@@ -280,7 +280,7 @@ class ObstacleGizmos:
         self._touched = True
         self._wake(event)
 
-    def _drag(self, event: viser.SceneNodeDragEvent[Any]) -> None:
+    def _drag_body(self, event: viser.SceneNodeDragEvent[Any]) -> None:
         """Move a body with the hand, in the plane that faces the camera."""
         number = next((i for i, body in enumerate(self._bodies) if body is event.target), None)
         if number is None:
@@ -291,7 +291,7 @@ class ObstacleGizmos:
         position = np.add(event.end_position, self._grip)
         if np.isfinite(position).all():
             with self._placing:
-                self.pulled = True
+                self.dragged = True
                 gizmo.position = position
         self.held = phase_holds(event.phase, self.held)
         if event.phase == "end":

@@ -42,7 +42,7 @@ class PlaybackPanel:
         self._moves = True
         self._written = 0.0
         self._time, self._rate = 0.0, 1.0
-        self._presses = self._taken = 0
+        self._presses = self._counted = 0
         self._scrubbed = False
         self._advanced = self._sent = time.monotonic()
         self.slider.on_update(self._scrub)
@@ -75,9 +75,9 @@ class PlaybackPanel:
         if self.playing:
             period = duration + _PAUSE_AT_END * self._rate
             self._time = math.fmod(self._time + played, period)
-        if (presses := self._presses) != self._taken:
-            self.playing ^= bool((presses - self._taken) % 2)
-            self._taken = presses
+        if (presses := self._presses) != self._counted:
+            self.playing ^= bool((presses - self._counted) % 2)
+            self._counted = presses
         end = max(round(duration, 2), 0.01)
         if self.slider.max != end:
             self.slider.max = end

@@ -37,7 +37,7 @@ def obstacles(session: Session) -> ObstacleGizmos:
     """The session's ends, as nobody has touched them."""
     obstacles = session.panels.obstacles
     obstacles.write(session.frame.plan.scene)
-    obstacles.pulled = False
+    obstacles.dragged = False
     return obstacles
 
 
@@ -50,7 +50,7 @@ def pull(obstacles: ObstacleGizmos, shift: tuple[float, float, float]) -> None:
         end_position=np.array(shift),
         phase="end",
     )
-    obstacles._drag(cast("viser.SceneNodeDragEvent[Any]", event))
+    obstacles._drag_body(cast("viser.SceneNodeDragEvent[Any]", event))
 
 
 def test_it_moves_an_obstacle_and_puts_it_back(session: Session, obstacles: ObstacleGizmos) -> None:
