@@ -85,7 +85,7 @@ class Session:
             step=self._work,
         )
         page.install(client)
-        watch = PageWatch(client, self._changed.set)
+        watch = PageWatch(client, worker.wake)
         self._refused = RefusedFiles(client)
         self._memory = TabMemory(client, self.wake)
         self._look = look

@@ -16,6 +16,7 @@ from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.obstacles.triangle_mesh.repair import clean
 from abi.robot.robot_files import SHIPPED, load_robot
 from tests.abi import meshes
+from tests.abi.shape_distances import segment_distance
 from tests.random_geometry import random_obstacle
 
 seeds = st.integers(0, 2**31)
@@ -58,7 +59,7 @@ def test_the_least_of_each_pose_and_what_touches_are_those_of_all_one_by_one(
     placed = one.place(positions)
     lengths = np.linalg.norm(placed[:, :, 1] - placed[:, :, 0], axis=2)
     p, q = placed[:, :, 0].reshape(-1, 3), placed[:, :, 1].reshape(-1, 3)
-    of_each = [shape.segment_distance(p, q).reshape(distance.shape) for shape in obstacles]
+    of_each = [segment_distance(shape, p, q).reshape(distance.shape) for shape in obstacles]
     each = np.stack(of_each) - one.radii
     least = each.min(axis=0)
     found = np.isfinite(distance)
