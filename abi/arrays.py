@@ -30,6 +30,11 @@ def flat(array: NDArray[np.float64]) -> FloatArray:
     return read_only(np.ascontiguousarray(array, dtype=np.float64).reshape(-1))
 
 
+def clip(values: FloatArray, low: float, high: float) -> FloatArray:
+    """Limit ``values`` to ``low``..``high``, as ``np.clip`` does in ten times the time."""
+    return np.asarray(np.minimum(np.maximum(values, low), high))
+
+
 class ShortRepr:
     """Base of dataclasses with arrays: ``repr`` is one line, with the shapes of arrays."""
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from abi.arrays import BoolArray, FloatArray, ShortRepr, flat, read_only
+from abi.arrays import BoolArray, FloatArray, ShortRepr, clip, flat, read_only
 from abi.clearance.bezier import Bezier
 from abi.curves import bspline_kernels as kernels
 
@@ -106,7 +106,7 @@ class BSpline(ShortRepr):
         Returns:
             Shape (3,) for a number, (n, 3) for an array; [unit], world.
         """
-        t = np.asarray(np.clip(parameter, 0.0, 1.0), dtype=float)
+        t = clip(np.asarray(parameter, dtype=float), 0.0, 1.0)
         if order > self.degree:
             return np.zeros((*t.shape, 3))
         points = np.empty(3 * t.size)

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from abi.arrays import FloatArray, ShortRepr, read_only
+from abi.arrays import FloatArray, ShortRepr, clip, read_only
 from abi.clearance.bezier import Bezier
 from abi.curves.curve import ArcLength, Curve
 
@@ -110,7 +110,7 @@ class Quadratic(ShortRepr):
         Returns:
             Shape (3,) for a number, (n, 3) for an array; [unit], world.
         """
-        t = np.clip(np.asarray(parameter, dtype=float), 0.0, 1.0)
+        t = clip(np.asarray(parameter, dtype=float), 0.0, 1.0)
         piece = np.searchsorted(self.breaks[1:-1], t, side="right")
         rows = self.coefficients[piece]
         c0, c1, c2 = rows[..., 0, :], rows[..., 1, :], rows[..., 2, :]

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from abi.arrays import FloatArray
+from abi.arrays import FloatArray, clip
 from abi.errors import SceneError
 
 
@@ -66,7 +66,7 @@ class SpeedProfile:
             [unit/s**order], in the shape given.
         """
         given = np.asarray(time, dtype=float)
-        t = np.clip(given, 0.0, self.duration)
+        t = clip(given, 0.0, self.duration)
         left = self.duration - t
         speeding, cruising = t < self.t1, left > self.t3
         if order == 0:
@@ -74,7 +74,7 @@ class SpeedProfile:
             middle = self.peak_speed * (t - self.t1 / 2)
             last = self.length - self.deceleration / 2 * left**2
             travelled = np.where(speeding, first, np.where(cruising, middle, last))
-            return np.asarray(np.clip(travelled, 0.0, self.length))
+            return clip(travelled, 0.0, self.length)
         if order == 1:
             slowing = self.deceleration * left
             speed = np.where(cruising, self.peak_speed, slowing)
