@@ -27,18 +27,9 @@ import math
 from numba.extending import register_jitable
 
 from abi.clearance.bezier_kernels import divide
-from abi.obstacles.primitive_tree_kernels import (
-    bounds_apart,
-    first_row,
-    row_after,
-    row_below,
-    tree_apart,
-)
-from abi.obstacles.surface_set import SurfaceSet, surface_at
-from abi.obstacles.surface_set_kernels import most_to_mesh, widened
-from abi.obstacles.triangle_mesh.distance_grid_kernels import distance_bounds
-from abi.obstacles.triangle_mesh.point_distance_kernels import signed_distance_at
-from abi.obstacles.triangle_mesh.surface_tables_kernels import Room, to_surface
+from abi.obstacles.surface_set import SurfaceSet
+from abi.obstacles.surface_set_kernels import most_to_mesh, nearest_mesh, widened
+from abi.obstacles.triangle_mesh.surface_tables_kernels import Room
 from abi.obstacles.triangle_mesh.triangle_kernels import on_side
 from abi.obstacles.vector_kernels import Vec3, axpy, distance, norm, sub, vec3_at
 
@@ -94,40 +85,6 @@ def _sought(enough: float, chord: tuple[float, float]) -> float:
 
 
 @register_jitable
-def _sample(
-    surfaces: SurfaceSet, x: Vec3, enough: float, sought: float, room: Room
-) -> tuple[float, int, float]:
-    """Signed distance of a point to the nearest mesh, whose it is, and a lower bound of it.
-
-    Args:
-        surfaces: the meshes.
-        x: the point, [unit], world.
-        enough: what is not nearer is left out: then the distance is inf and whose it is -1, [unit].
-        sought: the bound need not be higher, [unit].
-        room: for descents.
-    """
-    rows = surfaces.bounds
-    best, whose, bound = math.inf, -1, sought
-    s = first_row(rows)
-    while s >= 0:
-        wide = widened(bound)
-        if tree_apart(rows, s, wide, x, x):
-            s = row_after(rows, s)
-            continue
-        if not bounds_apart(rows, s, wide, x, x):
-            tables, placement = surface_at(surfaces, s)
-            p = to_surface(placement, x)
-            lower = distance_bounds(tables.grid, p)[0] * placement.factor
-            if lower < min(enough, bound):
-                lower = signed_distance_at(tables, p, room)[0] * placement.factor
-                if lower < best:
-                    best, whose = lower, s
-            bound = min(bound, lower)
-        s = row_below(rows, s)
-    return best, whose, bound
-
-
-@register_jitable
 def ends_near_meshes(
     surfaces: SurfaceSet,
     points: list[float],
@@ -159,8 +116,9 @@ def ends_near_meshes(
     before = 0.0
     for end in range(count + 1):
         after = _sought(enough, _chord(points, end * size, size)) if end < count else 0.0
-        x = _end(points, end, count)
-        away, mesh, bound = _sample(surfaces, x, enough, max(before, after), room)
+        away, mesh, _, bound = nearest_mesh(
+            surfaces, enough, max(before, after), _end(points, end, count), room
+        )
         before = after
         if end > 0:
             at_last[end - 1], last[end - 1] = min(at_last[end - 1], away), bound
@@ -209,7 +167,8 @@ def middles_near_meshes(
             divide(points, piece * size, halves, 0, size, size // 3, 0.5)
             left, right = _chord(halves, 0, size), _chord(halves, size, size)
             sought = max(_sought(enough, left), _sought(enough, right))
-            away, mesh, middle = _sample(surfaces, vec3_at(halves, size), enough, sought, room)
+            x = vec3_at(halves, size)
+            away, mesh, _, middle = nearest_mesh(surfaces, enough, sought, x, room)
             at_middles[piece] = min(at_middles[piece], away)
             halved = min(
                 _least_between(first[piece], middle, left),

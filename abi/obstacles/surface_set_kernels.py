@@ -6,6 +6,8 @@ Plain Python that numba compiles with its caller.
 
 from __future__ import annotations
 
+import math
+
 from numba.extending import register_jitable
 
 from abi.obstacles.primitive_tree_kernels import (
@@ -35,32 +37,38 @@ def widened(limit: float) -> float:
 
 
 @register_jitable
-def nearest_mesh(surfaces: SurfaceSet, enough: float, x: Vec3, room: Room) -> tuple[float, int]:
-    """Least signed distance of a point and whose it is; ``enough`` and -1 if it is not below.
+def nearest_mesh(
+    surfaces: SurfaceSet, enough: float, sought: float, x: Vec3, room: Room
+) -> tuple[float, int, int, float]:
+    """Least signed distance of a point, whose it is, the triangle, and a lower bound of it.
 
     Args:
         surfaces: the meshes.
-        enough: [unit].
+        enough: where it is not below, [unit], it may be left out: then it is inf and the others -1.
+        sought: the bound need not be above this, [unit].
         x: a point, [unit], world.
         room: for descents.
     """
     bounds = surfaces.bounds
-    best, whose = enough, -1
+    best, whose, triangle, least = math.inf, -1, -1, sought
     s = first_row(bounds)
     while s >= 0:
-        wide = widened(best)
+        wide = widened(least)
         if tree_apart(bounds, s, wide, x, x):
             s = row_after(bounds, s)
             continue
         if not bounds_apart(bounds, s, wide, x, x):
             tables, placement = surface_at(surfaces, s)
             p = to_surface(placement, x)
-            if distance_bounds(tables.grid, p)[0] * placement.factor < best:
-                away = signed_distance_at(tables, p, room)[0] * placement.factor
-                if away < best:
-                    best, whose = away, s
+            lower = distance_bounds(tables.grid, p)[0] * placement.factor
+            if lower < min(enough, least):
+                away, number = signed_distance_at(tables, p, room)
+                lower = away * placement.factor
+                if lower < best:
+                    best, whose, triangle = lower, s, number
+            least = min(least, lower)
         s = row_below(bounds, s)
-    return best, whose
+    return best, whose, triangle, least
 
 
 @register_jitable

@@ -28,7 +28,7 @@ from abi.obstacles.primitive_kernels import (
 from abi.obstacles.primitive_tree_kernels import blocked
 from abi.obstacles.surface_set import NO_SURFACES, SurfaceSet, surface_at
 from abi.obstacles.surface_set_kernels import meets_mesh, nearest_mesh
-from abi.obstacles.triangle_mesh.point_distance_kernels import gradient_at
+from abi.obstacles.triangle_mesh.point_distance_kernels import gradient_of
 from abi.obstacles.triangle_mesh.surface_tables_kernels import Room, new_room, to_surface
 from abi.obstacles.vector_kernels import Vec3, axpy, distance, dot, sub, vec3_at
 from abi.taut.free_space_kernels import kind_of
@@ -81,11 +81,12 @@ def _outward(around: Surroundings, x: Vec3, room: Room) -> Vec3:
         axes = axes_of(solids, s)
         p = in_body(axes, sub(x, centre_of(solids, s)))
         normal = in_world(axes, signed_distance_gradient(core_of(solids, s), p)[1])
-    mesh = nearest_mesh(surfaces, nearest, x, room)[1]
-    if mesh < 0:
+    away, mesh, triangle, _ = nearest_mesh(surfaces, nearest, nearest, x, room)
+    if away >= nearest:
         return normal
     tables, placement = surface_at(surfaces, mesh)
-    return in_world(placement.axes, gradient_at(tables, to_surface(placement, x), room)[1])
+    p = to_surface(placement, x)
+    return in_world(placement.axes, gradient_of(tables, p, away / placement.factor, triangle))
 
 
 @register_jitable

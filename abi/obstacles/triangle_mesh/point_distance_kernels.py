@@ -97,12 +97,18 @@ def signed_distance_beside(
 
 @register_jitable
 def gradient_at(tables: SurfaceTables, x: Vec3, room: Room) -> tuple[float, Vec3]:
-    """Signed distance of a point in the body frame, and its gradient, a unit vector.
+    """Signed distance of a point in the body frame, and its gradient, a unit vector."""
+    away, number = signed_distance_at(tables, x, room)
+    return away, gradient_of(tables, x, away, number)
 
-    That leads away from the closest point, towards it inside a solid; on the surface itself it is
+
+@register_jitable
+def gradient_of(tables: SurfaceTables, x: Vec3, away: float, number: int) -> Vec3:
+    """Gradient of the signed distance ``away`` of a point, given the nearest triangle.
+
+    It leads away from the closest point, towards it inside a solid; on the surface itself it is
     the normal of a triangle there.
     """
-    away, number = signed_distance_at(tables, x, room)
     a, b, c = triangle = triangle_at(tables.tree.corners, number)
     offset = sub(x, closest_point(x, triangle))
     size = norm(offset)
@@ -111,4 +117,4 @@ def gradient_at(tables: SurfaceTables, x: Vec3, room: Room) -> tuple[float, Vec3
         size = norm(offset)
     elif tables.closed and away + tables.error[0] + tables.error[1] * size < 0.0:
         size = -size
-    return away, (offset[0] / size, offset[1] / size, offset[2] / size)
+    return offset[0] / size, offset[1] / size, offset[2] / size
