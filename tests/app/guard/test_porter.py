@@ -6,7 +6,8 @@ import asyncio
 import random
 import socket
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Coroutine
+from concurrent.futures import ThreadPoolExecutor
 from types import SimpleNamespace
 from typing import Any
 
@@ -108,9 +109,15 @@ async def _come_and_go(seed: int) -> None:
     far.close()
 
 
+def run(coroutine: Coroutine[Any, Any, None]) -> None:
+    """Run it in a thread of its own, for in this one the browser's loop may run."""
+    with ThreadPoolExecutor(1) as threads:
+        threads.submit(asyncio.run, coroutine).result()
+
+
 @pytest.mark.parametrize("seed", range(3))
 def test_each_tab_goes_to_who_has_the_fewest(seed: int) -> None:
-    asyncio.run(_come_and_go(seed))
+    run(_come_and_go(seed))
 
 
 class Echo(asyncio.Protocol):
@@ -156,4 +163,4 @@ async def _through_the_side_door() -> None:
 
 
 def test_a_connection_is_taken_with_what_it_has_said_before_what_it_says_next() -> None:
-    asyncio.run(_through_the_side_door())
+    run(_through_the_side_door())
