@@ -149,7 +149,7 @@ def test_its_command_serves_without_capabilities_and_without_writing(
     until(lambda: _health_check(port) == 0)
     token = link.partition("token=")[2]
     tab = FakeTab(f"http://127.0.0.1:{port}", {"Authorization": f"Bearer {token}"})
-    until(lambda: tab.received > 200_000)  # the page's scene with a plan
+    until(lambda: tab.received > 100_000)  # the page's scene with a plan
     tab.close()
     process.send_signal(signal.SIGTERM)
     _, err = process.communicate(timeout=60)
