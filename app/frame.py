@@ -40,7 +40,7 @@ class Frame:
         reason: diagnosis of its error.
         refused: error in the last input; the plan is of the scene before it.
         coarse: whether the plan's mesh is coarser than the scene's, while the input changes.
-        partial: whether it is, or two of its searches wait for a pause in the input.
+        partial: whether the mesh is coarser, or two of the searches wait for a pause in the input.
         interactive: whether the input may still change: what takes long to draw can wait.
         outdated: whether a newer plan is being made.
         demonstrates: whether an obstacle moves by itself.

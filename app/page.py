@@ -276,7 +276,7 @@ def move_gizmo(
     return True
 
 
-def own(gizmo: viser.TransformControlsHandle) -> None:
+def keep_to_tab(gizmo: viser.TransformControlsHandle) -> None:
     """Tell no other tab where a gizmo is: there is none that shows a tab's own gizmos."""
     gizmo._impl_aux.sync_cb = None
 

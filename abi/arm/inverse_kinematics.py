@@ -1,4 +1,4 @@
-"""Stage 6, inverse kinematics: q1, q2 and q3 that put the tool on given points.
+"""Stage 6, inverse kinematics of the paper's arm: q1, q2 and q3 that put the tool on given points.
 
 The arm is a planar two-link arm (a3, a6) in a vertical plane that q1 turns about the base axis.
 In that plane the tool is at (r, z) from the shoulder, D² = r² + z², and
@@ -9,7 +9,7 @@ In that plane the tool is at (r, z) from the shoulder, D² = r² + z², and
 
 which is the cosine rule cos q3 = (D² − a3² − a6²) / (2·a3·a6) in the form that stays exact at
 full stretch and full fold. The paper's own q1, q2 and q3 (stage 6) have misprints: its q1 is right
-in one quadrant only.
+in one quadrant only. That of URDF arms is in :mod:`abi.arm.follow_path_kernels`.
 """
 
 from __future__ import annotations

@@ -11,7 +11,7 @@ from abi.scene.scene import Scene
 class LivePlanner:
     """Two planners, one for the scene's mesh and one for a coarser mesh, each with its own memory.
 
-    Neither compiles the inner loops: :func:`abi.compile` does, beside the first plans.
+    Neither begins to compile the inner loops: :func:`abi.compile` does, beside the first plans.
 
     Attributes:
         budget: number of nodes that fit a frame.

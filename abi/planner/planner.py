@@ -82,7 +82,8 @@ class Planner:
         """Start without any remembered results.
 
         Args:
-            compile: whether to compile the inner loops in the background from the first plan on.
+            compile: whether to compile the inner loops in the background from the first plan on. A
+                plan that would take longer than the compiler waits for it all the same.
         """
         self._compile, self._planned = compile, False
         self._turn = threading.Lock()
@@ -133,13 +134,13 @@ class Planner:
         if self._compile and scene.arm.model == "urdf":
             # loading takes a second, and such a plan without compiled loops many
             compiling.begin()
-        # one that compiles waits for what another planner has begun to load; a tab's first does not
+        # a tab's first plan does not wait: until it is drawn the page is empty
         if self._planned or self._compile:
             compiling.wait_for_loading()
+        _wait_for_compiler(scene)
         begin = time.perf_counter()
         results: dict[str, Any] = {}
         self._arm_aware_ms = 0.0
-        _wait_for_compiler(scene)
         try:
             self._run(scene, chosen_only, results)
         except StageError as error:

@@ -86,8 +86,9 @@ class TetMesh(ShortRepr):
     def edge_numbers(self) -> ByteArray:
         """Directions (e,) in the stencil of the edges at their first nodes, for a lattice."""
         assert self.stencil is not None
-        ids = np.empty(len(self.points), dtype=np.bool_)
-        families = REGULAR[self.lattice].edges(ids, self.cells)
+        # only the families' shapes count, whatever the nodes' values
+        values = np.empty(len(self.points), dtype=np.bool_)
+        families = REGULAR[self.lattice].edges(values, self.cells)
         numbers = [np.full(a.size, self.stencil.ends(step)[0], np.uint8) for a, _, step in families]
         return read_only(np.concatenate(numbers))
 

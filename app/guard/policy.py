@@ -1,4 +1,4 @@
-"""Rules for visitors: who may come, how many, and how much each may send."""
+"""Rules for visitors: who may come, and how many."""
 
 from __future__ import annotations
 

@@ -55,7 +55,7 @@ class EndGizmos:
                 opacity=0.9,
             )
             gizmo.on_update(self._drag_gizmo)
-            page.own(gizmo)
+            page.keep_to_tab(gizmo)
             self.gizmos[name], self._origins[name] = gizmo, position
             self._balls[name] = ball = client.scene.add_icosphere(
                 f"/{name}/ball", radius=_RADIUS * size, color=style.POINT

@@ -226,7 +226,7 @@ class ObstacleGizmos:
             disable_rotations=True,
         )
         gizmo.on_update(self._drag_gizmo)
-        page.own(gizmo)
+        page.keep_to_tab(gizmo)
         return gizmo
 
     def _put(self, number: int, obstacle: Obstacle) -> None:

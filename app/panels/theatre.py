@@ -28,8 +28,8 @@ FRAME = 1 / 20
 SPEEDS = {"2 steps a second": 2.0, "10 steps a second": 10.0, "all in 10 s": 0.0}
 _ALL_IN = 10.0
 _INTRO = style.paragraph(
-    "Watch any of eight searches node by node: what it has visited, what waits, and what comes "
-    "next. Or run them all on this grid and compare."
+    f"Watch any of {len(COMPARED)} searches node by node: what it has visited, what waits, and "
+    "what comes next. Or run them all on this grid and compare."
 )
 EDGES = {"none": "", "one": "negative", "one, with a cycle": "cycle"}
 _STEPS = {"to start": None, "◀ 1": -1, "1 ▶": 1}
