@@ -177,7 +177,7 @@ class ArmAware:
 
 
 def _finish(task: ArmTask, branch: _Branch, names: list[str]) -> dict[str, Any]:
-    """Curves and motion along a branch's path."""
+    """Curves and motion along a branch's path; ``Planner._run`` makes those of the tool alone."""
     scene, obstacles, sight = task.scene, task.obstacles, branch.sight
     clearance, chosen = scene.spline.clearance, scene.search
     graph, path = branch.found.graph, branch.found.path
