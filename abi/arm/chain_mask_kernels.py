@@ -13,7 +13,7 @@ from numba.extending import register_jitable
 from abi.arm.chain_kernels import POSE, TABLE, ChainTable
 from abi.arm.mask_kernels import touched_row
 from abi.arm.separate_chain_kernels import BODIES, Bodies, between_segments, place_bodies
-from abi.arm.surroundings_kernels import NO_OBSTACLES, Obstacles
+from abi.arm.surroundings_kernels import NO_OBSTACLES, Obstacles, asked_rows
 from abi.arrays import BoolArray, FloatArray, IntArray
 from abi.compilation.borrowed import borrowed, held
 from abi.compiled import FLAGS, FLOATS, NEW_FLAGS, compiled
@@ -36,21 +36,21 @@ def _touches_itself(bodies: Bodies, ends: FloatArray, slack: float) -> bool:
 
 
 @register_jitable
-def _touches_solids(bodies: Bodies, ends: FloatArray, around: Obstacles, waiting: IntArray) -> bool:
-    """Check whether a capsule is too near to something it is to keep clear of."""
+def touches_row(
+    bodies: Bodies, ends: FloatArray, around: Obstacles, s: int, waiting: IntArray
+) -> bool:
+    """Check whether a capsule is too near to row s, or the floor, if it is to keep clear of it."""
     count = len(around.margins)
     for c in range(len(bodies.frames)):
+        if not around.asked[c * count + s]:
+            continue
         a, b = vec3_at(ends, 6 * c), vec3_at(ends, 6 * c + 3)
-        for k in range(len(around.outer)):
-            s = int(around.outer[k])
-            if not around.asked[c * count + s]:
-                continue
-            need = bodies.radii[c] + around.margins[s]
-            if s == count - 1:
-                if min(a[2], b[2]) - around.floor < need:
-                    return True
-            elif touched_row(around, s, a, b, need, -1, waiting) >= 0:
+        need = bodies.radii[c] + around.margins[s]
+        if s == count - 1:
+            if min(a[2], b[2]) - around.floor < need:
                 return True
+        elif touched_row(around, s, a, b, need, -1, waiting) >= 0:
+            return True
     return False
 
 
@@ -79,13 +79,16 @@ def touching_stances(
     joints, poses = np.empty(count), np.empty(POSE * (len(chain.source) + 1))
     own = joints, poses, np.empty(6 * len(bodies.frames)), np.empty(DEPTH, np.int32)
     joints, poses, ends, waiting = borrowed(own)
+    rows = asked_rows(around, len(bodies.frames))
     for node in range(len(reached)):
         if not reached[node]:
             continue
         for j in range(count):
             joints[j] = stances[node * count + j]
         place_bodies(chain, bodies, joints, poses, ends)
-        touching[node] = _touches_solids(bodies, ends, around, waiting)
-        if slack >= 0 and not touching[node]:
-            touching[node] = _touches_itself(bodies, ends, slack)
+        touching[node] = slack >= 0 and _touches_itself(bodies, ends, slack)
+        for s in rows:
+            if touching[node]:
+                break
+            touching[node] = touches_row(bodies, ends, around, s, waiting)
     held(own)

@@ -15,7 +15,7 @@ from abi.arm.regions import grid, surface
 from abi.arm.stances import Stances, spread_over
 from abi.arm.surroundings import Surroundings
 from abi.arm.urdf_arm import UrdfArm
-from abi.arrays import BoolArray, FloatArray, flat
+from abi.arrays import BoolArray, FloatArray
 from abi.obstacles.pose import Vec3
 from abi.scene.settings import MeshSettings, Workspace
 from abi.tet_mesh.tet_mesh import tetrahedralise
@@ -72,7 +72,7 @@ def chain_shadow(arm: UrdfArm, stances: Stances, around: Surroundings) -> FloatA
     touching_stances(
         arm.chain.table,
         bodies_of(arm),
-        flat(stances.positions / arm.scales),
+        stances.coordinates,
         around.only(around.numbers >= 0).beyond(0.0),
         _ANYHOW,
         stances.reached,

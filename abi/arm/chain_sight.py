@@ -3,22 +3,25 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Self
 
 import numpy as np
 
-from abi.arm import chain_mask_kernels
 from abi.arm.arm_certificate import ArmCertificate, ArmRefutation
 from abi.arm.chain_certificate import certify_chain
+from abi.arm.chain_mask_kernels import touching_stances
 from abi.arm.chain_surroundings import bodies_of
 from abi.arm.joint_course import course_from
 from abi.arm.leg_kernels import MOST_TRIES
+from abi.arm.stance_tree_kernels import stances_touching
 from abi.arm.stances import Stances
 from abi.arm.surroundings import Surroundings
+from abi.arm.surroundings_kernels import Obstacles
 from abi.arm.unreached import Unreached
 from abi.arm.urdf_arm import REACHED, UrdfArm
 from abi.arm.urdf_motion import JointCourse
-from abi.arrays import BoolArray, FloatArray, flat
+from abi.arrays import BoolArray, FloatArray
 from abi.curves.curve import ArcLength, Curve
 from abi.tet_mesh.node_tree import NodeTree
 
@@ -131,20 +134,35 @@ class ChainSight:
         """Check whether the arm reaches nodes (n, 3), clear of the floor and itself, (n,)."""
         reached = self.stances.reached
         assert len(points) == len(reached)
-        around = self.around.only(self.around.numbers < 0)
-        return reached & ~self._touching(around, self.slack, reached)
+        around = self.around.only(self.around.numbers < 0).beyond(self._beyond)
+        touching = np.zeros(len(reached), dtype=np.bool_)
+        touching_stances(
+            *(self.arm.chain.table, bodies_of(self.arm), self.stances.coordinates, around),
+            *(self.slack, reached, touching),
+        )
+        return reached & ~touching
 
     def touching(
         self, points: FloatArray, number: int, reached: BoolArray, tree: NodeTree | None = None
     ) -> BoolArray:
         """Check if it nearly touches obstacle ``number`` at nodes (n, 3) that it reaches, (n,)."""
         assert len(points) == len(reached)
-        return self._touching(self.around.only(self.around.numbers == number), -1.0, reached)
+        touching = np.zeros(len(reached), dtype=np.bool_)
+        obstacle = self._around, self.around.first_row(number)
+        stances_touching(
+            *(self.arm.chain.table, bodies_of(self.arm), self.stances.tree),
+            *(obstacle, reached, touching),
+        )
+        return touching
 
     @property
     def _beyond(self) -> float:
         """Distance that legs and places keep, [unit]."""
         return self.clearance + self.slack
+
+    @cached_property
+    def _around(self) -> Obstacles:
+        return self.around.beyond(self._beyond)
 
     def _follow_polyline(
         self, vertices: FloatArray, begin: tuple[FloatArray, FloatArray]
@@ -165,16 +183,6 @@ class ChainSight:
         points = np.concatenate([[begin[0]], targets])
         joints, missed = self.arm.follow(begin[1], points, self.stances.home)
         return parameters, joints[1:], missed[1:]
-
-    def _touching(self, around: Surroundings, own: float, reached: BoolArray) -> BoolArray:
-        touching = np.zeros(len(reached), dtype=np.bool_)
-        stances = flat(self.stances.positions / self.arm.scales)
-        margins = around.beyond(self._beyond)
-        bodies = bodies_of(self.arm)
-        chain_mask_kernels.touching_stances(
-            self.arm.chain.table, bodies, stances, margins, own, reached, touching
-        )
-        return touching
 
     def _refutation(
         self,

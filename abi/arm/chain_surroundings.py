@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 
 from abi.arm.separate_chain_kernels import Bodies
@@ -33,6 +35,7 @@ def chain_surroundings(
     return around(solids, own, size, min(float(arm.base[2]), lowest))
 
 
+@lru_cache(maxsize=16)
 def bodies_of(arm: UrdfArm) -> Bodies:
     """Capsules of an arm in the format of the kernels, for coordinates in [rad] and [m]."""
     frames = np.array([one.frame for one in arm.capsules], dtype=np.int32)

@@ -10,7 +10,9 @@ import scipy
 
 from abi.arm import spread_kernels
 from abi.arm.chain import PULL
+from abi.arm.chain_surroundings import bodies_of
 from abi.arm.follow_path_kernels import Drift
+from abi.arm.stance_tree_kernels import StanceTree, bound_stances
 from abi.arm.urdf_arm import REACHED, UrdfArm
 from abi.arrays import BoolArray, FloatArray, IntArray, flat, read_only
 from abi.tet_mesh.tet_mesh import TetMesh
@@ -24,6 +26,7 @@ class Stances:
     """Joint positions at the nodes that an arm reaches, spread from the start.
 
     Attributes:
+        arm: the arm.
         mesh: the mesh.
         start: where the tool starts, shape (3,), [unit], world.
         first: joint positions there, shape (n,), [rad] or [unit].
@@ -33,6 +36,7 @@ class Stances:
         reached: whether the arm reaches each node, shape (m,).
     """
 
+    arm: UrdfArm
     mesh: TetMesh
     start: FloatArray
     first: FloatArray
@@ -48,6 +52,20 @@ class Stances:
             return None
         node = int(self._nodes[self._tree.query(point)[1]])
         return self.mesh.points[node], self.positions[node]
+
+    @cached_property
+    def coordinates(self) -> FloatArray:
+        """The positions as the kernels have them, flat (m n,), [rad] or [m]."""
+        return flat(self.positions / self.arm.scales)
+
+    @cached_property
+    def tree(self) -> StanceTree:
+        """The stances in a tree: of each capsule about 16 bytes a node."""
+        nodes, bodies = self.mesh.node_tree, bodies_of(self.arm)
+        boxes = np.tile(np.repeat([np.inf, -np.inf], 3), len(nodes.balls) // 4 * len(bodies.radii))
+        tree = StanceTree(self.coordinates, nodes.order, nodes.leaves, read_only(np.zeros(0)))
+        bound_stances(self.arm.chain.table, bodies, tree, self.reached, boxes)
+        return tree._replace(boxes=read_only(boxes))
 
     @cached_property
     def _nodes(self) -> IntArray:
@@ -85,4 +103,4 @@ def spread_over(
         reached,
     )
     positions = read_only(stances * arm.scales)
-    return Stances(mesh, read_only(start), first, home, positions, read_only(reached))
+    return Stances(arm, mesh, read_only(start), first, home, positions, read_only(reached))
