@@ -23,12 +23,14 @@ import math
 import numpy as np
 
 from abi.arm.arm_certificate import ArmCertificate, ArmRefutation
+from abi.arm.chain_kernels import ChainTable
 from abi.arm.chain_surroundings import bodies_of
-from abi.arm.separate_chain_kernels import separate_chain
+from abi.arm.separate_chain_kernels import Bodies, separate_chain
 from abi.arm.surroundings import OWN, Surroundings
+from abi.arm.surroundings_kernels import Obstacles
 from abi.arm.urdf_arm import UrdfArm
 from abi.arrays import FloatArray, IntArray, flat, read_only
-from abi.clearance.separation_kernels import CERTIFIED, REFUTED
+from abi.clearance.separation_kernels import CERTIFIED, REFUTED, Outcome
 
 MOST_TRIES = 200_000
 
@@ -53,13 +55,10 @@ def certify_chain(
         margin: distance to prove from obstacles, at least 0, [unit].
         most_tries: number of tries at most.
     """
-    bodies = bodies_of(arm)
-    status, at, pair, _, planes = separate_chain(
-        *(arm.chain.table, bodies, flat(positions / arm.scales), around.beyond(margin), most_tries)
-    )
-    if status != CERTIFIED:
-        capsules, others = _pairs(arm, around, np.array([pair]))
-        return ArmRefutation(at, int(capsules[0]), int(others[0]), status == REFUTED)
+    outcome = separate_chain(*_task(arm, positions, around, margin), most_tries, True)
+    refutation, planes = _refutation(arm, around, outcome), outcome[-1]
+    if refutation is not None:
+        return refutation
     capsules, others = _pairs(arm, around, planes[:, 2])
     return ArmCertificate(
         margin=margin if (around.numbers >= 0).any() else math.inf,
@@ -70,6 +69,33 @@ def certify_chain(
         directions=read_only(planes[:, 3:6].copy()),
         positions=positions,
     )
+
+
+def chain_refutation(
+    arm: UrdfArm,
+    positions: FloatArray,
+    around: Surroundings,
+    margin: float,
+    most_tries: int = MOST_TRIES,
+) -> ArmRefutation | None:
+    """Find where :func:`certify_chain` finds that an arm does not keep clear; None if it does."""
+    outcome = separate_chain(*_task(arm, positions, around, margin), most_tries, False)
+    return _refutation(arm, around, outcome)
+
+
+def _task(
+    arm: UrdfArm, positions: FloatArray, around: Surroundings, margin: float
+) -> tuple[ChainTable, Bodies, FloatArray, Obstacles]:
+    coordinates = flat(positions / arm.scales)
+    return arm.chain.table, bodies_of(arm), coordinates, around.beyond(margin)
+
+
+def _refutation(arm: UrdfArm, around: Surroundings, outcome: Outcome) -> ArmRefutation | None:
+    status, at, pair, _, _ = outcome
+    if status == CERTIFIED:
+        return None
+    capsules, others = _pairs(arm, around, np.array([pair]))
+    return ArmRefutation(at, int(capsules[0]), int(others[0]), status == REFUTED)
 
 
 def _pairs(

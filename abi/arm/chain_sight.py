@@ -8,8 +8,8 @@ from typing import Self
 
 import numpy as np
 
-from abi.arm.arm_certificate import ArmCertificate, ArmRefutation
-from abi.arm.chain_certificate import certify_chain
+from abi.arm.arm_certificate import ArmRefutation
+from abi.arm.chain_certificate import chain_refutation
 from abi.arm.chain_mask_kernels import touching_stances
 from abi.arm.chain_surroundings import bodies_of
 from abi.arm.joint_course import course_from
@@ -119,10 +119,9 @@ class ChainSight:
             if begin is None:
                 return clear
             _, joints, missed = self._follow_polyline(points[k : k + 2], begin)
-            clear[k] = (missed <= REACHED * self.arm.reach).all() and isinstance(
-                certify_chain(self.arm, joints, self.around, self._beyond, self.most_tries),
-                ArmCertificate,
-            )
+            clear[k] = (missed <= REACHED * self.arm.reach).all() and chain_refutation(
+                self.arm, joints, self.around, self._beyond, self.most_tries
+            ) is None
             pose = (points[k + 1], joints[-1]) if clear[k] else None
         return clear
 
@@ -196,8 +195,8 @@ class ChainSight:
         beyond = np.flatnonzero(missed > REACHED * self.arm.reach)
         if len(beyond):
             return ArmRefutation(float(parameters[beyond[0]]), -1, -1, True)
-        found = certify_chain(self.arm, joints, self.around, margin, *([tries] if tries else []))
-        if isinstance(found, ArmCertificate):
+        found = chain_refutation(self.arm, joints, self.around, margin, *([tries] if tries else []))
+        if found is None:
             return None
         at = float(np.interp(found.parameter, np.arange(len(parameters)), parameters))
         return ArmRefutation(at, found.capsule, found.obstacle, found.decided)

@@ -18,8 +18,8 @@ from abi.arm.direction_kernels import NO_DIRECTION, is_separated, keep_direction
 from abi.arm.surroundings_kernels import (
     NO_OBSTACLES,
     Obstacles,
-    add_asked_pairs,
     between_boxes,
+    box_gap,
     is_solid,
     judged,
     open_box,
@@ -79,6 +79,24 @@ class _Stretch(NamedTuple):
     halvings: int
 
 
+class _Pose(NamedTuple):
+    """Pose of a stretch, and room to work it out.
+
+    Attributes:
+        joints: coordinates (n,).
+        ways: farthest that each goes from there on the stretch (n,).
+        ends: of all capsules, flat (6 c,), [unit], world.
+        poses: of the joints, flat (12 (m + 1),).
+        end: room for coordinates (n,).
+    """
+
+    joints: FloatArray
+    ways: FloatArray
+    ends: FloatArray
+    poses: FloatArray
+    end: FloatArray
+
+
 @register_jitable
 def _joints_at(knots: FloatArray, at: float, joints: FloatArray) -> None:
     """Write the coordinates at a place between two knots."""
@@ -129,6 +147,21 @@ def place_bodies(
 
 
 @register_jitable
+def _go_to_middle(
+    chain: ChainTable, bodies: Bodies, knots: FloatArray, stretch: _Stretch, pose: _Pose
+) -> float:
+    """Write the pose in the middle of a stretch, or at a knot near it; its parameter."""
+    at = 0.5 * (stretch.start + stretch.end)
+    if stretch.end - stretch.start > 1:
+        at = 1.0 * math.floor(at)
+    joints, ways, ends, poses, end = pose
+    _joints_at(knots, at, joints)
+    _ways_of(knots, stretch, joints, end, ways)
+    place_bodies(chain, bodies, joints, poses, ends)
+    return at
+
+
+@register_jitable
 def between_segments(p: Vec3, d: Vec3, q: Vec3, e: Vec3) -> Vec3:
     """Way from the nearest point of p to p + d to that of q to q + e (Ericson, section 5.1.9)."""
     a, b, c = dot(d, d), dot(d, e), dot(e, e)
@@ -172,6 +205,36 @@ def _apart(
     return UNDECIDED, away - radii, way, moves
 
 
+@register_jitable(forceinline=True)
+def _moves(bodies: Bodies, c: int, ways: FloatArray) -> float:
+    """Way of a capsule, at most, where so far goes each coordinate, [unit]."""
+    moves = 0.0
+    for j in range(len(ways)):
+        moves += bodies.levers[c * len(ways) + j] * ways[j]
+    return moves * _WIDER
+
+
+@register_jitable
+def _add_pairs(
+    bodies: Bodies, around: Obstacles, pose: _Pose, certify: bool, pairs: list[int]
+) -> None:
+    """Add all pairs; unless it is to ``certify`` not those that boxes keep clear near a pose."""
+    count, allowance = len(around.margins), _ALLOWANCE * around.size
+    for c in range(len(bodies.frames)):
+        a, b = vec3_at(pose.ends, 6 * c), vec3_at(pose.ends, 6 * c + 3)
+        reach = bodies.radii[c] + _moves(bodies, c, pose.ways) + allowance
+        for k in range(len(around.outer)):
+            s = around.outer[k]
+            if around.asked[c * count + s] and (
+                certify
+                or s == count - 1
+                or box_gap(around.primitives, s, a, b) <= reach + around.margins[s]
+            ):
+                pairs.append(c * count + s)
+    for own in range(len(bodies.pairs) // 2):
+        pairs.append(len(bodies.frames) * count + own)
+
+
 @register_jitable
 def _separates(
     ends: FloatArray, bodies: Bodies, around: Obstacles, pair: int, ways: FloatArray
@@ -194,11 +257,7 @@ def _separates(
     if c >= len(bodies.frames):
         return _apart(ends, bodies, pair - len(bodies.frames) * count, ways, allowance)
     a, b = vec3_at(ends, 6 * c), vec3_at(ends, 6 * c + 3)
-    moves = 0.0
-    for j in range(len(ways)):
-        moves += bodies.levers[c * len(ways) + j] * ways[j]
-    moves *= _WIDER
-    radius = bodies.radii[c]
+    radius, moves = bodies.radii[c], _moves(bodies, c, ways)
     need = radius + around.margins[s] + allowance
     if s == count - 1:
         gap, way = min(a[2], b[2]) - around.floor, (0.0, 0.0, 1.0)
@@ -219,9 +278,14 @@ def _separates(
     return UNDECIDED, gap - radius, way, moves
 
 
-@compiled(example=(TABLE, BODIES, FLOATS, NO_OBSTACLES, 9))
+@compiled(example=(TABLE, BODIES, FLOATS, NO_OBSTACLES, 9, True))
 def separate_chain(
-    chain: ChainTable, bodies: Bodies, knots: FloatArray, around: Obstacles, most_tries: int
+    chain: ChainTable,
+    bodies: Bodies,
+    knots: FloatArray,
+    around: Obstacles,
+    most_tries: int,
+    certify: bool,
 ) -> Outcome:
     """Separate every capsule from everything around while the joints go from knot to knot.
 
@@ -233,36 +297,29 @@ def separate_chain(
         bodies: its capsules.
         knots: coordinates at m >= 2 knots, flat (m n,).
         around: what to keep clear of.
-        most_tries: tries it may take.
+        most_tries: tries it may take; without ``certify`` those of boxes do not count.
+        certify: whether to keep the planes.
 
     Returns:
         As for curves, the parameter of knot k being k; a plane's obstacle is the number of its
         pair, and its level the parameter of the pose.
     """
-    count = len(chain.limits) // 2
-    joints, end, ways = np.empty(count), np.empty(count), np.empty(count)
-    poses, ends = np.empty(POSE * (len(chain.source) + 1)), np.empty(6 * len(bodies.frames))
+    count, rows = len(chain.limits) // 2, len(around.margins)
+    ways, ends = np.empty(count), np.empty(6 * len(bodies.frames))
+    poses = np.empty(POSE * (len(chain.source) + 1))
+    pose = _Pose(np.empty(count), ways, ends, poses, np.empty(count))
     planes, candidates, work, tries = [NO_PLANE], [0], [0], 0
-    latest = [NO_DIRECTION]
+    latest, solid_pairs = [NO_DIRECTION], len(bodies.frames) * rows
     candidates.clear()
-    rows = len(around.margins)
-    solid_pairs = len(bodies.frames) * rows
-    add_asked_pairs(around, len(bodies.frames), candidates)
-    for own in range(len(bodies.pairs) // 2):
-        candidates.append(solid_pairs + own)
     whole = _Stretch(0.0, 1.0 * (len(knots) // count - 1), 0)
+    _go_to_middle(chain, bodies, knots, whole, pose)
+    _add_pairs(bodies, around, pose, certify, candidates)
     pending = [(whole, 0, len(candidates))]
     while len(pending) > 0:
         stretch, lowest, highest = pending.pop()
         while len(candidates) > highest:
             candidates.pop()
-        run = stretch.end - stretch.start > 1
-        at = 0.5 * (stretch.start + stretch.end)
-        if run:
-            at = 1.0 * math.floor(at)
-        _joints_at(knots, at, joints)
-        _ways_of(knots, stretch, joints, end, ways)
-        place_bodies(chain, bodies, joints, poses, ends)
+        at = _go_to_middle(chain, bodies, knots, stretch, pose)
         work.clear()
         latest.clear()
         for i in range(highest - 1, lowest - 1, -1):
@@ -285,7 +342,8 @@ def separate_chain(
             if outcome == REFUTED and (of_links or is_solid(around, pair)):
                 return REFUTED, at, pair, away, table_of(planes)
             if outcome == CERTIFIED:
-                planes.append(Plane(stretch.start, stretch.end, pair, way, at))
+                if certify:
+                    planes.append(Plane(stretch.start, stretch.end, pair, way, at))
                 if not of_links and around.meshes[pair % rows] >= 0:
                     a, b = vec3_at(ends, 6 * c), vec3_at(ends, 6 * c + 3)
                     level = min(dot(way, a), dot(way, b)) - bodies.radii[c] - moves
@@ -302,6 +360,7 @@ def separate_chain(
             farthest = max(farthest, moves)
         if len(candidates) == highest:
             continue
+        run = stretch.end - stretch.start > 1
         final = stretch.halvings == MOST_HALVINGS or farthest < _FINEST * around.size
         if tries > most_tries or (not run and (final or not stretch.start < at < stretch.end)):
             return UNDECIDED, at, candidates[len(candidates) - 1], 0.0, table_of(planes)

@@ -13,9 +13,8 @@ from typing import Literal
 
 import numpy as np
 
-from abi.arm.arm_certificate import ArmCertificate
 from abi.arm.arm_model import OtherSights
-from abi.arm.chain_certificate import certify_chain
+from abi.arm.chain_certificate import chain_refutation
 from abi.arm.chain_distances import obstacle_distances
 from abi.arm.chain_sight import ChainSight
 from abi.arm.chain_surroundings import chain_surroundings
@@ -129,8 +128,8 @@ class UrdfModel:
 
     def _is_clear(self, task: _Task, pose: FloatArray) -> bool:
         """Check whether the arm, standing still, is proven clear and in no closed mesh."""
-        found = certify_chain(self.arm, np.stack([pose, pose]), task.around, task.margin)
-        if not isinstance(found, ArmCertificate):
+        still = np.stack([pose, pose])
+        if chain_refutation(self.arm, still, task.around, task.margin) is not None:
             return False
         return bool((obstacle_distances(self.arm, task.obstacles, pose[None])[0] > 0).all())
 

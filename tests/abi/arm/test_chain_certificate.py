@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from functools import cache
 
 import numpy as np
@@ -10,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from abi.arm.arm_certificate import ArmCertificate
-from abi.arm.chain_certificate import certify_chain
+from abi.arm.chain_certificate import certify_chain, chain_refutation
 from abi.arm.chain_distances import floor_distances, obstacle_distances, own_distances
 from abi.arm.chain_surroundings import chain_surroundings
 from abi.arm.solid_rows import FLOOR
@@ -113,6 +114,12 @@ def test_nothing_comes_nearer_than_what_is_proven(name: str, seed: int) -> None:
     measured = float(gaps.min())
     margin = max(float(random.uniform(0, 1.2)) * measured, 0.0)
     found = certify_chain(one, positions, around, margin)
+    refutation = chain_refutation(one, positions, around, margin)
+    if isinstance(found, ArmCertificate):
+        assert refutation is None
+    else:
+        assert refutation is not None
+        assert asdict(refutation) == asdict(found)
 
     clear = (
         float(own_distances(one, dense).min(initial=np.inf)) > 0

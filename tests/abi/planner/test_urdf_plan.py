@@ -18,6 +18,7 @@ from abi.arm.follow_path_kernels import follow_path
 from abi.arm.joint_rates import joint_rates
 from abi.arm.separate_chain_kernels import separate_chain
 from abi.arm.spread_kernels import spread
+from abi.arm.stance_tree_kernels import bound_stances, stances_touching
 from abi.arm.urdf_arm import UrdfArm, urdf_arm
 from abi.arrays import FloatArray
 from abi.errors import ArmNotClear, ExportError, SceneError
@@ -38,7 +39,15 @@ ROOM = KITCHEN.replace(obstacles=KITCHEN.to_dict()["obstacles"][:3])
 @pytest.fixture(scope="module", autouse=True)
 def _compiled() -> None:
     compiling.all_kernels()
-    for kernel in (follow_path, chain_poses, separate_chain, spread, touching_stances):
+    for kernel in (
+        follow_path,
+        chain_poses,
+        separate_chain,
+        spread,
+        touching_stances,
+        bound_stances,
+        stances_touching,
+    ):
         kernel.compile()
 
 
