@@ -20,17 +20,18 @@ _MANY = 50_000
 each other."""
 
 
-class _Asked(NamedTuple):
+class _Known(NamedTuple):
     """Nodes (n,) of which it is known whether the arm touches an obstacle there, and where it does.
 
     Of nothing known both are one flag.
     """
 
+    obstacle: Obstacle
     nodes: BoolArray
     touching: BoolArray
 
 
-_NOTHING = _Asked(*2 * (read_only(np.zeros(1, dtype=np.bool_)),))
+_NO_FLAGS = read_only(np.zeros(1, dtype=np.bool_))
 
 
 class ArmExclusionCache:
@@ -44,7 +45,8 @@ class ArmExclusionCache:
         self._state: tuple[object, ...] = ()
         self._reached: BoolArray = np.zeros(0, dtype=np.bool_)
         self._line_starts: BoolArray = np.zeros(0, dtype=np.bool_)
-        self._asked: dict[Obstacle, _Asked] = {}
+        self._known: dict[int, _Known] = {}  # by identity: of thousands, to hash them takes long
+        self._answers, self._touched = np.zeros((2, 0), dtype=np.int32)
 
     def __call__(self, free: FreeMesh, sight: Places, obstacles: ObstacleSet) -> FreeMesh:
         """The mesh without the nodes that the arm excludes, too.
@@ -60,23 +62,50 @@ class ArmExclusionCache:
             a is not b and (isinstance(a, TetMesh) or a != b)
             for a, b in zip(state, self._state, strict=True)
         ):
-            self._state, self._asked = state, {}
+            self._state, self._known = state, {}
+            self._answers, self._touched = np.zeros((2, len(mesh.points)), dtype=np.int32)
             self._reached = sight.reached(mesh.points)
             self._line_starts = _line_starts(mesh)
-        asked: dict[Obstacle, _Asked] = {}
-        open_ = self._reached & ~free.excluded
-        for number, obstacle in enumerate(obstacles):
-            known = self._asked.get(obstacle, _NOTHING)
-            new = open_ & ~known.nodes
+        self._forget_others(obstacles)
+        numbered = dict(enumerate(obstacles))
+        moved = {number: one for number, one in numbered.items() if id(one) not in self._known}
+        reached = self._reached & ~free.excluded
+        self._ask(mesh, sight, moved, reached & (self._touched == 0))
+        left = reached & (self._touched == 0) & (self._answers < len(self._known))
+        self._ask(mesh, sight, numbered, left)
+        open_ = reached & (self._touched == 0)
+        return apply(free, [_nodes(~(open_ | free.excluded), self._line_starts)])
+
+    def _forget_others(self, obstacles: ObstacleSet) -> None:
+        """Forget obstacles that are not among these; what is known of an equal one stays."""
+        asked = {id(one) for one in obstacles}
+        gone = [one for key, one in self._known.items() if key not in asked]
+        equal = {one.obstacle: one for one in gone}
+        for obstacle in obstacles if gone else ():
+            if id(obstacle) not in self._known and obstacle in equal:
+                known = self._known.pop(id(equal.pop(obstacle).obstacle))
+                self._known[id(obstacle)] = known._replace(obstacle=obstacle)
+        for known in gone:
+            if self._known.pop(id(known.obstacle), None) is not None:
+                self._answers -= known.nodes
+                self._touched -= known.touching
+
+    def _ask(
+        self, mesh: TetMesh, sight: Places, obstacles: dict[int, Obstacle], left: BoolArray
+    ) -> None:
+        """Ask what is not known of nodes ``left`` (n,), of each until an obstacle is touched."""
+        for number, obstacle in obstacles.items() if left.any() else ():
+            known = self._known.get(id(obstacle), _Known(obstacle, _NO_FLAGS, _NO_FLAGS))
+            new = left & ~known.nodes
             if new.any():
                 at_once = isinstance(obstacle, MeshShape) and len(mesh.points) > _MANY
                 tree = mesh.node_tree if at_once else None
                 touching = sight.touching(mesh.points, number, new, tree)
-                known = _Asked(known.nodes | new, known.touching | touching)
-            asked[obstacle] = known
-            open_ &= ~known.touching
-        self._asked = asked
-        return apply(free, [_nodes(~(open_ | free.excluded), self._line_starts)])
+                known = _Known(obstacle, known.nodes | new, known.touching | touching)
+                self._answers += new
+                self._touched += touching
+                left = left & ~touching
+            self._known[id(obstacle)] = known
 
 
 def _line_starts(mesh: TetMesh) -> BoolArray:

@@ -245,7 +245,9 @@ def test_what_is_remembered_of_nodes_that_become_free_is_what_is_found_anew() ->
         for one in scene.obstacles
     ]
     all_there = tuple(scene.obstacles)
-    for obstacles in (all_there, (*all_there[1:], moved[0]), all_there[:1], (*moved,), all_there):
+    copies = tuple(one.model_copy() for one in all_there)
+    fewer = (*all_there[1:], moved[0]), all_there[:1], (*moved,), all_there[::-1], copies
+    for obstacles in (all_there, *fewer, all_there + copies, all_there * 2, all_there[1:]):
         there = scene.model_copy(update={"obstacles": obstacles})
         sight, solids = sight_of(there), ObstacleSet(obstacles)
         free = exclude(made.mesh, solids, margin)
