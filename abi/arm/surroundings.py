@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -59,7 +59,14 @@ class Surroundings:
 
     def first_row(self, number: int) -> int:
         """Row of an obstacle; of a mesh that of the box around it."""
-        return int(self.outer[(self.numbers[self.outer] == number).argmax()])
+        return int(self._first_rows[number])
+
+    @cached_property
+    def _first_rows(self) -> IntArray:
+        """Row of each obstacle, in the order of their numbers; then what is left over."""
+        numbers, rows = self.numbers[self.outer], np.empty_like(self.outer)
+        rows[numbers[numbers >= 0]] = self.outer[numbers >= 0]
+        return rows
 
     def only(self, kept: BoolArray) -> Surroundings:
         """A copy that asks only about some of the rows; ``kept`` has one flag for each."""

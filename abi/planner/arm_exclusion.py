@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from abi.arm.arm_model import Places
-from abi.arrays import BoolArray, read_only
+from abi.arrays import BoolArray, IntArray, read_only
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import Obstacle, ObstacleSet
 from abi.tet_mesh.exclusion import Exclusion, FreeMesh, apply
@@ -46,7 +46,10 @@ class ArmExclusionCache:
         self._reached: BoolArray = np.zeros(0, dtype=np.bool_)
         self._line_starts: BoolArray = np.zeros(0, dtype=np.bool_)
         self._known: dict[int, _Known] = {}  # by identity: of thousands, to hash them takes long
-        self._answers, self._touched = np.zeros((2, 0), dtype=np.int32)
+        self._touched: IntArray = np.zeros(
+            0, dtype=np.int32
+        )  # how many obstacles each node touches
+        self._complete = self._reached  # whether all are asked about it
 
     def __call__(self, free: FreeMesh, sight: Places, obstacles: ObstacleSet) -> FreeMesh:
         """The mesh without the nodes that the arm excludes, too.
@@ -63,7 +66,8 @@ class ArmExclusionCache:
             for a, b in zip(state, self._state, strict=True)
         ):
             self._state, self._known = state, {}
-            self._answers, self._touched = np.zeros((2, len(mesh.points)), dtype=np.int32)
+            self._touched = np.zeros(len(mesh.points), dtype=np.int32)
+            self._complete = np.ones(len(mesh.points), dtype=np.bool_)
             self._reached = sight.reached(mesh.points)
             self._line_starts = _line_starts(mesh)
         self._forget_others(obstacles)
@@ -71,8 +75,11 @@ class ArmExclusionCache:
         moved = {number: one for number, one in numbered.items() if id(one) not in self._known}
         reached = self._reached & ~free.excluded
         self._ask(mesh, sight, moved, reached & (self._touched == 0))
-        left = reached & (self._touched == 0) & (self._answers < len(self._known))
-        self._ask(mesh, sight, numbered, left)
+        for one in moved.values():
+            self._complete &= self._known[id(one)].nodes
+        left = reached & (self._touched == 0) & ~self._complete
+        if left.any():
+            self._complete |= self._ask(mesh, sight, numbered, left)
         open_ = reached & (self._touched == 0)
         return apply(free, [_nodes(~(open_ | free.excluded), self._line_starts)])
 
@@ -87,25 +94,26 @@ class ArmExclusionCache:
                 self._known[id(obstacle)] = known._replace(obstacle=obstacle)
         for known in gone:
             if self._known.pop(id(known.obstacle), None) is not None:
-                self._answers -= known.nodes
                 self._touched -= known.touching
 
     def _ask(
         self, mesh: TetMesh, sight: Places, obstacles: dict[int, Obstacle], left: BoolArray
-    ) -> None:
-        """Ask what is not known of nodes ``left`` (n,), of each until an obstacle is touched."""
-        for number, obstacle in obstacles.items() if left.any() else ():
+    ) -> BoolArray:
+        """Ask what is not known of nodes ``left`` (n,); those at which none is touched, (n,)."""
+        for number, obstacle in obstacles.items():
             known = self._known.get(id(obstacle), _Known(obstacle, _NO_FLAGS, _NO_FLAGS))
             new = left & ~known.nodes
             if new.any():
                 at_once = isinstance(obstacle, MeshShape) and len(mesh.points) > _MANY
                 tree = mesh.node_tree if at_once else None
                 touching = sight.touching(mesh.points, number, new, tree)
-                known = _Known(obstacle, known.nodes | new, known.touching | touching)
-                self._answers += new
-                self._touched += touching
-                left = left & ~touching
+                known = known._replace(nodes=known.nodes | new)
+                if touching.any():
+                    known = known._replace(touching=known.touching | touching)
+                    self._touched += touching
+                    left = left & ~touching
             self._known[id(obstacle)] = known
+        return left
 
 
 def _line_starts(mesh: TetMesh) -> BoolArray:
