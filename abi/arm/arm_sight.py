@@ -157,10 +157,7 @@ class ArmSight:
     def legs(self) -> ArmLegs:
         """Surroundings of the tool's legs in the format of the kernels."""
         low, high = map(float, self.extensions)
-        asked, outer = self.around.asked, self.around.outer
-        capsules, places = np.nonzero(asked[:, outer])
-        pairs = read_only((capsules * asked.shape[1] + outer[places]).astype(np.int32))
-        return ArmLegs(self._table, self._beyond, pairs, (low, high), self.most_tries)
+        return ArmLegs(self._table, self._beyond, (low, high), self.most_tries)
 
     def _slide(self, curve: PolynomialCurve) -> Slide:
         return Slide(flat(curve.bezier().breaks[[0, -1]]), *self._extensions)

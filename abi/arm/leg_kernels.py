@@ -23,8 +23,10 @@ from abi.arm.mask_kernels import touched_row
 from abi.arm.pose_kernels import (
     CAPSULE,
     NO_ARM,
+    ArmNumbers,
     ArmTable,
     Pose,
+    Rates,
     bend_near,
     capsule_ends,
     capsule_share,
@@ -39,6 +41,7 @@ from abi.arm.surroundings_kernels import (
     NO_OBSTACLES,
     Obstacles,
     between_boxes,
+    box_gap,
     is_solid,
     judged,
     open_box,
@@ -47,7 +50,7 @@ from abi.arm.surroundings_kernels import (
 from abi.arrays import BoolArray, FloatArray, IntArray
 from abi.clearance.separation_kernels import CERTIFIED, REFUTED, UNDECIDED
 from abi.compilation.borrowed import borrowed, held
-from abi.compiled import FLOATS, IDS, NEW_FLAGS, compiled
+from abi.compiled import FLOATS, NEW_FLAGS, compiled
 from abi.obstacles.primitive_kernels import axes_of, centre_of, core_of, in_body, in_world
 from abi.obstacles.triangle_mesh.closest_point_kernels import DEPTH
 from abi.obstacles.vector_kernels import Vec3, axpy, distance, dot, sub, vec3_at
@@ -66,14 +69,12 @@ class ArmLegs(NamedTuple):
     Attributes:
         table: the arm.
         around: what to keep clear of.
-        pairs: capsules times number of obstacles, plus obstacle, that ``around`` asks for (p,).
         extensions: least and greatest q5, [unit].
-        most_tries: of a capsule and an obstacle, to prove a leg.
+        most_tries: of a capsule and an obstacle, to prove a leg; those far away do not count.
     """
 
     table: ArmTable
     around: Obstacles
-    pairs: IntArray
     extensions: tuple[float, float]
     most_tries: int
 
@@ -105,7 +106,7 @@ class _Piece(NamedTuple):
     allowance: float
 
 
-NO_LEGS = ArmLegs(NO_ARM, NO_OBSTACLES, IDS, (0.0, 0.0), MOST_TRIES)
+NO_LEGS = ArmLegs(NO_ARM, NO_OBSTACLES, (0.0, 0.0), MOST_TRIES)
 """Example for the compiler."""
 
 
@@ -181,7 +182,7 @@ def new_touched() -> Touched:
 @register_jitable
 def _touches_again(legs: ArmLegs, touched: Touched, first: Vec3, last: Vec3) -> bool:
     """Check if the capsule that touched an obstacle last touches it at places of a leg."""
-    (arm, capsules), around, _, (low, high), _ = legs
+    (arm, capsules), around, (low, high), _ = legs
     count = len(around.margins)
     c, s = touched.pair[0] // count, touched.pair[0] % count
     if touched.pair[0] < 0 or s == count - 1:
@@ -206,6 +207,49 @@ def _touches_again(legs: ArmLegs, touched: Touched, first: Vec3, last: Vec3) -> 
     return False
 
 
+@register_jitable(forceinline=True)
+def _rates_near(arm: ArmNumbers, pose: Pose, way: float, slid: float) -> tuple[Rates, bool]:
+    """Rates near a pose, and whether they are finite and the arm keeps its limits there."""
+    rates = rates_near(arm, pose, way, slid)
+    return rates, not math.isinf(rates.elbow) and limits_hold_near(arm, pose, rates, way, slid)
+
+
+@register_jitable
+def _near_pairs(legs: ArmLegs, middle: Vec3, farthest: float) -> list[int]:
+    """Pairs of a capsule and a row that boxes do not keep clear.
+
+    Args:
+        legs: what to keep clear of.
+        middle: place of the tool, [unit], world.
+        farthest: distance of the tool from there, at most, [unit].
+
+    Returns:
+        Capsules times number of obstacles, plus obstacle, of what ``around`` asks for.
+    """
+    (arm, capsules), around, (low, high), _ = legs
+    count, forearm, slid = len(around.margins), arm.forearm + (low + high) / 2, (high - low) / 2
+    pairs = [0]
+    pairs.clear()
+    if not reaches(arm, middle, forearm):
+        return pairs
+    pose = pose_of(arm, middle, forearm)
+    rates, bounded = _rates_near(arm, pose, farthest, slid)
+    for c in range(len(capsules) // CAPSULE):
+        capsule = moving_capsule(arm, capsules, c, pose, rates, (farthest, slid))
+        far = math.inf
+        if bounded:
+            far = capsule.radius + capsule.way + ALLOWANCE * around.size * (1 + rates.slide)
+        for k in range(len(around.outer)):
+            s = around.outer[k]
+            if around.asked[c * count + s] and (
+                s == count - 1
+                or box_gap(around.primitives, s, capsule.first, capsule.last)
+                <= far + around.margins[s]
+            ):
+                pairs.append(c * count + s)
+    return pairs
+
+
 @register_jitable
 def arm_is_clear(legs: ArmLegs, touched: Touched, first: Vec3, last: Vec3) -> bool:
     """Check whether it is proven that the arm keeps clear from one place of the tool to another.
@@ -217,13 +261,11 @@ def arm_is_clear(legs: ArmLegs, touched: Touched, first: Vec3, last: Vec3) -> bo
     """
     if _touches_again(legs, touched, first, last):
         return False
-    (arm, capsules), around, pairs, (low, high), most_tries = legs
+    (arm, capsules), around, (low, high), most_tries = legs
     count = len(around.margins)
     forearm, slid = arm.forearm + (low + high) / 2, (high - low) / 2
     length, way = distance(first, last), sub(last, first)
-    candidates = [int(pair) for pair in pairs]
-    if len(candidates) == 0:
-        return True
+    candidates = _near_pairs(legs, axpy(0.5, way, first), (1 + 2.0**-40) * 0.5 * length)
     pending, at, tries, work = [(0.0, 1.0, 0, len(candidates))], 0, 0, [0]
     latest = [NO_DIRECTION]
     while at < len(pending):
@@ -236,9 +278,7 @@ def arm_is_clear(legs: ArmLegs, touched: Touched, first: Vec3, last: Vec3) -> bo
         pose = pose_of(arm, middle, forearm)
         if not shoulder_holds(arm, pose):
             return False
-        rates = rates_near(arm, pose, farthest, slid)
-        bounded = not math.isinf(rates.elbow)
-        bounded = bounded and limits_hold_near(arm, pose, rates, farthest, slid)
+        rates, bounded = _rates_near(arm, pose, farthest, slid)
         allowance = ALLOWANCE * around.size
         piece = _Piece(pose, pose, math.inf, allowance)
         if bounded:
