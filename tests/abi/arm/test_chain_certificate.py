@@ -19,6 +19,7 @@ from abi.arm.urdf_arm import UrdfArm, segment_distances, urdf_arm
 from abi.arrays import FloatArray
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import Obstacle, ObstacleSet
+from abi.obstacles.primitives import Sphere
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.obstacles.triangle_mesh.repair import clean
 from abi.robot.robot_files import SHIPPED, load_robot, robot_from_archive
@@ -150,6 +151,24 @@ def test_nothing_comes_nearer_than_what_is_proven(name: str, seed: int) -> None:
     else:
         # given up only where something is nearly as near
         assert not clear or measured < margin + 1e-3 / one.metres
+
+
+@settings(max_examples=15)
+@given(st.sampled_from(ARMS), seeds)
+def test_what_is_far_away_leaves_as_many_tries_for_what_is_near(name: str, seed: int) -> None:
+    one, random = some_arm(name), np.random.default_rng(seed)
+    near, positions, tries = some_obstacles(one, random), joint_path(one, random, 0.05), 300
+    x, y, z = one.base + 9 * one.reach
+    far = tuple(Sphere(radius=0.1, position=(x + k, y, z)) for k in range(100))
+    alone, among = (
+        chain_refutation(one, positions, chain_surroundings(one, solids, -1e3), 0.0, tries)
+        for solids in (near, ObstacleSet((*near, *far)))
+    )
+    assert tries <= len(far) * len(one.capsules)
+    if alone is None or among is None:
+        assert among is alone
+    else:
+        assert asdict(among) == asdict(alone)
 
 
 @pytest.mark.parametrize(
