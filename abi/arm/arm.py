@@ -17,7 +17,6 @@ from typing import Any, Literal, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from abi.arm import arm_kernels as kernels
 from abi.arm import capsule_kernels
 from abi.arm.any_arm import PlacedCapsule
 from abi.arm.link_capsules import BODIES, LinkCapsule, link_capsules, steepest_bend
@@ -187,24 +186,11 @@ def forward(arm: Arm, positions: FloatArray) -> FloatArray:
     Returns:
         Tool positions, shape (n, 3), [unit], world.
     """
-    return skeleton(arm, positions)[:, 3]
-
-
-def skeleton(arm: Arm, positions: FloatArray) -> FloatArray:
-    """Ends of the links' centre lines.
-
-    Args:
-        arm: the arm.
-        positions: joint positions, shape (n, 6), [rad], q5 [unit].
-
-    Returns:
-        Base, shoulder, elbow and tool, shape (n, 4, 3), [unit], world.
-    """
-    joints = np.asarray(positions, dtype=float)
-    points = np.empty(12 * len(joints))
-    lengths = float(arm.a1 + arm.a2), float(arm.a3), flat(arm.forearm(joints[:, 4]))
-    kernels.skeleton(flat(joints), flat(arm.base), *lengths, points)
-    return points.reshape(-1, 4, 3)
+    q1, q2, q3, _, q5, _ = np.asarray(positions, dtype=float).T
+    a6 = arm.forearm(q5)
+    r = arm.a3 * np.sin(q2) + a6 * np.sin(q2 + q3)
+    z = arm.a1 + arm.a2 + arm.a3 * np.cos(q2) + a6 * np.cos(q2 + q3)
+    return np.asarray(arm.base + np.stack([np.sin(q1) * r, -np.cos(q1) * r, z], axis=1))
 
 
 def place(arm: Arm, positions: FloatArray) -> FloatArray:

@@ -1,4 +1,4 @@
-"""Forward and inverse kinematics of the paper's arm along a path."""
+"""Inverse kinematics of the paper's arm along a path."""
 
 from __future__ import annotations
 
@@ -166,37 +166,3 @@ def elbow_angles(
         found[i] = angle + turned - lead
         found[count + i] = q3
         found[2 * count + i] = short if abs(short) > rounding else 0.0
-
-
-@compiled(example=(FLOATS, FLOATS, 1.0, 1.0, FLOATS, NEW_FLOATS))
-def skeleton(
-    joints: FloatArray,
-    base: FloatArray,
-    height: float,
-    upper: float,
-    forearm: FloatArray,
-    points: FloatArray,
-) -> None:
-    """Forward kinematics: the ends of the links; see ``abi.arm.arm``.
-
-    Args:
-        joints: of each pose q1 to q6, flat (6 n,), [rad], q5 [unit].
-        base: where the arm stands (3,), [unit], world.
-        height: of the shoulder above the base, a1 + a2, [unit].
-        upper: a3, [unit].
-        forearm: a6 (n,), [unit].
-        points: base, shoulder, elbow and tool, flat (12 n,), [unit], world; written.
-    """
-    for i in range(len(forearm)):
-        q1, q2, q3 = joints[6 * i], joints[6 * i + 1], joints[6 * i + 2]
-        right, ahead = math.sin(q1), math.cos(q1)
-        across, up = 0.0, base[2] + height
-        for k in range(4):
-            if k == 2:
-                across, up = upper * math.sin(q2), up + upper * math.cos(q2)
-            elif k == 3:
-                across += forearm[i] * math.sin(q2 + q3)
-                up += forearm[i] * math.cos(q2 + q3)
-            points[12 * i + 3 * k] = base[0] + right * across
-            points[12 * i + 3 * k + 1] = base[1] - ahead * across
-            points[12 * i + 3 * k + 2] = up if k > 0 else base[2]

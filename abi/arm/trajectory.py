@@ -13,7 +13,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from abi.arm.arm import JOINTS, SLIDES, Arm, skeleton
+from abi.arm.arm import JOINTS, SLIDES, Arm, forward
 from abi.arm.arm_certificate import slide_bounds
 from abi.arm.inverse_kinematics import solve
 from abi.arm.separate_arm_kernels import Slide
@@ -227,7 +227,6 @@ def follow(
     angles = solve(arm, target, wrist[:, 1], elbow, tangent)
     joints = np.concatenate([[angles.q1, angles.q2, angles.q3], wrist.T])
     positions = np.ascontiguousarray(joints.T)
-    points = skeleton(arm, positions)
     step = profile.duration / (samples - 1)
     largest = np.abs(np.diff(joints)).max(axis=1)
     return ArmMotion(
@@ -237,7 +236,7 @@ def follow(
         time=read_only(time),
         positions=read_only(positions),
         target=read_only(target),
-        tool=read_only(points[:, 3].copy()),
+        tool=read_only(forward(arm, positions)),
         velocity=read_only(velocity),
         unreachable=stretches(time, angles.shortfall),
         limit_violations=_violations(time, joints, arm.limits),

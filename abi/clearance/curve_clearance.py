@@ -45,11 +45,6 @@ class Clearance(ShortRepr):
     certificate: Certificate | None = None
 
     @property
-    def holds(self) -> bool:
-        """Whether no sample is nearer than required."""
-        return not self.violations
-
-    @property
     def certified(self) -> bool:
         """Whether ``distance`` is proven."""
         return self.certificate is not None

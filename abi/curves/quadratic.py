@@ -63,11 +63,6 @@ class Quadratic(ShortRepr):
         return cls(read_only(coefficients), read_only(breaks.copy()))
 
     @property
-    def degree(self) -> int:
-        """2, also for straight lines."""
-        return 2
-
-    @property
     def interval(self) -> tuple[float, float]:
         """First and last parameter."""
         return (0.0, 1.0)

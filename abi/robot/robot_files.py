@@ -30,30 +30,21 @@ _ZIP = b"PK\x03\x04"
 _EPOCH = (1980, 1, 1, 0, 0, 0)
 
 
-def load_robot(name: str, source: MeshSource) -> Robot:
+def load_robot(name: str, source: MeshSource, plain: bool = False) -> Robot:
     """Load a shipped arm by name, or the arm of a ``.urdf`` or ``.zip`` file.
 
     Args:
         name: in :data:`SHIPPED`, or of a file.
         source: of the files.
+        plain: whether to make its archive one that can be read without trimesh.
 
     Raises:
         SceneError: there is no such arm, or its files are refused.
     """
     if name in SHIPPED:
         return _shipped(name)
-    return robot_from_archive(archive_of(name, source))
-
-
-def load_plain_robot(name: str, source: MeshSource) -> Robot:
-    """Load an arm with an archive that can be read without trimesh; see :func:`load_robot`.
-
-    Raises:
-        SceneError: as in :func:`load_robot`.
-    """
-    if name in SHIPPED:
-        return _shipped(name)
-    return robot_from_archive(_plain(archive_of(name, source)))
+    content = archive_of(name, source)
+    return robot_from_archive(_plain(content) if plain else content)
 
 
 def archive_of(name: str, source: MeshSource) -> bytes:

@@ -14,7 +14,8 @@ from abi.arrays import IntArray, read_only
 from abi.errors import AbiError
 from abi.search.arcs import Arcs
 from abi.search.lifelong_a_star_kernels import repair_order
-from abi.search.trace import chain
+from abi.search.search_kernels import reconstruct_path
+from abi.search.trace import NO_NODES
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,10 +71,10 @@ def lifelong_a_star(before: Arcs, now: Arcs) -> Repair:
         raise AbiError("The search before was on other nodes or between other ends: begin anew.")
     ends = (now.start, now.goal)
     order, relaxed, changed, cost, parent = repair_order(before.rows, now.rows, now.estimates, ends)
-    found = chain(parent, now.goal)[::-1] if np.isfinite(cost[now.goal]) else []
+    has_path = np.isfinite(cost[now.goal])
     return Repair(
         now,
-        read_only(np.array(found, np.int32)),
+        read_only(reconstruct_path(parent, now.goal)) if has_path else NO_NODES,
         float(cost[now.goal]),
         read_only(order),
         int(relaxed),

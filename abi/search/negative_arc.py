@@ -14,8 +14,8 @@ import numpy as np
 from abi.arrays import FloatArray, IntArray
 from abi.errors import StageError
 from abi.search.label_kernels import rounds
+from abi.search.search_kernels import reconstruct_path
 from abi.search.task import SearchTask
-from abi.search.trace import chain
 
 _HEADS = 8
 """Nodes of the path that are tried."""
@@ -61,7 +61,7 @@ def with_negative_arc(task: SearchTask, cycle: bool) -> SearchTask:
     cost, parent = _distances(task, arcs.start)
     if not np.isfinite(cost[arcs.goal]):
         raise none
-    path = chain(parent, arcs.goal)[-2:0:-1]
+    path = reconstruct_path(parent, arcs.goal)[1:-1].tolist()
     places = [_place(task, cost, head) for head in path[:: max(len(path) // _HEADS, 1)]]
     if not places or max(places).room <= _TOO_LITTLE * float(arcs.rows.weights.max()):
         raise none

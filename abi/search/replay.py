@@ -8,7 +8,8 @@ import numpy as np
 
 from abi.arrays import FloatArray, IntArray, read_only
 from abi.search.best_first_kernels import WIDTH
-from abi.search.trace import SearchTrace, chain, last_labels
+from abi.search.search_kernels import reconstruct_path
+from abi.search.trace import NO_NODES, SearchTrace, last_labels
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,8 +63,8 @@ class SearchState:
         if self.done and len(self.trace.vertices):
             return self.trace.vertices
         if self.current < 0:
-            return read_only(np.zeros(0, np.int32))
-        return read_only(np.array(chain(self.parent, self.current)[::-1], np.int32))
+            return NO_NODES
+        return read_only(reconstruct_path(self.parent, self.current))
 
     def queue(self, most: int) -> IntArray:
         """The first ``most`` open nodes, in the order in which they would be expanded."""

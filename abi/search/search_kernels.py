@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from abi.arrays import IntArray
-from abi.compiled import FLOATS, IDS, NEW_IDS, compiled
+from abi.compiled import FLOATS, IDS, compiled
 from abi.search.heuristic_kernels import NO_METRIC, Metric
 from abi.tet_mesh.adjacency_kernels import NO_ADJACENCY, Adjacency, Links, OpenEdges
 
@@ -57,7 +57,7 @@ EXAMPLE = (
 """Example of a problem, for the compiler."""
 
 
-@compiled(example=(NEW_IDS, 1), error_model="numpy")
+@compiled(example=(IDS, 1), error_model="numpy")
 def reconstruct_path(parent: IntArray, goal: int) -> IntArray:
     """Nodes (k,) from the start, whose parent is -1, to the goal; by their parents (n,)."""
     count = 1

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from abi.arrays import FloatArray, IntArray, ShortRepr, read_only
 from abi.search.arcs import Arcs
 from abi.search.label_kernels import relax_in_order
+from abi.search.search_kernels import reconstruct_path
 
 Queue = Literal["best_first", "first_in", "rounds"]
 """Which node comes next: the most promising, the first in the queue, or all at once."""
@@ -91,14 +92,6 @@ def last_labels(trace: SearchTrace, step: int) -> tuple[FloatArray, IntArray]:
     return cost, parent
 
 
-def chain(parent: IntArray, node: int) -> list[int]:
-    """Nodes from a node back to where its search began, along their parents."""
-    found = [node]
-    while (node := int(parent[node])) >= 0:
-        found.append(node)
-    return found
-
-
 def trace_of(
     arcs: Arcs,
     order: IntArray,
@@ -150,13 +143,12 @@ def with_path(trace: SearchTrace) -> SearchTrace:
     """The trace with the path that its last labels give."""
     n, goal = len(trace.arcs.points), trace.arcs.goal
     cost, parent = last_labels(trace, trace.steps)
-    found: list[int] = []
+    found = NO_NODES
     if trace.sides == 2:
         meeting = int((cost[:n] + cost[n:]).argmin())
         if np.isfinite(cost[meeting] + cost[meeting + n]):
-            ahead, back = chain(parent, meeting), chain(parent, meeting + n)
-            found = ahead[::-1] + [node - n for node in back[1:]]
+            ahead, back = (reconstruct_path(parent, node) for node in (meeting, meeting + n))
+            found = np.concatenate([ahead, back[-2::-1] - n])
     elif np.isfinite(cost[goal]) and not len(trace.cycle):
-        found = chain(parent, goal)[::-1]
-    vertices = read_only(np.array(found, np.int32))
-    return replace(trace, vertices=vertices)
+        found = reconstruct_path(parent, goal)
+    return replace(trace, vertices=read_only(found))

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from abi.sweep.result_file import write_result
 from abi.sweep.row import Row
-from abi.sweep.table import quantile, share
+from abi.sweep.table import grouped, quantile, share
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -81,12 +81,12 @@ def write_plots(rows: Sequence[Row], fields: Sequence[str], folder: Path) -> lis
 def _figure(rows: Sequence[Row], fields: Sequence[str], panels: Sequence[Panel]) -> Figure:
     from matplotlib.figure import Figure
 
-    across, along = fields[0], fields[1] if len(fields) > 1 else None
+    across, along = fields[0], fields[1:2]
     figure = Figure(figsize=(10, 3.6), layout="constrained")
     every: Any = figure.subplots(1, len(panels))
     for axes, (title, label, column) in zip(every, panels, strict=True):
-        for number, (name, group) in enumerate(_grouped(rows, along)):
-            _draw(axes, group, across, column, number, name)
+        for number, (names, group) in enumerate(grouped(rows, along).items()):
+            _draw(axes, group, across, column, number, "".join(names))
         axes.set_title(title, color=_INK, fontsize=11)
         axes.set_xlabel(across, color=_INK)
         axes.set_ylabel(label, color=_INK)
@@ -99,18 +99,19 @@ def _figure(rows: Sequence[Row], fields: Sequence[str], panels: Sequence[Panel])
             axes.text(0.5, 0.5, "none", color=_INK, ha="center", transform=axes.transAxes)
         elif "time" in label:
             axes.set_yscale("log")
-    if along is not None:
+    for field in along:
         handles, names = every[0].get_legend_handles_labels()
         figure.legend(
-            handles, names, title=along, loc="outside right center", frameon=False, labelcolor=_INK
+            handles, names, title=field, loc="outside right center", frameon=False, labelcolor=_INK
         ).get_title().set_color(_INK)
     return figure
 
 
 def _draw(axes: Any, rows: Sequence[Row], across: str, column: str, number: int, name: str) -> None:
     """A line through the medians, with a band from the first to the last tenth; or the shares."""
-    groups = [(value, group) for value, group in _grouped(rows, across) if _has(group, column)]
-    places = [_number(value) for value, _ in groups]
+    by_value = grouped(rows, [across]).items()
+    groups = {_number(value): group for (value,), group in by_value if _has(group, column)}
+    places = [*groups]
     look = {
         "color": _COLOURS[number % len(_COLOURS)],
         "linestyle": _DASHES[number % len(_DASHES)],
@@ -119,11 +120,11 @@ def _draw(axes: Any, rows: Sequence[Row], across: str, column: str, number: int,
         "label": name,
     }
     if column in _SHARES:
-        axes.plot(places, [share(group, column) for _, group in groups], **look)
+        axes.plot(places, [share(group, column) for group in groups.values()], **look)
         return
     factor = 100.0 if column.endswith("_gap") else 1.0
     low, middle, high = (
-        [factor * (quantile(group, column, part) or 0.0) for _, group in groups]
+        [factor * (quantile(group, column, part) or 0.0) for group in groups.values()]
         for part in (0.1, 0.5, 0.9)
     )
     axes.plot(places, middle, **look)
@@ -135,14 +136,6 @@ def _has(rows: Sequence[Row], column: str) -> bool:
     """Check whether enough rows have a value in the column; a share counts them all."""
     found = sum(row.get(column) is not None for row in rows)
     return column in _SHARES or found >= _FEWEST * len(rows)
-
-
-def _grouped(rows: Sequence[Row], field: str | None) -> list[tuple[str, list[Row]]]:
-    """Rows by the value of a field, in the order in which the values first occur."""
-    groups: dict[str, list[Row]] = {}
-    for row in rows:
-        groups.setdefault("" if field is None else str(row[field]), []).append(row)
-    return list(groups.items())
 
 
 def _number(value: str) -> float | str:

@@ -33,9 +33,6 @@ def summary(rows: Sequence[Row], fields: Sequence[str]) -> list[Row]:
 
     Rows keep the order in which their values first occur; no value is None.
     """
-    groups: dict[tuple[str, ...], list[Row]] = {}
-    for row in rows:
-        groups.setdefault(tuple(str(row[field]) for field in fields), []).append(row)
     return [
         {
             **dict(zip(fields, values, strict=True)),
@@ -48,8 +45,16 @@ def summary(rows: Sequence[Row], fields: Sequence[str]) -> list[Row]:
             "time [ms]": quantile(group, "total_ms", 0.5),
             "p95 [ms]": quantile(group, "total_ms", 0.95),
         }
-        for values, group in groups.items()
+        for values, group in grouped(rows, fields).items()
     ]
+
+
+def grouped(rows: Sequence[Row], fields: Sequence[str]) -> dict[tuple[str, ...], list[Row]]:
+    """Rows by the values of some fields, in the order in which the values first occur."""
+    groups: dict[tuple[str, ...], list[Row]] = {}
+    for row in rows:
+        groups.setdefault(tuple(str(row[field]) for field in fields), []).append(row)
+    return groups
 
 
 def quantile(rows: Sequence[Row], column: str, part: float) -> float | None:

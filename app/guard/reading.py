@@ -21,7 +21,7 @@ from abi.obstacles.triangle_mesh.repair import clean
 from abi.obstacles.triangle_mesh.surface import Surface
 from abi.robot.bounding_capsules import bounding_capsules
 from abi.robot.robot import Robot
-from abi.robot.robot_files import load_plain_robot, robot_from_archive
+from abi.robot.robot_files import load_robot, robot_from_archive
 from abi.scene import scene_archive
 from abi.scene.scene_file import parse_bytes
 
@@ -175,7 +175,7 @@ def _whole(name: str, files: Mapping[str, bytes | Surface]) -> Robot:
 
     Its archive has only meshes in formats of our own readers: the server reads it again.
     """
-    robot = load_plain_robot(name, MeshSource(files))
+    robot = load_robot(name, MeshSource(files), plain=True)
     for link in robot.links.values():
         bounding_capsules(link)
     return robot

@@ -15,7 +15,7 @@ from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.robot import mesh_lookup
 from abi.robot.bounding_capsules import bounding_capsules
 from abi.robot.robot import Robot, Shape
-from abi.robot.robot_files import SHIPPED, load_plain_robot, load_robot, robot_from_archive
+from abi.robot.robot_files import SHIPPED, load_robot, robot_from_archive
 from abi.robot.urdf_files import description_of
 from tests.abi.robot.robots import arm, packed
 from tests.abi.robot.test_bounding_capsules import lacks
@@ -44,7 +44,7 @@ def read(files: dict[str, str | bytes]) -> tuple[Robot, Robot]:
     """The robot of a zip, and what becomes of it where no DAE may be left."""
     content = packed(files)
     source = MeshSource({"r.zip": content})
-    return robot_from_archive(content), load_plain_robot("r.zip", source)
+    return robot_from_archive(content), load_robot("r.zip", source, plain=True)
 
 
 def corners(shapes: tuple[Shape, ...]) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
@@ -95,7 +95,7 @@ def test_no_dae_is_left_for_the_server(monkeypatch: pytest.MonkeyPatch) -> None:
         assert not [name for name in archive.namelist() if name.endswith(".dae")]
     robot_from_archive.cache_clear()
     monkeypatch.setattr(trimesh_formats, "read", None)
-    again = load_plain_robot("r.zip", MeshSource({"r.zip": plain.archive}))
+    again = load_robot("r.zip", MeshSource({"r.zip": plain.archive}), plain=True)
     assert again.archive == plain.archive
     for kind in ("shapes", "drawn"):
         first, second = (getattr(one.links["a"], kind)[0] for one in (robot, again))
