@@ -9,8 +9,8 @@ from typing import NamedTuple
 
 from numba.extending import register_jitable
 
-from abi.arm.surroundings_kernels import Obstacles, support
-from abi.obstacles.primitive_kernels import axes_of, centre_of, core_of, in_body
+from abi.arm.surroundings_kernels import Obstacles
+from abi.obstacles.primitive_kernels import axes_of, centre_of, core_of, in_body, support
 from abi.obstacles.vector_kernels import Vec3, dot
 
 _LATEST = 8

@@ -45,13 +45,12 @@ from abi.arm.surroundings_kernels import (
     is_solid,
     judged,
     open_box,
-    support,
 )
 from abi.arrays import BoolArray, FloatArray, IntArray
 from abi.clearance.separation_kernels import CERTIFIED, REFUTED, UNDECIDED
 from abi.compilation.borrowed import borrowed, held
 from abi.compiled import FLOATS, NEW_FLAGS, compiled
-from abi.obstacles.primitive_kernels import axes_of, centre_of, core_of, in_body, in_world
+from abi.obstacles.primitive_kernels import axes_of, centre_of, core_of, in_body, in_world, support
 from abi.obstacles.triangle_mesh.closest_point_kernels import DEPTH
 from abi.obstacles.vector_kernels import Vec3, axpy, distance, dot, sub, vec3_at
 

@@ -19,6 +19,7 @@ from abi.obstacles.primitive_kernels import (
     Core,
     centre_of,
     signed_distance_gradient,
+    support,
 )
 from abi.obstacles.vector_kernels import Vec3, axpy, dot, sub
 
@@ -52,16 +53,6 @@ class Obstacles(NamedTuple):
 
 NO_OBSTACLES = Obstacles(FLOATS, IDS, IDS, FLOATS, FLAGS, IDS, 0.0, 1.0)
 """Example for the compiler."""
-
-
-@register_jitable(forceinline=True)
-def support(core: Core, direction: Vec3) -> float:
-    """Greatest product of a body direction with a primitive."""
-    x, y, z = abs(direction[0]), abs(direction[1]), abs(direction[2])
-    if core.is_cylinder == 1:
-        across: float = math.sqrt(x * x + y * y) * core.x + z * core.z
-        return across
-    return x * core.x + y * core.y + z * core.z + core.radius
 
 
 @register_jitable(forceinline=True)

@@ -30,70 +30,21 @@ from abi.clearance.separation_kernels import (
     table_of,
 )
 from abi.compiled import NEW_FLOATS, compiled
-from abi.obstacles.triangle_mesh.bvh import NO_TREE, TriangleTree, box_of
-from abi.obstacles.vector_kernels import Vec3, axpy, dot, norm, sub, vec3_at
+from abi.obstacles.triangle_mesh.bvh import NO_TREE, TriangleTree, box_of, highest
+from abi.obstacles.triangle_mesh.triangle_kernels import closest_point, triangle_at
+from abi.obstacles.vector_kernels import Vec3, dot, norm, sub, vec3_at
 
 _KEPT = 4  # directions of a piece that are tried again on the next node
 
-Triangle = tuple[Vec3, Vec3, Vec3]
-
 
 @register_jitable
-def _triangle_at(corners: FloatArray, t: int) -> Triangle:
-    """The triangle at ``corners[t:]``."""
-    return vec3_at(corners, t), vec3_at(corners, t + 3), vec3_at(corners, t + 6)
-
-
-@register_jitable
-def _from_triangle(p: Vec3, triangle: Triangle) -> tuple[float, Vec3]:
-    """Distance of a point to a triangle, and the direction away from it; zero on it.
-
-    Ericson, Real-Time Collision Detection, section 5.1.5.
-    """
-    a = triangle[0]
-    ab, ac, ap = sub(triangle[1], a), sub(triangle[2], a), sub(p, a)
-    bp, cp = sub(ap, ab), sub(ap, ac)
-    d1, d2 = dot(ab, ap), dot(ac, ap)
-    d3, d4 = dot(ab, bp), dot(ac, bp)
-    d5, d6 = dot(ab, cp), dot(ac, cp)
-    va, vb, vc = d3 * d6 - d5 * d4, d5 * d2 - d1 * d6, d1 * d4 - d3 * d2
-    v = w = 0.0  # the nearest point is a + v ab + w ac
-    if d1 <= 0 and d2 <= 0:
-        pass
-    elif d3 >= 0 and d4 <= d3:
-        v = 1.0
-    elif d6 >= 0 and d5 <= d6:
-        w = 1.0
-    elif vc <= 0 and d1 >= 0 and d3 <= 0 and d1 > d3:
-        v = d1 / (d1 - d3)
-    elif vb <= 0 and d2 >= 0 and d6 <= 0 and d2 > d6:
-        w = d2 / (d2 - d6)
-    elif va <= 0 and d4 >= d3 and d5 >= d6 and d4 - d3 + d5 - d6 > 0:
-        w = (d4 - d3) / (d4 - d3 + d5 - d6)
-        v = 1 - w
-    elif va + vb + vc > 0:
-        v, w = vb / (va + vb + vc), vc / (va + vb + vc)
-    offset = axpy(-w, ac, axpy(-v, ab, ap))
+def _away_from(p: Vec3, closest: Vec3) -> tuple[float, Vec3]:
+    """Distance of a point from the closest one of a convex set, and the way from it; zero on it."""
+    offset = sub(p, closest)
     distance = norm(offset)
     if distance <= TINY:
         return 0.0, (0.0, 0.0, 0.0)
     return distance, (offset[0] / distance, offset[1] / distance, offset[2] / distance)
-
-
-@register_jitable
-def _box_support(direction: Vec3, low: Vec3, high: Vec3) -> float:
-    """Support of a box along a direction."""
-    x = direction[0] * (high[0] if direction[0] > 0 else low[0])
-    y = direction[1] * (high[1] if direction[1] > 0 else low[1])
-    z = direction[2] * (high[2] if direction[2] > 0 else low[2])
-    return x + y + z
-
-
-@register_jitable
-def _triangle_support(direction: Vec3, triangle: Triangle) -> float:
-    """Support of a triangle along a direction."""
-    a, b, c = triangle
-    return max(dot(direction, a), dot(direction, b), dot(direction, c))
 
 
 @register_jitable
@@ -102,8 +53,9 @@ def _support(direction: Vec3, tree: TriangleTree, node: int) -> float:
     nodes = 2 * len(tree.leaves) - 3
     if node < nodes:
         low, high = box_of(tree, node)
-        return _box_support(direction, low, high)
-    return _triangle_support(direction, _triangle_at(tree.corners, 9 * (node - nodes)))
+        return highest(direction, low, high)
+    a, b, c = triangle_at(tree.corners, node - nodes)
+    return max(dot(direction, a), dot(direction, b), dot(direction, c))
 
 
 @register_jitable
@@ -128,22 +80,19 @@ def _from_box(low: Vec3, high: Vec3, extent: tuple[Vec3, Vec3], middle: Vec3, ne
         if gy >= gz:
             return (0.0, 1.0 if y0 - high[1] == gy else -1.0, 0.0)
         return (0.0, 0.0, 1.0 if z0 - high[2] == gz else -1.0)
-    offset = (
-        middle[0] - min(max(middle[0], low[0]), high[0]),
-        middle[1] - min(max(middle[1], low[1]), high[1]),
-        middle[2] - min(max(middle[2], low[2]), high[2]),
+    closest = (
+        min(max(middle[0], low[0]), high[0]),
+        min(max(middle[1], low[1]), high[1]),
+        min(max(middle[2], low[2]), high[2]),
     )
-    distance = norm(offset)
-    if distance <= TINY:
-        return offset
-    return (offset[0] / distance, offset[1] / distance, offset[2] / distance)
+    return _away_from(middle, closest)[1]
 
 
 @register_jitable
 def _separated_again(
     planes: list[Plane], first: int, tree: TriangleTree, node: int, need: float
 ) -> bool:
-    """Whether one of the latest planes of a piece, from ``first`` on, separates a node too."""
+    """Check if one of the latest planes of a piece, from ``first`` on, separates a node, too."""
     for i in range(len(planes) - 1, max(first, len(planes) - _KEPT) - 1, -1):
         if planes[i].level - _support(planes[i].direction, tree, node) > need:
             return True
@@ -229,8 +178,8 @@ def separate_from_mesh(
                 wide = 2 * max(high[0] - low[0], high[1] - low[1], high[2] - low[2]) > size
             else:
                 wide = False
-                triangle = _triangle_at(tree.corners, 9 * (node - nodes))
-                distance, direction = _from_triangle(middle, triangle)
+                triangle = triangle_at(tree.corners, node - nodes)
+                distance, direction = _away_from(middle, closest_point(middle, triangle))
                 if distance < margin - allowance:
                     return REFUTED, at, 0, distance, table_of(planes)
                 nearest = min(nearest, distance)

@@ -137,6 +137,16 @@ def signed_distance_gradient(core: Core, p: Vec3) -> tuple[float, Vec3]:
     return c - core.radius, (0.0, 0.0, top)
 
 
+@register_jitable(forceinline=True)
+def support(core: Core, direction: Vec3) -> float:
+    """Greatest product of a body direction with a primitive."""
+    x, y, z = abs(direction[0]), abs(direction[1]), abs(direction[2])
+    if core.is_cylinder == 1:
+        across: float = math.sqrt(x * x + y * y) * core.x + z * core.z
+        return across
+    return x * core.x + y * core.y + z * core.z + core.radius
+
+
 @register_jitable
 def segment_within(core: Core, margin: float, p: Vec3, d: Vec3) -> bool:
     """Check whether the segment from p to p + d, in the body's axes, comes nearer than ``margin``.
