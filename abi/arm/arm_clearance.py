@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Literal, NamedTuple
@@ -122,25 +122,46 @@ def arm_clearance(
     if obstacles.meshes:
         solid = _with_meshes(solid, ends, arm, obstacles)
     contacts = _contacts(motion.time, own, arm) + _contacts(motion.time, solid, arm)
-    contacts = tuple(sorted(contacts, key=_depth, reverse=True))
-    least = solid.distance.min(axis=1)
+    certify = partial(certify_arm, motion.curve, motion.slide, arm, motion.elbow, around)
+    return proven_clearance(motion, arm, solid, contacts, required, around.in_use, certify)
+
+
+def proven_clearance(
+    motion: ArmMotion,
+    arm: AnyArm,
+    measured: Measured,
+    contacts: Sequence[Contact],
+    required: float,
+    rows: int,
+    certify: Callable[[float], ArmCertificate | ArmRefutation],
+) -> ArmClearance:
+    """Prove as much as possible of the clearance that was measured at the samples of a motion.
+
+    Args:
+        motion: the motion.
+        arm: the arm.
+        measured: its distances to the obstacles.
+        contacts: what it touches.
+        required: distance to keep from obstacles, at least 0, [unit].
+        rows: number of rows around.
+        certify: proves a distance, [unit].
+    """
+    least = measured.distance.min(axis=1)
     sample = int(least.argmin())
-    capsule = int(solid.distance[sample].argmin())
-    has = len(obstacles) > 0
-    measured = float(least[sample]) if has else math.inf
+    capsule = int(measured.distance[sample].argmin())
+    distance, obstacle = float(least[sample]), int(measured.number[sample, capsule])
     proof = None
     if motion.reachable and not contacts:
-        certify = partial(certify_arm, motion.curve, motion.slide, arm, motion.elbow, around)
-        proof = best_proof(certify, measured, required, around.in_use)
+        proof = _best_proof(certify, distance, required, rows)
     return ArmClearance(
         elbow=motion.elbow,
         distances=read_only(least),
         required=required,
-        distance=measured if proof is None else proof.margin,
+        distance=distance if proof is None else proof.margin,
         time=float(motion.time[sample]),
-        link=arm.capsules[capsule].link if has else "",
-        obstacle=int(solid.number[sample, capsule]) if has else -1,
-        contacts=contacts,
+        link=arm.capsules[capsule].link if obstacle >= 0 else "",
+        obstacle=obstacle,
+        contacts=tuple(sorted(contacts, key=_depth, reverse=True)),
         certificate=proof,
     )
 
@@ -150,7 +171,7 @@ def is_clear(motion: ArmMotion, clearance: ArmClearance) -> bool:
     return motion.reachable and motion.within_limits and clearance.certified
 
 
-def best_proof(
+def _best_proof(
     certify: Callable[[float], ArmCertificate | ArmRefutation],
     measured: float,
     required: float,
@@ -182,8 +203,10 @@ def best_proof(
     return None
 
 
-class _Measured(NamedTuple):
+class Measured(NamedTuple):
     """Least signed distances of capsules (m, c), [unit], and numbers of what is nearest (m, c).
+
+    Without obstacles they are inf and -1.
 
     Of a capsule that touches nothing and is not the nearest of its pose the distance may be inf,
     and so may what is above the distance that is enough. Of one that touches a mesh it may be 0 if
@@ -196,7 +219,7 @@ class _Measured(NamedTuple):
 
 def _measured(
     ends: FloatArray, arm: Arm, around: Surroundings, enough: float = math.inf
-) -> _Measured:
+) -> Measured:
     """Distances of capsules to convex solids and the floor, up to ``enough``, [unit]."""
     shape = ends.shape[:2]
     distance, row = np.empty(shape), np.empty(shape, dtype=np.int32)
@@ -204,20 +227,20 @@ def _measured(
         *(flat(ends), arm.capsule_rows, around.beyond(0.0), enough),
         *(distance.reshape(-1), row.reshape(-1)),
     )
-    return _Measured(distance, around.numbers[row])
+    return Measured(distance, around.numbers[row])
 
 
-def _with_meshes(solid: _Measured, ends: FloatArray, arm: Arm, obstacles: ObstacleSet) -> _Measured:
+def _with_meshes(solid: Measured, ends: FloatArray, arm: Arm, obstacles: ObstacleSet) -> Measured:
     """The nearer of convex solids and meshes, for capsules with these ends (m, c, 2, 3)."""
     distance, mesh = solid.distance.copy(), np.empty(solid.number.shape, dtype=np.int32)
     capsules_near_meshes(
         *(flat(ends), arm.capsule_rows, obstacles.surfaces),
         *(distance.reshape(-1), mesh.reshape(-1)),
     )
-    return _Measured(distance, np.where(mesh >= 0, obstacles.mesh_numbers[mesh], solid.number))
+    return Measured(distance, np.where(mesh >= 0, obstacles.mesh_numbers[mesh], solid.number))
 
 
-def _contacts(time: FloatArray, measured: _Measured, arm: Arm) -> tuple[Contact, ...]:
+def _contacts(time: FloatArray, measured: Measured, arm: Arm) -> tuple[Contact, ...]:
     """Stretches of time in which capsules are in something."""
     contacts = []
     touches = measured.distance <= 0

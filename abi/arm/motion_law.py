@@ -1,4 +1,4 @@
-"""Motion along a curve by the laws that respect the joints' limits."""
+"""Motion along a curve by the law that a scene asks for."""
 
 from __future__ import annotations
 
@@ -33,16 +33,19 @@ class JointLimits(NamedTuple):
 
 
 def motion_law(path: Course, settings: MotionSettings) -> PathProfile:
-    """Motion from rest to rest along a curve by a law other than the paper's three phases.
+    """Motion from rest to rest along a curve.
 
-    It limits the speeds and accelerations of the joints that the inverse kinematics moves; for the
-    paper's arm these are q1 to q3, with q5 as at the start.
+    All laws but the paper's three phases limit the speeds and accelerations of the joints that the
+    inverse kinematics moves; for the paper's arm these are q1 to q3, with q5 as at the start.
 
     Args:
         path: joints along the curve.
         settings: law, speeds and accelerations.
     """
     length = path.arc.length
+    rates = settings.speed, settings.acceleration, settings.deceleration
+    if settings.law == "three_phase":
+        return three_phase(length, *rates)
     limits = JointLimits(path.speeds, settings.joint_acceleration * path.scales)
     if settings.law == "time_optimal":
         profile = _time_optimal(path, limits)
@@ -51,7 +54,6 @@ def motion_law(path: Course, settings: MotionSettings) -> PathProfile:
         gentle = min(settings.acceleration, settings.deceleration)
         profile = jerk_limited(length, settings.speed, gentle, settings.jerk)
         return profile.stretched(_excess(profile, path, limits))
-    rates = settings.speed, settings.acceleration, settings.deceleration
     factor = _excess(three_phase(length, *rates), path, limits)
     # a triangle's peak scales by itself: its speed is not reached
     speed, faster, slower = rates[0] / factor, rates[1] / factor**2, rates[2] / factor**2

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import scipy
 
-from abi.arm.arm_clearance import ArmClearance, Contact, best_proof
+from abi.arm.arm_clearance import ArmClearance, Contact, Measured, proven_clearance
 from abi.arm.chain_certificate import certify_chain
 from abi.arm.chain_distances import (
     floor_distances,
@@ -127,9 +127,6 @@ def _clearance(
         required: distance to keep from obstacles, at least 0, [unit].
     """
     distance, number = obstacle_distances(arm, obstacles, motion.positions)
-    least = distance.min(axis=1)
-    sample = int(least.argmin())
-    capsule = int(distance[sample].argmin())
     links = [one.link for one in arm.capsules]
     contacts = (
         *_contacts(motion.time, distance, links, number),
@@ -146,25 +143,9 @@ def _clearance(
             ["floor"] * len(links),
         ),
     )
-    measured = float(least[sample])
-    proof = None
-    if motion.reachable and not contacts:
-        proof = best_proof(
-            partial(certify_chain, arm, motion.positions, around),
-            *(measured, required, around.in_use),
-        )
-    has = len(obstacles) > 0
-    return ArmClearance(
-        elbow="up",
-        distances=read_only(least),
-        required=required,
-        distance=measured if proof is None else proof.margin,
-        time=float(motion.time[sample]),
-        link=links[capsule] if has else "",
-        obstacle=int(number[sample, capsule]) if has else -1,
-        contacts=tuple(sorted(contacts, key=_depth, reverse=True)),
-        certificate=proof,
-    )
+    certify = partial(certify_chain, arm, motion.positions, around)
+    measured = Measured(distance, number)
+    return proven_clearance(motion, arm, measured, contacts, required, around.in_use, certify)
 
 
 def _contacts(
@@ -188,7 +169,3 @@ def _contacts(
         depth = -float(distance[deepest, c])
         found.append(Contact(links[c], name, first, last, time_of, depth))
     return found
-
-
-def _depth(contact: Contact) -> float:
-    return contact.depth

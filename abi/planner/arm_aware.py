@@ -23,11 +23,10 @@ from abi.arm.arm_model import ArmModel, OtherSights, Sight
 from abi.arm.motion_law import motion_law
 from abi.arm.surroundings import Surroundings
 from abi.arm.unreached import Unreached
-from abi.curves import fit_quadratic, speed_profile
+from abi.curves import fit_quadratic
 from abi.curves.bspline import BSpline
 from abi.curves.curve import ArcLength, Curve, arc_length
 from abi.curves.fit import Fit
-from abi.curves.timed_profile import PathProfile
 from abi.errors import ArmNotClear, NoPath
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner.arm_exclusion import ArmExclusionCache
@@ -238,15 +237,9 @@ def _fitted(task: ArmTask, branch: _Branch, path_clearance: float) -> dict[str, 
 
 def _motion(task: ArmTask, sight: Sight, curve: Curve, arc: ArcLength) -> dict[str, Any]:
     """The motion along a curve, if its arm is proven clear."""
-    scene, asked = task.scene, task.scene.motion
+    scene = task.scene
     course = sight.course(curve, arc)
-    profile: PathProfile
-    if asked.law == "three_phase":
-        profile = speed_profile.three_phase(
-            arc.length, asked.speed, asked.acceleration, asked.deceleration
-        )
-    else:
-        profile = motion_law(course, asked)
+    profile = motion_law(course, scene.motion)
     motion = course.motion(profile, task.samples)
     clearance = course.clearance(motion, task.obstacles, task.around, scene.arm.clearance)
     found = {"profile": profile, "motion": motion, "arm_clearance": clearance}

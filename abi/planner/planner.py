@@ -6,6 +6,7 @@ downstream of it.
 
 from __future__ import annotations
 
+import operator
 import threading
 import time
 from collections.abc import Sequence
@@ -13,12 +14,13 @@ from types import MappingProxyType
 from typing import Any
 
 from abi import compiling
-from abi.arm.arm_clearance import is_clear
+from abi.arm.arm_clearance import ArmClearance, is_clear
 from abi.arm.arm_model import Course
 from abi.arm.models import model_of
 from abi.arm.motion_law import motion_law
 from abi.arm.surroundings import Surroundings
-from abi.curves import fit_bspline, fit_quadratic, speed_profile
+from abi.arm.trajectory import ArmMotion
+from abi.curves import fit_bspline, fit_quadratic
 from abi.curves.bspline import BSpline
 from abi.curves.curve import Curve, arc_length
 from abi.curves.fit import Fit
@@ -27,7 +29,6 @@ from abi.curves.timed_profile import PathProfile
 from abi.errors import ArmNotClear, ClearanceNotHeld, StageError
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner.arm_aware import ArmAware, ArmTask
-from abi.planner.arm_stages import clearance_on, courses_of, motion_on, surroundings_of
 from abi.planner.arm_words import contact_sentence
 from abi.planner.exclusion_cache import ExclusionCache
 from abi.planner.plan import Plan
@@ -101,14 +102,15 @@ class Planner:
         self._bspline_arc = Stage(arc_length)
         self._quadratic = Stage(fit_quadratic.fit)
         self._quadratic_arc = Stage(arc_length)
-        self._profile = Stage(speed_profile.three_phase)
-        self._law = Stage(motion_law)
+        self._profiles = Stage(_profiles)
         self._arm = Stage(model_of)
-        self._surroundings = Stage(surroundings_of)
-        self._courses = Stage(courses_of)
-        self._motion = [Stage(motion_on) for _ in range(_BRANCHES)]
-        self._arm_clearance = [Stage(clearance_on) for _ in range(_BRANCHES)]
-        self._timing_ms = 0.0
+        # methods of any arm, and their arguments
+        self._surroundings: Stage[..., Surroundings] = Stage(operator.call)
+        self._courses: Stage[..., Sequence[Course]] = Stage(operator.call)
+        self._motion: list[Stage[..., ArmMotion]]
+        self._motion = [Stage(operator.call) for _ in range(_BRANCHES)]
+        self._arm_clearance: list[Stage[..., ArmClearance]]
+        self._arm_clearance = [Stage(operator.call) for _ in range(_BRANCHES)]
         self._arm_aware, self._arm_aware_ms = ArmAware(), 0.0
 
     def __call__(self, scene: Scene, chosen_only: bool = False) -> Plan:
@@ -194,8 +196,8 @@ class Planner:
         curve: Curve = bspline.curve if is_bspline else quadratic.curve
         arc = bspline_arc if is_bspline else quadratic_arc
 
-        around = self._surroundings(model, obstacles, workspace.min[2])
-        courses = self._courses(model, curve, arc, scene.arm, obstacles, around)
+        around = self._surroundings(model.surroundings, obstacles, workspace.min[2])
+        courses = self._courses(model.courses, curve, arc, scene.arm, obstacles, around)
         task = ArmTask(scene, model, obstacles, around, free, results.get("taut"), margin, SAMPLES)
         self._move(task, courses, names, results)
 
@@ -204,9 +206,10 @@ class Planner:
     ) -> None:
         """Stage 6: follow the tool alone, or a curve that the whole arm is clear along."""
         avoid = task.scene.arm.avoid
-        refuted = avoid and self._are_refuted(courses, task.scene, task.around)
+        paths = [*zip(courses, self._profiles(courses, task.scene.motion), strict=True)]
+        refuted = avoid and _are_refuted(paths, task.scene, task.around)
         if not refuted:
-            self._follow(task, courses, results)
+            self._follow(task, paths, results)
         else:  # stages that do not run take no time
             for stage in self._on_branches:
                 stage.ms = 0.0
@@ -215,46 +218,24 @@ class Planner:
                 self._avoid(task, names, results)
             except ArmNotClear as fault:
                 if refuted:
-                    self._follow(task, courses, results)
+                    self._follow(task, paths, results)
                 raise results["motion"].error or _with_contact(fault, results, task.scene) from None
         elif results["motion"].error is not None:
             raise results["motion"].error
 
-    def _are_refuted(self, courses: Sequence[Course], scene: Scene, around: Surroundings) -> bool:
-        """Check if it shows at once that no branch of the arm is clear along the tool's own curve.
-
-        Only then need the motion along it not be sampled and measured, which takes longer.
-        """
-        if scene.motion.law != "three_phase":
-            return False
-        return all(
-            course.is_refuted(self._timed(course, scene.motion), around, scene.arm.clearance)
-            for course in courses
-        )
-
-    def _follow(self, task: ArmTask, courses: Sequence[Course], results: dict[str, Any]) -> None:
+    def _follow(
+        self, task: ArmTask, paths: Sequence[tuple[Course, PathProfile]], results: dict[str, Any]
+    ) -> None:
         """Stage 6 along the tool's own curve: the first branch that is clear, or else the first."""
-        scene = task.scene
-        for k, course in enumerate(courses):
-            profile = self._timed(course, scene.motion)
-            motion = self._motion[k](course, profile, SAMPLES)
+        for k, (course, profile) in enumerate(paths):
+            motion = self._motion[k](course.motion, profile, SAMPLES)
             clear = self._arm_clearance[k](
-                course, motion, task.obstacles, task.around, scene.arm.clearance
+                *(course.clearance, motion, task.obstacles, task.around),
+                task.scene.arm.clearance,
             )
             found = {"profile": profile, "motion": motion, "arm_clearance": clear}
             if k == 0 or is_clear(motion, clear):
                 results.update(found)
-
-    def _timed(self, path: Course, asked: MotionSettings) -> PathProfile:
-        """Motion along a curve by the law that is asked for."""
-        if asked.law == "three_phase":
-            rates = asked.speed, asked.acceleration, asked.deceleration
-            profile: PathProfile = self._profile(path.arc.length, *rates)
-            self._timing_ms = self._profile.ms
-        else:
-            profile = self._law(path, asked)
-            self._timing_ms = self._law.ms
-        return profile
 
     def _avoid(self, task: ArmTask, names: list[str], results: dict[str, Any]) -> None:
         """Replace results by those of a motion whose whole arm is clear, or raise."""
@@ -282,13 +263,30 @@ class Planner:
             "optimum": self._optimum.ms,
             "bspline": self._bspline.ms + self._bspline_arc.ms,
             "quadratic": self._quadratic.ms + self._quadratic_arc.ms,
-            "timing": self._timing_ms,
+            "timing": self._profiles.ms,
             "arm": self._arm.ms
             + self._surroundings.ms
             + self._courses.ms
             + sum(stage.ms for stage in self._on_branches),
             "arm_aware": self._arm_aware_ms,
         }
+
+
+def _profiles(courses: Sequence[Course], asked: MotionSettings) -> tuple[PathProfile, ...]:
+    """Motion along each of the courses by the law that is asked for."""
+    return tuple(motion_law(course, asked) for course in courses)
+
+
+def _are_refuted(
+    paths: Sequence[tuple[Course, PathProfile]], scene: Scene, around: Surroundings
+) -> bool:
+    """Check if it shows at once that no branch of the arm is clear along the tool's own curve.
+
+    Only then need the motion along it not be sampled and measured, which takes longer.
+    """
+    return scene.motion.law == "three_phase" and all(
+        course.is_refuted(profile, around, scene.arm.clearance) for course, profile in paths
+    )
 
 
 def _wait_for_compiler(scene: Scene) -> None:

@@ -46,7 +46,7 @@ def _fail(error: Exception) -> Callable[..., Any]:
         ("_exclude", MemoryError(), "not enough memory"),
         ("_bspline", MemoryError(), "not enough memory"),
         ("_graph", RuntimeError("of our own"), "a fault of its own"),
-        ("_profile", ZeroDivisionError(), "a fault of its own"),
+        ("_profiles", ZeroDivisionError(), "a fault of its own"),
     ],
 )
 def test_a_stage_that_breaks_keeps_the_last_plan_and_the_session(
@@ -84,11 +84,11 @@ def test_going_back_after_a_fault_shows_the_last_plan_as_it_is(
     until(lambda: session.resting)
     good, speed = session.plan, session.panels.stages.motion.speed
     planner = session._planner.live._planner
-    before, whole = speed.value, planner._profile
-    planner._profile = _fail(RuntimeError())  # type: ignore[assignment]
+    before, whole = speed.value, planner._profiles
+    planner._profiles = _fail(RuntimeError())  # type: ignore[assignment]
     fake.set(speed, before + 1)
     until(lambda: bool(notices))
-    planner._profile = whole
+    planner._profiles = whole
     fake.set(speed, before)
     until(lambda: session.resting and not session._broken)
     assert session.plan is good

@@ -11,11 +11,14 @@ from typing import Any
 import pytest
 
 from abi import compiling
+from abi.arm.arm_model import Course
 from abi.arm.motion_law import motion_law
 from abi.curves import fit_bspline
+from abi.curves.timed_profile import PathProfile
 from abi.planner import planner
 from abi.planner.planner import Planner
 from abi.scene.scene import load_scene
+from abi.scene.settings import MotionSettings
 from abi.search.search import SEARCHES, a_star
 
 
@@ -91,9 +94,9 @@ def test_the_time_of_the_timing_is_that_of_the_law_that_made_it(
 ) -> None:
     took = 0.05  # [s]
 
-    def slow_law(*args: Any) -> Any:
-        threading.Event().wait(took)
-        return motion_law(*args)
+    def slow_law(course: Course, asked: MotionSettings) -> PathProfile:
+        threading.Event().wait(took if asked.law == "slowed" else 0.0)
+        return motion_law(course, asked)
 
     monkeypatch.setattr(planner, "motion_law", slow_law)
     made, scene = Planner(), load_scene("paper")
