@@ -36,7 +36,8 @@ from abi.arm.pose_kernels import (
     reaches,
     shoulder_holds,
 )
-from abi.arm.separate_arm_kernels import ALLOWANCE, FINEST, Moving, moving_capsule
+from abi.arm.separate_arm_kernels import moving_capsule
+from abi.arm.separate_pairs_kernels import ALLOWANCE, FINEST, Moving
 from abi.arm.surroundings_kernels import (
     NO_OBSTACLES,
     Obstacles,
@@ -79,7 +80,7 @@ class ArmLegs(NamedTuple):
 
 
 class Touched(NamedTuple):
-    """What the arm touched on the last leg that was not clear: on the next one it often does again.
+    """Last contact of the arm, on a leg that was not clear: on the next leg it often recurs.
 
     Attributes:
         pair: (1,) capsule times number of obstacles, plus obstacle; -1 at first.
@@ -332,7 +333,7 @@ def arm_is_clear(legs: ArmLegs, touched: Touched, first: Vec3, last: Vec3) -> bo
 
 @compiled(example=(FLOATS, NO_LEGS, NEW_FLAGS))
 def clear_legs(points: FloatArray, legs: ArmLegs, clear: BoolArray) -> None:
-    """On which legs of a polyline it is proven that the arm keeps clear.
+    """Flag the legs of a polyline on which it is proven that the arm keeps clear.
 
     Args:
         points: its vertices, flat (3 k,), k >= 2, [unit], world.

@@ -11,12 +11,7 @@ from typing import NamedTuple
 
 from numba.extending import register_jitable
 
-from abi.arm.direction_kernels import (
-    NO_DIRECTION,
-    Direction,
-    is_separated,
-    keep_direction,
-)
+from abi.arm.direction_kernels import NO_DIRECTION
 from abi.arm.pose_kernels import (
     CAPSULE,
     NO_ARM,
@@ -32,15 +27,8 @@ from abi.arm.pose_kernels import (
     reaches,
     shoulder_holds,
 )
-from abi.arm.surroundings_kernels import (
-    NO_OBSTACLES,
-    Obstacles,
-    add_asked_pairs,
-    between_boxes,
-    is_solid,
-    judged,
-    open_box,
-)
+from abi.arm.separate_pairs_kernels import ALLOWANCE, FINEST, Lists, Moving, separate_pairs
+from abi.arm.surroundings_kernels import NO_OBSTACLES, Obstacles, add_asked_pairs
 from abi.arrays import FloatArray
 from abi.clearance.separation_kernels import (
     CERTIFIED,
@@ -50,21 +38,14 @@ from abi.clearance.separation_kernels import (
     UNDECIDED,
     Outcome,
     Piece,
-    Plane,
     halves_of,
     table_of,
 )
 from abi.compiled import FLOATS, NEW_FLOATS, compiled
-from abi.obstacles.primitive_kernels import axes_of, centre_of, core_of, in_body, in_world
-from abi.obstacles.vector_kernels import Vec3, distance, dot, sub, vec3_at
+from abi.obstacles.vector_kernels import Vec3, distance, vec3_at
 
 UNREACHED = 3
 """Outcome of a piece with a place that the arm does not reach within its limits."""
-
-FINEST = 2.0**-26
-"""Part of the largest coordinate: smaller pieces are not halved."""
-ALLOWANCE = 2.0**-40
-"""Part of the largest coordinate, for each place of the elbow computed."""
 
 
 class Slide(NamedTuple):
@@ -106,23 +87,6 @@ def _slide_within(slide: Slide, start: float, end: float) -> tuple[float, float]
     return slide.low[first], slide.high[low]
 
 
-class Moving(NamedTuple):
-    """A capsule at a pose, and how far from there it may be.
-
-    Attributes:
-        number: of the capsule.
-        first, last: ends of its segment, [unit], world.
-        radius: [unit].
-        way: of every point of it, at most, [unit].
-    """
-
-    number: int
-    first: Vec3
-    last: Vec3
-    radius: float
-    way: float
-
-
 @register_jitable(forceinline=True)
 def moving_capsule(
     arm: ArmNumbers,
@@ -154,43 +118,6 @@ def _allowance(around: Obstacles, rates: Rates) -> float:
     return ALLOWANCE * around.size * (1.0 if math.isinf(rates.slide) else 1 + rates.slide)
 
 
-@register_jitable(forceinline=True)
-def separating_gap(around: Obstacles, capsule: Moving, rates: Rates) -> float:
-    """Gap, less a margin, between a capsule's segment and what it is clear of all the way."""
-    return capsule.radius + _allowance(around, rates) + capsule.way
-
-
-@register_jitable(forceinline=True)
-def separates(around: Obstacles, s: int, capsule: Moving, rates: Rates) -> tuple[int, float, Vec3]:
-    """Whether a direction keeps a capsule clear of an obstacle near a pose.
-
-    Args:
-        around: the obstacles.
-        s: number of the obstacle.
-        capsule: near the pose.
-        rates: of the elbow.
-
-    Returns:
-        CERTIFIED, REFUTED at the pose or UNDECIDED; the distance there; the direction.
-    """
-    a, b, radius = capsule.first, capsule.last, capsule.radius
-    far = around.margins[s] + separating_gap(around, capsule, rates)
-    near = radius + around.margins[s] - _allowance(around, rates)
-    if s == len(around.margins) - 1:
-        gap, way = min(a[2], b[2]) - around.floor, (0.0, 0.0, 1.0)
-        if gap > far:
-            return CERTIFIED, gap, way
-        return (REFUTED if gap < near else UNDECIDED), gap - radius, way
-    gap, way = between_boxes(around.primitives, s, a, b)
-    if gap > far:
-        return CERTIFIED, math.inf, way
-    axes = axes_of(around.primitives, s)
-    p = in_body(axes, sub(a, centre_of(around.primitives, s)))
-    d = in_body(axes, sub(b, a))
-    outcome, away, way = judged(core_of(around.primitives, s), p, d, near, far)
-    return outcome, away - radius, in_world(axes, way)
-
-
 class _Stance(NamedTuple):
     """The arm at a piece's middle, and how far from there it may be on the piece.
 
@@ -198,29 +125,11 @@ class _Stance(NamedTuple):
         pose: there.
         rates: of the elbow.
         ways: of the tool and the slide, at most, [unit].
-        bounded: whether it keeps its limits on the piece, and the rates are finite.
     """
 
     pose: Pose
     rates: Rates
     ways: tuple[float, float]
-    bounded: bool
-
-
-class _Room(NamedTuple):
-    """Lists that a proof fills.
-
-    Attributes:
-        planes: the directions found.
-        candidates: pairs, those of every pending piece, a piece's own together.
-        work: pairs of the present piece, the next one last.
-        latest: directions that may serve for the next pair, too.
-    """
-
-    planes: list[Plane]
-    candidates: list[int]
-    work: list[int]
-    latest: list[Direction]
 
 
 @register_jitable(forceinline=True)
@@ -233,46 +142,10 @@ def _farthest(points: FloatArray, piece: Piece, middle: Vec3) -> float:
 
 
 @register_jitable(forceinline=True)
-def _separate_pairs(
-    table: ArmTable, around: Obstacles, piece: Piece, at: float, stance: _Stance, room: _Room
-) -> tuple[int, int, float, int]:
-    """Separate the pairs of ``room.work`` on a piece; those that are left become candidates.
-
-    Returns:
-        REFUTED or UNDECIDED; the pair and the distance that refute it; how many were tried.
-    """
-    (arm, capsules), count = table, len(around.margins)
-    planes, candidates, work, latest = room
-    capsule = moving_capsule(arm, capsules, 0, stance.pose, stance.rates, stance.ways)
-    left, tries = -1, 0
-    while len(work) > 0:
-        pair = work.pop()
-        tries += 1
-        s = pair % count
-        if pair // count != capsule.number:
-            number = pair // count
-            capsule = moving_capsule(arm, capsules, number, stance.pose, stance.rates, stance.ways)
-            latest.clear()
-            left = -1
-        if is_separated(around, s, latest):
-            continue
-        if left >= 0 and around.meshes[s] == left:
-            candidates.append(pair)
-            continue
-        outcome, away, way = separates(around, s, capsule, stance.rates)
-        if outcome == REFUTED and is_solid(around, pair):
-            return REFUTED, pair, away, tries
-        if stance.bounded and outcome == CERTIFIED:
-            planes.append(Plane(piece.start, piece.end, pair, way, at))
-            if around.meshes[s] >= 0:
-                level = min(dot(way, capsule.first), dot(way, capsule.last))
-                level -= separating_gap(around, capsule, stance.rates)
-                keep_direction(latest, way, level, around.meshes[s])
-        elif not open_box(around, pair, capsule.way, (capsule.first, capsule.last), work):
-            candidates.append(pair)
-            # the piece is halved anyhow: the rest of the mesh is as good tried on its halves
-            left = around.meshes[s] + 0
-    return UNDECIDED, -1, 0.0, tries
+def _capsule_of(near: tuple[ArmTable, _Stance], c: int) -> Moving:
+    """Capsule c of an arm near a pose."""
+    (arm, capsules), stance = near
+    return moving_capsule(arm, capsules, c, stance.pose, stance.rates, stance.ways)
 
 
 @compiled(example=(FLOATS, FLOATS, NEW_FLOATS, NO_ARM, NO_OBSTACLES, NO_SLIDE, 9))
@@ -309,8 +182,7 @@ def separate_arm(
     for i in range(len(world)):
         points[i] = world[i]
     planes, candidates, work, tries = [NO_PLANE], [0], [0], 0
-    latest = [NO_DIRECTION]
-    room = _Room(planes, candidates, work, latest)
+    lists = Lists(planes, candidates, work, [NO_DIRECTION])
     candidates.clear()
     add_asked_pairs(around, len(capsules) // CAPSULE, candidates)
     if len(candidates) == 0:
@@ -334,12 +206,15 @@ def separate_arm(
         rates = rates_near(arm, pose, farthest, slid)
         bounded = not math.isinf(rates.elbow)
         bounded = bounded and limits_hold_near(arm, pose, rates, farthest, slid)
-        stance = _Stance(pose, rates, (farthest, slid), bounded)
+        stance = _Stance(pose, rates, (farthest, slid))
         work.clear()
-        latest.clear()
+        lists.latest.clear()
         for i in range(highest - 1, lowest - 1, -1):
             work.append(candidates[i])
-        outcome, pair, away, tried = _separate_pairs(table, around, piece, at, stance, room)
+        outcome, pair, away, tried, _ = separate_pairs(
+            *(around, (piece.start, piece.end, at), _allowance(around, rates), bounded),
+            *(lists, _capsule_of, (table, stance)),
+        )
         tries += tried
         if outcome == REFUTED:
             return REFUTED, at, pair, away, table_of(planes)

@@ -14,16 +14,9 @@ import numpy as np
 from numba.extending import register_jitable
 
 from abi.arm.chain_kernels import POSE, TABLE, ChainTable, place_chain
-from abi.arm.direction_kernels import NO_DIRECTION, is_separated, keep_direction
-from abi.arm.surroundings_kernels import (
-    NO_OBSTACLES,
-    Obstacles,
-    between_boxes,
-    box_gap,
-    is_solid,
-    judged,
-    open_box,
-)
+from abi.arm.direction_kernels import NO_DIRECTION
+from abi.arm.separate_pairs_kernels import ALLOWANCE, FINEST, Lists, Moving, separate_pairs
+from abi.arm.surroundings_kernels import NO_OBSTACLES, Obstacles, box_gap
 from abi.arrays import FloatArray, IntArray
 from abi.clearance.separation_kernels import (
     CERTIFIED,
@@ -36,12 +29,9 @@ from abi.clearance.separation_kernels import (
     table_of,
 )
 from abi.compiled import FLOATS, IDS, compiled
-from abi.obstacles.primitive_kernels import axes_of, centre_of, core_of, in_body, in_world
 from abi.obstacles.vector_kernels import Vec3, axpy, dot, sub, vec3_at
 
-_ALLOWANCE = 2.0**-40  # of the largest coordinate, for each place computed
 _WIDER = 1 + 2.0**-28  # of ways: the check takes the chain's matrices for rotations only nearly
-_FINEST = 2.0**-26  # of the largest coordinate: pieces with smaller ways are not halved
 
 
 class Bodies(NamedTuple):
@@ -184,7 +174,19 @@ def between_segments(p: Vec3, d: Vec3, q: Vec3, e: Vec3) -> Vec3:
 def _apart(
     ends: FloatArray, bodies: Bodies, pair: int, ways: FloatArray, allowance: float
 ) -> tuple[int, float, Vec3, float]:
-    """Whether a direction keeps two capsules apart near a pose; as :func:`_separates`."""
+    """Check whether a direction keeps two capsules apart near a pose.
+
+    Args:
+        ends: of all capsules at the pose, [unit], world.
+        bodies: the capsules.
+        pair: number of the pair.
+        ways: of the coordinates from the pose, at most.
+        allowance: for rounding, [unit].
+
+    Returns:
+        CERTIFIED, REFUTED at the pose or UNDECIDED; the distance there; the direction; the way of
+        the second beside the first, at most, [unit].
+    """
     count = len(ways)
     i, j = bodies.pairs[2 * pair], bodies.pairs[2 * pair + 1]
     p, a = vec3_at(ends, 6 * i), vec3_at(ends, 6 * i + 3)
@@ -206,12 +208,14 @@ def _apart(
 
 
 @register_jitable(forceinline=True)
-def _moves(bodies: Bodies, c: int, ways: FloatArray) -> float:
-    """Way of a capsule, at most, where so far goes each coordinate, [unit]."""
+def _capsule_of(near: tuple[Bodies, FloatArray, FloatArray], c: int) -> Moving:
+    """Capsule c near a pose, given the ends of all there and the ways of the coordinates."""
+    bodies, ends, ways = near
     moves = 0.0
     for j in range(len(ways)):
         moves += bodies.levers[c * len(ways) + j] * ways[j]
-    return moves * _WIDER
+    first, last = vec3_at(ends, 6 * c), vec3_at(ends, 6 * c + 3)
+    return Moving(c, first, last, bodies.radii[c], moves * _WIDER)
 
 
 @register_jitable
@@ -219,63 +223,21 @@ def _add_pairs(
     bodies: Bodies, around: Obstacles, pose: _Pose, certify: bool, pairs: list[int]
 ) -> None:
     """Add all pairs; unless it is to ``certify`` not those that boxes keep clear near a pose."""
-    count, allowance = len(around.margins), _ALLOWANCE * around.size
+    count, allowance = len(around.margins), ALLOWANCE * around.size
     for c in range(len(bodies.frames)):
-        a, b = vec3_at(pose.ends, 6 * c), vec3_at(pose.ends, 6 * c + 3)
-        reach = bodies.radii[c] + _moves(bodies, c, pose.ways) + allowance
+        capsule = _capsule_of((bodies, pose.ends, pose.ways), c)
+        reach = capsule.radius + capsule.way + allowance
         for k in range(len(around.outer)):
             s = around.outer[k]
             if around.asked[c * count + s] and (
                 certify
                 or s == count - 1
-                or box_gap(around.primitives, s, a, b) <= reach + around.margins[s]
+                or box_gap(around.primitives, s, capsule.first, capsule.last)
+                <= reach + around.margins[s]
             ):
                 pairs.append(c * count + s)
     for own in range(len(bodies.pairs) // 2):
         pairs.append(len(bodies.frames) * count + own)
-
-
-@register_jitable
-def _separates(
-    ends: FloatArray, bodies: Bodies, around: Obstacles, pair: int, ways: FloatArray
-) -> tuple[int, float, Vec3, float]:
-    """Whether a direction keeps a capsule clear of something near a pose.
-
-    Args:
-        ends: of all capsules at the pose, [unit], world.
-        bodies: the capsules.
-        around: the obstacles.
-        pair: capsule times number of obstacles, plus obstacle; behind these pairs of capsules.
-        ways: of the coordinates from the pose, at most.
-
-    Returns:
-        CERTIFIED, REFUTED at the pose or UNDECIDED; the distance there; the direction; the way of
-        the capsule at most, [unit].
-    """
-    count, allowance = len(around.margins), _ALLOWANCE * around.size
-    c, s = pair // count, pair % count
-    if c >= len(bodies.frames):
-        return _apart(ends, bodies, pair - len(bodies.frames) * count, ways, allowance)
-    a, b = vec3_at(ends, 6 * c), vec3_at(ends, 6 * c + 3)
-    radius, moves = bodies.radii[c], _moves(bodies, c, ways)
-    need = radius + around.margins[s] + allowance
-    if s == count - 1:
-        gap, way = min(a[2], b[2]) - around.floor, (0.0, 0.0, 1.0)
-    else:
-        gap, way = between_boxes(around.primitives, s, a, b)
-        if gap > need + moves:
-            return CERTIFIED, math.inf, way, moves
-        axes = axes_of(around.primitives, s)
-        p = in_body(axes, sub(a, centre_of(around.primitives, s)))
-        d = in_body(axes, sub(b, a))
-        core = core_of(around.primitives, s)
-        outcome, away, way = judged(core, p, d, need - 2 * allowance, need + moves)
-        return outcome, away - radius, in_world(axes, way), moves
-    if gap > need + moves:
-        return CERTIFIED, gap, way, moves
-    if gap < need - 2 * allowance:
-        return REFUTED, gap - radius, way, moves
-    return UNDECIDED, gap - radius, way, moves
 
 
 @compiled(example=(TABLE, BODIES, FLOATS, NO_OBSTACLES, 9, True))
@@ -298,19 +260,19 @@ def separate_chain(
         knots: coordinates at m >= 2 knots, flat (m n,).
         around: what to keep clear of.
         most_tries: tries it may take; without ``certify`` those of boxes do not count.
-        certify: whether to keep the planes.
+        certify: whether planes are wanted of all pairs, those that boxes keep clear included.
 
     Returns:
         As for curves, the parameter of knot k being k; a plane's obstacle is the number of its
         pair, and its level the parameter of the pose.
     """
-    count, rows = len(chain.limits) // 2, len(around.margins)
-    ways, ends = np.empty(count), np.empty(6 * len(bodies.frames))
-    poses = np.empty(POSE * (len(chain.source) + 1))
+    count, ends = len(chain.limits) // 2, np.empty(6 * len(bodies.frames))
+    ways, poses = np.empty(count), np.empty(POSE * (len(chain.source) + 1))
     pose = _Pose(np.empty(count), ways, ends, poses, np.empty(count))
     planes, candidates, work, tries = [NO_PLANE], [0], [0], 0
-    latest, solid_pairs = [NO_DIRECTION], len(bodies.frames) * rows
+    lists = Lists(planes, candidates, work, [NO_DIRECTION])
     candidates.clear()
+    solid_pairs, allowance = len(bodies.frames) * len(around.margins), ALLOWANCE * around.size
     whole = _Stretch(0.0, 1.0 * (len(knots) // count - 1), 0)
     _go_to_middle(chain, bodies, knots, whole, pose)
     _add_pairs(bodies, around, pose, certify, candidates)
@@ -321,47 +283,34 @@ def separate_chain(
             candidates.pop()
         at = _go_to_middle(chain, bodies, knots, stretch, pose)
         work.clear()
-        latest.clear()
+        lists.latest.clear()
         for i in range(highest - 1, lowest - 1, -1):
-            work.append(candidates[i])
-        farthest, c, left = 0.0, -1, -1
-        while len(work) > 0:
-            pair = work.pop()
+            if candidates[i] < solid_pairs:
+                work.append(candidates[i])
+        outcome, pair, away, tried, farthest = separate_pairs(
+            *(around, (stretch.start, stretch.end, at), allowance, True),
+            *(lists, _capsule_of, (bodies, ends, ways)),
+        )
+        tries += tried
+        if outcome == REFUTED:
+            return REFUTED, at, pair, away, table_of(planes)
+        for i in range(lowest, highest):
+            pair = candidates[i]
+            if pair < solid_pairs:
+                continue
             tries += 1
-            of_links = pair >= solid_pairs
-            if pair // rows != c:
-                c = pair // rows
-                latest.clear()
-                left = -1
-            if not of_links and is_separated(around, pair % rows, latest):
-                continue
-            if not of_links and left >= 0 and around.meshes[pair % rows] == left:
-                candidates.append(pair)
-                continue
-            outcome, away, way, moves = _separates(ends, bodies, around, pair, ways)
-            if outcome == REFUTED and (of_links or is_solid(around, pair)):
+            outcome, away, way, moves = _apart(ends, bodies, pair - solid_pairs, ways, allowance)
+            if outcome == REFUTED:
                 return REFUTED, at, pair, away, table_of(planes)
             if outcome == CERTIFIED:
-                if certify:
-                    planes.append(Plane(stretch.start, stretch.end, pair, way, at))
-                if not of_links and around.meshes[pair % rows] >= 0:
-                    a, b = vec3_at(ends, 6 * c), vec3_at(ends, 6 * c + 3)
-                    level = min(dot(way, a), dot(way, b)) - bodies.radii[c] - moves
-                    level -= _ALLOWANCE * around.size
-                    keep_direction(latest, way, level, around.meshes[pair % rows])
-                continue
-            if not of_links:
-                segment = (vec3_at(ends, 6 * c), vec3_at(ends, 6 * c + 3))
-                if open_box(around, pair, moves, segment, work):
-                    continue
-                # the stretch is halved anyhow: the rest of the mesh is as good tried on its halves
-                left = around.meshes[pair % rows] + 0
-            candidates.append(pair)
-            farthest = max(farthest, moves)
+                planes.append(Plane(stretch.start, stretch.end, pair, way, at))
+            else:
+                candidates.append(pair)
+                farthest = max(farthest, moves)
         if len(candidates) == highest:
             continue
         run = stretch.end - stretch.start > 1
-        final = stretch.halvings == MOST_HALVINGS or farthest < _FINEST * around.size
+        final = stretch.halvings == MOST_HALVINGS or farthest < FINEST * around.size
         if tries > most_tries or (not run and (final or not stretch.start < at < stretch.end)):
             return UNDECIDED, at, candidates[len(candidates) - 1], 0.0, table_of(planes)
         deeper = 0 if run else stretch.halvings + 1

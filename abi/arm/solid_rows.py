@@ -20,7 +20,7 @@ _SPARE = 4
 
 
 class Own(NamedTuple):
-    """What an arm keeps clear of beside obstacles.
+    """Parts that an arm keeps clear of beside obstacles.
 
     Attributes:
         rows: primitives, flat (k ``WIDTH``,).
@@ -134,7 +134,7 @@ class RowTable:
         return block
 
     def _until_now(self, outer: IntArray, count: int) -> SolidRows:
-        """What is in the table, and which of it is in use."""
+        """The table up to now, and which of its rows are in use."""
         rows = self._used - 1
         return SolidRows(
             read_only(self._rows[:rows].reshape(-1)),

@@ -86,7 +86,7 @@ def between_boxes(primitives: FloatArray, s: int, a: Vec3, b: Vec3) -> tuple[flo
 
 @register_jitable
 def judged(core: Core, p: Vec3, d: Vec3, near: float, far: float) -> tuple[int, float, Vec3]:
-    """Whether the segment from p to p + d, body frame, is separated by more than ``far``.
+    """Check if the segment from p to p + d, body frame, is separated by more than ``far``.
 
     A tangent bounds the distance, which is convex along the segment, from below, and its gradient
     separates as far as that bound. The next place is where those at both ends of the bracket meet,
@@ -134,7 +134,7 @@ def judged(core: Core, p: Vec3, d: Vec3, near: float, far: float) -> tuple[int, 
 
 @register_jitable(forceinline=True)
 def is_solid(around: Obstacles, pair: int) -> bool:
-    """Whether the obstacle of a pair is solid, not a box around others."""
+    """Check whether the obstacle of a pair is solid, not a box around others."""
     count = len(around.margins)
     s = pair % count
     return s == count - 1 or around.inside[2 * s + 1] == 0

@@ -50,7 +50,7 @@ class Clearance(ShortRepr):
         return self.certificate is not None
 
     def keeps(self, required: float) -> bool:
-        """Whether the distance is proven to be nowhere below ``required``, up to 1e-9."""
+        """Check if the distance is proven to be nowhere below ``required``, up to 1e-9."""
         return self.certified and self.distance >= required - ROUNDING
 
 

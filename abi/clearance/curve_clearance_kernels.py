@@ -62,7 +62,7 @@ class _Pieces(NamedTuple):
 
 
 class _Middles(NamedTuple):
-    """What is known of the middles of pieces, n in number.
+    """Knowledge of the middles of pieces, n in number.
 
     Attributes:
         at: signed distances (n,), [unit].

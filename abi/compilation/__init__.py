@@ -1,1 +1,1 @@
-"""What kernels need of the compiler: stamps of their sources, and arguments they borrow."""
+"""Additions to the compiler for kernels: stamps of their sources, and borrowed arguments."""

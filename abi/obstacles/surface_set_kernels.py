@@ -127,7 +127,7 @@ def nearest_mesh_to_segment(
 
 @register_jitable
 def meets_mesh(surfaces: SurfaceSet, margin: float, a: Vec3, b: Vec3, room: Room) -> bool:
-    """Whether the segment a..b, world, comes nearer to a mesh than ``margin``, or touches it."""
+    """Check if the segment a..b, world, comes nearer to a mesh than ``margin``, or touches one."""
     return meshes_met(surfaces, margin, a, b, 1, room)[0] > 0
 
 

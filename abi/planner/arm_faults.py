@@ -83,5 +83,5 @@ def _quantity(number: float, quantity: str, unit: str) -> str:
 
 
 def _excess(violation: Violation) -> tuple[bool, float]:
-    """What it is compared by: the drives' own limits before the acceleration asked for."""
+    """Sort key: the drives' own limits before the acceleration asked for."""
     return violation.quantity != "acceleration", violation.value / violation.limit

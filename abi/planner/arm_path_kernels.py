@@ -32,7 +32,7 @@ _CUT = (0.45, 0.2)
 
 
 class _Around(NamedTuple):
-    """What tool and arm keep clear of.
+    """Surroundings of tool and arm.
 
     Attributes:
         tool: what the tool does.

@@ -210,7 +210,7 @@ def _tried(planner: Planner, scene: Scene, cell: BaseTrial) -> BaseTrial | str:
 
 
 def _fault(plan: Plan) -> tuple[str, int]:
-    """Why a plan is not certified, empty where it is, and how far it came."""
+    """Reason why a plan is not certified, empty if it is, and how far it came."""
     error: StageError | None = plan.error
     if isinstance(error, ArmNotClear):
         rank = _RANKS[error.where]

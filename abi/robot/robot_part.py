@@ -45,6 +45,6 @@ def _joints_below(robot: Robot, base: str) -> tuple[Joint, ...]:
 
 
 def _stands_alone(joints: tuple[Joint, ...]) -> bool:
-    """Whether every joint that one of them mimics is among them."""
+    """Check whether every joint that one of them mimics is among them."""
     names = {joint.name for joint in joints}
     return all(joint.mimic is None or joint.mimic.joint in names for joint in joints)

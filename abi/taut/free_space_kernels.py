@@ -45,7 +45,7 @@ def kind_of(i: int, j: int, last: int) -> int:
 
 @register_jitable(inline="always")  # else the arrays are counted in and out: 4 % of ``pull``
 def is_clear(space: FreeSpace, kind: int, a: Vec3, b: Vec3) -> bool:
-    """Whether the segment a..b keeps its margins from all solids.
+    """Check whether the segment a..b keeps its margins from all solids.
 
     Args:
         space: free space.
@@ -59,6 +59,6 @@ def is_clear(space: FreeSpace, kind: int, a: Vec3, b: Vec3) -> bool:
 
 @register_jitable
 def in_bounds(space: FreeSpace, p: Vec3) -> bool:
-    """Whether a point lies in the box."""
+    """Check whether a point lies in the box."""
     low, high = space.low, space.high
     return low[0] <= p[0] <= high[0] and low[1] <= p[1] <= high[1] and low[2] <= p[2] <= high[2]

@@ -193,7 +193,7 @@ def _over_more_faces(
 
 @register_jitable
 def _passes(origin: complex, end: complex, gates: list[Gate], count: int) -> bool:
-    """Whether the straight line crosses the gates forwards, in order and between their ends."""
+    """Check if the straight line crosses the gates forwards, in order and between their ends."""
     line = end - origin
     before = 0.0
     for k in range(count):

@@ -79,7 +79,7 @@ def _divided(a: Vec3, t: float) -> Vec3:
 
 @register_jitable
 def _fits(path: list[Vec3], i: int, p: Vec3, space: FreeSpace) -> bool:
-    """Whether point i can be p: both its legs are clear."""
+    """Check whether point i can be p: both its legs are clear."""
     last = len(path) - 1
     return is_clear(space, kind_of(i - 1, i, last), path[i - 1], p) and is_clear(
         space, kind_of(i, i + 1, last), p, path[i + 1]

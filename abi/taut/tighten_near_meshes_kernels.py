@@ -64,7 +64,7 @@ NO_SURROUNDINGS = Surroundings(FLOATS, FLOATS, NO_SURFACES, FLOATS)
 
 @register_jitable
 def is_clear(around: Surroundings, kind: int, a: Vec3, b: Vec3, room: Room) -> bool:
-    """Whether the segment a..b keeps the distance of its kind from all obstacles."""
+    """Check whether the segment a..b keeps the distance of its kind from all obstacles."""
     solids, margins, surfaces, limits = around
     if blocked(solids, margins, kind * (len(solids) // WIDTH), a, b):
         return False
@@ -119,7 +119,7 @@ def _shortcut(path: list[Vec3], around: Surroundings, room: Room) -> list[Vec3]:
 def _leg_is_clear(
     path: list[Vec3], i: int, trial: Vec3, first: bool, around: Surroundings, room: Room
 ) -> bool:
-    """Whether the leg to vertex i, or else the leg from it, would be clear with it elsewhere."""
+    """Check if the leg to vertex i, or else the leg from it, would be clear with it elsewhere."""
     last = len(path) - 1
     if first:
         return is_clear(around, kind_of(i - 1, i, last), path[i - 1], trial, room)

@@ -95,7 +95,7 @@ def edge_waypoints(
 
 @register_jitable
 def _same_labels(parent: list[int], labels: list[int], node: int, other: int) -> bool:
-    """Whether the paths to two waypoints go by the same labels, repeats counted once."""
+    """Check whether the paths to two waypoints go by the same labels, repeats counted once."""
     while True:
         if labels[node] != labels[other]:
             return False
@@ -122,7 +122,7 @@ def _reconstruct_paths(parent: list[int], lasts: list[int]) -> list[int]:
 
 @register_jitable
 def _supports(edges: FloatArray, label: int, d: Vec3) -> bool:
-    """Whether a line in direction d can touch an edge without entering its solid.
+    """Check whether a line in direction d can touch an edge without entering its solid.
 
     A shortest path enters and leaves an edge only along such lines.
     """

@@ -37,7 +37,7 @@ def _plane_of(tree: TriangleTree, x: Vec3, number: int, away: float) -> tuple[Ve
 
 @register_jitable(forceinline=True)
 def _is_beyond(tree: TriangleTree, node: int, x: Vec3, limit: float) -> bool:
-    """Whether the slab of a node is farther from x than a squared distance."""
+    """Check whether the slab of a node is farther from x than a squared distance."""
     k = 5 * node
     height = dot(vec3_at(tree.slabs, k), x)
     beside = max(height - tree.slabs[k + 3], tree.slabs[k + 4] - height)

@@ -117,7 +117,7 @@ def _least_inside(tables: SurfaceTables, p: Vec3, q: Vec3, most: float, room: Ro
 
 @register_jitable
 def _is_above(tables: SurfaceTables, x: Vec3, k: int, enough: float, room: Room) -> bool:
-    """Whether a triangle shows that a sample's signed distance is large enough; then it is raised.
+    """Check if a triangle shows that a sample's signed distance is large enough, and raise it then.
 
     It is no deeper than any triangle is far: mostly that nearest to the sample before will do.
     """
