@@ -12,12 +12,13 @@ from numba.extending import register_jitable
 
 from abi.arm.chain_kernels import POSE, TABLE, ChainTable
 from abi.arm.mask_kernels import touched_row
-from abi.arm.separate_chain_kernels import BODIES, Bodies, between_segments, place_bodies
+from abi.arm.separate_chain_kernels import BODIES, Bodies, place_bodies
 from abi.arm.surroundings_kernels import NO_OBSTACLES, Obstacles, asked_rows
 from abi.arrays import BoolArray, FloatArray, IntArray
 from abi.compilation.borrowed import borrowed, held
 from abi.compiled import FLAGS, FLOATS, NEW_FLAGS, compiled
 from abi.obstacles.triangle_mesh.closest_point_kernels import DEPTH
+from abi.obstacles.triangle_mesh.triangle_kernels import between_segments
 from abi.obstacles.vector_kernels import dot, sub, vec3_at
 
 

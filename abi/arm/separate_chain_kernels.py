@@ -29,7 +29,8 @@ from abi.clearance.separation_kernels import (
     table_of,
 )
 from abi.compiled import FLOATS, IDS, compiled
-from abi.obstacles.vector_kernels import Vec3, axpy, dot, sub, vec3_at
+from abi.obstacles.triangle_mesh.triangle_kernels import between_segments
+from abi.obstacles.vector_kernels import Vec3, dot, sub, vec3_at
 
 _WIDER = 1 + 2.0**-28  # of ways: the check takes the chain's matrices for rotations only nearly
 
@@ -152,25 +153,6 @@ def _go_to_middle(
 
 
 @register_jitable
-def between_segments(p: Vec3, d: Vec3, q: Vec3, e: Vec3) -> Vec3:
-    """Way from the nearest point of p to p + d to that of q to q + e (Ericson, section 5.1.9)."""
-    a, b, c = dot(d, d), dot(d, e), dot(e, e)
-    r = sub(p, q)
-    f, g = dot(d, r), dot(e, r)
-    tiny = 1e-300
-    best, way = math.inf, (0.0, 0.0, 1.0)
-    inner = min(max((b * g - c * f) / max(a * c - b * b, tiny), 0.0), 1.0)
-    for s in (inner, 0.0, 1.0, -f / max(a, tiny), (b - f) / max(a, tiny)):
-        on_first = min(max(s, 0.0), 1.0)
-        on_second = min(max((b * on_first + g) / max(c, tiny), 0.0), 1.0)
-        away = sub(axpy(on_second, e, q), axpy(on_first, d, p))
-        size = dot(away, away)
-        if size < best:
-            best, way = size, away
-    return way
-
-
-@register_jitable
 def _apart(
     ends: FloatArray, bodies: Bodies, pair: int, ways: FloatArray, allowance: float
 ) -> tuple[int, float, Vec3, float]:
@@ -195,7 +177,7 @@ def _apart(
     for k in range(count):
         moves += bodies.pair_levers[pair * count + k] * ways[k]
     moves *= _WIDER
-    way = between_segments(p, sub(a, p), q, sub(b, q))
+    way = between_segments(q, sub(b, q), p, sub(a, p))
     away = math.sqrt(dot(way, way))
     radii = bodies.radii[i] + bodies.radii[j]
     if away <= radii:

@@ -118,14 +118,15 @@ def segment_to_triangle(p: Vec3, q: Vec3, triangle: Triangle) -> float:
             best = at_p * at_p / nn
         if over_triangle(q, a, b, c, n):
             best = min(best, at_q * at_q / nn)
-    best = min(best, _between_segments(p, d, a, sub(b, a)))
-    best = min(best, _between_segments(p, d, b, sub(c, b)))
-    return min(best, _between_segments(p, d, c, sub(a, c)))
+    for start, side in ((a, sub(b, a)), (b, sub(c, b)), (c, sub(a, c))):
+        gap = between_segments(p, d, start, side)
+        best = min(best, dot(gap, gap))
+    return best
 
 
 @register_jitable
-def _between_segments(p: Vec3, d: Vec3, a: Vec3, e: Vec3) -> float:
-    """Squared distance of the segments p + s d and a + t e, s and t in [0, 1]."""
+def between_segments(p: Vec3, d: Vec3, a: Vec3, e: Vec3) -> Vec3:
+    """Way to the segment p + s d, s in [0, 1], from a + t e, t in [0, 1], where it is shortest."""
     r = sub(p, a)
     dd, ee, er = dot(d, d), dot(e, e), dot(e, r)
     s, t = 0.0, 0.0
@@ -147,8 +148,7 @@ def _between_segments(p: Vec3, d: Vec3, a: Vec3, e: Vec3) -> float:
             s = clamp(-dr / dd)
     elif ee > 0.0:
         t = clamp(er / ee)
-    gap = sub(axpy(s, d, p), axpy(t, e, a))
-    return dot(gap, gap)
+    return sub(axpy(s, d, p), axpy(t, e, a))
 
 
 @register_jitable
