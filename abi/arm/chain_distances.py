@@ -6,8 +6,9 @@ import math
 
 import numpy as np
 
+from abi.arm.chain_capsules import segment_distances
 from abi.arm.link_distance_kernels import link_distances
-from abi.arm.urdf_arm import UrdfArm, segment_distances
+from abi.arm.urdf_arm import UrdfArm
 from abi.arrays import FloatArray, IntArray, flat
 from abi.obstacles.obstacle_set import ObstacleSet
 

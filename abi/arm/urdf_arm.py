@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
-from typing import Any, Literal, NamedTuple
+from functools import cached_property
+from operator import itemgetter
+from typing import Any, Literal
 
 import numpy as np
 
 from abi.arm.any_arm import PlacedCapsule
 from abi.arm.chain import Chain
+from abi.arm.chain_capsules import ChainCapsule, chain_capsules, lever, pairs_apart, place
 from abi.arrays import FloatArray, IntArray, ShortRepr, read_only
 from abi.obstacles.pose import METRES, UNTURNED, Quaternion, Vec3
-from abi.robot.bounding_capsules import bounding_capsules
 from abi.robot.robot import Robot
 from abi.robot.urdf_files import description_of, files_of
 
@@ -26,26 +25,6 @@ _ALIKE = 0.3
 """Poses nearer to each other than this in every joint are one, [rad] or [m]."""
 REACHED = 1e-6
 """Error, as a fraction of the arm's reach, up to which a point counts as reached."""
-
-_SAMPLES = 1500
-_NEARLY_ALWAYS = 0.95
-
-
-class LinkCapsule(NamedTuple):
-    """A capsule of a link.
-
-    Attributes:
-        link: name of the link.
-        frame: number of the joint that moves it, -1 where it stands still.
-        ends: ends of its segment in that frame, or in the world where it stands still, shape
-            (2, 3), [m].
-        radius: [m].
-    """
-
-    link: str
-    frame: int
-    ends: FloatArray
-    radius: float
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -68,7 +47,7 @@ class UrdfArm(ShortRepr):
     wxyz: Quaternion
     unit: Literal["m", "cm", "mm"]
     limits: FloatArray
-    capsules: tuple[LinkCapsule, ...]
+    capsules: tuple[ChainCapsule, ...]
 
     @property
     def root(self) -> str:
@@ -112,33 +91,18 @@ class UrdfArm(ShortRepr):
         rows = [self._lever(self.capsules[j], self.capsules[i].frame) for i, j in self.pairs]
         return read_only(np.array(rows).reshape(len(rows), len(self.joints)))
 
-    def _lever(self, capsule: LinkCapsule, behind: int) -> FloatArray:
-        """Bound for the joints behind number ``behind``, (n,).
-
-        A point turns about a joint at most at the length of the chain between them; a slide moves
-        it as far as itself.
-        """
-        table, joints = self.chain.table, self.chain.joints
-        found = np.zeros(len(self.joints))
-        far = float(np.linalg.norm(capsule.ends, axis=1).max())
-        for k in range(capsule.frame, behind, -1):
-            joint, coordinate = joints[k], int(table.source[k])
-            slides = joint.kind == "prismatic"
-            found[coordinate] += abs(float(table.factor[k])) * (1.0 if slides else far)
-            far += float(np.linalg.norm(table.origins[12 * k + 9 : 12 * k + 12]))
-            ends = table.factor[k] * self.chain.limits[coordinate] + table.offset[k]
-            far += float(np.abs(ends).max()) if slides else 0.0
-        return np.asarray(found / self.metres / self.scales)
-
     @cached_property
     def pairs(self) -> IntArray:
         """Pairs of capsules (k, 2) that must keep apart."""
-        return _pairs(self.chain.robot, self.tip)
+        return pairs_apart(self.chain.robot, self.tip)
+
+    def _lever(self, capsule: ChainCapsule, behind: int) -> FloatArray:
+        return np.asarray(lever(self.chain, capsule, behind) / self.metres / self.scales)
 
     def place(self, positions: FloatArray) -> FloatArray:
         """Ends of the capsules' segments at joint positions (k, n), shape (k, c, 2, 3), [unit]."""
         poses = self.chain.poses(positions / self.scales)
-        return _place(self.capsules, poses) / self.metres
+        return place(self.capsules, poses) / self.metres
 
     @property
     def has_elbow(self) -> bool:
@@ -193,7 +157,7 @@ class UrdfArm(ShortRepr):
         found = [(pose[0], float(error[0])) for pose, error in solved]
         reached = [pose for pose, error in found if error <= REACHED]
         if not reached:
-            return (read_only(min(found, key=_error)[0] * self.scales),)
+            return (read_only(min(found, key=itemgetter(1))[0] * self.scales),)
         middle, half = (low + high) / 2, np.maximum((high - low) / 2, 1e-9)
         reached.sort(key=lambda pose: float(np.abs((pose - middle) / half).max()))
         kept: list[FloatArray] = []
@@ -248,17 +212,6 @@ def urdf_arm(
     metres = METRES[unit]
     x, y, z = base
     chain = Chain.of(robot, tip, (x * metres, y * metres, z * metres), axis, wxyz)
-    capsules = [
-        LinkCapsule(
-            carried.link,
-            carried.frame,
-            read_only(_moved(carried.pose, np.stack([one.low, one.high]))),
-            one.radius,
-        )
-        for carried in chain.carried
-        for one in bounding_capsules(robot.links[carried.link])
-    ]
-    capsules.sort(key=_frame)
     scales = np.where(np.array(chain.slides), 1 / metres, 1.0)
     return UrdfArm(
         chain=chain,
@@ -267,79 +220,5 @@ def urdf_arm(
         wxyz=wxyz,
         unit=unit,
         limits=read_only(chain.limits * scales[:, None]),
-        capsules=tuple(capsules),
+        capsules=chain_capsules(chain),
     )
-
-
-def segment_distances(first: FloatArray, second: FloatArray) -> FloatArray:
-    """Distances (k,) between segments (k, 2, 3) and (k, 2, 3).
-
-    The least distance is at one of the four ends or where the lines come nearest (Ericson,
-    Real-Time Collision Detection, section 5.1.9).
-    """
-    p, q = first[:, 0], second[:, 0]
-    d, e = first[:, 1] - p, second[:, 1] - q
-    a, b, c = (np.einsum("ij,ij->i", u, v) for u, v in ((d, d), (d, e), (e, e)))
-    f = np.einsum("ij,ij->i", d, p - q)
-    g = np.einsum("ij,ij->i", e, p - q)
-    tiny = 1e-300
-    inner = np.clip((b * g - c * f) / np.maximum(a * c - b * b, tiny), 0, 1)
-    best = np.full(len(p), np.inf)
-    for s in (inner, np.zeros_like(a), np.ones_like(a), np.clip(-f / np.maximum(a, tiny), 0, 1),
-              np.clip((b - f) / np.maximum(a, tiny), 0, 1)):  # fmt: skip
-        t = np.clip((b * s + g) / np.maximum(c, tiny), 0, 1)
-        away = p + s[:, None] * d - q - t[:, None] * e
-        best = np.minimum(best, np.einsum("ij,ij->i", away, away))
-    return np.asarray(np.sqrt(best))
-
-
-@lru_cache(maxsize=16)
-def _pairs(robot: Robot, tip: str) -> IntArray:
-    """Pairs of capsules of links with a joint between them that do not touch in nearly all poses.
-
-    Those touch because capsules are wider than what they hold. Links that an SRDF lets touch are no
-    pair.
-    """
-    arm = urdf_arm(robot, tip, (0.0, 0.0, 0.0))
-    chain, capsules = arm.chain, arm.capsules
-    candidates = [
-        (i, j)
-        for i, j in itertools.combinations(range(len(capsules)), 2)
-        if capsules[j].frame - capsules[i].frame > 1
-        and frozenset((capsules[i].link, capsules[j].link)) not in robot.may_touch
-    ]
-    if not candidates:
-        return read_only(np.empty((0, 2), dtype=np.int32))
-    low, high = chain.usual_range().T
-    positions = np.random.default_rng(0).uniform(low, high, (_SAMPLES, len(low)))
-    ends = _place(capsules, chain.poses(positions))
-    kept = []
-    for i, j in candidates:
-        gap = segment_distances(ends[:, i], ends[:, j]) - capsules[i].radius - capsules[j].radius
-        if (gap < 0).mean() < _NEARLY_ALWAYS:
-            kept.append((i, j))
-    return read_only(np.array(kept, dtype=np.int32).reshape(-1, 2))
-
-
-def _place(capsules: Sequence[LinkCapsule], poses: FloatArray) -> FloatArray:
-    """Ends (k, c, 2, 3) of capsules in frames with poses (k, m + 1, 3, 4), [m]."""
-    ends = np.empty((len(poses), len(capsules), 2, 3))
-    for k, capsule in enumerate(capsules):
-        if capsule.frame < 0:
-            ends[:, k] = capsule.ends
-        else:
-            turn, origin = poses[:, capsule.frame, :, :3], poses[:, capsule.frame, :, 3]
-            ends[:, k] = np.einsum("kij,ej->kei", turn, capsule.ends) + origin[:, None]
-    return ends
-
-
-def _moved(pose: FloatArray, points: FloatArray) -> FloatArray:
-    return np.asarray(points @ pose[:3, :3].T + pose[:3, 3])
-
-
-def _frame(capsule: LinkCapsule) -> int:
-    return capsule.frame
-
-
-def _error(found: tuple[FloatArray, float]) -> float:
-    return found[1]

@@ -1,0 +1,119 @@
+"""Capsules around the links that a chain carries, and the pairs of them that must keep apart."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from functools import lru_cache
+from operator import attrgetter
+from typing import NamedTuple
+
+import numpy as np
+
+from abi.arm.chain import Chain
+from abi.arrays import FloatArray, IntArray, read_only
+from abi.robot.bounding_capsules import bounding_capsules
+from abi.robot.robot import Robot
+
+_SAMPLES = 1500
+_NEARLY_ALWAYS = 0.95
+
+
+class ChainCapsule(NamedTuple):
+    """A capsule of a link.
+
+    Attributes:
+        link: name of the link.
+        frame: number of the joint that moves it, -1 where it stands still.
+        ends: ends of its segment in that frame, or in the world where it stands still, shape
+            (2, 3), [m].
+        radius: [m].
+    """
+
+    link: str
+    frame: int
+    ends: FloatArray
+    radius: float
+
+
+def chain_capsules(chain: Chain) -> tuple[ChainCapsule, ...]:
+    """Capsules of all links, those that stand still first."""
+    capsules = []
+    for carried in chain.carried:
+        turn, origin = carried.pose[:3, :3], carried.pose[:3, 3]
+        for one in bounding_capsules(chain.robot.links[carried.link]):
+            ends = read_only(np.stack([one.low, one.high]) @ turn.T + origin)
+            capsules.append(ChainCapsule(carried.link, carried.frame, ends, one.radius))
+    return tuple(sorted(capsules, key=attrgetter("frame")))
+
+
+def place(capsules: Sequence[ChainCapsule], poses: FloatArray) -> FloatArray:
+    """Ends (k, c, 2, 3) of capsules in frames with poses (k, m + 1, 3, 4), [m]."""
+    ends = np.empty((len(poses), len(capsules), 2, 3))
+    for k, capsule in enumerate(capsules):
+        if capsule.frame < 0:
+            ends[:, k] = capsule.ends
+        else:
+            turn, origin = poses[:, capsule.frame, :, :3], poses[:, capsule.frame, :, 3]
+            ends[:, k] = np.einsum("kij,ej->kei", turn, capsule.ends) + origin[:, None]
+    return ends
+
+
+def lever(chain: Chain, capsule: ChainCapsule, behind: int) -> FloatArray:
+    """Bound of a capsule's motion per unit of each coordinate, by joints behind one, (n,), [m].
+
+    A point turns about a joint at most at the length of the chain between them; a slide moves it as
+    far as itself.
+    """
+    table, found = chain.table, np.zeros(len(chain.names))
+    far = float(np.linalg.norm(capsule.ends, axis=1).max())
+    for k in range(capsule.frame, behind, -1):
+        coordinate, slides = int(table.source[k]), bool(table.slides[k])
+        found[coordinate] += abs(float(table.factor[k])) * (1.0 if slides else far)
+        far += float(np.linalg.norm(table.origins[12 * k + 9 : 12 * k + 12]))
+        ends = table.factor[k] * chain.limits[coordinate] + table.offset[k]
+        far += float(np.abs(ends).max()) if slides else 0.0
+    return found
+
+
+@lru_cache(maxsize=16)
+def pairs_apart(robot: Robot, tip: str) -> IntArray:
+    """Pairs (k, 2) of capsules of links with a joint between them that mostly do not touch.
+
+    Some touch in nearly all poses because capsules are wider than what they hold. Links that an
+    SRDF lets touch are no pair.
+    """
+    chain = Chain.of(robot, tip)
+    capsules = chain_capsules(chain)
+    low, high = chain.usual_range().T
+    positions = np.random.default_rng(0).uniform(low, high, (_SAMPLES, len(low)))
+    ends = place(capsules, chain.poses(positions))
+    kept = []
+    for (i, a), (j, b) in itertools.combinations(enumerate(capsules), 2):
+        if b.frame - a.frame > 1 and frozenset((a.link, b.link)) not in robot.may_touch:
+            gap = segment_distances(ends[:, i], ends[:, j]) - a.radius - b.radius
+            if (gap < 0).mean() < _NEARLY_ALWAYS:
+                kept.append((i, j))
+    return read_only(np.array(kept, dtype=np.int32).reshape(-1, 2))
+
+
+def segment_distances(first: FloatArray, second: FloatArray) -> FloatArray:
+    """Distances (k,) between segments (k, 2, 3) and (k, 2, 3).
+
+    The least distance is at one of the four ends or where the lines come nearest (Ericson,
+    Real-Time Collision Detection, section 5.1.9).
+    """
+    p, q = first[:, 0], second[:, 0]
+    d, e = first[:, 1] - p, second[:, 1] - q
+    a, b, c = (np.einsum("ij,ij->i", u, v) for u, v in ((d, d), (d, e), (e, e)))
+    f = np.einsum("ij,ij->i", d, p - q)
+    g = np.einsum("ij,ij->i", e, p - q)
+    tiny = 1e-300
+    inner = np.clip((b * g - c * f) / np.maximum(a * c - b * b, tiny), 0, 1)
+    best = np.full(len(p), np.inf)
+    for s in (inner, np.zeros_like(a), np.ones_like(a), np.clip(-f / np.maximum(a, tiny), 0, 1),
+              np.clip((b - f) / np.maximum(a, tiny), 0, 1)):  # fmt: skip
+        t = np.clip((b * s + g) / np.maximum(c, tiny), 0, 1)
+        away = p + s[:, None] * d - q - t[:, None] * e
+        best = np.minimum(best, np.einsum("ij,ij->i", away, away))
+    return np.asarray(np.sqrt(best))
