@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from abi.arrays import read_only
 from abi.search.label_kernels import rounds
 from abi.search.task import SearchTask
-from abi.search.trace import NO_NODES, SearchTrace, with_path
+from abi.search.trace import SearchTrace, finished_trace
 
 
 def bellman_ford_rounds(task: SearchTask) -> SearchTrace:
@@ -23,18 +22,6 @@ def bellman_ford_rounds(task: SearchTask) -> SearchTrace:
     )
     count = len(ends) - 1
     examined = len(arcs.rows.indices) * np.arange(count + 1, dtype=np.int64)
-    trace = SearchTrace(
-        arcs=arcs,
-        queue="rounds",
-        factors=(1.0, 0.0),
-        sides=1,
-        order=read_only(np.full(count, -1, np.int32)),
-        examined=read_only(examined),
-        ends=read_only(ends),
-        nodes=read_only(nodes),
-        costs=read_only(costs),
-        parents=read_only(parents),
-        vertices=NO_NODES,
-        cycle=read_only(cycle),
-    )
-    return with_path(trace)
+    order = np.full(count, -1, np.int32)
+    changes = ends, nodes, costs, parents
+    return finished_trace(arcs, "rounds", order, examined, changes, cycle=cycle)

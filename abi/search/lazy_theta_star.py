@@ -9,7 +9,7 @@ import numpy as np
 from abi.arrays import flat, read_only
 from abi.search.lazy_theta_star_kernels import lazy_theta_star_steps
 from abi.search.task import SearchTask
-from abi.search.trace import NO_NODES, SearchTrace, with_path
+from abi.search.trace import SearchTrace, finished_trace
 
 
 def lazy_theta_star(task: SearchTask) -> SearchTrace:
@@ -35,17 +35,7 @@ def lazy_theta_star(task: SearchTask) -> SearchTrace:
     scanned = arcs.degrees(order)
     if len(order) and order[-1] == arcs.goal:
         scanned[-1] = 0
-    trace = SearchTrace(
-        arcs=replace(arcs, estimates=read_only(left)),
-        queue="best_first",
-        factors=(1.0, 1.0),
-        sides=1,
-        order=read_only(order),
-        examined=read_only(np.concatenate(([0], np.cumsum(scanned, dtype=np.int64)))),
-        ends=read_only(ends),
-        nodes=read_only(nodes),
-        costs=read_only(costs),
-        parents=read_only(parents),
-        vertices=NO_NODES,
-    )
-    return with_path(trace)
+    examined = np.concatenate(([0], np.cumsum(scanned, dtype=np.int64)))
+    changes = ends, nodes, costs, parents
+    straight = replace(arcs, estimates=read_only(left))
+    return finished_trace(straight, "best_first", order, examined, changes, (1.0, 1.0))

@@ -9,21 +9,14 @@ from __future__ import annotations
 import heapq
 
 import numpy as np
-from numba.extending import register_jitable
 
 from abi.arrays import FloatArray, IntArray
 from abi.compiled import FLOATS, IDS, compiled
 from abi.obstacles.primitive_tree_kernels import blocked
-from abi.obstacles.vector_kernels import Vec3, distance
+from abi.obstacles.vector_kernels import distance, vec3_at
 
 Steps = tuple[IntArray, IntArray, IntArray, FloatArray, IntArray]
 """Expanded nodes; changes after each step; then each change's node, cost and parent."""
-
-
-@register_jitable(forceinline=True)
-def _place(places: FloatArray, node: int) -> Vec3:
-    """Place of a node, [unit], world."""
-    return places[3 * node], places[3 * node + 1], places[3 * node + 2]
 
 
 @compiled(example=(IDS, IDS, FLOATS, (0, 1), FLOATS, FLOATS))
@@ -46,11 +39,11 @@ def lazy_theta_star_steps(
     """
     nodes = len(indptr) - 1
     start, goal = ends
-    target = _place(places, goal)
+    target = vec3_at(places, 3 * goal)
     cost, parent = np.full(nodes, np.inf), np.full(nodes, -1, np.int32)
     closed = np.zeros(nodes, np.uint8)
     cost[start] = 0.0
-    queue = [(distance(_place(places, start), target), 0, start)]
+    queue = [(distance(vec3_at(places, 3 * start), target), 0, start)]
     order, counts = [start][:0], [1]
     node_of, cost_of, parent_of = [start], [0.0], [-1]
     while len(queue) > 0:
@@ -58,16 +51,16 @@ def lazy_theta_star_steps(
         if closed[node] == 1:
             continue
         first, last = indptr[node], indptr[node + 1]
-        origin, here = parent[node] + 0, _place(places, node)
+        origin, here = parent[node] + 0, vec3_at(places, 3 * node)
         if origin >= 0:
             is_edge = False
             for k in range(first, last):
                 is_edge = is_edge or indices[k] == origin
-            if not is_edge and blocked(primitives, margins, 0, _place(places, origin), here):
+            if not is_edge and blocked(primitives, margins, 0, vec3_at(places, 3 * origin), here):
                 least = np.inf
                 for k in range(first, last):
                     other = indices[k]
-                    through = cost[other] + distance(_place(places, other), here)
+                    through = cost[other] + distance(vec3_at(places, 3 * other), here)
                     if closed[other] == 1 and through < least:
                         least, origin = through, other + 0
                 cost[node], parent[node] = least, origin
@@ -81,10 +74,10 @@ def lazy_theta_star_steps(
             break
         if origin < 0:
             origin = node
-        so_far, there = cost[origin], _place(places, origin)
+        so_far, there = cost[origin], vec3_at(places, 3 * origin)
         for k in range(first, last):
             other = indices[k] + 0
-            place = _place(places, other)
+            place = vec3_at(places, 3 * other)
             through = so_far + distance(there, place)
             if closed[other] == 0 and through < cost[other]:
                 cost[other], parent[other] = through, origin

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from abi.arrays import FloatArray, IntArray, ShortRepr, read_only
 from abi.search.arcs import Arcs
-from abi.search.label_kernels import relax_in_order
+from abi.search.label_kernels import Labels, relax_in_order
 from abi.search.search_kernels import reconstruct_path
 
 Queue = Literal["best_first", "first_in", "rounds"]
@@ -123,24 +123,33 @@ def trace_of(
     )
     if stops:
         ends = np.append(ends, ends[-1])
+    changes = ends, nodes, costs, parents
+    return finished_trace(arcs, queue, order, examined, changes, factors, sides)
+
+
+def finished_trace(
+    arcs: Arcs,
+    queue: Queue,
+    order: IntArray,
+    examined: NDArray[np.int64],
+    changes: Labels,
+    factors: tuple[float, float] = (1.0, 0.0),
+    sides: int = 1,
+    cycle: IntArray = NO_NODES,
+) -> SearchTrace:
+    """The trace of a search, with the path that its last labels give.
+
+    Args:
+        arcs, queue, order, examined, factors, sides, cycle: see :class:`SearchTrace`.
+        changes: its ``ends``, ``nodes``, ``costs`` and ``parents``.
+    """
+    ends, nodes, costs, parents = changes
     trace = SearchTrace(
-        arcs,
-        queue,
-        factors,
-        sides,
-        order,
-        read_only(examined),
-        read_only(ends),
-        read_only(nodes),
-        read_only(costs),
-        read_only(parents),
-        NO_NODES,
+        *(arcs, queue, factors, sides, read_only(order), read_only(examined)),
+        *(read_only(ends), read_only(nodes), read_only(costs), read_only(parents)),
+        vertices=NO_NODES,
+        cycle=read_only(cycle),
     )
-    return with_path(trace)
-
-
-def with_path(trace: SearchTrace) -> SearchTrace:
-    """The trace with the path that its last labels give."""
     n, goal = len(trace.arcs.points), trace.arcs.goal
     cost, parent = last_labels(trace, trace.steps)
     found = NO_NODES
