@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from abi.arrays import FloatArray, IntArray
-from abi.export.solids import Quaternion
+from abi.obstacles.pose import UNTURNED, Quaternion
 
 Part = dict[str, Any]
 """A part of a message, as JSON has it."""
@@ -82,7 +82,7 @@ def line(points: FloatArray, colour: Colour) -> tuple[str, Part]:
     """A line through points (n, 3), [m], two pixels wide, with its kind."""
     part = {
         "type": 0,  # a strip
-        "pose": pose_of(np.zeros(3), (1.0, 0.0, 0.0, 0.0)),
+        "pose": pose_of(np.zeros(3), UNTURNED),
         "thickness": 2.0,
         "scale_invariant": True,
         "points": [xyz(point) for point in points],

@@ -11,8 +11,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from abi.errors import ExportError
-from abi.export.solids import Quaternion, Solid, solids
-from abi.obstacles.pose import Vec3
+from abi.export.solids import Solid, solids
+from abi.obstacles.pose import UNTURNED, Quaternion, Vec3
 from abi.planner.plan import Plan
 
 _NO_COLOUR = "0 0 0 0"
@@ -29,7 +29,7 @@ def write(plan: Plan, name: str) -> bytes:
         raise ExportError("The scene has no obstacles, and MoveIt reads no scene without.")
     lines = ["abi"]
     for number, parts in enumerate(solids(scene.obstacles, scene.unit)):
-        lines += [f"* obstacle_{number + 1}", *_pose((0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0))]
+        lines += [f"* obstacle_{number + 1}", *_pose((0.0, 0.0, 0.0), UNTURNED)]
         lines.append(str(len(parts)))
         for solid in parts:
             lines += [*_shape(solid), *_pose(solid.position, solid.wxyz), _NO_COLOUR]

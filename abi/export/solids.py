@@ -11,9 +11,7 @@ from abi.arrays import FloatArray, read_only
 from abi.obstacles.convex_shape import ConvexShape
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import Obstacle, Obstacles
-from abi.obstacles.pose import METRES, Vec3
-
-Quaternion = tuple[float, float, float, float]
+from abi.obstacles.pose import METRES, UNTURNED, Quaternion, Vec3
 
 KINDS = ("box", "sphere", "cylinder")
 """Convex shapes that other programs know."""
@@ -39,7 +37,7 @@ class Solid:
     kind: str
     size: Vec3
     position: Vec3 = (0.0, 0.0, 0.0)
-    wxyz: Quaternion = (1.0, 0.0, 0.0, 0.0)
+    wxyz: Quaternion = UNTURNED
     triangles: FloatArray = field(default_factory=_no_triangles)
 
 

@@ -18,7 +18,7 @@ import numpy as np
 
 from abi.arrays import FloatArray, IntArray, flat, read_only
 from abi.obstacles import obstacle_set_kernels as kernels
-from abi.obstacles.pose import Posed, Vec3, rotation
+from abi.obstacles.pose import Posed, Quaternion, Vec3, rotation
 from abi.obstacles.primitive_kernels import BOUNDS, WIDTH, Core
 from abi.obstacles.primitive_tree_kernels import TREE
 
@@ -103,7 +103,7 @@ def row(shape: ConvexShape) -> FloatArray:
 
 
 @lru_cache(maxsize=1024)
-def _axes(wxyz: tuple[float, float, float, float]) -> tuple[float, ...]:
+def _axes(wxyz: Quaternion) -> tuple[float, ...]:
     """The body's axes in the world, one after the other (9,)."""
     return tuple(rotation(wxyz).T.ravel().tolist())
 

@@ -17,7 +17,7 @@ from pydantic_core import PydanticCustomError
 
 from abi.arrays import BoolArray, FloatArray, flat, read_only
 from abi.errors import SceneError
-from abi.obstacles.pose import LARGEST, METRES, Length, Posed, rotation
+from abi.obstacles.pose import LARGEST, METRES, Length, Posed, Quaternion, rotation
 from abi.obstacles.triangle_mesh import surface_kernels as kernels
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.obstacles.triangle_mesh.signed_distance import body_frame, placement
@@ -222,7 +222,7 @@ def _bounds(shape: MeshShape) -> tuple[FloatArray, FloatArray]:
 
 @lru_cache(maxsize=256)
 def _turned_bounds(
-    surface: Surface, wxyz: tuple[float, float, float, float], factor: float
+    surface: Surface, wxyz: Quaternion, factor: float
 ) -> tuple[FloatArray, FloatArray]:
     """Bounds of a shape with its file's origin at the world's: of the round ones a hull has many
     corners."""

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from abi.arrays import FloatArray, read_only
-from abi.obstacles.pose import Vec3, rotation
+from abi.obstacles.pose import Quaternion, Vec3, rotation
 from abi.obstacles.triangle_mesh.bvh import Dipoles, TriangleTree, coarser, dipoles, moved, tree_of
 from abi.obstacles.triangle_mesh.distance_grid_kernels import DistanceGrid, grid_values
 from abi.obstacles.triangle_mesh.per_surface import PerSurface
@@ -51,9 +51,7 @@ class BodyFrame:
         self.tables = SurfaceTables(tree, far_field, grid, surface.closed, extent, error)
 
 
-def placement(
-    frame: BodyFrame, position: Vec3, wxyz: tuple[float, float, float, float], factor: float
-) -> Placement:
+def placement(frame: BodyFrame, position: Vec3, wxyz: Quaternion, factor: float) -> Placement:
     """Placement of a body frame in the world.
 
     Args:
