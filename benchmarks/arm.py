@@ -21,7 +21,7 @@ import numpy as np
 from abi import compiling
 from abi.arm.arm import Arm
 from abi.arm.regions import shadow
-from abi.arm.surroundings import surroundings
+from abi.arm.surroundings import arm_surroundings
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner.planner import Planner
 from abi.scene.scene import Scene
@@ -104,8 +104,8 @@ def shadow_drag(pitch: float, nodes: int, scenes: int) -> Row:
         for step in range(_STEPS):
             moved = _moved(scene, _SWING * np.sin(2 * np.pi * step / _STEPS))
             begin = time.thread_time()
-            around = surroundings(arm, ObstacleSet(moved.obstacles), box.min[2])
-            shadow(arm, "up", scene.arm.q5, around, (box.min, box.max))
+            surroundings = arm_surroundings(arm, ObstacleSet(moved.obstacles), box.min[2])
+            shadow(arm, "up", scene.arm.q5, surroundings, (box.min, box.max))
             times.append(1e3 * (time.thread_time() - begin))
     return {
         "method": "shadow",

@@ -9,7 +9,7 @@ import numpy as np
 
 from abi.arm.arm import Arm, place
 from abi.arm.arm_sight import ArmSight
-from abi.arm.surroundings import surroundings
+from abi.arm.surroundings import arm_surroundings
 from abi.arm.trajectory import ArmMotion
 from abi.arrays import FloatArray
 from abi.obstacles.obstacle_set import ObstacleSet
@@ -60,10 +60,10 @@ def free_branches(scene: Scene, ends: FloatArray) -> Sequence[str]:
     if obstacles.signed_distance(ends).min() < scene.spline.clearance + 0.02:
         return []
     arm = Arm.from_settings(scene.arm)
-    around = surroundings(arm, obstacles, scene.workspace.min[2])
+    surroundings = arm_surroundings(arm, obstacles, scene.workspace.min[2])
     branches = []
     for elbow in scene.arm.branches:
-        sight = ArmSight(arm, elbow, around, (0.0, 0.0), 0.0, 0.02)
+        sight = ArmSight(arm, elbow, surroundings, (0.0, 0.0), 0.0, 0.02)
         if all(sight.leg_refutation(end[None]) is None for end in ends):
             branches.append(elbow)
     return branches

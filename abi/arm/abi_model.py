@@ -15,7 +15,7 @@ from abi.arm.arm_model import OtherSights
 from abi.arm.arm_sight import ArmSight
 from abi.arm.inverse_kinematics import solve
 from abi.arm.solid_rows import RowTable
-from abi.arm.surroundings import Surroundings, surroundings
+from abi.arm.surroundings import Surroundings, arm_surroundings
 from abi.arm.trajectory import ArmMotion
 from abi.arm.wrist_drives import wrist_positions
 from abi.arrays import FloatArray, flat, read_only
@@ -71,7 +71,7 @@ class AbiCourse:
         """Motion by a profile, at uniform times."""
         return trajectory.follow(self.curve, self.arc, profile, self.arm, self.settings, samples)
 
-    def is_refuted(self, profile: PathProfile, around: Surroundings, required: float) -> bool:
+    def is_refuted(self, profile: PathProfile, surroundings: Surroundings, required: float) -> bool:
         """Check whether a few poses show that the arm is not clear.
 
         If q5 slides, a proof is tried instead, since q5 at a pose would have to be computed first.
@@ -82,7 +82,7 @@ class AbiCourse:
         low, high = float(slide.low.min()), float(slide.high.max())
         if low < high:
             tries = _TRIES_TO_REFUTE
-            found = certify_arm(self.curve, slide, self.arm, elbow, around, required, tries)
+            found = certify_arm(self.curve, slide, self.arm, elbow, surroundings, required, tries)
             return isinstance(found, ArmRefutation) and found.decided
         points = flat(self.curve(np.linspace(*self.curve.interval, _POSES_TO_REFUTE)))
         reached, touching = np.zeros((2, _POSES_TO_REFUTE), dtype=np.bool_)
@@ -91,15 +91,15 @@ class AbiCourse:
         if not reached.all():
             return True
         mask_kernels.touching_places(
-            points, table, around.beyond(required), forearm, 0.0, read_only(reached), touching
+            points, table, surroundings.beyond(required), forearm, 0.0, read_only(reached), touching
         )
         return bool(touching.any())
 
     def clearance(
-        self, motion: ArmMotion, obstacles: ObstacleSet, around: Surroundings, required: float
+        self, motion: ArmMotion, obstacles: ObstacleSet, surroundings: Surroundings, required: float
     ) -> ArmClearance:
         """Clearance of the whole arm in that motion, measured and proven."""
-        return arm_clearance(motion, self.arm, obstacles, around, required)
+        return arm_clearance(motion, self.arm, obstacles, surroundings, required)
 
 
 class AbiModel:
@@ -111,7 +111,7 @@ class AbiModel:
 
     def surroundings(self, obstacles: ObstacleSet, lowest: float) -> Surroundings:
         """Surroundings of the arm: obstacles, floor and column."""
-        return surroundings(self.arm, obstacles, lowest, self._rows)
+        return arm_surroundings(self.arm, obstacles, lowest, self._rows)
 
     def courses(
         self,
@@ -119,24 +119,24 @@ class AbiModel:
         arc: ArcLength,
         settings: ArmSettings,
         obstacles: ObstacleSet,
-        around: Surroundings,
+        surroundings: Surroundings,
     ) -> tuple[AbiCourse, ...]:
         """Joints along a curve, on each elbow branch that may be taken."""
         branches = settings.branches
         return tuple(AbiCourse(curve, arc, self.arm, settings.on(elbow)) for elbow in branches)
 
     def sights(
-        self, scene: Scene, mesh: TetMesh, around: Surroundings, slack: float
+        self, scene: Scene, mesh: TetMesh, surroundings: Surroundings, slack: float
     ) -> tuple[AbiSight, ...]:
         """One sight for each elbow branch that may be taken."""
         extensions, clearance = _extensions(scene), scene.arm.clearance
         return tuple(
-            AbiSight(self.arm, elbow, around, extensions, clearance, slack, scene.arm)
+            AbiSight(self.arm, elbow, surroundings, extensions, clearance, slack, scene.arm)
             for elbow in scene.arm.branches
         )
 
     def other_sights(
-        self, scene: Scene, mesh: TetMesh, around: Surroundings, slack: float
+        self, scene: Scene, mesh: TetMesh, surroundings: Surroundings, slack: float
     ) -> OtherSights:
         """No further sights: an elbow has only two sides."""
         return OtherSights(iter(()))

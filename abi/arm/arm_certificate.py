@@ -90,7 +90,7 @@ def certify_arm(
     slide: Slide,
     arm: Arm,
     elbow: Literal["up", "down"],
-    around: Surroundings,
+    surroundings: Surroundings,
     margin: float,
     most_tries: int | None = None,
 ) -> ArmCertificate | ArmRefutation:
@@ -101,15 +101,16 @@ def certify_arm(
         slide: bounds of q5 along it.
         arm: the arm.
         elbow: its branch.
-        around: obstacles, floor and column.
+        surroundings: obstacles, floor and column.
         margin: distance to prove from obstacles, at least 0, [unit].
         most_tries: pairs of a capsule and an obstacle to try at most; None for the default limit.
     """
-    tries = (
-        _MOST_TRIES + 20 * len(around.asked) * around.in_use if most_tries is None else most_tries
-    )
+    if most_tries is None:
+        most_tries = _MOST_TRIES + 20 * len(surroundings.asked) * surroundings.in_use
     bounds = tuple(flat(values).tobytes() for values in slide)
-    return _certified(curve, bounds, arm, elbow, around, margin, tries)  # type: ignore[arg-type]
+    return _certified(
+        *(curve, bounds, arm, elbow, surroundings, margin, most_tries)  # type: ignore[arg-type]
+    )
 
 
 @lru_cache(maxsize=2)
@@ -118,7 +119,7 @@ def _certified(
     bounds: tuple[bytes, ...],
     arm: Arm,
     elbow: Literal["up", "down"],
-    around: Surroundings,
+    surroundings: Surroundings,
     margin: float,
     tries: int,
 ) -> ArmCertificate | ArmRefutation:
@@ -130,23 +131,23 @@ def _certified(
         flat(pieces.breaks),
         room,
         arm.table(elbow),
-        around.beyond(margin),
+        surroundings.beyond(margin),
         slide,
         tries,
     )
-    count = len(around.numbers)
+    count = len(surroundings.numbers)
     if status != CERTIFIED:
         capsule, row = (-1, -1) if status == UNREACHED else divmod(pair, count)
         decided = status in (REFUTED, UNREACHED)
-        return ArmRefutation(at, capsule, int(around.numbers[row]), decided)
+        return ArmRefutation(at, capsule, int(surroundings.numbers[row]), decided)
     pairs = planes[:, 2].astype(np.int32)
     rows = pairs % count
     return ArmCertificate(
-        margin=margin if (around.numbers >= 0).any() else math.inf,
+        margin=margin if (surroundings.numbers >= 0).any() else math.inf,
         pieces=read_only(planes[:, :2].copy()),
         poses=read_only(planes[:, 6].copy()),
         capsule=read_only((pairs // count).astype(np.int32)),
-        obstacle=read_only(around.numbers[rows]),
+        obstacle=read_only(surroundings.numbers[rows]),
         directions=read_only(planes[:, 3:6].copy()),
     )
 

@@ -104,7 +104,7 @@ def arm_clearance(
     motion: ArmMotion,
     arm: Arm,
     obstacles: ObstacleSet,
-    around: Surroundings,
+    surroundings: Surroundings,
     required: float,
 ) -> ArmClearance:
     """Measure the clearance of an arm along its motion, and prove as much of it as possible.
@@ -113,17 +113,19 @@ def arm_clearance(
         motion: its motion.
         arm: the arm.
         obstacles: the solids.
-        around: the same, with the floor and the arm's column.
+        surroundings: the same, with the floor and the arm's column.
         required: distance to keep from obstacles, at least 0, [unit].
     """
     ends = place(arm, motion.positions)
-    own = _measured(ends, arm, around.only(around.numbers < 0), _TOUCH)
-    solid = _measured(ends, arm, around.only((around.numbers >= 0) & (around.meshes < 0)))
+    own = _measured(ends, arm, surroundings.only(surroundings.numbers < 0), _TOUCH)
+    solid = _measured(
+        ends, arm, surroundings.only((surroundings.numbers >= 0) & (surroundings.meshes < 0))
+    )
     if obstacles.meshes:
         solid = _with_meshes(solid, ends, arm, obstacles)
     contacts = _contacts(motion.time, own, arm) + _contacts(motion.time, solid, arm)
-    certify = partial(certify_arm, motion.curve, motion.slide, arm, motion.elbow, around)
-    return proven_clearance(motion, arm, solid, contacts, required, around.in_use, certify)
+    certify = partial(certify_arm, motion.curve, motion.slide, arm, motion.elbow, surroundings)
+    return proven_clearance(motion, arm, solid, contacts, required, surroundings.in_use, certify)
 
 
 def proven_clearance(
@@ -218,16 +220,16 @@ class Measured(NamedTuple):
 
 
 def _measured(
-    ends: FloatArray, arm: Arm, around: Surroundings, enough: float = math.inf
+    ends: FloatArray, arm: Arm, surroundings: Surroundings, enough: float = math.inf
 ) -> Measured:
     """Distances of capsules to convex solids and the floor, up to ``enough``, [unit]."""
     shape = ends.shape[:2]
     distance, row = np.empty(shape), np.empty(shape, dtype=np.int32)
     capsule_kernels.capsule_clearances(
-        *(flat(ends), arm.capsule_rows, around.beyond(0.0), enough),
+        *(flat(ends), arm.capsule_rows, surroundings.beyond(0.0), enough),
         *(distance.reshape(-1), row.reshape(-1)),
     )
-    return Measured(distance, around.numbers[row])
+    return Measured(distance, surroundings.numbers[row])
 
 
 def _with_meshes(solid: Measured, ends: FloatArray, arm: Arm, obstacles: ObstacleSet) -> Measured:

@@ -49,11 +49,11 @@ class Course(Protocol):
     def motion(self, profile: PathProfile, samples: int) -> ArmMotion:
         """The motion by a profile, at uniform times."""
 
-    def is_refuted(self, profile: PathProfile, around: Surroundings, required: float) -> bool:
+    def is_refuted(self, profile: PathProfile, surroundings: Surroundings, required: float) -> bool:
         """Check if a quick test shows that the arm is not clear; False if that would take long."""
 
     def clearance(
-        self, motion: ArmMotion, obstacles: ObstacleSet, around: Surroundings, required: float
+        self, motion: ArmMotion, obstacles: ObstacleSet, surroundings: Surroundings, required: float
     ) -> ArmClearance:
         """Clearance of the whole arm in that motion, measured and proven."""
 
@@ -142,23 +142,23 @@ class ArmModel(Protocol):
         arc: ArcLength,
         settings: ArmSettings,
         obstacles: ObstacleSet,
-        around: Surroundings,
+        surroundings: Surroundings,
     ) -> Sequence[Course]:
         """Joint positions along a curve on each branch that may be taken, the preferred first."""
 
     def sights(
-        self, scene: Scene, mesh: TetMesh, around: Surroundings, slack: float
+        self, scene: Scene, mesh: TetMesh, surroundings: Surroundings, slack: float
     ) -> Sequence[Sight]:
         """One sight for each branch that may be taken.
 
         Args:
             scene: the scene.
             mesh: whose nodes may be asked about.
-            around: everything around it.
+            surroundings: everything around it.
             slack: distance that legs and places keep beyond the clearance, [unit].
         """
 
     def other_sights(
-        self, scene: Scene, mesh: TetMesh, around: Surroundings, slack: float
+        self, scene: Scene, mesh: TetMesh, surroundings: Surroundings, slack: float
     ) -> OtherSights:
         """Sights on further branches, with the arguments of :meth:`sights`."""

@@ -35,7 +35,7 @@ class ArmSight:
     Attributes:
         arm: the arm.
         elbow: its branch.
-        around: obstacles, floor and column.
+        surroundings: obstacles, floor and column.
         extensions: least and greatest q5 while it moves, [unit].
         clearance: distance that its links keep from obstacles, [unit].
         slack: distance that legs and nodes keep beyond that, so that a curve may round them,
@@ -45,7 +45,7 @@ class ArmSight:
 
     arm: Arm
     elbow: Literal["up", "down"]
-    around: Surroundings
+    surroundings: Surroundings
     extensions: tuple[float, float]
     clearance: float
     slack: float
@@ -72,7 +72,7 @@ class ArmSight:
     def refutation(self, curve: PolynomialCurve) -> ArmRefutation | None:
         """Find where on a curve the arm is not proven clear; None if it is clear throughout."""
         result = certify_arm(
-            *(curve, self._slide(curve), self.arm, self.elbow, self.around, self.clearance)
+            *(curve, self._slide(curve), self.arm, self.elbow, self.surroundings, self.clearance)
         )
         return None if isinstance(result, ArmCertificate) else result
 
@@ -95,9 +95,9 @@ class ArmSight:
         )
         if status == CERTIFIED:
             return None
-        capsule, row = divmod(pair, len(self.around.numbers)) if pair >= 0 else (-1, -1)
+        capsule, row = divmod(pair, len(self.surroundings.numbers)) if pair >= 0 else (-1, -1)
         decided = status in (REFUTED, UNREACHED)
-        return ArmRefutation(at, capsule, int(self.around.numbers[row]), decided)
+        return ArmRefutation(at, capsule, int(self.surroundings.numbers[row]), decided)
 
     def unreached(self, point: FloatArray) -> Unreached | None:
         """Reason why the arm does not take its pose at a place (3,), [unit], world."""
@@ -124,29 +124,36 @@ class ArmSight:
         """Check whether the arm reaches points (n, 3), clear of floor and column, (n,)."""
         reached = np.zeros(len(points), dtype=np.bool_)
         mask_kernels.reached_places(flat(points), self._table.numbers, *self._forearm, reached)
-        return reached & ~self._touching(points, self.around.only(self.around.numbers < 0), reached)
+        return reached & ~self._touching(
+            points, self.surroundings.only(self.surroundings.numbers < 0), reached
+        )
 
     def touching(
         self, points: FloatArray, number: int, reached: BoolArray, tree: NodeTree | None = None
     ) -> BoolArray:
         """Check if it nearly touches obstacle ``number`` at points (n, 3) that it reaches, (n,)."""
-        around = self.around.only(self.around.numbers == number)
+        surroundings = self.surroundings.only(self.surroundings.numbers == number)
         forearm, slide = self._forearm
         if tree is None or slide > 0:
-            return self._touching(points, around, reached)
+            return self._touching(points, surroundings, reached)
         touching = np.zeros(len(points), dtype=np.bool_)
-        obstacle = around.beyond(self.clearance + self.slack), self.around.first_row(number)
+        obstacle = (
+            surroundings.beyond(self.clearance + self.slack),
+            self.surroundings.first_row(number),
+        )
         place_tree_kernels.places_touching(
             tree, self.arm.table(self.elbow), obstacle, forearm, reached, touching
         )
         return touching
 
-    def _touching(self, points: FloatArray, around: Surroundings, reached: BoolArray) -> BoolArray:
+    def _touching(
+        self, points: FloatArray, surroundings: Surroundings, reached: BoolArray
+    ) -> BoolArray:
         touching = np.zeros(len(points), dtype=np.bool_)
         mask_kernels.touching_places(
             flat(points),
             self.arm.table(self.elbow),
-            around.beyond(self.clearance + self.slack),
+            surroundings.beyond(self.clearance + self.slack),
             *self._forearm,
             reached,
             touching,
@@ -174,7 +181,7 @@ class ArmSight:
 
     @cached_property
     def _beyond(self) -> Obstacles:
-        return self.around.beyond(self.clearance + self.slack)
+        return self.surroundings.beyond(self.clearance + self.slack)
 
     @cached_property
     def _forearm(self) -> tuple[float, float]:

@@ -38,7 +38,7 @@ MOST_TRIES = 200_000
 def certify_chain(
     arm: UrdfArm,
     positions: FloatArray,
-    around: Surroundings,
+    surroundings: Surroundings,
     margin: float,
     most_tries: int = MOST_TRIES,
 ) -> ArmCertificate | ArmRefutation:
@@ -51,17 +51,17 @@ def certify_chain(
     Args:
         arm: the arm.
         positions: joint positions (k, n), k >= 2, [rad] or [unit].
-        around: what to keep clear of.
+        surroundings: what to keep clear of.
         margin: distance to prove from obstacles, at least 0, [unit].
         most_tries: number of tries at most.
     """
-    outcome = separate_chain(*_task(arm, positions, around, margin), most_tries, True)
-    refutation, planes = _refutation(arm, around, outcome), outcome[-1]
+    outcome = separate_chain(*_task(arm, positions, surroundings, margin), most_tries, True)
+    refutation, planes = _refutation(arm, surroundings, outcome), outcome[-1]
     if refutation is not None:
         return refutation
-    capsules, others = _pairs(arm, around, planes[:, 2])
+    capsules, others = _pairs(arm, surroundings, planes[:, 2])
     return ArmCertificate(
-        margin=margin if (around.numbers >= 0).any() else math.inf,
+        margin=margin if (surroundings.numbers >= 0).any() else math.inf,
         pieces=read_only(planes[:, :2].copy()),
         poses=read_only(planes[:, 6].copy()),
         capsule=capsules,
@@ -74,39 +74,39 @@ def certify_chain(
 def chain_refutation(
     arm: UrdfArm,
     positions: FloatArray,
-    around: Surroundings,
+    surroundings: Surroundings,
     margin: float,
     most_tries: int = MOST_TRIES,
 ) -> ArmRefutation | None:
     """Find where :func:`certify_chain` finds that an arm does not keep clear; None if it does."""
-    outcome = separate_chain(*_task(arm, positions, around, margin), most_tries, False)
-    return _refutation(arm, around, outcome)
+    outcome = separate_chain(*_task(arm, positions, surroundings, margin), most_tries, False)
+    return _refutation(arm, surroundings, outcome)
 
 
 def _task(
-    arm: UrdfArm, positions: FloatArray, around: Surroundings, margin: float
+    arm: UrdfArm, positions: FloatArray, surroundings: Surroundings, margin: float
 ) -> tuple[ChainTable, Bodies, FloatArray, Obstacles]:
     coordinates = flat(positions / arm.scales)
-    return arm.chain.table, bodies_of(arm), coordinates, around.beyond(margin)
+    return arm.chain.table, bodies_of(arm), coordinates, surroundings.beyond(margin)
 
 
-def _refutation(arm: UrdfArm, around: Surroundings, outcome: Outcome) -> ArmRefutation | None:
+def _refutation(arm: UrdfArm, surroundings: Surroundings, outcome: Outcome) -> ArmRefutation | None:
     status, at, pair, _, _ = outcome
     if status == CERTIFIED:
         return None
-    capsules, others = _pairs(arm, around, np.array([pair]))
+    capsules, others = _pairs(arm, surroundings, np.array([pair]))
     return ArmRefutation(at, int(capsules[0]), int(others[0]), status == REFUTED)
 
 
 def _pairs(
-    arm: UrdfArm, around: Surroundings, pairs: FloatArray | IntArray
+    arm: UrdfArm, surroundings: Surroundings, pairs: FloatArray | IntArray
 ) -> tuple[IntArray, IntArray]:
     """Numbers of the capsules of pairs (k,), and of what each is separated from."""
-    count = len(around.numbers)
+    count = len(surroundings.numbers)
     numbers = pairs.astype(np.int64)
     behind = numbers - len(arm.capsules) * count
     own = behind >= 0
     links = arm.pairs[np.where(own, behind, 0)] if own.any() else np.zeros((len(numbers), 2))
     capsules = np.where(own, links[:, 1], numbers // count)
-    others = np.where(own, OWN - links[:, 0], around.numbers[numbers % count])
+    others = np.where(own, OWN - links[:, 0], surroundings.numbers[numbers % count])
     return read_only(capsules.astype(np.int32)), read_only(others.astype(np.int32))

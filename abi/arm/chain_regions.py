@@ -57,13 +57,13 @@ def reach_box(arm: UrdfArm, floor: float) -> tuple[Vec3, Vec3]:
     return low, high
 
 
-def chain_shadow(arm: UrdfArm, stances: Stances, around: Surroundings) -> FloatArray:
+def chain_shadow(arm: UrdfArm, stances: Stances, surroundings: Surroundings) -> FloatArray:
     """The tool positions at which a link would be in an obstacle, to a cell of the mesh.
 
     Args:
         arm: the arm.
         stances: its joints, as :func:`stances_in` finds them.
-        around: the obstacles.
+        surroundings: the obstacles.
 
     Returns:
         Triangles (n, 3, 3) of the region's surface, [unit], world.
@@ -73,7 +73,7 @@ def chain_shadow(arm: UrdfArm, stances: Stances, around: Surroundings) -> FloatA
         arm.chain.table,
         bodies_of(arm),
         stances.coordinates,
-        around.only(around.numbers >= 0).beyond(0.0),
+        surroundings.only(surroundings.numbers >= 0).beyond(0.0),
         _ANYHOW,
         stances.reached,
         touching,

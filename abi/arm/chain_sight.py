@@ -43,7 +43,7 @@ class ChainSight:
     Attributes:
         arm: the arm.
         branch: the pose, as the beginning of a sentence.
-        around: obstacles and floor.
+        surroundings: obstacles and floor.
         stances: its joints all over the mesh.
         clearance: distance that its links keep from obstacles, [unit].
         slack: distance that legs and nodes keep beyond that, [unit].
@@ -52,7 +52,7 @@ class ChainSight:
 
     arm: UrdfArm
     branch: str
-    around: Surroundings
+    surroundings: Surroundings
     stances: Stances
     clearance: float
     slack: float
@@ -120,7 +120,7 @@ class ChainSight:
                 return clear
             _, joints, missed = self._follow_polyline(points[k : k + 2], begin)
             clear[k] = (missed <= REACHED * self.arm.reach).all() and chain_refutation(
-                self.arm, joints, self.around, self._beyond, self.most_tries
+                self.arm, joints, self.surroundings, self._beyond, self.most_tries
             ) is None
             pose = (points[k + 1], joints[-1]) if clear[k] else None
         return clear
@@ -133,10 +133,10 @@ class ChainSight:
         """Check whether the arm reaches nodes (n, 3), clear of the floor and itself, (n,)."""
         reached = self.stances.reached
         assert len(points) == len(reached)
-        around = self.around.only(self.around.numbers < 0).beyond(self._beyond)
+        surroundings = self.surroundings.only(self.surroundings.numbers < 0).beyond(self._beyond)
         touching = np.zeros(len(reached), dtype=np.bool_)
         touching_stances(
-            *(self.arm.chain.table, bodies_of(self.arm), self.stances.coordinates, around),
+            *(self.arm.chain.table, bodies_of(self.arm), self.stances.coordinates, surroundings),
             *(self.slack, reached, touching),
         )
         return reached & ~touching
@@ -147,7 +147,7 @@ class ChainSight:
         """Check if it nearly touches obstacle ``number`` at nodes (n, 3) that it reaches, (n,)."""
         assert len(points) == len(reached)
         touching = np.zeros(len(reached), dtype=np.bool_)
-        obstacle = self._around, self.around.first_row(number)
+        obstacle = self._around, self.surroundings.first_row(number)
         stances_touching(
             *(self.arm.chain.table, bodies_of(self.arm), self.stances.tree),
             *(obstacle, reached, touching),
@@ -161,7 +161,7 @@ class ChainSight:
 
     @cached_property
     def _around(self) -> Obstacles:
-        return self.around.beyond(self._beyond)
+        return self.surroundings.beyond(self._beyond)
 
     def _follow_polyline(
         self, vertices: FloatArray, begin: tuple[FloatArray, FloatArray]
@@ -195,7 +195,9 @@ class ChainSight:
         beyond = np.flatnonzero(missed > REACHED * self.arm.reach)
         if len(beyond):
             return ArmRefutation(float(parameters[beyond[0]]), -1, -1, True)
-        found = chain_refutation(self.arm, joints, self.around, margin, *([tries] if tries else []))
+        found = chain_refutation(
+            self.arm, joints, self.surroundings, margin, *([tries] if tries else [])
+        )
         if found is None:
             return None
         at = float(np.interp(found.parameter, np.arange(len(parameters)), parameters))

@@ -8,7 +8,7 @@ import numpy as np
 
 from abi.arm.separate_chain_kernels import Bodies
 from abi.arm.solid_rows import FLOOR, Own, RowTable
-from abi.arm.surroundings import Surroundings, around
+from abi.arm.surroundings import Surroundings, surroundings_from
 from abi.arm.urdf_arm import UrdfArm
 from abi.arrays import flat, read_only
 from abi.obstacles.obstacle_set import ObstacleSet
@@ -32,7 +32,7 @@ def chain_surroundings(
     own = Own(np.zeros(0), np.array([FLOOR], dtype=np.int32), moves)
     solids = (table or RowTable())(obstacles, own)
     size = float(np.abs(arm.base).max()) + 2 * arm.reach
-    return around(solids, own, size, min(float(arm.base[2]), lowest))
+    return surroundings_from(solids, own, size, min(float(arm.base[2]), lowest))
 
 
 @lru_cache(maxsize=16)

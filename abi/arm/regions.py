@@ -18,7 +18,7 @@ _MARGIN = 1e-3  # of a cell: how far outside a region ends at the box
 
 
 def shadow(
-    arm: Arm, elbow: Elbow, extension: float, around: Surroundings, box: tuple[Vec3, Vec3]
+    arm: Arm, elbow: Elbow, extension: float, surroundings: Surroundings, box: tuple[Vec3, Vec3]
 ) -> FloatArray:
     """Surface of the tool positions at which a link would be in an obstacle.
 
@@ -26,13 +26,13 @@ def shadow(
         arm: the arm.
         elbow: its branch.
         extension: q5, [unit].
-        around: the obstacles.
+        surroundings: the obstacles.
         box: low and high corner of the workspace, [unit].
 
     Returns:
         Triangles (n, 3, 3) of the region's surface, [unit], world.
     """
-    places = _MESH_PLACES if around.inside.any() else _SHADOW_PLACES
+    places = _MESH_PLACES if surroundings.inside.any() else _SHADOW_PLACES
     points, shape = grid(*box, places)
     forearm = arm.a4 + arm.a5 + extension
     reached = np.empty(len(points), dtype=np.bool_)
@@ -40,7 +40,7 @@ def shadow(
     mask_kernels.reached_places(flat(points), table.numbers, forearm, 0.0, reached)
     gaps = np.empty(len(points))
     most = float(np.subtract(box[1], box[0]).max()) / places
-    solids = around.only(around.numbers >= 0).beyond(0.0)
+    solids = surroundings.only(surroundings.numbers >= 0).beyond(0.0)
     gap_kernels.arm_gaps(flat(points), table, solids, forearm, read_only(reached), most, gaps)
     return surface(points, gaps, shape)
 

@@ -73,7 +73,7 @@ class Surroundings:
         return replace(self, asked=read_only(self.asked & kept))
 
 
-def surroundings(
+def arm_surroundings(
     arm: Arm, obstacles: ObstacleSet, lowest: float, table: RowTable | None = None
 ) -> Surroundings:
     """Build the surroundings of the paper's arm.
@@ -91,10 +91,10 @@ def surroundings(
     size = float(np.abs(arm.base).max()) + reach
     own = _own(arm)
     solids = (table or RowTable())(obstacles, own)
-    return around(solids, own, size, min(float(arm.base[2]), lowest))
+    return surroundings_from(solids, own, size, min(float(arm.base[2]), lowest))
 
 
-def around(solids: SolidRows, own: Own, size: float, floor: float) -> Surroundings:
+def surroundings_from(solids: SolidRows, own: Own, size: float, floor: float) -> Surroundings:
     """Surroundings of rows.
 
     Args:

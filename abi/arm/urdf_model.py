@@ -67,22 +67,22 @@ class UrdfModel:
         arc: ArcLength,
         settings: ArmSettings,
         obstacles: ObstacleSet,
-        around: Surroundings,
+        surroundings: Surroundings,
     ) -> tuple[JointCourse, ...]:
         """The course from the start pose that keeps the arm clearest."""
-        return (joint_course(curve, arc, self.arm, obstacles, around.floor),)
+        return (joint_course(curve, arc, self.arm, obstacles, surroundings.floor),)
 
     def sights(
-        self, scene: Scene, mesh: TetMesh, around: Surroundings, slack: float
+        self, scene: Scene, mesh: TetMesh, surroundings: Surroundings, slack: float
     ) -> tuple[ChainSight, ...]:
         """One sight for each of a few start poses, clear ones if there are any."""
-        task = _Task(scene, mesh, around, slack)
+        task = _Task(scene, mesh, surroundings, slack)
         self._remember(task)
         clear = self._clear(self._poses_at(scene.start)[:TRIED], task)
         return tuple(self._sight(PosePair(number, None), task) for number in _first_ones(clear))
 
     def other_sights(
-        self, scene: Scene, mesh: TetMesh, around: Surroundings, slack: float
+        self, scene: Scene, mesh: TetMesh, surroundings: Surroundings, slack: float
     ) -> OtherSights:
         """One sight for each of a few clear pairs of a start pose and a pose at the goal.
 
@@ -90,7 +90,7 @@ class UrdfModel:
         """
         if not self.arm.is_redundant:
             return OtherSights(iter(()))
-        task = _Task(scene, mesh, around, slack)
+        task = _Task(scene, mesh, surroundings, slack)
         self._remember(task)
         firsts, lasts = (
             self._clear(self._poses_at(point), task) for point in (scene.start, scene.goal)
@@ -129,7 +129,7 @@ class UrdfModel:
     def _is_clear(self, task: _Task, pose: FloatArray) -> bool:
         """Check whether the arm, standing still, is proven clear and in no closed mesh."""
         still = np.stack([pose, pose])
-        if chain_refutation(self.arm, still, task.around, task.margin) is not None:
+        if chain_refutation(self.arm, still, task.surroundings, task.margin) is not None:
             return False
         return bool((obstacle_distances(self.arm, task.obstacles, pose[None])[0] > 0).all())
 
@@ -139,7 +139,7 @@ class UrdfModel:
             branch += f" drawn to pose {pair.home + 1} at the goal"
         clearance = task.scene.arm.clearance
         return ChainSight(
-            self.arm, branch, task.around, self._stance(pair, task), clearance, task.slack
+            self.arm, branch, task.surroundings, self._stance(pair, task), clearance, task.slack
         )
 
     def _stance(self, pair: PosePair, task: _Task) -> Stances:
@@ -161,7 +161,7 @@ class _Task:
 
     scene: Scene
     mesh: TetMesh
-    around: Surroundings
+    surroundings: Surroundings
     slack: float
 
     @property

@@ -68,15 +68,15 @@ class JointCourse:
         """Motion by a profile, at uniform times."""
         return _follow(self, profile, samples)
 
-    def is_refuted(self, profile: PathProfile, around: Surroundings, required: float) -> bool:
+    def is_refuted(self, profile: PathProfile, surroundings: Surroundings, required: float) -> bool:
         """Check if a quick test shows that the arm is not clear: False, it takes the motion."""
         return False
 
     def clearance(
-        self, motion: ArmMotion, obstacles: ObstacleSet, around: Surroundings, required: float
+        self, motion: ArmMotion, obstacles: ObstacleSet, surroundings: Surroundings, required: float
     ) -> ArmClearance:
         """Clearance of the whole arm in that motion, measured and proven."""
-        return _clearance(motion, self.arm, obstacles, around, required)
+        return _clearance(motion, self.arm, obstacles, surroundings, required)
 
 
 def _follow(course: JointCourse, profile: PathProfile, samples: int) -> ArmMotion:
@@ -115,7 +115,11 @@ def _follow(course: JointCourse, profile: PathProfile, samples: int) -> ArmMotio
 
 
 def _clearance(
-    motion: ArmMotion, arm: UrdfArm, obstacles: ObstacleSet, around: Surroundings, required: float
+    motion: ArmMotion,
+    arm: UrdfArm,
+    obstacles: ObstacleSet,
+    surroundings: Surroundings,
+    required: float,
 ) -> ArmClearance:
     """Measure how clear an arm stays, and prove as much of it as possible.
 
@@ -123,7 +127,7 @@ def _clearance(
         motion: its motion.
         arm: the arm.
         obstacles: the solids.
-        around: the same, with the floor.
+        surroundings: the same, with the floor.
         required: distance to keep from obstacles, at least 0, [unit].
     """
     distance, number = obstacle_distances(arm, obstacles, motion.positions)
@@ -138,14 +142,14 @@ def _clearance(
         ),
         *_contacts(
             motion.time,
-            floor_distances(arm, around.floor, motion.positions),
+            floor_distances(arm, surroundings.floor, motion.positions),
             links,
             ["floor"] * len(links),
         ),
     )
-    certify = partial(certify_chain, arm, motion.positions, around)
+    certify = partial(certify_chain, arm, motion.positions, surroundings)
     measured = Measured(distance, number)
-    return proven_clearance(motion, arm, measured, contacts, required, around.in_use, certify)
+    return proven_clearance(motion, arm, measured, contacts, required, surroundings.in_use, certify)
 
 
 def _contacts(

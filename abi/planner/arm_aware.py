@@ -53,7 +53,7 @@ class ArmTask:
         scene: the scene.
         model: its arm.
         obstacles: its obstacles.
-        around: everything around the arm.
+        surroundings: everything around the arm.
         free: the mesh that the tool may use.
         taut: the path of the tool alone pulled taut; None if the scene does not ask for that.
         margin: distance that edges keep from the obstacles, [unit].
@@ -63,7 +63,7 @@ class ArmTask:
     scene: Scene
     model: ArmModel
     obstacles: ObstacleSet
-    around: Surroundings
+    surroundings: Surroundings
     free: FreeMesh
     taut: TautPath | None
     margin: float
@@ -72,12 +72,12 @@ class ArmTask:
     @property
     def sights(self) -> Sequence[Sight]:
         """The arm on each of its branches."""
-        return self.model.sights(self.scene, self.free.mesh, self.around, self._slack)
+        return self.model.sights(self.scene, self.free.mesh, self.surroundings, self._slack)
 
     @property
     def other_sights(self) -> OtherSights:
         """The arm on further branches, to try if those lead to no motion."""
-        return self.model.other_sights(self.scene, self.free.mesh, self.around, self._slack)
+        return self.model.other_sights(self.scene, self.free.mesh, self.surroundings, self._slack)
 
     @property
     def _slack(self) -> float:
@@ -241,7 +241,7 @@ def _motion(task: ArmTask, sight: Sight, curve: Curve, arc: ArcLength) -> dict[s
     course = sight.course(curve, arc)
     profile = motion_law(course, scene.motion)
     motion = course.motion(profile, task.samples)
-    clearance = course.clearance(motion, task.obstacles, task.around, scene.arm.clearance)
+    clearance = course.clearance(motion, task.obstacles, task.surroundings, scene.arm.clearance)
     found = {"profile": profile, "motion": motion, "arm_clearance": clearance}
     if not is_clear(motion, clearance):
         raise _not_clear(task, sight, "curve")

@@ -146,18 +146,18 @@ def pull(path: list[Vec3], around: _Legs, clear: Clear[_Legs]) -> list[Vec3]:
 
 
 @compiled(example=(FLOATS, NO_SURROUNDINGS, NO_LEGS))
-def pulled(points: FloatArray, around: Surroundings, legs: ArmLegs) -> FloatArray:
+def pulled(points: FloatArray, surroundings: Surroundings, legs: ArmLegs) -> FloatArray:
     """Pull a path taut for the tool and an arm that the kernels know.
 
     Args:
         points: flat (3 k,), clear for tool and arm, [unit], world.
-        around: what the tool keeps clear of.
+        surroundings: what the tool keeps clear of.
         legs: what the arm keeps clear of.
 
     Returns:
         The path, flat, never longer.
     """
-    own = _Around(around, new_room(), legs, new_touched())
+    own = _Around(surroundings, new_room(), legs, new_touched())
     both = borrowed(own)
     path = pull([vec3_at(points, 3 * k) for k in range(len(points) // 3)], both, _clear)
     taut = np.empty(3 * len(path))

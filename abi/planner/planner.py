@@ -196,9 +196,11 @@ class Planner:
         curve: Curve = bspline.curve if is_bspline else quadratic.curve
         arc = bspline_arc if is_bspline else quadratic_arc
 
-        around = self._surroundings(model.surroundings, obstacles, workspace.min[2])
-        courses = self._courses(model.courses, curve, arc, scene.arm, obstacles, around)
-        task = ArmTask(scene, model, obstacles, around, free, results.get("taut"), margin, SAMPLES)
+        surroundings = self._surroundings(model.surroundings, obstacles, workspace.min[2])
+        courses = self._courses(model.courses, curve, arc, scene.arm, obstacles, surroundings)
+        task = ArmTask(
+            scene, model, obstacles, surroundings, free, results.get("taut"), margin, SAMPLES
+        )
         self._move(task, courses, names, results)
 
     def _move(
@@ -207,7 +209,7 @@ class Planner:
         """Stage 6: follow the tool alone, or a curve that the whole arm is clear along."""
         avoid = task.scene.arm.avoid
         paths = [*zip(courses, self._profiles(courses, task.scene.motion), strict=True)]
-        refuted = avoid and _are_refuted(paths, task.scene, task.around)
+        refuted = avoid and _are_refuted(paths, task.scene, task.surroundings)
         if not refuted:
             self._follow(task, paths, results)
         else:  # stages that do not run take no time
@@ -230,7 +232,7 @@ class Planner:
         for k, (course, profile) in enumerate(paths):
             motion = self._motion[k](course.motion, profile, SAMPLES)
             clear = self._arm_clearance[k](
-                *(course.clearance, motion, task.obstacles, task.around),
+                *(course.clearance, motion, task.obstacles, task.surroundings),
                 task.scene.arm.clearance,
             )
             found = {"profile": profile, "motion": motion, "arm_clearance": clear}
@@ -278,14 +280,14 @@ def _profiles(courses: Sequence[Course], asked: MotionSettings) -> tuple[PathPro
 
 
 def _are_refuted(
-    paths: Sequence[tuple[Course, PathProfile]], scene: Scene, around: Surroundings
+    paths: Sequence[tuple[Course, PathProfile]], scene: Scene, surroundings: Surroundings
 ) -> bool:
     """Check if it shows at once that no branch of the arm is clear along the tool's own curve.
 
     Only then need the motion along it not be sampled and measured, which takes longer.
     """
     return scene.motion.law == "three_phase" and all(
-        course.is_refuted(profile, around, scene.arm.clearance) for course, profile in paths
+        course.is_refuted(profile, surroundings, scene.arm.clearance) for course, profile in paths
     )
 
 

@@ -63,18 +63,18 @@ NO_SURROUNDINGS = Surroundings(FLOATS, FLOATS, NO_SURFACES, FLOATS)
 
 
 @register_jitable
-def is_clear(around: Surroundings, kind: int, a: Vec3, b: Vec3, room: Room) -> bool:
+def is_clear(surroundings: Surroundings, kind: int, a: Vec3, b: Vec3, room: Room) -> bool:
     """Check whether the segment a..b keeps the distance of its kind from all obstacles."""
-    solids, margins, surfaces, limits = around
+    solids, margins, surfaces, limits = surroundings
     if blocked(solids, margins, kind * (len(solids) // WIDTH), a, b):
         return False
     return not meets_mesh(surfaces, limits[kind], a, b, room)
 
 
 @register_jitable
-def _outward(around: Surroundings, x: Vec3, room: Room) -> Vec3:
+def _outward(surroundings: Surroundings, x: Vec3, room: Room) -> Vec3:
     """Gradient of the distance to the nearest obstacle, a unit vector; 0 without obstacles."""
-    solids, _, surfaces, _ = around
+    solids, _, surfaces, _ = surroundings
     normal = (0.0, 0.0, 0.0)
     nearest, s = nearest_to_segment(solids, math.inf, x, x)
     if s >= 0:
@@ -90,7 +90,7 @@ def _outward(around: Surroundings, x: Vec3, room: Room) -> Vec3:
 
 
 @register_jitable
-def _shortcut(path: list[Vec3], around: Surroundings, room: Room) -> list[Vec3]:
+def _shortcut(path: list[Vec3], surroundings: Surroundings, room: Room) -> list[Vec3]:
     """A short path from first to last by vertices of the path that see each other.
 
     Each vertex is joined to that from which the way from the start is shortest; what comes first is
@@ -103,7 +103,7 @@ def _shortcut(path: list[Vec3], around: Surroundings, room: Room) -> list[Vec3]:
         for i in range(max(j - _LOOK_BACK, 0), j - 1):
             through = cost[i] + distance(path[i], path[j])
             if through < cost[j] and is_clear(
-                around, kind_of(i, j, count - 1), path[i], path[j], room
+                surroundings, kind_of(i, j, count - 1), path[i], path[j], room
             ):
                 cost[j], parent[j] = through, i
     chain = [count - 1]
@@ -117,17 +117,17 @@ def _shortcut(path: list[Vec3], around: Surroundings, room: Room) -> list[Vec3]:
 
 @register_jitable
 def _leg_is_clear(
-    path: list[Vec3], i: int, trial: Vec3, first: bool, around: Surroundings, room: Room
+    path: list[Vec3], i: int, trial: Vec3, first: bool, surroundings: Surroundings, room: Room
 ) -> bool:
     """Check if the leg to vertex i, or else the leg from it, would be clear with it elsewhere."""
     last = len(path) - 1
     if first:
-        return is_clear(around, kind_of(i - 1, i, last), path[i - 1], trial, room)
-    return is_clear(around, kind_of(i, i + 1, last), trial, path[i + 1], room)
+        return is_clear(surroundings, kind_of(i - 1, i, last), path[i - 1], trial, room)
+    return is_clear(surroundings, kind_of(i, i + 1, last), trial, path[i + 1], room)
 
 
 @register_jitable
-def _move(path: list[Vec3], i: int, around: Surroundings, room: Room) -> None:
+def _move(path: list[Vec3], i: int, surroundings: Surroundings, room: Room) -> None:
     """Move a vertex to where its legs are shortest, of the places tried.
 
     Towards the chord of its neighbours, straight and in the plane across the gradient of the
@@ -138,7 +138,7 @@ def _move(path: list[Vec3], i: int, around: Surroundings, room: Room) -> None:
     if best == 0.0:
         return
     pull = sub(axpy(before / best, sub(b, a), a), here)
-    normal = _outward(around, here, room)
+    normal = _outward(surroundings, here, room)
     across = axpy(-dot(pull, normal), normal, pull)
     best *= 1.0 - 1e-12
     first = True  # whether it was the first leg that was blocked last: it mostly is again
@@ -150,16 +150,16 @@ def _move(path: list[Vec3], i: int, around: Surroundings, room: Room) -> None:
             step /= 2
             if length >= best:
                 continue
-            if not _leg_is_clear(path, i, trial, first, around, room):
+            if not _leg_is_clear(path, i, trial, first, surroundings, room):
                 continue
             first = not first
-            if _leg_is_clear(path, i, trial, first, around, room):
+            if _leg_is_clear(path, i, trial, first, surroundings, room):
                 best, path[i] = length, trial
                 break
 
 
 @register_jitable
-def _cut_corners(path: list[Vec3], around: Surroundings, room: Room) -> list[Vec3]:
+def _cut_corners(path: list[Vec3], surroundings: Surroundings, room: Room) -> list[Vec3]:
     """Replace each corner that can be cut by two vertices."""
     cut = [path[0]]
     least = _SETTLED / 4 * length_of(path)
@@ -173,7 +173,7 @@ def _cut_corners(path: list[Vec3], around: Surroundings, room: Room) -> list[Vec
             p, q = axpy(step / a, to_a, here), axpy(step / b, to_b, here)
             if 2 * step - distance(p, q) <= least:
                 break
-            if is_clear(around, 0, p, q, room):
+            if is_clear(surroundings, 0, p, q, room):
                 cut.append(p)
                 cut.append(q)
                 found = True
@@ -185,21 +185,21 @@ def _cut_corners(path: list[Vec3], around: Surroundings, room: Room) -> list[Vec
 
 
 @compiled(example=(FLOATS, NO_SURROUNDINGS), fallback=False)
-def tightened(points: FloatArray, around: Surroundings) -> FloatArray:
+def tightened(points: FloatArray, surroundings: Surroundings) -> FloatArray:
     """Pull a path (3 k,) taut, see :func:`abi.taut.tighten_near_meshes.tighten_near_meshes`."""
     own = new_room()
     room = borrowed(own)
     path = [vec3_at(points, 3 * i) for i in range(len(points) // 3)]
-    path = _shortcut(path, around, room)
+    path = _shortcut(path, surroundings, room)
     for _ in range(_CUTS):
         for _ in range(_SWEEPS):
             before = length_of(path)
             for i in range(1, len(path) - 1):
-                _move(path, i, around, room)
-            path = _shortcut(path, around, room)
+                _move(path, i, surroundings, room)
+            path = _shortcut(path, surroundings, room)
             if before - length_of(path) <= _SETTLED * before:
                 break
-        cut = _cut_corners(path, around, room)
+        cut = _cut_corners(path, surroundings, room)
         if len(cut) == len(path) or len(cut) > _MOST_POINTS:
             break
         path = cut

@@ -13,7 +13,7 @@ from abi.arm.chain_regions import chain_reach, chain_shadow, reach_box, stances_
 from abi.arm.chain_surroundings import chain_surroundings
 from abi.arm.regions import reachable, shadow
 from abi.arm.stances import Stances
-from abi.arm.surroundings import surroundings
+from abi.arm.surroundings import arm_surroundings
 from abi.arm.urdf_arm import UrdfArm
 from abi.arrays import FloatArray
 from abi.obstacles.obstacle_set import ObstacleSet
@@ -108,7 +108,7 @@ def _paper_region(name: str, plan: Plan, arm: Arm) -> FloatArray:
     scene, elbow = plan.scene, elbow_of(plan)
     lowest, box = scene.workspace.min[2], (scene.workspace.min, scene.workspace.max)
     if name == "shadow":
-        obstacles = surroundings(arm, ObstacleSet(scene.obstacles), lowest)
+        obstacles = arm_surroundings(arm, ObstacleSet(scene.obstacles), lowest)
         return shadow(arm, elbow, scene.arm.q5, obstacles, box)
     floor = min(lowest, scene.arm.base[2])
     return reachable(arm, elbow, scene.arm.q5, floor)

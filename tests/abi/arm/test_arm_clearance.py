@@ -14,7 +14,7 @@ from abi.arm.arm import Arm, place
 from abi.arm.arm_clearance import ArmClearance, arm_clearance
 from abi.arm.capsule_kernels import capsule_clearances
 from abi.arm.capsule_mesh_kernels import capsules_near_meshes
-from abi.arm.surroundings import surroundings
+from abi.arm.surroundings import arm_surroundings
 from abi.arm.trajectory import ArmMotion, follow
 from abi.arrays import FloatArray, flat, read_only
 from abi.curves.bspline import clamped
@@ -61,15 +61,15 @@ def case(settings: ArmSettings, points: FloatArray, obstacles: Obstacles, sample
     profile = three_phase(arc.length, 4.0, 6.0, 6.0)
     motion = follow(curve, arc, profile, arm, settings, samples)
     solids = ObstacleSet(obstacles)
-    around = surroundings(arm, solids, 0.0)
-    return Case(arm, motion, solids, arm_clearance(motion, arm, solids, around, 0.0))
+    surroundings = arm_surroundings(arm, solids, 0.0)
+    return Case(arm, motion, solids, arm_clearance(motion, arm, solids, surroundings, 0.0))
 
 
 def case_of(other: Case, obstacles: Obstacles) -> Case:
     """The motion of another case among other obstacles."""
     solids = ObstacleSet(obstacles)
-    around = surroundings(other.arm, solids, 0.0)
-    clearance = arm_clearance(other.motion, other.arm, solids, around, 0.0)
+    surroundings = arm_surroundings(other.arm, solids, 0.0)
+    clearance = arm_clearance(other.motion, other.arm, solids, surroundings, 0.0)
     return Case(other.arm, other.motion, solids, clearance)
 
 
@@ -212,11 +212,11 @@ def test_a_capsule_left_unmeasured_is_neither_the_nearest_nor_touching(seed: int
     random = np.random.default_rng(seed)
     obstacles = ObstacleSet(tuple(random_obstacle(random) for _ in range(3)))
     arm, far = Arm.from_settings(ArmSettings(base=(3.0, -3.0, 0.0))), np.inf
-    around = surroundings(arm, obstacles, 0.0)
+    surroundings = arm_surroundings(arm, obstacles, 0.0)
     positions = np.zeros((60, 6))
     first, last = random.uniform(-1.5, 1.5, (2, 3))
     positions[:, :3] = np.linspace(first, last, 60)
-    ends, rows = place(arm, positions), around.beyond(0.0)
+    ends, rows = place(arm, positions), surroundings.beyond(0.0)
     count = len(arm.capsules)
     together, one_by_one = np.empty((60, count)), np.empty((60, count))
     rows_of = np.empty(count, dtype=np.int32)
@@ -227,7 +227,7 @@ def test_a_capsule_left_unmeasured_is_neither_the_nearest_nor_touching(seed: int
     for pose, distances in zip(ends, one_by_one, strict=True):
         for capsule in range(count):  # each alone, so that none is left out for another
             alone = np.zeros((count, len(rows.margins)), dtype=np.bool_)
-            alone[capsule] = around.asked[capsule]
+            alone[capsule] = surroundings.asked[capsule]
             of_one = np.empty(count)
             capsule_clearances(
                 *(flat(pose), arm.capsule_rows, rows._replace(asked=read_only(alone.ravel()))),

@@ -9,7 +9,7 @@ from abi.arm.arm import Arm, place
 from abi.arm.arm_sight import ArmSight
 from abi.arm.inverse_kinematics import solve
 from abi.arm.link_capsules import COLUMN
-from abi.arm.surroundings import surroundings
+from abi.arm.surroundings import arm_surroundings
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.scene.settings import Elbow
 from tests.random_arms import arm_scene
@@ -25,8 +25,8 @@ _SAMPLES = 60
 def test_places_touch_an_obstacle_where_the_capsules_do(seed: int, elbow: Elbow) -> None:
     scene = arm_scene(seed)
     arm, obstacles = Arm.from_settings(scene.arm), ObstacleSet(scene.obstacles)
-    around = surroundings(arm, obstacles, scene.workspace.min[2])
-    sight = ArmSight(arm, elbow, around, (0.0, 0.0), 0.0, _SLACK)
+    surroundings = arm_surroundings(arm, obstacles, scene.workspace.min[2])
+    sight = ArmSight(arm, elbow, surroundings, (0.0, 0.0), 0.0, _SLACK)
     points = np.random.default_rng(seed).uniform(0, 6, (300, 3))
     points = points[sight.reached(points)]
     found = solve(arm, points, np.zeros(len(points)), elbow, np.zeros_like(points))
@@ -52,8 +52,8 @@ def test_places_touch_an_obstacle_where_the_capsules_do(seed: int, elbow: Elbow)
 def test_a_place_that_is_not_reached_has_a_distance_or_a_limit(elbow: Elbow) -> None:
     scene = arm_scene(1)
     arm = Arm.from_settings(scene.arm)
-    around = surroundings(arm, ObstacleSet(()), scene.workspace.min[2])
-    sight = ArmSight(arm, elbow, around, (0.0, 0.0), 0.0, _SLACK)
+    surroundings = arm_surroundings(arm, ObstacleSet(()), scene.workspace.min[2])
+    sight = ArmSight(arm, elbow, surroundings, (0.0, 0.0), 0.0, _SLACK)
     reach = arm.a3 + arm.a4 + arm.a5
     points = arm.shoulder + np.random.default_rng(3).uniform(-1.2, 1.2, (200, 3)) * reach
     reasons = set()

@@ -109,14 +109,14 @@ def test_no_point_moves_farther_than_the_levers_say(name: str, seed: int) -> Non
 def test_nothing_comes_nearer_than_what_is_proven(name: str, seed: int) -> None:
     one, random = some_arm(name), np.random.default_rng(seed)
     obstacles = some_obstacles(one, random)
-    around = chain_surroundings(one, obstacles, -1e3)
+    surroundings = chain_surroundings(one, obstacles, -1e3)
     positions = joint_path(one, random, 0.05)
     dense = between(positions)
     gaps, numbers = obstacle_distances(one, obstacles, dense)
     measured = float(gaps.min())
     margin = max(float(random.uniform(0, 1.2)) * measured, 0.0)
-    found = certify_chain(one, positions, around, margin)
-    refutation = chain_refutation(one, positions, around, margin)
+    found = certify_chain(one, positions, surroundings, margin)
+    refutation = chain_refutation(one, positions, surroundings, margin)
     if isinstance(found, ArmCertificate):
         assert refutation is None
     else:
@@ -125,7 +125,7 @@ def test_nothing_comes_nearer_than_what_is_proven(name: str, seed: int) -> None:
 
     clear = (
         float(own_distances(one, dense).min(initial=np.inf)) > 0
-        and float(floor_distances(one, around.floor, dense).min(initial=np.inf)) > 0
+        and float(floor_distances(one, surroundings.floor, dense).min(initial=np.inf)) > 0
     )
     if isinstance(found, ArmCertificate):
         assert clear
@@ -144,7 +144,7 @@ def test_nothing_comes_nearer_than_what_is_proven(name: str, seed: int) -> None:
         place = at(positions, found.parameter)[None]
         distances = {
             "own": own_distances(one, place),
-            "floor": floor_distances(one, around.floor, place),
+            "floor": floor_distances(one, surroundings.floor, place),
             "solid": obstacle_distances(one, obstacles, place)[0] - margin,
         }
         kind = "solid" if found.obstacle >= 0 else "floor" if found.obstacle == FLOOR else "own"

@@ -44,8 +44,8 @@ def is_inside(triangles: FloatArray, points: FloatArray) -> BoolArray:
 @pytest.mark.slow
 def test_the_shadow_is_where_a_link_is_in_an_obstacle(scene: Scene, arm: UrdfArm) -> None:
     stances, obstacles = stances_of(scene, arm, whole=False), ObstacleSet(scene.obstacles)
-    around = chain_surroundings(arm, obstacles, scene.workspace.min[2])
-    triangles = chain_shadow(arm, stances, around)
+    surroundings = chain_surroundings(arm, obstacles, scene.workspace.min[2])
+    triangles = chain_shadow(arm, stances, surroundings)
     assert solid(triangles).is_watertight
     places = np.flatnonzero(stances.reached)[::4]
     gaps = obstacle_distances(arm, obstacles, stances.positions[places])[0].min(axis=1)

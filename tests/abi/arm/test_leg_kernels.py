@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from abi.arm.arm import Arm
 from abi.arm.arm_sight import ArmSight
 from abi.arm.pose_kernels import bend_near, pose_of, rates_near, reaches
-from abi.arm.surroundings import surroundings
+from abi.arm.surroundings import arm_surroundings
 from abi.arrays import FloatArray
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import ObstacleSet
@@ -64,9 +64,9 @@ def test_legs_are_clear_where_they_have_a_certificate_and_no_place_that_touches(
         place = tuple(random.uniform(1, 6, 3).tolist())
         surface = BOX if random.random() < 0.5 else KNOT
         obstacles.append(MeshShape.of(surface, position=place))
-    around = surroundings(arm, ObstacleSet(tuple(obstacles)), 0.0)
+    surroundings = arm_surroundings(arm, ObstacleSet(tuple(obstacles)), 0.0)
     slides = (0.0, float(random.choice([0.0, 0.2])))
-    sight = ArmSight(arm, "up", around, slides, 0.05, 0.0)
+    sight = ArmSight(arm, "up", surroundings, slides, 0.05, 0.0)
     points = random.uniform(0.5, 5.5, (12, 3))
     clear = sight.clear_legs(points)
     for k in range(len(clear)):

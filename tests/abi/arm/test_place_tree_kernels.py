@@ -45,9 +45,9 @@ def test_places_are_decided_as_one_by_one(number: int, elbow: str) -> None:
     scene = Scene.from_dict(data | {"arm": {"elbow": elbow}})
     scene = scene.replace(obstacles=(Box(size=(0.5, 0.5, 0.5), position=(5.0, 1.0, 1.0)), shape))
     model = AbiModel(scene.arm, scene.unit)
-    around = model.surroundings(ObstacleSet(scene.obstacles), scene.workspace.min[2])
+    surroundings = model.surroundings(ObstacleSet(scene.obstacles), scene.workspace.min[2])
     made = tetrahedralise(scene.workspace, scene.mesh)
-    for sight in model.sights(scene, made, around, 0.01):
+    for sight in model.sights(scene, made, surroundings, 0.01):
         asked = sight.reached(made.points) & (random.random(len(made.points)) < 0.9)
         expected = sight.touching(made.points, 1, asked)
         assert 0 < expected.sum() < asked.sum()

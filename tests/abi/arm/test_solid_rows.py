@@ -7,7 +7,7 @@ import pytest
 
 from abi.arm.arm import Arm
 from abi.arm.solid_rows import RowTable
-from abi.arm.surroundings import Surroundings, surroundings
+from abi.arm.surroundings import Surroundings, arm_surroundings
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import Obstacle, ObstacleSet
 from abi.obstacles.primitive_kernels import WIDTH
@@ -32,7 +32,10 @@ def test_rows_that_stay_are_those_made_anew(seed: int) -> None:
     for _ in range(40):
         _change(obstacles, random)
         solids = ObstacleSet(tuple(obstacles))
-        found, fresh = surroundings(arm, solids, -1.0, table), surroundings(arm, solids, -1.0)
+        found, fresh = (
+            arm_surroundings(arm, solids, -1.0, table),
+            arm_surroundings(arm, solids, -1.0),
+        )
         assert _content(found) == _content(fresh)
         assert (found.in_use, found.size, found.floor) == (fresh.in_use, fresh.size, fresh.floor)
         assert found.asked.sum() == fresh.asked.sum()
@@ -69,16 +72,20 @@ def _obstacle(random: np.random.Generator) -> Obstacle:
             return MeshShape.of(_SURFACES[number - 2], position=(x, y, z))
 
 
-def _content(around: Surroundings) -> list[tuple[object, ...]]:
+def _content(surroundings: Surroundings) -> list[tuple[object, ...]]:
     """Each outer row and all that is inside, with what is known of it, in their order."""
-    last = len(around.numbers) - 1
-    return [_row(around, int(s)) for s in around.outer if s < last]
+    last = len(surroundings.numbers) - 1
+    return [_row(surroundings, int(s)) for s in surroundings.outer if s < last]
 
 
-def _row(around: Surroundings, s: int) -> tuple[object, ...]:
-    first, end = around.inside[2 * s : 2 * s + 2].tolist()
+def _row(surroundings: Surroundings, s: int) -> tuple[object, ...]:
+    first, end = surroundings.inside[2 * s : 2 * s + 2].tolist()
     return (
-        *(int(around.numbers[s]), int(around.meshes[s]), tuple(around.asked[:, s].tolist())),
-        around.rows[s * WIDTH : s * WIDTH + TREE].tobytes(),
-        tuple(_row(around, row) for row in range(first, end)),
+        *(
+            int(surroundings.numbers[s]),
+            int(surroundings.meshes[s]),
+            tuple(surroundings.asked[:, s].tolist()),
+        ),
+        surroundings.rows[s * WIDTH : s * WIDTH + TREE].tobytes(),
+        tuple(_row(surroundings, row) for row in range(first, end)),
     )

@@ -64,14 +64,16 @@ def test_stances_are_decided_as_one_by_one(name: str, wide: float) -> None:
     arm, random = some_arm(name), np.random.default_rng(int(10 * wide))
     stances = some_stances(arm, random, wide)
     obstacles = obstacles_near(stances, random)
-    around = chain_surroundings(arm, obstacles, 0.0)
-    sight = ChainSight(arm, "", around, stances, 0.01 * arm.reach, 0.002 * arm.reach)
+    surroundings = chain_surroundings(arm, obstacles, 0.0)
+    sight = ChainSight(arm, "", surroundings, stances, 0.01 * arm.reach, 0.002 * arm.reach)
     table, coordinates, bodies = arm.chain.table, stances.coordinates, bodies_of(arm)
     some = 0
     for number in range(len(obstacles)):
         asked = stances.reached & (random.random(len(stances.reached)) < 0.8)
         expected = np.zeros(len(asked), dtype=np.bool_)
-        alone = around.only(around.numbers == number).beyond(sight.clearance + sight.slack)
+        alone = surroundings.only(surroundings.numbers == number).beyond(
+            sight.clearance + sight.slack
+        )
         touching_stances(table, bodies, coordinates, alone, -1.0, asked, expected)
         found = sight.touching(stances.mesh.points, number, asked)
         np.testing.assert_array_equal(found, expected, strict=True)

@@ -11,7 +11,7 @@ import pytest
 from abi import Planner, load_scene, plan
 from abi.arm.arm import Arm
 from abi.arm.arm_sight import ArmSight
-from abi.arm.surroundings import surroundings
+from abi.arm.surroundings import arm_surroundings
 from abi.errors import ArmNotClear
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner.arm_exclusion import ArmExclusionCache
@@ -29,8 +29,8 @@ from tests.random_arms import arm_scene, dense_clearance
 
 def sight_of(scene: Scene, elbow: Elbow = "up", slack: float = 0.0) -> ArmSight:
     arm, obstacles = Arm.from_settings(scene.arm), ObstacleSet(scene.obstacles)
-    around = surroundings(arm, obstacles, scene.workspace.min[2])
-    return ArmSight(arm, elbow, around, (0.0, 0.0), scene.arm.clearance, slack)
+    surroundings = arm_surroundings(arm, obstacles, scene.workspace.min[2])
+    return ArmSight(arm, elbow, surroundings, (0.0, 0.0), scene.arm.clearance, slack)
 
 
 @pytest.mark.slow
@@ -141,10 +141,10 @@ def test_a_wrong_elbow_is_explained_and_the_other_one_is_tried() -> None:
 
 
 def test_what_no_elbow_does_names_both_and_what_was_tried() -> None:
-    around = {"shape": "box", "size": [0.4, 8, 8], "position": [2.6, -1, 4]}
-    other = {**around, "position": [3.4, -1, 4]}
+    surroundings = {"shape": "box", "size": [0.4, 8, 8], "position": [2.6, -1, 4]}
+    other = {**surroundings, "position": [3.4, -1, 4]}
     data = {"version": 1, "start": [0.5, 4, 3], "goal": [1.5, 5, 3]}
-    scene = Scene.from_dict({**data, "obstacles": [around, other], "arm": {"elbow": "auto"}})
+    scene = Scene.from_dict({**data, "obstacles": [surroundings, other], "arm": {"elbow": "auto"}})
     found = plan(scene)
     assert isinstance(found.error, ArmNotClear)
     assert "elbow up" in found.error.message

@@ -114,9 +114,9 @@ def test_an_arm_without_joints_to_spare_has_no_other_poses(tmp_path: Path) -> No
     scene = Scene.from_dict(data, tmp_path)
     model = UrdfModel(scene.arm, scene.unit)
     mesh = tetrahedralise(scene.workspace, scene.mesh)
-    around = model.surroundings(ObstacleSet(scene.obstacles), 0.0)
+    surroundings = model.surroundings(ObstacleSet(scene.obstacles), 0.0)
 
     assert len(model.arm.joints) <= 3
-    others = model.other_sights(scene, mesh, around, 0.01)
+    others = model.other_sights(scene, mesh, surroundings, 0.01)
     assert list(others.sights) == []
     assert others.note == ""
