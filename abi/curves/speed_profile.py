@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -104,6 +105,8 @@ class SpeedProfile:
         )
 
 
+# one object for equal motions: what follows from it need not be made again
+@lru_cache(maxsize=64)
 def three_phase(
     length: float, speed: float, acceleration: float, deceleration: float
 ) -> SpeedProfile:
