@@ -84,13 +84,11 @@ def fit(
         The spline and its clearance; with ``holds`` False it is the clearest one found.
     """
     points = np.array(path_points, dtype=float)
-    assert points.shape == (len(points), 3)
-    assert len(points) >= 2
+    assert points.shape == (max(len(points), 2), 3)
     added = np.zeros(len(points), dtype=bool)
     if taut:
         points, added = place_control_points(points, degree, obstacles, clearance)
-    direct = clamped(points, min(degree, len(points) - 1), added)
-    fitted = None
+    direct, fitted = clamped(points, min(degree, len(points) - 1), added), None
     if path_clearance is None:
         path_clearance = obstacles.polyline_clearance(points)
     gap = path_clearance - clearance

@@ -195,15 +195,16 @@ def arm(
     motion: ArmMotion | None,
     clearance: ArmClearance | None,
     obstacles: Sequence[Obstacle],
-    rates: JointRates | None,
-    passed: Sequence[Violation],
+    limits: tuple[JointRates | None, Sequence[Violation]],
     ms: Times,
     full: bool,
 ) -> Section:
     """Stage 6; at most ``SAMPLES`` samples, or ``full`` all, with the capsules at each.
 
-    Of every sample kept it has the links' distance to the obstacles.
+    Of every sample kept it has the links' distance to the obstacles. ``limits`` are the joints'
+    rates beside theirs, and where limits are passed.
     """
+    rates, passed = limits
     if model is None or motion is None or clearance is None or rates is None:
         return None
     last = len(motion.time) - 1

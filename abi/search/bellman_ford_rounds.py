@@ -24,4 +24,4 @@ def bellman_ford_rounds(task: SearchTask) -> SearchTrace:
     examined = len(arcs.rows.indices) * np.arange(count + 1, dtype=np.int64)
     order = np.full(count, -1, np.int32)
     changes = ends, nodes, costs, parents
-    return finished_trace(arcs, "rounds", order, examined, changes, cycle=cycle)
+    return finished_trace(arcs, "rounds", (order, examined), changes, cycle=cycle)

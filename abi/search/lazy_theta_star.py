@@ -38,4 +38,4 @@ def lazy_theta_star(task: SearchTask) -> SearchTrace:
     examined = np.concatenate(([0], np.cumsum(scanned, dtype=np.int64)))
     changes = ends, nodes, costs, parents
     straight = replace(arcs, estimates=read_only(left))
-    return finished_trace(straight, "best_first", order, examined, changes, (1.0, 1.0))
+    return finished_trace(straight, "best_first", (order, examined), changes, (1.0, 1.0))

@@ -124,14 +124,13 @@ def trace_of(
     if stops:
         ends = np.append(ends, ends[-1])
     changes = ends, nodes, costs, parents
-    return finished_trace(arcs, queue, order, examined, changes, factors, sides)
+    return finished_trace(arcs, queue, (order, examined), changes, factors, sides)
 
 
 def finished_trace(
     arcs: Arcs,
     queue: Queue,
-    order: IntArray,
-    examined: NDArray[np.int64],
+    steps: tuple[IntArray, NDArray[np.int64]],
     changes: Labels,
     factors: tuple[float, float] = (1.0, 0.0),
     sides: int = 1,
@@ -140,10 +139,11 @@ def finished_trace(
     """The trace of a search, with the path that its last labels give.
 
     Args:
-        arcs, queue, order, examined, factors, sides, cycle: see :class:`SearchTrace`.
+        arcs, queue, factors, sides, cycle: see :class:`SearchTrace`.
+        steps: its ``order`` and ``examined``.
         changes: its ``ends``, ``nodes``, ``costs`` and ``parents``.
     """
-    ends, nodes, costs, parents = changes
+    (order, examined), (ends, nodes, costs, parents) = steps, changes
     trace = SearchTrace(
         *(arcs, queue, factors, sides, read_only(order), read_only(examined)),
         *(read_only(ends), read_only(nodes), read_only(costs), read_only(parents)),
