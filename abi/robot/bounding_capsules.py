@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from functools import lru_cache
+from operator import attrgetter
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -139,11 +140,8 @@ def _between(triangles: FloatArray, axis: FloatArray, low: float, high: float) -
 def _smallest_capsule(points: FloatArray) -> Capsule:
     """The smallest of the capsules around points along their principal axes."""
     hull = _corners(points)
-    return min((_capsule_along_axis(hull, axis) for axis in _principal_axes(hull)), key=_volume)
-
-
-def _volume(capsule: Capsule) -> float:
-    return capsule.volume
+    capsules = (_capsule_along_axis(hull, axis) for axis in _principal_axes(hull))
+    return min(capsules, key=attrgetter("volume"))
 
 
 def _capsule_along_axis(points: FloatArray, axis: FloatArray) -> Capsule:

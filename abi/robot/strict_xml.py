@@ -5,8 +5,11 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
+import numpy as np
+import scipy
 from lxml import etree
 
+from abi.arrays import FloatArray, read_only
 from abi.errors import SceneError
 from abi.obstacles.pose import Vec3
 
@@ -15,6 +18,7 @@ MAX_BYTES, MAX_ELEMENTS = 2_000_000, 20_000
 _NUMBER = re.compile(r"[+-]?(\d{1,30}(\.\d{0,30})?|\.\d{1,30})([eE][+-]?\d{1,3})?", re.ASCII)
 _NAME = re.compile(r"[\w.+-][\w .:+-]{0,98}", re.ASCII)
 _MARKUP = re.compile(r"<!(DOCTYPE|ENTITY|ELEMENT|ATTLIST|NOTATION)")
+_ZERO: Vec3 = (0.0, 0.0, 0.0)
 _DECLARATION = re.compile(r"\A\s*<\?xml[^>]{0,200}\?>")
 
 
@@ -79,6 +83,17 @@ class Element:
             raise self.refuse(attribute, text, "three numbers")
         x, y, z = (self._number(attribute, word, low, high) for word in words)
         return (x, y, z)
+
+    def origin(self) -> FloatArray:
+        """Pose (4, 4), [m], parent from element, of its ``<origin>``; without it the identity."""
+        pose = np.eye(4)
+        origin = self.child("origin")
+        if origin is not None:
+            pose[:3, 3] = origin.vector("xyz", _ZERO)
+            # about the fixed axes x, y and z in that order
+            turn = scipy.spatial.transform.Rotation.from_euler("xyz", origin.vector("rpy", _ZERO))
+            pose[:3, :3] = turn.as_matrix()
+        return read_only(pose)
 
     def _number(self, attribute: str, text: str, low: float, high: float) -> float:
         word = text.strip()

@@ -10,7 +10,6 @@ import numpy as np
 from abi.arrays import read_only
 from abi.robot.robot import Joint, JointKind, Mimic
 from abi.robot.strict_xml import Element
-from abi.robot.urdf_origin import origin_of
 
 _KINDS: tuple[JointKind, ...] = ("revolute", "continuous", "prismatic", "fixed")
 _TURN = 2 * math.pi
@@ -47,7 +46,7 @@ def read_joint(element: Element) -> Joint:
         kind=kind,
         parent=element.needed("parent").text("link"),
         child=element.needed("child").text("link"),
-        origin=origin_of(element),
+        origin=element.origin(),
         axis=read_only(axis / np.linalg.norm(axis)),
         low=low,
         high=high,

@@ -15,7 +15,6 @@ from abi.robot.materials import NO_COLOURS, colour_of, materials
 from abi.robot.robot import Link, Shape
 from abi.robot.strict_xml import Element
 from abi.robot.urdf_meshes import file_name
-from abi.robot.urdf_origin import origin_of
 
 MAX_SHAPES = 50
 
@@ -38,7 +37,7 @@ def read_link(element: Element, meshes: Meshes) -> Link:
     mass, centre, inertia = 0.0, np.zeros(3), np.zeros((3, 3))
     inertial = element.child("inertial")
     if inertial is not None:
-        pose = origin_of(inertial)
+        pose = inertial.origin()
         mass = inertial.needed("mass").number("value", None, 0, 1e5)
         centre, turn = pose[:3, 3], pose[:3, :3]
         inertia = turn @ _tensor(inertial) @ turn.T
@@ -120,7 +119,7 @@ def _tensor(inertial: Element) -> FloatArray:
 
 def _shape(element: Element, meshes: Meshes) -> Shape:
     geometry = element.needed("geometry")
-    pose = origin_of(element)
+    pose = element.origin()
     vertices, faces, colours = np.empty((0, 3)), np.empty((0, 3), dtype=np.int32), NO_COLOURS
     part = next((Element(x, element.file, element.title) for x in geometry.xml), None)
     kind = None if part is None else part.xml.tag
