@@ -7,6 +7,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
+from operator import attrgetter
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -123,7 +124,11 @@ def arm_clearance(
     )
     if obstacles.meshes:
         solid = _with_meshes(solid, ends, arm, obstacles)
-    contacts = _contacts(motion.time, own, arm) + _contacts(motion.time, solid, arm)
+    capsules = range(len(arm.capsules))
+    contacts = (
+        *contacts_of(motion.time, own, capsules, arm),
+        *contacts_of(motion.time, solid, capsules, arm),
+    )
     certify = partial(certify_arm, motion.curve, motion.slide, arm, motion.elbow, surroundings)
     return proven_clearance(motion, arm, solid, contacts, required, surroundings.in_use, certify)
 
@@ -163,7 +168,7 @@ def proven_clearance(
         time=float(motion.time[sample]),
         link=arm.capsules[capsule].link if obstacle >= 0 else "",
         obstacle=obstacle,
-        contacts=tuple(sorted(contacts, key=_depth, reverse=True)),
+        contacts=tuple(sorted(contacts, key=attrgetter("depth"), reverse=True)),
         certificate=proof,
     )
 
@@ -242,8 +247,17 @@ def _with_meshes(solid: Measured, ends: FloatArray, arm: Arm, obstacles: Obstacl
     return Measured(distance, np.where(mesh >= 0, obstacles.mesh_numbers[mesh], solid.number))
 
 
-def _contacts(time: FloatArray, measured: Measured, arm: Arm) -> tuple[Contact, ...]:
-    """Stretches of time in which capsules are in something."""
+def contacts_of(
+    time: FloatArray, measured: Measured, capsules: Sequence[int], arm: AnyArm
+) -> tuple[Contact, ...]:
+    """Stretches of time in which capsules are in something.
+
+    Args:
+        time: of the samples (m,), [s].
+        measured: distances of k capsules at them, (m, k).
+        capsules: numbers of these, (k,).
+        arm: the arm.
+    """
     contacts = []
     touches = measured.distance <= 0
     for c in np.flatnonzero(touches.any(axis=0)).tolist():
@@ -254,16 +268,12 @@ def _contacts(time: FloatArray, measured: Measured, arm: Arm) -> tuple[Contact, 
             if touches[first, c]:
                 deepest = first + int(measured.distance[first:end, c].argmin())
                 contact = Contact(
-                    *(arm.capsules[c].link, named(int(touched[first]), arm)),
+                    *(arm.capsules[capsules[c]].link, named(int(touched[first]), arm)),
                     *(float(time[first]), float(time[end - 1]), float(time[deepest])),
                     -float(measured.distance[deepest, c]),
                 )
                 contacts.append(contact)
     return tuple(contacts)
-
-
-def _depth(contact: Contact) -> float:
-    return contact.depth
 
 
 def named(number: int, arm: AnyArm) -> int | str:

@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from abi.arm.inverse_dynamics import GRAVITY
 from abi.arm.trajectory import Trajectory
 from abi.arrays import FloatArray
 from abi.curves.curve import ArcLength, Curve
 from abi.curves.timed_profile import PathProfile
 from abi.obstacles.pose import METRES
-
-GRAVITY = 9.80665
-"""Standard gravity, [m/s²]."""
 
 _SAMPLES = 801
 

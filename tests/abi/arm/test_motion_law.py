@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 
 from abi.arm.abi_model import JOINT_SPEED, AbiCourse
 from abi.arm.arm import Arm
-from abi.arm.liquid import GRAVITY, tilts
+from abi.arm.inverse_dynamics import GRAVITY
+from abi.arm.liquid import tilts
 from abi.arm.motion_law import joint_accelerations
 from abi.arm.trajectory import Trajectory
 from abi.curves.curve import ArcLength, Curve
