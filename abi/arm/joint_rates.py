@@ -10,6 +10,7 @@ import numpy as np
 from abi.arm.abi_model import JOINT_SPEED, MOVED
 from abi.arm.any_arm import AnyArm
 from abi.arm.inverse_dynamics import has_masses, joint_torques
+from abi.arm.motion_law import second_derivatives
 from abi.arm.trajectory import ArmMotion, Quantity, Violation
 from abi.arm.urdf_arm import UrdfArm
 from abi.arrays import FloatArray, read_only
@@ -52,8 +53,7 @@ def joint_rates(arm: AnyArm, motion: ArmMotion, acceleration: float) -> JointRat
     step = float(motion.time[1] - motion.time[0])
     if step > 0:
         speeds = np.gradient(motion.positions, step, axis=0)
-        growths = np.diff(motion.positions, 2, axis=0) / step**2
-        growths = np.concatenate([growths[:1], growths, growths[-1:]])
+        growths = second_derivatives(motion.positions, step)
     else:
         speeds = growths = np.zeros_like(motion.positions)
     torques = None

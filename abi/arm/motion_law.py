@@ -60,23 +60,10 @@ def motion_law(path: Course, settings: MotionSettings) -> PathProfile:
     return three_phase(length, speed, faster, slower)
 
 
-def joint_accelerations(time: FloatArray, positions: FloatArray) -> FloatArray:
-    """Second differences of joint positions at uniform times, (k, n) at times (k,)."""
-    found = np.zeros_like(positions)
-    step = float(time[1] - time[0]) if len(time) > 1 else 0.0
-    if step > 0:
-        found[1:-1] = np.diff(positions, 2, axis=0) / step**2
-    return found
-
-
-def _derivatives(length: float, joints: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """First and second derivatives of joints by the distance, (k, n) each."""
-    step = length / (len(joints) - 1)
-    first = np.gradient(joints, step, axis=0, edge_order=2)
-    second = np.zeros_like(joints)
-    second[1:-1] = np.diff(joints, 2, axis=0) / step**2
-    second[0], second[-1] = second[1], second[-2]
-    return first, second
+def second_derivatives(positions: FloatArray, step: float) -> FloatArray:
+    """Second differences of positions (k, n) in equal steps, k >= 3; at the ends as beside them."""
+    inner = np.diff(positions, 2, axis=0) / step**2
+    return np.concatenate([inner[:1], inner, inner[-1:]])
 
 
 def _excess(profile: PathProfile, path: Course, limits: JointLimits) -> float:
@@ -88,7 +75,7 @@ def _excess(profile: PathProfile, path: Course, limits: JointLimits) -> float:
     positions = path.at(profile(times))
     step = float(times[1])
     faster = float((np.abs(np.diff(positions, axis=0)) / step / limits.speeds).max())
-    rates = np.abs(joint_accelerations(times, positions))
+    rates = np.abs(second_derivatives(positions, step))
     harder = float((rates / limits.accelerations).max())
     return max(1.0, faster * _ROOM, math.sqrt(harder * _ROOM))
 
@@ -98,10 +85,10 @@ def _time_optimal(path: Course, limits: JointLimits) -> TimedProfile:
     length = path.arc.length
     distances = np.linspace(0.0, length, _GRID)
     joints = path.at(distances)
-    first, second = _derivatives(length, joints)
     squared, sets = np.zeros(len(joints)), np.zeros(2 * len(joints))
     step = float(distances[1])
-    rates = flat(first), flat(second)
+    first = np.gradient(joints, step, axis=0, edge_order=2)
+    rates = flat(first), flat(second_derivatives(joints, step))
     bounds = flat(limits.speeds), flat(limits.accelerations)
     failed = fastest_speeds(*rates, step, *bounds, sets, squared)
     assert failed < 0, "standing still is always possible"

@@ -13,7 +13,7 @@ from abi.arm.abi_model import JOINT_SPEED, AbiCourse
 from abi.arm.arm import Arm
 from abi.arm.inverse_dynamics import GRAVITY
 from abi.arm.liquid import tilts
-from abi.arm.motion_law import joint_accelerations
+from abi.arm.motion_law import second_derivatives
 from abi.arm.trajectory import Trajectory
 from abi.curves.curve import ArcLength, Curve
 from abi.curves.speed_profile import SpeedProfile
@@ -45,7 +45,7 @@ def peaks(plan: Plan, samples: int = 3001) -> tuple[float, float]:
     path = AbiCourse(*followed(plan), plan.arm, plan.scene.arm)
     positions = path.at(plan.profile(times))
     speed = np.abs(np.diff(positions, axis=0)).max() / times[1]
-    return float(speed), float(np.abs(joint_accelerations(times, positions)).max())
+    return float(speed), float(np.abs(second_derivatives(positions, times[1])).max())
 
 
 @pytest.mark.slow
