@@ -11,7 +11,9 @@ from abi.arm.arm import Arm
 from abi.arm.link_capsules import COLUMN
 from abi.arm.solid_rows import FLOOR, Own, RowTable, SolidRows
 from abi.arm.surroundings_kernels import Obstacles
-from abi.arrays import BoolArray, FloatArray, IntArray, read_only
+from abi.arrays import BoolArray, FloatArray, IntArray, flat, read_only
+from abi.obstacles.capsule import Capsule
+from abi.obstacles.convex_shape import row
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.primitive_kernels import BOUNDS, WIDTH
 from abi.obstacles.primitive_tree_kernels import TREE
@@ -121,31 +123,16 @@ def surroundings_from(solids: SolidRows, own: Own, size: float, floor: float) ->
 def _own(arm: Arm) -> Own:
     still = [k for k, capsule in enumerate(arm.capsules) if capsule.body == COLUMN]
     x, y, z = arm.base.tolist()
-    rows = [np.zeros(0)]
-    for capsule in (arm.capsules[k] for k in still):
-        half, radius = (capsule.high - capsule.low) / 2, capsule.radius
-        centre = np.array([[x, y, z + (capsule.low + capsule.high) / 2]])
-        rows.append(_rows(centre, np.eye(3)[None], np.array([[0.0, 0.0, half]]), radius))
+    rows = np.zeros((len(still), WIDTH))
+    for place, capsule in zip(rows, (arm.capsules[k] for k in still), strict=True):
+        middle = x, y, z + (capsule.low + capsule.high) / 2
+        height = capsule.high - capsule.low
+        place[:TREE] = row(
+            Capsule.model_construct(radius=capsule.radius, height=height, position=middle)
+        )
     numbers = np.array([*(OWN - k for k in still), FLOOR], dtype=np.int32)
     moves = np.array([capsule.body != COLUMN for capsule in arm.capsules])[:, None]
     jointed = np.array([capsule.neighbour for capsule in arm.capsules])[:, None]
     grips = np.array([capsule.grips for capsule in arm.capsules])[:, None]
     asked = moves & np.where(numbers == FLOOR, ~grips, ~jointed)
-    return Own(read_only(np.concatenate(rows)), read_only(numbers), read_only(asked))
-
-
-def _rows(centres: FloatArray, axes: FloatArray, halves: FloatArray, radius: float) -> FloatArray:
-    """Rows of boxes, or of capsules along their z, without a tree, flat (n WIDTH,).
-
-    Args:
-        centres: (n, 3), [unit], world.
-        axes: in the world, as columns (n, 3, 3).
-        halves: half sizes (n, 3), [unit].
-        radius: around the core, [unit].
-    """
-    reach = np.einsum("nij,nj->ni", np.abs(axes), halves) + radius
-    core = np.broadcast_to([radius, 0.0], (len(centres), 2))
-    turned = np.swapaxes(axes, 1, 2).reshape(-1, 9)
-    tree = np.zeros((len(centres), WIDTH - TREE))
-    columns = (centres, turned, halves, core, centres - reach, centres + reach, tree)
-    return np.concatenate(columns, axis=1).ravel()
+    return Own(flat(rows), read_only(numbers), read_only(asked))
