@@ -76,17 +76,14 @@ def touching_stances(
         reached: nodes to look at, (k,).
         touching: (k,); written.
     """
-    count = len(chain.limits) // 2
-    joints, poses = np.empty(count), np.empty(POSE * (len(chain.source) + 1))
-    own = joints, poses, np.empty(6 * len(bodies.frames)), np.empty(DEPTH, np.int32)
-    joints, poses, ends, waiting = borrowed(own)
+    count, poses = len(chain.limits) // 2, np.empty(POSE * (len(chain.source) + 1))
+    own = poses, np.empty(6 * len(bodies.frames)), np.empty(DEPTH, np.int32)
+    poses, ends, waiting = borrowed(own)
     rows = asked_rows(around, len(bodies.frames))
     for node in range(len(reached)):
         if not reached[node]:
             continue
-        for j in range(count):
-            joints[j] = stances[node * count + j]
-        place_bodies(chain, bodies, joints, poses, ends)
+        place_bodies(chain, bodies, stances, node * count, poses, ends)
         touching[node] = slack >= 0 and _touches_itself(bodies, ends, slack)
         for s in rows:
             if touching[node]:

@@ -118,10 +118,18 @@ def _ways_of(
 
 @register_jitable
 def place_bodies(
-    chain: ChainTable, bodies: Bodies, joints: FloatArray, poses: FloatArray, ends: FloatArray
+    chain: ChainTable,
+    bodies: Bodies,
+    joints: FloatArray,
+    first: int,
+    poses: FloatArray,
+    ends: FloatArray,
 ) -> None:
-    """Write both ends of every capsule, flat (6 c,), [unit], world; ``poses`` is room."""
-    place_chain(chain, joints, 0, poses)
+    """Write both ends of every capsule, flat (6 c,), [unit], world; ``poses`` is room.
+
+    The coordinates are those from ``first`` on.
+    """
+    place_chain(chain, joints, first, poses)
     for k in range(2 * len(bodies.frames)):
         frame = bodies.frames[k // 2]
         for r in range(3):
@@ -148,7 +156,7 @@ def _go_to_middle(
     joints, ways, ends, poses, end = pose
     _joints_at(knots, at, joints)
     _ways_of(knots, stretch, joints, end, ways)
-    place_bodies(chain, bodies, joints, poses, ends)
+    place_bodies(chain, bodies, joints, 0, poses, ends)
     return at
 
 

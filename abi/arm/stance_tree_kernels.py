@@ -60,17 +60,15 @@ def bound_stances(
         boxes: those around nothing at first; written.
     """
     count, size = len(chain.limits) // 2, _BOX * len(bodies.frames)
-    own = np.empty(count), np.empty(POSE * (len(chain.source) + 1)), np.empty(size)
-    joints, poses, ends = borrowed(own)
+    own = np.empty(POSE * (len(chain.source) + 1)), np.empty(size)
+    poses, ends = borrowed(own)
     inner = len(tree.leaves) - 2
     for leaf in range(len(tree.leaves) - 1):
         for i in range(tree.leaves[leaf], tree.leaves[leaf + 1]):
             node, at = tree.order[i], size * (inner + leaf)
             if not reached[node]:
                 continue
-            for j in range(count):
-                joints[j] = tree.stances[node * count + j]
-            place_bodies(chain, bodies, joints, poses, ends)
+            place_bodies(chain, bodies, tree.stances, node * count, poses, ends)
             for k in range(size):
                 low = at + k - (3 if k % _BOX >= 3 else 0)
                 boxes[low] = min(boxes[low], ends[k])
@@ -114,9 +112,9 @@ def stances_touching(
     """
     around, root = obstacle
     count, size = len(chain.limits) // 2, _BOX * len(bodies.frames)
-    joints, poses = np.empty(count), np.empty(POSE * (len(chain.source) + 1))
-    own = joints, poses, np.empty(size), np.empty(DEPTH, np.int32)
-    joints, poses, ends, waiting = borrowed(own)
+    poses = np.empty(POSE * (len(chain.source) + 1))
+    own = poses, np.empty(size), np.empty(DEPTH, np.int32)
+    poses, ends, waiting = borrowed(own)
     inner, work = len(tree.leaves) - 2, [0]
     while len(work) > 0:
         branch = work.pop()
@@ -130,8 +128,6 @@ def stances_touching(
             node = tree.order[i]
             if not asked[node]:
                 continue
-            for j in range(count):
-                joints[j] = tree.stances[node * count + j]
-            place_bodies(chain, bodies, joints, poses, ends)
+            place_bodies(chain, bodies, tree.stances, node * count, poses, ends)
             touching[node] = touches_row(bodies, ends, around, root, waiting)
     held(own)
