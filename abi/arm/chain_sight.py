@@ -9,6 +9,7 @@ from typing import Self
 import numpy as np
 
 from abi.arm.arm_certificate import ArmRefutation
+from abi.arm.chain_certificate import MOST_TRIES as CURVE_TRIES
 from abi.arm.chain_certificate import chain_refutation
 from abi.arm.chain_mask_kernels import touching_stances
 from abi.arm.chain_surroundings import bodies_of
@@ -79,7 +80,7 @@ class ChainSight:
         """Find where on a curve the arm is not proven clear; None if it is clear throughout."""
         parameters = np.linspace(*curve.interval, _SAMPLES)
         joints, missed = self.arm.follow(self.stances.first, curve(parameters), self.stances.home)
-        return self._refutation(joints, missed, parameters, self.clearance)
+        return self._refutation(joints, missed, parameters, self.clearance, CURVE_TRIES)
 
     def leg_refutation(self, points: FloatArray) -> ArmRefutation | None:
         """The same for a polyline (k, 3), [unit]; parameter k is its vertex k."""
@@ -189,15 +190,13 @@ class ChainSight:
         missed: FloatArray,
         parameters: FloatArray,
         margin: float,
-        tries: int | None = None,
+        tries: int,
     ) -> ArmRefutation | None:
         """Place at which joint positions (k, n) miss their points, or are not proven clear."""
         beyond = np.flatnonzero(missed > REACHED * self.arm.reach)
         if len(beyond):
             return ArmRefutation(float(parameters[beyond[0]]), -1, -1, True)
-        found = chain_refutation(
-            self.arm, joints, self.surroundings, margin, *([tries] if tries else [])
-        )
+        found = chain_refutation(self.arm, joints, self.surroundings, margin, tries)
         if found is None:
             return None
         at = float(np.interp(found.parameter, np.arange(len(parameters)), parameters))

@@ -41,8 +41,8 @@ from abi.arm.separate_pairs_kernels import ALLOWANCE, FINEST, Moving
 from abi.arm.surroundings_kernels import (
     NO_OBSTACLES,
     Obstacles,
+    add_pairs_within,
     between_boxes,
-    box_gap,
     is_solid,
     judged,
     open_box,
@@ -227,7 +227,7 @@ def _near_pairs(legs: ArmLegs, middle: Vec3, farthest: float) -> list[int]:
         Capsules times number of obstacles, plus obstacle, of what ``around`` asks for.
     """
     (arm, capsules), around, (low, high), _ = legs
-    count, forearm, slid = len(around.margins), arm.forearm + (low + high) / 2, (high - low) / 2
+    forearm, slid = arm.forearm + (low + high) / 2, (high - low) / 2
     pairs = [0]
     pairs.clear()
     if not reaches(arm, middle, forearm):
@@ -239,14 +239,7 @@ def _near_pairs(legs: ArmLegs, middle: Vec3, farthest: float) -> list[int]:
         far = math.inf
         if bounded:
             far = capsule.radius + capsule.way + ALLOWANCE * around.size * (1 + rates.slide)
-        for k in range(len(around.outer)):
-            s = around.outer[k]
-            if around.asked[c * count + s] and (
-                s == count - 1
-                or box_gap(around.primitives, s, capsule.first, capsule.last)
-                <= far + around.margins[s]
-            ):
-                pairs.append(c * count + s)
+        add_pairs_within(around, c, (capsule.first, capsule.last), far, pairs)
     return pairs
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+import numpy as np
 from numba.extending import register_jitable
 
 from abi.arm.direction_kernels import NO_DIRECTION
@@ -28,7 +29,7 @@ from abi.arm.pose_kernels import (
     shoulder_holds,
 )
 from abi.arm.separate_pairs_kernels import ALLOWANCE, FINEST, Lists, Moving, separate_pairs
-from abi.arm.surroundings_kernels import NO_OBSTACLES, Obstacles, add_asked_pairs
+from abi.arm.surroundings_kernels import NO_OBSTACLES, Obstacles, add_pairs_within
 from abi.arrays import FloatArray
 from abi.clearance.separation_kernels import (
     CERTIFIED,
@@ -46,6 +47,8 @@ from abi.obstacles.vector_kernels import Vec3, distance, vec3_at
 
 UNREACHED = 3
 """Outcome of a piece with a place that the arm does not reach within its limits."""
+
+_ANYWHERE = (0.0, 0.0, 0.0)
 
 
 class Slide(NamedTuple):
@@ -68,23 +71,9 @@ NO_SLIDE = Slide(FLOATS, FLOATS, FLOATS)
 @register_jitable(forceinline=True)
 def _slide_within(slide: Slide, start: float, end: float) -> tuple[float, float]:
     """Bounds of q5 from one parameter to another."""
-    last = len(slide.parameters) - 1
-    low, high = 0, last
-    while low < high:  # the last parameter not after the start
-        middle = (low + high + 1) // 2
-        if slide.parameters[middle] <= start:
-            low = middle
-        else:
-            high = middle - 1
-    first = low
-    low, high = 0, last
-    while low < high:  # the first parameter not before the end
-        middle = (low + high) // 2
-        if slide.parameters[middle] >= end:
-            high = middle
-        else:
-            low = middle + 1
-    return slide.low[first], slide.high[low]
+    first = int(np.searchsorted(slide.parameters, start, side="right")) - 1
+    last = int(np.searchsorted(slide.parameters, end))
+    return slide.low[max(first, 0)], slide.high[min(last, len(slide.high) - 1)]
 
 
 @register_jitable(forceinline=True)
@@ -184,7 +173,8 @@ def separate_arm(
     planes, candidates, work, tries = [NO_PLANE], [0], [0], 0
     lists = Lists(planes, candidates, work, [NO_DIRECTION])
     candidates.clear()
-    add_asked_pairs(around, len(capsules) // CAPSULE, candidates)
+    for c in range(len(capsules) // CAPSULE):
+        add_pairs_within(around, c, (_ANYWHERE, _ANYWHERE), math.inf, candidates)
     if len(candidates) == 0:
         return CERTIFIED, 0.0, -1, math.inf, table_of(planes)
     whole = Piece(0, spans * width, 0, breaks[0], breaks[spans])

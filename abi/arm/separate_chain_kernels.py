@@ -16,7 +16,7 @@ from numba.extending import register_jitable
 from abi.arm.chain_kernels import POSE, TABLE, ChainTable, place_chain
 from abi.arm.direction_kernels import NO_DIRECTION
 from abi.arm.separate_pairs_kernels import ALLOWANCE, FINEST, Lists, Moving, separate_pairs
-from abi.arm.surroundings_kernels import NO_OBSTACLES, Obstacles, box_gap
+from abi.arm.surroundings_kernels import NO_OBSTACLES, Obstacles, add_pairs_within
 from abi.arrays import FloatArray, IntArray
 from abi.clearance.separation_kernels import (
     CERTIFIED,
@@ -216,16 +216,8 @@ def _add_pairs(
     count, allowance = len(around.margins), ALLOWANCE * around.size
     for c in range(len(bodies.frames)):
         capsule = _capsule_of((bodies, pose.ends, pose.ways), c)
-        reach = capsule.radius + capsule.way + allowance
-        for k in range(len(around.outer)):
-            s = around.outer[k]
-            if around.asked[c * count + s] and (
-                certify
-                or s == count - 1
-                or box_gap(around.primitives, s, capsule.first, capsule.last)
-                <= reach + around.margins[s]
-            ):
-                pairs.append(c * count + s)
+        far = math.inf if certify else capsule.radius + capsule.way + allowance
+        add_pairs_within(around, c, (capsule.first, capsule.last), far, pairs)
     for own in range(len(bodies.pairs) // 2):
         pairs.append(len(bodies.frames) * count + own)
 

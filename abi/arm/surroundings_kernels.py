@@ -192,12 +192,24 @@ def asked_rows(around: Obstacles, moving: int) -> list[int]:
     return rows
 
 
-@register_jitable
-def add_asked_pairs(around: Obstacles, moving: int, pairs: list[int]) -> None:
-    """Add the pairs of so many capsules and of rows, times their number, that are asked for."""
+@register_jitable(forceinline=True)
+def add_pairs_within(
+    around: Obstacles, c: int, segment: tuple[Vec3, Vec3], far: float, pairs: list[int]
+) -> None:
+    """Add the pairs of capsule c, times the number of rows, that boxes do not keep clear.
+
+    Args:
+        around: what to keep clear of.
+        c: number of the capsule.
+        segment: its ends, [unit], world.
+        far: distance from it beyond the margins, [unit]; inf for all pairs that are asked for.
+        pairs: written.
+    """
     count = len(around.margins)
-    for c in range(moving):
-        for k in range(len(around.outer)):
-            pair = c * count + int(around.outer[k])
-            if around.asked[pair]:
-                pairs.append(pair)
+    for k in range(len(around.outer)):
+        s = around.outer[k]
+        if around.asked[c * count + s] and (
+            s == count - 1
+            or box_gap(around.primitives, s, segment[0], segment[1]) <= far + around.margins[s]
+        ):
+            pairs.append(c * count + s)
