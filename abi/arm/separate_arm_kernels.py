@@ -22,13 +22,14 @@ from abi.arm.pose_kernels import (
     Rates,
     capsule_ends,
     capsule_rates,
+    capsule_share,
     limits_hold_near,
     pose_of,
     rates_near,
     reaches,
     shoulder_holds,
 )
-from abi.arm.separate_pairs_kernels import ALLOWANCE, FINEST, Lists, Moving, separate_pairs
+from abi.arm.separate_pairs_kernels import ALLOWANCE, FINEST, Lists, Moving, Span, separate_pairs
 from abi.arm.surroundings_kernels import NO_OBSTACLES, Obstacles, add_pairs_within
 from abi.arrays import FloatArray
 from abi.clearance.separation_kernels import (
@@ -43,7 +44,7 @@ from abi.clearance.separation_kernels import (
     table_of,
 )
 from abi.compiled import FLOATS, NEW_FLOATS, compiled
-from abi.obstacles.vector_kernels import Vec3, distance, vec3_at
+from abi.obstacles.vector_kernels import Vec3, distance, dot, vec3_at
 
 UNREACHED = 3
 """Outcome of a piece with a place that the arm does not reach within its limits."""
@@ -76,49 +77,60 @@ def _slide_within(slide: Slide, start: float, end: float) -> tuple[float, float]
     return slide.low[max(first, 0)], slide.high[min(last, len(slide.high) - 1)]
 
 
-@register_jitable(forceinline=True)
-def moving_capsule(
-    arm: ArmNumbers,
-    capsules: FloatArray,
-    c: int,
-    pose: Pose,
-    rates: Rates,
-    ways: tuple[float, float],
-) -> Moving:
-    """Capsule c near a pose.
-
-    Args:
-        arm: its numbers.
-        capsules: theirs.
-        c: number of the capsule.
-        pose: the middle one.
-        rates: of the elbow.
-        ways: of the tool and the slide, at most, [unit].
-    """
-    a, b = capsule_ends(arm, pose, capsules, c)
-    by_tool, by_slide = capsule_rates(arm, rates, capsules, c)
-    way = by_tool * ways[0] + by_slide * ways[1]
-    return Moving(c, a, b, capsules[CAPSULE * c + 3], way)
-
-
-@register_jitable(forceinline=True)
-def _allowance(around: Obstacles, rates: Rates) -> float:
-    """Room for rounding, [unit]."""
-    return ALLOWANCE * around.size * (1.0 if math.isinf(rates.slide) else 1 + rates.slide)
-
-
-class _Stance(NamedTuple):
+class Stance(NamedTuple):
     """The arm at a piece's middle, and how far from there it may be on the piece.
 
     Attributes:
         pose: there.
         rates: of the elbow.
         ways: of the tool and the slide, at most, [unit].
+        first, last: poses at the piece's ends, if ``bend`` is finite.
+        bend: bound of the elbow's second derivative, times l²/8, l being the length of the piece,
+            [unit]; inf where there is none.
     """
 
     pose: Pose
     rates: Rates
     ways: tuple[float, float]
+    first: Pose
+    last: Pose
+    bend: float
+
+
+@register_jitable(forceinline=True)
+def stance_near(arm: ArmNumbers, pose: Pose, ways: tuple[float, float]) -> tuple[Stance, bool]:
+    """Stance near a pose, and whether its rates are finite and the arm keeps its limits there."""
+    rates = rates_near(arm, pose, ways[0], ways[1])
+    bounded = not math.isinf(rates.elbow)
+    bounded = bounded and limits_hold_near(arm, pose, rates, ways[0], ways[1])
+    return Stance(pose, rates, ways, pose, pose, math.inf), bounded
+
+
+@register_jitable(forceinline=True)
+def capsule_of(near: tuple[ArmTable, Stance], c: int) -> Moving:
+    """Capsule c of an arm near a pose."""
+    (arm, capsules), stance = near
+    a, b = capsule_ends(arm, stance.pose, capsules, c)
+    by_tool, by_slide = capsule_rates(arm, stance.rates, capsules, c)
+    way, bow = by_tool * stance.ways[0] + by_slide * stance.ways[1], stance.bend
+    if not math.isinf(bow):
+        bow *= capsule_share(arm, stance.pose.forearm, capsules, c)
+    return Moving(c, a, b, capsules[CAPSULE * c + 3], way, bow)
+
+
+@register_jitable(forceinline=True)
+def level_at_ends(near: tuple[ArmTable, Stance], capsule: Moving, way: Vec3) -> float:
+    """Least product of a direction and a capsule's segment at both ends of a piece, [unit]."""
+    (arm, capsules), stance = near
+    a, b = capsule_ends(arm, stance.first, capsules, capsule.number)
+    c, d = capsule_ends(arm, stance.last, capsules, capsule.number)
+    return min(min(dot(way, a), dot(way, b)), min(dot(way, c), dot(way, d)))
+
+
+@register_jitable(forceinline=True)
+def allowance_of(around: Obstacles, rates: Rates) -> float:
+    """Room for rounding, [unit]."""
+    return ALLOWANCE * around.size * (1.0 if math.isinf(rates.slide) else 1 + rates.slide)
 
 
 @register_jitable(forceinline=True)
@@ -128,13 +140,6 @@ def _farthest(points: FloatArray, piece: Piece, middle: Vec3) -> float:
     for i in range(3 * piece.first, 3 * piece.last, 3):
         farthest = max(farthest, distance(middle, vec3_at(points, i)))
     return farthest * (1 + 2.0**-40)
-
-
-@register_jitable(forceinline=True)
-def _capsule_of(near: tuple[ArmTable, _Stance], c: int) -> Moving:
-    """Capsule c of an arm near a pose."""
-    (arm, capsules), stance = near
-    return moving_capsule(arm, capsules, c, stance.pose, stance.rates, stance.ways)
 
 
 @compiled(example=(FLOATS, FLOATS, NEW_FLOATS, NO_ARM, NO_OBSTACLES, NO_SLIDE, 9))
@@ -193,19 +198,17 @@ def separate_arm(
         pose = pose_of(arm, middle, forearm)
         if not shoulder_holds(arm, pose):
             return UNREACHED, at, -1, 0.0, table_of(planes)
-        rates = rates_near(arm, pose, farthest, slid)
-        bounded = not math.isinf(rates.elbow)
-        bounded = bounded and limits_hold_near(arm, pose, rates, farthest, slid)
-        stance = _Stance(pose, rates, (farthest, slid))
+        stance, bounded = stance_near(arm, pose, (farthest, slid))
+        allowance = allowance_of(around, stance.rates)
+        span = Span(piece.start, piece.end, at, allowance, bounded, True)
         work.clear()
         lists.latest.clear()
         for i in range(highest - 1, lowest - 1, -1):
             work.append(candidates[i])
         outcome, pair, away, tried, _ = separate_pairs(
-            *(around, (piece.start, piece.end, at), _allowance(around, rates), bounded),
-            *(lists, _capsule_of, (table, stance)),
+            around, span, lists, capsule_of, level_at_ends, (table, stance)
         )
-        tries += tried
+        tries += tried[0] + tried[1]
         if outcome == REFUTED:
             return REFUTED, at, pair, away, table_of(planes)
         if len(candidates) == highest:

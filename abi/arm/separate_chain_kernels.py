@@ -15,7 +15,7 @@ from numba.extending import register_jitable
 
 from abi.arm.chain_kernels import POSE, TABLE, ChainTable, place_chain
 from abi.arm.direction_kernels import NO_DIRECTION
-from abi.arm.separate_pairs_kernels import ALLOWANCE, FINEST, Lists, Moving, separate_pairs
+from abi.arm.separate_pairs_kernels import ALLOWANCE, FINEST, Lists, Moving, Span, separate_pairs
 from abi.arm.surroundings_kernels import NO_OBSTACLES, Obstacles, add_pairs_within
 from abi.arrays import FloatArray, IntArray
 from abi.clearance.separation_kernels import (
@@ -205,7 +205,15 @@ def _capsule_of(near: tuple[Bodies, FloatArray, FloatArray], c: int) -> Moving:
     for j in range(len(ways)):
         moves += bodies.levers[c * len(ways) + j] * ways[j]
     first, last = vec3_at(ends, 6 * c), vec3_at(ends, 6 * c + 3)
-    return Moving(c, first, last, bodies.radii[c], moves * _WIDER)
+    return Moving(c, first, last, bodies.radii[c], moves * _WIDER, math.inf)
+
+
+@register_jitable(forceinline=True)
+def _level_at_ends(
+    near: tuple[Bodies, FloatArray, FloatArray], capsule: Moving, way: Vec3
+) -> float:
+    """Least product of a direction and a capsule's segment at the ends of a stretch: unknown."""
+    return -math.inf
 
 
 @register_jitable
@@ -269,11 +277,11 @@ def separate_chain(
         for i in range(highest - 1, lowest - 1, -1):
             if candidates[i] < solid_pairs:
                 work.append(candidates[i])
+        span = Span(stretch.start, stretch.end, at, allowance, True, certify)
         outcome, pair, away, tried, farthest = separate_pairs(
-            *(around, (stretch.start, stretch.end, at), allowance, True),
-            *(lists, _capsule_of, (bodies, ends, ways)),
+            around, span, lists, _capsule_of, _level_at_ends, (bodies, ends, ways)
         )
-        tries += tried
+        tries += tried[0] + tried[1]
         if outcome == REFUTED:
             return REFUTED, at, pair, away, table_of(planes)
         for i in range(lowest, highest):

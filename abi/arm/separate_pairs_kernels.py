@@ -14,7 +14,7 @@ from numba.extending import register_jitable
 from abi.arm.direction_kernels import Direction, is_separated, keep_direction
 from abi.arm.surroundings_kernels import Obstacles, between_boxes, is_solid, judged, open_box
 from abi.clearance.separation_kernels import CERTIFIED, REFUTED, UNDECIDED, Plane
-from abi.obstacles.primitive_kernels import axes_of, centre_of, core_of, in_body, in_world
+from abi.obstacles.primitive_kernels import axes_of, centre_of, core_of, in_body, in_world, support
 from abi.obstacles.vector_kernels import Vec3, dot, sub
 
 ALLOWANCE = 2.0**-40
@@ -33,6 +33,8 @@ class Moving(NamedTuple):
         first, last: ends of its segment, [unit], world.
         radius: [unit].
         way: of every point of it, at most, [unit].
+        bow: farthest that its points are from straight ways between the ends of the piece, [unit];
+            inf where that is not known.
     """
 
     number: int
@@ -40,6 +42,25 @@ class Moving(NamedTuple):
     last: Vec3
     radius: float
     way: float
+    bow: float
+
+
+class Span(NamedTuple):
+    """A piece of a way, seen from a pose on it.
+
+    Attributes:
+        start, end, at: its first and last parameter, and that of the pose.
+        allowance: for rounding, [unit].
+        bounded: whether the ways are bounded on the piece, and joints keep their limits.
+        keeps: whether planes are wanted.
+    """
+
+    start: float
+    end: float
+    at: float
+    allowance: float
+    bounded: bool
+    keeps: bool
 
 
 class Lists(NamedTuple):
@@ -59,8 +80,28 @@ class Lists(NamedTuple):
 
 
 @register_jitable(forceinline=True)
+def _level(
+    allowance: float,
+    capsule: Moving,
+    way: Vec3,
+    level_at_ends: Callable[[_Arm, Moving, Vec3], float],
+    arm: _Arm,
+) -> float:
+    """Level of a :class:`Direction` that is to separate a capsule all along a piece, [unit]."""
+    level = min(dot(way, capsule.first), dot(way, capsule.last)) - capsule.way
+    if capsule.bow < capsule.way:
+        level = max(level, level_at_ends(arm, capsule, way) - capsule.bow)
+    return level - capsule.radius - allowance
+
+
+@register_jitable(forceinline=True)
 def _separated(
-    around: Obstacles, s: int, capsule: Moving, allowance: float
+    around: Obstacles,
+    s: int,
+    allowance: float,
+    capsule: Moving,
+    level_at_ends: Callable[[_Arm, Moving, Vec3], float],
+    arm: _Arm,
 ) -> tuple[int, float, Vec3]:
     """Check whether a direction keeps a capsule clear of row s, or of the floor, near a pose.
 
@@ -68,8 +109,8 @@ def _separated(
         CERTIFIED, REFUTED at the pose or UNDECIDED; the distance there; the direction.
     """
     a, b, radius = capsule.first, capsule.last, capsule.radius
-    near = radius + around.margins[s] - allowance
-    far = around.margins[s] + (radius + allowance + capsule.way)
+    need = radius + around.margins[s]
+    near, far = need - allowance, need + allowance + capsule.way
     if s == len(around.margins) - 1:
         gap, way = min(a[2], b[2]) - around.floor, (0.0, 0.0, 1.0)
         outcome = CERTIFIED if gap > far else REFUTED if gap < near else UNDECIDED
@@ -77,67 +118,74 @@ def _separated(
     gap, way = between_boxes(around.primitives, s, a, b)
     if gap > far:
         return CERTIFIED, gap - radius, way
-    axes = axes_of(around.primitives, s)
-    p = in_body(axes, sub(a, centre_of(around.primitives, s)))
-    d = in_body(axes, sub(b, a))
-    outcome, gap, way = judged(core_of(around.primitives, s), p, d, near, far)
-    return outcome, gap - radius, in_world(axes, way)
+    axes, core = axes_of(around.primitives, s), core_of(around.primitives, s)
+    centre = centre_of(around.primitives, s)
+    p, d = in_body(axes, sub(a, centre)), in_body(axes, sub(b, a))
+    outcome, gap, way = judged(core, p, d, near, min(far, need + allowance + capsule.bow))
+    there = in_world(axes, way)
+    if outcome == CERTIFIED and gap <= far:
+        reached = support(core, way) + dot(there, centre) + around.margins[s]
+        if reached >= _level(allowance, capsule, there, level_at_ends, arm):
+            outcome = UNDECIDED
+    return outcome, gap - radius, there
 
 
 @register_jitable(forceinline=True)
 def separate_pairs(
     around: Obstacles,
-    piece: tuple[float, float, float],
-    allowance: float,
-    bounded: bool,
+    span: Span,
     lists: Lists,
     capsule_of: Callable[[_Arm, int], Moving],
+    level_at_ends: Callable[[_Arm, Moving, Vec3], float],
     arm: _Arm,
-) -> tuple[int, int, float, int, float]:
+) -> tuple[int, int, float, tuple[int, int], float]:
     """Separate the pairs of ``lists.work`` on a piece; those that are left become candidates.
+
+    Where a capsule has a bow, a direction n is tried at both ends of the piece, too.
 
     Args:
         around: what to keep clear of.
-        piece: its first and last parameter, and that of the pose.
-        allowance: for rounding, [unit].
-        bounded: whether the ways are bounded on the piece, and joints keep their limits.
+        span: the piece.
         lists: written.
         capsule_of: a capsule of the arm, by its number.
+        level_at_ends: least n·P over the points P of a capsule's segment at both ends of the piece.
         arm: the arm near the pose.
 
     Returns:
-        REFUTED or UNDECIDED; the pair and the distance that refute it; how many were tried; the
-        largest way of a capsule that is left, [unit].
+        REFUTED or UNDECIDED; the pair and the distance that refute it; how many were tried, and how
+        many could be left out; the largest way of a capsule that is left, [unit].
     """
-    count, (start, end, at) = len(around.margins), piece
+    count, (start, end, at, allowance, bounded, keeps) = len(around.margins), span
     planes, candidates, work, latest = lists
     capsule = capsule_of(arm, 0)
-    left, tries, farthest = -1, 0, 0.0
+    left, tries, spared, farthest = -1, 0, 0, 0.0
     while len(work) > 0:
         pair = work.pop()
-        tries += 1
         s = pair % count
         if pair // count != capsule.number:
             capsule = capsule_of(arm, pair // count)
             latest.clear()
             left = -1
         if is_separated(around, s, latest):
+            spared += 1
             continue
         if left >= 0 and around.meshes[s] == left:
+            spared += 1
             candidates.append(pair)
             continue
-        outcome, away, way = _separated(around, s, capsule, allowance)
+        tries += 1
+        outcome, away, way = _separated(around, s, allowance, capsule, level_at_ends, arm)
         if outcome == REFUTED and is_solid(around, pair):
-            return REFUTED, pair, away, tries, farthest
+            return REFUTED, pair, away, (tries, spared), farthest
         if bounded and outcome == CERTIFIED:
-            planes.append(Plane(start, end, pair, way, at))
+            if keeps:
+                planes.append(Plane(start, end, pair, way, at))
             if around.meshes[s] >= 0:
-                level = min(dot(way, capsule.first), dot(way, capsule.last))
-                level -= capsule.radius + allowance + capsule.way
+                level = _level(allowance, capsule, way, level_at_ends, arm)
                 keep_direction(latest, way, level, around.meshes[s])
         elif not open_box(around, pair, capsule.way, (capsule.first, capsule.last), work):
             candidates.append(pair)
             farthest = max(farthest, capsule.way)
             # the piece is halved anyhow: the rest of the mesh is as good tried on its halves
             left = around.meshes[s] + 0
-    return UNDECIDED, -1, 0.0, tries, farthest
+    return UNDECIDED, -1, 0.0, (tries, spared), farthest
