@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from abi.arm import gap_kernels, mask_kernels
+from abi.arm import mask_kernels
 from abi.arm import region_kernels as kernels
 from abi.arm.arm import Arm
 from abi.arm.surroundings import Surroundings
@@ -41,7 +41,7 @@ def shadow(
     gaps = np.empty(len(points))
     most = float(np.subtract(box[1], box[0]).max()) / places
     solids = surroundings.only(surroundings.numbers >= 0).beyond(0.0)
-    gap_kernels.arm_gaps(flat(points), table, solids, forearm, read_only(reached), most, gaps)
+    kernels.arm_gaps(flat(points), table, solids, forearm, read_only(reached), most, gaps)
     return surface(points, gaps, shape)
 
 

@@ -8,9 +8,9 @@ import trimesh
 
 from abi.arm.arm import Arm
 from abi.arm.arm_sight import ArmSight
-from abi.arm.gap_kernels import arm_gaps
 from abi.arm.mask_kernels import reached_places
 from abi.arm.pose_kernels import CAPSULE, capsule_ends, pose_of
+from abi.arm.region_kernels import arm_gaps
 from abi.arm.regions import reachable, shadow
 from abi.arm.surroundings import arm_surroundings
 from abi.arrays import FloatArray, flat, read_only
