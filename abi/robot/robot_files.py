@@ -16,9 +16,8 @@ from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.obstacles.triangle_mesh.trimesh_formats import DAMAGED_ZIP
 from abi.robot.mesh_lookup import MeshLookup, is_plain
 from abi.robot.robot import Robot
-from abi.robot.srdf_reader import read_srdf
 from abi.robot.urdf_meshes import mesh_names
-from abi.robot.urdf_reader import read_urdf
+from abi.robot.urdf_reader import read_srdf, read_urdf
 
 SHIPPED: Mapping[str, str] = {"ur5e": "tool0", "panda": "panda_hand_tcp", "xarm7": "link_eef"}
 """Usual tip of each arm that comes with the package, by its name."""
@@ -76,12 +75,12 @@ def robot_from_archive(content: bytes) -> Robot:
     return _read(content)[0]
 
 
-def packed(files: Mapping[str, bytes]) -> bytes:
+def packed(files: Mapping[str, bytes], compression: int = zipfile.ZIP_DEFLATED) -> bytes:
     """Files by their paths as a zip, the same for the same files."""
     content = io.BytesIO()
-    with zipfile.ZipFile(content, "w", zipfile.ZIP_DEFLATED) as archive:
+    with zipfile.ZipFile(content, "w") as archive:
         for name, data in files.items():
-            archive.writestr(zipfile.ZipInfo(name, _EPOCH), data, zipfile.ZIP_DEFLATED)
+            archive.writestr(zipfile.ZipInfo(name, _EPOCH), data, compression)
     return content.getvalue()
 
 
@@ -158,20 +157,16 @@ def _packed(source: MeshSource, urdf: str) -> bytes:
         [(folder / name).as_posix() for name in names]
         for names in mesh_names(text, PurePosixPath(urdf).name)
     )
-    content = io.BytesIO()
-    with zipfile.ZipFile(content, "w") as archive:
-        archive.writestr(zipfile.ZipInfo(urdf, _EPOCH), text)
-        for name in needed:
-            archive.writestr(zipfile.ZipInfo(name, _EPOCH), _content(source, name))
-        for name in looks[: _MAX_FILES // 2]:
-            with contextlib.suppress(SceneError):
-                mesh = source.content(name)
-                if content.tell() + len(mesh) < _ROOM * _MAX_ARCHIVE:
-                    archive.writestr(zipfile.ZipInfo(name, _EPOCH), mesh)
-        with contextlib.suppress(SceneError):  # one of the same name is welcome, and not needed
-            beside = PurePosixPath(urdf).with_suffix(".srdf").as_posix()
-            archive.writestr(zipfile.ZipInfo(beside, _EPOCH), source.content(beside))
-    return content.getvalue()
+    files = {urdf: text, **{name: _content(source, name) for name in needed}}
+    for name in looks[: _MAX_FILES // 2]:
+        with contextlib.suppress(SceneError):
+            mesh = source.content(name)
+            if sum(map(len, files.values())) + len(mesh) < _ROOM * _MAX_ARCHIVE:
+                files[name] = mesh
+    with contextlib.suppress(SceneError):  # one of the same name is welcome, and not needed
+        beside = PurePosixPath(urdf).with_suffix(".srdf").as_posix()
+        files[beside] = source.content(beside)
+    return packed(files, zipfile.ZIP_STORED)
 
 
 def _content(source: MeshSource, name: str) -> bytes:
