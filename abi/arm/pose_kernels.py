@@ -237,15 +237,6 @@ def capsule_share(arm: ArmNumbers, forearm: float, capsules: FloatArray, c: int)
 
 
 @register_jitable(forceinline=True)
-def _forearm_rates(rates: Rates, share: float, slides: bool) -> tuple[float, float]:
-    """Ways of a point at a share of the forearm, per way of the tool and of the slide."""
-    behind, ahead = abs(1 - share), abs(share)
-    if slides:
-        return behind * rates.elbow + ahead, behind * (rates.slide + 1)
-    return behind * rates.elbow + ahead, behind * rates.slide + ahead
-
-
-@register_jitable(forceinline=True)
 def capsule_rates(
     arm: ArmNumbers, rates: Rates, capsules: FloatArray, c: int
 ) -> tuple[float, float]:
@@ -261,8 +252,10 @@ def capsule_rates(
     for forearm in (rates.shortest, rates.longest):
         for end in (low, high):
             at = end + (forearm - arm.forearm if slides else 0.0)
-            a, b = _forearm_rates(rates, at / forearm, slides)
-            most, slid = max(most, a), max(slid, b)
+            behind, ahead = abs(1 - at / forearm), abs(at / forearm)
+            most = max(most, behind * rates.elbow + ahead)
+            by_slide = behind * (rates.slide + 1) if slides else behind * rates.slide + ahead
+            slid = max(slid, by_slide)
         if rates.shortest == rates.longest:  # nothing slides
             break
     return most, slid

@@ -105,7 +105,15 @@ class RowTable:
         self._used += 1
         outer = [block.first for block in blocks[:-1]]
         outer += range(blocks[-1].first, blocks[-1].first + blocks[-1].size)
-        return self._until_now(np.array([*outer, self._used - 1]), sum(sizes) + 1)
+        last = self._used - 1
+        return SolidRows(
+            read_only(self._rows[:last].reshape(-1)),
+            read_only(self._inside[:last].reshape(-1)),
+            read_only(self._numbers[: self._used]),
+            read_only(self._meshes[: self._used]),
+            read_only(np.array([*outer, last], dtype=np.int32)),
+            in_use=sum(sizes) + 1,
+        )
 
     def _begin(self, count: int) -> None:
         """Begin a new table with room for so many rows, and some more."""
@@ -132,18 +140,6 @@ class RowTable:
             self._inside[part] = np.where(tree[:, 1:] > 0, tree + np.int32(block.first), 0)
             self._meshes[part] = block.number
         return block
-
-    def _until_now(self, outer: IntArray, count: int) -> SolidRows:
-        """The table up to now, and which of its rows are in use."""
-        rows = self._used - 1
-        return SolidRows(
-            read_only(self._rows[:rows].reshape(-1)),
-            read_only(self._inside[:rows].reshape(-1)),
-            read_only(self._numbers[: self._used]),
-            read_only(self._meshes[: self._used]),
-            read_only(outer.astype(np.int32)),
-            count,
-        )
 
 
 def _size(one: object) -> int:
