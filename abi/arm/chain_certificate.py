@@ -24,7 +24,6 @@ import numpy as np
 
 from abi.arm.arm_certificate import ArmCertificate, ArmRefutation
 from abi.arm.chain_kernels import ChainTable
-from abi.arm.chain_surroundings import bodies_of
 from abi.arm.separate_chain_kernels import Bodies, separate_chain
 from abi.arm.surroundings import OWN, Surroundings
 from abi.arm.surroundings_kernels import Obstacles
@@ -87,7 +86,7 @@ def _task(
     arm: UrdfArm, positions: FloatArray, surroundings: Surroundings, margin: float
 ) -> tuple[ChainTable, Bodies, FloatArray, Obstacles]:
     coordinates = flat(positions / arm.scales)
-    return arm.chain.table, bodies_of(arm), coordinates, surroundings.beyond(margin)
+    return arm.chain.table, arm.bodies, coordinates, surroundings.beyond(margin)
 
 
 def _refutation(arm: UrdfArm, surroundings: Surroundings, outcome: Outcome) -> ArmRefutation | None:

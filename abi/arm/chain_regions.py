@@ -10,7 +10,6 @@ import numpy as np
 import scipy
 
 from abi.arm.chain_mask_kernels import touching_stances
-from abi.arm.chain_surroundings import bodies_of
 from abi.arm.regions import grid, surface
 from abi.arm.stances import Stances, spread_over
 from abi.arm.surroundings import Surroundings
@@ -71,7 +70,7 @@ def chain_shadow(arm: UrdfArm, stances: Stances, surroundings: Surroundings) -> 
     touching = np.zeros(len(stances.reached), dtype=np.bool_)
     touching_stances(
         arm.chain.table,
-        bodies_of(arm),
+        arm.bodies,
         stances.coordinates,
         surroundings.only(surroundings.numbers >= 0).beyond(0.0),
         _ANYHOW,

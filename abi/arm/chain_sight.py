@@ -12,8 +12,6 @@ from abi.arm.arm_certificate import ArmRefutation
 from abi.arm.chain_certificate import MOST_TRIES as CURVE_TRIES
 from abi.arm.chain_certificate import chain_refutation
 from abi.arm.chain_mask_kernels import touching_stances
-from abi.arm.chain_surroundings import bodies_of
-from abi.arm.joint_course import course_from
 from abi.arm.leg_kernels import MOST_TRIES
 from abi.arm.stance_tree_kernels import stances_touching
 from abi.arm.stances import Stances
@@ -21,7 +19,7 @@ from abi.arm.surroundings import Surroundings
 from abi.arm.surroundings_kernels import Obstacles
 from abi.arm.unreached import Unreached
 from abi.arm.urdf_arm import REACHED, UrdfArm
-from abi.arm.urdf_motion import JointCourse
+from abi.arm.urdf_motion import JointCourse, course_from
 from abi.arrays import BoolArray, FloatArray
 from abi.curves.curve import ArcLength, Curve
 from abi.tet_mesh.node_tree import NodeTree
@@ -137,7 +135,7 @@ class ChainSight:
         surroundings = self.surroundings.only(self.surroundings.numbers < 0).beyond(self._beyond)
         touching = np.zeros(len(reached), dtype=np.bool_)
         touching_stances(
-            *(self.arm.chain.table, bodies_of(self.arm), self.stances.coordinates, surroundings),
+            *(self.arm.chain.table, self.arm.bodies, self.stances.coordinates, surroundings),
             *(self.slack, reached, touching),
         )
         return reached & ~touching
@@ -150,7 +148,7 @@ class ChainSight:
         touching = np.zeros(len(reached), dtype=np.bool_)
         obstacle = self._around, self.surroundings.first_row(number)
         stances_touching(
-            *(self.arm.chain.table, bodies_of(self.arm), self.stances.tree),
+            *(self.arm.chain.table, self.arm.bodies, self.stances.tree),
             *(obstacle, reached, touching),
         )
         return touching

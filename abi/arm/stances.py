@@ -10,7 +10,6 @@ import scipy
 
 from abi.arm import spread_kernels
 from abi.arm.chain import PULL
-from abi.arm.chain_surroundings import bodies_of
 from abi.arm.follow_path_kernels import Drift
 from abi.arm.stance_tree_kernels import StanceTree, bound_stances
 from abi.arm.urdf_arm import REACHED, UrdfArm
@@ -61,7 +60,7 @@ class Stances:
     @cached_property
     def tree(self) -> StanceTree:
         """The stances in a tree: of each capsule about 16 bytes a node."""
-        nodes, bodies = self.mesh.node_tree, bodies_of(self.arm)
+        nodes, bodies = self.mesh.node_tree, self.arm.bodies
         boxes = np.tile(np.repeat([np.inf, -np.inf], 3), len(nodes.balls) // 4 * len(bodies.radii))
         tree = StanceTree(self.coordinates, nodes.order, nodes.leaves, read_only(np.zeros(0)))
         bound_stances(self.arm.chain.table, bodies, tree, self.reached, boxes)

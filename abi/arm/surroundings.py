@@ -7,10 +7,12 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
+from abi.arm.any_arm import AnyArm
 from abi.arm.arm import Arm
 from abi.arm.link_capsules import COLUMN
-from abi.arm.solid_rows import FLOOR, Own, RowTable, SolidRows
+from abi.arm.solid_rows import FLOOR, Own, RowTable
 from abi.arm.surroundings_kernels import Obstacles
+from abi.arm.urdf_arm import UrdfArm
 from abi.arrays import BoolArray, FloatArray, IntArray, flat, read_only
 from abi.obstacles.capsule import Capsule
 from abi.obstacles.convex_shape import row
@@ -90,31 +92,51 @@ def arm_surroundings(
         table: with the rows of obstacles as they were; None to make all anew.
     """
     reach = arm.a1 + arm.a2 + arm.a3 + 2 * arm.a4 + arm.a5
-    size = float(np.abs(arm.base).max()) + reach
-    own = _own(arm)
-    solids = (table or RowTable())(obstacles, own)
-    return surroundings_from(solids, own, size, min(float(arm.base[2]), lowest))
+    return _surroundings(arm, reach, _own(arm), obstacles, lowest, table)
 
 
-def surroundings_from(solids: SolidRows, own: Own, size: float, floor: float) -> Surroundings:
-    """Surroundings of rows.
+def chain_surroundings(
+    arm: UrdfArm, obstacles: ObstacleSet, lowest: float, table: RowTable | None = None
+) -> Surroundings:
+    """Surroundings of a URDF arm, without the arm itself, as those of the paper's arm.
+
+    Links that stand still, and the first one that moves, may touch the floor.
+    """
+    moves = np.array([one.frame >= 1 for one in arm.capsules])[:, None]
+    own = Own(np.zeros(0), np.array([FLOOR], dtype=np.int32), moves)
+    return _surroundings(arm, 2 * arm.reach, own, obstacles, lowest, table)
+
+
+def _surroundings(
+    arm: AnyArm,
+    reach: float,
+    own: Own,
+    obstacles: ObstacleSet,
+    lowest: float,
+    table: RowTable | None,
+) -> Surroundings:
+    """Surroundings of an arm.
 
     Args:
-        solids: the rows.
-        own: what the arm keeps clear of beside obstacles.
-        size: largest coordinate of the arm, [unit].
-        floor: height of the floor, [unit].
+        arm: the arm.
+        reach: farthest that it gets from its base, [unit].
+        own: what it keeps clear of beside obstacles.
+        obstacles: the solids.
+        lowest: height of the workspace's bottom, [unit].
+        table: with the rows of obstacles as they were; None to make all anew.
     """
+    solids = (table or RowTable())(obstacles, own)
     asked = np.zeros((len(own.asked), len(solids.numbers)), dtype=np.bool_)
     asked[:, solids.outer] = True
     asked[:, solids.outer[len(solids.outer) - own.asked.shape[1] :]] = own.asked
     corners = solids.rows.reshape(-1, WIDTH)[solids.outer[:-1], BOUNDS:TREE]
+    size = float(np.abs(arm.base).max()) + reach
     return Surroundings(
         *(solids.rows, solids.inside, solids.numbers, solids.meshes),
         asked=read_only(asked),
         outer=solids.outer,
         in_use=solids.in_use,
-        floor=floor,
+        floor=min(float(arm.base[2]), lowest),
         size=size + float(np.abs(corners).max(initial=0.0)),
     )
 

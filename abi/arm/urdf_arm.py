@@ -12,7 +12,8 @@ import numpy as np
 from abi.arm.any_arm import PlacedCapsule
 from abi.arm.chain import Chain
 from abi.arm.chain_capsules import ChainCapsule, chain_capsules, lever, pairs_apart, place
-from abi.arrays import FloatArray, IntArray, ShortRepr, read_only
+from abi.arm.separate_chain_kernels import Bodies
+from abi.arrays import FloatArray, IntArray, ShortRepr, flat, read_only
 from abi.obstacles.pose import METRES, UNTURNED, Quaternion, Vec3
 from abi.robot.robot import Robot
 from abi.robot.urdf_files import description_of, files_of
@@ -95,6 +96,20 @@ class UrdfArm(ShortRepr):
     def pairs(self) -> IntArray:
         """Pairs of capsules (k, 2) that must keep apart."""
         return pairs_apart(self.chain.robot, self.tip)
+
+    @cached_property
+    def bodies(self) -> Bodies:
+        """Capsules in the format of the kernels, for coordinates in [rad] and [m]."""
+        frames = np.array([one.frame for one in self.capsules], dtype=np.int32)
+        return Bodies(
+            frames=read_only(frames),
+            ends=flat(np.stack([one.ends for one in self.capsules])),
+            radii=self.radii,
+            levers=flat(self.levers * self.scales),
+            pairs=read_only(np.ascontiguousarray(self.pairs).reshape(-1)),
+            pair_levers=flat(self.pair_levers * self.scales),
+            scale=1 / self.metres,
+        )
 
     def _lever(self, capsule: ChainCapsule, behind: int) -> FloatArray:
         return np.asarray(lever(self.chain, capsule, behind) / self.metres / self.scales)

@@ -17,14 +17,12 @@ from abi.arm.arm_model import OtherSights
 from abi.arm.chain_certificate import chain_refutation
 from abi.arm.chain_distances import obstacle_distances
 from abi.arm.chain_sight import ChainSight
-from abi.arm.chain_surroundings import chain_surroundings
-from abi.arm.joint_course import joint_course
 from abi.arm.pose_pairs import PosePair, pose_pairs
 from abi.arm.solid_rows import RowTable
 from abi.arm.stances import Stances, spread_over
-from abi.arm.surroundings import Surroundings
+from abi.arm.surroundings import Surroundings, chain_surroundings
 from abi.arm.urdf_arm import TRIED, urdf_arm
-from abi.arm.urdf_motion import JointCourse
+from abi.arm.urdf_motion import JointCourse, joint_course
 from abi.arrays import FloatArray
 from abi.curves.curve import ArcLength, Curve
 from abi.obstacles.obstacle_set import ObstacleSet

@@ -10,10 +10,9 @@ import viser
 
 from abi.arm.arm import Arm
 from abi.arm.chain_regions import chain_reach, chain_shadow, reach_box, stances_in
-from abi.arm.chain_surroundings import chain_surroundings
 from abi.arm.regions import reachable, shadow
 from abi.arm.stances import Stances
-from abi.arm.surroundings import arm_surroundings
+from abi.arm.surroundings import arm_surroundings, chain_surroundings
 from abi.arm.urdf_arm import UrdfArm
 from abi.arrays import FloatArray
 from abi.obstacles.obstacle_set import ObstacleSet

@@ -14,8 +14,8 @@ from abi.arm.arm_certificate import ArmCertificate
 from abi.arm.chain_capsules import segment_distances
 from abi.arm.chain_certificate import certify_chain, chain_refutation
 from abi.arm.chain_distances import floor_distances, obstacle_distances, own_distances
-from abi.arm.chain_surroundings import chain_surroundings
 from abi.arm.solid_rows import FLOOR
+from abi.arm.surroundings import chain_surroundings
 from abi.arm.urdf_arm import UrdfArm, urdf_arm
 from abi.arrays import FloatArray
 from abi.obstacles.mesh_shape import MeshShape

@@ -7,8 +7,8 @@ import pytest
 
 from abi.arm.chain_distances import obstacle_distances
 from abi.arm.chain_regions import chain_reach, chain_shadow, reach_box, stances_in
-from abi.arm.chain_surroundings import chain_surroundings
 from abi.arm.stances import Stances
+from abi.arm.surroundings import chain_surroundings
 from abi.arm.urdf_arm import UrdfArm, urdf_arm
 from abi.arrays import BoolArray, FloatArray
 from abi.obstacles.obstacle_set import ObstacleSet

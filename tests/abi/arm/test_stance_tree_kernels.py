@@ -7,9 +7,9 @@ import pytest
 
 from abi.arm.chain_mask_kernels import touching_stances
 from abi.arm.chain_sight import ChainSight
-from abi.arm.chain_surroundings import bodies_of, chain_surroundings
 from abi.arm.stance_tree_kernels import bound_stances, stances_touching
 from abi.arm.stances import Stances
+from abi.arm.surroundings import chain_surroundings
 from abi.arm.urdf_arm import UrdfArm
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import Obstacle, ObstacleSet
@@ -66,7 +66,7 @@ def test_stances_are_decided_as_one_by_one(name: str, wide: float) -> None:
     obstacles = obstacles_near(stances, random)
     surroundings = chain_surroundings(arm, obstacles, 0.0)
     sight = ChainSight(arm, "", surroundings, stances, 0.01 * arm.reach, 0.002 * arm.reach)
-    table, coordinates, bodies = arm.chain.table, stances.coordinates, bodies_of(arm)
+    table, coordinates, bodies = arm.chain.table, stances.coordinates, arm.bodies
     some = 0
     for number in range(len(obstacles)):
         asked = stances.reached & (random.random(len(stances.reached)) < 0.8)
