@@ -1,12 +1,15 @@
 """A robot as its URDF describes it: links, joints, shapes and inertias, checked and in order.
 
+A part of it hangs from one of its links, as an arm on a column or one of two.
+
 The format: http://wiki.ros.org/urdf/XML. Lengths in [m], angles in [rad], masses in [kg].
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from types import MappingProxyType
 from typing import Literal, NamedTuple
 
 from abi.arrays import ByteArray, FloatArray, IntArray, ShortRepr
@@ -160,3 +163,45 @@ def usual_tip(robot: Robot) -> str:
         depth[joint.child] = depth[joint.parent] + (joint.kind != "fixed")
     most = max(depth.values())
     return [link for link, count in depth.items() if count == most][-1]
+
+
+def bases_to(robot: Robot, tip: str) -> tuple[str, ...]:
+    """Links from which 1 to 16 joints move ``tip``, the robot's root first if it is one.
+
+    A link is none if a joint below it mimics one above it.
+    """
+    parents = {joint.child: joint for joint in robot.joints}
+    found: list[str] = []
+    link, moving = tip, 0
+    while link in parents:
+        moving += parents[link].kind != "fixed"
+        link = parents[link].parent
+        if 1 <= moving <= MOST_JOINTS and _stands_alone(_joints_below(robot, link)):
+            found.append(link)
+    return tuple(reversed(found))
+
+
+def part_from(robot: Robot, base: str) -> Robot:
+    """The robot with ``base`` as its root, and only the links that this carries."""
+    if base == robot.root:
+        return robot
+    joints = _joints_below(robot, base)
+    names = {base, *(joint.child for joint in joints)}
+    links = {name: link for name, link in robot.links.items() if name in names}
+    return replace(robot, root=base, links=MappingProxyType(links), joints=joints)
+
+
+def _joints_below(robot: Robot, base: str) -> tuple[Joint, ...]:
+    """Joints of all that a link carries, parents before children."""
+    carried, found = {base}, []
+    for joint in robot.joints:
+        if joint.parent in carried:
+            carried.add(joint.child)
+            found.append(joint)
+    return tuple(found)
+
+
+def _stands_alone(joints: tuple[Joint, ...]) -> bool:
+    """Check whether every joint that one of them mimics is among them."""
+    names = {joint.name for joint in joints}
+    return all(joint.mimic is None or joint.mimic.joint in names for joint in joints)

@@ -1,17 +1,20 @@
-"""Links of a URDF: their collision shapes, visuals and masses."""
+"""Links of a URDF: their collision shapes, visuals, colours and masses.
+
+The format: http://wiki.ros.org/urdf/XML/link. A colour that cannot be read is ignored.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
+from lxml import etree
 
 from abi.arrays import ByteArray, FloatArray, IntArray, read_only
 from abi.errors import SceneError
 from abi.obstacles.pose import Vec3
-from abi.robot.materials import NO_COLOURS, colour_of, materials
 from abi.robot.robot import Link, Shape
 from abi.robot.strict_xml import Element
 from abi.robot.urdf_meshes import file_name
@@ -23,6 +26,9 @@ _NAMED = 5
 
 Meshes = Callable[[str], tuple[FloatArray, IntArray, ByteArray]]
 """Vertices, faces and their colours of the mesh file of that name."""
+
+_NO_COLOURS: ByteArray = read_only(np.empty((0, 3), dtype=np.uint8))
+"""Colours of a visual without any."""
 
 _ZERO: Vec3 = (0.0, 0.0, 0.0)
 
@@ -87,10 +93,10 @@ def add_colours(root: Element, links: dict[str, Link]) -> None:
 
     Shapes that stand for visuals take the first visual's colour.
     """
-    named = materials(root.xml)
+    named = _materials(root.xml)
     for element in root.all("link"):
         link = links[element.text("name")]
-        given = [colour_of(visual.xml, named) for visual in element.all("visual")]
+        given = [_colour_of(visual.xml, named) for visual in element.all("visual")]
         if not any(map(len, given)):
             continue
         if len(given) != len(link.drawn):
@@ -120,7 +126,7 @@ def _tensor(inertial: Element) -> FloatArray:
 def _shape(element: Element, meshes: Meshes) -> Shape:
     geometry = element.needed("geometry")
     pose = element.origin()
-    vertices, faces, colours = np.empty((0, 3)), np.empty((0, 3), dtype=np.int32), NO_COLOURS
+    vertices, faces, colours = np.empty((0, 3)), np.empty((0, 3), dtype=np.int32), _NO_COLOURS
     part = next((Element(x, element.file, element.title) for x in geometry.xml), None)
     kind = None if part is None else part.xml.tag
     if part is None or kind not in ("box", "sphere", "cylinder", "mesh"):
@@ -149,3 +155,39 @@ def _shape(element: Element, meshes: Meshes) -> Shape:
         read_only(np.ascontiguousarray(faces, dtype=np.int32)),
         read_only(colours),
     )
+
+
+def _materials(root: etree._Element) -> Mapping[str, ByteArray]:
+    """Colours (1, 3) of a robot's materials by name; those of the robot element take precedence."""
+    found: dict[str, ByteArray] = {}
+    for material in (*root.iterfind("material"), *root.iterfind("link/visual/material")):
+        colour, name = _colour(material), str(material.get("name", ""))
+        if len(colour) and name:
+            found.setdefault(name, colour)
+    return found
+
+
+def _colour_of(visual: etree._Element, named: Mapping[str, ByteArray]) -> ByteArray:
+    """Colour (1, 3) of a visual's material; (0, 3) if it gives none.
+
+    Args:
+        visual: the element.
+        named: colours of materials by their names.
+    """
+    material = visual.find("material")
+    if material is None:
+        return _NO_COLOURS
+    own = _colour(material)
+    return own if len(own) else named.get(str(material.get("name", "")), _NO_COLOURS)
+
+
+def _colour(material: etree._Element) -> ByteArray:
+    element = material.find("color")
+    words = [] if element is None else str(element.get("rgba", "")).split()
+    try:
+        numbers = np.array([float(word) for word in words[:3]])
+    except ValueError:
+        return _NO_COLOURS
+    if len(words) not in (3, 4) or not ((numbers >= 0) & (numbers <= 1)).all():
+        return _NO_COLOURS
+    return read_only(np.rint(255 * numbers).astype(np.uint8)[None])

@@ -17,9 +17,8 @@ from pydantic import (
 from abi.errors import SceneError
 from abi.obstacles.pose import LARGEST, UNTURNED, Length, Quaternion, Vec3
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
-from abi.robot.robot import Robot, joints_to, usual_tip
+from abi.robot.robot import Robot, bases_to, joints_to, part_from, usual_tip
 from abi.robot.robot_files import SHIPPED, load_robot
-from abi.robot.robot_part import bases_to, part_from
 from abi.scene.lattices import LATTICES, Lattice
 
 Elbow = Literal["up", "down"]

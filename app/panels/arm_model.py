@@ -10,9 +10,8 @@ import viser
 
 from abi.obstacles.pose import UNTURNED, Quaternion
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
-from abi.robot.robot import Robot, usual_tip
+from abi.robot.robot import Robot, bases_to, part_from, usual_tip
 from abi.robot.robot_files import SHIPPED, load_robot
-from abi.robot.robot_part import bases_to, part_from
 from abi.scene.scene import Scene
 from app import notices
 from app.arm_size import size_note

@@ -16,8 +16,8 @@ from abi.errors import SceneError
 from abi.export.formats import FORMATS
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.planner.planner import Planner
+from abi.robot.robot import bases_to, part_from
 from abi.robot.robot_files import SHIPPED, load_robot, robot_from_archive
-from abi.robot.robot_part import bases_to, part_from
 from abi.robot.urdf_files import description_of
 from abi.scene.scene import Scene, load_scene
 from abi.verify.verify import verify
