@@ -121,12 +121,7 @@ def _turret(size: Proportions, a2: float) -> tuple[LinkSolid, ...]:
     ring = min(0.12 * s, 0.2 * top)
     inner, outer = _fork(size)
     cheeks = tuple(
-        LinkSolid(
-            "box",
-            (outer - inner, 1.88 * s, a2 - 0.5 * top),
-            "shell",
-            (side * (inner + outer) / 2, 0.0, (a2 + 0.5 * top) / 2),
-        )
+        _block((outer - inner, 1.88 * s), 0.5 * top, a2, side * (inner + outer) / 2, "shell")
         for side in (-1, 1)
     )
     return (
