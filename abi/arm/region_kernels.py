@@ -183,14 +183,10 @@ def zero_surface(points: FloatArray, values: FloatArray, nx: int, ny: int, nz: i
                         r = _crossing(points, values, inner[1], outer[1])
                         t = _crossing(points, values, inner[1], outer[0])
                         for v in (p, q, r, p, r, t):
-                            found.append(v[0])
-                            found.append(v[1])
-                            found.append(v[2])
+                            found.extend(v)
                         continue
                     q = _crossing(points, values, inner[1 % a], outer[1 % b])
                     r = _crossing(points, values, inner[2 % a], outer[2 % b])
                     for v in (p, q, r):
-                        found.append(v[0])
-                        found.append(v[1])
-                        found.append(v[2])
+                        found.extend(v)
     return np.array(found)
