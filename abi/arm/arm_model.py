@@ -107,11 +107,8 @@ class Sight(Places, Protocol):
     def course(self, curve: Curve, arc: ArcLength) -> Course:
         """The joints along a curve."""
 
-    def wider(self, times: float) -> Self:
-        """A copy whose legs keep ``times`` the distance beyond the clearance."""
-
-    def patient(self, times: int) -> Self:
-        """A copy with ``times`` as many tries to prove a leg clear."""
+    def scaled(self, slack: float = 1.0, tries: int = 1) -> Self:
+        """A copy with so many times the legs' distance beyond the clearance, and tries of a leg."""
 
 
 class OtherSights(NamedTuple):

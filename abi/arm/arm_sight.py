@@ -14,10 +14,8 @@ from abi.arm.arm import JOINTS, Arm
 from abi.arm.arm_certificate import ArmCertificate, ArmRefutation, certify_arm
 from abi.arm.inverse_kinematics import solve
 from abi.arm.leg_kernels import MOST_TRIES, ArmLegs
-from abi.arm.pose_kernels import ArmTable
 from abi.arm.separate_arm_kernels import UNREACHED, Slide, separate_arm
 from abi.arm.surroundings import Surroundings
-from abi.arm.surroundings_kernels import Obstacles
 from abi.arm.unreached import Unreached
 from abi.arrays import BoolArray, FloatArray, flat, read_only
 from abi.clearance.bezier import PolynomialCurve
@@ -61,19 +59,14 @@ class ArmSight:
         """Everything that the excluded nodes depend on, except the obstacles."""
         return self.arm, self.elbow, self.extensions, self.clearance, self.slack
 
-    def wider(self, times: float) -> Self:
-        """A copy with ``times`` the slack."""
-        return replace(self, slack=times * self.slack)
-
-    def patient(self, times: int) -> Self:
-        """A copy with ``times`` as many tries."""
-        return replace(self, most_tries=times * self.most_tries)
+    def scaled(self, slack: float = 1.0, tries: int = 1) -> Self:
+        """A copy with so many times the slack and the tries."""
+        return replace(self, slack=slack * self.slack, most_tries=tries * self.most_tries)
 
     def refutation(self, curve: PolynomialCurve) -> ArmRefutation | None:
         """Find where on a curve the arm is not proven clear; None if it is clear throughout."""
-        result = certify_arm(
-            *(curve, self._slide(curve), self.arm, self.elbow, self.surroundings, self.clearance)
-        )
+        slide = Slide(flat(curve.bezier().breaks[[0, -1]]), *self._extensions)
+        result = certify_arm(curve, slide, self.arm, self.elbow, self.surroundings, self.clearance)
         return None if isinstance(result, ArmCertificate) else result
 
     def leg_refutation(self, points: FloatArray) -> ArmRefutation | None:
@@ -88,8 +81,8 @@ class ArmSight:
             flat(legs),
             breaks,
             room,
-            self._table,
-            self._beyond,
+            self.legs.table,
+            self.legs.around,
             slide,
             self.most_tries,
         )
@@ -123,7 +116,7 @@ class ArmSight:
     def reached(self, points: FloatArray) -> BoolArray:
         """Check whether the arm reaches points (n, 3), clear of floor and column, (n,)."""
         reached = np.zeros(len(points), dtype=np.bool_)
-        mask_kernels.reached_places(flat(points), self._table.numbers, *self._forearm, reached)
+        mask_kernels.reached_places(flat(points), self.legs.table.numbers, *self._forearm, reached)
         return reached & ~self._touching(
             points, self.surroundings.only(self.surroundings.numbers < 0), reached
         )
@@ -164,24 +157,14 @@ class ArmSight:
     def legs(self) -> ArmLegs:
         """Surroundings of the tool's legs in the format of the kernels."""
         low, high = map(float, self.extensions)
-        return ArmLegs(self._table, self._beyond, (low, high), self.most_tries)
-
-    def _slide(self, curve: PolynomialCurve) -> Slide:
-        return Slide(flat(curve.bezier().breaks[[0, -1]]), *self._extensions)
+        table, beyond = self.arm.table(self.elbow, _SPARE), self.clearance + self.slack
+        return ArmLegs(table, self.surroundings.beyond(beyond), (low, high), self.most_tries)
 
     @cached_property
     def _extensions(self) -> tuple[FloatArray, FloatArray]:
         """Bounds of q5 at both ends of any way, (2,) each, [unit]."""
         low, high = self.extensions
         return read_only(np.full(2, low)), read_only(np.full(2, high))
-
-    @cached_property
-    def _table(self) -> ArmTable:
-        return self.arm.table(self.elbow, _SPARE)
-
-    @cached_property
-    def _beyond(self) -> Obstacles:
-        return self.surroundings.beyond(self.clearance + self.slack)
 
     @cached_property
     def _forearm(self) -> tuple[float, float]:

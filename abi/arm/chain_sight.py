@@ -66,13 +66,9 @@ class ChainSight:
         """Everything that the excluded nodes depend on, except the obstacles."""
         return self.arm, self.stances, self.clearance, self.slack
 
-    def wider(self, times: float) -> Self:
-        """A copy with ``times`` the slack."""
-        return replace(self, slack=times * self.slack)
-
-    def patient(self, times: int) -> Self:
-        """A copy with ``times`` as many tries."""
-        return replace(self, most_tries=times * self.most_tries)
+    def scaled(self, slack: float = 1.0, tries: int = 1) -> Self:
+        """A copy with so many times the slack and the tries."""
+        return replace(self, slack=slack * self.slack, most_tries=tries * self.most_tries)
 
     def refutation(self, curve: Curve) -> ArmRefutation | None:
         """Find where on a curve the arm is not proven clear; None if it is clear throughout."""

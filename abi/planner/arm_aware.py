@@ -114,7 +114,7 @@ class ArmAware:
         branches = self._branches(task, task.sights, faults)
         if not branches:  # near the base axis, and along an obstacle, a proof may take more
             shut = [s for s in task.sights if faults[s.branch].where == "path"]
-            branches = self._branches(task, [s.patient(_PATIENCE) for s in shut], faults)
+            branches = self._branches(task, [s.scaled(tries=_PATIENCE) for s in shut], faults)
         for branch in sorted(branches, key=_cost):
             try:
                 return _finish(task, branch, names)
@@ -224,7 +224,7 @@ def _fitted(task: ArmTask, branch: _Branch, path_clearance: float) -> dict[str, 
         found: dict[str, Any] = {}
         vertices, away = path.points, path_clearance
         if task.taut is not None:
-            roomy = branch.sight.wider(times)
+            roomy = branch.sight.scaled(slack=times)
             found["taut"] = pulled = pull_clear(task.taut, obstacles, task.margin, path, roomy)
             vertices, away = pulled.points, pulled.clearance
         bspline = fit_clear(

@@ -88,7 +88,7 @@ def test_more_tries_prove_a_leg_close_to_the_base_axis() -> None:
     scene = arm_scene(174, meshes=True)
     leg = np.array([[2.919, 2.919, 0.0], [2.919, 3.081, 0.0]])  # the axis is at 3, 3
     sight = replace(sight_of(scene, slack=0.006), most_tries=300)
-    patient = sight.patient(20)
+    patient = sight.scaled(tries=20)
     assert not sight.clear_legs(leg).any()
     assert patient.clear_legs(leg).all()
     assert patient.leg_refutation(leg) is None
