@@ -106,7 +106,7 @@ def certify_arm(
         most_tries: pairs of a capsule and an obstacle to try at most; None for the default limit.
     """
     if most_tries is None:
-        most_tries = _MOST_TRIES + 20 * len(surroundings.asked) * surroundings.in_use
+        most_tries = _MOST_TRIES + 20 * len(surroundings.asked) * surroundings.solids.in_use
     bounds = tuple(flat(values).tobytes() for values in slide)
     return _certified(
         *(curve, bounds, arm, elbow, surroundings, margin, most_tries)  # type: ignore[arg-type]

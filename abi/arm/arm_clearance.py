@@ -120,7 +120,7 @@ def arm_clearance(
     ends = place(arm, motion.positions)
     own = _measured(ends, arm, surroundings.only(surroundings.numbers < 0), _TOUCH)
     solid = _measured(
-        ends, arm, surroundings.only((surroundings.numbers >= 0) & (surroundings.meshes < 0))
+        ends, arm, surroundings.only((surroundings.numbers >= 0) & (surroundings.solids.meshes < 0))
     )
     if obstacles.meshes:
         solid = _with_meshes(solid, ends, arm, obstacles)
@@ -130,7 +130,9 @@ def arm_clearance(
         *contacts_of(motion.time, solid, capsules, arm),
     )
     certify = partial(certify_arm, motion.curve, motion.slide, arm, motion.elbow, surroundings)
-    return proven_clearance(motion, arm, solid, contacts, required, surroundings.in_use, certify)
+    return proven_clearance(
+        motion, arm, solid, contacts, required, surroundings.solids.in_use, certify
+    )
 
 
 def proven_clearance(

@@ -10,10 +10,10 @@ import numpy as np
 from abi.arm.any_arm import AnyArm
 from abi.arm.arm import Arm
 from abi.arm.link_capsules import COLUMN
-from abi.arm.solid_rows import FLOOR, Own, RowTable
+from abi.arm.solid_rows import FLOOR, Own, RowTable, SolidRows
 from abi.arm.surroundings_kernels import Obstacles
 from abi.arm.urdf_arm import UrdfArm
-from abi.arrays import BoolArray, FloatArray, IntArray, flat, read_only
+from abi.arrays import BoolArray, IntArray, flat, read_only
 from abi.obstacles.capsule import Capsule
 from abi.obstacles.convex_shape import row
 from abi.obstacles.obstacle_set import ObstacleSet
@@ -31,34 +31,29 @@ class Surroundings:
     A triangle mesh is a tree of boxes, the smallest of which fit its triangles closely.
 
     Attributes:
-        rows: convex primitives, whose tree does not count, flat (k WIDTH,).
-        inside: rows of boxes inside each, see :class:`Obstacles`, flat (2 k,).
-        numbers: obstacle of each of them, ``OWN`` minus a capsule's number, last ``FLOOR``,
-            (k + 1,).
-        meshes: the same of the rows of triangle meshes, -1 of others, (k + 1,).
+        solids: obstacles and column as rows; of what no capsule is asked, more may be there.
         asked: whether a capsule must keep clear of it, False for boxes inside others, (c, k + 1).
-        outer: those that are in no other, obstacles and the floor in their order.
-        in_use: rows in use and the floor; of what no capsule is asked, more may be there.
         floor: height of the floor, [unit].
         size: largest coordinate of arm and obstacles, [unit].
     """
 
-    rows: FloatArray
-    inside: IntArray
-    numbers: IntArray
-    meshes: IntArray
+    solids: SolidRows
     asked: BoolArray
-    outer: IntArray
-    in_use: int
     floor: float
     size: float
+
+    @property
+    def numbers(self) -> IntArray:
+        """Obstacle of each row, ``OWN`` minus a capsule's number, last ``FLOOR``, (k + 1,)."""
+        return self.solids.numbers
 
     def beyond(self, margin: float) -> Obstacles:
         """Add a distance to keep from obstacles, [unit]; from floor and column it is 0."""
         margins = np.where(self.numbers >= 0, margin, 0.0)
+        rows, inside, _, meshes, outer, _ = self.solids
         return Obstacles(
-            *(self.rows, self.inside, self.meshes, read_only(margins)),
-            *(self.asked.reshape(-1), self.outer, self.floor, self.size),
+            *(rows, inside, meshes, read_only(margins)),
+            *(self.asked.reshape(-1), outer, self.floor, self.size),
         )
 
     def first_row(self, number: int) -> int:
@@ -68,8 +63,9 @@ class Surroundings:
     @cached_property
     def _first_rows(self) -> IntArray:
         """Row of each obstacle, in the order of their numbers; then what is left over."""
-        numbers, rows = self.numbers[self.outer], np.empty_like(self.outer)
-        rows[numbers[numbers >= 0]] = self.outer[numbers >= 0]
+        outer = self.solids.outer
+        numbers, rows = self.numbers[outer], np.empty_like(outer)
+        rows[numbers[numbers >= 0]] = outer[numbers >= 0]
         return rows
 
     def only(self, kept: BoolArray) -> Surroundings:
@@ -132,10 +128,8 @@ def _surroundings(
     corners = solids.rows.reshape(-1, WIDTH)[solids.outer[:-1], BOUNDS:TREE]
     size = float(np.abs(arm.base).max()) + reach
     return Surroundings(
-        *(solids.rows, solids.inside, solids.numbers, solids.meshes),
+        solids=solids,
         asked=read_only(asked),
-        outer=solids.outer,
-        in_use=solids.in_use,
         floor=min(float(arm.base[2]), lowest),
         size=size + float(np.abs(corners).max(initial=0.0)),
     )

@@ -37,7 +37,11 @@ def test_rows_that_stay_are_those_made_anew(seed: int) -> None:
             arm_surroundings(arm, solids, -1.0),
         )
         assert _content(found) == _content(fresh)
-        assert (found.in_use, found.size, found.floor) == (fresh.in_use, fresh.size, fresh.floor)
+        assert (found.solids.in_use, found.size, found.floor) == (
+            fresh.solids.in_use,
+            fresh.size,
+            fresh.floor,
+        )
         assert found.asked.sum() == fresh.asked.sum()
         assert all(found.numbers[found.first_row(k)] == k for k in range(len(obstacles)))
         handed_out.append((found, _content(found)))
@@ -75,17 +79,17 @@ def _obstacle(random: np.random.Generator) -> Obstacle:
 def _content(surroundings: Surroundings) -> list[tuple[object, ...]]:
     """Each outer row and all that is inside, with what is known of it, in their order."""
     last = len(surroundings.numbers) - 1
-    return [_row(surroundings, int(s)) for s in surroundings.outer if s < last]
+    return [_row(surroundings, int(s)) for s in surroundings.solids.outer if s < last]
 
 
 def _row(surroundings: Surroundings, s: int) -> tuple[object, ...]:
-    first, end = surroundings.inside[2 * s : 2 * s + 2].tolist()
+    first, end = surroundings.solids.inside[2 * s : 2 * s + 2].tolist()
     return (
         *(
             int(surroundings.numbers[s]),
-            int(surroundings.meshes[s]),
+            int(surroundings.solids.meshes[s]),
             tuple(surroundings.asked[:, s].tolist()),
         ),
-        surroundings.rows[s * WIDTH : s * WIDTH + TREE].tobytes(),
+        surroundings.solids.rows[s * WIDTH : s * WIDTH + TREE].tobytes(),
         tuple(_row(surroundings, row) for row in range(first, end)),
     )
