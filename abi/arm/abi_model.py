@@ -11,7 +11,7 @@ from abi.arm import mask_kernels, trajectory
 from abi.arm.arm import Arm
 from abi.arm.arm_certificate import ArmRefutation, certify_arm, slide_bounds
 from abi.arm.arm_clearance import ArmClearance, arm_clearance
-from abi.arm.arm_model import OtherSights
+from abi.arm.arm_model import OtherSights, SightTask
 from abi.arm.arm_sight import ArmSight
 from abi.arm.inverse_kinematics import solve
 from abi.arm.solid_rows import RowTable
@@ -25,7 +25,6 @@ from abi.curves.timed_profile import PathProfile
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.scene.scene import Scene
 from abi.scene.settings import ArmSettings
-from abi.tet_mesh.tet_mesh import TetMesh
 
 JOINT_SPEED = np.pi
 """Largest speed of the paper's turning joints, nominal, [rad/s]."""
@@ -125,19 +124,16 @@ class AbiModel:
         branches = settings.branches
         return tuple(AbiCourse(curve, arc, self.arm, settings.on(elbow)) for elbow in branches)
 
-    def sights(
-        self, scene: Scene, mesh: TetMesh, surroundings: Surroundings, slack: float
-    ) -> tuple[AbiSight, ...]:
+    def sights(self, task: SightTask) -> tuple[AbiSight, ...]:
         """One sight for each elbow branch that may be taken."""
-        extensions, clearance = _extensions(scene), scene.arm.clearance
+        settings, around = task.scene.arm, task.surroundings
+        extensions, clearance = _extensions(task.scene), settings.clearance
         return tuple(
-            AbiSight(self.arm, elbow, surroundings, extensions, clearance, slack, scene.arm)
-            for elbow in scene.arm.branches
+            AbiSight(self.arm, elbow, around, extensions, clearance, task.slack, settings)
+            for elbow in settings.branches
         )
 
-    def other_sights(
-        self, scene: Scene, mesh: TetMesh, surroundings: Surroundings, slack: float
-    ) -> OtherSights:
+    def other_sights(self, task: SightTask) -> OtherSights:
         """No further sights: an elbow has only two sides."""
         return OtherSights(iter(()))
 

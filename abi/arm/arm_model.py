@@ -111,6 +111,24 @@ class Sight(Places, Protocol):
         """A copy with so many times the legs' distance beyond the clearance, and tries of a leg."""
 
 
+class SightTask(NamedTuple):
+    """What a sight is of.
+
+    Attributes:
+        scene: the scene.
+        obstacles: its obstacles.
+        surroundings: everything around the arm.
+        mesh: whose nodes may be asked about.
+        slack: distance that legs and places keep beyond the clearance, [unit].
+    """
+
+    scene: Scene
+    obstacles: ObstacleSet
+    surroundings: Surroundings
+    mesh: TetMesh
+    slack: float
+
+
 class OtherSights(NamedTuple):
     """Further sights, tried where no branch leads to a motion.
 
@@ -143,19 +161,8 @@ class ArmModel(Protocol):
     ) -> Sequence[Course]:
         """Joint positions along a curve on each branch that may be taken, the preferred first."""
 
-    def sights(
-        self, scene: Scene, mesh: TetMesh, surroundings: Surroundings, slack: float
-    ) -> Sequence[Sight]:
-        """One sight for each branch that may be taken.
+    def sights(self, task: SightTask) -> Sequence[Sight]:
+        """One sight for each branch that may be taken."""
 
-        Args:
-            scene: the scene.
-            mesh: whose nodes may be asked about.
-            surroundings: everything around it.
-            slack: distance that legs and places keep beyond the clearance, [unit].
-        """
-
-    def other_sights(
-        self, scene: Scene, mesh: TetMesh, surroundings: Surroundings, slack: float
-    ) -> OtherSights:
-        """Sights on further branches, with the arguments of :meth:`sights`."""
+    def other_sights(self, task: SightTask) -> OtherSights:
+        """Sights on further branches."""

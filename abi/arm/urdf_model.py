@@ -7,13 +7,12 @@ redundant joints are drawn towards poses with the tool at the goal.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import partial
 from typing import Literal
 
 import numpy as np
 
-from abi.arm.arm_model import OtherSights
+from abi.arm.arm_model import OtherSights, SightTask
 from abi.arm.chain_certificate import chain_refutation
 from abi.arm.chain_distances import obstacle_distances
 from abi.arm.chain_sight import ChainSight
@@ -27,7 +26,6 @@ from abi.arrays import FloatArray
 from abi.curves.curve import ArcLength, Curve
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.pose import Vec3
-from abi.scene.scene import Scene
 from abi.scene.settings import ArmSettings
 from abi.tet_mesh.tet_mesh import TetMesh
 
@@ -70,40 +68,33 @@ class UrdfModel:
         """The course from the start pose that keeps the arm clearest."""
         return (joint_course(curve, arc, self.arm, obstacles, surroundings.floor),)
 
-    def sights(
-        self, scene: Scene, mesh: TetMesh, surroundings: Surroundings, slack: float
-    ) -> tuple[ChainSight, ...]:
+    def sights(self, task: SightTask) -> tuple[ChainSight, ...]:
         """One sight for each of a few start poses, clear ones if there are any."""
-        task = _Task(scene, mesh, surroundings, slack)
         self._remember(task)
-        clear = self._clear(self._poses_at(scene.start)[:TRIED], task)
+        clear = self._clear(self._poses_at(task.scene.start)[:TRIED], task)
         return tuple(self._sight(PosePair(number, None), task) for number in _first_ones(clear))
 
-    def other_sights(
-        self, scene: Scene, mesh: TetMesh, surroundings: Surroundings, slack: float
-    ) -> OtherSights:
+    def other_sights(self, task: SightTask) -> OtherSights:
         """One sight for each of a few clear pairs of a start pose and a pose at the goal.
 
         A start pose that was not tried may also stand alone.
         """
         if not self.arm.is_redundant:
             return OtherSights(iter(()))
-        task = _Task(scene, mesh, surroundings, slack)
         self._remember(task)
-        firsts, lasts = (
-            self._clear(self._poses_at(point), task) for point in (scene.start, scene.goal)
-        )
-        for where, point, clear in (("start", scene.start, firsts), ("goal", scene.goal, lasts)):
+        start, goal = task.scene.start, task.scene.goal
+        firsts, lasts = (self._clear(self._poses_at(point), task) for point in (start, goal))
+        for where, point, clear in (("start", start, firsts), ("goal", goal, lasts)):
             if not clear:
                 found = len(self._poses_at(point))
                 note = f"Of {found} poses found at the {where} none keeps the arm clear."
                 return OtherSights(iter(()), note)
         tried = [PosePair(number, None) for number in _first_ones(firsts)]
-        line = np.array(scene.start), np.array(scene.goal)
+        line = np.array(start), np.array(goal)
         pairs = pose_pairs(self.arm, line, firsts, lasts, partial(self._is_clear, task))
         return OtherSights(self._sight(pair, task) for pair in pairs if pair not in tried)
 
-    def _remember(self, task: _Task) -> None:
+    def _remember(self, task: SightTask) -> None:
         """Forget what belongs to another mesh, start or goal."""
         scene = task.scene
         at = (task.mesh, scene.start, scene.goal)
@@ -120,18 +111,18 @@ class UrdfModel:
             self._poses[point] = self.arm.first_poses(np.array(point), _ALL)
         return self._poses[point]
 
-    def _clear(self, poses: Sequence[FloatArray], task: _Task) -> dict[int, FloatArray]:
+    def _clear(self, poses: Sequence[FloatArray], task: SightTask) -> dict[int, FloatArray]:
         """Those that are clear, by their numbers."""
         return {k: pose for k, pose in enumerate(poses) if self._is_clear(task, pose)}
 
-    def _is_clear(self, task: _Task, pose: FloatArray) -> bool:
+    def _is_clear(self, task: SightTask, pose: FloatArray) -> bool:
         """Check whether the arm, standing still, is proven clear and in no closed mesh."""
-        still = np.stack([pose, pose])
-        if chain_refutation(self.arm, still, task.surroundings, task.margin) is not None:
+        still, margin = np.stack([pose, pose]), task.scene.arm.clearance + task.slack
+        if chain_refutation(self.arm, still, task.surroundings, margin) is not None:
             return False
         return bool((obstacle_distances(self.arm, task.obstacles, pose[None])[0] > 0).all())
 
-    def _sight(self, pair: PosePair, task: _Task) -> ChainSight:
+    def _sight(self, pair: PosePair, task: SightTask) -> ChainSight:
         branch = f"From first pose {pair.first + 1}"
         if pair.home is not None:
             branch += f" drawn to pose {pair.home + 1} at the goal"
@@ -140,7 +131,7 @@ class UrdfModel:
             self.arm, branch, task.surroundings, self._stance(pair, task), clearance, task.slack
         )
 
-    def _stance(self, pair: PosePair, task: _Task) -> Stances:
+    def _stance(self, pair: PosePair, task: SightTask) -> Stances:
         """Stances on the mesh from a first pose, drawn to a home."""
         if pair not in self._stances:
             start, goal = task.scene.start, task.scene.goal
@@ -151,25 +142,6 @@ class UrdfModel:
                 self._stances.pop(next(iter(self._stances)))
             self._stances[pair] = found
         return self._stances[pair]
-
-
-@dataclass(frozen=True, eq=False)
-class _Task:
-    """Key of a sight."""
-
-    scene: Scene
-    mesh: TetMesh
-    surroundings: Surroundings
-    slack: float
-
-    @property
-    def margin(self) -> float:
-        """Distance that poses keep from obstacles, [unit]."""
-        return self.scene.arm.clearance + self.slack
-
-    @cached_property
-    def obstacles(self) -> ObstacleSet:
-        return ObstacleSet(self.scene.obstacles)
 
 
 def _first_ones(clear: Mapping[int, FloatArray]) -> list[int]:

@@ -19,7 +19,7 @@ import numpy as np
 from abi.arm.any_arm import AnyArm
 from abi.arm.arm_certificate import ArmRefutation
 from abi.arm.arm_clearance import is_clear, named
-from abi.arm.arm_model import ArmModel, OtherSights, Sight
+from abi.arm.arm_model import ArmModel, OtherSights, Sight, SightTask
 from abi.arm.motion_law import motion_law
 from abi.arm.surroundings import Surroundings
 from abi.arm.unreached import Unreached
@@ -72,17 +72,17 @@ class ArmTask:
     @property
     def sights(self) -> Sequence[Sight]:
         """The arm on each of its branches."""
-        return self.model.sights(self.scene, self.free.mesh, self.surroundings, self._slack)
+        return self.model.sights(self._of_sights)
 
     @property
     def other_sights(self) -> OtherSights:
         """The arm on further branches, to try if those lead to no motion."""
-        return self.model.other_sights(self.scene, self.free.mesh, self.surroundings, self._slack)
+        return self.model.other_sights(self._of_sights)
 
     @property
-    def _slack(self) -> float:
-        """Distance that legs and places keep beyond the clearance, [unit]."""
-        return self.margin - self.scene.spline.clearance
+    def _of_sights(self) -> SightTask:
+        slack = self.margin - self.scene.spline.clearance
+        return SightTask(self.scene, self.obstacles, self.surroundings, self.free.mesh, slack)
 
 
 @dataclass(frozen=True, eq=False)

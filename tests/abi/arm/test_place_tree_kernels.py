@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from abi.arm.abi_model import AbiModel
+from abi.arm.arm_model import SightTask
 from abi.arm.place_tree_kernels import places_touching
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import ObstacleSet
@@ -45,9 +46,10 @@ def test_places_are_decided_as_one_by_one(number: int, elbow: str) -> None:
     scene = Scene.from_dict(data | {"arm": {"elbow": elbow}})
     scene = scene.replace(obstacles=(Box(size=(0.5, 0.5, 0.5), position=(5.0, 1.0, 1.0)), shape))
     model = AbiModel(scene.arm, scene.unit)
-    surroundings = model.surroundings(ObstacleSet(scene.obstacles), scene.workspace.min[2])
+    obstacles = ObstacleSet(scene.obstacles)
+    surroundings = model.surroundings(obstacles, scene.workspace.min[2])
     made = tetrahedralise(scene.workspace, scene.mesh)
-    for sight in model.sights(scene, made, surroundings, 0.01):
+    for sight in model.sights(SightTask(scene, obstacles, surroundings, made, 0.01)):
         asked = sight.reached(made.points) & (random.random(len(made.points)) < 0.9)
         expected = sight.touching(made.points, 1, asked)
         assert 0 < expected.sum() < asked.sum()

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from abi import compiling
-from abi.arm.arm_model import OtherSights
+from abi.arm.arm_model import OtherSights, SightTask
 from abi.arm.urdf_arm import UrdfArm
 from abi.arm.urdf_model import UrdfModel
 from abi.errors import ArmNotClear
@@ -114,9 +114,10 @@ def test_an_arm_without_joints_to_spare_has_no_other_poses(tmp_path: Path) -> No
     scene = Scene.from_dict(data, tmp_path)
     model = UrdfModel(scene.arm, scene.unit)
     mesh = tetrahedralise(scene.workspace, scene.mesh)
-    surroundings = model.surroundings(ObstacleSet(scene.obstacles), 0.0)
+    obstacles = ObstacleSet(scene.obstacles)
+    surroundings = model.surroundings(obstacles, 0.0)
 
     assert len(model.arm.joints) <= 3
-    others = model.other_sights(scene, mesh, surroundings, 0.01)
+    others = model.other_sights(SightTask(scene, obstacles, surroundings, mesh, 0.01))
     assert list(others.sights) == []
     assert others.note == ""
