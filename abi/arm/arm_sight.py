@@ -156,9 +156,9 @@ class ArmSight:
     @cached_property
     def legs(self) -> ArmLegs:
         """Surroundings of the tool's legs in the format of the kernels."""
-        low, high = map(float, self.extensions)
         table, beyond = self.arm.table(self.elbow, _SPARE), self.clearance + self.slack
-        return ArmLegs(table, self.surroundings.beyond(beyond), (low, high), self.most_tries)
+        around = self.surroundings.beyond(beyond)
+        return ArmLegs(table, around, *self._forearm, self.most_tries)
 
     @cached_property
     def _extensions(self) -> tuple[FloatArray, FloatArray]:
@@ -169,5 +169,5 @@ class ArmSight:
     @cached_property
     def _forearm(self) -> tuple[float, float]:
         """Middle of a6 and half of its range, [unit]."""
-        low, high = self.extensions
+        low, high = map(float, self.extensions)
         return self.arm.a4 + self.arm.a5 + (low + high) / 2, (high - low) / 2

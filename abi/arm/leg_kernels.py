@@ -60,13 +60,15 @@ class ArmLegs(NamedTuple):
     Attributes:
         table: the arm.
         around: what to keep clear of.
-        extensions: least and greatest q5, [unit].
+        forearm: middle of a6, [unit].
+        slide: how much longer or shorter it may be, [unit].
         most_tries: of a capsule and an obstacle, to prove a leg; those far away do not count.
     """
 
     table: ArmTable
     around: Obstacles
-    extensions: tuple[float, float]
+    forearm: float
+    slide: float
     most_tries: int
 
 
@@ -82,7 +84,7 @@ class Touched(NamedTuple):
     waiting: IntArray
 
 
-NO_LEGS = ArmLegs(NO_ARM, NO_OBSTACLES, (0.0, 0.0), MOST_TRIES)
+NO_LEGS = ArmLegs(NO_ARM, NO_OBSTACLES, 1.0, 0.0, MOST_TRIES)
 """Example for the compiler."""
 
 
@@ -95,7 +97,7 @@ def new_touched() -> Touched:
 @register_jitable
 def _touches_again(legs: ArmLegs, touched: Touched, first: Vec3, last: Vec3) -> bool:
     """Check if the capsule that touched an obstacle last touches it at places of a leg."""
-    (arm, capsules), around, (low, high), _ = legs
+    (arm, capsules), around, forearm, _, _ = legs
     count = len(around.margins)
     c, s = touched.pair[0] // count, touched.pair[0] % count
     if touched.pair[0] < 0 or s == count - 1:
@@ -105,7 +107,7 @@ def _touches_again(legs: ArmLegs, touched: Touched, first: Vec3, last: Vec3) -> 
         for k in range(len(around.outer)):
             if around.meshes[around.outer[k]] == around.meshes[s]:
                 root = int(around.outer[k])
-    way, forearm = sub(last, first), arm.forearm + (low + high) / 2
+    way = sub(last, first)
     need = capsules[CAPSULE * c + 3] + around.margins[s] - ALLOWANCE * around.size
     for parts in _LOOKS:
         for k in range(1, parts, 2):
@@ -121,34 +123,6 @@ def _touches_again(legs: ArmLegs, touched: Touched, first: Vec3, last: Vec3) -> 
 
 
 @register_jitable
-def _near_pairs(legs: ArmLegs, middle: Vec3, farthest: float) -> list[int]:
-    """Pairs of a capsule and a row that boxes do not keep clear.
-
-    Args:
-        legs: what to keep clear of.
-        middle: place of the tool, [unit], world.
-        farthest: distance of the tool from there, at most, [unit].
-
-    Returns:
-        Capsules times number of obstacles, plus obstacle, of what ``around`` asks for.
-    """
-    (arm, capsules), around, (low, high), _ = legs
-    forearm, slid = arm.forearm + (low + high) / 2, (high - low) / 2
-    pairs = [0]
-    pairs.clear()
-    if not reaches(arm, middle, forearm):
-        return pairs
-    pose = pose_of(arm, middle, forearm)
-    stance, bounded = stance_near(arm, pose, (farthest, slid))
-    for c in range(len(capsules) // CAPSULE):
-        capsule, far = capsule_of((legs.table, stance), c), math.inf
-        if bounded:
-            far = capsule.radius + capsule.way + allowance_of(around, stance.rates)
-        add_pairs_within(around, c, (capsule.first, capsule.last), far, pairs)
-    return pairs
-
-
-@register_jitable
 def arm_is_clear(legs: ArmLegs, touched: Touched, first: Vec3, last: Vec3) -> bool:
     """Check whether it is proven that the arm keeps clear from one place of the tool to another.
 
@@ -159,11 +133,10 @@ def arm_is_clear(legs: ArmLegs, touched: Touched, first: Vec3, last: Vec3) -> bo
     """
     if _touches_again(legs, touched, first, last):
         return False
-    (arm, _), around, (low, high), most_tries = legs
-    forearm, slid = arm.forearm + (low + high) / 2, (high - low) / 2
+    (arm, capsules), around, forearm, slid, most_tries = legs
     length, way = distance(first, last), sub(last, first)
-    candidates = _near_pairs(legs, axpy(0.5, way, first), (1 + 2.0**-40) * 0.5 * length)
-    pending, at, tries, work = [(0.0, 1.0, 0, len(candidates))], 0, 0, [0]
+    pending, at, candidates, tries, work = [(0.0, 1.0, 0, 0)], 0, [0], 0, [0]
+    candidates.clear()
     lists = Lists([NO_PLANE], candidates, work, [NO_DIRECTION])
     while at < len(pending):
         start, end, lowest, highest = pending[at]
@@ -182,6 +155,13 @@ def arm_is_clear(legs: ArmLegs, touched: Touched, first: Vec3, last: Vec3) -> bo
             bend = bend_near(arm, pose, stance.rates, farthest) * farthest * farthest / 2
             stance = Stance(pose, stance.rates, stance.ways, a, b, bend)
         allowance = allowance_of(around, stance.rates)
+        if at == 1:  # the whole leg: what boxes do not keep clear of it
+            for c in range(len(capsules) // CAPSULE):
+                capsule, far = capsule_of((legs.table, stance), c), math.inf
+                if bounded:
+                    far = capsule.radius + capsule.way + allowance
+                add_pairs_within(around, c, (capsule.first, capsule.last), far, candidates)
+            highest = len(candidates)
         span = Span(start, end, (start + end) / 2, allowance, bounded, False)
         work.clear()
         lists.latest.clear()
