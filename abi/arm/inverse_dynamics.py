@@ -19,8 +19,8 @@ GRAVITY = 9.80665
 """Standard gravity, downwards along z, [m/s²]."""
 
 
-class _Body(NamedTuple):
-    """Load of a joint, as one rigid body in its frame.
+class Body(NamedTuple):
+    """A rigid body in some frame.
 
     Attributes:
         mass: [kg].
@@ -109,29 +109,28 @@ def _summed(
     return torques
 
 
-def _bodies(chain: Chain) -> list[_Body]:
-    """Load of each joint."""
-    bodies = []
-    for frame in range(len(chain.joints)):
-        carried = [one for one in chain.carried if one.frame == frame]
-        links = [chain.robot.links[one.link] for one in carried]
-        masses = np.array([link.mass for link in links])
-        centres = np.array(
-            [
-                one.pose[:3, :3] @ link.centre + one.pose[:3, 3]
-                for one, link in zip(carried, links, strict=True)
-            ]
-        )
-        mass = float(masses.sum())
-        centre = masses @ centres / mass if mass > 0 else np.zeros(3)
-        inertia = np.zeros((3, 3))
-        for one, link, offset in zip(carried, links, centres - centre, strict=True):
-            turn = one.pose[:3, :3]
-            inertia += turn @ link.inertia @ turn.T
-            # Steiner's theorem: the link's mass about the common centre
-            inertia += link.mass * (offset @ offset * np.eye(3) - np.outer(offset, offset))
-        bodies.append(_Body(mass, centre, inertia))
-    return bodies
+def joined(parts: Sequence[Body]) -> Body:
+    """One body of several, all in the same frame."""
+    masses = np.array([part.mass for part in parts])
+    centres = np.array([part.centre for part in parts]).reshape(-1, 3)
+    mass, inertia = float(masses.sum()), np.zeros((3, 3))
+    centre = masses @ centres / mass if mass > 0 else np.zeros(3)
+    for part, offset in zip(parts, centres - centre, strict=True):
+        inertia += part.inertia
+        # Steiner's theorem: the part's mass about the common centre
+        inertia += part.mass * (offset @ offset * np.eye(3) - np.outer(offset, offset))
+    return Body(mass, centre, inertia)
+
+
+def _bodies(chain: Chain) -> list[Body]:
+    """Load of each joint, in its frame."""
+    loads: list[list[Body]] = [[] for _ in chain.joints]
+    for one in chain.carried:
+        if one.frame >= 0:
+            link, turn, origin = chain.robot.links[one.link], one.pose[:3, :3], one.pose[:3, 3]
+            centre, inertia = turn @ link.centre + origin, turn @ link.inertia @ turn.T
+            loads[one.frame].append(Body(link.mass, centre, inertia))
+    return [joined(load) for load in loads]
 
 
 def _times(matrices: FloatArray, vectors: FloatArray) -> FloatArray:

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from yourdfpy import urdf as model
 
+from abi.arm.inverse_dynamics import Body, joined
 from abi.arm.link_solid import LinkSolid, rotation_of
 from abi.arrays import FloatArray
 from abi.obstacles.pose import Vec3
@@ -89,31 +90,22 @@ def joint(
     return model.Joint(name, kind, *links, _pose((0.0, 0.0, height)), axis, limit=limit)
 
 
-def inertia(solids: Iterable[LinkSolid]) -> tuple[float, FloatArray, FloatArray]:
-    """Mass, centre of mass and inertia of the bodies among ``solids``.
+def inertia(solids: Iterable[LinkSolid]) -> Body:
+    """Mass, centre of mass and inertia of the bodies among ``solids``, in the link's frame.
 
     Where solids overlap, they count twice: the shape of a link is for drawing, its masses are
     nominal.
 
     Args:
         solids: at least one with ``body``.
-
-    Returns:
-        Mass [kg], centre of mass shape (3,) [m] in the link's frame, inertia shape (3, 3) [kg·m²]
-        about that centre along the link's axes; positive definite.
     """
-    bodies = [solid for solid in solids if solid.body]
-    masses = np.array([_mass(solid) for solid in bodies])
-    centres = np.array([solid.xyz for solid in bodies])
-    mass = masses.sum()
-    centre = masses @ centres / mass
-    total = np.zeros((3, 3))
-    for solid, part, offset in zip(bodies, masses, centres - centre, strict=True):
-        rotation = rotation_of(solid.rpy)
-        total += rotation @ np.diag(part * _squared_radii(solid)) @ rotation.T
-        # Steiner's theorem: the part's mass about the common centre
-        total += part * (offset @ offset * np.eye(3) - np.outer(offset, offset))
-    return float(mass), centre, total
+    parts = []
+    for solid in solids:
+        if solid.body:
+            mass, rotation = _mass(solid), rotation_of(solid.rpy)
+            own = rotation @ np.diag(mass * _squared_radii(solid)) @ rotation.T
+            parts.append(Body(mass, np.array(solid.xyz), own))
+    return joined(parts)
 
 
 def _mass(solid: LinkSolid) -> float:
