@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
+import scipy
 
 from abi.arm.chain_kernels import POSE, ChainTable, chain_poses
 from abi.arm.follow_path_kernels import Drift, follow_path
@@ -200,9 +201,8 @@ def _at_rest(joint: Joint) -> FloatArray:
     if joint.kind == "prismatic":
         pose[:3, 3] = joint.axis * value
     elif value:
-        x, y, z = joint.axis
-        cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-        pose[:3, :3] += np.sin(value) * cross + (1 - np.cos(value)) * cross @ cross
+        turn = scipy.spatial.transform.Rotation.from_rotvec(value * joint.axis)
+        pose[:3, :3] = turn.as_matrix()
     return pose
 
 
