@@ -10,7 +10,7 @@ import numpy as np
 import scipy
 
 from abi.arm.chain_mask_kernels import touching_stances
-from abi.arm.regions import grid, surface
+from abi.arm.regions import box_above, grid, surface
 from abi.arm.stances import Stances, spread_over
 from abi.arm.surroundings import Surroundings
 from abi.arm.urdf_arm import UrdfArm
@@ -50,10 +50,7 @@ def stances_in(
 
 def reach_box(arm: UrdfArm, floor: float) -> tuple[Vec3, Vec3]:
     """Low and high corner of a box above the floor around all that an arm reaches, [unit]."""
-    x, y, z = (arm.chain.table.origins[9:12] / arm.metres).tolist()
-    reach = arm.reach
-    low, high = (x - reach, y - reach, max(z - reach, floor)), (x + reach, y + reach, z + reach)
-    return low, high
+    return box_above(floor, arm.chain.table.origins[9:12] / arm.metres, arm.reach)
 
 
 def chain_shadow(arm: UrdfArm, stances: Stances, surroundings: Surroundings) -> FloatArray:

@@ -58,12 +58,16 @@ def reachable(arm: Arm, elbow: Elbow, extension: float, lowest: float) -> FloatA
         Triangles (n, 3, 3) of the region's surface, [unit], world.
     """
     forearm = arm.a4 + arm.a5 + extension
-    reach, (x, y, z) = arm.a3 + forearm, arm.shoulder.tolist()
-    low, high = (x - reach, y - reach, max(z - reach, lowest)), (x + reach, y + reach, z + reach)
-    points, shape = grid(low, high, _REACH_PLACES)
+    points, shape = grid(*box_above(lowest, arm.shoulder, arm.a3 + forearm), _REACH_PLACES)
     rooms = np.empty(len(points))
     kernels.reach_rooms(flat(points), arm.numbers(elbow), forearm, rooms)
     return surface(points, -rooms, shape)
+
+
+def box_above(floor: float, centre: FloatArray, reach: float) -> tuple[Vec3, Vec3]:
+    """Low and high corner of the box around a ball, as far as it is above the floor, [unit]."""
+    x, y, z = centre.tolist()
+    return (x - reach, y - reach, max(z - reach, floor)), (x + reach, y + reach, z + reach)
 
 
 def grid(low: Vec3, high: Vec3, longest: int) -> tuple[FloatArray, tuple[int, int, int]]:
