@@ -10,13 +10,10 @@ import numpy as np
 from abi.arm.abi_model import JOINT_SPEED, MOVED
 from abi.arm.any_arm import AnyArm
 from abi.arm.inverse_dynamics import has_masses, joint_torques
-from abi.arm.motion_law import second_derivatives
+from abi.arm.motion_law import ROUNDING, second_derivatives
 from abi.arm.trajectory import ArmMotion, Quantity, Violation
 from abi.arm.urdf_arm import UrdfArm
 from abi.arrays import FloatArray, read_only
-
-ROUNDING = 1.001
-"""Factor by which differences of samples may be too large."""
 
 
 class JointRates(NamedTuple):

@@ -21,8 +21,8 @@ from abi.scene.settings import MotionSettings
 
 _GRID = 3201
 """Points along the curve at which the joints are asked."""
-_ROOM = 1.001
-"""What the differences of samples may leave out."""
+ROUNDING = 1.001
+"""Factor by which differences of samples may be too large, or too small."""
 
 
 class JointLimits(NamedTuple):
@@ -77,7 +77,7 @@ def _excess(profile: PathProfile, path: Course, limits: JointLimits) -> float:
     faster = float((np.abs(np.diff(positions, axis=0)) / step / limits.speeds).max())
     rates = np.abs(second_derivatives(positions, step))
     harder = float((rates / limits.accelerations).max())
-    return max(1.0, faster * _ROOM, math.sqrt(harder * _ROOM))
+    return max(1.0, faster * ROUNDING, math.sqrt(harder * ROUNDING))
 
 
 def _time_optimal(path: Course, limits: JointLimits) -> TimedProfile:
