@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import cached_property
 from typing import Any, Literal, Self
 
@@ -73,17 +73,8 @@ class Arm(ShortRepr):
         capsules = link_capsules(*lengths)
         bend = min(2.9, steepest_bend(capsules, settings.a4))
         limits = [roll, (-2.8, 2.8), (-bend, bend), roll, (0.0, STROKE * settings.a4), roll]
-        return cls(
-            base=read_only(np.array(settings.base, dtype=float)),
-            a1=settings.a1,
-            a2=settings.a2,
-            a3=settings.a3,
-            a4=settings.a4,
-            a5=settings.a5,
-            limits=read_only(np.array(limits)),
-            capsules=capsules,
-            unit=unit,
-        )
+        base = read_only(np.array(settings.base, dtype=float))
+        return cls(base, *lengths, read_only(np.array(limits)), capsules, unit)
 
     @property
     def root(self) -> str:
@@ -161,12 +152,7 @@ class Arm(ShortRepr):
 
     def proof_data(self) -> dict[str, Any]:
         """Subject of a certificate as plain data: the capsules."""
-        capsules = [
-            {"link": one.link, "body": BODIES[one.body], "low": one.low, "high": one.high}
-            | {"radius": one.radius, "neighbour": one.neighbour, "grips": one.grips}
-            for one in self.capsules
-        ]
-        return {"capsules": capsules}
+        return {"capsules": [asdict(one) | {"body": BODIES[one.body]} for one in self.capsules]}
 
     def forearm(self, extension: ArrayLike) -> FloatArray:
         """Length from elbow to tool, the paper's a6 = a4 + a5 + q5, [unit]."""
