@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple, Protocol, Self
 
@@ -11,12 +12,12 @@ from abi.arm.arm_clearance import ArmClearance
 from abi.arm.leg_kernels import ArmLegs
 from abi.arm.surroundings import Surroundings
 from abi.arm.trajectory import ArmMotion
-from abi.arm.unreached import Unreached
 from abi.arrays import BoolArray, FloatArray
 from abi.curves.bspline import BSpline
 from abi.curves.curve import ArcLength, Curve
 from abi.curves.quadratic import Quadratic
 from abi.curves.timed_profile import PathProfile
+from abi.errors import format_length
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.scene.scene import Scene
 from abi.scene.settings import ArmSettings
@@ -109,6 +110,39 @@ class Sight(Places, Protocol):
 
     def scaled(self, slack: float = 1.0, tries: int = 1) -> Self:
         """A copy with so many times the legs' distance beyond the clearance, and tries of a leg."""
+
+
+class Unreached(NamedTuple):
+    """A place that is out of an arm's reach, or takes a joint past its limit.
+
+    Attributes:
+        shortfall: distance by which the place is out of reach, [unit]: > 0 too far, < 0 too near to
+            the shoulder, 0 where a limit alone is in the way.
+        joint: name of a joint that is at its limit, or would be past it; empty for none.
+        value: position of that joint, [rad] or [unit].
+        limit: its limit, [rad] or [unit].
+        slides: whether it slides.
+    """
+
+    shortfall: float
+    joint: str = ""
+    value: float = 0.0
+    limit: float = 0.0
+    slides: bool = False
+
+    @property
+    def words(self) -> str:
+        """Predicate of a sentence on the arm; behind lengths is the placeholder of the unit."""
+        value, limit = map(self._position, (self.value, self.limit))
+        if self.shortfall == 0.0:
+            side = "past" if abs(self.value) > abs(self.limit) else "at"
+            return f"would need {self.joint} at {value}, {side} its limit of {limit},"
+        near = ", too near to its shoulder," if self.shortfall < 0 else ""
+        at_limit = f", with {self.joint} at its limit of {limit}," if self.joint else ""
+        return f"is out of reach by {format_length(abs(self.shortfall))}{near}{at_limit}"
+
+    def _position(self, value: float) -> str:
+        return format_length(value) if self.slides else f"{math.degrees(value):.1f}°"
 
 
 class SightTask(NamedTuple):

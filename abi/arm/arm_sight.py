@@ -12,11 +12,11 @@ import numpy as np
 from abi.arm import leg_kernels, mask_kernels, place_tree_kernels
 from abi.arm.arm import JOINTS, Arm
 from abi.arm.arm_certificate import ArmCertificate, ArmRefutation, certify_arm
+from abi.arm.arm_model import Unreached
 from abi.arm.inverse_kinematics import solve
 from abi.arm.leg_kernels import MOST_TRIES, ArmLegs
 from abi.arm.separate_arm_kernels import UNREACHED, Slide, separate_arm
 from abi.arm.surroundings import Surroundings
-from abi.arm.unreached import Unreached
 from abi.arrays import BoolArray, FloatArray, flat, read_only
 from abi.clearance.bezier import PolynomialCurve
 from abi.clearance.separation_kernels import CERTIFIED, MOST_HALVINGS, REFUTED

@@ -9,6 +9,7 @@ from typing import Self
 import numpy as np
 
 from abi.arm.arm_certificate import ArmRefutation
+from abi.arm.arm_model import Unreached
 from abi.arm.chain_certificate import MOST_TRIES as CURVE_TRIES
 from abi.arm.chain_certificate import chain_refutation
 from abi.arm.chain_mask_kernels import touching_stances
@@ -17,7 +18,6 @@ from abi.arm.stance_tree_kernels import stances_touching
 from abi.arm.stances import Stances
 from abi.arm.surroundings import Surroundings
 from abi.arm.surroundings_kernels import Obstacles
-from abi.arm.unreached import Unreached
 from abi.arm.urdf_arm import REACHED, UrdfArm
 from abi.arm.urdf_motion import JointCourse, course_from
 from abi.arrays import BoolArray, FloatArray

@@ -19,10 +19,9 @@ import numpy as np
 from abi.arm.any_arm import AnyArm
 from abi.arm.arm_certificate import ArmRefutation
 from abi.arm.arm_clearance import is_clear, named
-from abi.arm.arm_model import ArmModel, OtherSights, Sight, SightTask
+from abi.arm.arm_model import ArmModel, OtherSights, Sight, SightTask, Unreached
 from abi.arm.motion_law import motion_law
 from abi.arm.surroundings import Surroundings
-from abi.arm.unreached import Unreached
 from abi.curves import fit_quadratic
 from abi.curves.bspline import BSpline
 from abi.curves.curve import ArcLength, Curve, arc_length
