@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from operator import attrgetter
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -59,7 +59,6 @@ class ArmClearance(ShortRepr):
     """Clearance of the arm from obstacles, from the floor and from itself.
 
     Attributes:
-        elbow: branch of the motion.
         distances: of the links' surfaces to the nearest obstacle at each sample of the motion,
             shape (m,), [unit], negative inside; inf without obstacles, and possibly where a
             triangle mesh is nearest and another sample is nearer to it; possibly 0 where one is
@@ -74,7 +73,6 @@ class ArmClearance(ShortRepr):
         certificate: proof of ``distance``, and that nothing else is touched; None if there is none.
     """
 
-    elbow: Literal["up", "down"]
     distances: FloatArray
     required: float
     distance: float
@@ -163,7 +161,6 @@ def proven_clearance(
     if motion.reachable and not contacts:
         proof = _best_proof(certify, distance, required, rows)
     return ArmClearance(
-        elbow=motion.elbow,
         distances=read_only(least),
         required=required,
         distance=distance if proof is None else proof.margin,

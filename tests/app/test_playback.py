@@ -29,7 +29,7 @@ _ROUNDS = 3
 def _clearance(*stretches: tuple[str, float, float]) -> ArmClearance:
     contacts = tuple(Contact(link, 0, first, last, first, 0.1) for link, first, last in stretches)
     none: Any = None
-    return ArmClearance("up", none, 0.0, 0.0, 0.0, "", -1, contacts, none)
+    return ArmClearance(none, 0.0, 0.0, 0.0, "", -1, contacts, none)
 
 
 def _panel(session: Session, clearance: ArmClearance | None, speed: str) -> PlaybackPanel:
