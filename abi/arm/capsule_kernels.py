@@ -12,6 +12,7 @@ from numba.extending import register_jitable
 from abi.arm.pose_kernels import CAPSULE, NO_NUMBERS, ArmNumbers, Pose, capsule_ends
 from abi.arm.surroundings_kernels import NO_OBSTACLES, Obstacles, asked_rows, box_gap
 from abi.arrays import FloatArray, IntArray
+from abi.compilation.borrowed import borrowed, held
 from abi.compiled import FLOATS, NEW_FLOATS, NEW_IDS, compiled
 from abi.obstacles.obstacle_set_kernels import distance_to_segment
 from abi.obstacles.surface_set import NO_SURFACES, SurfaceSet
@@ -158,7 +159,8 @@ def capsules_near_meshes(
         clearances: (n c,) from everything else, [unit]; lowered.
         nearest: (n c,) the mesh whose it is, -1 where it stays; written.
     """
-    room, moving = new_room(), len(capsules) // CAPSULE
+    own, moving = new_room(), len(capsules) // CAPSULE
+    room = borrowed(own)
     least = math.inf
     for k in range(len(clearances)):
         least = min(least, clearances[k])
@@ -190,3 +192,4 @@ def capsules_near_meshes(
         if mesh >= 0 and away <= enough:
             clearances[k], nearest[k] = away - radius, mesh
             least, deepest[c] = min(least, clearances[k]), clearances[k]
+    held(own)

@@ -50,7 +50,7 @@ from abi.tet_mesh.near_node_kernels import (
     near_nodes_of_rows,
 )
 
-_STRETCH = 8
+_STRETCH = 12
 """Nodes along a line, for whose edges triangles are gathered together."""
 
 _LONGEST_PAUSE = 15
@@ -132,7 +132,8 @@ def _edges_of_lattice(
         sizes[k] = norm(along)
     cut_nodes, cut_bits = np.empty(256, np.int32), np.empty(256, np.int32)
     tables, _, _, room = surface
-    tree, gathered = tables.tree, no_triangles()
+    tree, own = tables.tree, no_triangles()
+    gathered = borrowed(own)
     longest = (limits.reach - limits.margin) * (1.0 + 1e-9)
     around = longest + limit_of(tables, limits.margin, longest)
     doubt = _ROUNDING * (tables.error[0] + tables.error[1] * around)
@@ -181,6 +182,7 @@ def _edges_of_lattice(
                 cut_nodes[count], cut_nodes[count + 1] = node, head
                 cut_bits[count], cut_bits[count + 1] = 1 << k, 1 << (k if k < cross else k + 1)
                 count += 2
+    held(own)
     return cut_nodes[:count].copy(), cut_bits[:count].copy()
 
 

@@ -21,7 +21,7 @@ from abi.obstacles.triangle_mesh.triangle_kernels import (
     segment_to_triangle,
     triangle_at,
 )
-from abi.obstacles.vector_kernels import Vec3, cross, dot, sub, vec3_at
+from abi.obstacles.vector_kernels import Vec3, cross, dot, sub
 
 _MOST = 96  # with more, descents are quicker
 
@@ -31,18 +31,24 @@ class Gathered(NamedTuple):
 
     Attributes:
         numbers: (``_MOST``,) their places in the tree.
-        planes: of each a unit normal and the plane's product with it, flat (4 ``_MOST``,); 0 where
-            the triangle is too thin to have a plane.
+        planes: x, y and z of unit normals and the planes' products with these, (4, ``_MOST``); 0
+            where a triangle is too thin to have a plane.
+        boxes: x, y and z of the low corners of the boxes around them, then of the high ones,
+            (6, ``_MOST``).
+        beside: (``_MOST``,) room for distances.
     """
 
     numbers: IntArray
     planes: FloatArray
+    boxes: FloatArray
+    beside: FloatArray
 
 
 @register_jitable
 def no_triangles() -> Gathered:
     """Room for triangles."""
-    return Gathered(np.empty(_MOST, np.int32), np.empty(4 * _MOST))
+    rows = np.empty((4, _MOST)), np.empty((6, _MOST))
+    return Gathered(np.empty(_MOST, np.int32), *rows, np.empty(_MOST))
 
 
 @register_jitable
@@ -93,10 +99,10 @@ def gather(
             at_p, at_q = dot(normal, p) - level, dot(normal, q) - level
             if min(at_p, at_q) > away or max(at_p, at_q) < -away:
                 continue
-            planes, k = gathered.planes, 4 * count
-            planes[k], planes[k + 1], planes[k + 2] = normal
-            planes[k + 3] = level
-            gathered.numbers[count] = number
+            for axis in range(3):
+                gathered.planes[axis, count] = normal[axis]
+                gathered.boxes[axis, count], gathered.boxes[3 + axis, count] = low[axis], high[axis]
+            gathered.planes[3, count], gathered.numbers[count] = level, number
             count += 1
             if count == _MOST:
                 return -1
@@ -122,20 +128,35 @@ def comes_near_gathered(
         doubt: bound of the error of a distance to a triangle's plane.
     """
     p, q = segment
-    inverse = inverse_of(sub(q, p))
     away = limit + doubt
+    beside = gathered.beside
+    _fill_beside(gathered, count, p, q)
     for k in range(count):
-        normal, level = vec3_at(gathered.planes, 4 * k), gathered.planes[4 * k + 3]
-        at_p, at_q = dot(normal, p) - level, dot(normal, q) - level
-        if min(at_p, at_q) > away or max(at_p, at_q) < -away:
+        if beside[k] > away:
             continue
         triangle = triangle_at(tree.corners, gathered.numbers[k])
-        low, high = _box_around(triangle)
-        if stretch_in(p, inverse, low, high, limit) < 0.0:
-            continue
         if segment_to_triangle(p, q, triangle) <= limit * limit:
             return True
     return False
+
+
+@register_jitable
+def _fill_beside(gathered: Gathered, count: int, p: Vec3, q: Vec3) -> None:
+    """Distances of the segment from p to q to planes and boxes, whichever is larger, or less.
+
+    Without branches, so that several are computed at a time.
+    """
+    planes, boxes, beside = gathered.planes, gathered.boxes, gathered.beside
+    low = (min(p[0], q[0]), min(p[1], q[1]), min(p[2], q[2]))
+    high = (max(p[0], q[0]), max(p[1], q[1]), max(p[2], q[2]))
+    for k in range(count):
+        x, y, z, level = planes[0, k], planes[1, k], planes[2, k], planes[3, k]
+        at_p = x * p[0] + y * p[1] + z * p[2] - level
+        at_q = x * q[0] + y * q[1] + z * q[2] - level
+        across = max(boxes[0, k] - high[0], low[0] - boxes[3, k])
+        aside = max(boxes[1, k] - high[1], low[1] - boxes[4, k])
+        above = max(boxes[2, k] - high[2], low[2] - boxes[5, k])
+        beside[k] = max(min(at_p, at_q), -max(at_p, at_q), across, aside, above)
 
 
 @register_jitable
