@@ -11,7 +11,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 Vec3 = tuple[Fraction, Fraction, Fraction]
 _Whole = tuple[int, int, int]
@@ -107,118 +107,115 @@ def times_length(factor: Fraction, normal: Vec3) -> Fraction:
 
 
 @dataclass(frozen=True, eq=False)
-class ExactSpline:
-    """A B-spline as polynomials.
+class ExactSpan:
+    """A polynomial of a curve, from one parameter to another.
 
     Attributes:
-        degree: of the polynomials.
-        knots: not decreasing.
-        control_points: one fewer than ``knots`` less the degree.
+        start, end: the parameters.
+        bezier: its Bézier points there, one more than its degree.
     """
 
-    degree: int
-    knots: tuple[Fraction, ...]
-    control_points: tuple[Vec3, ...]
+    start: Fraction
+    end: Fraction
+    bezier: Sequence[Vec3]
 
-    @property
-    def spans(self) -> list[tuple[Fraction, Fraction, int]]:
-        """First and last parameter of each polynomial, and the knot it begins at."""
-        inside = range(self.degree, len(self.control_points))
-        ends = ((self.knots[k], self.knots[k + 1], k) for k in inside)
-        return [(start, end, k) for start, end, k in ends if start < end]
-
-    def points(self, span: int, start: Fraction, end: Fraction) -> list[Vec3]:
-        """Bézier points of the span's polynomial on [start, end]."""
-        rows, unit = _bezier(self, span)
-        first, last = self.knots[span], self.knots[span + 1]
-        shares = (start - first) / (last - first), (end - first) / (last - first)
+    def points(self, start: Fraction, end: Fraction) -> list[Vec3]:
+        """Bézier points of the polynomial on [start, end]."""
+        rows, unit = self._whole
+        degree, width = len(rows) - 1, self.end - self.start
+        shares = (start - self.start) / width, (end - self.start) / width
         # in whole numbers, which need no common factors taken out after each step
         whole = math.lcm(*(share.denominator for share in shares))
         a, b = (share.numerator * (whole // share.denominator) for share in shares)
-        unit *= whole**self.degree
+        unit *= whole**degree
         points: list[Vec3] = []
-        for _ in range(self.degree + 1):
+        for _ in range(degree + 1):
             left = rows
             while len(left) > 1:
                 left = _halfway(left, a, whole)
             x, y, z = left[0]
             points.append((Fraction(x, unit), Fraction(y, unit), Fraction(z, unit)))
             if start == end:
-                return points * (self.degree + 1)
+                return points * (degree + 1)
             rows = _halfway(rows, b, whole)
         return points
 
-    def bezier(self, span: int) -> list[Vec3]:
-        """Bézier points of the span's polynomial from its knot to the next."""
-        p, start, end = self.degree, self.knots[span], self.knots[span + 1]
-        return [self._blossom(span, [start] * (p - j) + [end] * j) for j in range(p + 1)]
-
-    def _blossom(self, span: int, arguments: list[Fraction]) -> Vec3:
-        p, u = self.degree, self.knots
-        points = list(self.control_points[span - p : span + 1])
-        for level, at in enumerate(arguments, start=1):
-            for i in range(p, level - 1, -1):
-                k = span - p + i
-                share = (at - u[k]) / (u[k + p + 1 - level] - u[k])
-                points[i] = _interpolate(points[i - 1], points[i], share)
-        return points[p]
+    @cached_property
+    def _whole(self) -> tuple[list[_Whole], int]:
+        """The Bézier points times a number that makes them whole, and that number."""
+        unit = math.lcm(*(part.denominator for point in self.bezier for part in point))
+        rows = [[part.numerator * (unit // part.denominator) for part in p] for p in self.bezier]
+        return [(x, y, z) for x, y, z in rows], unit
 
 
-@dataclass(frozen=True, eq=False)
-class ExactQuadratics:
-    """Quadratics c0 + c1·t + c2·t² side by side.
+ExactCurve = Sequence[ExactSpan]
+"""Polynomials of one degree, each from where the one before ends."""
 
-    Attributes:
-        ends: first and last parameter of each.
-        coefficients: c0, c1, c2 of each.
+
+def exact_spline(degree: int, knots: Sequence[Fraction], points: Sequence[Vec3]) -> ExactCurve:
+    """A B-spline.
+
+    Args:
+        degree: of the polynomials.
+        knots: not decreasing.
+        points: the control points, one fewer than ``knots`` less the degree.
     """
-
-    ends: tuple[tuple[Fraction, Fraction], ...]
-    coefficients: tuple[tuple[Vec3, Vec3, Vec3], ...]
-
-    @property
-    def spans(self) -> list[tuple[Fraction, Fraction, int]]:
-        """First and last parameter of each polynomial, and its number."""
-        return [(start, end, k) for k, (start, end) in enumerate(self.ends)]
-
-    def points(self, span: int, start: Fraction, end: Fraction) -> list[Vec3]:
-        """Bézier points of the span's polynomial on [start, end]."""
-        c0, c1, c2 = self.coefficients[span]
-        return [
-            (
-                c0[0] + c1[0] * (a + b) / 2 + c2[0] * a * b,
-                c0[1] + c1[1] * (a + b) / 2 + c2[1] * a * b,
-                c0[2] + c1[2] * (a + b) / 2 + c2[2] * a * b,
-            )
-            for a, b in ((start, start), (start, end), (end, end))
-        ]
+    spans = []
+    for k in range(degree, len(points)):
+        start, end = knots[k], knots[k + 1]
+        if start < end:
+            arguments = ([start] * (degree - j) + [end] * j for j in range(degree + 1))
+            bezier = [_blossom(knots, points[k - degree : k + 1], k, one) for one in arguments]
+            spans.append(ExactSpan(start, end, bezier))
+    return spans
 
 
-ExactCurve = ExactSpline | ExactQuadratics
+def exact_quadratic(start: Fraction, end: Fraction, c0: Vec3, c1: Vec3, c2: Vec3) -> ExactSpan:
+    """The quadratic c0 + c1·t + c2·t² from one parameter to another."""
+    bezier = [
+        (
+            c0[0] + c1[0] * (a + b) / 2 + c2[0] * a * b,
+            c0[1] + c1[1] * (a + b) / 2 + c2[1] * a * b,
+            c0[2] + c1[2] * (a + b) / 2 + c2[2] * a * b,
+        )
+        for a, b in ((start, start), (start, end), (end, end))
+    ]
+    return ExactSpan(start, end, bezier)
 
 
 def hull(curve: ExactCurve, start: Fraction, end: Fraction) -> list[Vec3]:
     """Points whose convex hull contains the curve from ``start`` to ``end``."""
     points: list[Vec3] = []
-    for first, last, span in curve.spans:
-        a, b = max(first, start), min(last, end)
+    for span in curve:
+        a, b = max(span.start, start), min(span.end, end)
         if a < b:
-            points += _points(curve, span, a, b)
+            points += _points(span, a, b)
     return points
 
 
 @lru_cache(maxsize=4096)
-def _points(curve: ExactCurve, span: int, start: Fraction, end: Fraction) -> list[Vec3]:
-    return curve.points(span, start, end)
+def _points(span: ExactSpan, start: Fraction, end: Fraction) -> list[Vec3]:
+    return span.points(start, end)
 
 
-@lru_cache(maxsize=1024)
-def _bezier(curve: ExactSpline, span: int) -> tuple[list[_Whole], int]:
-    """A span's Bézier points times a number that makes them whole, and that number."""
-    points = curve.bezier(span)
-    unit = math.lcm(*(part.denominator for point in points for part in point))
-    rows = [tuple(part.numerator * (unit // part.denominator) for part in p) for p in points]
-    return [(x, y, z) for x, y, z in rows], unit
+def _blossom(
+    knots: Sequence[Fraction], control: Sequence[Vec3], span: int, arguments: Sequence[Fraction]
+) -> Vec3:
+    """Blossom of a spline's polynomial: de Boor's algorithm with an argument for each step.
+
+    Args:
+        knots: of the spline.
+        control: control points of the polynomial, one more than its degree.
+        span: number of the knot it begins at.
+        arguments: as many as the degree.
+    """
+    degree, points = len(arguments), list(control)
+    for level, at in enumerate(arguments, start=1):
+        for i in range(degree, level - 1, -1):
+            k = span - degree + i
+            share = (at - knots[k]) / (knots[k + degree + 1 - level] - knots[k])
+            points[i] = _interpolate(points[i - 1], points[i], share)
+    return points[degree]
 
 
 def _halfway(points: list[_Whole], share: int, whole: int) -> list[_Whole]:

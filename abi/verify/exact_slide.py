@@ -80,12 +80,12 @@ def anywhere(first: Fraction, last: Fraction) -> ExactSlide:
 def moving(curve: ExactCurve, timing: ExactTiming, q5: Fraction, rate: Fraction) -> ExactSlide:
     """A slide pushed from ``q5`` by rate·t², [unit/s²]."""
     low = high = Fraction(0)
-    parameters, values = [curve.spans[0][0]], [Interval(q5, q5)]
-    for start, end, span in curve.spans:
+    parameters, values = [curve[0].start], [Interval(q5, q5)]
+    for span in curve:
         for part in range(_PARTS):
-            a = start + (end - start) * part / _PARTS
-            b = start + (end - start) * (part + 1) / _PARTS
-            points = [rounded(point) for point in curve.points(span, a, b)]
+            a = span.start + (span.end - span.start) * part / _PARTS
+            b = span.start + (span.end - span.start) * (part + 1) / _PARTS
+            points = [rounded(point) for point in span.points(a, b)]
             steps = [sub(q, p) for p, q in itertools.pairwise(points)]
             # rounding a point moves it by less than 2^-59
             chord = sub(points[-1], points[0])

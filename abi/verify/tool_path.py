@@ -8,12 +8,14 @@ the certificate holds.
 from __future__ import annotations
 
 import itertools
-from bisect import bisect_right
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any
 
+import numpy as np
+import scipy
+
+from abi.arrays import FloatArray
 from abi.scene.scene import Scene
 from abi.verify.exact import ExactCurve, Vec3, sub, vector
 from abi.verify.exact_arm import ExactArm
@@ -40,10 +42,9 @@ def check_ends(curve: ExactCurve, scene: Scene) -> None:
     """
     box = scene.workspace
     allowed = _ROUNDING * Fraction(max(map(abs, (*box.min, *box.max))))
-    first, _, _ = curve.spans[0]
-    _, last, _ = curve.spans[-1]
-    for name, at, point in (("start", first, scene.start), ("goal", last, scene.goal)):
-        if _gap(point_at(curve, at), vector(point)) > allowed:
+    ends = curve[0].bezier[0], curve[-1].bezier[-1]
+    for name, end, point in zip(("start", "goal"), ends, (scene.start, scene.goal), strict=True):
+        if _gap(end, vector(point)) > allowed:
             raise Fault(f"the curve is not at the scene's {name}")
 
 
@@ -65,8 +66,8 @@ def check_tool(
     if times[0] != 0 or late or any(a > b for a, b in itertools.pairwise(times)):
         raise Fault("its times do not go from 0 to the motion's duration")
     allowed = _REACHED * (arm.upper + arm.lower)
-    path, at = _Path.of(curve), float(curve.spans[0][0])
-    first, last = (point_at(curve, end) for end in (curve.spans[0][0], curve.spans[-1][1]))
+    path, at = _Path(curve), float(curve[0].start)
+    first, last = curve[0].bezier[0], curve[-1].bezier[-1]
     for number, (row, time) in enumerate(zip(rows, times, strict=True)):
         tool, sine, out = _placed(arm, row)
         if sine * arm.side <= 0 or out <= 0:
@@ -81,80 +82,48 @@ def check_tool(
             raise Fault(f"at {time:g} s its slide is not where it is on the curve")
 
 
-@dataclass(frozen=True, eq=False)
 class _Path:
-    """A curve in floating point, in which places are sought that are then checked exactly.
+    """A curve in floating point, in which places are sought that are then checked exactly."""
 
-    Attributes:
-        curve: the curve.
-        starts: first parameter of each polynomial.
-        bezier: Bézier points of each.
-        grid: parameters in order, and the places there.
-    """
-
-    curve: ExactCurve
-    starts: list[float]
-    bezier: list[list[tuple[float, ...]]]
-    grid: list[tuple[float, tuple[float, ...]]]
-
-    @classmethod
-    def of(cls, curve: ExactCurve) -> _Path:
-        spans = curve.spans
-        starts = [float(start) for start, _, _ in spans]
-        bezier = [
-            [tuple(map(float, point)) for point in curve.points(span, start, end)]
-            for start, end, span in spans
-        ]
-        path = cls(curve, starts, bezier, [])
-        for start, end, _ in spans:
-            low, high = float(start), float(end)
-            parameters = (low + (high - low) * k / _PARTS for k in range(_PARTS))
-            path.grid.extend((at, path.place(at)[0]) for at in parameters)
-        last = float(spans[-1][1])
-        path.grid.append((last, path.place(last)[0]))
-        return path
-
-    def place(self, at: float) -> tuple[tuple[float, ...], tuple[float, ...]]:
-        """Place and derivative at a parameter."""
-        number = max(bisect_right(self.starts, at) - 1, 0)
-        start, end = map(float, self.curve.spans[number][:2])
-        share, points = (at - start) / (end - start), self.bezier[number]
-        degree = len(points) - 1
-        while len(points) > 2:
-            points = [_mixed(a, b, share) for a, b in itertools.pairwise(points)]
-        a, b = points
-        slope = tuple(degree * (q - p) / (end - start) for p, q in zip(a, b, strict=True))
-        return _mixed(a, b, share), slope
+    def __init__(self, curve: ExactCurve) -> None:
+        breaks = [*(float(span.start) for span in curve), float(curve[-1].end)]
+        bezier = np.array([span.bezier for span in curve], dtype=np.float64)
+        self._curve = curve
+        self._places = scipy.interpolate.BPoly(bezier.swapaxes(0, 1), breaks)
+        self._slopes = self._places.derivative()
+        ends = itertools.pairwise(breaks)
+        parts = [np.linspace(low, high, _PARTS, endpoint=False) for low, high in ends]
+        self._grid: FloatArray = np.concatenate([*parts, breaks[-1:]])
+        self._on_grid: FloatArray = self._places(self._grid)
 
     def next(self, tool: Vec3, behind: float, allowed: Fraction) -> float | None:
         """First parameter found, not before ``behind``, where the curve is at the tool."""
-        target = tuple(map(float, tool))
+        target = np.array(tool, dtype=np.float64)
         for guess in self._guesses(target, behind):
             at = self._nearest(target, guess, behind)
-            if _gap(point_at(self.curve, Fraction(at)), tool) <= allowed:
+            if _gap(point_at(self._curve, Fraction(at)), tool) <= allowed:
                 return at
         return None
 
-    def _guesses(self, target: tuple[float, ...], behind: float) -> Iterator[float]:
+    def _guesses(self, target: FloatArray, behind: float) -> list[float]:
         """Parameters from ``behind`` on whose places are nearer than those beside them."""
-        ahead = [(behind, self.place(behind)[0])]
-        ahead += self.grid[bisect_right(self.grid, behind, key=_parameter) :]
-        away = [_squared(place, target) for _, place in ahead]
-        around = zip([float("inf"), *away], away, [*away[1:], float("inf")], strict=False)
-        for (at, _), (before, here, after) in zip(ahead, around, strict=True):
-            if before >= here <= after:
-                yield at
+        later = int(np.searchsorted(self._grid, behind, side="right"))
+        places = np.vstack([self._places(behind), self._on_grid[later:]])
+        away = ((places - target) ** 2).sum(axis=1)
+        around = np.concatenate([[np.inf], away, [np.inf]])
+        nearer = (around[:-2] >= away) & (away <= around[2:])
+        found: list[float] = np.append(behind, self._grid[later:])[nearer].tolist()
+        return found
 
-    def _nearest(self, target: tuple[float, ...], at: float, behind: float) -> float:
+    def _nearest(self, target: FloatArray, at: float, behind: float) -> float:
         """Improve a parameter by steps of Gauss and Newton."""
-        last = self.grid[-1][0]
+        last = float(self._grid[-1])
         for _ in range(_STEPS):
-            place, slope = self.place(at)
-            square = sum(part * part for part in slope)
+            slope = self._slopes(at)
+            square = float(slope @ slope)
             if square == 0:
                 break
-            ahead = sum((t - p) * s for t, p, s in zip(target, place, slope, strict=True))
-            at = min(max(at + ahead / square, behind), last)
+            at = min(max(at + float((target - self._places(at)) @ slope) / square, behind), last)
         return at
 
 
@@ -180,23 +149,11 @@ def point_at(curve: ExactCurve, at: Fraction) -> Vec3:
     Raises:
         Fault: the curve has no such parameter.
     """
-    for start, end, span in curve.spans:
-        if start <= at <= end:
-            return curve.points(span, at, at)[0]
+    for span in curve:
+        if span.start <= at <= span.end:
+            return span.points(at, at)[0]
     raise Fault(f"{float(at):g} is not on the curve")
 
 
 def _gap(a: Vec3, b: Vec3) -> Fraction:
     return max(map(abs, sub(a, b)))
-
-
-def _mixed(a: tuple[float, ...], b: tuple[float, ...], share: float) -> tuple[float, ...]:
-    return tuple((1 - share) * p + share * q for p, q in zip(a, b, strict=True))
-
-
-def _squared(a: tuple[float, ...], b: tuple[float, ...]) -> float:
-    return sum((p - q) ** 2 for p, q in zip(a, b, strict=True))
-
-
-def _parameter(entry: tuple[float, tuple[float, ...]]) -> float:
-    return entry[0]

@@ -88,7 +88,7 @@ def check_arm(
     capsules = [_capsule(one) for one in list_of(f"{FIELD}.capsules", certificate.get("capsules"))]
     planes = planes_of(certificate, len(capsules), _obstacle)
     floor = min(arm.base[2], Fraction(scene.workspace.min[2]))
-    span = curve.spans[0][0], curve.spans[-1][1]
+    span = curve[0].start, curve[-1].end
     for number, capsule in enumerate(capsules):
         for name, solid in _asked(capsule, capsules, obstacles, arm):
             wanted = planes.get((number, name), [])

@@ -88,7 +88,7 @@ def _check_obstacle(
         if not points:
             raise Fault(f"a piece from {float(start):g} to {float(end):g} is not on the curve")
         sides.append((start, end, normal, min(dot(normal, at) for at in points)))
-    check_apart(sides, (curve.spans[0][0], curve.spans[-1][1]), obstacle, margin)
+    check_apart(sides, (curve[0].start, curve[-1].end), obstacle, margin)
     if isinstance(obstacle, ExactMesh) and any(obstacle.inside(point) for point in _starts(curve)):
         raise Fault("the curve begins inside")
 
@@ -97,11 +97,10 @@ def _starts(curve: ExactCurve) -> list[Vec3]:
     """Points where the curve starts, and where it goes on after a jump."""
     starts: list[Vec3] = []
     before = None
-    for start, end, span in curve.spans:
-        points = curve.points(span, start, end)
-        if points[0] != before:
-            starts.append(points[0])
-        before = points[-1]
+    for span in curve:
+        if span.bezier[0] != before:
+            starts.append(span.bezier[0])
+        before = span.bezier[-1]
     return starts
 
 

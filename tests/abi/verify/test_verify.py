@@ -27,7 +27,7 @@ from abi.obstacles.triangle_mesh.repair import clean
 from abi.obstacles.triangle_mesh.surface import Surface
 from abi.planner.planner import plan
 from abi.scene.scene import load_scene, scene_names
-from abi.verify.exact import ExactSolid, ExactSpline, in_body, sqrt_bounds, vector
+from abi.verify.exact import ExactSolid, exact_spline, in_body, sqrt_bounds, vector
 from abi.verify.exact_mesh import ExactMesh
 from abi.verify.verify import Verdict, verify
 from app.__main__ import main
@@ -463,10 +463,11 @@ def test_exact_bezier_points_are_the_rounded_ones(seed: int) -> None:
     degree = int(random.integers(1, 6))
     curve = clamped(random.uniform(0, 6, (int(random.integers(degree + 1, 9)), 3)), degree)
     control = tuple(vector(point) for point in curve.control_points.tolist())
-    exact = ExactSpline(degree, tuple(map(Fraction, curve.knots.tolist())), control)
+    exact = exact_spline(degree, [*map(Fraction, curve.knots.tolist())], control)
     pieces = curve.bezier()
-    for (start, end, span), points in zip(exact.spans, pieces.points, strict=True):
-        found = np.array(exact.points(span, start, end), dtype=float)
+    for span, points in zip(exact, pieces.points, strict=True):
+        found = np.array(span.points(span.start, span.end), dtype=float)
+        assert np.abs(found - np.array(span.bezier, dtype=float)).max() == 0
         assert np.abs(found - points).max() <= 1e-14 * 6
 
 
