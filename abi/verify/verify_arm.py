@@ -8,17 +8,18 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from fractions import Fraction
+from functools import partial
 from typing import Any
 
 from abi.scene.scene import Scene
-from abi.verify.arm_planes import FIELD, Plane, planes_of
+from abi.verify.certificate import ARM, CapsuleKey, Plane, capsule_of, claimed_margin, planes_of
 from abi.verify.exact import ExactCurve, ExactSolid, dot, hull, sub, times_length, vector
 from abi.verify.exact_arm import ExactArm, ExactCapsule, ExactPose
 from abi.verify.exact_mesh import ExactMesh
 from abi.verify.exact_slide import ExactSlide, ExactTiming, anywhere, moving, still
 from abi.verify.fault import Fault
 from abi.verify.interval import enclose, rounded
-from abi.verify.plan_fields import finite, list_of, mapping, number_of
+from abi.verify.plan_fields import finite, list_of, mapping
 from abi.verify.sides import check_above, check_apart
 from abi.verify.tool_path import check_ends, check_tool, point_at
 
@@ -71,8 +72,8 @@ def check_arm(
         Fault: it does not prove what the plan claims.
         SceneError: a field has the wrong form.
     """
-    certificate = mapping(FIELD, section["certificate"])
-    margin = claimed_margin(section, certificate, Fraction(scene.arm.clearance), obstacles)
+    certificate = mapping(ARM, section["certificate"])
+    margin = claimed_margin("arm", section, Fraction(scene.arm.clearance), obstacles)
     elbow = section.get("elbow")
     if elbow not in ("up", "down"):
         raise Fault("its elbow is neither up nor down")
@@ -85,8 +86,8 @@ def check_arm(
     motion = _Motion(arm, curve, _slide(scene, timing, curve))
     check_ends(curve, scene)
     check_tool(section, timing.get("duration"), arm, curve, motion.slide)
-    capsules = [_capsule(one) for one in list_of(f"{FIELD}.capsules", certificate.get("capsules"))]
-    planes = planes_of(certificate, len(capsules), _obstacle)
+    capsules = [_capsule(one) for one in list_of(f"{ARM}.capsules", certificate.get("capsules"))]
+    planes = planes_of(ARM, certificate, partial(_key, len(capsules)))
     floor = min(arm.base[2], Fraction(scene.workspace.min[2]))
     span = curve[0].start, curve[-1].end
     for number, capsule in enumerate(capsules):
@@ -111,34 +112,6 @@ def check_arm(
     distance = "" if margin is None else f"{float(margin):.9g} {scene.unit}"
     kept = f"its links keep {distance}" if distance else "there is no obstacle"
     return f"{kept}, and clear of the floor and each other, by {count} directions"
-
-
-def claimed_margin(
-    section: dict[str, Any],
-    certificate: dict[str, Any],
-    required: Fraction,
-    obstacles: list[ExactSolid | ExactMesh],
-) -> Fraction | None:
-    """Margin of a certificate, [unit], which must be what the plan says; None without obstacles.
-
-    Raises:
-        Fault: the plan says something else.
-        SceneError: the margin is no number.
-    """
-    given, stated = certificate.get("margin"), section.get("clearance")
-    margin = None if given is None else Fraction(finite(f"{FIELD}.margin", given))
-    if (margin is None) != (not obstacles):
-        raise Fault("a margin belongs to obstacles")
-    if (stated is None) != (margin is None) or (margin is not None and number_of(stated) != margin):
-        raise Fault("its margin is not the clearance stated")
-    if margin is not None and margin < 0:
-        raise Fault("its margin is negative")
-    enough = margin is None or margin >= required
-    if section.get("certified") is not enough:
-        raise Fault(f"as the arm is {'not ' if enough else ''}said to be certified")
-    if section.get("reachable") is not True:
-        raise Fault("the motion is said to be out of reach")
-    return margin
 
 
 def _asked(
@@ -197,10 +170,10 @@ def _slide(scene: Scene, timing: dict[str, Any], curve: ExactCurve) -> ExactSlid
 
 
 def _capsule(entry: object) -> ExactCapsule:
-    data = mapping(f"{FIELD}.capsules", entry)
+    data = mapping(f"{ARM}.capsules", entry)
     body, link = data.get("body"), data.get("link")
     numbers = (
-        Fraction(finite(f"{FIELD}.capsules.{name}", data.get(name)))
+        Fraction(finite(f"{ARM}.capsules.{name}", data.get(name)))
         for name in ("low", "high", "radius")
     )
     low, high, radius = numbers
@@ -210,9 +183,9 @@ def _capsule(entry: object) -> ExactCapsule:
     return ExactCapsule(link, body, low, high, radius, *flags)
 
 
-def _obstacle(data: dict[str, Any], _: int) -> int | str:
-    """Number of an obstacle, name of a link, or ``floor``."""
-    obstacle = data.get("obstacle")
+def _key(capsules: int, entry: dict[str, Any]) -> CapsuleKey:
+    """Capsule, and number of an obstacle, name of a link, or ``floor``."""
+    obstacle = entry.get("obstacle")
     if type(obstacle) is int or isinstance(obstacle, str):
-        return obstacle
+        return capsule_of(entry, capsules), obstacle
     raise Fault("a direction belongs to no obstacle")

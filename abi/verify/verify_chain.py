@@ -10,18 +10,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
+from functools import partial
 from typing import Any, NamedTuple
 
 from abi.obstacles.pose import METRES
 from abi.scene.scene import Scene
-from abi.verify.arm_planes import FIELD, Plane, planes_of
+from abi.verify.certificate import ARM, CapsuleKey, Plane, capsule_of, claimed_margin, planes_of
 from abi.verify.exact import ExactSolid, Vec3, dot, sub, times_length, vector
 from abi.verify.exact_chain import ExactChain, ExactFrame, exact_chain
 from abi.verify.exact_mesh import ExactMesh, Side
 from abi.verify.fault import Fault
 from abi.verify.plan_fields import finite, list_of, mapping, numbers_of, vector_of
 from abi.verify.sides import check_above, check_apart, check_cover
-from abi.verify.verify_arm import claimed_margin
 
 _REACHED = Fraction(1, 10**5)
 """Error of the tool at start and goal that is let pass, over the length of the chain."""
@@ -92,8 +92,8 @@ def check_chain(
         Fault: it does not prove what the plan claims.
         SceneError: a field has the wrong form.
     """
-    certificate = mapping(FIELD, section["certificate"])
-    margin = claimed_margin(section, certificate, Fraction(scene.arm.clearance), obstacles)
+    certificate = mapping(ARM, section["certificate"])
+    margin = claimed_margin("arm", section, Fraction(scene.arm.clearance), obstacles)
     units = round(1 / METRES[scene.unit])
     stands = scene.arm.base, units, scene.arm.base_wxyz
     chain = exact_chain(scene.arm.robot, scene.arm.tool, *stands)
@@ -101,7 +101,7 @@ def check_chain(
     _check_ends(motion, scene)
     capsules = _capsules(certificate, chain, scene)
     pairs = _pairs(certificate, len(capsules))
-    planes = planes_of(certificate, len(capsules), _obstacle)
+    planes = planes_of(ARM, certificate, partial(_key, len(capsules)))
     span = Fraction(0), Fraction(len(motion.rows) - 1)
     floor = min(Fraction(scene.arm.base[2]), Fraction(scene.workspace.min[2]))
     for number, capsule in enumerate(capsules):
@@ -136,7 +136,7 @@ def _rows(
     certificate: dict[str, Any], section: dict[str, Any], chain: ExactChain
 ) -> list[list[Fraction]]:
     """Joint positions between which the joints go straight; the plan's samples are among them."""
-    label = f"{FIELD}.positions"
+    label = f"{ARM}.positions"
     rows = [numbers_of(label, row) for row in list_of(label, certificate.get("positions"))]
     count = len(chain.coordinates)
     if len(rows) < 2 or any(len(row) != count for row in rows):
@@ -225,10 +225,10 @@ def _between(motion: _Motion, first: _Capsule, second: _Capsule, planes: list[Pl
 
 def _capsules(certificate: dict[str, Any], chain: ExactChain, scene: Scene) -> list[_Capsule]:
     capsules = []
-    for entry in list_of(f"{FIELD}.capsules", certificate.get("capsules")):
-        data = mapping(f"{FIELD}.capsules", entry)
-        link, radius = data.get("link"), Fraction(finite(f"{FIELD}.radius", data.get("radius")))
-        ends = tuple(vector_of(f"{FIELD}.capsules.{key}", data.get(key)) for key in ("from", "to"))
+    for entry in list_of(f"{ARM}.capsules", certificate.get("capsules")):
+        data = mapping(f"{ARM}.capsules", entry)
+        link, radius = data.get("link"), Fraction(finite(f"{ARM}.radius", data.get("radius")))
+        ends = tuple(vector_of(f"{ARM}.capsules.{key}", data.get(key)) for key in ("from", "to"))
         if not isinstance(link, str) or link not in chain.frames or radius <= 0:
             raise Fault("a capsule has no link, or no extent")
         if data.get("joint") != chain.frames[link]:
@@ -243,19 +243,20 @@ def _capsules(certificate: dict[str, Any], chain: ExactChain, scene: Scene) -> l
 
 def _pairs(certificate: dict[str, Any], capsules: int) -> list[tuple[int, int]]:
     pairs = []
-    for entry in list_of(f"{FIELD}.pairs", certificate.get("pairs")):
-        pair = list_of(f"{FIELD}.pairs", entry)
+    for entry in list_of(f"{ARM}.pairs", certificate.get("pairs")):
+        pair = list_of(f"{ARM}.pairs", entry)
         if len(pair) != 2 or any(type(one) is not int or not 0 <= one < capsules for one in pair):
             raise Fault("a pair is not of two capsules")
         pairs.append((int(pair[0]), int(pair[1])))
     return pairs
 
 
-def _obstacle(data: dict[str, Any], capsules: int) -> int | str:
-    """Number of an obstacle, ``floor``, or another capsule: -1 less its number."""
-    obstacle, other = data.get("obstacle"), data.get("other")
+def _key(capsules: int, entry: dict[str, Any]) -> CapsuleKey:
+    """Capsule, and number of an obstacle, ``floor``, or another capsule: -1 less its number."""
+    capsule, obstacle = capsule_of(entry, capsules), entry.get("obstacle")
+    other = entry.get("other")
     if type(other) is int and 0 <= other < capsules:
-        return -1 - other
+        return capsule, -1 - other
     if obstacle == "floor" or (type(obstacle) is int and obstacle >= 0):
-        return obstacle
+        return capsule, obstacle
     raise Fault("a direction belongs to no obstacle")

@@ -7,23 +7,21 @@ the pieces must cover the whole curve for every obstacle.
 from __future__ import annotations
 
 from fractions import Fraction
+from functools import partial
 from typing import Any
 
 from abi.errors import SceneError
 from abi.scene.scene import Scene
+from abi.verify.certificate import Plane, claimed_margin, planes_of
 from abi.verify.exact import ExactCurve, ExactSolid, Vec3, dot, hull
 from abi.verify.exact_mesh import ExactMesh
 from abi.verify.fault import Fault
-from abi.verify.plan_fields import finite, list_of, mapping, number_of, vector_of
+from abi.verify.plan_fields import mapping
 from abi.verify.sides import check_apart
 from abi.verify.tool_path import check_ends
 
 _TOUCH = Fraction(1, 10**9)
 """Depth to which a curve may enter a primitive that is over 4 times as deep, [unit]."""
-
-
-_Plane = tuple[Fraction, Fraction, Vec3]
-"""Ends of a piece of the curve, and the direction that separates it."""
 
 
 def check_curve(
@@ -41,49 +39,35 @@ def check_curve(
     """
     required = Fraction(scene.spline.clearance)
     field = f"{name}.certificate"
-    margin, planes = _certificate(field, mapping(field, section["certificate"]), len(obstacles))
+    certificate = mapping(field, section["certificate"])
+    planes = planes_of(field, certificate, partial(_obstacle, field, len(obstacles)))
     check_ends(curve, scene)
-    _check_claim(section, margin, required)
-    _check_margin(margin, obstacles)
+    margin = claimed_margin(name, section, required, obstacles, _TOUCH)
     if margin is None:
         return "there is no obstacle"
+    if margin < 0 and not all(map(_is_deep, obstacles)):
+        raise Fault("its margin is negative")
     for k, obstacle in enumerate(obstacles):
         try:
-            _check_obstacle(curve, obstacle, planes[k], margin)
+            _check_obstacle(curve, obstacle, planes.get(k, []), margin)
         except Fault as fault:
             raise Fault(f"obstacle {k + 1}: {fault}") from None
     distance = f"{float(margin):.9g} {scene.unit}"
     if margin < required - _TOUCH:
         distance += f", less than the {float(required):g} {scene.unit} asked for,"
     number = "the obstacle" if len(obstacles) == 1 else f"all {len(obstacles)} obstacles"
-    return f"it keeps {distance} from {number}, by {sum(map(len, planes))} planes"
+    return f"it keeps {distance} from {number}, by {sum(map(len, planes.values()))} planes"
 
 
-def _check_claim(section: dict[str, Any], margin: Fraction | None, required: Fraction) -> None:
-    stated = section.get("clearance")
-    if (stated is None) != (margin is None) or (margin is not None and number_of(stated) != margin):
-        raise Fault("its margin is not the clearance stated")
-    enough = margin is None or margin >= required - _TOUCH
-    if section.get("certified") is not enough:
-        claim = "said to be certified" if not enough else "not said to be certified"
-        raise Fault(f"as the curve is {claim}")
-
-
-def _check_margin(margin: Fraction | None, obstacles: list[ExactSolid | ExactMesh]) -> None:
-    if (margin is None) != (not obstacles):
-        raise Fault("a margin belongs to obstacles")
-    if margin is None or margin >= 0:
-        return
-    deep = all(isinstance(solid, ExactSolid) and solid.depth > 4 * _TOUCH for solid in obstacles)
-    if margin < -_TOUCH or not deep:
-        raise Fault("its margin is negative")
+def _is_deep(solid: ExactSolid | ExactMesh) -> bool:
+    return isinstance(solid, ExactSolid) and solid.depth > 4 * _TOUCH
 
 
 def _check_obstacle(
-    curve: ExactCurve, obstacle: ExactSolid | ExactMesh, planes: list[_Plane], margin: Fraction
+    curve: ExactCurve, obstacle: ExactSolid | ExactMesh, planes: list[Plane], margin: Fraction
 ) -> None:
     sides = []
-    for start, end, normal in planes:
+    for start, end, _, normal in planes:
         points = hull(curve, start, end) if start < end else []
         if not points:
             raise Fault(f"a piece from {float(start):g} to {float(end):g} is not on the curve")
@@ -104,22 +88,9 @@ def _starts(curve: ExactCurve) -> list[Vec3]:
     return starts
 
 
-def _certificate(
-    field: str, data: dict[str, Any], obstacles: int
-) -> tuple[Fraction | None, list[list[_Plane]]]:
-    """Margin of a certificate, and its planes by obstacle, in order."""
-    margin = data.get("margin")
-    planes: list[list[_Plane]] = [[] for _ in range(obstacles)]
-    for entry in list_of(f"{field}.planes", data.get("planes")):
-        plane = mapping(f"{field}.planes", entry)
-        number = plane.get("obstacle")
-        if type(number) is not int or not 0 <= number < obstacles:
-            raise SceneError(f"{field}.planes.obstacle", number, "the number of an obstacle")
-        start, end = (
-            Fraction(finite(f"{field}.planes.{key}", plane.get(key))) for key in ("t0", "t1")
-        )
-        normal = vector_of(f"{field}.planes.direction", plane.get("direction"))
-        planes[number].append((start, end, normal))
-    return None if margin is None else Fraction(finite(f"{field}.margin", margin)), [
-        sorted(group) for group in planes
-    ]
+def _obstacle(field: str, obstacles: int, entry: dict[str, Any]) -> int:
+    """Number of the obstacle that an entry of a certificate names, of so many."""
+    number = entry.get("obstacle")
+    if type(number) is not int or not 0 <= number < obstacles:
+        raise SceneError(f"{field}.planes.obstacle", number, "the number of an obstacle")
+    return number

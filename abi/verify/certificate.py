@@ -1,0 +1,117 @@
+"""A certificate as written: its margin, and its directions by what they keep clear of what."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from fractions import Fraction
+from typing import Any, NamedTuple, TypeVar
+
+from abi.verify.exact import ExactSolid, Vec3
+from abi.verify.exact_mesh import ExactMesh
+from abi.verify.fault import Fault
+from abi.verify.plan_fields import finite, list_of, mapping, number_of, vector_of
+
+ARM = "arm.certificate"
+
+CapsuleKey = tuple[int, int | str]
+"""A capsule, and what it must keep clear of."""
+
+_Key = TypeVar("_Key")
+_NONE = Fraction(0)
+
+
+class Plane(NamedTuple):
+    """A direction that keeps a curve or a capsule from something on a piece of the motion.
+
+    Attributes:
+        start, end: parameters of the piece.
+        at: parameter of the pose around which it holds; of a curve the start.
+        normal: the direction.
+    """
+
+    start: Fraction
+    end: Fraction
+    at: Fraction
+    normal: Vec3
+
+
+def claimed_margin(
+    name: str,
+    section: dict[str, Any],
+    required: Fraction,
+    obstacles: Sequence[ExactSolid | ExactMesh],
+    slack: Fraction = _NONE,
+) -> Fraction | None:
+    """Margin of a certificate, [unit], which must be what the plan says; None without obstacles.
+
+    Args:
+        name: of the section of the plan, whose ``certificate`` it is.
+        section: that section.
+        required: margin from which on it is certified, [unit].
+        obstacles: those of the scene.
+        slack: what may be missing, [unit].
+
+    Raises:
+        Fault: the plan says something else.
+        SceneError: the margin is no number.
+    """
+    given, stated = section["certificate"].get("margin"), section.get("clearance")
+    margin = None if given is None else Fraction(finite(f"{name}.certificate.margin", given))
+    if (margin is None) != (not obstacles):
+        raise Fault("a margin belongs to obstacles")
+    if (stated is None) != (margin is None) or (margin is not None and number_of(stated) != margin):
+        raise Fault("its margin is not the clearance stated")
+    if margin is not None and margin < -slack:
+        raise Fault("its margin is negative")
+    enough = margin is None or margin >= required - slack
+    if section.get("certified") is not enough:
+        subject = "arm" if name == "arm" else "curve"
+        raise Fault(f"as the {subject} is {'not ' if enough else ''}said to be certified")
+    if name == "arm" and section.get("reachable") is not True:
+        raise Fault("the motion is said to be out of reach")
+    return margin
+
+
+def planes_of(
+    field: str, certificate: dict[str, Any], key_of: Callable[[dict[str, Any]], _Key]
+) -> dict[_Key, list[Plane]]:
+    """Planes by key, in the order in which their pieces begin.
+
+    Args:
+        field: name of the certificate.
+        certificate: as in a plan's JSON.
+        key_of: function from an entry to its key.
+
+    Raises:
+        SceneError: a field has the wrong form.
+        Fault: ``key_of`` knows no key.
+    """
+    planes: dict[_Key, list[Plane]] = {}
+    names = ("t0", "t1", "at" if field == ARM else "t0")
+    for entry in list_of(f"{field}.planes", certificate.get("planes")):
+        data = mapping(f"{field}.planes", entry)
+        key = key_of(data)
+        start, end, at = (
+            Fraction(finite(f"{field}.planes.{name}", data.get(name))) for name in names
+        )
+        normal = vector_of(f"{field}.planes.direction", data.get("direction"))
+        planes.setdefault(key, []).append(Plane(start, end, at, normal))
+    for group in planes.values():
+        group.sort(key=_start)
+    return planes
+
+
+def capsule_of(entry: dict[str, Any], capsules: int) -> int:
+    """Number of the capsule that an entry names, of so many.
+
+    Raises:
+        Fault: it names none.
+    """
+    capsule = entry.get("capsule")
+    if type(capsule) is not int or not 0 <= capsule < capsules:
+        raise Fault("a direction belongs to no capsule")
+    return capsule
+
+
+def _start(plane: Plane) -> Fraction:
+    return plane.start
