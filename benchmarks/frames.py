@@ -35,7 +35,7 @@ from abi import compiling
 from abi.arm.models import model_of
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner.exclusion_cache import ExclusionCache
-from abi.planner.planner import SLACK, Planner
+from abi.planner.planner import Planner
 from abi.scene.scene import Scene
 from abi.search.build_graph import build_graph
 from abi.search.search import SEARCHES
@@ -112,7 +112,7 @@ def _turn(
     libraries: dict[str, Library],
 ) -> Times:
     """Milliseconds of each method on each of some frames; all lengths are the same."""
-    margin = CLEARANCE + SLACK * max(scenes[0].workspace.size)
+    margin = CLEARANCE + scenes[0].workspace.slack
     times: Times = defaultdict(list)
     graphs, lengths = [], []
     for scene in scenes:

@@ -6,7 +6,7 @@ import numpy as np
 
 from abi.arrays import BoolArray, FloatArray
 from abi.obstacles.mesh_shape import MeshShape
-from abi.planner.planner import SLACK, plan
+from abi.planner.planner import plan
 from abi.scene.scene import Scene
 from abi.search.graph import Graph
 from tests.abi import mesh_oracles
@@ -27,7 +27,7 @@ def mask_fault(scene: Scene) -> str:
     graph = plan(scene.replace(arm=scene.arm.model_dump() | {"avoid": False})).graph
     if graph is None:
         return ""
-    margin = scene.spline.clearance + SLACK * max(scene.workspace.size)
+    margin = scene.spline.clearance + scene.workspace.slack
     shapes = [mesh for mesh in scene.obstacles if isinstance(mesh, MeshShape)]
     away = np.min([_distances(mesh, graph.mesh.points) for mesh in shapes], axis=0)
     inside = np.zeros(len(away), dtype=np.bool_)

@@ -33,7 +33,7 @@ from abi import compiling
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner.exclusion_cache import ExclusionCache
 from abi.planner.plan import Plan
-from abi.planner.planner import SLACK, Planner
+from abi.planner.planner import Planner
 from abi.scene.scene import Scene
 from abi.search.build_graph import build_graph
 from abi.search.search import SEARCHES
@@ -96,7 +96,7 @@ def measure(
 
 def _times(mesh: TetMesh, scene: Scene, plan: Plan) -> dict[str, float]:
     """Milliseconds from the move of an obstacle to the end of each stage, medians of a few."""
-    margin = CLEARANCE + SLACK * max(scene.workspace.size)
+    margin = CLEARANCE + scene.workspace.slack
     exclude = ExclusionCache()
     to_path, to_taut = [], []
     for _ in range(_TIMES):

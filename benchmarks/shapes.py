@@ -25,7 +25,7 @@ from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import Obstacle
 from abi.obstacles.primitives import Box
 from abi.obstacles.triangle_mesh.repair import clean
-from abi.planner.planner import SLACK, Planner
+from abi.planner.planner import Planner
 from abi.scene.scene import Scene
 from abi.tet_mesh.exclusion import FreeMesh, apply, exclusion
 from abi.tet_mesh.tet_mesh import TetMesh, tetrahedralise
@@ -117,7 +117,7 @@ class _Case:
         }
         self.name, self.scene = name, Scene.from_dict(data).replace(obstacles=(obstacle,))
         self.mesh = tetrahedralise(self.scene.workspace, self.scene.mesh)
-        self.margin = CLEARANCE + SLACK * max(self.scene.workspace.size)
+        self.margin = CLEARANCE + self.scene.workspace.slack
 
     def row(self) -> Row:
         """Costs of its mask and of the frames of a drag."""

@@ -10,7 +10,6 @@ from typing import Any
 from abi.errors import AbiError
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner.plan import Plan
-from abi.planner.planner import SLACK
 from abi.search.arcs import Arcs
 from abi.search.compare import COMPARED
 from abi.search.task import SearchTask
@@ -72,7 +71,7 @@ def search_task(plan: Plan, heuristic_weight: float = 1.0) -> SearchTask:
         weight=scene.search.weight,
         heuristic_weight=float(heuristic_weight),
         obstacles=ObstacleSet(scene.obstacles),
-        margin=scene.spline.clearance + SLACK * max(scene.workspace.size),
+        margin=scene.spline.clearance + scene.workspace.slack,
     )
 
 

@@ -24,7 +24,6 @@ from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner.arm_diagnosis import arm_reason
 from abi.planner.nearest_free_point import nearest_free_point, rounded
 from abi.planner.plan import Plan
-from abi.planner.planner import SLACK
 from abi.planner.reason import Reason
 from abi.planner.what_if import CancelledError, WhatIf, components, rounded_down
 from abi.scene.scene import Scene
@@ -83,7 +82,7 @@ def _reason(scene: Scene, plan: Plan, what_if: WhatIf) -> Reason | None:
 
 def _blocked(scene: Scene, plan: Plan, what_if: WhatIf) -> Reason:
     """Reason where start, goal or both lie in an obstacle or its clearance."""
-    clearance, slack = scene.spline.clearance, SLACK * max(scene.workspace.size)
+    clearance, slack = scene.spline.clearance, scene.workspace.slack
     ends = {"start": np.array(scene.start), "goal": np.array(scene.goal)}
     distances, obstacles = what_if.obstacles.nearest(np.array(list(ends.values())))
     nodes = np.zeros((0, 3)) if plan.free is None else plan.free.mesh.points[~plan.free.excluded]
@@ -210,7 +209,7 @@ def _walls(scene: Scene, plan: Plan, graph: Graph, inside: IntArray) -> list[int
         nearest = distance.argsort()[:_NEIGHBOURS]
         p = np.concatenate([p, np.broadcast_to(graph.points[node], (len(nearest), 3))])
         q = np.concatenate([q, mesh.points[nearest]])
-    margin = scene.spline.clearance + SLACK * max(scene.workspace.size)
+    margin = scene.spline.clearance + scene.workspace.slack
     return [
         k
         for k, obstacle in enumerate(scene.obstacles)

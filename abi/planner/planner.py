@@ -41,12 +41,6 @@ from abi.search.search import SEARCHES
 from abi.taut.lower_bound import lower_bound
 from abi.taut.taut_path import taut as pull_taut
 
-SLACK = 1e-3
-"""Extra clearance of mesh edges, as a fraction of the workspace's longest side.
-
-It leaves room for a smooth curve to round the corners of the path.
-"""
-
 SAMPLES = 401
 """Samples of the arm's motion, uniform in time."""
 
@@ -157,7 +151,7 @@ class Planner:
     def _run(self, scene: Scene, chosen_only: bool, results: dict[str, Any]) -> None:
         """Run the six stages of the method: each puts its result into ``results`` or raises."""
         workspace, clearance, search = scene.workspace, scene.spline.clearance, scene.search
-        margin = clearance + SLACK * max(workspace.size)
+        margin = clearance + workspace.slack
         obstacles = self._obstacles(scene.obstacles)
         # the arm stands there even when no path is found
         model = self._arm(scene.arm, scene.unit)

@@ -15,7 +15,7 @@ from abi.errors import StageError
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner.exclusion_cache import ExclusionCache
 from abi.planner.plan import Plan
-from abi.planner.planner import SLACK, Planner
+from abi.planner.planner import Planner
 from abi.scene.scene import Scene
 from abi.scene.settings import FINEST_PITCH
 from abi.search.build_graph import build_graph
@@ -64,7 +64,7 @@ class WhatIf:
         self._check_cancelled()
         scene = self.scene
         obstacles = self.obstacles if obstacles is None else obstacles
-        margin = clearance + SLACK * max(scene.workspace.size)
+        margin = clearance + scene.workspace.slack
         free = self._exclude(self._mesh(pitch or scene.mesh.pitch), obstacles, margin)
         try:
             graph = build_graph(free, obstacles, margin, scene.start, scene.goal, clearance)

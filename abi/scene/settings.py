@@ -32,6 +32,10 @@ FINEST_PITCH = 1e-6
 """Smallest pitch, [unit]; also the shortest side that a workspace may have."""
 
 
+_SLACK = 1e-3
+"""Of the workspace's longest side: see :attr:`Workspace.slack`."""
+
+
 class Settings(BaseModel):
     """One section of a scene: frozen fields; unknown ones are refused."""
 
@@ -55,6 +59,14 @@ class Workspace(Settings):
         """Edge lengths, [unit]."""
         x, y, z = (high - low for low, high in zip(self.min, self.max, strict=True))
         return (x, y, z)
+
+    @property
+    def slack(self) -> float:
+        """Distance that mesh edges keep from the obstacles beyond the clearance, [unit].
+
+        It leaves room for a smooth curve to round the corners of the path.
+        """
+        return _SLACK * max(self.size)
 
 
 class MeshSettings(Settings):

@@ -13,13 +13,11 @@ from types import MappingProxyType
 
 from abi.search.bellman_ford_rounds import bellman_ford_rounds
 from abi.search.bidirectional_dijkstra import bidirectional_dijkstra
-from abi.search.greedy_best_first import greedy_best_first
-from abi.search.heap_kernels import best_first_order
 from abi.search.lazy_theta_star import lazy_theta_star
 from abi.search.search import order_of_expansion
 from abi.search.task import SearchTask
 from abi.search.trace import SearchTrace, trace_of
-from abi.search.weighted_a_star import weighted_a_star
+from abi.search.weighted_a_star import best_first, weighted_a_star
 
 
 @dataclass(frozen=True)
@@ -41,14 +39,12 @@ class ComparedSearch:
     any_angle: bool = False
 
 
-def _best_first(algorithm: str, factors: tuple[float, float], task: SearchTask) -> SearchTrace:
+def _as_planned(algorithm: str, factors: tuple[float, float], task: SearchTask) -> SearchTrace:
     """A* or Dijkstra as every plan runs them; as in the textbook where a cost is negative."""
-    arcs = task.arcs
-    if arcs.negative is None:
-        order = order_of_expansion(algorithm, task.graph, task.weight)
-        return trace_of(arcs, order, "best_first", factors, reopens=True)
-    order = best_first_order(arcs.rows, arcs.estimates, (arcs.start, arcs.goal), factors)
-    return trace_of(arcs, order, "best_first", factors)
+    if task.arcs.negative is not None:
+        return best_first(task, factors)
+    order = order_of_expansion(algorithm, task.graph, task.weight)
+    return trace_of(task.arcs, order, "best_first", factors, reopens=True)
 
 
 def _bellman_ford(task: SearchTask) -> SearchTrace:
@@ -59,16 +55,18 @@ def _bellman_ford(task: SearchTask) -> SearchTrace:
 
 COMPARED: Mapping[str, ComparedSearch] = MappingProxyType(
     {
-        "a_star": ComparedSearch("A*", partial(_best_first, "a_star", (1.0, 1.0)), True, True),
+        "a_star": ComparedSearch("A*", partial(_as_planned, "a_star", (1.0, 1.0)), True, True),
         "dijkstra": ComparedSearch(
-            "Dijkstra", partial(_best_first, "dijkstra", (1.0, 0.0)), True, True
+            "Dijkstra", partial(_as_planned, "dijkstra", (1.0, 0.0)), True, True
         ),
         "bellman_ford": ComparedSearch("Bellman-Ford (queue)", _bellman_ford, True, False),
         "bellman_ford_rounds": ComparedSearch(
             "Bellman-Ford, by rounds", bellman_ford_rounds, True, True
         ),
         "weighted_a_star": ComparedSearch("weighted A*", weighted_a_star, False, True),
-        "greedy_best_first": ComparedSearch("greedy best-first", greedy_best_first, False, True),
+        "greedy_best_first": ComparedSearch(
+            "greedy best-first", partial(best_first, factors=(0.0, 1.0)), False, True
+        ),
         "bidirectional_dijkstra": ComparedSearch(
             "Dijkstra from both ends", bidirectional_dijkstra, True, False
         ),

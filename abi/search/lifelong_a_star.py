@@ -43,16 +43,6 @@ class Repair:
         """Number of nodes expanded for the repair."""
         return len(self.order)
 
-    @property
-    def hops(self) -> int:
-        """Number of edges of the path; -1 without one."""
-        return len(self.vertices) - 1
-
-    @property
-    def length(self) -> float:
-        """Length of the path, [unit]; inf without one."""
-        return self.arcs.length_of(self.vertices)
-
 
 def can_repair(before: Arcs, now: Arcs) -> bool:
     """Check whether both have the same nodes, start and goal."""

@@ -13,9 +13,10 @@ import numpy as np
 
 from abi.arrays import FloatArray, IntArray
 from abi.errors import StageError
-from abi.search.label_kernels import rounds
+from abi.search.bellman_ford_rounds import bellman_ford_rounds
 from abi.search.search_kernels import reconstruct_path
 from abi.search.task import SearchTask
+from abi.search.trace import last_labels
 
 _HEADS = 8
 """Nodes of the path that are tried."""
@@ -82,9 +83,5 @@ def _place(task: SearchTask, cost: FloatArray, head: int) -> _Place:
 
 def _distances(task: SearchTask, node: int) -> tuple[FloatArray, IntArray]:
     """Costs from a node, or to it, (n,), and parents."""
-    arcs = task.arcs
-    ends, nodes, costs, parents, _ = rounds(arcs.rows, node, False, len(arcs.points), arcs.little)
-    cost, parent = np.full(len(arcs.points), np.inf), np.full(len(arcs.points), -1, np.int32)
-    cost[nodes[: ends[-1]]] = costs
-    parent[nodes[: ends[-1]]] = parents
-    return cost, parent
+    trace = bellman_ford_rounds(replace(task, arcs=replace(task.arcs, start=node)))
+    return last_labels(trace, trace.steps)

@@ -111,8 +111,27 @@ def problem_of(graph: Graph, weight: Weight, towards: Metric) -> Problem:
 
 
 def _search(algorithm: str, graph: Graph, weight: Weight) -> SearchResult:
-    """Search the graph by one of the algorithms."""
-    return _result(algorithm, graph, weight, *_run(algorithm, graph, weight))
+    """Search the graph by one of the algorithms; raises NoPath."""
+    costs, parents, order, relaxed = _run(algorithm, graph, weight)
+    least = float(costs[graph.goal])
+    if math.isinf(least):
+        reached = np.flatnonzero(np.isfinite(costs)).astype(np.int32)
+        raise NoPath(reached, graph.free_nodes, graph.pitch)
+    vertices = reconstruct_path(parents, graph.goal)
+    points = graph.places(vertices)
+    edges = points[1:] - points[:-1]
+    return SearchResult(
+        algorithm=algorithm,
+        weight=weight,
+        vertices=read_only(vertices),
+        points=read_only(points),
+        length=float(np.sqrt((edges * edges).sum(axis=1)).sum()),
+        hops=len(vertices) - 1,
+        cost=least,
+        expanded=len(order),
+        relaxed=int(relaxed),
+        order=read_only(order),
+    )
 
 
 def _run(
@@ -135,34 +154,3 @@ def _most_hops(graph: Graph) -> float:
     longest = float(graph.link_lengths.max(initial=0.0))
     stencil = graph.mesh.stencil
     return 1.0 if stencil is None else 1.0 + longest / min(stencil.cell)
-
-
-def _result(
-    algorithm: str,
-    graph: Graph,
-    weight: Weight,
-    cost: FloatArray,
-    parent: IntArray,
-    order: IntArray,
-    relaxed: int,
-) -> SearchResult:
-    """The path that leads to the goal; raises NoPath."""
-    least = float(cost[graph.goal])
-    if math.isinf(least):
-        reached = np.flatnonzero(np.isfinite(cost)).astype(np.int32)
-        raise NoPath(reached, graph.free_nodes, graph.pitch)
-    vertices = reconstruct_path(parent, graph.goal)
-    points = graph.places(vertices)
-    edges = points[1:] - points[:-1]
-    return SearchResult(
-        algorithm=algorithm,
-        weight=weight,
-        vertices=read_only(vertices),
-        points=read_only(points),
-        length=float(np.sqrt((edges * edges).sum(axis=1)).sum()),
-        hops=len(vertices) - 1,
-        cost=least,
-        expanded=len(order),
-        relaxed=int(relaxed),
-        order=read_only(order),
-    )

@@ -7,20 +7,22 @@ from abi.search.task import SearchTask
 from abi.search.trace import SearchTrace, trace_of
 
 
-def weighted_a_star(task: SearchTask) -> SearchTrace:
-    """Minimise (2 - w) g + w h: Dijkstra at w = 0, A* at 1, greedy at 2.
+def best_first(task: SearchTask, factors: tuple[float, float]) -> SearchTrace:
+    """Minimise a g + b h, as in the textbook: no node is expanded twice.
 
-    No node is expanded twice; the path is still within :func:`bound` of the shortest (Likhachev,
-    Gordon and Thrun, 2003), because the heuristic is consistent.
+    Greedy search, (0, 1), expands the node that seems nearest to the goal, whatever it cost;
+    nothing bounds how much longer than the shortest its path may be.
     """
-    arcs, w = task.arcs, task.heuristic_weight
-    factors = (2.0 - w, w)
+    arcs = task.arcs
     order = best_first_order(arcs.rows, arcs.estimates, (arcs.start, arcs.goal), factors)
     return trace_of(arcs, order, "best_first", factors)
 
 
-def bound(w: float) -> float:
-    """Bound of the path's cost, as a multiple of the cheapest one's; inf from w = 2 on."""
-    if w >= 2:
-        return float("inf")
-    return max(w / (2 - w), 1.0)
+def weighted_a_star(task: SearchTask) -> SearchTrace:
+    """Minimise (2 - w) g + w h: Dijkstra at w = 0, A* at 1, greedy at 2.
+
+    The path costs at most max(w / (2 - w), 1) times the least (Likhachev, Gordon and Thrun, 2003),
+    though no node is expanded twice, because the heuristic is consistent.
+    """
+    w = task.heuristic_weight
+    return best_first(task, (2.0 - w, w))

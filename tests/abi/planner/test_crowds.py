@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from abi.obstacles.obstacle_set import ObstacleSet
-from abi.planner.planner import SLACK, Planner
+from abi.planner.planner import Planner
 from benchmarks import crowds
 from tests.abi.shape_distances import segment_distance
 from tests.random_scenes import crowd
@@ -19,7 +19,7 @@ def test_a_crowd_is_passed_at_the_clearance_asked_for() -> None:
     assert plan.taut is not None
     assert plan.path is not None
     assert plan.taut.length <= plan.path.length
-    margin = scene.spline.clearance + SLACK * max(scene.workspace.size)
+    margin = scene.spline.clearance + scene.workspace.slack
     ends = np.min([one.signed_distance(plan.taut.points[[0, -1]]) for one in scene.obstacles])
     for one in scene.obstacles:
         near = segment_distance(one, plan.taut.points[:-1], plan.taut.points[1:]).min()

@@ -18,7 +18,6 @@ from abi.planner import what_if as trials
 from abi.planner.diagnosis import explain
 from abi.planner.nearest_free_point import nearest_free_point, rounded
 from abi.planner.plan import Plan
-from abi.planner.planner import SLACK
 from abi.planner.reason import Reason
 from abi.planner.what_if import MOST_NODES, WhatIf, rounded_down
 from abi.scene.settings import MeshSettings, Workspace
@@ -273,7 +272,7 @@ def test_a_blocked_end_is_told_the_nearest_free_point(
     if not isinstance(made.error, PointBlocked):
         return
     _, found = reason_of(scene)
-    slack = SLACK * 6
+    slack = scene.workspace.slack
     ends = {"start": np.array(scene.start), "goal": np.array(scene.goal)}
     distances, _ = ObstacleSet(scene.obstacles).nearest(np.array(list(ends.values())))
     blocked = {

@@ -18,7 +18,6 @@ from abi.arm.arm import place as place_capsules
 from abi.arrays import FloatArray
 from abi.errors import StageError
 from abi.obstacles.obstacle_set import ObstacleSet
-from abi.planner.planner import SLACK
 from tests.abi.scene.test_scene import obstacles, points
 from tests.abi.shape_distances import segment_distance
 from tests.random_scenes import scattered, slalom
@@ -293,7 +292,7 @@ def test_the_json_counts_the_nodes_and_edges_that_are_left(variant: str) -> None
     made, data = told(variant)
     scene, mesh = made.scene, data["mesh"]
     places, edges = np.array(mesh["points"]), np.array(mesh["edges"])
-    margin = scene.spline.clearance + SLACK * max(scene.workspace.size)
+    margin = scene.spline.clearance + scene.workspace.slack
     gone = away(made, places) < margin
     shut = gone[edges].any(axis=1)
     for obstacle in scene.obstacles:

@@ -15,7 +15,7 @@ from abi.obstacles.obstacle_set import Obstacles, ObstacleSet
 from abi.obstacles.primitives import Box
 from abi.obstacles.triangle_mesh.repair import clean
 from abi.obstacles.triangle_mesh.surface import Surface
-from abi.planner.planner import SLACK, plan
+from abi.planner.planner import plan
 from abi.scene.scene import Scene, load_scene
 from abi.search.build_graph import build_graph
 from abi.search.graph import Graph
@@ -259,7 +259,7 @@ def with_and_without_any_angle(
 
 def test_the_path_for_any_angle_finds_a_shorter_way_round(monkeypatch: pytest.MonkeyPatch) -> None:
     scene = box_scene(59, 0.25)
-    margin = CLEARANCE + SLACK * max(scene.workspace.size)
+    margin = CLEARANCE + scene.workspace.slack
 
     whole, without = with_and_without_any_angle(scene, margin, monkeypatch)
 
@@ -272,7 +272,7 @@ def test_the_path_for_any_angle_hides_no_way_nearly_as_short(
     seed: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     scene = box_scene(seed, 0.5)
-    margin = CLEARANCE + SLACK * max(scene.workspace.size)
+    margin = CLEARANCE + scene.workspace.slack
 
     whole, without = with_and_without_any_angle(scene, margin, monkeypatch)
 
