@@ -10,6 +10,8 @@ from typing import Any
 
 Schema = dict[str, Any]
 _NUMBER: Schema = {"type": "number"}
+_INTEGER: Schema = {"type": "integer"}
+_FLAG: Schema = {"type": "boolean"}
 _TEXT: Schema = {"type": "string"}
 _NANOSECONDS: Schema = {"type": "integer", "minimum": 0, "maximum": 999999999}
 
@@ -29,29 +31,20 @@ _COLOUR = _record(r=_NUMBER, g=_NUMBER, b=_NUMBER, a=_NUMBER)
 _POSE = _record(position=_XYZ, orientation=_XYZW)
 _SOLID = _record(pose=_POSE, size=_XYZ, color=_COLOUR)
 _CYLINDER = _record(pose=_POSE, size=_XYZ, bottom_scale=_NUMBER, top_scale=_NUMBER, color=_COLOUR)
-_TRIANGLES = _record(
-    pose=_POSE,
-    points=_list(_XYZ),
-    color=_COLOUR,
-    colors=_list(_COLOUR),
-    indices=_list({"type": "integer"}),
-)
-_LINE = _record(
-    type={"type": "integer"},
-    pose=_POSE,
-    thickness=_NUMBER,
-    scale_invariant={"type": "boolean"},
-    points=_list(_XYZ),
-    color=_COLOUR,
-    colors=_list(_COLOUR),
-    indices=_list({"type": "integer"}),
-)
+_CORNERS: dict[str, Schema] = {
+    "points": _list(_XYZ),
+    "color": _COLOUR,
+    "colors": _list(_COLOUR),
+    "indices": _list(_INTEGER),
+}
+_TRIANGLES = _record(pose=_POSE, **_CORNERS)
+_LINE = _record(type=_INTEGER, pose=_POSE, thickness=_NUMBER, scale_invariant=_FLAG, **_CORNERS)
 _ENTITY = _record(
     timestamp=_TIME,
     frame_id=_TEXT,
     id=_TEXT,
     lifetime=_TIME,
-    frame_locked={"type": "boolean"},
+    frame_locked=_FLAG,
     cubes=_list(_SOLID),
     spheres=_list(_SOLID),
     cylinders=_list(_CYLINDER),

@@ -6,15 +6,13 @@ Definition: https://docs.ros.org/en/rolling/p/trajectory_msgs/msg/JointTrajector
 
 from __future__ import annotations
 
-import io
 import json
 import math
 from typing import Any
 
-from ruamel.yaml import YAML
-
 from abi.export.joint_trajectory import joint_trajectory, motion_state
 from abi.planner.plan import Plan
+from abi.scene.scene_file import yaml_text
 
 
 def write(plan: Plan, name: str) -> bytes:
@@ -28,14 +26,7 @@ def write(plan: Plan, name: str) -> bytes:
     message = _message(plan)
     if name.lower().endswith(".json"):
         return (json.dumps(message, indent=1, allow_nan=False) + "\n").encode()
-    stream = io.StringIO(f"# {motion_state(plan)}\n")
-    stream.seek(0, io.SEEK_END)
-    yaml = YAML(typ="safe", pure=True)
-    yaml.default_flow_style = None
-    yaml.sort_base_mapping_type_on_output = False  # type: ignore[assignment]
-    yaml.width = 4096
-    yaml.dump(message, stream)
-    return stream.getvalue().encode()
+    return f"# {motion_state(plan)}\n{yaml_text(message, width=4096)}".encode()
 
 
 def _message(plan: Plan) -> dict[str, Any]:

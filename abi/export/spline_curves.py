@@ -10,8 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from abi.clearance.bezier import Bezier
-from abi.curves.bspline import BSpline
+from abi.arrays import FloatArray
 from abi.curves.fit import Fit
 from abi.curves.quadratic import Quadratic
 from abi.errors import ExportError
@@ -29,47 +28,40 @@ def write(plan: Plan, name: str) -> bytes:
     if plan.bspline is None:
         cause = "they were not planned." if plan.error is None else plan.error.message
         raise ExportError(f"There are no curves to export: {cause}")
-    curves = [_bspline(plan.bspline)]
+    spline, holds = plan.bspline.curve, plan.bspline.holds
+    curves = [_curve("bspline", holds, spline.degree, spline.knots, spline.control_points)]
     if plan.quadratic is not None:
         curves.append(_quadratic(plan.quadratic))
-    profile = plan.profile
-    times = np.linspace(0.0, profile.duration if profile is not None else 0.0, _TIMES)
-    motion = (
-        None
-        if profile is None
-        else {
+    motion = None
+    if (profile := plan.profile) is not None:
+        times = np.linspace(0.0, profile.duration, _TIMES)
+        motion = {
             "curve": plan.followed,
             "duration": profile.duration,
             "peak_speed": profile.peak_speed,
             "times": times.tolist(),
             "distances": profile(times).tolist(),
         }
-    )
     data = {"version": 1, "unit": plan.scene.unit, "curves": curves, "motion": motion}
     return (json.dumps(data, indent=1, allow_nan=False) + "\n").encode()
 
 
-def _bspline(fit: Fit[BSpline]) -> dict[str, Any]:
-    spline = fit.curve
+def _curve(
+    name: str, certified: bool, degree: int, knots: FloatArray, points: FloatArray
+) -> dict[str, Any]:
     return {
-        "name": "bspline",
-        "degree": spline.degree,
-        "knots": spline.knots.tolist(),
-        "control_points": spline.control_points.tolist(),
-        "certified": fit.holds,
+        "name": name,
+        "degree": degree,
+        "knots": knots.tolist(),
+        "control_points": points.tolist(),
+        "certified": certified,
     }
 
 
 def _quadratic(fit: Fit[Quadratic]) -> dict[str, Any]:
     """The quadratic pieces as one B-spline whose inner knots occur twice: its Bézier points."""
-    pieces: Bezier = fit.curve.bezier()
+    pieces = fit.curve.bezier()
     breaks = pieces.breaks
     knots = np.concatenate([breaks[:1], np.repeat(breaks, 2), breaks[-1:]])
     points = np.concatenate([pieces.points[0, :1], pieces.points[:, 1:].reshape(-1, 3)])
-    return {
-        "name": "quadratic",
-        "degree": 2,
-        "knots": knots.tolist(),
-        "control_points": points.tolist(),
-        "certified": fit.holds,
-    }
+    return _curve("quadratic", fit.holds, 2, knots, points)

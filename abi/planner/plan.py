@@ -145,20 +145,23 @@ class Plan:
         return float(np.linalg.norm(np.subtract(self.scene.goal, self.scene.start)))
 
     @property
+    def lengths(self) -> dict[str, float | None]:
+        """Lengths of paths and curves by stage, [unit]; None for a stage without a result."""
+        path, taut, spline, quadratic = self.path, self.taut, self.bspline_arc, self.quadratic_arc
+        return {
+            "path": None if path is None else path.length,
+            "taut": None if taut is None else taut.length,
+            "bspline": None if spline is None else spline.length,
+            "quadratic": None if quadratic is None else quadratic.length,
+        }
+
+    @property
     def kept_lengths(self) -> dict[str, float]:
         """Lengths of the paths and curves proven to keep the clearance, by stage, [unit]."""
-        lengths = {
-            name: path.length
-            for name, path in (("path", self.path), ("taut", self.taut))
-            if path is not None
-        }
-        for name, fit, arc in (
-            ("bspline", self.bspline, self.bspline_arc),
-            ("quadratic", self.quadratic, self.quadratic_arc),
-        ):
-            if fit is not None and arc is not None and fit.holds:
-                lengths[name] = arc.length
-        return lengths
+        fits = {"bspline": self.bspline, "quadratic": self.quadratic}
+        lacking = {name for name, fit in fits.items() if fit is None or not fit.holds}
+        kept = {name: length for name, length in self.lengths.items() if name not in lacking}
+        return {name: length for name, length in kept.items() if length is not None}
 
     @property
     def best_known(self) -> float | None:

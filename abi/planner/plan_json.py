@@ -111,7 +111,7 @@ def taut(result: TautPath | None, ms: Times) -> Section:
     return {
         "points": result.points.tolist(),
         "length": result.length,
-        "clearance": _finite(result.clearance),
+        "clearance": finite(result.clearance),
         "ms": ms["taut"],
     }
 
@@ -219,7 +219,7 @@ def arm(
         "tool": motion.tool[keep].tolist(),
         "elbow": motion.elbow if model.has_elbow else None,
         "reachable": motion.reachable,
-        "clearance": _finite(clearance.distance),
+        "clearance": finite(clearance.distance),
         "clearances": None if clearances is None else _finites(clearances),
         "certified": clearance.certified,
         "nearest": nearest if has_obstacles else None,
@@ -270,7 +270,7 @@ def _clearance(fit: Fit[BSpline] | Fit[Quadratic]) -> dict[str, Any]:
     """
     proof = fit.clearance.certificate
     return {
-        "clearance": _finite(fit.clearance.distance),
+        "clearance": finite(fit.clearance.distance),
         "certified": fit.holds,
         "certificate": None if proof is None else _certificate(proof),
     }
@@ -279,7 +279,7 @@ def _clearance(fit: Fit[BSpline] | Fit[Quadratic]) -> dict[str, Any]:
 def _certificate(proof: Certificate) -> dict[str, Any]:
     columns = (proof.pieces.tolist(), proof.obstacle.tolist(), proof.directions.tolist())
     return {
-        "margin": _finite(proof.margin),
+        "margin": finite(proof.margin),
         "planes": [
             {"t0": t0, "t1": t1, "obstacle": obstacle, "direction": direction}
             for (t0, t1), obstacle, direction in zip(*columns, strict=True)
@@ -293,8 +293,9 @@ def _peaks(values: FloatArray | None) -> list[float] | None:
 
 
 def _finites(values: FloatArray) -> list[float | None]:
-    return [_finite(value) for value in values]
+    return [finite(value) for value in values]
 
 
-def _finite(distance: float) -> float | None:
+def finite(distance: float) -> float | None:
+    """The distance; None where there is nothing that it could be measured to."""
     return float(distance) if math.isfinite(distance) else None

@@ -110,12 +110,7 @@ def dump(data: dict[str, Any], name: str) -> str:
     if is_json(name):
         text = json.dumps(data, indent=2 if len(data.get("obstacles", ())) < _MANY else None) + "\n"
     else:
-        stream = io.StringIO()
-        yaml = YAML(typ="safe", pure=True)
-        yaml.default_flow_style = None
-        yaml.sort_base_mapping_type_on_output = False  # type: ignore[assignment]
-        yaml.dump(data, stream)
-        text = stream.getvalue()
+        text = yaml_text(data)
     if len(text.encode()) > _most(name):
         kilobytes = f"{len(text.encode()) // 1000} kB"
         limit = f"at most {_most(name) // 1000} kB, with fewer obstacles"
@@ -123,6 +118,17 @@ def dump(data: dict[str, Any], name: str) -> str:
     if not is_json(name) and len(data.get("obstacles", ())) >= _MANY:
         _refuse_traps(text)
     return text
+
+
+def yaml_text(data: dict[str, Any], width: int | None = None) -> str:
+    """``data`` as YAML in its order, with lists of numbers in lines of ``width`` letters."""
+    stream = io.StringIO()
+    yaml = YAML(typ="safe", pure=True)
+    yaml.default_flow_style = None
+    yaml.sort_base_mapping_type_on_output = False  # type: ignore[assignment]
+    yaml.width = width
+    yaml.dump(data, stream)
+    return stream.getvalue()
 
 
 def is_json(name: str) -> bool:

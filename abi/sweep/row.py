@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import platform
 from collections.abc import Mapping
 from functools import cache
@@ -10,6 +9,7 @@ from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
 from abi.planner.plan import Plan
+from abi.planner.plan_json import finite
 
 Row = dict[str, Any]
 
@@ -33,7 +33,7 @@ def plan_row(plan: Plan) -> Row:
 
     A value that the plan does not have is None. ``complete`` is whether the plan has no error.
     """
-    lengths = _lengths(plan)
+    lengths = plan.lengths
     bound = None if plan.optimum is None else plan.optimum.length
     kept = plan.kept_lengths  # of no other curve does the bound say anything
     gaps = {
@@ -59,26 +59,13 @@ def plan_row(plan: Plan) -> Row:
     }
 
 
-def _lengths(plan: Plan) -> dict[str, float | None]:
-    arcs = {"bspline": plan.bspline_arc, "quadratic": plan.quadratic_arc}
-    return {
-        "path": None if plan.path is None else plan.path.length,
-        "taut": None if plan.taut is None else plan.taut.length,
-        **{name: None if arc is None else arc.length for name, arc in arcs.items()},
-    }
-
-
 def _clearances(plan: Plan) -> Row:
     """Distances to the obstacles, and whether they are proven to be what is asked for."""
-    found: Row = {"path_clearance": _finite(plan.path_clearance)}
+    found: Row = {"path_clearance": finite(plan.path_clearance)}
     for name, fit in (("bspline", plan.bspline), ("quadratic", plan.quadratic)):
-        found[f"{name}_clearance"] = None if fit is None else _finite(fit.clearance.distance)
+        found[f"{name}_clearance"] = None if fit is None else finite(fit.clearance.distance)
         found[f"{name}_proven"] = None if fit is None else fit.holds
     arm = plan.arm_clearance
-    found["arm_clearance"] = None if arm is None else _finite(arm.distance)
+    found["arm_clearance"] = None if arm is None else finite(arm.distance)
     found["arm_proven"] = None if arm is None else arm.certified
     return found
-
-
-def _finite(distance: float) -> float | None:
-    return float(distance) if math.isfinite(distance) else None
