@@ -7,13 +7,17 @@ they are, and checked not to change any length by more than 2^-40 of it.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import NamedTuple
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
 
 from abi.robot.robot import Joint, Robot, joints_to
-from abi.verify.exact import Vec3, dot, in_body, sqrt_bounds, vector
+from abi.verify.exact import Vec3, in_body, sqrt_bounds
 from abi.verify.fault import Fault
 
 _BITS = 200
@@ -23,28 +27,29 @@ _NEARLY = Fraction(1, 1 << 45)
 WIDER = 1 + Fraction(1, 1 << 30)
 """Bound of how much nearly-rotations may lengthen a vector over a whole chain."""
 
-Matrix = tuple[tuple[int, int, int], ...]
-"""Rows of a matrix in 2^-200."""
+Exact = NDArray[np.object_]
+"""An array of exact numbers, such as a matrix in 2^-200."""
+
+_Pose = tuple[Exact, Exact]
+"""Rotation (3, 3) and origin (3,), as fractions."""
 
 
 class ExactFrame(NamedTuple):
     """A frame in the world: rotation and origin in 2^-200, and bounds of the errors of both."""
 
-    turn: Matrix
-    origin: tuple[int, int, int]
+    turn: Exact
+    origin: Exact
     turn_error: int
     origin_error: int
 
     def place(self, point: Vec3) -> tuple[Vec3, Fraction]:
         """A point of the frame in the world, and a bound of its error along each axis."""
-        x, y, z = (_whole(number) for number in point)
-        size = max(abs(x), abs(y), abs(z)) + 1
-        placed = [
-            Fraction(((row[0] * x + row[1] * y + row[2] * z) >> _BITS) + origin, _ONE)
-            for row, origin in zip(self.turn, self.origin, strict=True)
-        ]
+        whole = _wholes(np.array(point, dtype=object))
+        size = max(abs(whole)) + 1
+        placed = (self.turn @ whole >> _BITS) + self.origin
+        x, y, z = (Fraction(number, _ONE) for number in placed)
         error = 3 * (size * self.turn_error // _ONE + 1) + 6 + 1 + self.origin_error
-        return (placed[0], placed[1], placed[2]), Fraction(error, _ONE)
+        return (x, y, z), Fraction(error, _ONE)
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,7 +67,7 @@ class ExactChain:
     """
 
     joints: tuple[Joint, ...]
-    origins: tuple[tuple[tuple[Vec3, Vec3, Vec3], Vec3], ...]
+    origins: tuple[_Pose, ...]
     coordinates: tuple[str, ...]
     frames: dict[str, int]
     units: Fraction
@@ -71,20 +76,20 @@ class ExactChain:
 
     def place(self, positions: Sequence[Fraction]) -> list[ExactFrame]:
         """Frames behind each joint, and of the tip, at positions (n,), [rad] or [unit]."""
-        frame = ExactFrame(((_ONE, 0, 0), (0, _ONE, 0), (0, 0, _ONE)), (0, 0, 0), 0, 0)
+        still, unmoved = _ONE * np.eye(3, dtype=object), np.zeros(3, dtype=object)
+        frame = ExactFrame(still, unmoved, 0, 0)
         found = []
         for joint, origin in zip(self.joints, self.origins[:-1], strict=True):
-            frame = _behind(frame, *_rounded(origin), 1)
+            frame = _behind(frame, _wholes(origin[0]), _wholes(origin[1]), 1)
             value = self.value(joint, positions)
             if joint.kind == "prismatic":
-                way = tuple(_whole(Fraction(part) * value) for part in joint.axis)
-                still = ((_ONE, 0, 0), (0, _ONE, 0), (0, 0, _ONE))
-                frame = _behind(frame, still, (way[0], way[1], way[2]), 1)
+                frame = _behind(frame, still, _wholes(_fractions(joint.axis) * value), 1)
             else:
                 turn, error = _turned(joint, value)
-                frame = _behind(frame, turn, (0, 0, 0), error)
+                frame = _behind(frame, turn, unmoved, error)
             found.append(frame)
-        return [*found, _behind(frame, *_rounded(self.origins[-1]), 1)]
+        turn, place = map(_wholes, self.origins[-1])
+        return [*found, _behind(frame, turn, place, 1)]
 
     def value(self, joint: Joint, positions: Sequence[Fraction]) -> Fraction:
         """Position of a joint, [rad] or [unit], at those of the coordinates."""
@@ -147,17 +152,18 @@ def exact_chain(
     joints = tuple(joint for joint in way if joint.kind != "fixed")
     by_name = {joint.name: joint for joint in robot.joints}
     names = tuple(dict.fromkeys(j.mimic.joint if j.mimic else j.name for j in joints))
-    x, y, z = map(Fraction, base)
-    one, zero = Fraction(1), Fraction(0)
-    axes = (one, zero, zero), (zero, one, zero), (zero, zero, one)
-    pose = (in_body(axes[0], wxyz), in_body(axes[1], wxyz), in_body(axes[2], wxyz)), (x, y, z)
+    axes, zero = _fractions(np.eye(3)), _fractions(np.zeros(3))
+    pose = np.array([in_body(axis, wxyz) for axis in axes]), _fractions(np.array(base))
     origins = []
     for joint in way:
-        pose = _times(pose, _matrix(joint, units))
+        turn, place = _matrix(joint, units)
+        pose = pose[0] @ turn, pose[0] @ place + pose[1]
         if joint.kind != "fixed":
-            _check_unit(joint)
+            axis = _fractions(joint.axis)
+            if abs(axis @ axis - 1) > _NEARLY:
+                raise Fault(f"the axis of {joint.name} is no direction")
             origins.append(pose)
-            pose = axes, (zero, zero, zero)
+            pose = axes, zero
     frames = {robot.root: -1}
     for joint in robot.joints:
         frames[joint.child] = joints.index(joint) if joint in joints else frames[joint.parent]
@@ -170,82 +176,39 @@ def exact_chain(
     return ExactChain(joints, (*origins, pose), names, frames, Fraction(units), limits, slides)
 
 
-_Pose = tuple[tuple[Vec3, Vec3, Vec3], Vec3]
-
-
 def _matrix(joint: Joint, units: int) -> _Pose:
-    rows = [[Fraction(number) for number in row] for row in joint.origin.tolist()]
-    a, b, c = ((row[0], row[1], row[2]) for row in rows[:3])
-    for u, v, product in ((a, a, 1), (b, b, 1), (c, c, 1), (a, b, 0), (a, c, 0), (b, c, 0)):
-        if abs(dot(u, v) - product) > _NEARLY:
-            raise Fault(f"the origin of {joint.name} is no rotation")
-    return (a, b, c), (units * rows[0][3], units * rows[1][3], units * rows[2][3])
+    origin = _fractions(joint.origin)
+    turn = origin[:3, :3]
+    if (abs(turn @ turn.T - np.eye(3, dtype=object)) > _NEARLY).any():
+        raise Fault(f"the origin of {joint.name} is no rotation")
+    return turn, units * origin[:3, 3]
 
 
-def _check_unit(joint: Joint) -> None:
-    axis = vector(joint.axis.tolist())
-    if abs(dot(axis, axis) - 1) > _NEARLY:
-        raise Fault(f"the axis of {joint.name} is no direction")
-
-
-def _times(first: _Pose, second: _Pose) -> _Pose:
-    columns = list(zip(*second[0], strict=True))
-    rows = [tuple(dot(row, column) for column in columns) for row in first[0]]
-    a, b, c = ((row[0], row[1], row[2]) for row in rows)
-    x, y, z = (dot(row, second[1]) + part for row, part in zip(first[0], first[1], strict=True))
-    return (a, b, c), (x, y, z)
-
-
-def _rounded(pose: _Pose) -> tuple[Matrix, tuple[int, int, int]]:
-    turn = tuple((_whole(row[0]), _whole(row[1]), _whole(row[2])) for row in pose[0])
-    x, y, z = map(_whole, pose[1])
-    return turn, (x, y, z)
-
-
-def _behind(
-    frame: ExactFrame, turn: Matrix, origin: tuple[int, int, int], error: int
-) -> ExactFrame:
+def _behind(frame: ExactFrame, turn: Exact, origin: Exact, error: int) -> ExactFrame:
     """A frame after a transform whose numbers are wrong by at most ``error`` in 2^-200.
 
     No entry of a rotation exceeds 2. A product of three terms is wrong by what each factor is,
     times the other, and by one for rounding.
     """
-    columns = list(zip(*turn, strict=True))
-    turned = tuple(
-        tuple(
-            (row[0] * column[0] + row[1] * column[1] + row[2] * column[2]) >> _BITS
-            for column in columns
-        )
-        for row in frame.turn
-    )
-    moved = tuple(
-        ((row[0] * origin[0] + row[1] * origin[1] + row[2] * origin[2]) >> _BITS) + start
-        for row, start in zip(frame.turn, frame.origin, strict=True)
-    )
-    size = max(map(abs, origin)) + error
+    size = max(abs(origin)) + error
     return ExactFrame(
-        tuple((row[0], row[1], row[2]) for row in turned),
-        (moved[0], moved[1], moved[2]),
+        frame.turn @ turn >> _BITS,
+        (frame.turn @ origin >> _BITS) + frame.origin,
         6 * (frame.turn_error + error) + 3 * (frame.turn_error * error // _ONE + 1) + 1,
         frame.origin_error + 3 * (size * frame.turn_error // _ONE + 1) + 6 * error + 1,
     )
 
 
-def _turned(joint: Joint, angle: Fraction) -> tuple[Matrix, int]:
+def _turned(joint: Joint, angle: Fraction) -> tuple[Exact, int]:
     """Rotation about a joint's axis (Rodrigues' formula), and a bound of its error, in 2^-200."""
     if abs(angle) > _LARGEST_ANGLE:
         raise Fault(f"{joint.name} turns by more than {_LARGEST_ANGLE} rad")
     sine, cosine, error = sine_and_cosine(angle)
-    s, c = Fraction(sine, _ONE), Fraction(cosine, _ONE)
-    x, y, z = (Fraction(part) for part in joint.axis)
-    v = 1 - c
-    rows = (
-        (c + x * x * v, x * y * v - z * s, x * z * v + y * s),
-        (y * x * v + z * s, c + y * y * v, y * z * v - x * s),
-        (z * x * v - y * s, z * y * v + x * s, c + z * z * v),
-    )
-    matrix = tuple((_whole(row[0]), _whole(row[1]), _whole(row[2])) for row in rows)
-    return matrix, 4 * error + 1
+    x, y, z = axis = _fractions(joint.axis)
+    across = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]], dtype=object)
+    turn = (_ONE - cosine) * np.outer(axis, axis) + sine * across
+    turn[np.diag_indices(3)] += cosine
+    return _floors(turn), 4 * error + 1
 
 
 def sine_and_cosine(angle: Fraction) -> tuple[int, int, int]:
@@ -278,7 +241,12 @@ def _whole(number: Fraction) -> int:
     return number.numerator * _ONE // number.denominator
 
 
-def _length(vector: Vec3) -> Fraction:
+_floors: Callable[[Exact], Exact] = np.frompyfunc(math.floor, 1, 1)
+_wholes: Callable[[Exact], Exact] = np.frompyfunc(_whole, 1, 1)
+_fractions: Callable[[NDArray[Any]], Exact] = np.frompyfunc(Fraction, 1, 1)
+
+
+def _length(vector: Vec3 | Exact) -> Fraction:
     """Upper bound of a length, with short digits."""
-    above = sqrt_bounds(dot(vector, vector))[1]
+    above = sqrt_bounds(sum((part * part for part in vector), Fraction(0)))[1]
     return Fraction(_whole(above) + 1, _ONE)
