@@ -101,15 +101,17 @@ class Scene(Settings):
 
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
-        self._refuse_default_ends_outside()
         for name in ("start", "goal"):
             point = getattr(self, name)
             for axis, number, low, high in zip(
                 "xyz", point, self.workspace.min, self.workspace.max, strict=True
             ):
-                if not low <= number <= high:
-                    expected = f"{axis} between {low:g} and {high:g} {self.unit}"
-                    raise SceneError(name, point, expected)
+                if low <= number <= high:
+                    continue
+                if name not in self.model_fields_set:  # a default, which nobody has given
+                    expected = f"a point of the workspace, as the default {point} is outside"
+                    raise SceneError(name, Missing(), expected)
+                raise SceneError(name, point, f"{axis} between {low:g} and {high:g} {self.unit}")
         nodes = self.mesh.node_count(self.workspace)
         if nodes > self.mesh.max_nodes:
             coarsest = self.mesh.model_copy(update={"pitch": LARGEST}).node_count(self.workspace)
@@ -123,15 +125,6 @@ class Scene(Settings):
                 f"nodes than mesh.max_nodes, {self.mesh.max_nodes:,}",
             )
         return self
-
-    def _refuse_default_ends_outside(self) -> None:
-        """A workspace of its own may leave out a default start or goal, which nobody has given."""
-        corners = self.workspace.min, self.workspace.max
-        for name in {"start", "goal"} - self.model_fields_set:
-            point = getattr(self, name)
-            if not all(low <= x <= high for x, low, high in zip(point, *corners, strict=True)):
-                expected = f"a point of the workspace, as the default {point} is outside"
-                raise SceneError(name, Missing(), expected)
 
     @classmethod
     def from_dict(
