@@ -35,15 +35,15 @@ class Format:
     Attributes:
         label: what it holds, for a person.
         file: name that a download gets.
-        endings: those of file names that mean this format.
         write: content of the file of a plan, given the file's name.
+        endings: those of file names that mean this format; none if it is that of ``file``.
         holds_motion: whether a motion of the arm is in it.
     """
 
     label: str
     file: str
-    endings: tuple[str, ...]
     write: Callable[[Plan, str], bytes]
+    endings: tuple[str, ...] = ()
     holds_motion: bool = True
 
     def warning(self, plan: Plan) -> str:
@@ -56,50 +56,29 @@ class Format:
 
 
 FORMATS: dict[str, Format] = {
-    "csv": Format("motion as a table (CSV)", "motion.csv", (".csv",), csv_table.write),
-    "json": Format("whole plan (JSON)", "plan.json", (".json",), plan_file.write),
+    "csv": Format("motion as a table (CSV)", "motion.csv", csv_table.write),
+    "json": Format("whole plan (JSON)", "plan.json", plan_file.write),
     "ros": Format(
         "motion for ROS 2 (JointTrajectory)",
         "trajectory.ros.yaml",
-        (".yaml", ".yml"),
         ros_trajectory.write,
+        (".yaml", ".yml"),
     ),
     "ros-json": Format(
-        "motion for ROS 2 (the same in JSON)",
-        "trajectory.ros.json",
-        (".ros.json",),
-        ros_trajectory.write,
+        "motion for ROS 2 (the same in JSON)", "trajectory.ros.json", ros_trajectory.write
     ),
     "spline": Format(
-        "curves as B-splines (JSON)",
-        "curves.spline.json",
-        (".spline.json",),
-        spline_curves.write,
-        holds_motion=False,
+        "curves as B-splines (JSON)", "curves.spline.json", spline_curves.write, holds_motion=False
     ),
     "moveit": Format(
-        "obstacles for MoveIt",
-        "obstacles.scene",
-        (".scene",),
-        moveit_scene.write,
-        holds_motion=False,
+        "obstacles for MoveIt", "obstacles.scene", moveit_scene.write, holds_motion=False
     ),
-    "mcap": Format(
-        "recording for Foxglove (MCAP)", "motion.mcap", (".mcap",), mcap_recording.write
-    ),
-    "html": Format("page that plays by itself (HTML)", "plan.html", (".html",), html_page.write),
-    "urscript": Format(
-        "program for a UR (URScript)", "motion.script", (".script",), urscript.write
-    ),
-    "urdf": Format(
-        "arm (URDF)", "arm.urdf", (".urdf",), robot_description.write, holds_motion=False
-    ),
+    "mcap": Format("recording for Foxglove (MCAP)", "motion.mcap", mcap_recording.write),
+    "html": Format("page that plays by itself (HTML)", "plan.html", html_page.write),
+    "urscript": Format("program for a UR (URScript)", "motion.script", urscript.write),
+    "urdf": Format("arm (URDF)", "arm.urdf", robot_description.write, holds_motion=False),
     "urdf-zip": Format(
-        "arm with its meshes (zip)",
-        "arm.zip",
-        (".zip",),
-        robot_description.write_archive,
-        holds_motion=False,
+        "arm with its meshes (zip)", "arm.zip", robot_description.write_archive, holds_motion=False
     ),
 }
 """Formats by the names that ``abi export --format`` takes."""
@@ -111,7 +90,11 @@ def format_of(path: Path) -> str:
     Raises:
         ExportError: no format has this ending.
     """
-    endings = {ending: name for name, row in FORMATS.items() for ending in row.endings}
+    endings = {
+        ending: name
+        for name, row in FORMATS.items()
+        for ending in row.endings or ("".join(Path(row.file).suffixes),)
+    }
     fitting = [ending for ending in endings if path.name.lower().endswith(ending)]
     if not fitting:
         known = ", ".join(endings)

@@ -13,15 +13,15 @@ from typing import Any
 import numpy as np
 
 from abi import assets
-from abi.arrays import FloatArray, IntArray
+from abi.arrays import FloatArray
 from abi.curves.curve import Curve
 from abi.errors import ExportError
-from abi.obstacles.obstacle_set import Obstacle
+from abi.obstacles.obstacle_set import Obstacles
 from abi.planner.arm_faults import arm_faults, limits_warning
 from abi.planner.arm_words import clearance_sentence
 from abi.planner.plan import Plan
 from abi.search.compare import COMPARED
-from abi.search.subset import subset
+from abi.search.subset import evenly, subset
 
 EDGES = 5_000
 """Largest number of mesh edges that are drawn, those near path and obstacles."""
@@ -61,7 +61,7 @@ def _data(plan: Plan) -> dict[str, Any]:
         "box": [corners.min(axis=0).tolist(), corners.max(axis=0).tolist()],
         "start": list(scene.start),
         "goal": list(scene.goal),
-        "faces": _rounded(np.concatenate([_faces(one) for one in scene.obstacles] or [_NO_FACES])),
+        "faces": _rounded(_faces(scene.obstacles)),
         "nodes": _rounded(part.points),
         "edges": part.edges.tolist(),
         "removed": _rounded(part.excluded[:: max(1, len(part.excluded) // 500)]),
@@ -77,15 +77,11 @@ def _data(plan: Plan) -> dict[str, Any]:
     }
 
 
-_NO_FACES: FloatArray = np.zeros((0, 3, 3))
-
-
 def _order(plan: Plan) -> FloatArray:
     """Places (k, 3) of the nodes that the chosen search expanded, in order, [unit]."""
     if plan.path is None or plan.graph is None:
         return np.zeros((0, 3))
-    order: IntArray = plan.path.order
-    return plan.graph.places(order[:: -(-len(order) // EXPANSIONS)])
+    return plan.graph.places(evenly(plan.path.order, EXPANSIONS))
 
 
 def _steps(plan: Plan) -> list[dict[str, Any]]:
@@ -178,11 +174,11 @@ def _sampled(curve: Curve) -> Any:
     return _rounded(curve(np.linspace(*curve.interval, _CURVE)))
 
 
-def _faces(obstacle: Obstacle) -> FloatArray:
-    """Triangles (m, 3, 3) of an obstacle's surface, [unit], world."""
-    triangles = obstacle.triangles()
+def _faces(obstacles: Obstacles) -> FloatArray:
+    """Triangles (m, 3, 3) of the obstacles' surfaces, [unit], world."""
     # of a fine surface every few triangles still show its shape
-    return np.asarray(triangles[:: -(-len(triangles) // FACES)])
+    shown = [evenly(one.triangles(), FACES) for one in obstacles]
+    return np.concatenate([np.zeros((0, 3, 3)), *shown])
 
 
 def _rounded(array: FloatArray) -> Any:

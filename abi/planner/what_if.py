@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -16,11 +15,11 @@ from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner.exclusion_cache import ExclusionCache
 from abi.planner.plan import Plan
 from abi.planner.planner import Planner
+from abi.planner.shared_mesh import shared_mesh
 from abi.scene.scene import Scene
 from abi.scene.settings import FINEST_PITCH
 from abi.search.build_graph import build_graph
 from abi.search.graph import Graph
-from abi.tet_mesh.tet_mesh import TetMesh, tetrahedralise
 
 MOST_NODES = 60_000
 """Largest number of nodes of a mesh that is tried."""
@@ -43,7 +42,6 @@ class WhatIf:
         self._cancelled = cancelled
         self._planner = Planner()
         self._exclude = ExclusionCache()
-        self._mesh = lru_cache(maxsize=1)(self._tetrahedralise)
 
     def plan_past(self, stage: str, **change: Any) -> Plan | None:
         """Plan the changed scene; None when the plan does not get past ``stage``.
@@ -65,7 +63,10 @@ class WhatIf:
         scene = self.scene
         obstacles = self.obstacles if obstacles is None else obstacles
         margin = clearance + scene.workspace.slack
-        free = self._exclude(self._mesh(pitch or scene.mesh.pitch), obstacles, margin)
+        settings = scene.mesh if pitch is None else scene.mesh.model_copy(update={"pitch": pitch})
+        # the exclusion's memory keeps it in use until the next pitch
+        mesh = shared_mesh(scene.workspace, settings)
+        free = self._exclude(mesh, obstacles, margin)
         try:
             graph = build_graph(free, obstacles, margin, scene.start, scene.goal, clearance)
         except StageError:
@@ -116,10 +117,6 @@ class WhatIf:
     def _check_cancelled(self) -> None:
         if self._cancelled():
             raise CancelledError
-
-    def _tetrahedralise(self, pitch: float) -> TetMesh:
-        settings = self.scene.mesh.model_copy(update={"pitch": pitch})
-        return tetrahedralise(self.scene.workspace, settings)
 
 
 def components(graph: Graph) -> IntArray:

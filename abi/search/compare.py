@@ -1,7 +1,7 @@
 """Table of the searches that can be compared and stepped through, by name.
 
-They run on request, not in every plan. A new one is a file beside this one, with a function from a
-task to a trace, and an entry here.
+They run on request, not in every plan. A new one is a function from a task to a trace, in a file
+beside this one unless it is as short as those here, and an entry.
 """
 
 from __future__ import annotations
@@ -12,12 +12,11 @@ from functools import partial
 from types import MappingProxyType
 
 from abi.search.bellman_ford_rounds import bellman_ford_rounds
-from abi.search.bidirectional_dijkstra import bidirectional_dijkstra
+from abi.search.heap_kernels import best_first_order, bidirectional_order
 from abi.search.lazy_theta_star import lazy_theta_star
 from abi.search.search import order_of_expansion
 from abi.search.task import SearchTask
 from abi.search.trace import SearchTrace, trace_of
-from abi.search.weighted_a_star import best_first, weighted_a_star
 
 
 @dataclass(frozen=True)
@@ -39,10 +38,42 @@ class ComparedSearch:
     any_angle: bool = False
 
 
+def _best_first(factors: tuple[float, float], task: SearchTask) -> SearchTrace:
+    """Minimise a g + b h, as in the textbook: no node is expanded twice.
+
+    Greedy search, (0, 1), expands the node that seems nearest to the goal, whatever it cost;
+    nothing bounds how much longer than the shortest its path may be.
+    """
+    arcs = task.arcs
+    order = best_first_order(arcs.rows, arcs.estimates, (arcs.start, arcs.goal), factors)
+    return trace_of(arcs, order, "best_first", factors)
+
+
+def _weighted_a_star(task: SearchTask) -> SearchTrace:
+    """Minimise (2 - w) g + w h (Pohl, 1970): Dijkstra at w = 0, A* at 1, greedy at 2.
+
+    It trusts the heuristic more, for fewer nodes but a longer path. That costs at most
+    max(w / (2 - w), 1) times the least (Likhachev, Gordon and Thrun, 2003), though no node is
+    expanded twice, because the heuristic is consistent.
+    """
+    w = task.heuristic_weight
+    return _best_first((2.0 - w, w), task)
+
+
+def _bidirectional_dijkstra(task: SearchTask) -> SearchTrace:
+    """Search from start and goal until their radii add up to the cost of the best path found.
+
+    Two small balls instead of a large one.
+    """
+    arcs = task.arcs
+    order = bidirectional_order(arcs.rows, (arcs.start, arcs.goal))
+    return trace_of(arcs, order, "best_first", sides=2, reopens=True)
+
+
 def _as_planned(algorithm: str, factors: tuple[float, float], task: SearchTask) -> SearchTrace:
     """A* or Dijkstra as every plan runs them; as in the textbook where a cost is negative."""
     if task.arcs.negative is not None:
-        return best_first(task, factors)
+        return _best_first(factors, task)
     order = order_of_expansion(algorithm, task.graph, task.weight)
     return trace_of(task.arcs, order, "best_first", factors, reopens=True)
 
@@ -63,12 +94,12 @@ COMPARED: Mapping[str, ComparedSearch] = MappingProxyType(
         "bellman_ford_rounds": ComparedSearch(
             "Bellman-Ford, by rounds", bellman_ford_rounds, True, True
         ),
-        "weighted_a_star": ComparedSearch("weighted A*", weighted_a_star, False, True),
+        "weighted_a_star": ComparedSearch("weighted A*", _weighted_a_star, False, True),
         "greedy_best_first": ComparedSearch(
-            "greedy best-first", partial(best_first, factors=(0.0, 1.0)), False, True
+            "greedy best-first", partial(_best_first, (0.0, 1.0)), False, True
         ),
         "bidirectional_dijkstra": ComparedSearch(
-            "Dijkstra from both ends", bidirectional_dijkstra, True, False
+            "Dijkstra from both ends", _bidirectional_dijkstra, True, False
         ),
         "lazy_theta_star": ComparedSearch(
             "Lazy Theta*", lazy_theta_star, False, False, any_angle=True

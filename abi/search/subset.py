@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any, TypeVar
 
 import numpy as np
 import scipy
@@ -12,6 +13,8 @@ from abi.arrays import BoolArray, FloatArray, IntArray, read_only
 from abi.obstacles.obstacle_set import Obstacles, ObstacleSet
 from abi.search.graph import Graph
 from abi.tet_mesh.exclusion import FreeMesh
+
+_Rows = TypeVar("_Rows", bound=NDArray[Any])
 
 VIEWS = ("near", "slice_x", "slice_y", "slice_z", "surface")
 
@@ -79,7 +82,7 @@ def subset(
     return Subset(
         points=read_only(points[used]),
         edges=read_only(place[shown]),
-        excluded=read_only(points[_evenly(np.flatnonzero(seen & gone), budget // _EDGES_A_NODE)]),
+        excluded=read_only(points[evenly(np.flatnonzero(seen & gone), budget // _EDGES_A_NODE)]),
         edges_in_all=in_all,
     )
 
@@ -120,9 +123,9 @@ def _near(
     return np.asarray(chosen[cell])
 
 
-def _evenly(ids: NDArray[np.intp], most: int) -> NDArray[np.intp]:
-    """At most ``most`` of the ids, left out evenly."""
-    return ids if len(ids) <= most else ids[:: -(-len(ids) // most)]
+def evenly(rows: _Rows, most: int) -> _Rows:
+    """At most ``most`` of the rows of an array, left out evenly."""
+    return rows if len(rows) <= most else rows[:: -(-len(rows) // most)]  # type: ignore[return-value]
 
 
 def _polyline_samples(points: FloatArray, step: float) -> FloatArray:

@@ -64,7 +64,7 @@ def test_obstacles_are_drawn_where_they_are() -> None:
         ]
     )
     for obstacle in scene.obstacles:
-        corners = html_page._faces(obstacle).reshape(-1, 3)
+        corners = html_page._faces((obstacle,)).reshape(-1, 3)
         assert np.abs(obstacle.signed_distance(corners)).max() < 0.02
         low, high = obstacle.bounds()
         assert np.allclose([corners.min(axis=0), corners.max(axis=0)], [low, high], atol=0.03)

@@ -14,7 +14,7 @@ from scipy import ndimage
 from abi import Scene, load_scene, plan
 from abi.errors import NoPath, PointBlocked
 from abi.obstacles.obstacle_set import ObstacleSet
-from abi.planner import what_if as trials
+from abi.planner import shared_mesh
 from abi.planner.diagnosis import explain
 from abi.planner.nearest_free_point import nearest_free_point, rounded
 from abi.planner.plan import Plan
@@ -207,7 +207,7 @@ def test_no_mesh_of_a_trial_is_made_twice(monkeypatch: pytest.MonkeyPatch) -> No
 
     scene = load_scene("no-way").replace(mesh={"pitch": 1.5})
     without = plan(scene)
-    monkeypatch.setattr(trials, "tetrahedralise", counted)
+    monkeypatch.setattr(shared_mesh, "tetrahedralise", counted)
     found = explain(scene, without)
 
     assert found is not None
