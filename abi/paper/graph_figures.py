@@ -15,7 +15,7 @@ from abi.planner.plan import Plan
 from abi.planner.planner import plan
 from abi.scene.scene import Scene
 from abi.search.build_graph import build_graph
-from abi.search.search import a_star
+from abi.search.search import search
 from abi.tet_mesh import adjacency
 from abi.tet_mesh.exclusion import exclude
 from abi.tet_mesh.tet_mesh import tetrahedralise
@@ -109,7 +109,7 @@ def _enters(scene: Scene) -> bool:
     obstacles = ObstacleSet(scene.obstacles)
     try:
         free = exclude(mesh, obstacles, 0.0)
-        path = a_star(build_graph(free, obstacles, 0.0, *ends, 0.0), "length")
+        path = search("a_star", build_graph(free, obstacles, 0.0, *ends, 0.0), "length")
     except StageError:
         return False
     return obstacles.polyline_clearance(path.points) < 0

@@ -7,8 +7,9 @@ of the same cost. The paths themselves, and their lengths when hops are counted,
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from types import MappingProxyType
 from typing import Any
 
@@ -53,37 +54,45 @@ class SearchResult(ShortRepr):
     order: IntArray
 
 
-def a_star(graph: Graph, weight: Weight) -> SearchResult:
-    """A*; stops at the goal.
+def search(algorithm: str, graph: Graph, weight: Weight) -> SearchResult:
+    """Search for the path from start to goal that costs least.
 
-    The heuristic is the cost of the path in the empty mesh (:func:`abi.search.heuristic.metric`).
+    A* and Dijkstra's algorithm stop at the goal; Bellman-Ford with a queue finds the paths to all
+    nodes. A*'s heuristic is the cost of the path in the empty mesh
+    (:func:`abi.search.heuristic.metric`).
 
-    Raises:
-        NoPath: no edges lead from start to goal.
-    """
-    return _search("a_star", graph, weight)
-
-
-def dijkstra(graph: Graph, weight: Weight) -> SearchResult:
-    """Dijkstra's algorithm; stops at the goal.
+    Args:
+        algorithm: a name in :data:`SEARCHES`.
+        graph: the graph.
+        weight: the cost of a path: ``length`` or ``hops``.
 
     Raises:
         NoPath: no edges lead from start to goal.
     """
-    return _search("dijkstra", graph, weight)
+    costs, parents, order, relaxed = _run(algorithm, graph, weight)
+    least = float(costs[graph.goal])
+    if math.isinf(least):
+        reached = np.flatnonzero(np.isfinite(costs)).astype(np.int32)
+        raise NoPath(reached, graph.free_nodes, graph.pitch)
+    vertices = reconstruct_path(parents, graph.goal)
+    points = graph.places(vertices)
+    edges = points[1:] - points[:-1]
+    return SearchResult(
+        algorithm=algorithm,
+        weight=weight,
+        vertices=read_only(vertices),
+        points=read_only(points),
+        length=float(np.sqrt((edges * edges).sum(axis=1)).sum()),
+        hops=len(vertices) - 1,
+        cost=least,
+        expanded=len(order),
+        relaxed=int(relaxed),
+        order=read_only(order),
+    )
 
 
-def bellman_ford(graph: Graph, weight: Weight) -> SearchResult:
-    """Bellman-Ford with a queue; finds the paths to all nodes.
-
-    Raises:
-        NoPath: no edges lead from start to goal.
-    """
-    return _search("bellman_ford", graph, weight)
-
-
-SEARCHES: MappingProxyType[str, Callable[[Graph, Weight], SearchResult]] = MappingProxyType(
-    {"a_star": a_star, "dijkstra": dijkstra, "bellman_ford": bellman_ford}
+SEARCHES: Mapping[str, Callable[[Graph, Weight], SearchResult]] = MappingProxyType(
+    {name: partial(search, name) for name in ("a_star", "dijkstra", "bellman_ford")}
 )
 """The algorithms by name."""
 
@@ -107,30 +116,6 @@ def problem_of(graph: Graph, weight: Weight, towards: Metric) -> Problem:
         Ends(graph.start, graph.goal, len(graph.own)),
         largest,
         towards,
-    )
-
-
-def _search(algorithm: str, graph: Graph, weight: Weight) -> SearchResult:
-    """Search the graph by one of the algorithms; raises NoPath."""
-    costs, parents, order, relaxed = _run(algorithm, graph, weight)
-    least = float(costs[graph.goal])
-    if math.isinf(least):
-        reached = np.flatnonzero(np.isfinite(costs)).astype(np.int32)
-        raise NoPath(reached, graph.free_nodes, graph.pitch)
-    vertices = reconstruct_path(parents, graph.goal)
-    points = graph.places(vertices)
-    edges = points[1:] - points[:-1]
-    return SearchResult(
-        algorithm=algorithm,
-        weight=weight,
-        vertices=read_only(vertices),
-        points=read_only(points),
-        length=float(np.sqrt((edges * edges).sum(axis=1)).sum()),
-        hops=len(vertices) - 1,
-        cost=least,
-        expanded=len(order),
-        relaxed=int(relaxed),
-        order=read_only(order),
     )
 
 

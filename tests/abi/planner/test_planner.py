@@ -19,7 +19,7 @@ from abi.planner import planner
 from abi.planner.planner import Planner
 from abi.scene.scene import load_scene
 from abi.scene.settings import MotionSettings
-from abi.search.search import SEARCHES, a_star
+from abi.search.search import SEARCHES
 
 
 def test_a_stage_that_broke_is_run_again(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -51,7 +51,7 @@ def test_what_the_machine_does_meanwhile_is_not_a_searchs_time(
 
     def search(*args: Any, **named: Any) -> Any:
         threading.Event().wait(kept_from_it)
-        return a_star(*args, **named)
+        return SEARCHES["a_star"](*args, **named)
 
     monkeypatch.setattr(planner, "SEARCHES", {**SEARCHES, "a_star": search})
     plan = Planner()(load_scene("paper"))

@@ -19,7 +19,7 @@ from abi.planner.planner import plan
 from abi.scene.scene import Scene, load_scene
 from abi.search.build_graph import build_graph
 from abi.search.graph import Graph
-from abi.search.search import SearchResult, a_star
+from abi.search.search import SearchResult, search
 from abi.sweep.random_boxes import CLEARANCE
 from abi.taut import taut_path as stage
 from abi.taut.geodesic_kernels import around_ball
@@ -43,7 +43,7 @@ def made(scene: Scene, margin: float, clearance: float) -> tuple[Graph, SearchRe
     nodes = build_graph(
         free, ObstacleSet(scene.obstacles), margin, scene.start, scene.goal, clearance
     )
-    return nodes, a_star(nodes, "length")
+    return nodes, search("a_star", nodes, "length")
 
 
 def pulled(scene: Scene, margin: float) -> TautPath:
@@ -310,7 +310,7 @@ def test_a_mesh_is_passed_as_the_box_that_it_is() -> None:
     margin = 0.15
     free = exclude(mesh.tetrahedralise(scene.workspace, scene.mesh), ObstacleSet((shape,)), margin)
     nodes = build_graph(free, ObstacleSet((shape,)), margin, scene.start, scene.goal, margin)
-    path = a_star(nodes, "length")
+    path = search("a_star", nodes, "length")
 
     found = taut(nodes, ObstacleSet((shape,)), margin, path)
 
