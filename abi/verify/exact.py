@@ -6,15 +6,16 @@ are bounded from both sides.
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property, lru_cache
 
+import numpy as np
+from numpy.typing import NDArray
+
 Vec3 = tuple[Fraction, Fraction, Fraction]
-_Whole = tuple[int, int, int]
 
 _DIGITS = 100
 """Binary digits to which roots are bounded."""
@@ -132,20 +133,19 @@ class ExactSpan:
         for _ in range(degree + 1):
             left = rows
             while len(left) > 1:
-                left = _halfway(left, a, whole)
+                left = (whole - a) * left[:-1] + a * left[1:]
             x, y, z = left[0]
             points.append((Fraction(x, unit), Fraction(y, unit), Fraction(z, unit)))
             if start == end:
                 return points * (degree + 1)
-            rows = _halfway(rows, b, whole)
+            rows = (whole - b) * rows[:-1] + b * rows[1:]
         return points
 
     @cached_property
-    def _whole(self) -> tuple[list[_Whole], int]:
-        """The Bézier points times a number that makes them whole, and that number."""
+    def _whole(self) -> tuple[NDArray[np.object_], int]:
+        """The Bézier points times a number that makes them whole, (n, 3), and that number."""
         unit = math.lcm(*(part.denominator for point in self.bezier for part in point))
-        rows = [[part.numerator * (unit // part.denominator) for part in p] for p in self.bezier]
-        return [(x, y, z) for x, y, z in rows], unit
+        return np.array([[int(unit * part) for part in p] for p in self.bezier], object), unit
 
 
 ExactCurve = Sequence[ExactSpan]
@@ -216,15 +216,6 @@ def _blossom(
             share = (at - knots[k]) / (knots[k + degree + 1 - level] - knots[k])
             points[i] = _interpolate(points[i - 1], points[i], share)
     return points[degree]
-
-
-def _halfway(points: list[_Whole], share: int, whole: int) -> list[_Whole]:
-    """A step of de Casteljau's algorithm to ``share`` / ``whole``, times ``whole``."""
-    rest = whole - share
-    return [
-        (rest * a[0] + share * b[0], rest * a[1] + share * b[1], rest * a[2] + share * b[2])
-        for a, b in itertools.pairwise(points)
-    ]
 
 
 def _interpolate(a: Vec3, b: Vec3, share: Fraction) -> Vec3:

@@ -100,8 +100,8 @@ def check_arm(
                 if solid is None:
                     check_above(sides, span, floor)
                 else:
-                    keep = margin if isinstance(name, int) and margin is not None else Fraction(0)
-                    check_apart(sides, span, solid, keep)
+                    keep = margin if isinstance(name, int) else None
+                    check_apart(sides, span, solid, keep or Fraction(0))
             except Fault as fault:
                 label = f"obstacle {name + 1}" if isinstance(name, int) else name
                 raise Fault(f"{capsule.link} and {label}: {fault}") from None
@@ -172,11 +172,8 @@ def _slide(scene: Scene, timing: dict[str, Any], curve: ExactCurve) -> ExactSlid
 def _capsule(entry: object) -> ExactCapsule:
     data = mapping(f"{ARM}.capsules", entry)
     body, link = data.get("body"), data.get("link")
-    numbers = (
-        Fraction(finite(f"{ARM}.capsules.{name}", data.get(name)))
-        for name in ("low", "high", "radius")
-    )
-    low, high, radius = numbers
+    names = ("low", "high", "radius")
+    low, high, radius = (Fraction(finite(f"{ARM}.capsules.{one}", data.get(one))) for one in names)
     if body not in _BODIES or not isinstance(link, str) or low > high or radius <= 0:
         raise Fault("a capsule has no link, or no extent")
     flags = (data.get("neighbour") is True, data.get("grips") is True)

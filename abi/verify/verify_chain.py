@@ -18,7 +18,7 @@ from abi.scene.scene import Scene
 from abi.verify.certificate import ARM, CapsuleKey, Plane, capsule_of, claimed_margin, planes_of
 from abi.verify.exact import ExactSolid, Vec3, dot, sub, times_length, vector
 from abi.verify.exact_chain import ExactChain, ExactFrame, exact_chain
-from abi.verify.exact_mesh import ExactMesh, Side
+from abi.verify.exact_mesh import ExactMesh
 from abi.verify.fault import Fault
 from abi.verify.plan_fields import finite, list_of, mapping, numbers_of, vector_of
 from abi.verify.sides import check_above, check_apart, check_cover
@@ -112,15 +112,17 @@ def check_chain(
         asked += [(-1 - i, capsules[i].link) for i, j in pairs if j == number]
         for other, label in asked:
             wanted = planes.get((number, other), [])
+            least = partial(_least, motion, capsule)
+            if isinstance(other, int) and other < 0:
+                least = partial(_apart, motion, capsules[-1 - other], capsule)
             try:
+                sides = [(one.start, one.end, one.normal, least(one)) for one in wanted]
                 if isinstance(other, str):
-                    check_above(_sides(motion, capsule, wanted), span, floor)
+                    check_above(sides, span, floor)
                 elif other < 0:
-                    check_cover(_between(motion, capsules[-1 - other], capsule, wanted), span)
+                    check_cover(sides, span)
                 else:
-                    keep = Fraction(0) if margin is None else margin
-                    sides = _sides(motion, capsule, wanted)
-                    check_apart(sides, span, obstacles[other], keep)
+                    check_apart(sides, span, obstacles[other], margin or Fraction(0))
             except Fault as fault:
                 raise Fault(f"{capsule.link} and {label}: {fault}") from None
     _check_outside(motion, capsules, obstacles)
@@ -196,31 +198,22 @@ def _range(frames: list[ExactFrame], capsule: _Capsule, normal: Vec3) -> tuple[F
     return min(low), max(high)
 
 
-def _sides(motion: _Motion, capsule: _Capsule, planes: list[Plane]) -> list[Side]:
-    """Pieces, directions and their least products with a capsule all along them."""
-    found = []
-    for plane in planes:
-        frames, ways = motion.near(plane)
-        least, _ = _range(frames, capsule, plane.normal)
-        way = motion.way(capsule, -1, ways) + capsule.radius
-        found.append(
-            (plane.start, plane.end, plane.normal, least - times_length(way, plane.normal))
-        )
-    return found
+def _least(motion: _Motion, capsule: _Capsule, plane: Plane) -> Fraction:
+    """Lower bound of a plane's product with a capsule all along its piece."""
+    frames, ways = motion.near(plane)
+    way = motion.way(capsule, -1, ways) + capsule.radius
+    return _range(frames, capsule, plane.normal)[0] - times_length(way, plane.normal)
 
 
-def _between(motion: _Motion, first: _Capsule, second: _Capsule, planes: list[Plane]) -> list[Side]:
-    """The same of directions from one capsule to another, checked to keep them apart."""
-    found = []
-    for plane in planes:
-        frames, ways = motion.near(plane)
-        _, highest = _range(frames, first, plane.normal)
-        least, _ = _range(frames, second, plane.normal)
-        way = motion.way(second, first.frame, ways) + first.radius + second.radius
-        if least - highest <= times_length(way, plane.normal):
-            raise Fault(f"the piece from {float(plane.start):g} is not separated")
-        found.append((plane.start, plane.end, plane.normal, least))
-    return found
+def _apart(motion: _Motion, first: _Capsule, second: _Capsule, plane: Plane) -> Fraction:
+    """The same of the second of two capsules, which a plane must keep apart all along."""
+    frames, ways = motion.near(plane)
+    _, highest = _range(frames, first, plane.normal)
+    least, _ = _range(frames, second, plane.normal)
+    way = motion.way(second, first.frame, ways) + first.radius + second.radius
+    if least - highest <= times_length(way, plane.normal):
+        raise Fault(f"the piece from {float(plane.start):g} is not separated")
+    return least
 
 
 def _capsules(certificate: dict[str, Any], chain: ExactChain, scene: Scene) -> list[_Capsule]:
