@@ -17,11 +17,8 @@ def bellman_ford_rounds(task: SearchTask) -> SearchTrace:
     """
     arcs = task.arcs
     most = len(arcs.points)
-    ends, nodes, costs, parents, cycle = rounds(
-        arcs.rows, arcs.start, arcs.negative is not None, most, arcs.little
-    )
-    count = len(ends) - 1
+    changes, cycle = rounds(arcs.rows, arcs.start, arcs.negative is not None, most, arcs.little)
+    count = len(changes.ends) - 1
     examined = len(arcs.rows.indices) * np.arange(count + 1, dtype=np.int64)
     order = np.full(count, -1, np.int32)
-    changes = ends, nodes, costs, parents
     return finished_trace(arcs, "rounds", (order, examined), changes, cycle=cycle)

@@ -5,6 +5,8 @@ Compiled by numba; they run uncompiled too.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numba.extending import register_jitable
 
@@ -12,8 +14,20 @@ from abi.arrays import ByteArray, FloatArray, IntArray
 from abi.compiled import IDS, compiled
 from abi.search.heap_kernels import NO_ARCS, ArcRows
 
-Labels = tuple[IntArray, IntArray, FloatArray, IntArray]
-"""Number of changes after each step (m + 1,); then each change's node, cost and parent."""
+
+class Labels(NamedTuple):
+    """Changes of cost and parent that a search makes in m steps.
+
+    Attributes:
+        ends: (m + 1,) changes made before each step and in all; those before the first step are
+            the starts.
+        nodes, costs, parents: of each change (c,); a start's parent is -1.
+    """
+
+    ends: IntArray
+    nodes: IntArray
+    costs: FloatArray
+    parents: IntArray
 
 
 @compiled(example=(NO_ARCS, IDS, IDS, 1, True, 0.0))
@@ -62,7 +76,7 @@ def relax_in_order(
                 node_of[count], cost_of[count], parent_of[count] = head, through, node
                 count += 1
         ends[step + 1] = count
-    return ends, node_of[:count], cost_of[:count], parent_of[:count]
+    return Labels(ends, node_of[:count], cost_of[:count], parent_of[:count])
 
 
 @register_jitable
@@ -98,7 +112,7 @@ def parent_cycle(parent: IntArray, seen: ByteArray) -> IntArray:
 @compiled(example=(NO_ARCS, 0, True, 1, 0.0))
 def rounds(
     arcs: ArcRows, start: int, may_cycle: bool, most: int, little: float
-) -> tuple[IntArray, IntArray, FloatArray, IntArray, IntArray]:
+) -> tuple[Labels, IntArray]:
     """Bellman-Ford by rounds (Bellman, 1958): after k of them, the best walks of k arcs at most.
 
     Only arcs of nodes that the round before has changed can change anything, so only they are
@@ -149,10 +163,10 @@ def rounds(
             cycle = parent_cycle(parent, np.zeros(nodes, np.uint8))
             if len(cycle) > 0:
                 break
-    return (
+    labels = Labels(
         np.array(ends, np.int32),
         np.array(node_of, np.int32),
         np.array(cost_of),
         np.array(parent_of, np.int32),
-        cycle,
     )
+    return labels, cycle

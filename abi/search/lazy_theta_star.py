@@ -23,7 +23,7 @@ def lazy_theta_star(task: SearchTask) -> SearchTrace:
     arcs = task.arcs
     obstacles = task.obstacles.boxed
     margins = read_only(np.full(len(obstacles.primitives), task.margin))
-    order, ends, nodes, costs, parents = lazy_theta_star_steps(
+    order, changes = lazy_theta_star_steps(
         arcs.rows.indptr,
         arcs.rows.indices,
         flat(arcs.points),
@@ -36,6 +36,5 @@ def lazy_theta_star(task: SearchTask) -> SearchTrace:
     if len(order) and order[-1] == arcs.goal:
         scanned[-1] = 0
     examined = np.concatenate(([0], np.cumsum(scanned, dtype=np.int64)))
-    changes = ends, nodes, costs, parents
     straight = replace(arcs, estimates=read_only(left))
     return finished_trace(straight, "best_first", (order, examined), changes, (1.0, 1.0))

@@ -14,9 +14,7 @@ from abi.arrays import FloatArray, IntArray
 from abi.compiled import FLOATS, IDS, compiled
 from abi.obstacles.primitive_tree_kernels import blocked
 from abi.obstacles.vector_kernels import distance, vec3_at
-
-Steps = tuple[IntArray, IntArray, IntArray, FloatArray, IntArray]
-"""Expanded nodes; changes after each step; then each change's node, cost and parent."""
+from abi.search.label_kernels import Labels
 
 
 @compiled(example=(IDS, IDS, FLOATS, (0, 1), FLOATS, FLOATS))
@@ -27,7 +25,7 @@ def lazy_theta_star_steps(
     ends: tuple[int, int],
     primitives: FloatArray,
     margins: FloatArray,
-) -> Steps:
+) -> tuple[IntArray, Labels]:
     """Search from start to goal; see :func:`abi.search.lazy_theta_star.lazy_theta_star`.
 
     Args:
@@ -36,6 +34,9 @@ def lazy_theta_star_steps(
         ends: start and goal.
         primitives: (k WIDTH,) rows, one after the other.
         margins: (k,) distance from the primitives that a line of sight keeps, [unit].
+
+    Returns:
+        Expanded nodes (m,), and the changes.
     """
     nodes = len(indptr) - 1
     start, goal = ends
@@ -87,10 +88,10 @@ def lazy_theta_star_steps(
                 value = through + distance(place, target)
                 heapq.heappush(queue, (value, -len(node_of), other))
         counts.append(len(node_of))
-    return (
-        np.array(order, np.int32),
+    labels = Labels(
         np.array(counts, np.int32),
         np.array(node_of, np.int32),
         np.array(cost_of),
         np.array(parent_of, np.int32),
     )
+    return np.array(order, np.int32), labels

@@ -99,8 +99,7 @@ class SearchState:
 def replay(trace: SearchTrace, step: int) -> SearchState:
     """The search after ``step`` steps, 0 to ``trace.steps``, however one gets there."""
     cost, parent = last_labels(trace, step)
-    changed = np.full(len(cost), -1, np.int32)
-    changed[trace.nodes[: int(trace.ends[step])]] = _step_of_changes(trace, step)
+    changed = steps_of_changes(trace, step)
     expanded = np.full(len(cost), -2, np.int32)
     if trace.queue == "rounds":
         # whatever the last round did not change has nothing new to tell
@@ -123,7 +122,10 @@ def replay(trace: SearchTrace, step: int) -> SearchState:
     )
 
 
-def _step_of_changes(trace: SearchTrace, step: int) -> IntArray:
-    """Steps (c,) that made the changes so far, from 1 on; 0 of the starts."""
-    counts = np.diff(trace.ends[: step + 1], prepend=0)
-    return np.repeat(np.arange(step + 1, dtype=np.int32), counts)
+def steps_of_changes(trace: SearchTrace, step: int) -> IntArray:
+    """Steps (n or 2n,), from 1 to ``step``, that last changed each node; 0 of starts, else -1."""
+    ends, nodes, _, _ = trace.changes
+    changed = np.full(trace.sides * len(trace.arcs.points), -1, np.int32)
+    counts = np.diff(ends[: step + 1], prepend=0)
+    changed[nodes[: ends[step]]] = np.repeat(np.arange(step + 1, dtype=np.int32), counts)
+    return changed

@@ -32,10 +32,9 @@ class SearchTrace(ShortRepr):
         sides: 2 for a search from both ends, else 1.
         order: (m,) node of each step, -1 for a round.
         examined: (m + 1,) arcs examined before each step and in all.
-        ends: (m + 1,) changes made before each step and in all; those before the first step are
-            the starts.
-        nodes, costs, parents: of each change; a start's parent is -1.
+        changes: of cost and parent, step by step.
         vertices: (k,) the path from start to goal; empty when there is none.
+        cost: of the path by the search's labels; inf without a path.
         cycle: (c,) nodes of a negative cycle; empty when none was found.
     """
 
@@ -45,11 +44,9 @@ class SearchTrace(ShortRepr):
     sides: int
     order: IntArray
     examined: NDArray[np.int64]
-    ends: IntArray
-    nodes: IntArray
-    costs: FloatArray
-    parents: IntArray
+    changes: Labels
     vertices: IntArray
+    cost: float
     cycle: IntArray = field(default_factory=lambda: NO_NODES)
 
     @property
@@ -72,23 +69,15 @@ class SearchTrace(ShortRepr):
         """Length of the path, [unit]; inf without one."""
         return self.arcs.length_of(self.vertices)
 
-    @property
-    def cost(self) -> float:
-        """Cost of the path by the search's labels; inf without a path."""
-        if self.sides == 2:
-            n, (cost, _) = len(self.arcs.points), last_labels(self, self.steps)
-            return float((cost[:n] + cost[n:]).min())
-        cost, _ = last_labels(self, self.steps)
-        return float(cost[self.arcs.goal])
-
 
 def last_labels(trace: SearchTrace, step: int) -> tuple[FloatArray, IntArray]:
     """Costs and parents (n or 2n,) after a number of steps; inf and -1 where not reached."""
-    total, count = trace.sides * len(trace.arcs.points), int(trace.ends[step])
+    ends, nodes, costs, parents = trace.changes
+    total, count = trace.sides * len(trace.arcs.points), int(ends[step])
     cost, parent = np.full(total, np.inf), np.full(total, -1, np.int32)
     # of several changes of a node the last one stays
-    cost[trace.nodes[:count]] = trace.costs[:count]
-    parent[trace.nodes[:count]] = trace.parents[:count]
+    cost[nodes[:count]] = costs[:count]
+    parent[nodes[:count]] = parents[:count]
     return cost, parent
 
 
@@ -118,12 +107,9 @@ def trace_of(
     if stops:
         examined[-1] = examined[-2]
     scanned = read_only(order[:-1].copy()) if stops else order
-    ends, nodes, costs, parents = relax_in_order(
-        arcs.rows, scanned, read_only(starts), sides, reopens, arcs.little
-    )
+    changes = relax_in_order(arcs.rows, scanned, read_only(starts), sides, reopens, arcs.little)
     if stops:
-        ends = np.append(ends, ends[-1])
-    changes = ends, nodes, costs, parents
+        changes = changes._replace(ends=np.append(changes.ends, changes.ends[-1]))
     return finished_trace(arcs, queue, (order, examined), changes, factors, sides)
 
 
@@ -141,23 +127,23 @@ def finished_trace(
     Args:
         arcs, queue, factors, sides, cycle: see :class:`SearchTrace`.
         steps: its ``order`` and ``examined``.
-        changes: its ``ends``, ``nodes``, ``costs`` and ``parents``.
+        changes: as they were recorded.
     """
-    (order, examined), (ends, nodes, costs, parents) = steps, changes
+    order, examined = steps
+    for array in (order, examined, cycle, *changes):
+        array.setflags(write=False)
     trace = SearchTrace(
-        *(arcs, queue, factors, sides, read_only(order), read_only(examined)),
-        *(read_only(ends), read_only(nodes), read_only(costs), read_only(parents)),
-        vertices=NO_NODES,
-        cycle=read_only(cycle),
+        arcs, queue, factors, sides, order, examined, changes, NO_NODES, np.inf, cycle
     )
-    n, goal = len(trace.arcs.points), trace.arcs.goal
+    n = len(arcs.points)
     cost, parent = last_labels(trace, trace.steps)
-    found = NO_NODES
-    if trace.sides == 2:
+    least, found = float(cost[arcs.goal]), NO_NODES
+    if sides == 2:
         meeting = int((cost[:n] + cost[n:]).argmin())
-        if np.isfinite(cost[meeting] + cost[meeting + n]):
+        least = float(cost[meeting] + cost[meeting + n])
+        if np.isfinite(least):
             ahead, back = (reconstruct_path(parent, node) for node in (meeting, meeting + n))
             found = np.concatenate([ahead, back[-2::-1] - n])
-    elif np.isfinite(cost[goal]) and not len(trace.cycle):
-        found = reconstruct_path(parent, goal)
-    return replace(trace, vertices=read_only(found))
+    elif np.isfinite(least) and not len(cycle):
+        found = reconstruct_path(parent, arcs.goal)
+    return replace(trace, vertices=read_only(found), cost=least)

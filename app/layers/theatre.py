@@ -8,7 +8,7 @@ import viser
 from abi.arrays import FloatArray, IntArray
 from abi.scene.scene import Scene
 from abi.search.compare import COMPARED
-from abi.search.replay import SearchState
+from abi.search.replay import SearchState, steps_of_changes
 from app import glb, style
 from app.frame import Frame, Layer
 from app.layers.points import Points
@@ -114,13 +114,10 @@ def few(nodes: IntArray, n: int) -> IntArray:
 
 def order_colours(state: SearchState, nodes: IntArray) -> FloatArray:
     """Place of closed nodes (k,) in the whole search's order, from 0 (early) to 1 (late)."""
-    turn = np.zeros(len(state.cost))
     if state.trace.queue == "rounds":
-        counts = np.diff(state.trace.ends[: state.step + 1], prepend=0)
-        turn[state.trace.nodes[: state.trace.ends[state.step]]] = np.repeat(
-            np.arange(state.step + 1), counts
-        )
+        turn = steps_of_changes(state.trace, state.step)
     else:
+        turn = np.zeros(len(state.cost), np.int32)
         turn[state.trace.order[: state.step]] = np.arange(state.step)
     return turn[nodes] / max(state.trace.steps, 1)
 

@@ -7,7 +7,6 @@ import networkx
 import numpy as np
 import pytest
 
-from abi.arrays import FloatArray
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner.comparison import search_task
 from abi.planner.planner import Planner
@@ -303,7 +302,9 @@ def test_compiled_and_plain_do_the_same(name: str) -> None:
 
 
 def same(one: SearchTrace, other: SearchTrace) -> bool:
-    fields = ("order", "examined", "ends", "nodes", "parents", "vertices", "cycle")
-    equal = all(np.array_equal(getattr(one, field), getattr(other, field)) for field in fields)
-    costs: tuple[FloatArray, FloatArray] = (one.costs, other.costs)
-    return equal and bool(np.allclose(*costs, rtol=1e-12))
+    fields = ("order", "examined", "vertices", "cycle")
+    pairs = [(getattr(one, field), getattr(other, field)) for field in fields]
+    (ends, nodes, costs, parents), changes = one.changes, other.changes
+    pairs += [(ends, changes.ends), (nodes, changes.nodes), (parents, changes.parents)]
+    equal = all(np.array_equal(*pair) for pair in pairs)
+    return equal and bool(np.allclose(costs, changes.costs, rtol=1e-12))
