@@ -22,34 +22,29 @@ from abi.robot.robot_files import packed, robot_from_archive
 _GREY: Colour = (0.72, 0.75, 0.79, 1.0)
 
 
-class LinkFrames(NamedTuple):
-    """Poses of links in the frames of their parents.
+class LinkFrame(NamedTuple):
+    """Poses of a link in the frame of its parent.
 
     Attributes:
-        parents, children: names of the k frames.
-        positions: (k, samples, 3), [m].
-        wxyz: quaternions, (k, samples, 4).
+        parent, child: names of both frames.
+        positions: (samples, 3), [m].
+        wxyz: quaternions, (samples, 4).
     """
 
-    parents: tuple[str, ...]
-    children: tuple[str, ...]
+    parent: str
+    child: str
     positions: FloatArray
     wxyz: FloatArray
 
     def message(self, sample: int, time: float) -> Part:
-        """The frames at a sample, as of a time [s]."""
-        rows = zip(self.parents, self.children, self.positions, self.wxyz, strict=True)
-        transforms = [
-            {
-                "timestamp": mcap_entities.stamp(time),
-                "parent_frame_id": parent,
-                "child_frame_id": child,
-                "translation": mcap_entities.xyz(position[sample]),
-                "rotation": mcap_entities.xyzw(tuple(wxyz[sample].tolist())),
-            }
-            for parent, child, position, wxyz in rows
-        ]
-        return {"transforms": transforms}
+        """The frame at a sample, as of a time [s]."""
+        return {
+            "timestamp": mcap_entities.stamp(time),
+            "parent_frame_id": self.parent,
+            "child_frame_id": self.child,
+            "translation": mcap_entities.xyz(self.positions[sample]),
+            "rotation": mcap_entities.xyzw(tuple(self.wxyz[sample].tolist())),
+        }
 
 
 def chain_of(arm: AnyArm) -> Chain:
@@ -69,7 +64,7 @@ def scene_frame(chain: Chain) -> str:
     return name
 
 
-def link_frames(chain: Chain, positions: FloatArray) -> tuple[LinkFrames, LinkFrames]:
+def link_frames(chain: Chain, positions: FloatArray) -> tuple[list[LinkFrame], list[LinkFrame]]:
     """Frames of the links that stand still in their parents' for good, and of those that move.
 
     Args:
@@ -103,18 +98,15 @@ def link_entities(chain: Chain) -> Part:
     }
 
 
-def _frames(world: dict[str, FloatArray], pairs: list[tuple[str, str]], samples: int) -> LinkFrames:
+def _frames(
+    world: dict[str, FloatArray], pairs: list[tuple[str, str]], samples: int
+) -> list[LinkFrame]:
     """Poses of the second of each pair of frames in the first, at the first samples."""
-    poses = np.stack(
-        [np.linalg.inv(world[parent][:samples]) @ world[child][:samples] for parent, child in pairs]
-    )
-    wxyz = _quaternions(poses[..., :3, :3].reshape(-1, 3, 3)).reshape(len(pairs), samples, 4)
-    return LinkFrames(
-        tuple(parent for parent, _ in pairs),
-        tuple(child for _, child in pairs),
-        poses[..., :3, 3],
-        wxyz,
-    )
+    found = []
+    for parent, child in pairs:
+        poses = np.linalg.inv(world[parent][:samples]) @ world[child][:samples]
+        found.append(LinkFrame(parent, child, poses[:, :3, 3], _quaternions(poses[:, :3, :3])))
+    return found
 
 
 def _drawn(link: Link) -> dict[str, list[Part]]:

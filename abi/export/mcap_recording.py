@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from abi.export.joint_trajectory import joint_trajectory, motion_of, motion_state
-from abi.export.mcap_arm import chain_of, link_entities, link_frames, scene_frame
+from abi.export.mcap_arm import LinkFrame, chain_of, link_entities, link_frames, scene_frame
 from abi.export.mcap_entities import (
     Part,
     by_kind,
@@ -86,7 +86,7 @@ def _messages(plan: Plan, description: str) -> Iterator[_Message]:
     yield _Message("/scene", "foxglove.SceneUpdate", 0.0, _scene(plan, frame))
     yield _Message("/arm", "foxglove.SceneUpdate", 0.0, link_entities(chain))
     # a topic of their own: where one seeks, only the last message of a topic counts
-    yield _Message("/tf_static", "foxglove.FrameTransforms", 0.0, still.message(0, 0.0))
+    yield _Message("/tf_static", "foxglove.FrameTransforms", 0.0, _transforms(still, 0, 0.0))
     for index, time in enumerate(trajectory.time.tolist()):
         state = {
             "header": {"stamp": stamp(time), "frame_id": root},
@@ -96,10 +96,14 @@ def _messages(plan: Plan, description: str) -> Iterator[_Message]:
             "effort": [],
         }
         yield _Message("/joint_states", "sensor_msgs/JointState", time, state)
-        yield _Message("/tf", "foxglove.FrameTransforms", time, moving.message(index, time))
+        yield _Message("/tf", "foxglove.FrameTransforms", time, _transforms(moving, index, time))
         pose = pose_of(tool[index], UNTURNED)
         place = {"timestamp": stamp(time), "frame_id": frame, "pose": pose}
         yield _Message("/tool", "foxglove.PoseInFrame", time, place)
+
+
+def _transforms(frames: list[LinkFrame], sample: int, time: float) -> Part:
+    return {"transforms": [frame.message(sample, time) for frame in frames]}
 
 
 def _scene(plan: Plan, frame: str) -> Part:

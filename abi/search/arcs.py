@@ -53,13 +53,6 @@ class Arcs:
         """Smallest decrease of a cost that counts as one."""
         return LITTLE * float(np.abs(self.rows.weights).max(initial=1.0))
 
-    def length_of(self, vertices: IntArray) -> float:
-        """Length of a path along nodes (k,), [unit]; inf for an empty path."""
-        if not len(vertices):
-            return float("inf")
-        legs = np.diff(self.points[vertices], axis=0)
-        return float(np.linalg.norm(legs, axis=1).sum())
-
     def degrees(self, nodes: IntArray) -> IntArray:
         """Number of arcs that leave each of some nodes, (m,)."""
         indptr = self.rows.indptr

@@ -67,7 +67,10 @@ class SearchTrace(ShortRepr):
     @property
     def length(self) -> float:
         """Length of the path, [unit]; inf without one."""
-        return self.arcs.length_of(self.vertices)
+        if not len(self.vertices):
+            return np.inf
+        legs = np.diff(self.arcs.points[self.vertices], axis=0)
+        return float(np.linalg.norm(legs, axis=1).sum())
 
 
 def last_labels(trace: SearchTrace, step: int) -> tuple[FloatArray, IntArray]:

@@ -67,13 +67,8 @@ class ExactSlide:
         return Interval(min(a.low, b.low), max(a.high, b.high))
 
 
-def still(q5: Fraction) -> ExactSlide:
-    """A slide that does not move."""
-    return ExactSlide([Fraction(0)], [Interval(q5, q5)])
-
-
 def anywhere(first: Fraction, last: Fraction) -> ExactSlide:
-    """A slide of which only the ends of its range are known."""
+    """A slide of which only the ends of its range are known; it is still if they are one."""
     return ExactSlide([Fraction(0)], [Interval(min(first, last), max(first, last))])
 
 

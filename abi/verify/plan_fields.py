@@ -20,9 +20,10 @@ def number_of(value: object) -> Fraction | None:
 
 def finite(field: str, value: object) -> float:
     """A number; anything else, or one far too large, is refused."""
-    if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) <= 1e15:
+    number = number_of(value)
+    if number is None or abs(number) > 10**15:
         raise SceneError(field, value, "a number up to 1e15")
-    return float(value)
+    return float(number)
 
 
 def numbers_of(field: str, value: object) -> list[float]:

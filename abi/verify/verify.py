@@ -9,8 +9,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
-from typing import Any, ParamSpec
+from typing import Any
 
 from abi.errors import SceneError
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
@@ -24,8 +25,6 @@ from abi.verify.plan_obstacles import obstacles_of
 from abi.verify.verify_arm import check_arm
 from abi.verify.verify_chain import check_chain
 from abi.verify.verify_curve import check_curve
-
-_P = ParamSpec("_P")
 
 
 @dataclass(frozen=True)
@@ -75,7 +74,7 @@ def _curve_verdict(
         return Verdict(name, False, "the plan has no such curve")
     section = mapping(name, section)
     curve = curve_of(name, section)
-    return _checked(name, section, check_curve, name, section, curve, scene, obstacles)
+    return _checked(name, section, partial(check_curve, name, section, curve, scene, obstacles))
 
 
 def _arm_verdict(
@@ -85,25 +84,20 @@ def _arm_verdict(
         return Verdict("arm", False, "the plan has no motion")
     section, timing = mapping("arm", plan["arm"]), mapping("timing", plan.get("timing"))
     if scene.arm.model == "urdf":
-        return _checked("arm", section, check_chain, section, scene, obstacles)
+        return _checked("arm", section, partial(check_chain, section, scene, obstacles))
     name = timing.get("curve")
     if name not in CURVES:
         raise SceneError("timing.curve", name, f"one of {', '.join(CURVES)}")
     curve = curve_of(name, mapping(name, plan[name]))
-    return _checked("arm", section, check_arm, section, timing, curve, scene, obstacles)
+    check = partial(check_arm, section, timing, curve, scene, obstacles)
+    return _checked("arm", section, check)
 
 
-def _checked(
-    name: str,
-    section: dict[str, Any],
-    check: Callable[_P, str],
-    *args: _P.args,
-    **kwargs: _P.kwargs,
-) -> Verdict:
+def _checked(name: str, section: dict[str, Any], check: Callable[[], str]) -> Verdict:
     if section.get("certificate") is None:
         claim = "it claims to be certified but" if section.get("certified") else "it"
         return Verdict(name, False, f"{claim} carries no certificate")
     try:
-        return Verdict(name, True, check(*args, **kwargs))
+        return Verdict(name, True, check())
     except Fault as fault:
         return Verdict(name, False, f"its certificate is wrong, {fault}")

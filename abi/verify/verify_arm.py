@@ -16,7 +16,7 @@ from abi.verify.certificate import ARM, CapsuleKey, Plane, capsule_of, claimed_m
 from abi.verify.exact import ExactCurve, ExactSolid, dot, hull, sub, times_length, vector
 from abi.verify.exact_arm import ExactArm, ExactCapsule, ExactPose
 from abi.verify.exact_mesh import ExactMesh
-from abi.verify.exact_slide import ExactSlide, ExactTiming, anywhere, moving, still
+from abi.verify.exact_slide import ExactSlide, ExactTiming, anywhere, moving
 from abi.verify.fault import Fault
 from abi.verify.interval import enclose, rounded
 from abi.verify.plan_fields import finite, list_of, mapping
@@ -150,7 +150,7 @@ def _slide(scene: Scene, timing: dict[str, Any], curve: ExactCurve) -> ExactSlid
     settings, motion = scene.arm, scene.motion
     start, force = Fraction(settings.q5), Fraction(settings.forces[1])
     if force == 0:
-        return still(start)
+        return anywhere(start, start)
     mass5, mass6 = map(Fraction, settings.masses[1:])
     radius5, radius6 = map(Fraction, settings.radii[1:])
     inertia = mass5 * radius5**2 + mass6 * radius6**2
@@ -163,7 +163,7 @@ def _slide(scene: Scene, timing: dict[str, Any], curve: ExactCurve) -> ExactSlid
     t1, t2, t3, peak = (Fraction(finite(f"timing.{name}", timing.get(name))) for name in names)
     rates = Fraction(motion.acceleration), Fraction(motion.deceleration)
     if not any((t1, t2, t3)):
-        return still(start)
+        return anywhere(start, start)
     if motion.law == "slowed" and t1 and t3:
         rates = peak / t1, peak / t3
     return moving(curve, ExactTiming(t1, t2, t3, peak, *rates), start, force / inertia)
