@@ -30,6 +30,17 @@ class Labels(NamedTuple):
     parents: IntArray
 
 
+@register_jitable
+def recorded(ends: list[int], nodes: list[int], costs: list[float], parents: list[int]) -> Labels:
+    """The labels that were recorded one by one."""
+    return Labels(
+        np.array(ends, np.int32),
+        np.array(nodes, np.int32),
+        np.array(costs),
+        np.array(parents, np.int32),
+    )
+
+
 @compiled(example=(NO_ARCS, IDS, IDS, 1, True, 0.0))
 def relax_in_order(
     arcs: ArcRows, order: IntArray, starts: IntArray, sides: int, reopens: bool, little: float
@@ -48,35 +59,26 @@ def relax_in_order(
     nodes = len(indptr) - 1
     cost = np.full(sides * nodes, np.inf)
     closed = np.zeros(sides * nodes, np.uint8)
-    ends = np.empty(len(order) + 1, np.int32)
-    node_of = np.empty(len(starts) + 1, np.int32)
-    cost_of = np.empty(len(starts) + 1, np.float64)
-    parent_of = np.empty(len(starts) + 1, np.int32)
-    count = 0
+    node_of, cost_of, parent_of = [0] * 0, [0.0] * 0, [0] * 0
     for start in starts:
         cost[start] = 0.0
-        node_of[count], cost_of[count], parent_of[count] = start, 0.0, -1
-        count += 1
-    ends[0] = count
-    for step in range(len(order)):
-        node = order[step]
+        node_of.append(int(start))
+        cost_of.append(0.0)
+        parent_of.append(-1)
+    ends = [len(node_of)]
+    for node in order:
         closed[node] = 1
         side = nodes if node >= nodes else 0
-        begin, end = indptr[node - side], indptr[node - side + 1]
-        if count + end - begin > len(node_of):
-            more = len(node_of) + end - begin
-            node_of = np.concatenate((node_of, np.empty(more, np.int32)))
-            cost_of = np.concatenate((cost_of, np.empty(more, np.float64)))
-            parent_of = np.concatenate((parent_of, np.empty(more, np.int32)))
-        for k in range(begin, end):
+        for k in range(indptr[node - side], indptr[node - side + 1]):
             head = indices[k] + side
             through = cost[node] + weights[k]
             if through + little < cost[head] and (reopens or closed[head] == 0):
                 cost[head] = through
-                node_of[count], cost_of[count], parent_of[count] = head, through, node
-                count += 1
-        ends[step + 1] = count
-    return Labels(ends, node_of[:count], cost_of[:count], parent_of[:count])
+                node_of.append(int(head))
+                cost_of.append(float(through))
+                parent_of.append(int(node))
+        ends.append(len(node_of))
+    return recorded(ends, node_of, cost_of, parent_of)
 
 
 @register_jitable
@@ -163,10 +165,4 @@ def rounds(
             cycle = parent_cycle(parent, np.zeros(nodes, np.uint8))
             if len(cycle) > 0:
                 break
-    labels = Labels(
-        np.array(ends, np.int32),
-        np.array(node_of, np.int32),
-        np.array(cost_of),
-        np.array(parent_of, np.int32),
-    )
-    return labels, cycle
+    return recorded(ends, node_of, cost_of, parent_of), cycle

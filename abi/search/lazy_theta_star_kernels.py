@@ -14,7 +14,7 @@ from abi.arrays import FloatArray, IntArray
 from abi.compiled import FLOATS, IDS, compiled
 from abi.obstacles.primitive_tree_kernels import blocked
 from abi.obstacles.vector_kernels import distance, vec3_at
-from abi.search.label_kernels import Labels
+from abi.search.label_kernels import Labels, recorded
 
 
 @compiled(example=(IDS, IDS, FLOATS, (0, 1), FLOATS, FLOATS))
@@ -88,10 +88,4 @@ def lazy_theta_star_steps(
                 value = through + distance(place, target)
                 heapq.heappush(queue, (value, -len(node_of), other))
         counts.append(len(node_of))
-    labels = Labels(
-        np.array(counts, np.int32),
-        np.array(node_of, np.int32),
-        np.array(cost_of),
-        np.array(parent_of, np.int32),
-    )
-    return np.array(order, np.int32), labels
+    return np.array(order, np.int32), recorded(counts, node_of, cost_of, parent_of)
