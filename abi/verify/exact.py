@@ -101,6 +101,18 @@ class ExactSolid:
         return least - support > times_length(self.ball + margin, normal)
 
 
+@dataclass(frozen=True)
+class ExactFloor:
+    """All points at a height or below, [unit]."""
+
+    height: Fraction
+
+    def separated(self, normal: Vec3, least: Fraction, margin: Fraction) -> bool:
+        """The same test; the normal must point straight up."""
+        x, y, z = normal
+        return not (x or y) and z > 0 and least > z * (self.height + margin)
+
+
 def times_length(factor: Fraction, normal: Vec3) -> Fraction:
     """Upper bound of a factor times the length of a normal."""
     below, above = sqrt_bounds(dot(normal, normal))

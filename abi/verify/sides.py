@@ -1,11 +1,12 @@
-"""Check of the directions that keep a part of an arm clear along its whole motion."""
+"""Check of the directions that keep a curve or a part of an arm clear along its whole motion."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from fractions import Fraction
 
-from abi.verify.exact import ExactSolid
+from abi.verify.certificate import Plane
+from abi.verify.exact import ExactFloor, ExactSolid
 from abi.verify.exact_mesh import ExactMesh, Side
 from abi.verify.fault import Fault
 
@@ -13,42 +14,44 @@ Span = tuple[Fraction, Fraction]
 """First and last parameter of a motion."""
 
 
-def check_above(sides: Sequence[Side], span: Span, floor: Fraction) -> None:
-    """Check that sides, in order, show a part to stay above a height.
-
-    Raises:
-        Fault: they do not.
-    """
-    for start, _, (x, y, z), least in sides:
-        if x or y or z <= 0 or least <= z * floor:
-            raise Fault(f"the piece from {float(start):g} is not separated")
-    check_cover(sides, span)
-
-
 def check_apart(
-    sides: Sequence[Side], span: Span, solid: ExactSolid | ExactMesh, margin: Fraction
+    label: str,
+    planes: Sequence[Plane],
+    least: Callable[[Plane], Fraction],
+    span: Span,
+    solid: ExactFloor | ExactSolid | ExactMesh | None,
+    margin: Fraction | None = None,
 ) -> None:
-    """Check that sides, in order, show a part to stay farther than ``margin`` from a solid.
+    """Check that planes show a part to stay farther than a margin from a solid.
+
+    Args:
+        label: what both are, for a fault.
+        planes: in the order in which their pieces begin.
+        least: lower bound of a plane's product with the part all along its piece.
+        span: of the motion.
+        solid: the solid; None if ``least`` raises where a plane does not separate.
+        margin: distance to keep, [unit]; None for 0.
 
     Raises:
         Fault: they do not.
     """
-    if isinstance(solid, ExactMesh):
-        if (at := solid.uncovered(sides, *span, margin)) is not None:
-            raise Fault(f"nothing separates a triangle at {float(at):g}")
-        return
-    for start, _, normal, least in sides:
-        if not solid.separated(normal, least, margin):
-            raise Fault(f"the piece from {float(start):g} is not separated")
-    check_cover(sides, span)
+    keep = Fraction(0) if margin is None else margin
+    try:
+        sides = [(one.start, one.end, one.normal, least(one)) for one in planes]
+        if isinstance(solid, ExactMesh):
+            if (at := solid.uncovered(sides, *span, keep)) is not None:
+                raise Fault(f"nothing separates a triangle at {float(at):g}")
+            return
+        for start, _, normal, product in sides:
+            if solid is not None and not solid.separated(normal, product, keep):
+                raise Fault(f"the piece from {float(start):g} is not separated")
+        _check_cover(sides, span)
+    except Fault as fault:
+        raise Fault(f"{label}: {fault}") from None
 
 
-def check_cover(sides: Sequence[Side], span: Span) -> None:
-    """Check that pieces, in order, cover the motion.
-
-    Raises:
-        Fault: they do not.
-    """
+def _check_cover(sides: Sequence[Side], span: Span) -> None:
+    """Raise where pieces, in order, do not cover the motion."""
     reached, last = span
     for start, end, _, _ in sides:
         if start > reached:

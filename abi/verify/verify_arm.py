@@ -13,14 +13,23 @@ from typing import Any
 
 from abi.scene.scene import Scene
 from abi.verify.certificate import ARM, CapsuleKey, Plane, capsule_of, claimed_margin, planes_of
-from abi.verify.exact import ExactCurve, ExactSolid, dot, hull, sub, times_length, vector
+from abi.verify.exact import (
+    ExactCurve,
+    ExactFloor,
+    ExactSolid,
+    dot,
+    hull,
+    sub,
+    times_length,
+    vector,
+)
 from abi.verify.exact_arm import ExactArm, ExactCapsule, ExactPose
 from abi.verify.exact_mesh import ExactMesh
 from abi.verify.exact_slide import ExactSlide, ExactTiming, anywhere, moving
 from abi.verify.fault import Fault
 from abi.verify.interval import enclose, rounded
 from abi.verify.plan_fields import finite, list_of, mapping
-from abi.verify.sides import check_above, check_apart
+from abi.verify.sides import check_apart
 from abi.verify.tool_path import check_ends, check_tool, point_at
 
 _BODIES = ("column", "upper_arm", "forearm", "slide")
@@ -44,7 +53,7 @@ class _Motion:
         return self.poses[key]
 
     def _pose(self, plane: Plane) -> ExactPose:
-        points = hull(self.curve, plane.start, plane.end) if plane.start < plane.end else []
+        points = hull(self.curve, plane.start, plane.end)
         if not points or not plane.start <= plane.at <= plane.end:
             raise Fault(f"a piece from {float(plane.start):g} is not on the curve")
         place = rounded(point_at(self.curve, plane.at))
@@ -88,23 +97,16 @@ def check_arm(
     check_tool(section, timing.get("duration"), arm, curve, motion.slide)
     capsules = [_capsule(one) for one in list_of(f"{ARM}.capsules", certificate.get("capsules"))]
     planes = planes_of(ARM, certificate, partial(_key, len(capsules)))
-    floor = min(arm.base[2], Fraction(scene.workspace.min[2]))
+    floor = ExactFloor(min(arm.base[2], Fraction(scene.workspace.min[2])))
     span = curve[0].start, curve[-1].end
     for number, capsule in enumerate(capsules):
-        for name, solid in _asked(capsule, capsules, obstacles, arm):
-            wanted = planes.get((number, name), [])
-            try:
-                sides = [
-                    (one.start, one.end, one.normal, _least(motion, capsule, one)) for one in wanted
-                ]
-                if solid is None:
-                    check_above(sides, span, floor)
-                else:
-                    keep = margin if isinstance(name, int) else None
-                    check_apart(sides, span, solid, keep or Fraction(0))
-            except Fault as fault:
-                label = f"obstacle {name + 1}" if isinstance(name, int) else name
-                raise Fault(f"{capsule.link} and {label}: {fault}") from None
+        least = partial(_least, motion, capsule)
+        for k, obstacle in enumerate(obstacles):
+            label = f"{capsule.link} and obstacle {k + 1}"
+            check_apart(label, planes.get((number, k), []), least, span, obstacle, margin)
+        for name, part in _others(capsule, capsules, floor, arm):
+            label = f"{capsule.link} and {name}"
+            check_apart(label, planes.get((number, name), []), least, span, part)
     for obstacle in obstacles:
         if isinstance(obstacle, ExactMesh) and obstacle.inside(arm.base):
             raise Fault("the base is inside a mesh")
@@ -114,21 +116,18 @@ def check_arm(
     return f"{kept}, and clear of the floor and each other, by {count} directions"
 
 
-def _asked(
-    capsule: ExactCapsule,
-    capsules: list[ExactCapsule],
-    obstacles: list[ExactSolid | ExactMesh],
-    arm: ExactArm,
-) -> list[tuple[int | str, ExactSolid | ExactMesh | None]]:
-    """Everything that a capsule is to keep clear of, by number or name."""
-    asked: list[tuple[int | str, ExactSolid | ExactMesh | None]] = [*enumerate(obstacles)]
+def _others(
+    capsule: ExactCapsule, capsules: list[ExactCapsule], floor: ExactFloor, arm: ExactArm
+) -> list[tuple[str, ExactFloor | ExactSolid]]:
+    """Everything but the obstacles that a capsule is to keep clear of, by name."""
+    others: list[tuple[str, ExactFloor | ExactSolid]] = []
     if capsule.body == "column":
-        return asked
+        return others
     if not capsule.grips:
-        asked.append(("floor", None))
+        others.append(("floor", floor))
     if not capsule.neighbour:
-        asked += [(one.link, _still(one, arm)) for one in capsules if one.body == "column"]
-    return asked
+        others += [(one.link, _still(one, arm)) for one in capsules if one.body == "column"]
+    return others
 
 
 def _still(capsule: ExactCapsule, arm: ExactArm) -> ExactSolid:

@@ -16,12 +16,12 @@ from typing import Any, NamedTuple
 from abi.obstacles.pose import METRES
 from abi.scene.scene import Scene
 from abi.verify.certificate import ARM, CapsuleKey, Plane, capsule_of, claimed_margin, planes_of
-from abi.verify.exact import ExactSolid, Vec3, dot, sub, times_length, vector
+from abi.verify.exact import ExactFloor, ExactSolid, Vec3, dot, sub, times_length, vector
 from abi.verify.exact_chain import ExactChain, ExactFrame, exact_chain
 from abi.verify.exact_mesh import ExactMesh
 from abi.verify.fault import Fault
 from abi.verify.plan_fields import finite, list_of, mapping, numbers_of, vector_of
-from abi.verify.sides import check_above, check_apart, check_cover
+from abi.verify.sides import check_apart
 
 _REACHED = Fraction(1, 10**5)
 """Error of the tool at start and goal that is let pass, over the length of the chain."""
@@ -103,28 +103,19 @@ def check_chain(
     pairs = _pairs(certificate, len(capsules))
     planes = planes_of(ARM, certificate, partial(_key, len(capsules)))
     span = Fraction(0), Fraction(len(motion.rows) - 1)
-    floor = min(Fraction(scene.arm.base[2]), Fraction(scene.workspace.min[2]))
+    floor = ExactFloor(min(Fraction(scene.arm.base[2]), Fraction(scene.workspace.min[2])))
     for number, capsule in enumerate(capsules):
-        asked: list[tuple[int | str, str]] = [
-            (k, f"obstacle {k + 1}") for k in range(len(obstacles))
-        ]
-        asked += [("floor", "floor")] if capsule.frame >= 1 else []
-        asked += [(-1 - i, capsules[i].link) for i, j in pairs if j == number]
-        for other, label in asked:
-            wanted = planes.get((number, other), [])
-            least = partial(_least, motion, capsule)
-            if isinstance(other, int) and other < 0:
-                least = partial(_apart, motion, capsules[-1 - other], capsule)
-            try:
-                sides = [(one.start, one.end, one.normal, least(one)) for one in wanted]
-                if isinstance(other, str):
-                    check_above(sides, span, floor)
-                elif other < 0:
-                    check_cover(sides, span)
-                else:
-                    check_apart(sides, span, obstacles[other], margin or Fraction(0))
-            except Fault as fault:
-                raise Fault(f"{capsule.link} and {label}: {fault}") from None
+        least = partial(_least, motion, capsule)
+        for k, obstacle in enumerate(obstacles):
+            label = f"{capsule.link} and obstacle {k + 1}"
+            check_apart(label, planes.get((number, k), []), least, span, obstacle, margin)
+        if capsule.frame >= 1:
+            label = f"{capsule.link} and floor"
+            check_apart(label, planes.get((number, "floor"), []), least, span, floor)
+    for i, j in pairs:
+        label = f"{capsules[j].link} and {capsules[i].link}"
+        apart = partial(_apart, motion, capsules[i], capsules[j])
+        check_apart(label, planes.get((j, -1 - i), []), apart, span, None)
     _check_outside(motion, capsules, obstacles)
     count = sum(map(len, planes.values()))
     distance = "" if margin is None else f"{float(margin):.9g} {scene.unit}"

@@ -47,11 +47,12 @@ def check_curve(
         return "there is no obstacle"
     if margin < 0 and not all(map(_is_deep, obstacles)):
         raise Fault("its margin is negative")
+    span, starts = (curve[0].start, curve[-1].end), _starts(curve)
     for k, obstacle in enumerate(obstacles):
-        try:
-            _check_obstacle(curve, obstacle, planes.get(k, []), margin)
-        except Fault as fault:
-            raise Fault(f"obstacle {k + 1}: {fault}") from None
+        label = f"obstacle {k + 1}"
+        check_apart(label, planes.get(k, []), partial(_least, curve), span, obstacle, margin)
+        if isinstance(obstacle, ExactMesh) and any(map(obstacle.inside, starts)):
+            raise Fault(f"{label}: the curve begins inside")
     distance = f"{float(margin):.9g} {scene.unit}"
     if margin < required - _TOUCH:
         distance += f", less than the {float(required):g} {scene.unit} asked for,"
@@ -63,18 +64,13 @@ def _is_deep(solid: ExactSolid | ExactMesh) -> bool:
     return isinstance(solid, ExactSolid) and solid.depth > 4 * _TOUCH
 
 
-def _check_obstacle(
-    curve: ExactCurve, obstacle: ExactSolid | ExactMesh, planes: list[Plane], margin: Fraction
-) -> None:
-    sides = []
-    for start, end, _, normal in planes:
-        points = hull(curve, start, end) if start < end else []
-        if not points:
-            raise Fault(f"a piece from {float(start):g} to {float(end):g} is not on the curve")
-        sides.append((start, end, normal, min(dot(normal, at) for at in points)))
-    check_apart(sides, (curve[0].start, curve[-1].end), obstacle, margin)
-    if isinstance(obstacle, ExactMesh) and any(obstacle.inside(point) for point in _starts(curve)):
-        raise Fault("the curve begins inside")
+def _least(curve: ExactCurve, plane: Plane) -> Fraction:
+    """Least product of a plane's direction with its piece of the curve."""
+    points = hull(curve, plane.start, plane.end)
+    if not points:
+        piece = f"{float(plane.start):g} to {float(plane.end):g}"
+        raise Fault(f"a piece from {piece} is not on the curve")
+    return min(dot(plane.normal, at) for at in points)
 
 
 def _starts(curve: ExactCurve) -> list[Vec3]:
