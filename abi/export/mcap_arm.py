@@ -42,8 +42,8 @@ class LinkFrame(NamedTuple):
             "timestamp": mcap_entities.stamp(time),
             "parent_frame_id": self.parent,
             "child_frame_id": self.child,
-            "translation": mcap_entities.xyz(self.positions[sample]),
-            "rotation": mcap_entities.xyzw(tuple(self.wxyz[sample].tolist())),
+            "translation": mcap_entities.by_letter("xyz", self.positions[sample]),
+            "rotation": mcap_entities.by_letter("wxyz", self.wxyz[sample]),
         }
 
 

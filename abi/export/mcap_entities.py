@@ -51,7 +51,7 @@ def by_kind(parts: Sequence[tuple[str, Part]]) -> dict[str, list[Part]]:
 
 def solid(kind: str, size: Sequence[float], pose: Part, colour: Colour) -> tuple[str, Part]:
     """A box, sphere or cylinder, with its kind; ``size`` as in :class:`abi.export.solids.Solid`."""
-    part = {"pose": pose, "size": xyz(size), "color": rgba(colour)}
+    part = {"pose": pose, "size": by_letter("xyz", size), "color": by_letter("rgba", colour)}
     if kind == "cylinder":
         return "cylinders", {**part, "bottom_scale": 1.0, "top_scale": 1.0}
     return ("cubes" if kind == "box" else "spheres"), part
@@ -70,9 +70,9 @@ def triangles(
     """
     part = {
         "pose": pose,
-        "points": [xyz(point) for point in points.tolist()],
-        "color": rgba(colours[0]),
-        "colors": [rgba(colour) for colour in colours] if len(colours) > 1 else [],
+        "points": [by_letter("xyz", point) for point in points.tolist()],
+        "color": by_letter("rgba", colours[0]),
+        "colors": [by_letter("rgba", colour) for colour in colours] if len(colours) > 1 else [],
         "indices": faces.ravel().tolist(),
     }
     return "triangles", part
@@ -85,8 +85,8 @@ def line(points: FloatArray, colour: Colour) -> tuple[str, Part]:
         "pose": pose_of(np.zeros(3), UNTURNED),
         "thickness": 2.0,
         "scale_invariant": True,
-        "points": [xyz(point) for point in points],
-        "color": rgba(colour),
+        "points": [by_letter("xyz", point) for point in points],
+        "color": by_letter("rgba", colour),
         "colors": [],
         "indices": [],
     }
@@ -95,22 +95,12 @@ def line(points: FloatArray, colour: Colour) -> tuple[str, Part]:
 
 def pose_of(position: Sequence[float] | FloatArray, wxyz: Quaternion) -> Part:
     """A pose, [m]."""
-    return {"position": xyz(position), "orientation": xyzw(wxyz)}
+    return {"position": by_letter("xyz", position), "orientation": by_letter("wxyz", wxyz)}
 
 
-def xyz(vector: Sequence[float] | FloatArray) -> dict[str, float]:
-    """A vector by its coordinates."""
-    return dict(zip("xyz", map(float, vector), strict=True))
-
-
-def xyzw(wxyz: Quaternion) -> dict[str, float]:
-    """A quaternion by its parts."""
-    return dict(zip("wxyz", wxyz, strict=True))
-
-
-def rgba(colour: Colour) -> dict[str, float]:
-    """A colour by its parts."""
-    return dict(zip("rgba", map(float, colour), strict=True))
+def by_letter(letters: str, numbers: Sequence[float] | FloatArray) -> dict[str, float]:
+    """A vector (``xyz``), a quaternion (``wxyz``) or a colour (``rgba``) by its parts."""
+    return dict(zip(letters, map(float, numbers), strict=True))
 
 
 def stamp(time: float) -> dict[str, int]:

@@ -196,10 +196,7 @@ class Scene(Settings):
         Raises:
             SceneError: the archive would be too large to be read again.
         """
-        files = self.meshes.files
-        surfaces = {name: one for name, one in files.items() if isinstance(one, Surface)}
-        arms = {name: one for name, one in files.items() if isinstance(one, bytes)}
-        return scene_archive.pack(self.to_dict(), surfaces, arms)
+        return scene_archive.pack(self.to_dict(), self.meshes.files)
 
     def save(self, path: str | Path) -> None:
         """Write a scene file; if that fails, an old file stays as it was.

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import io
 import zipfile
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import PurePosixPath
 from typing import Any
 
@@ -31,35 +31,32 @@ _STORED = ".obj"
 _FIELD = "scene"
 
 
-def pack(
-    data: Mapping[str, Any], surfaces: Mapping[str, Surface], arms: Mapping[str, bytes]
-) -> bytes:
+def pack(data: Mapping[str, Any], files: Mapping[str, bytes | Surface]) -> bytes:
     """Pack a scene into an archive.
 
     Args:
         data: plain data, as in a scene file.
-        surfaces: surfaces of its mesh files, by name.
-        arms: the file of its arm, by name, unless the arm is a shipped one.
+        files: surfaces of its mesh files, and the file of its arm unless that is a shipped one, by
+            name.
 
     Raises:
         SceneError: it is too large to be read again.
     """
-    names = _stored_names(surfaces)
+    names = _stored_names([name for name, one in files.items() if isinstance(one, Surface)])
     packed = io.BytesIO()
     with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED, compresslevel=6) as archive:
         archive.writestr(*text_of(_renamed(data, names)))
-        for file, surface in surfaces.items():
-            archive.writestr(names[file], _obj(surface))
+        for file, content in files.items():
+            if isinstance(content, bytes):
+                archive.writestr(file, content)
+                continue
+            archive.writestr(names[file], _obj(content))
             if file != names[file]:
                 archive.getinfo(names[file]).comment = file.encode()
-        for file, arm in arms.items():
-            archive.writestr(file, arm)
-    content = packed.getvalue()
-    if len(content) > MAX_BYTES:
-        raise SceneError(
-            _FIELD, f"{len(content) // 1_000_000} MB", "at most 50 MB, with fewer or smaller meshes"
-        )
-    return content
+    if len(packed.getvalue()) > MAX_BYTES:
+        megabytes = f"{len(packed.getvalue()) // 1_000_000} MB"
+        raise SceneError(_FIELD, megabytes, "at most 50 MB, with fewer or smaller meshes")
+    return packed.getvalue()
 
 
 def unpack(content: bytes, name: str) -> tuple[object, dict[str, bytes | Surface]]:
@@ -103,7 +100,7 @@ def unpack(content: bytes, name: str) -> tuple[object, dict[str, bytes | Surface
     return _renamed(data, names), {**stored, **contents}
 
 
-def _stored_names(surfaces: Mapping[str, Surface]) -> dict[str, str]:
+def _stored_names(surfaces: Sequence[str]) -> dict[str, str]:
     """Name of the OBJ file for each mesh file: its own, or one that is still free."""
     names = {file: file for file in surfaces if file.lower().endswith(_STORED)}
     for file in surfaces:

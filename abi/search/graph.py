@@ -11,6 +11,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
+import scipy
 
 from abi.arrays import BoolArray, FloatArray, IntArray, ShortRepr, read_only
 from abi.tet_mesh import adjacency
@@ -139,18 +140,12 @@ class Graph(ShortRepr):
         """
         import networkx
 
-        tail = np.repeat(np.arange(len(self.points)), np.diff(self.indptr))
-        once = tail < self.indices
-        nodes = np.union1d(tail, [self.start, self.goal])
-        graph = networkx.Graph()
-        graph.add_nodes_from(
-            (node, {"pos": tuple(pos)})
-            for node, pos in zip(nodes.tolist(), self.points[nodes].tolist(), strict=True)
-        )
-        columns = (tail[once], self.indices[once], self.lengths[once])
-        graph.add_weighted_edges_from(
-            zip(*(column.tolist() for column in columns), strict=True), weight="length"
-        )
+        rows = self.lengths, self.indices, self.indptr
+        matrix = scipy.sparse.csr_array(rows, (len(self.points),) * 2)
+        graph = networkx.from_scipy_sparse_array(matrix, edge_attribute="length")
+        graph.remove_nodes_from({*networkx.isolates(graph)} - {self.start, self.goal})
+        places = map(tuple, self.points[list(graph)].tolist())
+        networkx.set_node_attributes(graph, dict(zip(graph, places, strict=True)), "pos")
         return graph
 
     @property
