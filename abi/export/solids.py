@@ -17,10 +17,6 @@ KINDS = ("box", "sphere", "cylinder")
 """Convex shapes that other programs know."""
 
 
-def _no_triangles() -> FloatArray:
-    return read_only(np.empty((0, 3, 3)))
-
-
 @dataclass(frozen=True, eq=False)
 class Solid:
     """A box, sphere, cylinder or triangle mesh.
@@ -38,7 +34,7 @@ class Solid:
     size: Vec3
     position: Vec3 = (0.0, 0.0, 0.0)
     wxyz: Quaternion = UNTURNED
-    triangles: FloatArray = field(default_factory=_no_triangles)
+    triangles: FloatArray = field(default_factory=lambda: read_only(np.empty((0, 3, 3))))
 
 
 def solids(obstacle: Obstacles, unit: Literal["m", "cm", "mm"]) -> tuple[tuple[Solid, ...], ...]:

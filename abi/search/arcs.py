@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from abi.arrays import FloatArray, IntArray, read_only
+from abi.arrays import FloatArray, read_only
 from abi.search.best_first_kernels import estimates
 from abi.search.graph import Graph
 from abi.search.heap_kernels import ArcRows
@@ -52,11 +52,6 @@ class Arcs:
     def little(self) -> float:
         """Smallest decrease of a cost that counts as one."""
         return LITTLE * float(np.abs(self.rows.weights).max(initial=1.0))
-
-    def degrees(self, nodes: IntArray) -> IntArray:
-        """Number of arcs that leave each of some nodes, (m,)."""
-        indptr = self.rows.indptr
-        return (indptr[nodes + 1] - indptr[nodes]).astype(np.int32)
 
     def with_arc(self, tail: int, head: int, weight: float) -> Arcs:
         """The arcs and one more, of any cost; the estimates stay, and may then be too large."""

@@ -18,7 +18,5 @@ def bellman_ford_rounds(task: SearchTask) -> SearchTrace:
     arcs = task.arcs
     most = len(arcs.points)
     changes, cycle = rounds(arcs.rows, arcs.start, arcs.negative is not None, most, arcs.little)
-    count = len(changes.ends) - 1
-    examined = len(arcs.rows.indices) * np.arange(count + 1, dtype=np.int64)
-    order = np.full(count, -1, np.int32)
-    return finished_trace(arcs, "rounds", (order, examined), changes, cycle=cycle)
+    order = np.full(len(changes.ends) - 1, -1, np.int32)
+    return finished_trace(arcs, "rounds", order, changes, cycle=cycle)

@@ -32,9 +32,5 @@ def lazy_theta_star(task: SearchTask) -> SearchTrace:
         margins,
     )
     left = np.linalg.norm(arcs.points - arcs.points[arcs.goal], axis=1)
-    scanned = arcs.degrees(order)
-    if len(order) and order[-1] == arcs.goal:
-        scanned[-1] = 0
-    examined = np.concatenate(([0], np.cumsum(scanned, dtype=np.int64)))
     straight = replace(arcs, estimates=read_only(left))
-    return finished_trace(straight, "best_first", (order, examined), changes, (1.0, 1.0))
+    return finished_trace(straight, "best_first", order, changes, (1.0, 1.0))

@@ -104,22 +104,18 @@ def trace_of(
     """
     n = len(arcs.points)
     starts = np.array([arcs.start, arcs.goal + n][:sides], np.int32)
-    # a search that ends at the goal does not look at the goal's arcs
-    stops = sides == 1 and queue == "best_first" and len(order) > 0 and order[-1] == arcs.goal
-    examined = np.concatenate(([0], np.cumsum(arcs.degrees(order % n), dtype=np.int64)))
-    if stops:
-        examined[-1] = examined[-2]
+    stops = _stops(arcs, order, queue, sides)
     scanned = read_only(order[:-1].copy()) if stops else order
     changes = relax_in_order(arcs.rows, scanned, read_only(starts), sides, reopens, arcs.little)
     if stops:
         changes = changes._replace(ends=np.append(changes.ends, changes.ends[-1]))
-    return finished_trace(arcs, queue, (order, examined), changes, factors, sides)
+    return finished_trace(arcs, queue, order, changes, factors, sides)
 
 
 def finished_trace(
     arcs: Arcs,
     queue: Queue,
-    steps: tuple[IntArray, NDArray[np.int64]],
+    order: IntArray,
     changes: Labels,
     factors: tuple[float, float] = (1.0, 0.0),
     sides: int = 1,
@@ -128,17 +124,20 @@ def finished_trace(
     """The trace of a search, with the path that its last labels give.
 
     Args:
-        arcs, queue, factors, sides, cycle: see :class:`SearchTrace`.
-        steps: its ``order`` and ``examined``.
+        arcs, queue, order, factors, sides, cycle: see :class:`SearchTrace`.
         changes: as they were recorded.
     """
-    order, examined = steps
+    n = len(arcs.points)
+    counts = np.full(len(order), len(arcs.rows.indices))
+    if queue != "rounds":
+        counts = np.diff(arcs.rows.indptr)[order % n]
+        counts[len(order) - _stops(arcs, order, queue, sides) :] = 0
+    examined = np.concatenate(([0], np.cumsum(counts, dtype=np.int64)))
     for array in (order, examined, cycle, *changes):
         array.setflags(write=False)
     trace = SearchTrace(
         arcs, queue, factors, sides, order, examined, changes, NO_NODES, np.inf, cycle
     )
-    n = len(arcs.points)
     cost, parent = last_labels(trace, trace.steps)
     least, found = float(cost[arcs.goal]), NO_NODES
     if sides == 2:
@@ -150,3 +149,9 @@ def finished_trace(
     elif np.isfinite(least) and not len(cycle):
         found = reconstruct_path(parent, arcs.goal)
     return replace(trace, vertices=read_only(found), cost=least)
+
+
+def _stops(arcs: Arcs, order: IntArray, queue: Queue, sides: int) -> bool:
+    """Check whether a search ends at the goal, and so does not look at the goal's arcs."""
+    at_goal = len(order) > 0 and int(order[-1]) == arcs.goal
+    return sides == 1 and queue == "best_first" and at_goal

@@ -103,15 +103,12 @@ def _connected(scheduler: str) -> Any:
             return client
         client.close()
     except (OSError, ValueError) as error:
+        reason = (str(error) or type(error).__name__).splitlines()[0]
         raise AbiError(
-            f"--scheduler {scheduler!r} does not answer ({_first_line(error)}).",
+            f"--scheduler {scheduler!r} does not answer ({reason}).",
             "Expected the address that dask scheduler prints, such as tcp://10.0.0.1:8786.",
         ) from None
     raise AbiError(
         f"The scheduler at {scheduler!r} has no workers.",
         "Start some: dask worker ADDRESS --nthreads 1, with abi-visualiser installed.",
     )
-
-
-def _first_line(error: Exception) -> str:
-    return (str(error) or type(error).__name__).splitlines()[0]

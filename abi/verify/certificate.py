@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from fractions import Fraction
+from operator import attrgetter
 from typing import Any, NamedTuple, TypeVar
 
 from abi.verify.exact import ExactSolid, Vec3
@@ -97,7 +98,7 @@ def planes_of(
         normal = vector_of(f"{field}.planes.direction", data.get("direction"))
         planes.setdefault(key, []).append(Plane(start, end, at, normal))
     for group in planes.values():
-        group.sort(key=_start)
+        group.sort(key=attrgetter("start"))
     return planes
 
 
@@ -111,7 +112,3 @@ def capsule_of(entry: dict[str, Any], capsules: int) -> int:
     if type(capsule) is not int or not 0 <= capsule < capsules:
         raise Fault("a direction belongs to no capsule")
     return capsule
-
-
-def _start(plane: Plane) -> Fraction:
-    return plane.start

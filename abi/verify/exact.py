@@ -224,12 +224,8 @@ def _blossom(
     degree, points = len(arguments), list(control)
     for level, at in enumerate(arguments, start=1):
         for i in range(degree, level - 1, -1):
-            k = span - degree + i
-            share = (at - knots[k]) / (knots[k + degree + 1 - level] - knots[k])
-            points[i] = _interpolate(points[i - 1], points[i], share)
+            first, last = knots[span - degree + i], knots[span + i + 1 - level]
+            share = (at - first) / (last - first)
+            x, y, z = ((1 - share) * points[i - 1][k] + share * points[i][k] for k in range(3))
+            points[i] = x, y, z
     return points[degree]
-
-
-def _interpolate(a: Vec3, b: Vec3, share: Fraction) -> Vec3:
-    x, y, z = ((1 - share) * a[k] + share * b[k] for k in range(3))
-    return x, y, z

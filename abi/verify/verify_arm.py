@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import partial
-from typing import Any
+from typing import Any, get_args
 
 from abi.scene.scene import Scene
 from abi.verify.certificate import ARM, CapsuleKey, Plane, capsule_of, claimed_margin, planes_of
@@ -23,7 +23,7 @@ from abi.verify.exact import (
     times_length,
     vector,
 )
-from abi.verify.exact_arm import ExactArm, ExactCapsule, ExactPose
+from abi.verify.exact_arm import Body, ExactArm, ExactCapsule, ExactPose
 from abi.verify.exact_mesh import ExactMesh
 from abi.verify.exact_slide import ExactSlide, ExactTiming, anywhere, moving
 from abi.verify.fault import Fault
@@ -32,7 +32,7 @@ from abi.verify.plan_fields import finite, list_of, mapping
 from abi.verify.sides import check_apart
 from abi.verify.tool_path import check_ends, check_tool, point_at
 
-_BODIES = ("column", "upper_arm", "forearm", "slide")
+_BODIES: tuple[Body, ...] = get_args(Body)
 _UPRIGHT = (1.0, 0.0, 0.0, 0.0)
 
 
