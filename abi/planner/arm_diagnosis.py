@@ -123,7 +123,8 @@ def _past(
     them just past all that the arm sweeps in it, the nearest first.
     """
     for number, obstacle in enumerate(scene.obstacles):
-        plan = what_if.plan_past("arm", obstacles=_all_but(scene, number))
+        others = scene.obstacles[:number] + scene.obstacles[number + 1 :]
+        plan = what_if.plan_past("arm", obstacles=others)
         if plan is None or plan.motion is None or plan.arm is None:
             continue
         without[number] = plan
@@ -153,10 +154,6 @@ def _with_moved(scene: Scene, number: int, place: list[float]) -> list[Any]:
     data = [obstacle.model_dump(mode="json") for obstacle in scene.obstacles]
     data[number]["position"] = place
     return data
-
-
-def _all_but(scene: Scene, left_out: int) -> list[Any]:
-    return [one for k, one in enumerate(scene.obstacles) if k != left_out]
 
 
 def _places(scene: Scene, plan: Plan, error: ArmNotClear) -> FloatArray:

@@ -50,7 +50,8 @@ def limits_warning(plan: Plan) -> str:
     passed = [one for one in plan.limits_passed if one.quantity != "position"]
     if plan.motion is None or not passed:
         return ""
-    worst = max(passed, key=_excess)
+    # the drives' own limits before the acceleration asked for
+    worst = max(passed, key=lambda one: (one.quantity != "acceleration", one.value / one.limit))
     others = f" {len(passed)} limits are passed in all." if len(passed) > 1 else ""
     hint = "Lower motion.joint_acceleration or motion.speed."
     if plan.scene.motion.law == "three_phase":
@@ -80,8 +81,3 @@ def _quantity(number: float, quantity: str, unit: str) -> str:
     if quantity == "torque":
         return f"{text} {'N' if unit else 'N·m'}"
     return f"{text} {unit or 'rad'}/s{'²' if quantity == 'acceleration' else ''}"
-
-
-def _excess(violation: Violation) -> tuple[bool, float]:
-    """Sort key: the drives' own limits before the acceleration asked for."""
-    return violation.quantity != "acceleration", violation.value / violation.limit

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from abi.scene.scene import Scene
-from abi.scene.settings import MeshSettings
 
 FRAME_MS = 1000 / 60
 LEAST_NODES = 5_000
@@ -38,7 +37,8 @@ class NodeBudget:
         if scene.mesh.node_count(scene.workspace) <= self.nodes and not held:
             self._halvings = 0
             return None
-        meshes = [_halved(scene.mesh, times) for times in range(_MOST_HALVINGS)]
+        pitches = [scene.mesh.pitch * _COARSER**times for times in range(_MOST_HALVINGS)]
+        meshes = [scene.mesh.model_copy(update={"pitch": pitch}) for pitch in pitches]
         counts = [mesh.node_count(scene.workspace) for mesh in meshes]
         last = _MOST_HALVINGS - 1
         fits = next((k for k, count in enumerate(counts) if count <= self.nodes), last)
@@ -73,8 +73,3 @@ class NodeBudget:
         return (
             last > 0 and counts[last] <= 1.3 * self.nodes and counts[last - 1] >= 0.7 * self.nodes
         )
-
-
-def _halved(mesh: MeshSettings, times: int) -> MeshSettings:
-    """Settings of a mesh whose number of nodes is halved so many times."""
-    return mesh.model_copy(update={"pitch": mesh.pitch * _COARSER**times})

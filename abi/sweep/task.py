@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import itertools
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -55,7 +54,8 @@ def tasks(study: Study, is_done: Callable[[str], bool]) -> tuple[list[Row], list
             if not is_done(key):
                 waiting.append((key, settings))
         plain, files = scene.to_dict(), scene.meshes.files
-        found += [Task(plain, files, plans) for plans in _batched(waiting)]
+        batches = [waiting[k : k + PLANS] for k in range(0, len(waiting), PLANS)]
+        found += [Task(plain, files, tuple(plans)) for plans in batches]
     return heads, found
 
 
@@ -75,13 +75,6 @@ def run(task: Task) -> list[Row]:
             found = {"complete": False, "error": type(error).__name__}
         rows.append({"key": key, **found, **versions()})
     return rows
-
-
-def _batched(
-    plans: list[tuple[str, dict[str, Any]]],
-) -> list[tuple[tuple[str, dict[str, Any]], ...]]:
-    rest = iter(plans)
-    return list(iter(lambda: tuple(itertools.islice(rest, PLANS)), ()))
 
 
 @functools.cache
