@@ -37,6 +37,12 @@ class _Capsule(NamedTuple):
     ends: tuple[Vec3, Vec3]
     radius: Fraction
 
+    def placed(self, frames: list[ExactFrame]) -> list[tuple[Vec3, Fraction]]:
+        """Ends in the world, each with a bound of its error along each axis."""
+        if self.frame < 0:
+            return [(end, Fraction(0)) for end in self.ends]
+        return [frames[self.frame].place(end) for end in self.ends]
+
 
 @dataclass(frozen=True, eq=False)
 class _Motion:
@@ -153,10 +159,8 @@ def _check_ends(motion: _Motion, scene: Scene) -> None:
     """Raise where the tool does not go from start to goal."""
     zero = Fraction(0), Fraction(0), Fraction(0)
     length = sum(sum(map(abs, origin)) for _, origin in motion.chain.origins[1:])
-    for name, row, point in (
-        ("start", motion.rows[0], scene.start),
-        ("goal", motion.rows[-1], scene.goal),
-    ):
+    rows, points = (motion.rows[0], motion.rows[-1]), (scene.start, scene.goal)
+    for name, row, point in zip(("start", "goal"), rows, points, strict=True):
         place, _ = motion.chain.place(row)[-1].place(zero)
         if max(map(abs, sub(place, vector(point)))) > _REACHED * length:
             raise Fault(f"the tool is not at the {name}")
@@ -168,11 +172,7 @@ def _check_outside(
     """Raise where a capsule, clear of all triangles, is inside a closed mesh."""
     frames = motion.chain.place(motion.rows[0])
     for capsule in capsules:
-        point = (
-            capsule.ends[0]
-            if capsule.frame < 0
-            else frames[capsule.frame].place(capsule.ends[0])[0]
-        )
+        point, _ = capsule.placed(frames)[0]
         for obstacle in obstacles:
             if isinstance(obstacle, ExactMesh) and obstacle.inside(point):
                 raise Fault(f"{capsule.link} is inside a mesh")
@@ -181,8 +181,7 @@ def _check_outside(
 def _range(frames: list[ExactFrame], capsule: _Capsule, normal: Vec3) -> tuple[Fraction, Fraction]:
     """Bounds of the products of a direction with a capsule's segment at a pose."""
     low, high = [], []
-    for end in capsule.ends:
-        place, error = (end, Fraction(0)) if capsule.frame < 0 else frames[capsule.frame].place(end)
+    for place, error in capsule.placed(frames):
         product, slack = dot(normal, place), error * sum(map(abs, normal))
         low.append(product - slack)
         high.append(product + slack)
