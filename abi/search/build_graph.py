@@ -108,7 +108,6 @@ def _graph(
         start=ids[0],
         goal=ids[1],
         free_nodes=free.nodes + len(own),
-        pitch=free.mesh.pitch,
     )
 
 

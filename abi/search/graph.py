@@ -44,7 +44,6 @@ class Graph(ShortRepr):
         start: node id.
         goal: node id.
         free_nodes: number of nodes that are not excluded, start and goal included.
-        pitch: pitch of the mesh, [unit].
     """
 
     mesh: TetMesh
@@ -58,7 +57,6 @@ class Graph(ShortRepr):
     start: int
     goal: int
     free_nodes: int
-    pitch: float
 
     @cached_property
     def points(self) -> FloatArray:

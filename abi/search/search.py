@@ -73,7 +73,7 @@ def search(algorithm: str, graph: Graph, weight: Weight) -> SearchResult:
     least = float(costs[graph.goal])
     if math.isinf(least):
         reached = np.flatnonzero(np.isfinite(costs)).astype(np.int32)
-        raise NoPath(reached, graph.free_nodes, graph.pitch)
+        raise NoPath(reached, graph.free_nodes, graph.mesh.pitch)
     vertices = reconstruct_path(parents, graph.goal)
     points = graph.places(vertices)
     edges = points[1:] - points[:-1]

@@ -41,7 +41,7 @@ class SearchOrderLayer(Layer):
             self._cloud.show(False)
             self._latest.show(False)
             return
-        pitch, points = plan.graph.pitch, plan.graph.points
+        pitch, points = plan.graph.mesh.pitch, plan.graph.points
         if result is None:
             nodes = _thinned(order)
             self._latest.show(False)
