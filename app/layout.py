@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import viser
 
-from app import page, style
+from app import style
 from app.overlay import Overlay
 
 TITLE = "ABI path planning"
@@ -50,7 +50,6 @@ class Layout:
     ) -> Layout:
         """Dock the two panels and add the right one's tabs."""
         gui = client.gui
-        page.set_title(client, "ABI visualiser")
         gui.set_panel_label(TITLE)
         gui.main_panel.dock_left()
         gui.main_panel.set_width(style.LEFT_WIDTH)

@@ -40,7 +40,7 @@ class Overlay:
         """Show HTML in a part; what a user may have typed must be escaped in it."""
         if self.shown.get(part, "") != content:
             self.shown[part] = content
-            page.show_part(self._client, part, unbroken(content))
+            page.call(self._client, "show", part, unbroken(content))
 
     def set_clock(self, time: float, end: float, playing: bool) -> None:
         """Show the motion's time and end, [s], in the player."""
@@ -48,7 +48,7 @@ class Overlay:
         # while it plays the page counts by itself
         if clock != self._clock and not (playing and clock[1:] == self._clock[1:]):
             self._clock = clock
-            page.set_clock(self._client, *clock)
+            page.call(self._client, "clock", *clock)
 
 
 def button(

@@ -8,9 +8,9 @@ import json
 import re
 import time
 import uuid as uuids
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import Executor, Future
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import viser
@@ -26,6 +26,35 @@ assert viser.__version__ == "1.1.1", "app/page.py uses private names of viser 1.
 SILENCE = 60.0
 """Seconds after which a file of which nothing more has come is taken for lost."""
 
+Function = Literal[
+    "clock",
+    "copyLink",
+    "follow",
+    "hearFiles",
+    "lecture",
+    "next",
+    "play",
+    "remember",
+    "rememberLessons",
+    "report",
+    "seek",
+    "show",
+    "stand",
+    "watch",
+]
+"""Function of the page."""
+
+_SLOTS: dict[Function, str] = {
+    "clock": "clock",
+    "follow": "bodies",
+    "lecture": "lecture",
+    "play": "motion",
+    "remember": "remember",
+    "seek": "moment",
+    "stand": "motion",
+}
+"""What a call tells, where it takes the place of one that has not been sent yet and tells the same;
+so does one of ``show`` for the same part."""
 _COMMENT = re.compile(r"(//.*|/\*[^*]*\*/)?")
 
 viser_shortcuts.install()
@@ -58,47 +87,25 @@ class _Event(asyncio.Event):
             super().set()
 
 
-def set_title(client: viser.ClientHandle, title: str) -> None:
-    """Name the browser tab."""
-    _run(client, f"document.title = {json.dumps(title)}")
-
-
 def install(client: viser.ClientHandle) -> None:
-    """Give the tab the functions that the others here call."""
+    """Give the tab its name, and the functions of :func:`call`."""
     buffer = client._websock_connection.get_message_buffer()
     buffer.message_event.__class__ = _Event
     client.gui._thread_executor = client.scene._thread_executor = _AtOnce()  # type: ignore[assignment]
+    _run(client, 'document.title = "ABI visualiser"')
     _run(client, _script())
 
 
-def ask(client: viser.ClientHandle, widget: viser.GuiTextHandle) -> None:
-    """Have the tab type a report on itself into ``widget``: see ``assets/page/page.js``."""
-    _run(client, f"abi.report({json.dumps(uuid(widget))})")
+def call(client: viser.ClientHandle, function: Function, *arguments: object) -> None:
+    """Have the tab call a function of ``assets/page``, which says there what it does.
 
-
-def watch(client: viser.ClientHandle, widget: viser.GuiTextHandle, label: str, plots: str) -> None:
-    """Have the tab type into ``widget`` what panels and text leave to the scene, at each change.
-
-    It says, too, whether the tab of the panels that is called ``plots`` has been opened. On a page
-    that is or becomes a phone's the tab folds the sheet with the panels, which has the heading
-    ``label``; viser has no command for that.
+    Args:
+        client: the tab.
+        function: name in ``abi``.
+        arguments: plain data.
     """
-    _run(client, f"abi.watch({json.dumps([uuid(widget), label, plots])})")
-
-
-def remember(client: viser.ClientHandle, text: str) -> None:
-    """Have the tab keep ``text`` for its next report, past reloads and this server's end."""
-    _run(client, f"abi.remember({json.dumps(text)})", "remember")
-
-
-def remember_lessons(client: viser.ClientHandle, text: str) -> None:
-    """Have the browser keep the progress in lessons for every tab to come."""
-    _run(client, f"abi.rememberLessons({json.dumps(text)})")
-
-
-def copy_link(client: viser.ClientHandle, state: str) -> None:
-    """Put a link that opens ``state``, as :mod:`app.tab_state` encodes it, on the clipboard."""
-    _run(client, f"abi.copyLink({json.dumps(state)})")
+    slot = f"show {arguments[0]}" if function == "show" else _SLOTS.get(function, "")
+    _run(client, f"abi.{function}({', '.join(map(json.dumps, arguments))})", slot)
 
 
 def uuid(
@@ -106,35 +113,6 @@ def uuid(
 ) -> str:
     """Name by which the page sets a widget."""
     return widget._impl.uuid
-
-
-def show_part(client: viser.ClientHandle, part: str, content: str) -> None:
-    """Show HTML in a part of the layer over the scene."""
-    _run(client, f"abi.show({json.dumps(part)}, {json.dumps(content)})", f"show {part}")
-
-
-def set_lecture(client: viser.ClientHandle, on: bool) -> None:
-    """Write in large letters over the scene, or as usual."""
-    _run(client, f"abi.lecture({json.dumps(on)})", "lecture")
-
-
-def set_clock(client: viser.ClientHandle, time: float, end: float, playing: bool) -> None:
-    """Show the motion's time and end, [s], in the layer over the scene."""
-    _run(client, f"abi.clock({time}, {end}, {json.dumps(playing)})", "clock")
-
-
-def next_file(client: viser.ClientHandle) -> None:
-    """Have the tab send the next of several files that were chosen at once."""
-    _run(client, "abi.next()")
-
-
-def hear_refusals(client: viser.ClientHandle, widget: viser.GuiTextHandle, most: int) -> None:
-    """Have the tab type into ``widget`` which files it does not send, as :mod:`app.refused_files`.
-
-    Those are files of another kind than a button takes, of more than ``most`` bytes, and those that
-    the browser cannot read.
-    """
-    _run(client, f"abi.hearFiles({json.dumps(uuid(widget))}, {most})")
 
 
 def on_arrival(
@@ -179,26 +157,6 @@ class _Arrivals:
         state = self._gui._current_file_upload_states.get(transfer)
         if state is not None:  # the tab is still there
             self._tell(state["filename"], None)
-
-
-def play(client: viser.ClientHandle, motion: Mapping[str, object]) -> None:
-    """Have the tab play a motion by its own clock: see ``assets/page/page.js`` for its fields."""
-    _run(client, f"abi.play({json.dumps(motion)})", "motion")
-
-
-def follow(client: viser.ClientHandle, bodies: Mapping[str, object] | None) -> None:
-    """Have the tab move bodies with the motion that it plays, or none any more."""
-    _run(client, f"abi.follow({json.dumps(bodies)})", "bodies")
-
-
-def seek(client: viser.ClientHandle, time: float) -> None:
-    """Have the tab go on at ``time`` [s] of the motion that it plays."""
-    _run(client, f"abi.seek({json.dumps(time)})", "moment")
-
-
-def stand(client: viser.ClientHandle, time: float) -> None:
-    """Have the tab stand still at ``time`` [s] of the motion that it plays."""
-    _run(client, f"abi.stand({json.dumps(time)})", "motion")
 
 
 def disable_sharing(server: viser.ViserServer) -> None:

@@ -93,7 +93,7 @@ class PageWatch:
         self._area: PageArea | None = None
         self._nudge = nudge
         self._box.on_update(self._hear)
-        page.watch(client, self._box, TITLE, PLOTS)
+        page.call(client, "watch", [page.uuid(self._box), TITLE, PLOTS])
 
     @property
     def plots(self) -> bool:

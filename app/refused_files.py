@@ -29,7 +29,7 @@ class RefusedFiles:
         self._client = client
         self._box = client.gui.add_text("refused", "", visible=False)
         self._box.on_update(self._tell)
-        page.hear_refusals(client, self._box, MAX_UPLOAD)
+        page.call(client, "hearFiles", page.uuid(self._box), MAX_UPLOAD)
 
     def _tell(self, event: object) -> None:
         refused = refusal(self._box.value)

@@ -52,7 +52,7 @@ class TabMemory:
         self._scene: object = None
         self._lessons = ""
         self._box.on_update(self._receive)
-        page.ask(client, self._box)
+        page.call(client, "report", page.uuid(self._box))
 
     def wait(self) -> None:
         """Wait for the report, but not for long."""
@@ -83,10 +83,10 @@ class TabMemory:
         if state.scene is not self._scene:
             self._scene = state.scene
             mesh_store.keep(state.scene.meshes.files)
-        page.remember(self._client, self._encoder.encode(state))
+        page.call(self._client, "remember", self._encoder.encode(state))
         if state.lessons != self._lessons:
             self._lessons = state.lessons
-            page.remember_lessons(self._client, state.lessons)
+            page.call(self._client, "rememberLessons", state.lessons)
 
     def _receive(self, event: object) -> None:
         self._arrived.set()

@@ -59,8 +59,9 @@ class ArmPlayback:
         rows = samples_of(motion)
         positions = values(motion.positions[rows]) if joints else motion.positions[rows]
         table = np.column_stack((motion.time[rows], positions)).astype("<f4")
-        page.play(
+        page.call(
             self._client,
+            "play",
             {
                 "samples": base64.b64encode(table.tobytes()).decode(),
                 "columns": table.shape[1],
@@ -74,14 +75,14 @@ class ArmPlayback:
 
     def seek(self, time: float) -> None:
         """Have the page go on at ``time`` [s] of the motion that it plays."""
-        page.seek(self._client, time)
+        page.call(self._client, "seek", time)
 
     def stop(self, time: float) -> bool:
         """Have the page stand still at ``time`` [s]; whether it played."""
         if self._playing is None:
             return False
         self._playing = None
-        page.stand(self._client, time)
+        page.call(self._client, "stand", time)
         return True
 
 

@@ -66,10 +66,10 @@ class GhostBodies:
             return
         self._following = places
         if places is None:
-            page.follow(self._client, None)
+            page.call(self._client, "follow", None)
             return
         table = base64.b64encode(places.astype("<f4").tobytes()).decode()
-        page.follow(self._client, {"names": names, "places": table})
+        page.call(self._client, "follow", {"names": names, "places": table})
 
     def _build(self, ends: FloatArray, radii: FloatArray) -> None:
         """Show a node for each capsule; they are the same as long as the shapes are."""

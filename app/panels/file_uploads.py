@@ -145,7 +145,7 @@ class FileUploads(Generic[_T]):
     def _receive(self, event: viser.GuiEvent[viser.GuiUploadButtonHandle]) -> None:
         file = event.target.value
         if event.client is not None and self._kind.several:
-            page.next_file(event.client)
+            page.call(event.client, "next")
         with self._lock:
             self._waiting.put((file, event))
             self._pending += 1

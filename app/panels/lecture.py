@@ -93,7 +93,7 @@ class Lecture:
             self._large = self.on
             for command in self._commands:
                 command.disabled = not self.on
-            page.set_lecture(self._layout.client, self.on)
+            page.call(self._layout.client, "lecture", self.on)
         content = self._strip() if self.on else ""
         # a lesson asks what the counters would tell
         if self.shows_search and not frame.lesson:

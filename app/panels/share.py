@@ -90,7 +90,7 @@ class SharePanel:
                 self._client, "Too much for a link", "Save the scene as a file instead."
             )
             return
-        page.copy_link(self._client, text)
+        page.call(self._client, "copyLink", text)
         told, seconds = "Paste it where you like: it opens what you see now.", 5.0
         if state.challenge:
             told = "Paste it where you like: who opens it sees the challenge over this scene."

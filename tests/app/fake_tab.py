@@ -11,10 +11,12 @@ from dataclasses import asdict
 from typing import Any, TypeVar
 
 import msgspec
+import pytest
 import viser
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import ClientConnection, connect
 
+from app import page
 from app.page_area import PageArea
 from app.session import Session
 from benchmarks.web_tab import CAMERA
@@ -38,6 +40,21 @@ def layer(session: Session, kind: type[_Layer]) -> _Layer:
     """The session's layer of that kind."""
     (match,) = (layer for layer in session._view.layers if isinstance(layer, kind))
     return match
+
+
+def heard(monkeypatch: pytest.MonkeyPatch, function: page.Function) -> list[Any]:
+    """Argument of each call of a page's function from now on, none of which is sent."""
+    calls: list[Any] = []
+    send = page.call
+
+    def call(client: viser.ClientHandle, name: page.Function, *arguments: object) -> None:
+        if name == function:
+            calls.extend(arguments)
+        else:
+            send(client, name, *arguments)
+
+    monkeypatch.setattr(page, "call", call)
+    return calls
 
 
 def open_plots(tab: FakeTab, session: Session) -> None:

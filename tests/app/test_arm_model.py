@@ -20,7 +20,6 @@ from abi.obstacles.pose import rotation
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.robot.robot_files import SHIPPED, load_robot, robot_from_archive
 from abi.scene.scene import Scene, load_scene
-from app import page
 from app.layers.arm import ArmLayer
 from app.layers.arm_ghosts import ArmGhostsLayer, _poses_of
 from app.layers.arm_nodes import JointNode
@@ -34,7 +33,7 @@ from app.session import Session
 from tests.abi.arm.test_chain import LINKED_BIT
 from tests.abi.robot.robots import arm, packed
 from tests.abi.robot.test_visuals import dae, looking
-from tests.app.fake_tab import FakeTab, layer, send_file, until
+from tests.app.fake_tab import FakeTab, heard, layer, send_file, until
 
 
 def panel(session: Session) -> ArmPanel:
@@ -198,8 +197,7 @@ def test_the_page_plays_an_arm_of_a_urdf_by_itself(
     tab: tuple[FakeTab, Session], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     fake, session = tab
-    sent: list[dict[str, Any]] = []
-    monkeypatch.setattr(page, "play", lambda client, motion: sent.append(motion))
+    sent = heard(monkeypatch, "play")
     compiling.compile()
     fake.set(session.panels.files.choice, "kitchen-ur5e")
     until(lambda: isinstance(planned_arm(session), UrdfArm) and session.resting)
@@ -247,8 +245,7 @@ def test_the_page_plays_the_other_poses_by_itself(
     tab: tuple[FakeTab, Session], monkeypatch: pytest.MonkeyPatch, name: str
 ) -> None:
     fake, session = tab
-    sent: list[Any] = []
-    monkeypatch.setattr(page, "follow", lambda client, bodies: sent.append(bodies))
+    sent = heard(monkeypatch, "follow")
     compiling.compile()
     scene = load_scene(name)
     fake.set(session.panels.files.choice, name)

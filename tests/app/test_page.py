@@ -27,9 +27,9 @@ def test_of_scripts_for_one_place_the_newest_waits(server: Server) -> None:
     with client.atomic():
         # nothing is sent before the block ends
         for number in range(100):
-            page.show_part(client, "tour", f"step {number}")
-            page.set_clock(client, float(number), 100.0, False)
-            page.next_file(client)
+            page.call(client, "show", "tour", f"step {number}")
+            page.call(client, "clock", float(number), 100.0, False)
+            page.call(client, "next")
         waiting = _waiting(client)
         assert sum(source.startswith('abi.show("tour"') for source in waiting) == 1
         assert any("step 99" in source for source in waiting)
@@ -42,8 +42,8 @@ def test_nothing_is_kept_of_a_script_that_was_sent(tab: tuple[FakeTab, Session])
     _, session = tab
     buffer = session.client._websock_connection.get_message_buffer()
     for number in range(50):
-        page.next_file(session.client)
-        page.show_part(session.client, "tour", str(number))
+        page.call(session.client, "next")
+        page.call(session.client, "show", "tour", str(number))
     until(functools.partial(_all_sent, session))
     until(lambda: not any("run" in str(key) for key in tuple(buffer.id_from_redundancy_key)))
 

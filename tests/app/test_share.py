@@ -12,7 +12,6 @@ from abi.arm.arm import Arm, place
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.scene.scene import Scene
-from app import page
 from app.challenge import GOALS, Challenge, challenge_of, parsed
 from app.frame import Frame
 from app.layers.motion_curves import acceleration, links_clearance, tool_clearance
@@ -20,7 +19,7 @@ from app.lessons.measures import value
 from app.panels.share import png
 from app.session import Session
 from app.tab_state import TabState
-from tests.app.fake_tab import FakeTab, until
+from tests.app.fake_tab import FakeTab, heard, until
 
 PAPER = load_scene("paper")
 
@@ -150,8 +149,7 @@ def test_a_link_opens_with_its_challenge(
     tab: tuple[FakeTab, Session], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     fake, session = tab
-    links: list[str] = []
-    monkeypatch.setattr(page, "copy_link", lambda client, text: links.append(text))
+    links = heard(monkeypatch, "copyLink")
     until(lambda: session.resting)
     fake.set(session.panels.share.goal, "keep the quadratic clear")
     fake.set(session.panels.share.challenge_link, True)

@@ -3,7 +3,6 @@ from __future__ import annotations
 import base64
 import json
 import math
-import threading
 import zlib
 from dataclasses import replace
 from typing import Any
@@ -16,13 +15,13 @@ from abi import assets
 from abi.errors import SceneError
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.scene.scene import load_scene, scene_names
-from app import page, tab_state
+from app import tab_state
 from app.camera import View
 from app.server import Server
 from app.session import Session
 from app.tab_memory import TabMemory
 from app.tab_state import LONGEST_LINK, StateEncoder, TabState
-from tests.app.fake_tab import FakeTab, until
+from tests.app.fake_tab import FakeTab, heard, until
 
 MESHES = MeshSource(folder=assets.path("scenes"))
 
@@ -103,27 +102,18 @@ def test_a_text_that_unpacks_to_much_is_refused() -> None:
         TabState.decode(base64.urlsafe_b64encode(packed).decode(), MESHES)
 
 
-def test_a_tab_shows_what_its_page_remembers(
-    server: Server, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_tab_shows_what_its_page_remembers(server: Server) -> None:
     """Also where the report is late, after the first plan."""
-    asked = threading.Event()
-    boxes: list[Any] = []
-
-    def ask(_: object, box: object) -> None:
-        boxes.append(box)
-        asked.set()
-
-    monkeypatch.setattr(page, "ask", ask)
     scene = load_scene("two-boxes").replace(spline={"degree": 3})
     view = View((9.0, -9.0, 9.0), (3.0, 3.0, 3.0), (0.0, 0.0, 1.0))
     state = TabState("two-boxes", scene, view, time=0.5, playing=False, shown=frozenset({"arm"}))
     fake = FakeTab(server.url)
-    assert asked.wait(20)
     until(lambda: len(server.sessions) == 1)
     (session,) = server.sessions.values()
     until(lambda: session.plan is not None)
-    fake.set(boxes[0], json.dumps({"state": state.encode(), "query": {}, "dark": False}))
+    fake.set(
+        session._memory._box, json.dumps({"state": state.encode(), "query": {}, "dark": False})
+    )
     until(lambda: session.plan is not None and session.plan.scene == scene)
     until(lambda: session.frame.time == 0.5)
     assert session.panels.files.choice.value == "two-boxes"
@@ -153,8 +143,7 @@ def test_only_what_changed_is_kept(
 ) -> None:
     _, session = tab
     session.close()  # its worker keeps states, too
-    texts: list[str] = []
-    monkeypatch.setattr(page, "remember", lambda _, text: texts.append(text))
+    texts = heard(monkeypatch, "remember")
     memory = TabMemory(session.client, session.wake)
     state = TabState("paper", load_scene("paper"))
     memory.keep(state, now=True)  # before the page has said what it remembers, which may be more
@@ -228,17 +217,13 @@ def test_a_state_before_that_is_too_much_is_left_out(monkeypatch: pytest.MonkeyP
     assert back == state.alone()
 
 
-def _reloaded(
-    server: Server, text: str, monkeypatch: pytest.MonkeyPatch
-) -> tuple[FakeTab, Session]:
+def _reloaded(server: Server, text: str) -> tuple[FakeTab, Session]:
     """A tab whose page remembers ``text``."""
-    boxes: list[Any] = []
-    monkeypatch.setattr(page, "ask", lambda _, box: boxes.append(box))
     fake = FakeTab(server.url)
-    until(lambda: len(server.sessions) == 1 and bool(boxes))
+    until(lambda: len(server.sessions) == 1)
     (session,) = server.sessions.values()
     until(lambda: session.plan is not None)
-    fake.set(boxes[0], json.dumps({"state": text, "query": {}, "dark": False}))
+    fake.set(session._memory._box, json.dumps({"state": text, "query": {}, "dark": False}))
     return fake, session
 
 
@@ -247,7 +232,7 @@ def test_after_a_reload_a_figure_still_leads_back(
 ) -> None:
     state = _with_before()
     assert state.before is not None
-    fake, session = _reloaded(server, state.encode(), monkeypatch)
+    fake, session = _reloaded(server, state.encode())
     until(lambda: session._scene == state.scene and session.resting)
     kept = session._state()
     assert kept.before == state.before
@@ -266,7 +251,7 @@ def test_after_a_reload_a_lesson_still_leads_back(
     server: Server, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     mine = load_scene("two-boxes").replace(spline={"degree": 3})
-    fake, session = _reloaded(server, TabState("two-boxes", mine).encode(), monkeypatch)
+    fake, session = _reloaded(server, TabState("two-boxes", mine).encode())
     until(lambda: session.plan is not None and session.plan.scene == mine and session.resting)
     lessons = session.panels.lessons
     until(lambda: len(lessons.choice.options) > 1)
@@ -276,7 +261,7 @@ def test_after_a_reload_a_lesson_still_leads_back(
     fake.close()
     until(lambda: not server.sessions)
 
-    fake, session = _reloaded(server, text, monkeypatch)
+    fake, session = _reloaded(server, text)
     until(lambda: session.panels.lessons.chosen and session.resting)
     fake.set(session.panels.lessons.choice, session.panels.lessons.choice.options[0])
     until(lambda: session.plan is not None and session.plan.scene == mine)
