@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import viser
 
 from abi.scene.lattices import LATTICES
 from abi.scene.scene import Scene
 from app.frame import Frame
-from app.panels.widgets import DIGITS, Choice, Wake, clamp
+from app.panels.fields import Fields
+from app.panels.widgets import Choice, Wake, clamp
 
 _LABELS = {kind.label: name for name, kind in LATTICES.items()}
 
@@ -21,10 +21,10 @@ class MeshPanel:
     def __init__(self, gui: viser.GuiApi, scene: Scene, wake: Wake) -> None:
         low, high, step = _pitch_range(scene)
         self.lattice = Choice(
-            gui, "grid type", _LABELS, "How the workspace is cut into tetrahedra.", wake
+            gui, "grid type", _LABELS, "How the workspace is cut into tetrahedra."
         )
         self.pitch = gui.add_slider(
-            f"spacing [{scene.unit}]",
+            "spacing [{unit}]",
             low,
             high,
             step,
@@ -38,29 +38,16 @@ class MeshPanel:
             step=1,
             hint="Another number gives another irregular grid.",
         )
-        self.pitch.precision = DIGITS
-        self.pitch.on_update(wake)
-        self.seed.on_update(wake)
+        widgets = {"lattice": self.lattice, "pitch": self.pitch, "seed": self.seed}
+        self._fields = Fields({f"mesh.{name}": one for name, one in widgets.items()}, wake)
+        self.read = self._fields.read
         self.write(scene)
-
-    def read(self) -> dict[str, Any]:
-        """Read the section as typed."""
-        return {
-            "mesh": {
-                "lattice": self.lattice.read(),
-                "pitch": self.pitch.value,
-                "seed": self.seed.value,
-            }
-        }
 
     def write(self, scene: Scene) -> None:
         """Show ``scene``."""
         low, high, step = _pitch_range(scene)
-        self.pitch.label = f"spacing [{scene.unit}]"
         self.pitch.min, self.pitch.max, self.pitch.step = low, high, step
-        self.lattice.write(scene.mesh.lattice)
-        self.pitch.value = scene.mesh.pitch
-        self.seed.value = scene.mesh.seed
+        self._fields.write(scene)
         self._show_seed(scene)
 
     def draw(self, frame: Frame) -> None:

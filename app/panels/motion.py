@@ -7,8 +7,9 @@ from typing import Any
 import viser
 
 from abi.scene.scene import Scene
+from app.panels.fields import Fields
 from app.panels.length_step import length_step
-from app.panels.widgets import DIGITS, Choice, Wake
+from app.panels.widgets import Choice, Wake
 
 FITS = {
     "paper's fit (may hit)": "least_squares",
@@ -40,14 +41,12 @@ class MotionPanel:
             FITS,
             "The paper's least-squares arc may enter an obstacle. The closest arc that does not, "
             "or several joined smoothly, stay clear.",
-            wake,
         )
         self.curve = Choice(
             gui,
             "arm follows",
             FOLLOWED,
             "The curve that the arm executes: the B-spline where the quadratic comes too close.",
-            wake,
         )
         self.law = Choice(
             gui,
@@ -55,13 +54,12 @@ class MotionPanel:
             LAWS,
             "The paper's three phases heed only the tool. The others also keep the joints within "
             "their speeds and accelerations.",
-            wake,
         )
         self.speed = gui.add_number(
-            "speed", 1.0, step=0.1, hint="Of the tool, once it has sped up."
+            "speed [{unit}/s]", 1.0, step=0.1, hint="Of the tool, once it has sped up."
         )
         self.rates = gui.add_vector2(
-            "speed up, brake",
+            "speed up, brake [{unit}/s²]",
             (1.0, 1.0),
             step=0.1,
             hint="Acceleration from rest, and deceleration to rest.",
@@ -69,49 +67,38 @@ class MotionPanel:
         self.joint_acceleration = gui.add_number(
             "joints [rad/s²]", 1.0, step=0.1, hint="Largest acceleration of any joint."
         )
-        self.jerk = gui.add_number("jerk", 1.0, step=1.0, hint="Largest jerk of the tool.")
+        self.jerk = gui.add_number(
+            "jerk [{unit}/s³]", 1.0, step=1.0, hint="Largest jerk of the tool."
+        )
         self._shown = ""
-        for box in (self.speed, self.rates, self.joint_acceleration, self.jerk):
-            box.precision = DIGITS
-            box.on_update(wake)
+        widgets = {
+            "quadratic.mode": self.fit,
+            "motion.curve": self.curve,
+            "motion.law": self.law,
+            "motion.speed": self.speed,
+            "motion.acceleration motion.deceleration": self.rates,
+            "motion.joint_acceleration": self.joint_acceleration,
+            "motion.jerk": self.jerk,
+        }
+        self._fields = Fields(widgets, wake)
         self.write(scene)
 
     def read(self) -> dict[str, Any]:
         """Read the sections as typed."""
         self._show_limits()
-        return {
-            "quadratic": {"mode": self.fit.read()},
-            "motion": {
-                "curve": self.curve.read(),
-                "speed": self.speed.value,
-                "acceleration": self.rates.value[0],
-                "deceleration": self.rates.value[1],
-                "law": self.law.read(),
-                "joint_acceleration": self.joint_acceleration.value,
-                "jerk": self.jerk.value,
-            },
-        }
+        return self._fields.read()
 
     def write(self, scene: Scene) -> None:
         """Show ``scene``."""
-        self.speed.label = f"speed [{scene.unit}/s]"
-        self.rates.label = f"speed up, brake [{scene.unit}/s²]"
         step = length_step(scene)
         self.speed.step = self.rates.step = step
         self.jerk.step = _JERK_STEPS * step
-        self.fit.write(scene.quadratic.mode)
-        self.curve.write(scene.motion.curve)
-        self.speed.value = scene.motion.speed
-        self.rates.value = (scene.motion.acceleration, scene.motion.deceleration)
-        self.jerk.label = f"jerk [{scene.unit}/s³]"
-        self.law.write(scene.motion.law)
-        self.joint_acceleration.value = scene.motion.joint_acceleration
-        self.jerk.value = scene.motion.jerk
+        self._fields.write(scene)
         self._show_limits()
 
     def _show_limits(self) -> None:
         """Show the boxes that the chosen law asks for."""
-        if (law := self.law.read()) == self._shown:
+        if (law := self.law.value) == self._shown:
             return
         self._shown = law
         self.speed.visible = self.rates.visible = law != "time_optimal"

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import viser
 
 from abi.scene.scene import Scene
 from app import style
 from app.frame import Frame
+from app.panels.fields import Fields
 from app.panels.widgets import Choice, Wake, clamp
 
 WEIGHTS = {"length": "length", "number of edges": "hops"}
@@ -24,7 +23,6 @@ class SearchPanel:
             "path used",
             ALGORITHMS,
             "All three searches run each time; this one's path becomes the curve.",
-            wake,
         )
         self.weight = Choice(
             gui,
@@ -32,7 +30,6 @@ class SearchPanel:
             WEIGHTS,
             "By number of edges, all searches find equally few edges, but of several such paths "
             "each may find another, of another length (the paper's Table I).",
-            wake,
         )
         self.taut = gui.add_checkbox(
             "straighten",
@@ -47,19 +44,11 @@ class SearchPanel:
             0,
             hint="In the order of the search: the first yellow, later ones blue, the latest red.",
         )
-        self.taut.on_update(wake)
+        widgets = {"algorithm": self.algorithm, "weight": self.weight, "taut": self.taut}
+        self._fields = Fields({f"search.{name}": one for name, one in widgets.items()}, wake)
+        self.read = self._fields.read
         self.shown.on_update(wake)
         self.write(scene)
-
-    def read(self) -> dict[str, Any]:
-        """Read the section as typed."""
-        return {
-            "search": {
-                "algorithm": self.algorithm.read(),
-                "weight": self.weight.read(),
-                "taut": self.taut.value,
-            }
-        }
 
     def visited(self) -> int:
         """Number of expanded nodes to draw."""
@@ -77,7 +66,5 @@ class SearchPanel:
 
     def write(self, scene: Scene) -> None:
         """Show ``scene``."""
-        self.algorithm.write(scene.search.algorithm)
-        self.weight.write(scene.search.weight)
-        self.taut.value = scene.search.taut
+        self._fields.write(scene)
         self.shown.value = 0  # of the search of another scene

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import viser
 
 from abi.scene.scene import Scene
-from app.panels.widgets import DIGITS, Wake, clamp
+from app.panels.fields import Fields
+from app.panels.widgets import Wake, clamp
 
 
 class SplinePanel:
@@ -24,29 +23,23 @@ class SplinePanel:
         )
         high = _max_clearance(scene)
         self.clearance = gui.add_slider(
-            f"clearance [{scene.unit}]",
+            "clearance [{unit}]",
             0.0,
             high,
             high / 100,
             clamp(scene.spline.clearance, 0.0, high),
             hint="Distance that path and curve keep from every obstacle.",
         )
-        self.clearance.precision = DIGITS
-        self.degree.on_update(wake)
-        self.clearance.on_update(wake)
+        widgets = {"spline.degree": self.degree, "spline.clearance": self.clearance}
+        self._fields = Fields(widgets, wake)
+        self.read = self._fields.read
         self.write(scene)
-
-    def read(self) -> dict[str, Any]:
-        """Read the section as typed."""
-        return {"spline": {"degree": self.degree.value, "clearance": self.clearance.value}}
 
     def write(self, scene: Scene) -> None:
         """Show ``scene``."""
         high = _max_clearance(scene)
-        self.clearance.label = f"clearance [{scene.unit}]"
         self.clearance.max, self.clearance.step = high, high / 100
-        self.degree.value = scene.spline.degree
-        self.clearance.value = scene.spline.clearance
+        self._fields.write(scene)
 
 
 def _max_clearance(scene: Scene) -> float:

@@ -82,18 +82,19 @@ class Choice:
     """Dropdown whose labels stand for a setting's values."""
 
     def __init__(
-        self, gui: viser.GuiApi, label: str, options: Mapping[str, str], hint: str, wake: Wake
+        self, gui: viser.GuiApi, label: str, options: Mapping[str, str], hint: str
     ) -> None:
-        self._options = options
+        self._options, self.label = options, label
         self.handle = gui.add_dropdown(label, tuple(options), hint=hint)
-        self.handle.on_update(wake)
+        self.on_update = self.handle.on_update
 
-    def read(self) -> str:
+    @property
+    def value(self) -> str:
         """The chosen value; a label that no option has, as it is, for the scene to refuse."""
         return self._options.get(self.handle.value, self.handle.value)
 
-    def write(self, value: str) -> None:
-        """Choose ``value``."""
+    @value.setter
+    def value(self, value: str) -> None:
         self.handle.value = label_of(self._options, value)
 
 

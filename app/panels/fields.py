@@ -1,0 +1,40 @@
+"""Fields of a scene, each with the widget that shows and sets it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from operator import attrgetter
+from typing import Any
+
+from abi.scene.scene import Scene
+from app.panels.widgets import DIGITS, Wake
+
+
+class Fields:
+    """Widgets by the names of their fields, ``section.field``; of several numbers, all in a row.
+
+    ``{unit}`` in a widget's label stands for the scene's unit of length.
+    """
+
+    def __init__(self, widgets: Mapping[str, Any], wake: Wake) -> None:
+        self._rows = [(names.split(), widget, widget.label) for names, widget in widgets.items()]
+        for _, widget, _ in self._rows:
+            widget.on_update(wake)
+            if isinstance(widget.value, float | tuple):
+                widget.precision = DIGITS
+
+    def read(self) -> dict[str, Any]:
+        """Read the sections as typed."""
+        sections: dict[str, Any] = {}
+        for names, widget, _ in self._rows:
+            values = widget.value if len(names) > 1 else (widget.value,)
+            for name, value in zip(names, values, strict=True):
+                section, field = name.split(".")
+                sections.setdefault(section, {})[field] = value
+        return sections
+
+    def write(self, scene: Scene) -> None:
+        """Show ``scene``."""
+        for names, widget, label in self._rows:
+            widget.label = label.replace("{unit}", scene.unit)
+            widget.value = attrgetter(*names)(scene)
