@@ -14,7 +14,7 @@ from abi.arrays import FloatArray
 from abi.planner.plan import Plan
 from app import style
 from app.frame import Frame, Layer
-from app.layers.time_plot import Lines, TimePlots, new_plot
+from app.layers.time_plot import Lines, TimePlots, new_plot, plotted_samples
 from app.layout import Layout
 from app.once_a_plan import once_a_plan
 from app.table import table
@@ -62,7 +62,7 @@ class JointRatesLayer(Layer):
         if self._made != (motion.joints, plan.scene.unit):
             self._make(motion.joints, motion.slides, plan.scene.unit)
         self._peaks.content = _peaks(plan)
-        samples = slice(None, None, max(1, len(motion.time) // 100))
+        samples = plotted_samples(motion)
         time = motion.time[samples]
         for name, values in (
             ("speeds", rates.speeds),

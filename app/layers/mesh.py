@@ -11,7 +11,7 @@ import viser
 from abi.planner.plan import Plan
 from abi.search.subset import Subset, fits, subset
 from app import glb, style
-from app.frame import Frame, Switch
+from app.frame import Frame, Layer, Switch
 from app.layers.points import Points
 from app.layout import Layout
 from app.numbers import format_setting
@@ -34,7 +34,7 @@ _FEW = 300
 _ARM_NOTE = ", or the arm would, with its tool there"
 
 
-class MeshLayer:
+class MeshLayer(Layer):
     """Edges as one line set, nodes as points, and a note with their counts."""
 
     switches: ClassVar[tuple[Switch, ...]] = (

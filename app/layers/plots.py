@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-from typing import ClassVar
 
 import numpy as np
 import viser
@@ -12,14 +11,14 @@ from abi.arm.arm import JOINTS
 from abi.arm.trajectory import ArmMotion
 from abi.planner.plan import Plan
 from app import style
-from app.frame import Frame, Switch
+from app.frame import Frame, Layer
 from app.layers.motion_curves import (
     acceleration,
     has_meshes,
     links_clearance,
     tool_clearance,
 )
-from app.layers.time_plot import TimePlots, new_plot
+from app.layers.time_plot import Lines, TimePlots, new_plot, plotted_samples
 from app.layout import Layout
 
 _JOINTS = ("q1 base", "q2 shoulder", "q3 elbow", "q4 wrist", "q5 slide", "q6 gripper")
@@ -30,42 +29,51 @@ _NO_MOTION = (
 _SPEED_HEIGHT = 130
 _AROUND = 71
 """Height of a plot's title and legend with the space around them, [px]."""
+_ALONG = tuple(zip("xyz", style.AXES, strict=True))
+_ANGLES = tuple((_JOINTS[i - 1], style.JOINTS[i - 1]) for i in (1, 2, 3, 4, 6))
+_PLOTS: dict[str, tuple[str, Lines, int]] = {
+    "speed": (
+        "speed of the tool, and along x, y, z [{}/s]",
+        (("speed", style.MARK), *_ALONG),
+        _SPEED_HEIGHT,
+    ),
+    "angles": ("joint angles [rad]", _ANGLES, 250),
+    "slide": ("slide [{}]", ((_JOINTS[4], style.JOINTS[4]),), 170),
+    "clearance": ("clearance of the arm [{}]", (("links to obstacles", style.MARK),), 170),
+    "tool": ("clearance of the tool [{}]", (("tool to obstacles", style.BSPLINE),), 170),
+    "acceleration": (
+        "acceleration of the tool [{}/s²]",
+        (("acceleration", style.MARK), *_ALONG),
+        190,
+    ),
+}
+"""Title of each plot, with ``{}`` for the unit of length, its lines, and its height, [px]."""
 
 
-class PlotsLayer:
+class PlotsLayer(Layer):
     """The speed plot in the result tab, the joints in their own."""
 
-    switches: ClassVar[tuple[Switch, ...]] = ()
-
     def __init__(self, layout: Layout) -> None:
-        gui, unit = layout.client.gui, layout.unit
-        speed = (("speed", style.MARK), *zip("xyz", style.AXES, strict=True))
-        angles = tuple((_JOINTS[i - 1], style.JOINTS[i - 1]) for i in (1, 2, 3, 4, 6))
+        gui, self._unit = layout.client.gui, layout.unit
+        self._layout = layout
         with layout.result:
             # as high as the plot: what is below is not to move under the hand
             notes = [gui.add_html(_NO_MOTION.format(_SPEED_HEIGHT + _AROUND), visible=False)]
-            self._speed = new_plot(gui, _speed_title(unit), speed, _SPEED_HEIGHT)
+            self._plots = {"speed": self._new_plot("speed")}
         with layout.plots:
             notes.append(gui.add_html(_NO_MOTION.format(40), visible=False))
-            self._angles = new_plot(gui, "joint angles [rad]", angles, 250)
-            self._slide = new_plot(gui, _slide_title(unit), ((_JOINTS[4], style.JOINTS[4]),), 170)
-            clear = (("links to obstacles", style.MARK),)
-            pulls = (("acceleration", style.MARK), *zip("xyz", style.AXES, strict=True))
-            tool = (("tool to obstacles", style.BSPLINE),)
-            self._clearance = new_plot(gui, _clearance_title(unit), clear, 170)
-            self._tool = new_plot(gui, _tool_title(unit), tool, 170)
-            self._pull = new_plot(gui, _pull_title(unit), pulls, 190)
-        self._unit = unit
+            self._plots |= {name: self._new_plot(name) for name in list(_PLOTS)[1:]}
         self._no_motion = notes
-        others = (self._angles, self._slide, self._clearance, self._tool, self._pull)
-        self._plots = (self._speed, *others)
-        self._layout = layout
         self._named: tuple[str, ...] = ()
         self._other: viser.GuiUplotHandle | None = None
         self._motion: object = self  # not that of the first plan, which may be None
         self._plotted: object = None
         self._resting: object = None
         self._shown = TimePlots()
+
+    def _new_plot(self, name: str) -> viser.GuiUplotHandle:
+        title, lines, height = _PLOTS[name]
+        return new_plot(self._layout.client.gui, title.format(self._unit), lines, height)
 
     def draw(self, frame: Frame) -> None:
         """Plot the plan's motion; nothing where there is none."""
@@ -88,55 +96,56 @@ class PlotsLayer:
         for note in self._no_motion:
             note.visible = motion is None
         if motion is None:
-            for plot in self._plots:
+            for plot in self._plots.values():
                 plot.visible = False
             return
         # a new title builds the chart anew, which then forgets its time axis
         if plan.scene.unit != self._unit:
             self._unit = plan.scene.unit
-            self._speed.title = _speed_title(self._unit)
-            self._slide.title = _slide_title(self._unit)
-            self._clearance.title = _clearance_title(self._unit)
-            self._tool.title = _tool_title(self._unit)
-            self._pull.title = _pull_title(self._unit)
-        velocity = motion.velocity[_samples(motion)]
+            for name, (title, _, _) in _PLOTS.items():
+                self._plots[name].title = title.format(self._unit)
+        samples = plotted_samples(motion)
+        velocity = motion.velocity[samples]
         speed = np.linalg.norm(velocity, axis=1)
-        self._shown.add(self._speed, motion.time[_samples(motion)], speed, *velocity.T)
+        self._shown.add(self._plots["speed"], motion.time[samples], speed, *velocity.T)
 
     def _add_joints(self, plan: Plan, motion: ArmMotion) -> None:
         """Add what is plotted in the plots' tab, except for what is slow."""
         self._plotted = motion
-        time, positions = motion.time[_samples(motion)], motion.positions[_samples(motion)]
+        samples = plotted_samples(motion)
+        time, positions = motion.time[samples], motion.positions[samples]
         if motion.joints == JOINTS:
-            self._shown.add(self._angles, time, *positions[:, [0, 1, 2, 3, 5]].T)
-            self._shown.add(self._slide, time, positions[:, 4])
+            self._shown.add(self._plots["angles"], time, *positions[:, [0, 1, 2, 3, 5]].T)
+            self._shown.add(self._plots["slide"], time, positions[:, 4])
         else:
-            self._angles.visible = self._slide.visible = False
+            self._plots["angles"].visible = self._plots["slide"].visible = False
             others = self._others(motion, plan.scene.unit)
             self._shown.add(others, time, *positions.T)
         if plan.arm_clearance is None or plan.arm_clearance.obstacle < 0:
-            self._clearance.visible = False
+            self._plots["clearance"].visible = False
         elif not has_meshes(plan):
             self._add_clearance(plan, motion)
 
     def _add_slow(self, plan: Plan, motion: ArmMotion) -> None:
         """Add what is plotted once the hand rests."""
         self._resting = motion
-        time = motion.time[_samples(motion)]
-        self._shown.add(self._pull, time, *acceleration(plan)[_samples(motion)].T)
+        samples = plotted_samples(motion)
+        time = motion.time[samples]
+        self._shown.add(self._plots["acceleration"], time, *acceleration(plan)[samples].T)
         if has_meshes(plan):
             self._add_clearance(plan, motion)
         distances = tool_clearance(plan)
         if distances is None:
-            self._tool.visible = False
+            self._plots["tool"].visible = False
         else:
-            self._shown.add(self._tool, time, distances[_samples(motion)])
+            self._shown.add(self._plots["tool"], time, distances[samples])
 
     def _add_clearance(self, plan: Plan, motion: ArmMotion) -> None:
         """Add the clearance of the arm, which takes a while where there are meshes."""
-        distances = links_clearance(plan, _samples(motion).step)
+        samples = plotted_samples(motion)
+        distances = links_clearance(plan, samples.step)
         if distances is not None:
-            self._shown.add(self._clearance, motion.time[_samples(motion)], distances)
+            self._shown.add(self._plots["clearance"], motion.time[samples], distances)
 
     def _others(self, motion: ArmMotion, unit: str) -> viser.GuiUplotHandle:
         """The plot of a motion's joints, made anew where names or units are others."""
@@ -152,32 +161,7 @@ class PlotsLayer:
         return self._other
 
 
-def _samples(motion: ArmMotion) -> slice:
-    """About a hundred of a motion's samples."""
-    return slice(None, None, max(1, len(motion.time) // 100))
-
-
 def _joints_title(motion: ArmMotion, unit: str) -> str:
     """Title with the units of the joints: turning ones in radians, sliding ones in the scene's."""
     units = [*(["rad"] if not all(motion.slides) else []), *([unit] if any(motion.slides) else [])]
     return f"joint positions [{', '.join(units)}]"
-
-
-def _speed_title(unit: str) -> str:
-    return f"speed of the tool, and along x, y, z [{unit}/s]"
-
-
-def _slide_title(unit: str) -> str:
-    return f"slide [{unit}]"
-
-
-def _tool_title(unit: str) -> str:
-    return f"clearance of the tool [{unit}]"
-
-
-def _pull_title(unit: str) -> str:
-    return f"acceleration of the tool [{unit}/s²]"
-
-
-def _clearance_title(unit: str) -> str:
-    return f"clearance of the arm [{unit}]"

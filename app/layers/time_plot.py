@@ -9,6 +9,7 @@ import numpy as np
 import viser
 from viser import uplot
 
+from abi.arm.trajectory import ArmMotion
 from abi.arrays import FloatArray
 from app import page, style
 
@@ -52,6 +53,11 @@ class TimePlots:
         for handle, (times, *series) in self._waiting:
             _show(handle, times, series)
         self._next, self._waiting = now + PERIOD, ()
+
+
+def plotted_samples(motion: ArmMotion) -> slice:
+    """About a hundred of a motion's samples."""
+    return slice(None, None, max(1, len(motion.time) // 100))
 
 
 def new_plot(gui: viser.GuiApi, title: str, lines: Lines, height: int) -> viser.GuiUplotHandle:

@@ -181,7 +181,7 @@ def test_a_plot_has_its_data_once_and_before_it_is_shown(tab: tuple[FakeTab, Ses
     layout = replace(session.panels.layout, result=one, plots=one)
     layer = PlotsLayer(layout)
     updates: list[tuple[object, str]] = []
-    for plot in layer._plots:
+    for plot in layer._plots.values():
         object.__setattr__(
             plot, "_queue_update", lambda name, _, of=plot: updates.append((of, name))
         )
@@ -190,7 +190,7 @@ def test_a_plot_has_its_data_once_and_before_it_is_shown(tab: tuple[FakeTab, Ses
     layer.draw(Frame(result, interactive=True))
     layer.draw(Frame(result, plots=True))
     layer.draw(Frame(result, plots=True, time=0.5))
-    for plot in layer._plots:
+    for plot in layer._plots.values():
         # the page itself marks the time
         assert [name for of, name in updates if of is plot] == ["data", "visible"]
         assert plot.visible

@@ -282,7 +282,7 @@ def test_a_fitted_mesh_fits_in_any_unit_of_its_file(
 @pytest.mark.slow
 def test_plots_are_there_when_there_is_motion(tab: tuple[FakeTab, Session]) -> None:
     fake, session = tab
-    plots: list[viser.GuiUplotHandle] = list(layer(session, PlotsLayer)._plots)
+    plots: list[viser.GuiUplotHandle] = list(layer(session, PlotsLayer)._plots.values())
     until(lambda: session.resting)
     assert [plot.visible for plot in plots] == [True] + 5 * [False]
     open_plots(fake, session)
