@@ -18,6 +18,8 @@ _Id: TypeAlias = Annotated[str, msgspec.Meta(max_length=64)]
 _Name: TypeAlias = Annotated[str, msgspec.Meta(max_length=256)]
 _Text: TypeAlias = Annotated[str, msgspec.Meta(max_length=1_000_000)]
 _Pixels: TypeAlias = Annotated[float, msgspec.Meta(ge=0, le=100_000)]
+_Instance: TypeAlias = Annotated[int, msgspec.Meta(ge=0, le=10_000_000)] | None
+_Modifier: TypeAlias = Annotated[str, msgspec.Meta(max_length=32)] | None
 _Vec2: TypeAlias = tuple[float, float]
 _Vec3: TypeAlias = tuple[float, float, float]
 _Quaternion: TypeAlias = tuple[float, float, float, float]
@@ -25,6 +27,13 @@ _Quaternion: TypeAlias = tuple[float, float, float, float]
 
 class _Message(msgspec.Struct, tag_field="type", forbid_unknown_fields=True, frozen=True):
     """Fields of one message; one more or one less is refused."""
+
+
+class _NodeMessage(_Message, frozen=True):
+    """Fields of one on a node of the scene."""
+
+    name: _Name
+    owner: _Id
 
 
 class Camera(_Message, frozen=True, tag="ViewerCameraMessage"):
@@ -54,39 +63,29 @@ class WidgetUpdate(_Message, frozen=True, tag="GuiUpdateMessage"):
     updates: Value
 
 
-class GizmoUpdate(_Message, frozen=True, tag="TransformControlsUpdateMessage"):
+class GizmoUpdate(_NodeMessage, frozen=True, tag="TransformControlsUpdateMessage"):
     """A gizmo was moved."""
 
-    name: _Name
     wxyz: _Quaternion
     position: _Vec3
-    owner: _Id
 
 
-class GizmoDragStart(_Message, frozen=True, tag="TransformControlsDragStartMessage"):
+class GizmoDragStart(_NodeMessage, frozen=True, tag="TransformControlsDragStartMessage"):
     """A gizmo was taken."""
 
-    name: _Name
-    owner: _Id
 
-
-class GizmoDragEnd(_Message, frozen=True, tag="TransformControlsDragEndMessage"):
+class GizmoDragEnd(_NodeMessage, frozen=True, tag="TransformControlsDragEndMessage"):
     """A gizmo was let go."""
 
-    name: _Name
-    owner: _Id
 
-
-class NodeClick(_Message, frozen=True, tag="SceneNodeClickMessage"):
+class NodeClick(_NodeMessage, frozen=True, tag="SceneNodeClickMessage"):
     """Something in the scene was clicked."""
 
-    name: _Name
-    instance_index: Annotated[int, msgspec.Meta(ge=0, le=10_000_000)] | None
+    instance_index: _Instance
     ray_origin: _Vec3
     ray_direction: _Vec3
     screen_pos: _Vec2
-    modifier: Annotated[str, msgspec.Meta(max_length=32)] | None
-    owner: _Id
+    modifier: _Modifier
 
 
 class ScenePointer(_Message, frozen=True, tag="ScenePointerMessage"):
@@ -96,22 +95,20 @@ class ScenePointer(_Message, frozen=True, tag="ScenePointerMessage"):
     ray_origin: _Vec3
     ray_direction: _Vec3
     screen_pos: tuple[_Vec2]
-    modifier: Annotated[str, msgspec.Meta(max_length=32)] | None
+    modifier: _Modifier
 
 
-class NodeDrag(_Message, frozen=True, tag="SceneNodeDragMessage"):
+class NodeDrag(_NodeMessage, frozen=True, tag="SceneNodeDragMessage"):
     """Something in the scene was dragged by its body."""
 
     phase: Literal["start", "update", "end"]
-    name: _Name
-    instance_index: Annotated[int, msgspec.Meta(ge=0, le=10_000_000)] | None
+    instance_index: _Instance
     start_position: _Vec3
     start_screen_pos: _Vec2
     end_position: _Vec3
     end_screen_pos: _Vec2
     button: Literal["left", "middle", "right"]
-    modifier: Annotated[str, msgspec.Meta(max_length=32)] | None
-    owner: _Id
+    modifier: _Modifier
 
 
 class UploadStart(_Message, frozen=True, tag="FileTransferStartUpload"):
