@@ -128,7 +128,11 @@ def serve(
     remove_abandoned()
     policy = _policy(host, **visitors)
     helpers = _workers(workers, classroom)
-    room = _classroom() if classroom else None
+    room = None
+    if classroom:
+        from app.classroom import Classroom
+
+        room = Classroom()
     announce = functools.partial(_announce, open_tab, room)
     address = Address(host, port, helpers.seats, helpers.porter)
     if joins is not None:
@@ -144,7 +148,9 @@ def serve(
             announce(server.link)
         # a signal that came to another thread is heard at the next turn
         while not ended.wait(_PERIOD):
-            _measure_memory()
+            from app import metrics  # by now the page has been sent
+
+            metrics.measure_memory()  # for the process that answers for all
     except KeyboardInterrupt:
         click.echo()
     finally:
@@ -155,13 +161,6 @@ def serve(
 def _end(ended: threading.Event, number: int, frame: FrameType | None) -> None:
     """End as Ctrl+C does: the tabs are told, and the exit code is 0."""
     ended.set()
-
-
-def _measure_memory() -> None:
-    """Note it for the process that answers for all."""
-    from app import metrics  # by now the page has been sent
-
-    metrics.measure_memory()
 
 
 def _tell_nobody(link: str) -> None:
@@ -203,12 +202,6 @@ def _policy(
     if token is not None and not (0 < len(token) <= 200 and token.isprintable()):
         raise click.UsageError("--token must have 1 to 200 characters that can be printed.")
     return policy_for(host, token, not no_token, origin, embed_in, max_tabs)
-
-
-def _classroom() -> Classroom:
-    from app.classroom import Classroom
-
-    return Classroom()
 
 
 def _announce(open_tab: bool, room: Classroom | None, link: str) -> None:
