@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
+from typing import Annotated, TypeAlias
 
+import msgspec
 import viser
 
 from app import page
 from app.layout import PLOTS, TITLE
 
-_MOST = 100_000.0
-"""Longest side of a page, [px]."""
+_Pixels: TypeAlias = Annotated[float, msgspec.Meta(ge=0, le=100_000)]
+_Part: TypeAlias = Annotated[float, msgspec.Meta(ge=0, le=1)]
 _USUAL = 12.0
 """Height of the letters of a label of scale 1, [px]: viser's."""
 _LETTERS = (0.036, 0.03)
@@ -36,12 +37,12 @@ class PageArea:
         plots: whether the tab with the plots has been opened.
     """
 
-    width: float = 1280.0
-    height: float = 720.0
-    left: float = 0.0
-    right: float = 0.0
-    above: float = 0.0
-    below: float = 0.0
+    width: _Pixels = 1280.0
+    height: _Pixels = 720.0
+    left: _Pixels = 0.0
+    right: _Pixels = 0.0
+    above: _Part = 0.0
+    below: _Part = 0.0
     hidden: bool = False
     plots: bool = False
 
@@ -54,20 +55,9 @@ class PageArea:
     def of(cls, text: object) -> PageArea | None:
         """The area of a text, which a hostile page may have written; None of any other text."""
         try:
-            data = json.loads(str(text))
-            numbers = {name: float(data[name]) for name in _NUMBERS}
-            hidden, plots = bool(data["hidden"]), bool(data["plots"])
-        except (ValueError, TypeError, KeyError, RecursionError):
+            return msgspec.json.decode(str(text), type=cls, strict=False)
+        except (msgspec.MsgspecError, UnicodeError, RecursionError):
             return None
-        area = cls(**numbers, hidden=hidden, plots=plots)
-        sizes = (area.width, area.height, area.left, area.right)
-        if not all(0 <= size <= _MOST for size in sizes):
-            return None
-        covered = (area.above, area.below)
-        return area if all(0 <= part <= 1 for part in covered) else None
-
-
-_NUMBERS = tuple(field.name for field in fields(PageArea) if field.name not in ("hidden", "plots"))
 
 
 def label_scale(area: PageArea | None, lecture: bool) -> float:
