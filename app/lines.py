@@ -47,8 +47,7 @@ def segments(points: FloatArray) -> Segments:
 
 def dashes(points: FloatArray, length: float) -> Segments:
     """(n, 3) points of a polyline as dashes of ``length`` with gaps 0.7 times as long."""
-    steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
-    arc = np.concatenate(([0.0], np.cumsum(steps)))
+    arc = _arc(points)
     if len(points) < 2 or arc[-1] <= 0:
         return segments(points)
     period = 1.7 * length
@@ -58,9 +57,21 @@ def dashes(points: FloatArray, length: float) -> Segments:
     places = np.sort(np.concatenate((starts, ends, arc[1:-1])))
     middles = (places[:-1] + places[1:]) / 2
     drawn = (middles % period < length) & (np.diff(places) > 0)
-    return np.asarray(segments(_points_at(points, arc, places))[drawn])
+    return np.asarray(segments(rows_at(places, arc, points))[drawn])
 
 
-def _points_at(points: FloatArray, arc: FloatArray, lengths: FloatArray) -> FloatArray:
-    """Points (m, 3) at arc lengths (m,) of the polyline."""
-    return np.stack([np.interp(lengths, arc, points[:, i]) for i in range(3)], axis=1)
+def points_at(points: FloatArray, parts: FloatArray) -> FloatArray:
+    """Points (m, 3) of a polyline (n, 3) at parts (m,) of its length."""
+    arc = _arc(points)
+    return rows_at(parts * arc[-1], arc, points)
+
+
+def rows_at(places: FloatArray | float, known: FloatArray, rows: FloatArray) -> FloatArray:
+    """Rows (m, k) at places (m,), or (k,) at one, straight between those (n, k) at (n,) known."""
+    return np.stack([np.interp(places, known, column) for column in rows.T], axis=-1)
+
+
+def _arc(points: FloatArray) -> FloatArray:
+    """Length of a polyline (n, 3) up to each of its points, (n,)."""
+    steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    return np.concatenate(([0.0], np.cumsum(steps)))

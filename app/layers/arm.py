@@ -21,7 +21,7 @@ from app.layers.arm_playback import ArmPlayback, samples_of
 from app.layers.paper_arm import PaperArmNodes
 from app.layers.urdf_arm import UrdfArmNodes
 from app.layout import Layout
-from app.lines import NO_SEGMENTS, Segments, add_line, segments
+from app.lines import NO_SEGMENTS, Segments, add_line, rows_at, segments
 
 _KINDS: dict[type[AnyArm], Callable[[viser.SceneApi], ArmNodes]] = {
     Arm: PaperArmNodes,
@@ -105,7 +105,7 @@ class ArmLayer(Layer):
                 self._move(self._nodes.rest_pose(plan))
             return
         if plan.arm is self._arm:
-            self._move(np.array([np.interp(time, motion.time, q) for q in motion.positions.T]))
+            self._move(rows_at(time, motion.time, motion.positions))
         count = int(np.searchsorted(motion.time, time, side="right"))
         if self._traced != (motion, count):
             self._traced = (motion, count)

@@ -18,7 +18,7 @@ from app.layers.arm_playback import samples_of
 from app.layers.ghost_bodies import GhostBodies, places_of
 from app.layers.urdf_poses import OtherPoses, end_pose, other_courses, other_poses
 from app.layout import Layout
-from app.lines import NO_SEGMENTS, add_line, dashes, parameters
+from app.lines import NO_SEGMENTS, add_line, dashes, parameters, rows_at
 from app.once_a_plan import once_a_plan
 
 _SAMPLES = 120
@@ -121,7 +121,7 @@ def _tool_at(plan: Plan, time: float) -> FloatArray:
     motion = plan.motion
     if motion is None:
         return np.array(plan.scene.start)
-    return np.array([np.interp(time, motion.time, column) for column in motion.tool.T])
+    return rows_at(time, motion.time, motion.tool)
 
 
 @once_a_plan

@@ -8,12 +8,13 @@ import numpy as np
 
 from abi.arrays import FloatArray
 from abi.obstacles.obstacle_set import ObstacleSet
+from abi.obstacles.pose import Vec3
 from abi.planner.plan import Plan
 from app import style
 from app.frame import Frame, Layer, Switch
 from app.framing import axes
 from app.layout import Layout
-from app.lines import add_line, parameters, segments
+from app.lines import add_line, parameters, points_at, segments
 from app.numbers import distance_to_show, format_lower_bound
 from app.once_a_plan import once_a_plan
 
@@ -40,8 +41,7 @@ _WIDE = 3.0
 _UPRIGHT = 1e-3
 """Slope below which a camera that looks down is taken for one that leans a little."""
 
-Triple = tuple[float, float, float]
-_View = tuple[Triple, Triple]
+_View = tuple[Vec3, Vec3]
 """Position and target of a camera, [unit], world."""
 
 
@@ -90,7 +90,7 @@ class NamesLayer(Layer):
             self._places = _apart(plan, view)
         for name, points in lines.items():
             self._labels[name].text = _title(plan, name)
-            self._labels[name].position = _points_at(points, np.array([self._places[name]]))[0]
+            self._labels[name].position = points_at(points, np.array([self._places[name]]))[0]
 
     def _draw_distance(self, plan: Plan, nearest: FloatArray | None) -> None:
         self._measured = nearest is not None
@@ -152,7 +152,7 @@ def _apart(plan: Plan, view: _View) -> dict[str, float]:
     others += [] if nearest is None else list(nearest)
     places = {}
     for name, points in _lines(plan).items():
-        candidates = _points_at(points, _PLACES[name])
+        candidates = points_at(points, _PLACES[name])
         away = pictured(candidates, *view)[:, None] - pictured(np.array(others), *view)
         room = np.linalg.norm(away, axis=2).min(axis=1)
         best = int(np.argmax(room))
@@ -161,7 +161,7 @@ def _apart(plan: Plan, view: _View) -> dict[str, float]:
     return places
 
 
-def pictured(points: FloatArray, eye: Triple, target: Triple) -> FloatArray:
+def pictured(points: FloatArray, eye: Vec3, target: Vec3) -> FloatArray:
     """Places (n, 2) of points as seen, with what is above each other farther apart, as words are.
 
     Args:
@@ -178,13 +178,6 @@ def pictured(points: FloatArray, eye: Triple, target: Triple) -> FloatArray:
     return picture
 
 
-def _rounded(place: FloatArray) -> Triple:
+def _rounded(place: FloatArray) -> Vec3:
     x, y, z = np.round(place, 3).tolist()
     return x, y, z
-
-
-def _points_at(points: FloatArray, parts: FloatArray) -> FloatArray:
-    """Points (m, 3) of a polyline (n, 3) at parts (m,) of its length."""
-    steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
-    arc = np.concatenate(([0.0], np.cumsum(steps)))
-    return np.stack([np.interp(parts * arc[-1], arc, axis) for axis in points.T], axis=1)

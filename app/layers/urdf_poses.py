@@ -13,6 +13,7 @@ from abi.arrays import FloatArray, read_only
 from abi.obstacles.pose import Vec3
 from abi.planner.plan import Plan
 from app.layers.arm_playback import samples_of
+from app.lines import rows_at
 from app.once_a_plan import once_a_plan
 
 _OTHERS = 4
@@ -64,7 +65,7 @@ def other_poses(plan: Plan, arm: UrdfArm, time: float) -> FloatArray:
     for other in other_courses(plan):
         at = int(np.searchsorted(other.time, time).clip(0, len(other.time) - 1))
         if other.missed[max(at - 1, 0) : at + 1].max() <= REACHED * arm.reach:
-            found.append([np.interp(time, other.time, row) for row in other.positions.T])
+            found.append(rows_at(time, other.time, other.positions))
     return np.array(found).reshape(len(found), len(arm.joints))
 
 

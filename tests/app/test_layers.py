@@ -23,10 +23,11 @@ from app.layers.arm import ArmLayer
 from app.layers.headline import headline
 from app.layers.markers import _are_reached
 from app.layers.mesh import MeshLayer
-from app.layers.names import NamesLayer, _apart, _lines, _nearest, _points_at, _rounded, pictured
+from app.layers.names import NamesLayer, _apart, _lines, _nearest, _rounded, pictured
 from app.layers.plots import PlotsLayer, _joints_title
 from app.layers.search_order import SearchOrderLayer
 from app.layers.workspace import WorkspaceLayer
+from app.lines import points_at
 from app.look import PLAIN
 from app.numbers import format_lower_bound
 from app.panels.base_offer import _may_help
@@ -95,7 +96,7 @@ def test_names_are_seen_apart_from_wherever_the_camera_looks(
     labels = [nearest.mean(axis=0), np.array(made.scene.start), np.array(made.scene.goal)]
     for name, place in _apart(made, view).items():
         if name in ("path", "bspline", "quadratic"):
-            labels.append(_points_at(lines[name], np.array([place]))[0])
+            labels.append(points_at(lines[name], np.array([place]))[0])
     seen = pictured(np.array(labels), *view)
     assert scipy.spatial.distance.pdist(seen).min() > 0.14  # the width of a word
 
