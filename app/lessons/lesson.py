@@ -12,13 +12,12 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_valida
 
 from abi import assets
 from abi.errors import AbiError, SceneError
+from abi.obstacles.pose import Vec3
 from abi.scene.scene import Scene, load_scene, scene_names
 from abi.scene.scene_file import parse
 from abi.search.compare import COMPARED
 from app.frame import Frame
 from app.lessons.measures import MEASURES, names_in, value
-
-Numbers3 = tuple[float, float, float]
 
 
 class _Part(BaseModel):
@@ -61,8 +60,8 @@ class Condition(_Part):
 class Camera(_Part):
     """Place of the eye and the point it looks at, [unit], world."""
 
-    position: Numbers3
-    target: Numbers3
+    position: Vec3
+    target: Vec3
 
 
 class SearchCue(_Part):

@@ -9,11 +9,12 @@ import numpy as np
 import viser
 
 from abi.arrays import FloatArray
+from abi.obstacles.pose import Vec3
 from abi.scene.scene import Scene
 from app import page, style
 from app.frame import Frame
 from app.numbers import format_setting
-from app.panels.widgets import Vec3, Wake, phase_holds
+from app.panels.widgets import Wake, phase_holds
 
 _ROUNDING = 1e-9
 """Part of the workspace's size."""

@@ -15,7 +15,7 @@ from viser.transforms import SO3
 from abi.arrays import FloatArray
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import Obstacle
-from abi.obstacles.pose import METRES
+from abi.obstacles.pose import METRES, Vec3
 from abi.obstacles.primitives import PRIMITIVES
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.obstacles.triangle_mesh.surface import Surface
@@ -30,7 +30,7 @@ from app.panels.mesh_note import MeshNote, fitted_scale
 from app.panels.mesh_uploads import add_mesh_uploads
 from app.panels.obstacle_gizmos import ObstacleGizmos
 from app.panels.obstacle_sizes import ObstacleSizes
-from app.panels.widgets import Vec3, VectorBox, Wake
+from app.panels.widgets import VectorBox, Wake
 
 _NONE = "none"
 _FORESEEN = "mesh.stl"

@@ -9,10 +9,10 @@ from typing import Any, TypeVar
 import viser
 
 from abi.errors import SceneError
+from abi.obstacles.pose import Vec3
 
 Wake = Callable[[Any], None]
 """Callback of every widget: it wakes the tab's worker."""
-Vec3 = tuple[float, float, float]
 _Value = TypeVar("_Value")
 
 DIGITS = 6
