@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Mapping, Sized
+from functools import partial
 from types import MappingProxyType
 from typing import Any
 
@@ -27,12 +28,8 @@ Measure = Callable[[Frame], float | None]
 _PLACE = re.compile(r"\{\{\s*([a-z_.0-9]+)\s*\}\}")
 
 
-def _at(path: str) -> Measure:
+def _number(path: str, frame: Frame) -> float | None:
     """The number, or how many there are, at a path of attributes from the frame on."""
-    return lambda frame: _number(frame, path)
-
-
-def _number(frame: Frame, path: str) -> float | None:
     found: Any = frame
     for name in path.split("."):
         if found is None:
@@ -43,12 +40,8 @@ def _number(frame: Frame, path: str) -> float | None:
     return None if found is None else float(found)
 
 
-def _of_search(name: str, attribute: str) -> Measure:
-    return lambda frame: _searched(frame.plan, name, attribute)
-
-
-def _searched(plan: Plan, name: str, attribute: str) -> float | None:
-    found: dict[str, SearchResult] = {result.algorithm: result for result in plan.searches}
+def _searched(name: str, attribute: str, frame: Frame) -> float | None:
+    found: dict[str, SearchResult] = {result.algorithm: result for result in frame.plan.searches}
     return float(getattr(found[name], attribute)) if name in found else None
 
 
@@ -82,61 +75,64 @@ def _axis_speed(plan: Plan, place: float) -> float | None:
     return float(np.linalg.norm(curve(np.array([first + place * (last - first)]), 1)[0]))
 
 
+def _phase(name: str, frame: Frame) -> float | None:
+    """Duration of one of a motion's three phases, [s]."""
+    return getattr(frame.plan.profile, name, None)
+
+
 MEASURES: Mapping[str, Measure] = MappingProxyType(
     {
-        "mesh.nodes": _at("plan.free.nodes"),
+        "mesh.nodes": partial(_number, "plan.free.nodes"),
         "mesh.excluded": lambda f: None if f.plan.free is None else int(f.plan.free.excluded.sum()),
-        "mesh.pitch": _at("plan.mesh.pitch"),
-        "graph.edges": _at("plan.graph.edge_count"),
-        "graph.crossing": _at("plan.graph.crossing"),
-        "path.length": _at("plan.path.length"),
-        "path.hops": _at("plan.path.hops"),
+        "mesh.pitch": partial(_number, "plan.mesh.pitch"),
+        "graph.edges": partial(_number, "plan.graph.edge_count"),
+        "graph.crossing": partial(_number, "plan.graph.crossing"),
+        "path.length": partial(_number, "plan.path.length"),
+        "path.hops": partial(_number, "plan.path.hops"),
         "path.gap": lambda f: None if f.plan.path is None else _gap(f.plan.path.length, f.plan),
         "path.clearance": lambda f: None if f.plan.path is None else f.plan.path_clearance,
         **{
-            f"{name}.{attribute}": _of_search(name, attribute)
+            f"{name}.{attribute}": partial(_searched, name, attribute)
             for name in ("a_star", "dijkstra", "bellman_ford")
             for attribute in ("length", "hops", "expanded", "relaxed")
         },
-        "taut.length": _at("plan.taut.length"),
+        "taut.length": partial(_number, "plan.taut.length"),
         "taut.gap": lambda f: None if f.plan.taut is None else _gap(f.plan.taut.length, f.plan),
         "optimum.length": lambda f: (
             f.plan.straight_length if f.plan.optimum is None else f.plan.optimum.length
         ),
-        "straight.length": _at("plan.straight_length"),
-        "clearance.wanted": _at("plan.scene.spline.clearance"),
-        "bspline.length": _at("plan.bspline_arc.length"),
-        "bspline.degree": _at("plan.scene.spline.degree"),
+        "straight.length": partial(_number, "plan.straight_length"),
+        "clearance.wanted": partial(_number, "plan.scene.spline.clearance"),
+        "bspline.length": partial(_number, "plan.bspline_arc.length"),
+        "bspline.degree": partial(_number, "plan.scene.spline.degree"),
         "bspline.clearance": lambda f: _clearance(f.plan, "bspline"),
-        "bspline.points": _at("plan.bspline.curve.control_points"),
-        "quadratic.length": _at("plan.quadratic_arc.length"),
+        "bspline.points": partial(_number, "plan.bspline.curve.control_points"),
+        "quadratic.length": partial(_number, "plan.quadratic_arc.length"),
         "quadratic.clearance": lambda f: _clearance(f.plan, "quadratic"),
-        "quadratic.clear": _at("plan.quadratic.holds"),
-        "quadratic.pieces": _at("plan.quadratic.curve.pieces"),
+        "quadratic.clear": partial(_number, "plan.quadratic.holds"),
+        "quadratic.pieces": partial(_number, "plan.quadratic.curve.pieces"),
         "quadratic.speed_first": lambda f: _axis_speed(f.plan, 0.0),
         "quadratic.speed_middle": lambda f: _axis_speed(f.plan, 0.5),
         "quadratic.speed_last": lambda f: _axis_speed(f.plan, 1.0),
-        "curve.length": _at("plan.followed_arc.length"),
-        "motion.speed": _at("plan.scene.motion.speed"),
-        "motion.a": _at("plan.scene.motion.acceleration"),
-        "motion.b": _at("plan.scene.motion.deceleration"),
-        "motion.t1": lambda f: getattr(f.plan.profile, "t1", None),
-        "motion.t2": lambda f: getattr(f.plan.profile, "t2", None),
-        "motion.t3": lambda f: getattr(f.plan.profile, "t3", None),
-        "motion.duration": _at("plan.profile.duration"),
-        "motion.peak": _at("plan.profile.peak_speed"),
-        "arm.clearance": _at("plan.arm_clearance.distance"),
-        "arm.reaches": _at("plan.motion.reachable"),
+        "curve.length": partial(_number, "plan.followed_arc.length"),
+        "motion.speed": partial(_number, "plan.scene.motion.speed"),
+        "motion.a": partial(_number, "plan.scene.motion.acceleration"),
+        "motion.b": partial(_number, "plan.scene.motion.deceleration"),
+        **{f"motion.{phase}": partial(_phase, phase) for phase in ("t1", "t2", "t3")},
+        "motion.duration": partial(_number, "plan.profile.duration"),
+        "motion.peak": partial(_number, "plan.profile.peak_speed"),
+        "arm.clearance": partial(_number, "plan.arm_clearance.distance"),
+        "arm.reaches": partial(_number, "plan.motion.reachable"),
         "plan.complete": lambda f: float(_is_complete(f.plan) and f.plan.is_arm_clear),
         "plan.tool_complete": lambda f: float(_is_complete(f.plan)),
-        "search.step": _at("theatre.state.step"),
-        "search.done": _at("theatre.state.done"),
-        "search.length": _at("theatre.state.trace.length"),
-        "search.cost": _at("theatre.state.trace.cost"),
+        "search.step": partial(_number, "theatre.state.step"),
+        "search.done": partial(_number, "theatre.state.done"),
+        "search.length": partial(_number, "theatre.state.trace.length"),
+        "search.cost": partial(_number, "theatre.state.trace.cost"),
         "search.cycle": lambda f: (
             None if f.theatre is None else float(len(f.theatre.state.trace.cycle) > 0)
         ),
-        "playback.time": _at("time"),
+        "playback.time": partial(_number, "time"),
     }
 )
 """The numbers by name."""
