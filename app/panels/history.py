@@ -41,12 +41,10 @@ class History:
         self.redo = hidden_button(gui, "Redo", self._step_forward)
         self._steps = 0
         self._wake = wake
-        undo = gui.add_command("Undo", hotkey="Z", modifier="cmd/ctrl")
-        undo.on_trigger(self._step_back)
+        gui.add_command("Undo", hotkey="Z", modifier="cmd/ctrl").on_trigger(self._step_back)
         redo = gui.add_command("Redo", hotkey="Z", modifier="cmd/ctrl+shift")
         redo.on_trigger(self._step_forward)
-        redo = gui.add_command("Redo (Y)", hotkey="Y", modifier="cmd/ctrl")
-        redo.on_trigger(self._step_forward)
+        gui.add_command("Redo (Y)", hotkey="Y", modifier="cmd/ctrl").on_trigger(self._step_forward)
 
     @property
     def noted(self) -> Scene:
