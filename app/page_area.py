@@ -56,7 +56,7 @@ class PageArea:
         """The area of a text, which a hostile page may have written; None of any other text."""
         try:
             return msgspec.json.decode(str(text), type=cls, strict=False)
-        except (msgspec.MsgspecError, UnicodeError, RecursionError):
+        except (msgspec.MsgspecError, ValueError, RecursionError):
             return None
 
 

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import json
 import threading
 import time
 from dataclasses import dataclass, field, replace
-from typing import Any
 
+import msgspec
 import viser
 
 from app import mesh_store, page
@@ -96,13 +95,7 @@ class TabMemory:
 def _parse(text: object) -> Report:
     """The report of a text, which a hostile page may have written."""
     try:
-        data: Any = json.loads(str(text))
-        query = data["query"]
-        return Report(
-            state=str(data["state"]),
-            query={str(name): str(value) for name, value in query.items()},
-            lessons=str(data.get("lessons", ""))[:MAX_PROGRESS],
-            dark=data["dark"] is True,
-        )
-    except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
+        report = msgspec.json.decode(str(text), type=Report)
+    except (msgspec.MsgspecError, ValueError, RecursionError):
         return Report()
+    return replace(report, lessons=report.lessons[:MAX_PROGRESS])

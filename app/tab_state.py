@@ -10,6 +10,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
+import msgspec
+
 from abi.errors import SceneError
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.scene.scene import Scene
@@ -233,13 +235,9 @@ def _unpack(text: str) -> object:
     try:
         packed = base64.urlsafe_b64decode(text + "=" * (-len(text) % 4))
         unpacked = zlib.decompressobj().decompress(packed, MAX_JSON_BYTES)
-        return json.loads(unpacked, parse_constant=_refuse_constant)
-    except (ValueError, zlib.error, RecursionError):
+        return msgspec.json.decode(unpacked)
+    except (msgspec.MsgspecError, ValueError, zlib.error, RecursionError):
         raise SceneError(_FIELD, _shortened(text), "a whole one: it is damaged") from None
-
-
-def _refuse_constant(constant: str) -> object:
-    raise ValueError(constant)
 
 
 def _time(value: object) -> float:

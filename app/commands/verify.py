@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import click
+import msgspec
 
 from app.commands.exit_code import INCOMPLETE
 from app.commands.output import cause, print_text
@@ -38,16 +38,12 @@ def verify(plan: Path, meshes: Path | None) -> None:
 def _read(path: Path) -> object:
     name = repr(str(path))
     try:
-        return json.loads(path.read_text(encoding="utf-8"), parse_constant=_refuse_constant)
+        return msgspec.json.decode(path.read_bytes())
     except OSError as error:
         raise click.ClickException(
             f"{name} cannot be read ({cause(error, 'not readable')})."
         ) from None
-    except (ValueError, RecursionError):
+    except (msgspec.MsgspecError, ValueError, RecursionError):
         raise click.ClickException(
             f"{name} is not JSON. Write one with: abi plan SCENE --out PLAN"
         ) from None
-
-
-def _refuse_constant(constant: str) -> object:
-    raise ValueError(constant)
