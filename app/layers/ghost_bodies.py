@@ -12,6 +12,7 @@ import itertools
 import numpy as np
 import viser
 from numpy.typing import NDArray
+from viser.transforms import SO3
 
 from abi.arrays import FloatArray
 from app import page, style
@@ -30,11 +31,6 @@ class GhostBodies:
         self._nodes: list[viser.MeshHandle] = []
         self._shapes: tuple[tuple[float, float], ...] = ()
         self._following: object = None
-
-    @property
-    def visible(self) -> bool:
-        """Whether they are shown."""
-        return self._root is not None and self._root.visible
 
     def hide(self) -> None:
         """Hide all of them."""
@@ -115,7 +111,7 @@ def places_of(ends: FloatArray) -> FloatArray:
     turn = _shortest(np.broadcast_to((0.0, 0.0, 1.0), axes[0].shape), axes[0])
     turns = [turn]
     for before, axis in itertools.pairwise(axes):
-        turn = _product(_shortest(before, axis), turn)
+        turn = np.asarray((SO3(_shortest(before, axis)) @ SO3(turn)).wxyz, np.float64)
         turns.append(turn)
     return np.concatenate([ends.mean(axis=2), np.stack(turns)], axis=2)
 
@@ -128,13 +124,6 @@ def _shortest(first: FloatArray, second: FloatArray) -> FloatArray:
         least = np.eye(3)[np.abs(first[opposite]).argmin(axis=1)]
         turns[opposite] = np.column_stack([np.zeros(len(least)), np.cross(first[opposite], least)])
     return np.asarray(turns / np.linalg.norm(turns, axis=1, keepdims=True))
-
-
-def _product(first: FloatArray, second: FloatArray) -> FloatArray:
-    """Products (b, 4) of quaternions wxyz: the second turn, then the first."""
-    (a, u), (b, v) = ((one[:, :1], one[:, 1:]) for one in (first, second))
-    scalar = a * b - (u * v).sum(axis=1, keepdims=True)
-    return np.concatenate([scalar, a * v + b * u + np.cross(u, v)], axis=1)
 
 
 def capsule_mesh(length: float, radius: float) -> tuple[NDArray[np.float32], NDArray[np.uint32]]:
