@@ -42,8 +42,6 @@ GOOD: tuple[Colour, Colour] = ((10, 122, 90), (60, 196, 152))
 """Colours of ✓ on the light page and the dark one; as texts apart from their ground by 4.5 to 1."""
 BAD: tuple[Colour, Colour] = ((201, 42, 42), (255, 135, 135))
 """Colours of ✗, likewise."""
-PAGES: tuple[Colour, Colour] = ((255, 255, 255), (46, 46, 46))
-"""Grounds of the panels: the light page's, and the lighter of the dark one's."""
 
 ALGORITHMS: dict[str, tuple[str, Colour]] = {
     "a_star": ("A*", A_STAR),

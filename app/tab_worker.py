@@ -55,10 +55,6 @@ class TabWorker:
         """Check whether a step is asked for."""
         return self._changed.is_set()
 
-    def is_alive(self) -> bool:
-        """Check whether the thread still runs."""
-        return self._thread.is_alive()
-
     def close(self) -> None:
         """End the thread, and wait for that but in itself."""
         self._closing = True

@@ -44,11 +44,6 @@ class Porter:
         self._given = dict[socket.socket, int]()
         self._lost = dict[socket.socket, int]()
 
-    @property
-    def tabs(self) -> tuple[int, ...]:
-        """Number of tabs here, and of each process that takes some."""
-        return len(self._own), *(self._count(channel) for channel in self._lost)
-
     def meet(self, channel: socket.socket) -> None:
         """Give tabs to the process at the other end, from its first word to its end."""
         channel.setblocking(False)

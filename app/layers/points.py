@@ -49,12 +49,6 @@ class Points:
         if visible is not None:
             self._cloud.visible = visible
 
-    @property
-    def points(self) -> FloatArray:
-        """The points (n, 3) as they were drawn last, [unit], world."""
-        none = np.zeros((0, 3))
-        return none if self._cloud is None else np.asarray(self._cloud.points, float)
-
     def show(self, on: bool) -> None:
         """Show or hide the cloud, if there is one."""
         if self._cloud is not None:

@@ -35,7 +35,6 @@ class PlaybackPanel:
             f'<div class="abi-card abi-player">{toggle}{slider(self.slider, "time [s]")}'
             "<output></output></div>",
         )
-        self.command = gui.add_command("Play or pause the arm", hotkey="space")
         self.playing = True
         self._wake = wake
         self._marked: ArmClearance | None = None
@@ -47,7 +46,7 @@ class PlaybackPanel:
         self._advanced = self._sent = time.monotonic()
         self.slider.on_update(self._scrub)
         self.speed.on_update(wake)
-        self.command.on_trigger(self._toggle)
+        gui.add_command("Play or pause the arm", hotkey="space").on_trigger(self._toggle)
 
     def restore(self, time: float, playing: bool) -> None:
         """Go on from ``time`` [s], or stand still there."""

@@ -79,8 +79,6 @@ class TheatrePanel:
             "race of three", False, hint="Three searches side by side, step for step."
         )
         self.playing = False
-        self.guesses = [0, 0]
-        """Right ones, and all."""
         self._inputs: deque[int | None] = deque()
         self._click: tuple[FloatArray, FloatArray] | None = None
         self._advanced, self._position, self._written = time.monotonic(), 0.0, 0
@@ -263,8 +261,6 @@ class TheatrePanel:
         if not asking or trace.queue == "rounds":
             return
         right, why = judge(state, node)
-        self.guesses[0] += right
-        self.guesses[1] += 1
         word = "✓ <b>Right:</b>" if right else "✗ <b>Not this one:</b>"
         self._answer = (node, f"The node at {where(state, node)}. {word} {why}")
         self._position += right

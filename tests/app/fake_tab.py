@@ -11,12 +11,15 @@ from dataclasses import asdict
 from typing import Any, TypeVar
 
 import msgspec
+import numpy as np
 import pytest
 import viser
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import ClientConnection, connect
 
+from abi.arrays import FloatArray
 from app import page
+from app.layers.points import Points
 from app.page_area import PageArea
 from app.session import Session
 from benchmarks.web_tab import CAMERA
@@ -40,6 +43,12 @@ def layer(session: Session, kind: type[_Layer]) -> _Layer:
     """The session's layer of that kind."""
     (match,) = (layer for layer in session._view.layers if isinstance(layer, kind))
     return match
+
+
+def drawn_points(cloud: Points) -> FloatArray:
+    """The points (n, 3) as they were drawn last, [unit], world."""
+    none = np.zeros((0, 3))
+    return none if cloud._cloud is None else np.asarray(cloud._cloud.points, float)
 
 
 def heard(monkeypatch: pytest.MonkeyPatch, function: page.Function) -> list[Any]:

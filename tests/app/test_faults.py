@@ -133,7 +133,7 @@ def test_a_tab_that_is_cut_in_the_middle_of_a_drag_leaves_nothing_behind(server:
         fake.drag(gizmo, [3.0, 3.0, 3.0 - 0.01 * step])
     fake.cut()
     until(lambda: number not in server.sessions)
-    until(lambda: not session._worker.is_alive())
+    until(lambda: not session._worker._thread.is_alive())
 
 
 @pytest.mark.slow

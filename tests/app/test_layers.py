@@ -38,7 +38,7 @@ from app.server import Server, start
 from app.session import Session
 from app.style import CURVES, HEAT
 from app.tab_view import SWITCHES
-from tests.app.fake_tab import FakeTab, layer, until
+from tests.app.fake_tab import FakeTab, drawn_points, layer, until
 
 
 def test_the_mesh_shown_has_the_start_where_it_is(tab: tuple[FakeTab, Session]) -> None:
@@ -48,7 +48,7 @@ def test_the_mesh_shown_has_the_start_where_it_is(tab: tuple[FakeTab, Session]) 
     until(lambda: np.allclose(session.plan.scene.start, place))  # type: ignore[union-attr]
     until(lambda: session.resting and not session._worker.is_woken())
 
-    nodes = np.asarray(layer(session, MeshLayer)._clouds["nodes"].points, dtype=float)
+    nodes = drawn_points(layer(session, MeshLayer)._clouds["nodes"])
     assert np.linalg.norm(nodes - np.array(place), axis=1).min() < 1e-4
 
 
@@ -115,7 +115,7 @@ def test_the_part_of_a_fine_mesh_that_is_shown_goes_with_the_path(
         assert plan is not None
         if plan.path is None or plan.mesh is None or plan.scene.start[0] < 5:
             return False
-        nodes = np.asarray(layer(session, MeshLayer)._clouds["nodes"].points, dtype=float)
+        nodes = drawn_points(layer(session, MeshLayer)._clouds["nodes"])
         away = [np.linalg.norm(nodes - vertex, axis=1).min() for vertex in plan.path.points]
         return bool(max(away) < plan.mesh.pitch)
 
@@ -443,7 +443,7 @@ def test_the_nodes_visited_are_shown_in_their_order(tab: tuple[FakeTab, Session]
     assert slider.max == len(order)
     count = len(order) // 2
     fake.set(slider, count)
-    until(lambda: len(visited._cloud.points) == count)
+    until(lambda: len(drawn_points(visited._cloud)) == count)
     until(lambda: session.resting)
     places = plan.graph.points[order[:count]].astype(np.float32)
     assert len(np.unique(order[:count])) == count  # A* expands no node again
@@ -452,7 +452,7 @@ def test_the_nodes_visited_are_shown_in_their_order(tab: tuple[FakeTab, Session]
     colour = {tuple(p): tuple(c) for p, c in zip(cloud.points, cloud.colors, strict=True)}
     wanted = map(tuple, scale_colours(HEAT, np.arange(count) / (len(order) - 1)))
     assert [colour[tuple(place)] for place in places] == list(wanted)
-    assert np.allclose(visited._latest.points, places[-1:])
+    assert np.allclose(drawn_points(visited._latest), places[-1:])
     fake.set(session.panels.files.choice, "two-boxes")
     until(lambda: session.frame.plan.scene == load_scene("two-boxes") and session.resting)
     assert slider.value == session.frame.visited == 0

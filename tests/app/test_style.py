@@ -55,6 +55,9 @@ JUST_TOLD_APART = 2.3
 """Distance in CIELAB that an eye just tells apart side by side; lines need several times it."""
 DARK: style.Colour = (36, 36, 36)
 
+PAGES: tuple[style.Colour, style.Colour] = ((255, 255, 255), (46, 46, 46))
+"""Grounds of the panels: the light page's, and the lighter of the dark one's."""
+
 
 def _linear(colour: style.Colour) -> NDArray[np.float64]:
     part = np.array(colour) / 255
@@ -105,5 +108,5 @@ def test_thin_lines_of_plots_are_easily_seen_on_both_pages(colour: style.Colour)
 
 @pytest.mark.parametrize("signs", [style.GOOD, style.BAD])
 def test_signs_can_be_read_on_both_pages(signs: tuple[style.Colour, style.Colour]) -> None:
-    for sign, ground in zip(signs, style.PAGES, strict=True):
+    for sign, ground in zip(signs, PAGES, strict=True):
         assert _contrast(sign, ground) >= 4.5

@@ -14,7 +14,7 @@ from app.layers.race import RaceLayer
 from app.layers.theatre import NODE_BUDGET, TheatreLayer, describe, few, order_colours
 from app.session import Session
 from app.theatre import Theatre, judge, node_at, race_of
-from tests.app.fake_tab import FakeTab, layer, until
+from tests.app.fake_tab import FakeTab, drawn_points, layer, until
 
 PLAN = plan(load_scene("paper"))
 
@@ -91,7 +91,7 @@ def test_the_chosen_search_is_in_the_race() -> None:
 
 def drawn(session: Session) -> list[object]:
     clouds = layer(session, TheatreLayer)._clouds
-    parts = [np.asarray(clouds[name].points).tobytes() for name in ("closed", "open", "current")]
+    parts = [drawn_points(clouds[name]).tobytes() for name in ("closed", "open", "current")]
     return [*parts, layer(session, TheatreLayer)._path.points.tobytes()]
 
 
