@@ -11,13 +11,13 @@ import itertools
 
 import numpy as np
 import viser
-from numpy.typing import NDArray
 from viser.transforms import SO3
 
 from abi.arrays import FloatArray
+from abi.obstacles.revolution import quarter_circles, revolved
 from app import page, style
 
-_SIDES, _RINGS = 14, 4
+_SIDES = 14
 _PLACE = 7
 """Numbers of a place: its position, and a quaternion that turns the z axis along the capsule."""
 
@@ -78,12 +78,13 @@ class GhostBodies:
             self._root = scene.add_frame(self._name, show_axes=False)
             self._shapes, self._nodes, self._following = shapes, [], None
             for number, (length, radius) in enumerate(shapes):
-                vertices, faces = capsule_mesh(length, radius)
+                # around a segment of the z axis
+                vertices, faces = revolved(quarter_circles(radius, length / 2, _SIDES), _SIDES)
                 self._nodes.append(
                     scene.add_mesh_simple(
                         f"{self._name}/{number}",
-                        vertices,
-                        faces,
+                        vertices.astype(np.float32),
+                        faces.astype(np.uint32),
                         color=self._colour,
                         opacity=style.GHOST_OPACITY,
                         cast_shadow=False,
@@ -124,18 +125,3 @@ def _shortest(first: FloatArray, second: FloatArray) -> FloatArray:
         least = np.eye(3)[np.abs(first[opposite]).argmin(axis=1)]
         turns[opposite] = np.column_stack([np.zeros(len(least)), np.cross(first[opposite], least)])
     return np.asarray(turns / np.linalg.norm(turns, axis=1, keepdims=True))
-
-
-def capsule_mesh(length: float, radius: float) -> tuple[NDArray[np.float32], NDArray[np.uint32]]:
-    """Vertices and faces of a capsule around a segment of the z axis, about the origin, [unit]."""
-    rise = np.linspace(-np.pi / 2, np.pi / 2, 2 * _RINGS)
-    turn = 2 * np.pi * np.arange(_SIDES) / _SIDES
-    ring = radius * np.stack([np.cos(turn), np.sin(turn)], axis=1)
-    points = np.empty((2 * _RINGS, _SIDES, 3), np.float32)
-    points[..., :2] = np.cos(rise)[:, None, None] * ring
-    points[..., 2] = (radius * np.sin(rise) + length / 2 * np.sign(rise))[:, None]
-    grid = np.arange(2 * _RINGS * _SIDES).reshape(2 * _RINGS, _SIDES)
-    a, b = grid[:-1], grid[1:]
-    c, d = np.roll(a, -1, axis=1), np.roll(b, -1, axis=1)
-    quads = np.stack([a, c, d, a, d, b], axis=-1).reshape(-1, 3)
-    return points.reshape(-1, 3), quads.astype(np.uint32)
