@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -28,6 +29,15 @@ class Window:
     above: float = 0.0
     below: float = 0.0
 
+    def slopes(self, margin: float) -> tuple[float, float, float]:
+        """Slopes of the planes through the eye and its edges: the sides', the upper, the lower.
+
+        Args:
+            margin: part of the free picture to leave out at each edge.
+        """
+        half = (1 - margin) * math.tan(self.fov / 2)
+        return half * self.aspect, half * (1 - 2 * self.above), half * (1 - 2 * self.below)
+
 
 def stand(
     points: FloatArray, direction: FloatArray, window: Window
@@ -46,9 +56,7 @@ def stand(
     """
     right, up, forward = axes(direction)
     x, y, z = points @ right, points @ up, points @ forward
-    half = (1 - _MARGIN) * np.tan(window.fov / 2)
-    side = half * window.aspect
-    top, bottom = half * (1 - 2 * window.above), half * (1 - 2 * window.below)
+    side, top, bottom = window.slopes(_MARGIN)
     to_right, to_left = (x - side * z).max(), (-x - side * z).max()
     to_top, to_bottom = (y - top * z).max(), (-y - bottom * z).max()
     depth = min(-(to_right + to_left) / (2 * side), -(to_top + to_bottom) / (top + bottom))
@@ -74,27 +82,18 @@ def lift(
     _, up, forward = axes(position - target)
     away = points - position
     y, z = away @ up, away @ forward
-    half = (1 - _MARGIN) * np.tan(window.fov / 2)
-    top, bottom = half * (1 - 2 * window.above), half * (1 - 2 * window.below)
+    _, top, bottom = window.slopes(_MARGIN)
     step = max(min((-y - bottom * z).max(), (top * z - y).min()), 0.0)
     return position - step * up, target - step * up
 
 
 def holds(points: FloatArray, position: FloatArray, target: FloatArray, window: Window) -> bool:
-    """Check whether a camera sees all points in the free part of its picture.
-
-    Args:
-        points: (n, 3), [unit], world.
-        position: of the camera (3,), [unit].
-        target: what it looks at (3,), [unit], not straight above or below it.
-        window: where they are to be seen.
-    """
+    """Check whether a camera sees all points in its free part; arguments as for :func:`lift`."""
     right, up, forward = axes(position - target)
     away = points - position
     x, y, z = away @ right, away @ up, away @ forward
-    half = np.tan(window.fov / 2)
-    top, bottom = half * (1 - 2 * window.above), half * (1 - 2 * window.below)
-    inside = (np.abs(x) <= half * window.aspect * z) & (y <= top * z) & (y >= -bottom * z)
+    side, top, bottom = window.slopes(0.0)
+    inside = (np.abs(x) <= side * z) & (y <= top * z) & (y >= -bottom * z)
     return bool(inside.all())
 
 
