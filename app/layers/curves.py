@@ -12,7 +12,7 @@ from app import style
 from app.frame import Frame, Layer, Switch
 from app.layers.points import Points
 from app.layout import Layout
-from app.lines import NO_SEGMENTS, Segments, add_line, parameters, recolour, segments
+from app.lines import NO_SEGMENTS, FadingLines, Segments, parameters, segments
 from app.once_a_plan import once_a_plan
 
 SAMPLES = 160
@@ -37,21 +37,20 @@ class CurvesLayer(Layer):
 
     def __init__(self, layout: Layout) -> None:
         scene = layout.client.scene
+        self._all = FadingLines(scene)
         self._lines = {
-            name: add_line(scene, f"/curve/{name}", colour, 5.0)
+            name: self._all.add(f"/curve/{name}", colour, 5.0)
             for name, (_, colour) in style.CURVES.items()
         }
-        self._polygon = add_line(scene, "/curve/control_polygon", style.BSPLINE, 1.0)
+        self._polygon = self._all.add("/curve/control_polygon", style.BSPLINE, 1.0)
         self._control = Points(scene, "/curve/control_points")
-        self._violations = add_line(scene, "/curve/entering", style.VIOLATION, 9.0)
+        self._violations = self._all.add("/curve/entering", style.VIOLATION, 9.0)
         self._drawn: dict[str, object] = {}
-        self._faded = False
 
     def draw(self, frame: Frame) -> None:
         """Draw the plan's curves; none where there are none."""
         self._draw_curves(frame.plan)
-        if frame.outdated != self._faded:
-            self._fade(frame.outdated)
+        self._all.fade(frame.outdated)
         self._lines["bspline"].visible = "bspline" in frame.shown
         self._lines["quadratic"].visible = self._violations.visible = "quadratic" in frame.shown
         self._polygon.visible = "control" in frame.shown
@@ -73,13 +72,6 @@ class CurvesLayer(Layer):
                 self._draw_control(plan)
             else:
                 self._draw_violations(plan)
-
-    def _fade(self, faded: bool) -> None:
-        self._faded = faded
-        for name, line in self._lines.items():
-            recolour(line, style.CURVES[name][1], faded)
-        recolour(self._polygon, style.BSPLINE, faded)
-        recolour(self._violations, style.VIOLATION, faded)
 
     def _draw_violations(self, plan: Plan) -> None:
         """Draw the stretches of the quadratic that come nearer than the clearance."""

@@ -10,7 +10,7 @@ from abi.planner.plan import Plan
 from app import style
 from app.frame import Frame, Layer, Switch
 from app.layout import Layout
-from app.lines import NO_SEGMENTS, add_line, dashes, recolour, segments
+from app.lines import NO_SEGMENTS, FadingLines, dashes, segments
 
 # Not along any edge of the lattices, so that coinciding paths lie beside each other everywhere.
 _OFFSET = np.array([0.53, -0.80, 0.27])
@@ -26,23 +26,21 @@ class PathsLayer(Layer):
     )
 
     def __init__(self, layout: Layout) -> None:
-        scene = layout.client.scene
+        self._all = FadingLines(layout.client.scene)
         self._lines = {
-            name: add_line(scene, f"/path/{name}", colour, 3.5)
+            name: self._all.add(f"/path/{name}", colour, 3.5)
             for name, (_, colour) in style.ALGORITHMS.items()
         }
-        self._taut = add_line(scene, "/path/taut", style.TAUT, 3.5)
+        self._taut = self._all.add("/path/taut", style.TAUT, 3.5)
         self._drawn: object = None
         self._drawn_taut: object = self
-        self._faded = False
 
     def draw(self, frame: Frame) -> None:
         """Draw the plan's paths; none where there are none."""
         self._taut.visible = "taut" in frame.shown
         for name, line in self._lines.items():
             line.visible = name in frame.shown
-        if frame.outdated != self._faded:
-            self._fade(frame.outdated)
+        self._all.fade(frame.outdated)
         if frame.plan.taut is not self._drawn_taut:
             self._drawn_taut = taut = frame.plan.taut
             self._taut.points = NO_SEGMENTS if taut is None else segments(taut.points)
@@ -60,9 +58,3 @@ class PathsLayer(Layer):
                 continue
             points = results[name].points + _OFFSET_FACTOR[name] * 0.006 * longest * _OFFSET
             line.points = dashes(points, 0.03 * longest) if name == "dijkstra" else segments(points)
-
-    def _fade(self, faded: bool) -> None:
-        self._faded = faded
-        recolour(self._taut, style.TAUT, faded)
-        for name, line in self._lines.items():
-            recolour(line, style.ALGORITHMS[name][1], faded)
