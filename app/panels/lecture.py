@@ -9,21 +9,22 @@ from app.frame import Frame
 from app.layout import Layout
 from app.overlay import button
 from app.panels.search_strip import SearchStrip
+from app.panels.stage_headers import STAGES, TITLES
 from app.panels.theatre import TheatrePanel
 from app.panels.widgets import Wake, hidden_button, pressed
 
 _ALWAYS = frozenset({"workspace", "obstacles"})
-STAGES: tuple[tuple[str, frozenset[str]], ...] = (
-    ("1 · Mesh", _ALWAYS | {"edges", "nodes", "excluded"}),
-    ("2 · Graph", _ALWAYS | {"edges", "nodes"}),
-    ("3 · Search", _ALWAYS | {"a_star", "dijkstra", "bellman_ford", "taut", "names"}),
-    ("4 · B-spline", _ALWAYS | {"a_star", "taut", "bspline", "control", "names"}),
-    ("5 · Quadratic", _ALWAYS | {"bspline", "quadratic", "names"}),
-    ("6 · Arm", _ALWAYS | {"bspline", "quadratic", "arm", "trace", "names"}),
-)
+_SHOWN: dict[str, frozenset[str]] = {
+    "mesh": _ALWAYS | {"edges", "nodes", "excluded"},
+    "graph": _ALWAYS | {"edges", "nodes"},
+    "search": _ALWAYS | {"a_star", "dijkstra", "bellman_ford", "taut", "names"},
+    "bspline": _ALWAYS | {"a_star", "taut", "bspline", "control", "names"},
+    "quadratic": _ALWAYS | {"bspline", "quadratic", "names"},
+    "arm": _ALWAYS | {"bspline", "quadratic", "arm", "trace", "names"},
+}
 """Layers that each stage shows."""
-_SEARCH = 2
-"""Place of the search among the stages."""
+_PLACES = (None, *STAGES)
+"""All stages together are a step before the first and after the last."""
 VIEWS = {
     "Whole": (0.82, -0.42, 0.38),
     "Front": (0.0, 1.0, 0.12),
@@ -51,7 +52,7 @@ class Lecture:
         self._forward = hidden_button(gui, "Next stage", wake)
         self._views = {name: hidden_button(gui, f"View: {name}", wake) for name in VIEWS}
         self.on = self._switch = self._large = False
-        self._stage: int | None = None
+        self._stage: str | None = None
         self._steps = 0
         command = gui.add_command("Lecture mode", hotkey="L")
         command.on_trigger(self._press)
@@ -69,16 +70,14 @@ class Lecture:
         steps = pressed(self._forward) - pressed(self._back) + self._steps
         self._steps = 0
         if self.on and steps:
-            # all stages together are a step before the first and after the last
-            place = (0 if self._stage is None else self._stage + 1) + steps
-            place %= len(STAGES) + 1
-            self._stage = None if place == 0 else place - 1
-        return switches if self._stage is None else STAGES[self._stage][1]
+            place = _PLACES.index(self._stage) + steps
+            self._stage = _PLACES[place % len(_PLACES)]
+        return switches if self._stage is None else _SHOWN[self._stage]
 
     @property
     def shows_search(self) -> bool:
         """Whether the chosen stage is the search's, or none is chosen."""
-        return self._stage in (None, _SEARCH)
+        return self._stage in (None, "search")
 
     def requested_view(self) -> tuple[float, float, float] | None:
         """Direction to the camera that was asked for since the last call."""
@@ -101,7 +100,7 @@ class Lecture:
         self._layout.overlay.show("lecture", content)
 
     def _strip(self) -> str:
-        title = "All stages" if self._stage is None else STAGES[self._stage][0]
+        title = "All stages" if self._stage is None else TITLES[self._stage]
         views = "".join(button(widget, name) for name, widget in self._views.items())
         return (
             '<div class="abi-card abi-buttons">'

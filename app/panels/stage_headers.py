@@ -14,7 +14,7 @@ from app.frame import Frame
 from app.numbers import format_length
 from app.once_a_plan import once_a_plan
 
-_TITLES = {
+TITLES = {
     "mesh": "1 · Mesh",
     "graph": "2 · Graph",
     "search": "3 · Search",
@@ -22,7 +22,7 @@ _TITLES = {
     "quadratic": "5 · Quadratic",
     "arm": "6 · Arm",
 }
-STAGES = tuple(_TITLES)
+STAGES = tuple(TITLES)
 _MAX_LENGTH = 30
 """Letters of a heading that fit beside its arrow in a wide font."""
 _FAILURES = {"graph": "blocked ✗", "search": "no path ✗", "bspline": "too close ✗"}
@@ -47,7 +47,7 @@ class StageHeaders:
             # viser sets a folder that follows another right away further apart
             gui.add_html("", visible=False)
             self.folders[stage] = gui.add_folder(
-                _TITLES[stage], expand_by_default=stage not in ("graph", "arm")
+                TITLES[stage], expand_by_default=stage not in ("graph", "arm")
             )
 
     def draw(self, frame: Frame) -> None:
@@ -61,7 +61,7 @@ class StageHeaders:
         if (stage := _stage(frame.refused)) is not None:
             results[stage] = "not changed ✗"
         for stage, result in results.items():
-            label = f"{_TITLES[stage]} — {result}" if result else _TITLES[stage]
+            label = f"{TITLES[stage]} — {result}" if result else TITLES[stage]
             if self.folders[stage].label != label:
                 self.folders[stage].label = label
 
@@ -108,4 +108,4 @@ def _search_result(plan: Plan) -> str:
         return f"{length} → {format_length(plan.taut.length)} {unit}"
     name = style.ALGORITHMS[plan.path.algorithm][0]
     named = f"{name} {length} {unit}"
-    return named if len(_TITLES["search"] + named) < _MAX_LENGTH - 3 else f"{length} {unit}"
+    return named if len(TITLES["search"] + named) < _MAX_LENGTH - 3 else f"{length} {unit}"

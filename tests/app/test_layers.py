@@ -33,6 +33,7 @@ from app.numbers import format_lower_bound
 from app.panels.base_offer import _may_help
 from app.panels.lecture import VIEWS
 from app.panels.messages import _change_label, _progress
+from app.panels.stage_headers import STAGES
 from app.plan_notes import notes
 from app.server import Server, start
 from app.session import Session
@@ -337,9 +338,9 @@ def test_the_numbers_are_those_of_what_is_shown(tab: tuple[FakeTab, Session]) ->
     fake.set(panels.lecture.toggle, True)
     until(lambda: session.frame.lecture)
     assert " length" in shown["numbers"]
-    for number in range(6):
+    for stage in STAGES:
         fake.set(panels.lecture._forward, True)
-        until(lambda: panels.lecture._stage == number)  # noqa: B023
+        until(lambda: panels.lecture._stage == stage)  # noqa: B023
         until(lambda: session.frame.plan.followed in session.frame.shown or not shown["numbers"])
     assert " length" in shown["numbers"]  # of the arm's stage
     fake.set(panels.lecture.toggle, True)

@@ -23,7 +23,7 @@ from app.numbers import (
     format_time,
     unbroken,
 )
-from app.panels.stage_headers import _TITLES, _results
+from app.panels.stage_headers import TITLES, _results
 from app.plan_notes import _clearance, _control_points
 
 
@@ -69,7 +69,7 @@ def test_headings_are_short_and_notes_and_tables_say_the_same(name: str) -> None
     found = plan(load_scene(name))
     for stage, result in _results(found).items():
         if stage != "arm":
-            assert len(f"{_TITLES[stage]} — {result}") < 30
+            assert len(f"{TITLES[stage]} — {result}") < 30
     table = _stages(found)
     for fit in (found.bspline, found.quadratic):
         note = _clearance(found, fit)

@@ -9,7 +9,7 @@ from playwright.sync_api import Browser
 import abi
 from app.address import Address
 from app.look import Look
-from app.panels.lecture import STAGES
+from app.panels.stage_headers import TITLES
 from app.panels.tour import STEPS
 from app.server import start
 from app.session import Session
@@ -40,7 +40,7 @@ def test_in_a_lecture_the_scene_is_alone_and_in_large_letters(page: Page, sessio
     assert page.tab.evaluate(_LETTERS) > 1.5 * letters
     page.until(lambda: page.props("/goal/label")["font_screen_scale"] > 1.5, "large labels")
     player = page.tab.locator(".abi-player")
-    for title, _ in STAGES:
+    for title in TITLES.values():
         page.click(">")
         page.reads(title)
         shows_arm = title.startswith("6")
@@ -51,7 +51,7 @@ def test_in_a_lecture_the_scene_is_alone_and_in_large_letters(page: Page, sessio
     page.tab.keyboard.press("PageDown")
     page.until(lambda: page.shown() == before, "all stages again")
     page.tab.keyboard.press("PageUp")
-    page.reads(STAGES[-1][0])
+    page.reads(TITLES["arm"])
     page.click(">")
     page.until(lambda: page.shown() == before, "all stages again")
     page.click("Top")
