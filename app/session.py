@@ -20,7 +20,6 @@ from abi.planner.plan import Plan
 from abi.scene.scene import Scene
 from app import memory, metrics, notices, page
 from app.arm_size import oversize
-from app.bug_report import describe_fault
 from app.classroom import Classroom
 from app.frame import Frame
 from app.labels import sentence
@@ -28,6 +27,7 @@ from app.lessons.cue import Cue
 from app.lessons.lesson import Library
 from app.look import Look
 from app.page_area import PageWatch
+from app.panels.bug_report import describe_fault
 from app.panels.classroom import ClassroomPanel
 from app.pause import IDLE, REST, Pause
 from app.refused_files import RefusedFiles

@@ -15,7 +15,7 @@ from app.frame import Drawable, Frame, Switch
 from app.layout import Layout
 from app.lessons.cue import Cue
 from app.lessons.lesson import Library
-from app.panels.bug_report_button import BugReportButton
+from app.panels.bug_report import BugReportButton
 from app.panels.comparison import ComparisonPanel
 from app.panels.end_gizmos import EndGizmos
 from app.panels.exports import ExportPanel

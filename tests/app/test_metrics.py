@@ -16,7 +16,7 @@ from prometheus_client.parser import text_string_to_metric_families
 from abi.scene.scene import Scene, load_scene
 from abi.scene.scene_file import parse_bytes
 from app import metrics
-from app.bug_report import bug_report, describe_fault
+from app.panels.bug_report import bug_report, describe_fault
 from app.server import Server
 from app.session import Session
 from app.versions import version_text, versions

@@ -1,16 +1,38 @@
-"""Text of a bug report: versions, the scene, the plan's times, and what went wrong."""
+"""Bug report: versions, the scene, the plan's times, and what went wrong, as a text to download."""
 
 from __future__ import annotations
 
 import traceback
 from pathlib import Path
 
+import viser
+
 from abi.errors import AbiError
 from abi.scene.scene_file import dump
 from app.frame import Frame
+from app.panels.widgets import Wake, pressed
 from app.versions import version_text
 
-_ROOT = Path(__file__).parents[1]
+_ROOT = Path(__file__).parents[2]
+
+
+class BugReportButton:
+    """The button; the worker asks whether it was pressed."""
+
+    def __init__(self, client: viser.ClientHandle, wake: Wake) -> None:
+        self._client = client
+        self.button = client.gui.add_button(
+            "Text for a bug report",
+            color="gray",
+            hint="Downloads versions, scene and times as a text; nothing is sent anywhere.",
+        )
+        self.button.on_click(wake)
+
+    def send_if_requested(self, frame: Frame, fault: str | None) -> None:
+        """Send the report of :func:`bug_report` if the button was pressed."""
+        if pressed(self.button):
+            report = bug_report(frame, fault).encode()
+            self._client.send_file_download("abi-bug-report.md", report, save_immediately=True)
 
 
 def bug_report(frame: Frame, fault: str | None) -> str:
