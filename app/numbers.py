@@ -6,19 +6,9 @@ import math
 import re
 
 from abi.clearance.curve_clearance import Clearance
-from abi.length_text import format_length, format_lower_bound, format_setting
-
-__all__ = [
-    "FASTEST_SHOWN",
-    "distance_to_show",
-    "format_count",
-    "format_excess",
-    "format_length",
-    "format_lower_bound",
-    "format_setting",
-    "format_time",
-    "unbroken",
-]
+from abi.length_text import format_length as format_length
+from abi.length_text import format_lower_bound as format_lower_bound
+from abi.length_text import format_setting as format_setting
 
 FASTEST_SHOWN = 1.0
 """Shorter times say more about the machine than about the search, [ms]."""
