@@ -255,26 +255,21 @@ def _settings(step: Step) -> list[Setting]:
 
 
 def _read(file: Path, check_scenes: bool) -> Lesson:
+    step_name = ""
     try:
         lesson = Lesson.model_validate(parse(file))
         if not check_scenes:
             return lesson
         scene = load_scene("paper")
         for number, step in enumerate(lesson.steps):
+            step_name = f"steps.{number}: "
             for part in _settings(step):
-                scene = _checked(part, scene, file, number)
+                scene = scene_of(part, scene, file.parent)
     except SceneError as error:
-        raise LessonError(f"{file.name}: {error.message}") from None
+        raise LessonError(f"{file.name}: {step_name}{error.message}") from None
     except ValidationError as error:
         detail = error.errors(include_url=False)[0]
         place = ".".join(str(part) for part in detail["loc"]) or "the lesson"
         message = detail["msg"].removeprefix("Value error, ")
         raise LessonError(f"{file.name}: {place} is wrong; expected: {message}.") from None
     return lesson
-
-
-def _checked(setting: Setting, scene: Scene, file: Path, number: int) -> Scene:
-    try:
-        return scene_of(setting, scene, file.parent)
-    except SceneError as error:
-        raise LessonError(f"{file.name}: steps.{number}: {error.message}") from None
