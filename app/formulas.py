@@ -12,13 +12,7 @@ _INLINE = re.compile(r"(?<![\\$])\$(?!\s)([^$\n]+?)(?<!\s)\$")
 
 def with_formulas(markdown: str) -> str:
     """``markdown`` with every ``$…$`` and ``$$…$$`` replaced; it must hold no code spans."""
-    blocks = _BLOCK.sub(_block, markdown)
-    return _INLINE.sub(_inline, blocks)
-
-
-def _block(match: re.Match[str]) -> str:
-    return f"\n\n{convert(match[1].strip(), display='block')}\n\n"
-
-
-def _inline(match: re.Match[str]) -> str:
-    return convert(match[1])
+    blocks = _BLOCK.sub(
+        lambda found: f"\n\n{convert(found[1].strip(), display='block')}\n\n", markdown
+    )
+    return _INLINE.sub(lambda found: convert(found[1]), blocks)
