@@ -11,7 +11,7 @@ from app.address import Address
 from app.look import PLAIN
 from app.server import Server, start
 from app.session import Session
-from tests.app.fake_tab import FakeTab, until
+from tests.app.fake_tab import FakeTab, opened, until
 
 _HERE = Path(__file__).parent
 
@@ -49,11 +49,7 @@ def server() -> Iterator[Server]:
 
 @pytest.fixture
 def tab(server: Server) -> Iterator[tuple[FakeTab, Session]]:
-    known = set(server.sessions)
-    fake = FakeTab(server.url)
-    until(lambda: bool(set(server.sessions) - known))
-    session = server.sessions[next(iter(set(server.sessions) - known))]
-    until(lambda: session.plan is not None)
+    fake, session = opened(server)
     yield fake, session
     number = session.client.client_id
     fake.close()

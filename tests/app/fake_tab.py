@@ -21,6 +21,7 @@ from abi.arrays import FloatArray
 from app import page
 from app.layers.points import Points
 from app.page_area import PageArea
+from app.server import Server
 from app.session import Session
 from benchmarks.web_tab import CAMERA
 
@@ -78,6 +79,17 @@ def send_file(session: Session, button: Any, name: str, content: bytes) -> None:
     event = viser.GuiEvent(client=session.client, client_id=number, target=button)
     for callback in button._impl.update_cb:
         callback(event)
+
+
+def opened(server: Server, patience: float = WAIT) -> tuple[FakeTab, Session]:
+    """A new tab and its session, once that has a plan."""
+    known = set(server.sessions)
+    fake = FakeTab(server.url)
+    until(lambda: bool(set(server.sessions) - known))
+    (number,) = set(server.sessions) - known
+    session = server.sessions[number]
+    until(lambda: session.plan is not None, patience)
+    return fake, session
 
 
 class FakeTab:

@@ -17,16 +17,13 @@ from app.panels.obstacle_gizmos import ObstacleGizmos
 from app.panels.widgets import VectorBox
 from app.server import start
 from app.session import Session
-from tests.app.fake_tab import FakeTab, until
+from tests.app.fake_tab import opened
 
 
 @pytest.fixture(scope="module")
 def session() -> Iterator[Session]:
     running = start(Address(port=0), look=PLAIN)
-    fake = FakeTab(running.url)
-    until(lambda: bool(running.sessions))
-    (session,) = running.sessions.values()
-    until(lambda: session.plan is not None, patience=90)
+    fake, session = opened(running, patience=90)
     yield session
     fake.close()
     running.stop()

@@ -22,7 +22,7 @@ from app import notices as module
 from app.commands.output import write_text
 from app.server import Server
 from app.session import Session
-from tests.app.fake_tab import FakeTab, until
+from tests.app.fake_tab import FakeTab, opened, until
 
 
 @pytest.fixture
@@ -118,12 +118,7 @@ def test_a_scene_that_breaks_a_stage_is_not_the_one_listed(
 
 
 def test_a_tab_that_is_cut_in_the_middle_of_a_drag_leaves_nothing_behind(server: Server) -> None:
-    known = set(server.sessions)
-    fake = FakeTab(server.url)
-    until(lambda: bool(set(server.sessions) - known))
-    (number,) = set(server.sessions) - known
-    session = server.sessions[number]
-    until(lambda: session.plan is not None)
+    fake, session = opened(server)
     gizmo = session.panels.obstacles.gizmos[0]
     owner = gizmo._impl.api._owner_id
     fake.send(
@@ -132,7 +127,7 @@ def test_a_tab_that_is_cut_in_the_middle_of_a_drag_leaves_nothing_behind(server:
     for step in range(20):
         fake.drag(gizmo, [3.0, 3.0, 3.0 - 0.01 * step])
     fake.cut()
-    until(lambda: number not in server.sessions)
+    until(lambda: session.client.client_id not in server.sessions)
     until(lambda: not session._worker._thread.is_alive())
 
 

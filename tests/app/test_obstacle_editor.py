@@ -23,7 +23,7 @@ from app.named_obstacles import numbers_of
 from app.server import start
 from app.session import Session
 from tests.abi import meshes
-from tests.app.fake_tab import FakeTab, layer, open_plots, send_file, until
+from tests.app.fake_tab import FakeTab, layer, open_plots, opened, send_file, until
 
 MILLIMETRES = {
     "version": 1,
@@ -41,11 +41,8 @@ MILLIMETRES = {
 def served(path: Path) -> Iterator[tuple[FakeTab, Session]]:
     """A tab on a scene file."""
     running = start(Address(port=0), scene=str(path), look=PLAIN)
-    fake = FakeTab(running.url)
-    until(lambda: bool(running.sessions))
-    (session,) = running.sessions.values()
     # what measures a mesh may have to be compiled first
-    until(lambda: session.plan is not None, patience=90)
+    fake, session = opened(running, patience=90)
     yield fake, session
     fake.close()
     until(lambda: not running.sessions)

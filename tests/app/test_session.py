@@ -21,7 +21,7 @@ from app.server import Server, start
 from app.session import Session
 from app.shared_plans import SharedPlans
 from app.tab_planner import TabPlanner
-from tests.app.fake_tab import FakeTab, layer, until
+from tests.app.fake_tab import FakeTab, layer, opened, until
 
 
 def test_a_tab_begins_with_the_complete_plan_of_the_paper(
@@ -350,10 +350,7 @@ def test_a_time_set_right_after_a_pause_is_said_again(tab: tuple[FakeTab, Sessio
 
 def test_two_tabs_share_nothing(server: Server, tab: tuple[FakeTab, Session]) -> None:
     fake, session = tab
-    other = FakeTab(server.url)
-    until(lambda: len(server.sessions) == 2)
-    second = next(s for s in server.sessions.values() if s is not session)
-    until(lambda: second.plan is not None)
+    other, second = opened(server)
     before = second.plan
     fake.set(session.panels.stages.spline.degree, 5)
     until(lambda: session.plan.scene.spline.degree == 5)  # type: ignore[union-attr]

@@ -21,7 +21,7 @@ from app.server import Server
 from app.session import Session
 from app.tab_memory import TabMemory
 from app.tab_state import LONGEST_LINK, StateEncoder, TabState
-from tests.app.fake_tab import FakeTab, heard, until
+from tests.app.fake_tab import FakeTab, heard, opened, until
 
 MESHES = MeshSource(folder=assets.path("scenes"))
 
@@ -107,10 +107,7 @@ def test_a_tab_shows_what_its_page_remembers(server: Server) -> None:
     scene = load_scene("two-boxes").replace(spline={"degree": 3})
     view = View((9.0, -9.0, 9.0), (3.0, 3.0, 3.0), (0.0, 0.0, 1.0))
     state = TabState("two-boxes", scene, view, time=0.5, playing=False, shown=frozenset({"arm"}))
-    fake = FakeTab(server.url)
-    until(lambda: len(server.sessions) == 1)
-    (session,) = server.sessions.values()
-    until(lambda: session.plan is not None)
+    fake, session = opened(server)
     fake.set(
         session._memory._box, json.dumps({"state": state.encode(), "query": {}, "dark": False})
     )
@@ -219,10 +216,7 @@ def test_a_state_before_that_is_too_much_is_left_out(monkeypatch: pytest.MonkeyP
 
 def _reloaded(server: Server, text: str) -> tuple[FakeTab, Session]:
     """A tab whose page remembers ``text``."""
-    fake = FakeTab(server.url)
-    until(lambda: len(server.sessions) == 1)
-    (session,) = server.sessions.values()
-    until(lambda: session.plan is not None)
+    fake, session = opened(server)
     fake.set(session._memory._box, json.dumps({"state": text, "query": {}, "dark": False}))
     return fake, session
 
