@@ -6,12 +6,12 @@ import html
 from typing import ClassVar
 
 import numpy as np
-import viser
 
 from abi.planner.plan import Plan
 from abi.search.subset import Subset, fits, subset
 from app import glb, style
 from app.frame import Frame, Layer, Switch
+from app.layers.line_set import LineSet
 from app.layers.points import Points
 from app.layout import Layout
 from app.numbers import format_setting
@@ -47,7 +47,7 @@ class MeshLayer(Layer):
         self._scene = layout.client.scene
         with layout.folders["graph"]:
             self._text = layout.client.gui.add_html("")
-        self._edges: viser.GlbHandle | None = None
+        self._edges = LineSet(self._scene, "/mesh/edges")
         self._clouds = {
             name: Points(self._scene, f"/mesh/{name}") for name in ("nodes", "excluded")
         }
@@ -66,8 +66,7 @@ class MeshLayer(Layer):
         if (seen := (frame.plan, frame.mesh_view, frame.interactive)) != self._seen:
             self._seen = seen
             self._draw_mesh(frame)
-        if self._edges is not None:
-            self._edges.visible = "edges" in frame.shown
+        self._edges.show("edges" in frame.shown)
         for name, cloud in self._clouds.items():
             cloud.show(name in frame.shown and not (self._stale and name == "excluded"))
         if (state := (frame.plan, frame.partial, self._note)) != self._written:
@@ -84,7 +83,7 @@ class MeshLayer(Layer):
         if plan.free is None or state == self._drawn:
             self._stale = False
             return
-        self._stale = frame.interactive and self._edges is not None and not whole
+        self._stale = frame.interactive and bool(self._edges) and not whole
         if self._stale:
             return
         self._drawn = state
@@ -94,25 +93,12 @@ class MeshLayer(Layer):
             self._note = (
                 f"{len(part.edges):,} of {part.edges_in_all:,} edges shown: {_VIEW_NAMES[view]}"
             )
-        self._draw_edges(_picture(plan, view))
+        self._edges.draw(_picture(plan, view))
         size = min(0.05 * plan.free.mesh.pitch, 0.008 * max(plan.scene.workspace.size))
         self._clouds["nodes"].draw(part.points, style.MESH, size)
         # many, as where the whole arm avoids, are smaller: what matters lies among them
         share = float(np.clip((_FEW / max(len(part.excluded), 1)) ** 0.5, 0.4, 1.0))
         self._clouds["excluded"].draw(part.excluded, style.EXCLUDED, 1.6 * share * size)
-
-    def _draw_edges(self, data: bytes) -> None:
-        if not data:
-            if self._edges is not None:
-                self._edges.remove()
-                self._edges = None
-            return
-        if self._edges is None:
-            self._edges = self._scene.add_glb(
-                "/mesh/edges", data, visible=False, cast_shadow=False, receive_shadow=False
-            )
-        else:
-            self._edges.glb_data = data
 
 
 @once_a_plan

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-import viser
 
 from abi.arrays import FloatArray, IntArray
 from abi.scene.scene import Scene
@@ -11,6 +10,7 @@ from abi.search.compare import COMPARED
 from abi.search.replay import SearchState, steps_of_changes
 from app import glb, style
 from app.frame import Frame, Layer
+from app.layers.line_set import LineSet
 from app.layers.points import Points
 from app.layout import Layout
 from app.lines import NO_SEGMENTS, add_line, segments
@@ -33,7 +33,7 @@ class TheatreLayer(Layer):
         with layout.search:
             self._text = layout.client.gui.add_html("", visible=False)
         self._clouds: dict[str, Points] = {}
-        self._tree: viser.GlbHandle | None = None
+        self._tree = LineSet(scene, "/theatre/tree")
         self._path = add_line(scene, "/theatre/path", style.MARK, 5.0)
         self._negative = add_line(scene, "/theatre/negative", style.VIOLATION, 6.0)
         self._cycle = add_line(scene, "/theatre/cycle", style.VIOLATION, 6.0)
@@ -49,9 +49,8 @@ class TheatreLayer(Layer):
             cloud.show(alone)
         for line in (self._path, self._negative, self._cycle):
             line.visible = alone
-        if self._tree is not None and not alone:
-            self._tree.remove()
-            self._tree = None
+        if not alone:
+            self._tree.draw(b"")
         self._text.visible = alone
         if theatre is not None and alone:
             self._draw_state(theatre)
@@ -80,28 +79,18 @@ class TheatreLayer(Layer):
         self._negative.points = NO_SEGMENTS if arc is None else segments(points[list(arc)])
         cycle = state.trace.cycle if state.done else state.trace.cycle[:0]
         self._cycle.points = segments(points[[*cycle, *cycle[:1]]])
-        self._draw_tree(state)
+        self._tree.draw(_tree(state))
 
-    def _draw_tree(self, state: SearchState) -> None:
-        points, n = state.trace.arcs.points, len(state.trace.arcs.points)
-        child = np.flatnonzero(state.parent >= 0).astype(np.int32)
-        child = few(child, n)
-        edges = np.stack([state.parent[child] % n, child % n], axis=1)
-        if not len(edges):
-            if self._tree is not None:
-                self._tree.remove()
-                self._tree = None
-            return
-        used, places = np.unique(edges, return_inverse=True)
-        data = glb.line_set(
-            points[used], places.reshape(-1, 2).astype(np.int32), style.CLOSED, 0.55
-        )
-        if self._tree is None:
-            self._tree = self._scene.add_glb(
-                "/theatre/tree", data, cast_shadow=False, receive_shadow=False
-            )
-        else:
-            self._tree.glb_data = data
+
+def _tree(state: SearchState) -> bytes:
+    """The edges by which nodes were reached, as binary glTF; empty where there are none."""
+    points, n = state.trace.arcs.points, len(state.trace.arcs.points)
+    child = few(np.flatnonzero(state.parent >= 0).astype(np.int32), n)
+    edges = np.stack([state.parent[child] % n, child % n], axis=1)
+    if not len(edges):
+        return b""
+    used, places = np.unique(edges, return_inverse=True)
+    return glb.line_set(points[used], places.reshape(-1, 2).astype(np.int32), style.CLOSED, 0.55)
 
 
 def few(nodes: IntArray, n: int) -> IntArray:
