@@ -32,7 +32,6 @@ class FiguresPanel:
         self._wake = wake
         self._pressed: int | None = None
         self.number = 0
-        self._left = False
         self._folder = gui.add_folder("The paper's figures", expand_by_default=False)
         with self._folder:
             numbers = [str(number) for number in range(1, len(figures()) + 1)]
@@ -54,7 +53,7 @@ class FiguresPanel:
             self._text = gui.add_html("", visible=False)
         for group in self.buttons:
             group.on_click(self._press)
-        self.back.on_click(self._leave)
+        self.back.on_click(wake)
         self.reproduce.on_click(wake)
 
     def cue(self, scene: Scene) -> Cue | None:
@@ -68,8 +67,7 @@ class FiguresPanel:
 
     def left(self) -> bool:
         """Check whether the figures were left since the last call."""
-        left, self._left = self._left, False
-        return left
+        return pressed(self.back)
 
     def restore(self, number: int) -> None:
         """Show the caption of a figure, and the way back; ignore a number that there is not."""
@@ -92,10 +90,6 @@ class FiguresPanel:
         if pressed(self.reproduce):
             self._text.content = _table()
             self._text.visible = True
-
-    def _leave(self, event: Any) -> None:
-        self._left = True
-        self._wake(event)
 
     def _press(self, event: Any) -> None:
         if event.target.value.isdigit():
