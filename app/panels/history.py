@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 
 import viser
 
@@ -37,14 +38,14 @@ class History:
         self._noted = [first]
         self._current = 0
         self._follows = False  # whether the scene shown is another tab's
-        self.undo = hidden_button(gui, "Undo", self._step_back)
-        self.redo = hidden_button(gui, "Redo", self._step_forward)
+        back, forward = partial(self._step, -1), partial(self._step, 1)
+        self.undo = hidden_button(gui, "Undo", back)
+        self.redo = hidden_button(gui, "Redo", forward)
         self._steps = 0
         self._wake = wake
-        gui.add_command("Undo", hotkey="Z", modifier="cmd/ctrl").on_trigger(self._step_back)
-        redo = gui.add_command("Redo", hotkey="Z", modifier="cmd/ctrl+shift")
-        redo.on_trigger(self._step_forward)
-        gui.add_command("Redo (Y)", hotkey="Y", modifier="cmd/ctrl").on_trigger(self._step_forward)
+        gui.add_command("Undo", hotkey="Z", modifier="cmd/ctrl").on_trigger(back)
+        gui.add_command("Redo", hotkey="Z", modifier="cmd/ctrl+shift").on_trigger(forward)
+        gui.add_command("Redo (Y)", hotkey="Y", modifier="cmd/ctrl").on_trigger(forward)
 
     @property
     def noted(self) -> Scene:
@@ -102,10 +103,6 @@ class History:
         self._current = min(max(self._current + steps, 0), len(self._noted) - 1)
         return self._noted[self._current]
 
-    def _step_back(self, event: object) -> None:
-        self._steps -= 1
-        self._wake(event)
-
-    def _step_forward(self, event: object) -> None:
-        self._steps += 1
+    def _step(self, count: int, event: object) -> None:
+        self._steps += count
         self._wake(event)

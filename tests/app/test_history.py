@@ -42,13 +42,13 @@ def test_history_is_that_of_an_editor(steps: list[str | int]) -> None:
                 before, now, after = [*before, now], _step(step), []
             history.note(_step(step))
         elif step == "undo":
-            history._step_back(None)
+            history._step(-1, None)
             old = now
             if before:
                 before, now, after = before[:-1], before[-1], [now, *after]
             assert history.requested(old) == now
         else:
-            history._step_forward(None)
+            history._step(1, None)
             old = now
             if after:
                 before, now, after = [*before, now], after[0], after[1:]
@@ -66,7 +66,7 @@ def test_undo_leads_from_what_a_teacher_shows_back_to_ones_own_work() -> None:
         history.follow(shown, _step(number))
         shown = _step(number)
         assert history.noted == shown.scene
-    history._step_back(None)
+    history._step(-1, None)
     assert history.requested(shown) == _step(1)
     # what the teacher shows next is a step of its own again
     history.follow(_step(1), _step(8))
@@ -75,7 +75,7 @@ def test_undo_leads_from_what_a_teacher_shows_back_to_ones_own_work() -> None:
     steps = []
     latest = _step(9)
     for _ in range(5):
-        history._step_back(None)
+        history._step(-1, None)
         latest = history.requested(latest) or latest
         steps.append(latest)
     assert steps == [_step(2), _step(8), _step(1), _step(0), _step(0)]
@@ -85,7 +85,7 @@ def test_a_teacher_who_shows_ones_own_scene_takes_nothing_from_it() -> None:
     history = History(_Gui(), _step(0), lambda _: None)  # type: ignore[arg-type]
     history.follow(_step(0), _step(0))
     history.follow(_step(0), _step(3))
-    history._step_back(None)
+    history._step(-1, None)
     assert history.requested(_step(3)) == _step(0)
 
 
