@@ -213,7 +213,11 @@ def _scene(data: object, keys: object, meshes: MeshSource) -> tuple[Scene, tuple
         elif name not in here and not _is_shipped(name, meshes):
             missing.append(str(name))
     if missing and isinstance(data, dict) and isinstance(data.get("obstacles"), list):
-        left = [one for one in data["obstacles"] if not _names(one, missing)]
+        left = [
+            one
+            for one in data["obstacles"]
+            if not isinstance(one, dict) or one.get("file") not in missing
+        ]
         data = {**data, "obstacles": left}
     return Scene.from_dict(data, MeshSource(here, meshes.folder)), tuple(missing)
 
@@ -224,10 +228,6 @@ def _is_shipped(name: str, meshes: MeshSource) -> bool:
     except SceneError:
         return False
     return True
-
-
-def _names(obstacle: object, missing: list[str]) -> bool:
-    return isinstance(obstacle, dict) and obstacle.get("file") in missing
 
 
 def _unpack(text: str) -> object:

@@ -137,8 +137,9 @@ def serve(
     address = Address(host, port, helpers.seats, helpers.porter)
     if joins is not None:
         address = Address(host, port, seat(joins), SideDoor.of_input(ended.set))
-    told = announce if helpers.seats is None else _tell_nobody
-    server = start(address, scene, Look(plain, dark, demo), policy, lessons, room, told)
+    # of several processes not all listen yet
+    told = {"announce": announce} if helpers.seats is None else {}
+    server = start(address, scene, Look(plain, dark, demo), policy, lessons, room, **told)
     options = {"plain": plain, "dark": dark, "demo": demo, "lessons": lessons, **visitors}
     place = {"host": host, "port": server.viser.get_port(), "log_level": log_level}
     helpers.start(_arguments(scene, **place, **options), policy.token, server.meet)
@@ -161,10 +162,6 @@ def serve(
 def _end(ended: threading.Event, number: int, frame: FrameType | None) -> None:
     """End as Ctrl+C does: the tabs are told, and the exit code is 0."""
     ended.set()
-
-
-def _tell_nobody(link: str) -> None:
-    """Announce nothing yet: not all processes listen."""
 
 
 def _workers(count: int, classroom: bool) -> Workers:

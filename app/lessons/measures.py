@@ -49,8 +49,11 @@ def _gap(length: float | None, plan: Plan) -> float | None:
     """By how many percent a length is over the least possible."""
     if length is None:
         return None
-    least = plan.straight_length if plan.optimum is None else plan.optimum.length
-    return 100 * (length / least - 1)
+    return 100 * (length / _least(plan) - 1)
+
+
+def _least(plan: Plan) -> float:
+    return plan.straight_length if plan.optimum is None else plan.optimum.length
 
 
 def _clearance(plan: Plan, name: str) -> float | None:
@@ -98,9 +101,7 @@ MEASURES: Mapping[str, Measure] = MappingProxyType(
         },
         "taut.length": partial(_number, "plan.taut.length"),
         "taut.gap": lambda f: None if f.plan.taut is None else _gap(f.plan.taut.length, f.plan),
-        "optimum.length": lambda f: (
-            f.plan.straight_length if f.plan.optimum is None else f.plan.optimum.length
-        ),
+        "optimum.length": lambda f: _least(f.plan),
         "straight.length": partial(_number, "plan.straight_length"),
         "clearance.wanted": partial(_number, "plan.scene.spline.clearance"),
         "bspline.length": partial(_number, "plan.bspline_arc.length"),
