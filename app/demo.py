@@ -37,12 +37,12 @@ class Demo:
     def begin(self, scene: Scene) -> None:
         """Begin, where the scene has an obstacle that no hand has moved."""
         self.wanted = False
-        if not self._obstacles.gizmos or self._obstacles.dragged:
+        if not self._obstacles.shown or self._obstacles.dragged:
             return
         self.running = True
         self._begun = time.monotonic()
         self._size = np.array(scene.workspace.size)
-        self._origin = np.array(self._obstacles.gizmos[0].position)
+        self._origin = np.array(self._obstacles.shown[0].gizmo.position)
 
     def step(self) -> None:
         """Move the obstacle to where it is now; back to its place at the end."""
@@ -62,5 +62,5 @@ class Demo:
         if not self.running:
             return
         self.running = False
-        if self._obstacles.gizmos:
+        if self._obstacles.shown:
             self._obstacles.place(0, self._origin)

@@ -102,7 +102,7 @@ class ObstacleEditor:
             if (typed := box.typed(name)) is not None:
                 self._ends.place(name, typed)
             box.show(self._ends.gizmos[name].position)
-        if self._obstacles.gizmos:
+        if self._obstacles.shown:
             self._edit(self._obstacles.chosen, scene)
 
     def write(self, scene: Scene) -> None:
@@ -111,7 +111,7 @@ class ObstacleEditor:
         for name, box in self._end_boxes.items():
             box.write(self._ends.gizmos[name].position)
         self._follow_choice()
-        if self._obstacles.gizmos:
+        if self._obstacles.shown:
             self._edit(self._obstacles.chosen, scene)
 
     def _forget(self) -> None:
@@ -147,7 +147,7 @@ class ObstacleEditor:
         mesh = self._placed(name, surface, scene)
         self._added.append(mesh.bounds())
         self._obstacles.add(mesh)
-        self._obstacles.choose(len(self._obstacles.gizmos) - 1)
+        self._obstacles.choose(len(self._obstacles.shown) - 1)
         self._forget()
 
     def _placed(self, name: str, surface: Surface, scene: Scene) -> MeshShape:
@@ -184,7 +184,7 @@ class ObstacleEditor:
         if frame.current and (scene, number) != self._noted:
             self._noted = scene, number
             chosen = scene.obstacles[number] if number < len(scene.obstacles) else None
-            current = len(scene.obstacles) == len(self._obstacles.data)
+            current = len(scene.obstacles) == len(self._obstacles.shown)
             self._mesh_note.write(
                 chosen if current and isinstance(chosen, MeshShape) else None, scene
             )
@@ -209,11 +209,11 @@ class ObstacleEditor:
         obstacles = self._obstacles
         if action == "Add":
             self._add_apart(_new_obstacle(self.kind.value, scene), scene)
-        elif action == "Duplicate" and obstacles.gizmos:
+        elif action == "Duplicate" and obstacles.shown:
             self._add_apart(scene.obstacles[min(obstacles.chosen, len(scene.obstacles) - 1)], scene)
-        elif action == "Delete" and obstacles.gizmos:
+        elif action == "Delete" and obstacles.shown:
             obstacles.remove(obstacles.chosen)
-        obstacles.choose(max(len(obstacles.gizmos) - 1, 0))
+        obstacles.choose(max(len(obstacles.shown) - 1, 0))
         self._forget()
 
     def _add_apart(self, obstacle: Obstacle, scene: Scene) -> None:
@@ -229,7 +229,8 @@ class ObstacleEditor:
         """Choose the same obstacle in the list and in the scene: the newer choice."""
         obstacles = self._obstacles
         names = tuple(
-            f"{i + 1} · {data.get('file', data['shape'])}" for i, data in enumerate(obstacles.data)
+            f"{i} · {one.data.get('file', one.data['shape'])}"
+            for i, one in enumerate(obstacles.shown, 1)
         )
         if tuple(self.choice.options) != (names or (_NONE,)):
             self.choice.options = names or (_NONE,)
@@ -249,7 +250,8 @@ class ObstacleEditor:
 
     def _edit(self, number: int, scene: Scene) -> None:
         """Apply, then show, the numbers of the chosen obstacle."""
-        data, gizmo = self._obstacles.data[number], self._obstacles.gizmos[number]
+        one = self._obstacles.shown[number]
+        data, gizmo = one.data, one.gizmo
         field = f"obstacles[{number}]"
         if number != self._shown.get("number"):
             self._position.write(gizmo.position)

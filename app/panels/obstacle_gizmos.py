@@ -46,12 +46,36 @@ class Foreseen:
     body: Body
 
 
+@dataclass(eq=False)
+class Shown:
+    """An obstacle in the scene.
+
+    Attributes:
+        data: as in a scene file, without its pose; the editor changes it.
+        gizmo: that its body is under.
+        label: its number.
+        valid: its data with its pose when it was valid last.
+        obstacle: of these.
+        read: its data with its pose when they were read last.
+        drawn: data that its body is of.
+        body: None until the next frame gives it one.
+    """
+
+    data: dict[str, Any]
+    gizmo: viser.TransformControlsHandle
+    label: viser.LabelHandle
+    valid: dict[str, Any]
+    obstacle: Obstacle
+    read: dict[str, Any]
+    drawn: dict[str, Any] | None = None
+    body: Body | None = None
+
+
 class ObstacleGizmos:
     """One gizmo for each obstacle; only the chosen one shows its handles.
 
     Attributes:
-        data: each obstacle as in a scene file, without its pose; the editor changes it.
-        gizmos: in the order of the obstacles.
+        shown: the obstacles in their order.
         chosen: number of the obstacle with the handles, from 0.
         held: whether a hand holds an obstacle or its handles.
         dragged: whether a hand has ever moved one.
@@ -64,17 +88,11 @@ class ObstacleGizmos:
         self._scene = client.scene
         self._wake = wake
         self._scene_size = 1.0
-        self.data: list[dict[str, Any]] = []
-        self.gizmos: list[viser.TransformControlsHandle] = []
-        self._labels: list[viser.LabelHandle] = []
-        self._bodies: list[Body] = []
-        self._drawn: list[dict[str, Any]] = []
+        self.shown: list[Shown] = []
         self._edges: dict[str, tuple[viser.MeshHandle, tuple[Surface, float]]] = {}
         self._added = 0
         self._visible = True
         self._embodied: Sequence[Obstacle] | None = None
-        self._last_read: list[dict[str, Any]] = []
-        self._validated: list[tuple[dict[str, Any], Obstacle]] = []
         self._with_handles = -2
         self._touched = False
         self._grip: FloatArray | None = None
@@ -84,27 +102,32 @@ class ObstacleGizmos:
         self.chosen = 0
         self.write(scene)
 
+    @property
+    def gizmos(self) -> list[viser.TransformControlsHandle]:
+        """The gizmos in the order of the obstacles."""
+        return [one.gizmo for one in self.shown]
+
     def read(self) -> dict[str, Any]:
         """Read the ``obstacles``, posed as the gizmos; the unchanged ones are the scene's own."""
-        self._last_read = list(map(_with_pose, self.data, self.gizmos))
-        pairs = zip(self._last_read, self._validated, strict=True)
-        return {"obstacles": [obstacle if new == old else new for new, (old, obstacle) in pairs]}
+        for one in self.shown:
+            one.read = _with_pose(one.data, one.gizmo)
+        found = [one.obstacle if one.read == one.valid else one.read for one in self.shown]
+        return {"obstacles": found}
 
     def write(self, scene: Scene) -> None:
         """Show ``scene``; gizmos of the same shapes stay, so that little is sent."""
         self.forget_foreseen()
         size = max(scene.workspace.size)
-        old = [obstacle for _, obstacle in self._validated]
+        old = [one.obstacle for one in self.shown]
         if size == self._scene_size and _same_shapes(old, scene.obstacles):
-            for number, obstacle in enumerate(scene.obstacles):
-                self._put(number, obstacle)
+            for one, obstacle in zip(self.shown, scene.obstacles, strict=True):
+                _put(one, obstacle)
         else:
-            while self.gizmos:
+            while self.shown:
                 self.remove(0)
             self._scene_size = size
             for obstacle in scene.obstacles:
                 self.add(obstacle)
-        self._last_read = [data for data, _ in self._validated]
         self._update_bodies(scene.obstacles)
         self.chosen, self._touched, self.held = 0, False, False
         self.choose(0)
@@ -118,30 +141,30 @@ class ObstacleGizmos:
         self._number(frame)
         if frame.current and frame.plan.scene.obstacles is not self._embodied:
             self._update_bodies(frame.plan.scene.obstacles)
-            self._validated = list(zip(self._last_read, frame.plan.scene.obstacles, strict=True))
+            for one, obstacle in zip(self.shown, frame.plan.scene.obstacles, strict=True):
+                one.valid, one.obstacle = one.read, obstacle
 
     def _number(self, frame: Frame) -> None:
         """Write on each obstacle the number by which messages call it, where there are several.
 
         Of very many, on those alone that a message names now.
         """
-        count = len(self._labels)
+        count = len(self.shown)
         numbered = range(count) if 1 < count <= _MOST_NUMBERED else frozenset[int]()
         if count > _MOST_NUMBERED:
             numbered = named_obstacles(frame)
-        for index, label in enumerate(self._labels):
-            label.text = str(index + 1)
-            label.visible = index in numbered
-            label.font_screen_scale = frame.label_scale
+        for index, one in enumerate(self.shown):
+            one.label.text = str(index + 1)
+            one.label.visible = index in numbered
+            one.label.font_screen_scale = frame.label_scale
 
     def _update_bodies(self, obstacles: Sequence[Obstacle]) -> None:
         """Draw the bodies anew whose obstacles have another shape or size."""
         self._embodied = obstacles
-        for number, obstacle in enumerate(obstacles):
-            if self._drawn[number] == self.data[number]:
-                continue
-            self._drawn[number] = dict(self.data[number])
-            self._embody(number, self._new_body(self.gizmos[number], obstacle, _radius(obstacle)))
+        for one, obstacle in zip(self.shown, obstacles, strict=True):
+            if one.drawn != one.data:
+                one.drawn = dict(one.data)
+                self._embody(one, self._new_body(one.gizmo, obstacle, _radius(obstacle)))
 
     def _new_body(
         self, gizmo: viser.TransformControlsHandle, obstacle: Obstacle, radius: float
@@ -151,8 +174,8 @@ class ObstacleGizmos:
         share = 2 * radius / (3**0.5 * self._scene_size)
         return add_body(self._scene, f"{gizmo.name}/body", obstacle, share)
 
-    def _embody(self, number: int, body: Body) -> None:
-        self._bodies[number] = body
+    def _embody(self, one: Shown, body: Body) -> None:
+        one.body = body
         body.on_click(self._choose_clicked)
         body.on_drag(self._drag_body)
 
@@ -176,8 +199,8 @@ class ObstacleGizmos:
     def show_edges(self, shown: bool) -> None:
         """Show or hide the edges of the meshes' triangles."""
         meshes = [
-            (f"{gizmo.name}/edges", obstacle)
-            for gizmo, obstacle in zip(self.gizmos, self._embodied or (), strict=False)
+            (f"{one.gizmo.name}/edges", obstacle)
+            for one, obstacle in zip(self.shown, self._embodied or (), strict=False)
             if shown and isinstance(obstacle, MeshShape)
         ]
         wanted = {name: (mesh.surface, mesh.factor) for name, mesh in meshes}
@@ -194,18 +217,16 @@ class ObstacleGizmos:
             foreseen.gizmo.remove()
             foreseen = None
         gizmo = self._new_gizmo(obstacle) if foreseen is None else foreseen.gizmo
-        self.gizmos.append(gizmo)
-        self._labels.append(
-            self._scene.add_label(f"{gizmo.name}/number", "", anchor="center-center", visible=False)
+        label = self._scene.add_label(
+            f"{gizmo.name}/number", "", anchor="center-center", visible=False
         )
-        self.data.append(obstacle.model_dump(mode="json", exclude=_POSE))
-        self._validated.append((_with_pose(self.data[-1], gizmo), obstacle))
-        self._drawn.append({})
-        self._bodies.append(None)  # type: ignore[arg-type]
+        data = obstacle.model_dump(mode="json", exclude=_POSE)
+        posed = _with_pose(data, gizmo)
+        self.shown.append(one := Shown(data, gizmo, label, posed, obstacle, posed))
         if foreseen is not None:
-            self._drawn[-1] = dict(self.data[-1])
+            one.drawn = dict(data)
             foreseen.body.opacity = (foreseen.body.opacity or 1.0) / _FORESEEN
-            self._embody(-1, foreseen.body)
+            self._embody(one, foreseen.body)
         self._embodied = None
         self._with_handles = -2
 
@@ -229,27 +250,18 @@ class ObstacleGizmos:
         page.keep_to_tab(gizmo)
         return gizmo
 
-    def _put(self, number: int, obstacle: Obstacle) -> None:
-        """Have gizmo ``number`` show another obstacle of its shape."""
-        gizmo = self.gizmos[number]
-        gizmo.position, gizmo.wxyz = obstacle.position, obstacle.wxyz
-        self.data[number] = obstacle.model_dump(mode="json", exclude=_POSE)
-        self._validated[number] = (_with_pose(self.data[number], gizmo), obstacle)
-
     def remove(self, number: int) -> None:
         """Remove obstacle ``number``, from 0."""
-        gizmo = self.gizmos.pop(number)
+        gizmo = self.shown.pop(number).gizmo
         self._edges.pop(f"{gizmo.name}/edges", None)  # it goes with the gizmo
         gizmo.remove()
-        for column in (self.data, self._drawn, self._bodies, self._validated, self._labels):
-            column.pop(number)
         self._with_handles = -2
 
     def place(self, number: int, position: FloatArray) -> None:
         """Move obstacle ``number``, from 0, unless a hand has ``dragged`` one."""
         with self._placing:
             if not self.dragged:
-                self.gizmos[number].position = position
+                self.shown[number].gizmo.position = position
 
     def point_out(self, number: int) -> None:
         """Choose obstacle ``number``, from 0, and give it the handles."""
@@ -276,16 +288,16 @@ class ObstacleGizmos:
         self._wake(event)
 
     def _choose_clicked(self, event: viser.SceneNodePointerEvent[Any]) -> None:
-        self.chosen = next(i for i, body in enumerate(self._bodies) if body is event.target)
+        self.chosen = next(i for i, one in enumerate(self.shown) if one.body is event.target)
         self._touched = True
         self._wake(event)
 
     def _drag_body(self, event: viser.SceneNodeDragEvent[Any]) -> None:
         """Move a body with the hand, in the plane that faces the camera."""
-        number = next((i for i, body in enumerate(self._bodies) if body is event.target), None)
+        number = next((i for i, one in enumerate(self.shown) if one.body is event.target), None)
         if number is None:
             return
-        gizmo = self.gizmos[number]
+        gizmo = self.shown[number].gizmo
         if self._grip is None:
             self._grip = np.subtract(gizmo.position, event.start_position)
         position = np.add(event.end_position, self._grip)
@@ -306,6 +318,13 @@ def _same_shapes(old: Sequence[Obstacle], new: Sequence[Obstacle]) -> bool:
         type(a) is type(b) and getattr(a, "surface", None) is getattr(b, "surface", None)
         for a, b in zip(old, new, strict=True)
     )
+
+
+def _put(one: Shown, obstacle: Obstacle) -> None:
+    """Show another obstacle of the same shape."""
+    one.gizmo.position, one.gizmo.wxyz = obstacle.position, obstacle.wxyz
+    one.data, one.obstacle = obstacle.model_dump(mode="json", exclude=_POSE), obstacle
+    one.read = one.valid = _with_pose(one.data, one.gizmo)
 
 
 def _with_pose(data: dict[str, Any], gizmo: viser.TransformControlsHandle) -> dict[str, Any]:

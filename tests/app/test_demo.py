@@ -42,7 +42,7 @@ def pull(obstacles: ObstacleGizmos, shift: tuple[float, float, float]) -> None:
     """Drag the first obstacle's body from where it is."""
     event = SimpleNamespace(
         client=None,  # wakes nobody
-        target=obstacles._bodies[0],
+        target=obstacles.shown[0].body,
         start_position=np.zeros(3),
         end_position=np.array(shift),
         phase="end",

@@ -71,7 +71,7 @@ def test_a_mesh_is_drawn_and_planning_goes_on_while_it_is_prepared(
     assert obstacles.foreseen is None
     # what is drawn already is not sent again
     assert obstacles.gizmos[1] is foreseen.gizmo
-    assert obstacles._bodies[1] is foreseen.body
+    assert obstacles.shown[1].body is foreseen.body
     assert faint is not None
     assert foreseen.body.opacity is not None
     assert foreseen.body.opacity > 2 * faint

@@ -95,7 +95,7 @@ def test_each_shape_is_added_with_a_body_and_a_box_for_every_size(
     until(lambda: session.resting and len(session.frame.plan.scene.obstacles) == count + 1)
     added = session.frame.plan.scene.obstacles[-1]
     assert added.shape == kind
-    assert editor._obstacles._bodies[-1] is not None
+    assert editor._obstacles.shown[-1].body is not None
     sizes = set(type(added).model_fields) - {"shape", "position", "wxyz"}
     shown = {name for name in ("size", "radius", "height") if getattr(editor.sizes, name).visible}
     assert shown == sizes
@@ -293,7 +293,7 @@ def test_plots_are_there_when_there_is_motion(tab: tuple[FakeTab, Session]) -> N
 
 
 def _numbered(session: Session) -> set[int]:
-    return {k for k, label in enumerate(session.panels.obstacles._labels) if label.visible}
+    return {k for k, one in enumerate(session.panels.obstacles.shown) if one.label.visible}
 
 
 @pytest.mark.slow
