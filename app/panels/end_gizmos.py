@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 import viser
 
 from abi.arrays import FloatArray
-from abi.obstacles.pose import Vec3
 from abi.scene.scene import Scene
 from app import page, style
 from app.frame import Frame
@@ -38,8 +37,6 @@ class EndGizmos:
         self._balls: dict[str, viser.IcosphereHandle] = {}
         self._origins: dict[str, FloatArray] = {}
         self._grips: dict[str, FloatArray] = {}
-        self._written: dict[str, Vec3] = {}
-        self._labelled: Scene | None = None
         self._chosen = ""
         self._with_handles = ""
         self._wake = wake
@@ -100,7 +97,7 @@ class EndGizmos:
             gizmo.scale = 0.13 * size
             self._balls[name].radius = _RADIUS * size
             self._labels[name].position = (0.0, 0.0, -0.05 * size)
-        self._label_ends_of(scene)
+        self._write_labels()
 
     def draw(self, frame: Frame) -> None:
         """Write the coordinates on the labels; give the handles to the end chosen last."""
@@ -110,12 +107,8 @@ class EndGizmos:
                 gizmo.disable_axes = name != self._chosen
         for label in self._labels.values():
             label.font_screen_scale = frame.label_scale
-        if frame.refused is not None:
-            # an end stays where it was refused
-            self._labelled = None
-            self._label({name: gizmo.position for name, gizmo in self.gizmos.items()})
-        elif frame.current and frame.plan.scene is not self._labelled:
-            self._label_ends_of(frame.plan.scene)
+        if not frame.outdated or frame.refused is not None:  # an end stays where it was refused
+            self._write_labels()
 
     def _drag_gizmo(self, event: viser.TransformControlsEvent) -> None:
         self.held = phase_holds(event.phase, self.held)
@@ -142,17 +135,9 @@ class EndGizmos:
     def _name_of(self, ball: object) -> str:
         return next(name for name, other in self._balls.items() if other is ball)
 
-    def _label_ends_of(self, scene: Scene) -> None:
-        self._labelled = scene
-        self._label({name: getattr(scene, name) for name in self._labels})
-
-    def _label(self, places: Mapping[str, Sequence[float] | FloatArray]) -> None:
+    def _write_labels(self) -> None:
         for name, label in self._labels.items():
-            x, y, z = map(float, places[name])
-            if self._written.get(name) == (x, y, z):
-                continue
-            self._written[name] = x, y, z
-            place = (format_setting(round(number, 3)) for number in (x, y, z))
+            place = (format_setting(round(x, 3)) for x in self.gizmos[name].position.tolist())
             label.text = f"{name} ({', '.join(place)})"
 
     def _within_rounding(self, position: FloatArray) -> FloatArray:
