@@ -52,6 +52,15 @@ def drawn_points(cloud: Points) -> FloatArray:
     return none if cloud._cloud is None else np.asarray(cloud._cloud.points, float)
 
 
+def notified(monkeypatch: pytest.MonkeyPatch, session: Session) -> list[tuple[str, str]]:
+    """Title and body of each notification from now on, none of which is sent."""
+    told: list[tuple[str, str]] = []
+    monkeypatch.setattr(
+        session.client, "add_notification", lambda title, body, **_: told.append((title, body))
+    )
+    return told
+
+
 def heard(monkeypatch: pytest.MonkeyPatch, function: page.Function) -> list[Any]:
     """Argument of each call of a page's function from now on, none of which is sent."""
     calls: list[Any] = []

@@ -34,7 +34,7 @@ from app.session import Session
 from tests.abi.arm.test_chain import LINKED_BIT
 from tests.abi.robot.robots import arm, packed
 from tests.abi.robot.test_visuals import dae, looking
-from tests.app.fake_tab import FakeTab, heard, layer, send_file, until
+from tests.app.fake_tab import FakeTab, heard, layer, notified, send_file, until
 
 
 def panel(session: Session) -> ArmPanel:
@@ -95,12 +95,9 @@ def test_an_upload_is_an_arm_or_a_sentence(
     tab: tuple[FakeTab, Session], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     fake, session = tab
-    told: list[str] = []
-    monkeypatch.setattr(
-        session.client, "add_notification", lambda title, body, **_: told.append(body)
-    )
+    told = notified(monkeypatch, session)
     upload(session, "bad.zip", b"PK\x03\x04")
-    until(lambda: any("zip" in sentence for sentence in told))
+    until(lambda: any("zip" in sentence for _, sentence in told))
     assert isinstance(planned_arm(session), Arm)
 
     upload(session, "own arm.zip", packed({"x/own.urdf": arm()}))
@@ -111,7 +108,7 @@ def test_an_upload_is_an_arm_or_a_sentence(
 
     damaged = packed({"own.urdf": looking("a.dae"), "a.dae": b"<COLLADA>"})
     upload(session, "damaged.zip", damaged)
-    until(lambda: any("visuals cannot be read: a." in sentence for sentence in told))
+    until(lambda: any("visuals cannot be read: a." in sentence for _, sentence in told))
 
     upload(session, "plain.urdf", arm().encode())
     until(lambda: session.plan is not None and session.plan.scene.arm.urdf == "plain.zip")
@@ -134,27 +131,23 @@ def test_a_scene_that_is_opened_tells_what_is_left_out_of_its_arm(
     tab: tuple[FakeTab, Session], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     _, session = tab
-    told: list[str] = []
-    monkeypatch.setattr(
-        session.client, "add_notification", lambda title, body, **_: told.append(body)
-    )
+    told = notified(monkeypatch, session)
     damaged = packed({"own.urdf": looking("a.dae"), "a.dae": b"<COLLADA>"})
     data = {"version": 1, "arm": {"model": "urdf", "urdf": "damaged.zip"}}
     scene = Scene.from_dict(data, MeshSource({"damaged.zip": damaged}))
     until(lambda: session.resting)
     for _ in range(2):  # once for an arm
         panel(session).model.write(scene)
-        assert told == ["Drawn by collision shapes, as visuals cannot be read: a."]
+        assert [sentence for _, sentence in told] == [
+            "Drawn by collision shapes, as visuals cannot be read: a."
+        ]
 
 
 def test_an_arm_of_another_size_than_the_scene_says_so(
     tab: tuple[FakeTab, Session], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     fake, session = tab
-    told: list[str] = []
-    monkeypatch.setattr(
-        session.client, "add_notification", lambda title, _, **__: told.append(title)
-    )
+    told = notified(monkeypatch, session)
     for scene, name, titles in (
         ("kitchen-ur5e", "Franka Panda", []),
         ("paper", "UR5e", ["This arm is too large for the scene"]),
@@ -166,7 +159,7 @@ def test_an_arm_of_another_size_than_the_scene_says_so(
         until(lambda: session.plan.scene != loaded and session.resting)  # type: ignore[union-attr]  # noqa: B023
         assert isinstance(planned_arm(session), UrdfArm)
         assert panel(session).model.model.value == name
-        assert told == titles
+        assert [title for title, _ in told] == titles
     # the notice goes; what stands over the scene stays, and no other base is offered
     shown = session.panels.layout.overlay.shown
     until(lambda: "This arm is too large for the scene" in shown["message"])  # out of reach

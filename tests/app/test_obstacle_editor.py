@@ -23,7 +23,7 @@ from app.named_obstacles import numbers_of
 from app.server import start
 from app.session import Session
 from tests.abi import meshes
-from tests.app.fake_tab import FakeTab, layer, open_plots, opened, send_file, until
+from tests.app.fake_tab import FakeTab, layer, notified, open_plots, opened, send_file, until
 
 MILLIMETRES = {
     "version": 1,
@@ -209,12 +209,7 @@ def test_a_file_that_is_no_scene_is_named_and_changes_nothing(
     tab: tuple[FakeTab, Session], monkeypatch: pytest.MonkeyPatch, content: bytes, reason: str
 ) -> None:
     _, session = tab
-    notices: list[tuple[str, str]] = []
-    monkeypatch.setattr(
-        session.client,
-        "add_notification",
-        lambda title, body, **_: notices.append((title, body)),
-    )
+    notices = notified(monkeypatch, session)
     good = session.plan
     send_file(session, session.panels.files.upload, "my scene.yaml", b"version: 1\n" + content)
     until(lambda: bool(notices))

@@ -21,7 +21,7 @@ from app.server import Server, start
 from app.session import Session
 from app.shared_plans import SharedPlans
 from app.tab_planner import TabPlanner
-from tests.app.fake_tab import FakeTab, layer, opened, until
+from tests.app.fake_tab import FakeTab, layer, notified, opened, until
 
 
 def test_a_tab_begins_with_the_complete_plan_of_the_paper(
@@ -389,15 +389,12 @@ def test_a_plan_is_downloaded_in_the_format_chosen(
 ) -> None:
     fake, session = tab
     sent: dict[str, bytes] = {}
-    refused: list[str] = []
     monkeypatch.setattr(
         session.client,
         "send_file_download",
         lambda file, content, save_immediately: sent.update({file: content}),
     )
-    monkeypatch.setattr(
-        session.client, "add_notification", lambda title, body, **_: refused.append(body)
-    )
+    refused = notified(monkeypatch, session)
     panel = session.panels.exports
     for row in (row for name, row in FORMATS.items() if name != "urscript"):
         fake.set(panel.format, row.label)
@@ -413,7 +410,7 @@ def test_a_plan_is_downloaded_in_the_format_chosen(
     until(lambda: session.plan is not None and session.plan.motion is None)
     fake.set(panel.button, True)
     until(lambda: bool(refused))
-    assert refused[0].startswith("There is no motion to export: ")
+    assert refused[0][1].startswith("There is no motion to export: ")
 
 
 def test_a_motion_through_a_wall_is_exported_with_a_notice(
@@ -421,18 +418,15 @@ def test_a_motion_through_a_wall_is_exported_with_a_notice(
 ) -> None:
     _, session = tab
     sent: list[str] = []
-    told: list[str] = []
     monkeypatch.setattr(
         session.client,
         "send_file_download",
         lambda file, content, save_immediately: sent.append(file),
     )
-    monkeypatch.setattr(
-        session.client, "add_notification", lambda title, body, **_: told.append(body)
-    )
+    told = notified(monkeypatch, session)
     until(lambda: session.resting)
     session.panels.exports.send(plan(load_scene("paper")))
     assert (sent, told) == (["motion.csv"], [])
     session.panels.exports.send(plan(load_scene("wall-with-window")))
     assert len(sent) == 2
-    assert told[0].startswith("The slide goes 0.549 cm into obstacle 2")
+    assert told[0][1].startswith("The slide goes 0.549 cm into obstacle 2")
