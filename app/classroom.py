@@ -23,13 +23,11 @@ class Poll:
         number: from 1 on, another for each question.
         text: the question.
         choices: answers to choose from; 2 to ``MAX_CHOICES``.
-        open: whether answers still count.
     """
 
     number: int
     text: str
     choices: tuple[str, ...]
-    open: bool = True
 
 
 class Classroom:
