@@ -18,19 +18,13 @@ from abi.compilation.borrowed import borrowed, held
 from abi.compiled import FLOATS, compiled
 from abi.obstacles.obstacle_set_kernels import distance_gradient, nearest_primitive
 from abi.obstacles.primitive_kernels import WIDTH
-from abi.obstacles.primitive_tree_kernels import (
-    bounds_apart,
-    first_row,
-    row_after,
-    row_below,
-    tree_apart,
-)
+from abi.obstacles.primitive_tree_kernels import next_near
 from abi.obstacles.surface_set import NO_SURFACES, SurfaceSet
 from abi.obstacles.triangle_mesh.surface_tables_kernels import Room, new_room
 from abi.obstacles.vector_kernels import Vec3, vec3_at
 
-MOST_HALVINGS = 40
-MOST_PIECES = 200_000
+_MOST_HALVINGS = 40
+_MOST_PIECES = 200_000
 
 _ROUNDING = 1e-9  # by which a sample may be nearer than required
 
@@ -111,21 +105,17 @@ def _bound(
     """
     low, high = extent_of(points, piece, piece + 3 * width)
     best, whose, bound = math.inf, -1, math.inf
-    s = first_row(primitives)
+    s = next_near(primitives, -1, enough, low, high)
     while s >= 0:
-        if tree_apart(primitives, s, enough, low, high):
-            s = row_after(primitives, s)
-            continue
-        if not bounds_apart(primitives, s, enough, low, high):
-            distance, (gx, gy, gz) = distance_gradient(primitives, s, x)
-            rise = 0.0
-            for i in range(piece, piece + 3 * width, 3):
-                ahead = gx * (points[i] - x[0]) + gy * (points[i + 1] - x[1])
-                rise = min(rise, ahead + gz * (points[i + 2] - x[2]))
-            bound = min(bound, distance + rise)
-            if distance < best or (distance == best and s < whose):
-                best, whose = distance, s
-        s = row_below(primitives, s)
+        distance, (gx, gy, gz) = distance_gradient(primitives, s, x)
+        rise = 0.0
+        for i in range(piece, piece + 3 * width, 3):
+            ahead = gx * (points[i] - x[0]) + gy * (points[i + 1] - x[1])
+            rise = min(rise, ahead + gz * (points[i + 2] - x[2]))
+        bound = min(bound, distance + rise)
+        if distance < best or (distance == best and s < whose):
+            best, whose = distance, s
+        s = next_near(primitives, s, enough, low, high)
     return best, whose, bound
 
 
@@ -305,11 +295,11 @@ def measure_curve(
     nearest = _sample_ends(around, pieces, required)
     bottom = nearest.distance
     stretches = [(0.0, 0.0)]
-    for halvings in range(MOST_HALVINGS + 1):
+    for halvings in range(_MOST_HALVINGS + 1):
         middles, nearest = _sample_middles(around, pieces, demand, nearest)
         exactly = nearest.obstacle >= len(primitives) // WIDTH
         chosen = _undecided(pieces, middles, nearest.distance, demand, exactly)
-        if halvings == MOST_HALVINGS or 2 * len(chosen) > MOST_PIECES:
+        if halvings == _MOST_HALVINGS or 2 * len(chosen) > _MOST_PIECES:
             chosen.clear()
         j = 0
         for piece in range(len(middles.at)):

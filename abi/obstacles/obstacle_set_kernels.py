@@ -18,19 +18,18 @@ from abi.obstacles.primitive_kernels import (
     axes_of,
     centre_of,
     core_of,
+    distance_to,
     in_body,
     in_world,
-    signed_distance,
     signed_distance_gradient,
 )
 from abi.obstacles.primitive_tree_kernels import (
     any_nearer,
-    bounds_apart,
     first_row,
+    next_near,
+    next_near_segment,
     row_after,
     row_below,
-    segment_apart,
-    tree_apart,
     tree_gap,
 )
 from abi.obstacles.vector_kernels import Vec3, add, axpy, dot, sub, vec3_at
@@ -93,8 +92,7 @@ def _likely_nearest(primitives: FloatArray, x: Vec3) -> int:
     s = first_row(primitives)
     best, whose = math.inf, s
     while True:
-        p = in_body(axes_of(primitives, s), sub(x, centre_of(primitives, s)))
-        distance = signed_distance(core_of(primitives, s), p)
+        distance = distance_to(primitives, s, x)
         if distance < best:
             best, whose = distance, s
         one, after = row_below(primitives, s), row_after(primitives, s)
@@ -120,19 +118,15 @@ def nearest_to_segment(
         b: the other end.
     """
     best, whose = enough, -1
-    s = first_row(primitives)
-    if s >= 0 and enough == math.inf:
+    if len(primitives) > 0 and enough == math.inf:
         whose = _likely_nearest(primitives, axpy(0.5, sub(b, a), a))
         best = distance_to_segment(primitives, whose, enough, a, b)
+    s = next_near_segment(primitives, -1, best, a, b)
     while s >= 0:
-        if segment_apart(primitives, s, True, best, a, b):
-            s = row_after(primitives, s)
-            continue
-        if not segment_apart(primitives, s, False, best, a, b):
-            distance = distance_to_segment(primitives, s, best, a, b)
-            if distance < best:
-                best, whose = distance, s
-        s = row_below(primitives, s)
+        distance = distance_to_segment(primitives, s, best, a, b)
+        if distance < best:
+            best, whose = distance, s
+        s = next_near_segment(primitives, s, best, a, b)
     return best, whose
 
 
@@ -143,22 +137,17 @@ def nearest_primitive(primitives: FloatArray, enough: float, x: Vec3) -> tuple[f
     The first primitive counts on a tie.
     """
     best, whose = enough, -1
-    s = first_row(primitives)
-    if s >= 0 and enough == math.inf:
+    if len(primitives) > 0 and enough == math.inf:
         whose = _likely_nearest(primitives, x)
-        p = in_body(axes_of(primitives, whose), sub(x, centre_of(primitives, whose)))
-        best = signed_distance(core_of(primitives, whose), p)
+        best = distance_to(primitives, whose, x)
+    more = best + _ROUNDING * abs(best)  # with those that are as near
+    s = next_near(primitives, -1, more, x, x)
     while s >= 0:
-        more = best + _ROUNDING * abs(best)  # with those that are as near
-        if tree_apart(primitives, s, more, x, x):
-            s = row_after(primitives, s)
-            continue
-        if not bounds_apart(primitives, s, more, x, x):
-            p = in_body(axes_of(primitives, s), sub(x, centre_of(primitives, s)))
-            distance = signed_distance(core_of(primitives, s), p)
-            if distance < best or (distance == best and s < whose):
-                best, whose = distance, s
-        s = row_below(primitives, s)
+        distance = distance_to(primitives, s, x)
+        if distance < best or (distance == best and s < whose):
+            best, whose = distance, s
+            more = best + _ROUNDING * abs(best)
+        s = next_near(primitives, s, more, x, x)
     return best, whose
 
 
@@ -246,19 +235,15 @@ def near_boxes(
     found = 0
     for i in range(len(limits)):
         a, b = vec3_at(starts, 3 * i), vec3_at(ends, 3 * i)
-        s = first_row(boxes)
+        s = next_near_segment(boxes, -1, limits[i], a, b)
         while s >= 0:
-            if segment_apart(boxes, s, True, limits[i], a, b):
-                s = row_after(boxes, s)
-                continue
-            if not segment_apart(boxes, s, False, limits[i], a, b):
-                if found == len(near):
-                    segments = np.concatenate((segments, np.empty_like(segments)))
-                    near = np.concatenate((near, np.empty_like(near)))
-                segments[found], near[found] = i, s
-                counts[s + 1] += 1
-                found += 1
-            s = row_below(boxes, s)
+            if found == len(near):
+                segments = np.concatenate((segments, np.empty_like(segments)))
+                near = np.concatenate((near, np.empty_like(near)))
+            segments[found], near[found] = i, s
+            counts[s + 1] += 1
+            found += 1
+            s = next_near_segment(boxes, s, limits[i], a, b)
     for s in range(1, len(counts)):
         counts[s] += counts[s - 1]
     in_order, of_box = np.empty(found, np.int32), np.empty(found, np.int32)
@@ -282,5 +267,4 @@ def signed_distances(points: FloatArray, primitives: FloatArray, distances: Floa
     for i in range(len(points) // 3):
         x = vec3_at(points, 3 * i)
         for s in range(count):
-            p = in_body(axes_of(primitives, s), sub(x, centre_of(primitives, s)))
-            distances[i * count + s] = signed_distance(core_of(primitives, s), p)
+            distances[i * count + s] = distance_to(primitives, s, x)

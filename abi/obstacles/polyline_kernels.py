@@ -14,7 +14,7 @@ from abi.compilation.borrowed import borrowed, held
 from abi.compiled import FLOATS, NEW_FLOATS, compiled
 from abi.obstacles.obstacle_set_kernels import distance_to_segment, nearest_to_segment
 from abi.obstacles.primitive_kernels import WIDTH
-from abi.obstacles.primitive_tree_kernels import first_row, row_after, row_below, segment_apart
+from abi.obstacles.primitive_tree_kernels import next_near_segment
 from abi.obstacles.surface_set import NO_SURFACES, SurfaceSet
 from abi.obstacles.surface_set_kernels import most_to_mesh, nearest_mesh_to_segment, widened
 from abi.obstacles.triangle_mesh.surface_tables_kernels import new_room
@@ -78,15 +78,11 @@ def near_polyline(points: FloatArray, primitives: FloatArray, reach: float) -> F
     distances = np.full(len(primitives) // WIDTH, math.inf)
     for i in range(0, len(points) - 3, 3):
         a, b = vec3_at(points, i), vec3_at(points, i + 3)
-        s = first_row(primitives)
+        s = next_near_segment(primitives, -1, reach, a, b)
         while s >= 0:
-            if segment_apart(primitives, s, True, reach, a, b):
-                s = row_after(primitives, s)
-                continue
             most = min(reach, distances[s])
-            if not segment_apart(primitives, s, False, most, a, b):
-                distance = distance_to_segment(primitives, s, most, a, b)
-                if distance < most:
-                    distances[s] = distance
-            s = row_below(primitives, s)
+            distance = distance_to_segment(primitives, s, most, a, b)
+            if distance < most:
+                distances[s] = distance
+            s = next_near_segment(primitives, s, reach, a, b)
     return distances

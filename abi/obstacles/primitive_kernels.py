@@ -18,7 +18,7 @@ from typing import NamedTuple
 from numba.extending import register_jitable
 
 from abi.arrays import FloatArray
-from abi.obstacles.vector_kernels import Vec3, axpy, dot, vec3_at
+from abi.obstacles.vector_kernels import Vec3, axpy, dot, sub, vec3_at
 
 WIDTH = 32
 """Numbers that describe a primitive."""
@@ -105,6 +105,13 @@ def signed_distance(core: Core, p: Vec3) -> float:
         a, b, c = max(a, 0.0), max(b, 0.0), max(c, 0.0)
         most = math.sqrt(a * a + b * b + c * c)
     return most - core.radius
+
+
+@register_jitable
+def distance_to(primitives: FloatArray, s: int, x: Vec3) -> float:
+    """Signed distance of a point to primitive s, [unit], world."""
+    p = in_body(axes_of(primitives, s), sub(x, centre_of(primitives, s)))
+    return signed_distance(core_of(primitives, s), p)
 
 
 @register_jitable

@@ -22,9 +22,9 @@ from abi.obstacles.primitive_kernels import (
     axes_of,
     centre_of,
     core_of,
+    distance_to,
     in_body,
     segment_within,
-    signed_distance,
 )
 from abi.obstacles.vector_kernels import Vec3, sub, vec3_at
 
@@ -94,18 +94,6 @@ def _apart_across(rows: FloatArray, k: int, margin: float, a: Vec3, b: Vec3) -> 
 
 
 @register_jitable
-def bounds_apart(primitives: FloatArray, s: int, margin: float, low: Vec3, high: Vec3) -> bool:
-    """Check whether a box is ``margin`` or farther from that around primitive s, along an axis."""
-    return _apart(primitives, WIDTH * s + BOUNDS, margin, low, high)
-
-
-@register_jitable
-def tree_apart(primitives: FloatArray, s: int, margin: float, low: Vec3, high: Vec3) -> bool:
-    """Check if a box is ``margin`` or farther from those around primitive s and all below it."""
-    return _apart(primitives, WIDTH * s + TREE, margin, low, high)
-
-
-@register_jitable
 def tree_gap(primitives: FloatArray, s: int, x: Vec3) -> float:
     """Squared distance of a point to the box around primitive s and all below it, [unit²]."""
     k = WIDTH * s + TREE
@@ -122,6 +110,45 @@ def is_leaf(primitives: FloatArray, s: int) -> bool:
     k = WIDTH * s
     leaf: bool = primitives[k + _NEXT] == primitives[k + _AFTER]
     return leaf
+
+
+@register_jitable
+def next_near(primitives: FloatArray, s: int, margin: float, low: Vec3, high: Vec3) -> int:
+    """Row after row s, -1 for the first, whose bounds are nearer to a box than ``margin``; or -1.
+
+    What is farther along one of the axes is passed over, with all below it where that is, too.
+    """
+    s = row_below(primitives, s) if s >= 0 else first_row(primitives)
+    while s >= 0:
+        if _apart(primitives, WIDTH * s + TREE, margin, low, high):
+            s = row_after(primitives, s)
+        elif _apart(primitives, WIDTH * s + BOUNDS, margin, low, high):
+            s = row_below(primitives, s)
+        else:
+            return s
+    return -1
+
+
+@register_jitable
+def next_near_segment(primitives: FloatArray, s: int, margin: float, a: Vec3, b: Vec3) -> int:
+    """Row after row s, -1 for the first, that may be nearer to a segment than ``margin``; or -1.
+
+    Args:
+        primitives: rows.
+        s: row.
+        margin: [unit].
+        a: one end, [unit], world; it may be the other one, too.
+        b: the other end.
+    """
+    s = row_below(primitives, s) if s >= 0 else first_row(primitives)
+    while s >= 0:
+        if segment_apart(primitives, s, True, margin, a, b):
+            s = row_after(primitives, s)
+        elif not is_leaf(primitives, s) and segment_apart(primitives, s, False, margin, a, b):
+            s = row_below(primitives, s)
+        else:
+            return s
+    return -1
 
 
 @register_jitable
@@ -147,16 +174,11 @@ def segment_apart(
 @register_jitable
 def any_within(primitives: FloatArray, margin: float, p: Vec3) -> bool:
     """Check whether any primitive is nearer to a point of the world than ``margin``."""
-    s = first_row(primitives)
+    s = next_near(primitives, -1, margin, p, p)
     while s >= 0:
-        if tree_apart(primitives, s, margin, p, p):
-            s = row_after(primitives, s)
-            continue
-        if not bounds_apart(primitives, s, margin, p, p):
-            q = in_body(axes_of(primitives, s), sub(p, centre_of(primitives, s)))
-            if signed_distance(core_of(primitives, s), q) < margin:
-                return True
-        s = row_below(primitives, s)
+        if distance_to(primitives, s, p) < margin:
+            return True
+        s = next_near(primitives, s, margin, p, p)
     return False
 
 
@@ -171,16 +193,11 @@ def _blocks(primitives: FloatArray, s: int, margin: float, a: Vec3, b: Vec3) -> 
 @register_jitable
 def any_nearer(primitives: FloatArray, margin: float, a: Vec3, b: Vec3) -> bool:
     """Check whether the segment a..b comes nearer to any primitive than ``margin``."""
-    s = first_row(primitives)
+    s = next_near_segment(primitives, -1, margin, a, b)
     while s >= 0:
-        if segment_apart(primitives, s, True, margin, a, b):
-            s = row_after(primitives, s)
-            continue
-        if (
-            is_leaf(primitives, s) or not segment_apart(primitives, s, False, margin, a, b)
-        ) and _blocks(primitives, s, margin, a, b):
+        if _blocks(primitives, s, margin, a, b):
             return True
-        s = row_below(primitives, s)
+        s = next_near_segment(primitives, s, margin, a, b)
     return False
 
 
@@ -214,18 +231,11 @@ def blocker(
         and _blocks(primitives, guess, margins[first + guess], a, b)
     ):
         return guess
-    s = first_row(primitives)
-    while s >= 0:
-        if segment_apart(primitives, s, True, margins[0], a, b):
-            s = row_after(primitives, s)
-            continue
-        margin = margins[first + s]
-        if (
-            is_leaf(primitives, s) or not segment_apart(primitives, s, False, margin, a, b)
-        ) and _blocks(primitives, s, margin, a, b):
-            return s
-        s = row_below(primitives, s)
-    return -1
+    most = margins[0] if len(margins) > 0 else 0.0
+    s = next_near_segment(primitives, -1, most, a, b)
+    while s >= 0 and not _blocks(primitives, s, margins[first + s], a, b):
+        s = next_near_segment(primitives, s, most, a, b)
+    return s
 
 
 @compiled(example=(NEW_FLOATS,))

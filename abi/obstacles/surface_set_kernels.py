@@ -10,14 +10,7 @@ import math
 
 from numba.extending import register_jitable
 
-from abi.obstacles.primitive_tree_kernels import (
-    bounds_apart,
-    first_row,
-    row_after,
-    row_below,
-    segment_apart,
-    tree_apart,
-)
+from abi.obstacles.primitive_tree_kernels import next_near, next_near_segment
 from abi.obstacles.surface_set import SurfaceSet, surface_at
 from abi.obstacles.triangle_mesh.blocked_segment_kernels import is_blocked
 from abi.obstacles.triangle_mesh.distance_grid_kernels import distance_bounds
@@ -51,23 +44,18 @@ def nearest_mesh(
     """
     bounds = surfaces.bounds
     best, whose, triangle, least = math.inf, -1, -1, sought
-    s = first_row(bounds)
+    s = next_near(bounds, -1, widened(least), x, x)
     while s >= 0:
-        wide = widened(least)
-        if tree_apart(bounds, s, wide, x, x):
-            s = row_after(bounds, s)
-            continue
-        if not bounds_apart(bounds, s, wide, x, x):
-            tables, placement = surface_at(surfaces, s)
-            p = to_surface(placement, x)
-            lower = distance_bounds(tables.grid, p)[0] * placement.factor
-            if lower < min(enough, least):
-                away, number = signed_distance_at(tables, p, room)
-                lower = away * placement.factor
-                if lower < best:
-                    best, whose, triangle = lower, s, number
-            least = min(least, lower)
-        s = row_below(bounds, s)
+        tables, placement = surface_at(surfaces, s)
+        p = to_surface(placement, x)
+        lower = distance_bounds(tables.grid, p)[0] * placement.factor
+        if lower < min(enough, least):
+            away, number = signed_distance_at(tables, p, room)
+            lower = away * placement.factor
+            if lower < best:
+                best, whose, triangle = lower, s, number
+        least = min(least, lower)
+        s = next_near(bounds, s, widened(least), x, x)
     return best, whose, triangle, least
 
 
@@ -75,16 +63,12 @@ def nearest_mesh(
 def most_to_mesh(surfaces: SurfaceSet, most: float, x: Vec3) -> float:
     """Upper bound of a point's signed distance to the nearest mesh; ``most`` if that is less."""
     bounds = surfaces.bounds
-    s = first_row(bounds)
+    s = next_near(bounds, -1, most, x, x)
     while s >= 0:
-        if tree_apart(bounds, s, most, x, x):
-            s = row_after(bounds, s)
-            continue
-        if not bounds_apart(bounds, s, most, x, x):
-            tables, placement = surface_at(surfaces, s)
-            upper = distance_bounds(tables.grid, to_surface(placement, x))[1]
-            most = min(most, upper * placement.factor)
-        s = row_below(bounds, s)
+        tables, placement = surface_at(surfaces, s)
+        upper = distance_bounds(tables.grid, to_surface(placement, x))[1]
+        most = min(most, upper * placement.factor)
+        s = next_near(bounds, s, most, x, x)
     return most
 
 
@@ -104,24 +88,21 @@ def nearest_mesh_to_segment(
     bounds = surfaces.bounds
     best, whose = enough, -1
     half = distance(a, b) / 2
-    s = first_row(bounds)
+    # how deep a segment is inside is a bound from below: each that may be inside counts
+    wide = widened(max(best, 0.0))
+    s = next_near_segment(bounds, -1, wide, a, b)
     while s >= 0:
-        # how deep a segment is inside is a bound from below: each that may be inside counts
-        wide = widened(max(best, 0.0))
-        if segment_apart(bounds, s, True, wide, a, b):
-            s = row_after(bounds, s)
-            continue
-        if not segment_apart(bounds, s, False, wide, a, b):
-            tables, placement = surface_at(surfaces, s)
-            p, q = to_surface(placement, a), to_surface(placement, b)
-            lower = distance_bounds(tables.grid, axpy(0.5, sub(q, p), p))[0]
-            if lower * placement.factor - half < wide:
-                # in the surface's lengths: back in the world's, rounding would make it nearer
-                limit = best / placement.factor
-                away = least_distance(tables, p, q, limit, room)
-                if away < limit:
-                    best, whose = away * placement.factor, s
-        s = row_below(bounds, s)
+        tables, placement = surface_at(surfaces, s)
+        p, q = to_surface(placement, a), to_surface(placement, b)
+        lower = distance_bounds(tables.grid, axpy(0.5, sub(q, p), p))[0]
+        if lower * placement.factor - half < wide:
+            # in the surface's lengths: back in the world's, rounding would make it nearer
+            limit = best / placement.factor
+            away = least_distance(tables, p, q, limit, room)
+            if away < limit:
+                best, whose = away * placement.factor, s
+                wide = widened(max(best, 0.0))
+        s = next_near_segment(bounds, s, wide, a, b)
     return best, whose
 
 
@@ -138,15 +119,11 @@ def meshes_met(
     """Number of meshes that a segment meets so, up to ``most``; and the last one, -1 for none."""
     bounds, met, whose = surfaces.bounds, 0, -1
     wide = widened(max(margin, 0.0))
-    s = first_row(bounds)
+    s = next_near_segment(bounds, -1, wide, a, b)
     while s >= 0 and met < most:
-        if segment_apart(bounds, s, True, wide, a, b):
-            s = row_after(bounds, s)
-            continue
-        if not segment_apart(bounds, s, False, wide, a, b):
-            tables, placement = surface_at(surfaces, s)
-            p, q = to_surface(placement, a), to_surface(placement, b)
-            if is_blocked(tables, p, q, margin / placement.factor, room):
-                met, whose = met + 1, s
-        s = row_below(bounds, s)
+        tables, placement = surface_at(surfaces, s)
+        p, q = to_surface(placement, a), to_surface(placement, b)
+        if is_blocked(tables, p, q, margin / placement.factor, room):
+            met, whose = met + 1, s
+        s = next_near_segment(bounds, s, wide, a, b)
     return met, whose

@@ -20,7 +20,7 @@ from abi.obstacles.primitive_kernels import (
     segment_within,
     signed_distance_gradient,
 )
-from abi.obstacles.primitive_tree_kernels import first_row, row_after, row_below, segment_apart
+from abi.obstacles.primitive_tree_kernels import next_near_segment
 from abi.obstacles.vector_kernels import Vec3, add, axpy, cross, distance, dot, norm, sub
 from abi.taut.free_space_kernels import FreeSpace, in_bounds, is_clear, kind_of
 
@@ -47,16 +47,14 @@ def _touched(space: FreeSpace, kind: int, reach: float, a: Vec3, b: Vec3) -> Vec
     solids, margins = space.solids, space.margins
     first = kind * (len(solids) // WIDTH)
     earliest, normal = 2.0, (0.0, 0.0, 0.0)
-    s = first_row(solids)
+    most = margins[0] + reach if len(margins) > 0 else reach
+    s = next_near_segment(solids, -1, most, a, b)
     while s >= 0:
-        if segment_apart(solids, s, True, margins[0] + reach, a, b):
-            s = row_after(solids, s)
-            continue
         limit = margins[first + s] + reach
         axes, core = axes_of(solids, s), core_of(solids, s)
         p = in_body(axes, sub(a, centre_of(solids, s)))
         d = in_body(axes, sub(b, a))
-        if not segment_apart(solids, s, False, limit, a, b) and segment_within(core, limit, p, d):
+        if segment_within(core, limit, p, d):
             low, high = 0.0, 1.0
             for _ in range(_HALVINGS):
                 t = (low + high) / 2
@@ -67,7 +65,7 @@ def _touched(space: FreeSpace, kind: int, reach: float, a: Vec3, b: Vec3) -> Vec
             if low < earliest:
                 earliest = low
                 normal = in_world(axes, signed_distance_gradient(core, axpy(low, d, p))[1])
-        s = row_below(solids, s)
+        s = next_near_segment(solids, s, most, a, b)
     return normal
 
 

@@ -15,16 +15,8 @@ from numba.extending import register_jitable
 from abi.arrays import FloatArray
 from abi.compilation.borrowed import borrowed, held
 from abi.compiled import FLOATS, compiled
-from abi.obstacles.obstacle_set_kernels import nearest_to_segment
-from abi.obstacles.primitive_kernels import (
-    WIDTH,
-    axes_of,
-    centre_of,
-    core_of,
-    in_body,
-    in_world,
-    signed_distance_gradient,
-)
+from abi.obstacles.obstacle_set_kernels import distance_gradient, nearest_to_segment
+from abi.obstacles.primitive_kernels import WIDTH, in_world
 from abi.obstacles.primitive_tree_kernels import blocked
 from abi.obstacles.surface_set import NO_SURFACES, SurfaceSet, surface_at
 from abi.obstacles.surface_set_kernels import meets_mesh, nearest_mesh
@@ -78,9 +70,7 @@ def _outward(surroundings: Surroundings, x: Vec3, room: Room) -> Vec3:
     normal = (0.0, 0.0, 0.0)
     nearest, s = nearest_to_segment(solids, math.inf, x, x)
     if s >= 0:
-        axes = axes_of(solids, s)
-        p = in_body(axes, sub(x, centre_of(solids, s)))
-        normal = in_world(axes, signed_distance_gradient(core_of(solids, s), p)[1])
+        normal = distance_gradient(solids, s, x)[1]
     away, mesh, triangle, _ = nearest_mesh(surfaces, nearest, nearest, x, room)
     if away >= nearest:
         return normal
