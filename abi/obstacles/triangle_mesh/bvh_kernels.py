@@ -8,6 +8,7 @@ from numba.extending import register_jitable
 
 from abi.arrays import FloatArray, IntArray
 from abi.compiled import FLOATS, IDS, NEW_FLOATS, NEW_IDS, compiled
+from abi.obstacles.triangle_mesh.triangle_kernels import triangle_at
 from abi.obstacles.vector_kernels import Vec3, add, cross, dot, norm, sub, vec3_at
 
 
@@ -82,8 +83,7 @@ def _normal_of(corners: FloatArray, first: int, last: int) -> Vec3:
     """Unit vector along the sum of triangles' normals, each as long as the area; 0 if that is."""
     total = (0.0, 0.0, 0.0)
     for number in range(first, last):
-        k = 9 * number
-        a, b, c = vec3_at(corners, k), vec3_at(corners, k + 3), vec3_at(corners, k + 6)
+        a, b, c = triangle_at(corners, number)
         total = add(total, cross(sub(b, a), sub(c, a)))
     size = norm(total)
     if size <= 1e-300:

@@ -146,20 +146,13 @@ def _side(
         if step < abs(value) + free < math.inf:
             return 1 if value < 0.0 else 0
     touching = _TOUCHING * (step + tree.size)
-    nowhere = (0.0, 0.0, 0.0)
-    a, b, c = before
-    if a < math.inf and not comes_near(
-        tree, (x[0] - step, x[1], x[2]), x, touching, nowhere, waiting
-    ):
-        return 1 if a < 0.0 else 0
-    if b < math.inf and not comes_near(
-        tree, (x[0], x[1] - step, x[2]), x, touching, nowhere, waiting
-    ):
-        return 1 if b < 0.0 else 0
-    if c < math.inf and not comes_near(
-        tree, (x[0], x[1], x[2] - step), x, touching, nowhere, waiting
-    ):
-        return 1 if c < 0.0 else 0
+    nodes = (x[0] - step, x[1], x[2]), (x[0], x[1] - step, x[2]), (x[0], x[1], x[2] - step)
+    for k in range(3):
+        value = before[k]
+        if value < math.inf and not comes_near(
+            tree, nodes[k], x, touching, (0.0, 0.0, 0.0), waiting
+        ):
+            return 1 if value < 0.0 else 0
     return -1
 
 

@@ -110,20 +110,13 @@ def near_triangle(
     """
     _, leaves, corners, _, _ = tree
     inner = len(leaves) - 2
-    d = sub(q, p)
-    inverse, per_square = inverse_of(d), 1.0 / max(dot(d, d), 1e-300)
-    doubt = 1e-12 * (tree.size + norm(d))
+    way = _way(tree, p, sub(q, p), normal)
     level = min(dot(normal, p), dot(normal, q)) - limit
     nearest, at = math.inf, 0.5
     waiting[0] = 0
     count = 1
     while count > 0:
-        count -= 1
-        node = waiting[count]
-        way = Way(p, inverse, normal, d, per_square, doubt)
-        if _stretch_near(tree, node, way, limit, level) < 0.0:
-            continue
-        node, count = _leaf_below(tree, node, way, limit, level, waiting, count)
+        node, count = _next_leaf(tree, way, limit, level, waiting, count)
         if node < 0:
             continue
         for number in range(leaves[node - inner], leaves[node - inner + 1]):
@@ -132,7 +125,7 @@ def near_triangle(
                 continue
             low = (min(a[0], b[0], c[0]), min(a[1], b[1], c[1]), min(a[2], b[2], c[2]))
             high = (max(a[0], b[0], c[0]), max(a[1], b[1], c[1]), max(a[2], b[2], c[2]))
-            if stretch_in(p, inverse, low, high, limit) < 0.0:
+            if stretch_in(p, way.inverse, low, high, limit) < 0.0:
                 continue
             square = segment_to_triangle(p, q, triangle)
             if square <= limit * limit:
@@ -140,7 +133,8 @@ def near_triangle(
             if square < nearest:
                 # beyond its plane there is little when it is the nearest of all
                 nearest = square
-                at, normal = _way_from(triangle, p, d, at)
+                at, normal = _way_from(triangle, p, way.along, at)
+                way = _way(tree, p, way.along, normal)
                 level = min(dot(normal, p), dot(normal, q)) - limit
     return -1
 
@@ -163,26 +157,32 @@ def _way_from(triangle: Triangle, p: Vec3, d: Vec3, t: float) -> tuple[float, Ve
 
 
 @register_jitable
-def _leaf_below(
-    tree: TriangleTree,
-    node: int,
-    way: Way,
-    limit: float,
-    level: float,
-    waiting: IntArray,
-    count: int,
+def _way(tree: TriangleTree, p: Vec3, d: Vec3, normal: Vec3) -> Way:
+    """The segment from p to p + d on its way through a tree."""
+    doubt = 1e-12 * (tree.size + norm(d))
+    return Way(p, inverse_of(d), normal, d, 1.0 / max(dot(d, d), 1e-300), doubt)
+
+
+@register_jitable
+def _next_leaf(
+    tree: TriangleTree, way: Way, limit: float, level: float, waiting: IntArray, count: int
 ) -> tuple[int, int]:
-    """The leaf below a node where most of a segment may be near, -1 for none; how many wait then.
+    """The leaf below the last node that waits where most of a segment may be near, or -1.
+
+    And how many wait then.
 
     Args:
         tree: over the triangles.
-        node: where to begin.
         way: the segment.
         limit: distance.
         level: what is nowhere as far along the direction is not near.
         waiting, count: nodes still to look at, and how many; those passed on the way join them.
     """
     inner = len(tree.leaves) - 2
+    count -= 1
+    node = waiting[count]
+    if _stretch_near(tree, node, way, limit, level) < 0.0:
+        return -1, count
     while 0 <= node < inner:
         near, far = 2 * node + 1, 2 * node + 2
         in_near = _stretch_near(tree, near, way, limit, level)
@@ -282,20 +282,13 @@ def segment_distance(
     """
     _, leaves, corners, _, _ = tree
     inner = len(leaves) - 2
-    d = sub(q, p)
-    inverse, per_square = inverse_of(d), 1.0 / max(dot(d, d), 1e-300)
-    doubt = 1e-12 * (tree.size + norm(d))
+    way = _way(tree, p, sub(q, p), normal)
     best = most
     lowest = min(dot(normal, p), dot(normal, q))
     waiting[0] = 0
     count = 1
     while count > 0 and best > 0.0:  # nothing is nearer than what it passes through
-        count -= 1
-        node = waiting[count]
-        way = Way(p, inverse, normal, d, per_square, doubt)
-        if _stretch_near(tree, node, way, best, lowest - best) < 0.0:
-            continue
-        node, count = _leaf_below(tree, node, way, best, lowest - best, waiting, count)
+        node, count = _next_leaf(tree, way, best, lowest - best, waiting, count)
         if node < 0:
             continue
         for number in range(leaves[node - inner], leaves[node - inner + 1]):
