@@ -159,17 +159,6 @@ class MeshShape(Posed):
         kernels.least_distances(*self.placed, flat(p), flat(q), distances)
         return distances
 
-    def nearest_segment(
-        self, p: FloatArray, q: FloatArray, most: float, legs: int = 1
-    ) -> tuple[float, int]:
-        """Least of these distances, [unit], and the segment that has it; ``most`` and -1 above it.
-
-        The segments are those of polylines of ``legs`` segments each, one after the other.
-        """
-        points = flat(p), flat(q)
-        nearest: tuple[float, int] = kernels.nearest_segment(*self.placed, *points, legs, most)
-        return nearest
-
     def distance_bounds(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Lower and upper bound (n,) of the signed distance, [unit].
 
@@ -232,13 +221,8 @@ def _turned_bounds(
 
 @lru_cache(maxsize=8)
 def _triangles(shape: MeshShape) -> FloatArray:
-    surface = shape.surface
-    return read_only(_to_world(shape, surface.vertices)[surface.faces])
-
-
-def _to_world(shape: MeshShape, points: FloatArray) -> FloatArray:
-    rotated = points * shape.factor @ rotation(shape.wxyz).T
-    return np.asarray(rotated + np.array(shape.position))
+    turned = shape.surface.vertices * shape.factor @ rotation(shape.wxyz).T
+    return read_only((turned + np.array(shape.position))[shape.surface.faces])
 
 
 def _size_limits(size: float) -> str:

@@ -100,7 +100,9 @@ def _mesh_bound(mesh: MeshShape, ends: FloatArray, clearance: float) -> float:
     distance = np.full(_SAMPLES, math.inf)
     distance[exact] = mesh.signed_distance(line[exact])
     k = int(distance.argmin())
-    if distance[k] >= clearance and mesh.nearest_segment(ends[:1], ends[1:], clearance)[1] < 0:
+    if distance[k] >= clearance and (
+        mesh.segment_distance(ends[:1], ends[1:], clearance)[0] >= clearance
+    ):
         return 0.0
     if distance[[0, -1]].min() < clearance:
         return math.dist(*ends)

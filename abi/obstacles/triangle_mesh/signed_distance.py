@@ -82,7 +82,5 @@ def _grid(tree: TriangleTree, far_field: Dipoles, closed: bool, error: float) ->
     return DistanceGrid(read_only(values), (nx, ny, nz), (x, y, z), step, corners, bound)
 
 
-@PerSurface
-def body_frame(surface: Surface) -> BodyFrame:
-    """Tables of a surface."""
-    return BodyFrame(surface)
+body_frame = PerSurface(BodyFrame)
+"""The body frame of a surface."""

@@ -2,10 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
-import numpy as np
-
 from abi.arrays import BoolArray, FloatArray
 from abi.compilation.borrowed import borrowed, held
 from abi.compiled import FLOATS, NEW_FLAGS, NEW_FLOATS, compiled
@@ -17,13 +13,12 @@ from abi.obstacles.triangle_mesh.surface_segment_kernels import least_distance
 from abi.obstacles.triangle_mesh.surface_tables_kernels import (
     NO_PLACEMENT,
     NO_TABLES,
-    TOUCHING,
     Placement,
     SurfaceTables,
     new_room,
     to_surface,
 )
-from abi.obstacles.vector_kernels import axpy, distance, sub, vec3_at
+from abi.obstacles.vector_kernels import vec3_at
 
 
 @compiled(example=(NO_TABLES, NO_PLACEMENT, FLOATS, NEW_FLOATS), fallback=False)
@@ -76,52 +71,11 @@ def least_distances(
     for i in range(len(distances)):
         p = to_surface(placement, vec3_at(starts, 3 * i))
         q = to_surface(placement, vec3_at(ends, 3 * i))
-        distances[i] = least_distance(tables, p, q, distances[i] / factor, room) * factor
+        most = distances[i] / factor
+        away = least_distance(tables, p, q, most, room)
+        if away < most:
+            distances[i] = away * factor
     held(own)
-
-
-@compiled(example=(NO_TABLES, NO_PLACEMENT, FLOATS, FLOATS, 1, 0.0), fallback=False)
-def nearest_segment(
-    tables: SurfaceTables,
-    placement: Placement,
-    starts: FloatArray,
-    ends: FloatArray,
-    legs: int,
-    most: float,
-) -> tuple[float, int]:
-    """Least signed distance of all segments (3 n,), [unit], world, and the number of the nearest.
-
-    ``most`` and -1 where none is nearer. A segment that is where the one ``legs`` before it is, as
-    a link of an arm that stands still, is passed over.
-    """
-    own = new_room()
-    room = borrowed(own)
-    count = len(starts) // 3
-    bounds = np.empty(count)
-    nearest, found = most / placement.factor, -1
-    limit = nearest
-    for i in range(count):
-        a, b = vec3_at(starts, 3 * i), vec3_at(ends, 3 * i)
-        k = 3 * (i - legs)
-        if k >= 0 and a == vec3_at(starts, k) and b == vec3_at(ends, k):
-            bounds[i] = math.inf
-            continue
-        p, q = to_surface(placement, a), to_surface(placement, b)
-        lower, upper = distance_bounds(tables.grid, axpy(0.5, sub(q, p), p))
-        bounds[i] = lower - distance(p, q) / 2
-        limit = min(limit, upper)
-    limit += TOUCHING * tables.extent
-    for i in range(count):
-        # how deep a segment is inside is a bound from below: each that may be inside counts
-        if bounds[i] > max(min(limit, nearest), 0.0):
-            continue
-        p = to_surface(placement, vec3_at(starts, 3 * i))
-        q = to_surface(placement, vec3_at(ends, 3 * i))
-        away = least_distance(tables, p, q, nearest, room)
-        if away < nearest:
-            nearest, found = away, i
-    held(own)
-    return (nearest * placement.factor if found >= 0 else most), found
 
 
 @compiled(example=(NO_TABLES, NO_PLACEMENT, FLOATS, FLOATS, FLOATS, NEW_FLAGS), fallback=False)
