@@ -64,34 +64,20 @@ def _axes_along(ahead: FloatArray) -> FloatArray:
     return np.stack([side, np.cross(ahead, side), ahead])
 
 
-def _cube_edges() -> FloatArray:
-    """Ends (12, 2, 3) of the edges of a cube of half size 1, those along z last."""
-    ends = np.empty((12, 2, 3))
-    for axis in range(3):
-        along = slice(4 * axis, 4 * axis + 4)
-        ends[along, :, axis] = (-1, 1)
-        ends[along, :, axis - 1], ends[along, :, axis - 2] = np.array(
-            [(u, v) for u, v in product((-1, 1), repeat=2)]
-        ).T[..., None]
-    return read_only(ends)
-
-
-_CUBE = _cube_edges()
-_ACROSS = read_only(np.where(np.diff(_CUBE, axis=1, prepend=0)[:, 1:] == 0, _CUBE, 0.0))
-"""The same without the component along the edge."""
-
-
-def _cube_normals() -> FloatArray:
-    """Normals (12, 2, 3) of the two faces at each of the cube's edges."""
-    normals = np.zeros((12, 2, 3))
-    for axis in range(3):
-        along = slice(4 * axis, 4 * axis + 4)
-        for k in (1, 2):
-            normals[along, k - 1, axis - k] = _ACROSS[along, 0, axis - k]
-    return read_only(normals)
-
-
-_CUBE_NORMALS = _cube_normals()
+_SIGNS = (-1.0, 1.0)
+_CUBE = read_only(
+    np.array(
+        [
+            [np.roll((along, v, u), axis) for along in _SIGNS]
+            for axis, u, v in product(range(3), _SIGNS, _SIGNS)
+        ]
+    )
+)
+"""Ends (12, 2, 3) of the edges of a cube of half size 1, those along z last."""
+_ACROSS = read_only(_CUBE.mean(axis=1, keepdims=True))
+"""Middles (12, 1, 3) of these edges."""
+_CUBE_NORMALS = read_only(np.eye(3)[_ACROSS.nonzero()[2].reshape(12, 2)] * _ACROSS)
+"""Normals (12, 2, 3) of the two faces at each of them."""
 
 
 def _box_edges(core: Core, margin: float) -> FloatArray:
