@@ -29,6 +29,9 @@ _log = logging.getLogger(__name__)
 
 _PACKAGE = Path(__file__).resolve().parent
 
+_PROCESSORS: int = numba.config.NUMBA_DEFAULT_NUM_THREADS  # type: ignore[attr-defined]
+"""Number of processors that this process may use."""
+
 _GRACE = 0.2
 """Seconds before the first kernel is loaded: a program of one plan ends without waiting for it."""
 
@@ -53,7 +56,7 @@ class _Compilation:
         self.loaded = threading.Event()
         self.done = threading.Event()
         self.wanted = threading.Event()
-        self.spare = _processors() - 1
+        self.spare = _PROCESSORS - 1
         self._thread: threading.Thread | None = None
         self._children: list[subprocess.Popen[str]] = []
         self._lock = threading.Lock()
@@ -113,7 +116,7 @@ class _Compilation:
         for kernel in missing:
             modules.setdefault(kernel.py_func.__module__, []).append(kernel.name)
         waiting = deque(modules.values())
-        count = min(_MOST_PROCESSES, len(waiting), max(_processors() - self.spare, 1))
+        count = min(_MOST_PROCESSES, len(waiting), max(_PROCESSORS - self.spare, 1))
         threads = [
             threading.Thread(target=self._from_child, args=(waiting,), daemon=True)
             for _ in range(count)
@@ -164,13 +167,6 @@ def _start_child() -> subprocess.Popen[str] | None:
         )
     except OSError:
         return None
-
-
-def _processors() -> int:
-    """Number of processors that this process may use."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
 
 
 _compilation = _Compilation()
@@ -234,10 +230,6 @@ def compile_named() -> None:
         print(name, flush=True)
 
 
-def _end() -> None:
-    _compilation.end()
-
-
 def _after_fork() -> None:
     """Begin anew: a forked process does not have the thread."""
     global _compilation
@@ -246,6 +238,6 @@ def _after_fork() -> None:
         kernel.lock = threading.Lock()
 
 
-atexit.register(_end)
+atexit.register(lambda: _compilation.end())  # of this process, forked or not
 if hasattr(os, "register_at_fork"):
     os.register_at_fork(after_in_child=_after_fork)
