@@ -18,6 +18,7 @@ import numpy as np
 
 from abi.arrays import FloatArray, IntArray
 from abi.obstacles.pose import rotation
+from abi.obstacles.triangle_mesh.parts import NO_COLOURS, Parts, check_count
 
 _TYPES = {5121: "<u1", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
 _LOOKS = {"KHR_materials_unlit", "KHR_texture_transform", "KHR_lights_punctual"}
@@ -26,7 +27,7 @@ _MOST_NODES = 10_000
 _LARGEST = 1e9
 
 
-def read(data: bytes, most_faces: int) -> tuple[FloatArray, IntArray]:
+def read(data: bytes, most_faces: int) -> Parts:
     """Vertices (n, 3) and triangles (m, 3) of a GLB file in its own axes.
 
     Raises:
@@ -49,9 +50,8 @@ def read(data: bytes, most_faces: int) -> tuple[FloatArray, IntArray]:
             faces_read += len(triangles)
             if faces_read > most_faces or corners_read > 3 * most_faces:
                 raise ValueError(f"at most {most_faces:,} triangles, simplify the mesh first")
-    if not faces_read:
-        raise ValueError("a mesh, but the file has no triangles")
-    return np.concatenate(vertices), np.concatenate(faces)
+    check_count(faces_read, most_faces)
+    return np.concatenate(vertices), np.concatenate(faces), NO_COLOURS
 
 
 def _chunks(data: bytes) -> tuple[dict[str, Any], bytes]:

@@ -18,7 +18,7 @@ from abi.arrays import ByteArray, FloatArray, IntArray
 from abi.errors import SceneError
 from abi.obstacles.pose import LARGEST
 from abi.obstacles.triangle_mesh import glb, obj, stl, trimesh_formats
-from abi.obstacles.triangle_mesh.parts import NO_COLOURS, Parts, check_count
+from abi.obstacles.triangle_mesh.parts import Parts, check_count
 
 MAX_BYTES = 50_000_000
 MAX_FACES = 500_000
@@ -80,10 +80,6 @@ def read_coloured(data: bytes, name: str) -> tuple[FloatArray, IntArray, ByteArr
     return vertices, faces, colours
 
 
-def _read_glb(data: bytes) -> Parts:
-    return *glb.read(data, MAX_FACES), NO_COLOURS
-
-
 def _read_other(data: bytes, suffix: str) -> Parts:
     vertices, faces, colours = trimesh_formats.read(data, suffix)
     check_count(len(faces), MAX_FACES)
@@ -93,6 +89,6 @@ def _read_other(data: bytes, suffix: str) -> Parts:
 _READERS: dict[str, Callable[[bytes], Parts]] = {
     ".stl": lambda data: stl.read(data, MAX_FACES),
     ".obj": lambda data: obj.read(data, MAX_FACES),
-    ".glb": _read_glb,
+    ".glb": lambda data: glb.read(data, MAX_FACES),
     **{suffix: partial(_read_other, suffix=suffix) for suffix in trimesh_formats.SUFFIXES},
 }
