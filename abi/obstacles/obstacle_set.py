@@ -27,12 +27,10 @@ from abi.obstacles.polyline_kernels import polyline_distances
 from abi.obstacles.primitive_kernels import BOUNDS, CORE, WIDTH
 from abi.obstacles.primitives import Box, Primitive
 from abi.obstacles.surface_set import SurfaceSet, surface_set
+from abi.obstacles.surface_set_kernels import WIDER
 
 Obstacle = Annotated[Primitive | MeshShape, Field(discriminator="shape")]
 Obstacles = tuple[Obstacle, ...]
-
-_WIDER = 1e-9
-"""How much farther meshes are looked for, [unit] and part, so that rounding leaves none out."""
 
 _TOUCH = 1e-9
 """Least margin to a mesh's bounds, [unit]: what touches the surface may lie on them."""
@@ -270,8 +268,8 @@ class ObstacleSet(ShortRepr):
         else:
             if np.isinf(limits).any():
                 limits = np.minimum(limits, self.most_to_mesh(starts))
-            wide = flat(limits * (1 + _WIDER) + _WIDER)
-            rows, boxes = kernels.near_boxes(flat(starts), flat(ends), wide, self.packed_mesh_boxes)
+            segments = flat(starts), flat(ends), flat(limits * (1 + WIDER) + WIDER)
+            rows, boxes = kernels.near_boxes(*segments, self.packed_mesh_boxes)
         if not len(boxes):
             return
         cuts = (np.flatnonzero(boxes[1:] != boxes[:-1]) + 1).tolist()

@@ -19,14 +19,14 @@ from abi.obstacles.triangle_mesh.surface_segment_kernels import least_distance
 from abi.obstacles.triangle_mesh.surface_tables_kernels import Room, to_surface
 from abi.obstacles.vector_kernels import Vec3, axpy, distance, sub
 
-_WIDER = 1e-9
+WIDER = 1e-9
 """How much farther meshes are looked for, [unit] and part, so that rounding leaves none out."""
 
 
 @register_jitable
 def widened(limit: float) -> float:
     """Distance to a mesh's bounding box up to which the mesh may be nearer than a limit, [unit]."""
-    return limit + _WIDER * (1.0 + abs(limit))
+    return limit + WIDER * (1.0 + abs(limit))
 
 
 @register_jitable

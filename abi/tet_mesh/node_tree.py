@@ -8,6 +8,7 @@ import numpy as np
 
 from abi.arrays import FloatArray, IntArray, flat, read_only
 from abi.compiled import FLOATS, IDS
+from abi.obstacles.triangle_mesh.bvh import of_all_nodes
 
 _LEAF = 4
 """Nodes that a leaf has, about."""
@@ -43,11 +44,7 @@ def tree_over(points: FloatArray) -> NodeTree:
     depth = max(0, int(np.log2(max(len(points) / _LEAF, 1))))
     leaves = len(points) * np.arange(2**depth + 1) // 2**depth
     low, high = np.minimum.reduceat(ordered, leaves[:-1]), np.maximum.reduceat(ordered, leaves[:-1])
-    lows, highs = [low], [high]
-    while len(lows[-1]) > 1:
-        lows.append(np.minimum(lows[-1][::2], lows[-1][1::2]))
-        highs.append(np.maximum(highs[-1][::2], highs[-1][1::2]))
-    low, high = np.concatenate(lows[::-1]), np.concatenate(highs[::-1])
+    low, high = of_all_nodes(low, np.min), of_all_nodes(high, np.max)
     radii = np.linalg.norm(high - low, axis=1, keepdims=True) / 2
     return NodeTree(
         flat(ordered),

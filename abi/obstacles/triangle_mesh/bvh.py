@@ -83,7 +83,7 @@ def build_tree(triangles: FloatArray) -> TriangleTree:
     sorted_ = triangles[order]
     low = np.minimum.reduceat(sorted_.min(axis=1), leaves[:-1])
     high = np.maximum.reduceat(sorted_.max(axis=1), leaves[:-1])
-    boxes = np.concatenate([_of_all_nodes(low, np.min), _of_all_nodes(high, np.max)], axis=1)
+    boxes = np.concatenate([of_all_nodes(low, np.min), of_all_nodes(high, np.max)], axis=1)
     begins, corners = read_only(leaves.astype(np.int32)), read_only(sorted_.ravel())
     return TriangleTree(
         read_only(boxes.ravel()),
@@ -157,7 +157,7 @@ def dipoles(tree: TriangleTree) -> Dipoles:
     normals = np.cross(b - a, c - a) / 2
     areas = np.linalg.norm(normals, axis=1)[:, None]
     columns = np.concatenate([normals, areas * (a + b + c) / 3, areas], axis=1)
-    sums = _of_all_nodes(np.add.reduceat(columns, tree.leaves[:-1]), np.sum)
+    sums = of_all_nodes(np.add.reduceat(columns, tree.leaves[:-1]), np.sum)
     low, high = np.split(tree.boxes.reshape(-1, 6), 2, axis=1)
     area = sums[:, 6:]
     middle = (low + high) / 2
@@ -171,8 +171,8 @@ def dipoles(tree: TriangleTree) -> Dipoles:
     )
 
 
-def _of_all_nodes(leaves: FloatArray, reduce: Callable[..., FloatArray]) -> FloatArray:
-    """Values (n, k) of all nodes from those of the leaves, reduced over both children."""
+def of_all_nodes(leaves: FloatArray, reduce: Callable[..., FloatArray]) -> FloatArray:
+    """Values (n, k) of a complete tree's nodes from its leaves', reduced over both children."""
     levels = [leaves]
     while len(levels[0]) > 1:
         levels.insert(0, reduce(levels[0].reshape(-1, 2, leaves.shape[1]), axis=1))
