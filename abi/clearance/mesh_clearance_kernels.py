@@ -23,6 +23,7 @@ A point is three successive numbers. Plain Python that numba compiles with its c
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 from numba.extending import register_jitable
 
@@ -33,19 +34,51 @@ from abi.obstacles.triangle_mesh.surface_tables_kernels import Room
 from abi.obstacles.triangle_mesh.triangle_kernels import on_side
 from abi.obstacles.vector_kernels import Vec3, axpy, distance, norm, sub, vec3_at
 
-Sample = tuple[float, int, int]
-"""Signed distance, [unit], number of the sample, and the mesh; inf, 0 and -1 without one."""
 
-Ends = tuple[list[float], list[float], list[float], list[float]]
-"""Distances at the first points of n pieces, and at their last, and lower bounds of those to the
-meshes alone, (n,) each, [unit]."""
+class Sample(NamedTuple):
+    """A point of the curve and its distances.
+
+    Attributes:
+        at: parameter.
+        distance: signed distance, [unit].
+        to_meshes: lower bound of that to the meshes alone, [unit].
+    """
+
+    at: float
+    distance: float
+    to_meshes: float
+
+
+class Nearest(NamedTuple):
+    """The sample nearest to an obstacle: its signed distance, [unit], parameter, and whose it is.
+
+    Inf and -1 before there is any.
+    """
+
+    distance: float
+    at: float
+    obstacle: int
+
+
+class Pieces(NamedTuple):
+    """Bézier pieces of the curve, n in number, along it.
+
+    Attributes:
+        points: their points, flat (3 n (degree + 1),), [unit], world.
+        firsts: samples at their first points (n,).
+        lasts: samples at their last points (n,).
+    """
+
+    points: list[float]
+    firsts: list[Sample]
+    lasts: list[Sample]
 
 
 @register_jitable
-def _end(points: list[float], end: int, pieces: int) -> Vec3:
+def joint_at(points: list[float], joint: int, pieces: int) -> Vec3:
     """First point of a piece of a curve; of the number after the last, where the curve ends."""
     size = len(points) // pieces
-    return vec3_at(points, 3 * (len(points) // 3 - 1) if end == pieces else end * size)
+    return vec3_at(points, len(points) - 3 if joint == pieces else joint * size)
 
 
 @register_jitable
@@ -85,98 +118,96 @@ def _sought(enough: float, chord: tuple[float, float]) -> float:
 
 
 @register_jitable
-def ends_near_meshes(
+def joints_near_meshes(
     surfaces: SurfaceSet,
     points: list[float],
-    ends: Ends,
+    joints: list[Sample],
     nearest: float,
     required: float,
     room: Room,
-) -> Sample:
-    """Lower the distances at the ends of pieces that are one curve to those to the meshes.
+) -> Nearest:
+    """Lower the distances between pieces that are one curve, and at its ends, to the meshes'.
 
     Args:
         surfaces: the meshes.
         points: of the n pieces, flat (3 n (degree + 1),), [unit], world.
-        ends: theirs; written.
+        joints: the samples there (n + 1,); written.
         nearest: the least distance so far, [unit].
         required: what is farther than that and the nearest sample may be left out, [unit].
         room: for descents.
 
     Returns:
-        The nearest of the ends.
+        The nearest of them, with the number of the mesh.
     """
-    at_first, at_last, first, last = ends
-    count = len(at_first)
+    count = len(joints) - 1
     size = len(points) // count
-    for end in range(count + 1):
-        nearest = most_to_mesh(surfaces, nearest, _end(points, end, count))
+    for joint in range(count + 1):
+        nearest = most_to_mesh(surfaces, nearest, joint_at(points, joint, count))
     enough = widened(max(nearest, required))
-    least, at, whose = math.inf, 0, -1
+    least = Nearest(math.inf, 0.0, -1)
     before = 0.0
-    for end in range(count + 1):
-        after = _sought(enough, _chord(points, end * size, size)) if end < count else 0.0
-        away, mesh, _, bound = nearest_mesh(
-            surfaces, enough, max(before, after), _end(points, end, count), room
-        )
+    for joint in range(count + 1):
+        after = _sought(enough, _chord(points, joint * size, size)) if joint < count else 0.0
+        x = joint_at(points, joint, count)
+        away, mesh, _, bound = nearest_mesh(surfaces, enough, max(before, after), x, room)
         before = after
-        if end > 0:
-            at_last[end - 1], last[end - 1] = min(at_last[end - 1], away), bound
-        if end < count:
-            at_first[end], first[end] = min(at_first[end], away), bound
-        if away < least:
-            least, at, whose = away, end, mesh
-    return least, at, whose
+        at, distance, _ = joints[joint]
+        joints[joint] = Sample(at, min(distance, away), bound)
+        if away < least.distance:
+            least = Nearest(away, at, mesh)
+    return least
 
 
 @register_jitable
 def middles_near_meshes(
     surfaces: SurfaceSet,
-    points: list[float],
-    ends: Ends,
-    of_middles: tuple[list[float], list[float], list[float]],
+    pieces: Pieces,
+    middles: list[Sample],
+    bounds: list[float],
     nearest: float,
     demand: tuple[float, float, float],
     room: Room,
-) -> Sample:
+) -> Nearest:
     """Lower the distances at the middles of pieces, and their bounds, to those to the meshes.
 
     A middle is left out where the ends of the piece, neither of which is too near or the nearest so
     far, bound it well enough.
 
     Args:
-        surfaces, points, ends, nearest, room: see :func:`ends_near_meshes`.
-        of_middles: distances at the middles (n,), bounds of those along the pieces from below
-            (n,), and of those to the meshes alone at the middles (n,), [unit]; written.
+        surfaces, nearest, room: see :func:`joints_near_meshes`.
+        pieces: n in number.
+        middles: the samples there (n,); written.
+        bounds: of the distances along the pieces from below (n,), [unit]; written.
         demand: see ``measure_curve``.
 
     Returns:
-        The nearest of the middles.
+        The nearest of the middles, with the number of the mesh.
     """
-    at_first, at_last, first, last = ends
-    at_middles, bounds, middle_bounds = of_middles
+    points, firsts, lasts = pieces
     required, tolerance, _ = demand
-    size = len(points) // len(at_middles)
+    size = len(points) // len(middles)
     halves = [0.0] * (2 * size)
-    least, at, whose = math.inf, 0, -1
-    for piece in range(len(at_middles)):
-        enough = widened(max(min(nearest, least), required))
-        bound = _least_between(first[piece], last[piece], _chord(points, piece * size, size))
-        middle, near = bound, min(at_first[piece], at_last[piece])
+    least = Nearest(math.inf, 0.0, -1)
+    for piece in range(len(middles)):
+        first, last = firsts[piece], lasts[piece]
+        at, distance, _ = middles[piece]
+        enough = widened(max(min(nearest, least.distance), required))
+        bound = _least_between(first.to_meshes, last.to_meshes, _chord(points, piece * size, size))
+        middle, near = bound, min(first.distance, last.distance)
         if near < required or near <= nearest or bound < enough - tolerance:
             divide(points, piece * size, halves, 0, size, size // 3, 0.5)
             left, right = _chord(halves, 0, size), _chord(halves, size, size)
             sought = max(_sought(enough, left), _sought(enough, right))
             x = vec3_at(halves, size)
             away, mesh, _, middle = nearest_mesh(surfaces, enough, sought, x, room)
-            at_middles[piece] = min(at_middles[piece], away)
+            distance = min(distance, away)
             halved = min(
-                _least_between(first[piece], middle, left),
-                _least_between(middle, last[piece], right),
+                _least_between(first.to_meshes, middle, left),
+                _least_between(middle, last.to_meshes, right),
             )
             bound = max(bound, halved)
-            if away < least:
-                least, at, whose = away, piece, mesh
+            if away < least.distance:
+                least = Nearest(away, at, mesh)
         bounds[piece] = min(bounds[piece], bound)
-        middle_bounds[piece] = middle
-    return least, at, whose
+        middles[piece] = Sample(at, distance, middle)
+    return least
