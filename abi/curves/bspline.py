@@ -7,6 +7,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike, NDArray
 
 from abi.arrays import BoolArray, FloatArray, ShortRepr, clip, flat, read_only
@@ -79,9 +80,8 @@ class BSpline(ShortRepr):
 
     def influence(self, parameters: FloatArray) -> FloatArray:
         """Weights of the n control points in the points at ``parameters`` (m,), shape (m, n)."""
-        weights = np.zeros(len(parameters) * len(self.control_points))
-        kernels.basis(flat(self.knots), self.degree, flat(parameters), weights)
-        return weights.reshape(len(parameters), -1)
+        design = scipy.interpolate.BSpline.design_matrix(parameters, self.knots, self.degree)
+        return np.asarray(design.toarray())
 
     def refined(self, edges: NDArray[np.integer[Any]]) -> BSpline:
         """Halve edges of the control polygon, given by index; an edge of length 0 stays."""

@@ -1,4 +1,4 @@
-"""Points, Bézier points and basis functions of splines."""
+"""Points and Bézier points of splines."""
 
 from __future__ import annotations
 
@@ -90,31 +90,3 @@ def bezier(
                 points[3 * (k * width + point) + i] = local[3 * degree + i]
         k += 1
     return k
-
-
-@compiled(example=(FLOATS, 1, FLOATS, NEW_FLOATS))
-def basis(knots: FloatArray, degree: int, parameters: FloatArray, values: FloatArray) -> None:
-    """Values of all basis functions of a spline (Piegl and Tiller, The NURBS Book, A2.2).
-
-    Args:
-        knots: (n + degree + 1,), clamped.
-        degree: p.
-        parameters: (m,), not outside the knots.
-        values: zeros, flat (m n,); written where not zero.
-    """
-    count = len(knots) - degree - 1
-    for number in range(len(parameters)):
-        u = parameters[number]
-        span = degree
-        while span < count - 1 and knots[span + 1] <= u:
-            span += 1
-        at = number * count + span - degree
-        values[at] = 1.0
-        for step in range(1, degree + 1):
-            saved = 0.0
-            for r in range(step):
-                right, left = knots[span + r + 1], knots[span + 1 + r - step]
-                share = values[at + r] / (right - left)
-                values[at + r] = saved + (right - u) * share
-                saved = (u - left) * share
-            values[at + step] = saved
