@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -33,6 +33,35 @@ _HALVINGS = 6
 
 Accepts = Callable[[Quadratic], bool]
 """Whether a curve that keeps the clearance meets the further conditions."""
+
+
+@dataclass(frozen=True, eq=False)
+class Demand:
+    """Conditions that a curve has to meet.
+
+    Attributes:
+        obstacles: to keep clear of.
+        clearance: distance to keep from every obstacle, [unit].
+        accepts: a further condition, such as that the arm is clear along the curve.
+    """
+
+    obstacles: ObstacleSet
+    clearance: float
+    accepts: Accepts | None = None
+
+    def proven(self, curve: Quadratic | None) -> Fit[Quadratic] | None:
+        """Fit of the curve if it is proven to keep the clearance, else None."""
+        if curve is None:
+            return None
+        fitted = proven_fit(curve, curve.extent, self.obstacles, self.clearance)
+        return fitted if fitted.holds else None
+
+    def met(self, curve: Quadratic | None) -> Fit[Quadratic] | None:
+        """The same if the curve meets the further condition, too, else None."""
+        fitted = self.proven(curve)
+        if fitted is None or self.accepts is None or self.accepts(fitted.curve):
+            return fitted
+        return None
 
 
 def fit(
@@ -65,8 +94,8 @@ def fit(
     fitted = proven_fit(quadratic, quadratic.extent, obstacles, clearance)
     if mode == "least_squares" or (fitted.holds and (accepts is None or accepts(quadratic))):
         return fitted
-    curve = ByArcLength(spline.curve, arc)
-    single = nearest_single(quadratic, curve, obstacles, clearance, accepts)
+    curve, demand = ByArcLength(spline.curve, arc), Demand(obstacles, clearance, accepts)
+    single = nearest_single(quadratic, curve, demand)
     if single is not None:
         return single
     if mode == "clear":
@@ -75,7 +104,7 @@ def fit(
             note="No single quadratic with these ends was found that keeps the clearance; "
             "mode pieces joins several.",
         )
-    several = fewest_pieces(spline.curve, curve, obstacles, clearance, accepts)
+    several = fewest_pieces(spline.curve, curve, demand)
     if several is not None:
         return several
     contrast = "; the B-spline does" if spline.holds else ": the B-spline does not"
@@ -85,11 +114,7 @@ def fit(
 
 
 def nearest_single(
-    quadratic: Quadratic,
-    curve: ByArcLength,
-    obstacles: ObstacleSet,
-    clearance: float,
-    accepts: Accepts | None = None,
+    quadratic: Quadratic, curve: ByArcLength, demand: Demand
 ) -> Fit[Quadratic] | None:
     """The clear quadratic nearest in L2 to ``quadratic``, with its ends, as far as searched.
 
@@ -100,27 +125,20 @@ def nearest_single(
     Args:
         quadratic: the least-squares quadratic of one piece, not clear.
         curve: the curve it approximates.
-        obstacles: to keep clear of.
-        clearance: distance to keep from every obstacle, [unit].
-        accepts: a further condition. If the nearest curve does not meet it, the nearest of the
-            moved ones that does is taken and brought nearer by halving its distance.
+        demand: what it has to meet. If the nearest clear curve does not meet the further condition,
+            the nearest of the moved ones that does is taken and brought nearer by halving its
+            distance.
     """
     c0, c1, c2 = quadratic.coefficients[0]
     points = np.stack([c0, c0 + c1 / 2, c0 + c1 + c2])
-    target = Target(quadratic.breaks, read_only(points), obstacles, clearance)
-    found = _proven(nearest_clear(target, [curve, *_starts(target)]), obstacles, clearance)
-    if found is None or accepts is None or accepts(found.curve):
+    target = Target(quadratic.breaks, read_only(points), demand.obstacles, demand.clearance)
+    found = demand.proven(nearest_clear(target, [curve, *_starts(target)]))
+    if found is None or demand.accepts is None or demand.accepts(found.curve):
         return found
-    return _nearest_accepted(target, accepts)
+    return _nearest_met(target, demand)
 
 
-def fewest_pieces(
-    spline: BSpline,
-    curve: ByArcLength,
-    obstacles: ObstacleSet,
-    clearance: float,
-    accepts: Accepts | None = None,
-) -> Fit[Quadratic] | None:
+def fewest_pieces(spline: BSpline, curve: ByArcLength, demand: Demand) -> Fit[Quadratic] | None:
     """The clear C¹ curve of the fewest quadratic pieces found, from two up.
 
     The quadratic B-spline on the control polygon, refined by :func:`abi.curves.fit_bspline.fit`,
@@ -132,87 +150,60 @@ def fewest_pieces(
     Args:
         spline: the curve to approximate, of a length above 0.
         curve: the same as a function of its arc length.
-        obstacles: to keep clear of.
-        clearance: distance to keep from every obstacle, [unit].
-        accepts: a further condition.
+        demand: what it has to meet.
     """
-    last = _accepted(_on_the_polygon(spline, obstacles, clearance), accepts)
+    last = demand.met(_on_the_polygon(spline, demand))
     most = MOST_PIECES if last is None else min(MOST_PIECES, len(last.curve.pieces) - 1)
     tried = 1
     for pieces in (count for count in _COUNTS if count <= most):
-        fitted = _in_pieces(pieces, curve, obstacles, clearance, accepts)
+        fitted = _in_pieces(pieces, curve, demand)
         if fitted is not None:
-            between = (
-                _in_pieces(k, curve, obstacles, clearance, accepts)
-                for k in range(tried + 1, pieces)
-            )
+            between = (_in_pieces(k, curve, demand) for k in range(tried + 1, pieces))
             return next((fewer for fewer in between if fewer is not None), fitted)
         tried = pieces
     return last
 
 
-def _in_pieces(
-    pieces: int,
-    curve: ByArcLength,
-    obstacles: ObstacleSet,
-    clearance: float,
-    accepts: Accepts | None,
-) -> Fit[Quadratic] | None:
+def _in_pieces(pieces: int, curve: ByArcLength, demand: Demand) -> Fit[Quadratic] | None:
     """Clear curve of that many pieces near ``curve``, or None."""
+    obstacles, clearance = demand.obstacles, demand.clearance
     for breaks in (np.linspace(0, 1, pieces + 1), _closer_where_bent(curve, pieces)):
         target = least_squares_target(curve, read_only(breaks), obstacles, clearance)
-        fitted = _accepted(_proven(nearest_clear(target, [curve]), obstacles, clearance), accepts)
+        fitted = demand.met(nearest_clear(target, [curve]))
         if fitted is not None:
             return fitted
     return None
 
 
-def _on_the_polygon(
-    spline: BSpline, obstacles: ObstacleSet, clearance: float
-) -> Fit[Quadratic] | None:
-    """Clear quadratic B-spline on the spline's control polygon, refined where needed, or None."""
+def _on_the_polygon(spline: BSpline, demand: Demand) -> Quadratic | None:
+    """Quadratic B-spline on the spline's control polygon, refined where needed, or None."""
     if spline.degree != 2:
-        spline = fit_bspline.fit(spline.control_points, 2, obstacles, clearance).curve
+        polygon = spline.control_points
+        spline = fit_bspline.fit(polygon, 2, demand.obstacles, demand.clearance).curve
     if spline.degree < 2:
         return None
-    curve = Quadratic.from_control_points(spline.control_points, spline.breaks)
-    return _proven(curve, obstacles, clearance)
+    return Quadratic.from_control_points(spline.control_points, spline.breaks)
 
 
-def _proven(
-    curve: Quadratic | None, obstacles: ObstacleSet, clearance: float
-) -> Fit[Quadratic] | None:
-    """Fit of the curve if it is proven to keep the clearance, else None."""
-    if curve is None:
-        return None
-    fitted = proven_fit(curve, curve.extent, obstacles, clearance)
-    return fitted if fitted.holds else None
-
-
-def _accepted(fitted: Fit[Quadratic] | None, accepts: Accepts | None) -> Fit[Quadratic] | None:
-    """The fit where there is one, and its curve will do."""
-    return fitted if fitted is None or accepts is None or accepts(fitted.curve) else None
-
-
-def _nearest_accepted(target: Target, accepts: Accepts) -> Fit[Quadratic] | None:
+def _nearest_met(target: Target, demand: Demand) -> Fit[Quadratic] | None:
     """The nearest of the moved curves that is clear and will do, brought nearer; or None."""
     directions, lacking = _moved(target)
     for shell, radius in enumerate((_RADII * target.extent).tolist()):
         for direction in directions[lacking[shell] <= 0]:
-            fitted = _accepted(_by(target, radius * direction), accepts)
+            fitted = demand.met(_by(target, radius * direction))
             if fitted is not None:
-                return _nearer(target, radius * direction, accepts, fitted)
+                return _nearer(target, radius * direction, demand, fitted)
     return None
 
 
 def _nearer(
-    target: Target, move: FloatArray, accepts: Accepts, fitted: Fit[Quadratic]
+    target: Target, move: FloatArray, demand: Demand, fitted: Fit[Quadratic]
 ) -> Fit[Quadratic]:
     """The curve moved less in the same direction, as far as halving finds."""
     low, high = 0.0, 1.0
     for _ in range(_HALVINGS):
         middle = (low + high) / 2
-        nearer = _accepted(_by(target, middle * move), accepts)
+        nearer = demand.met(_by(target, middle * move))
         if nearer is None:
             low = middle
         else:
@@ -220,12 +211,11 @@ def _nearer(
     return fitted
 
 
-def _by(target: Target, move: FloatArray) -> Fit[Quadratic] | None:
-    """The target with its free control point moved (3,), [unit], if that is clear, or None."""
+def _by(target: Target, move: FloatArray) -> Quadratic:
+    """The target with its free control point moved (3,), [unit]."""
     control = target.control_points.copy()
     control[1] += move
-    curve = Quadratic.from_control_points(control, target.breaks)
-    return _proven(curve, target.obstacles, target.clearance)
+    return Quadratic.from_control_points(control, target.breaks)
 
 
 def _starts(target: Target) -> list[Quadratic]:
@@ -237,9 +227,7 @@ def _starts(target: Target) -> list[Quadratic]:
         radius, direction = divmod(int(number), _DIRECTIONS)
         if (directions[chosen] @ directions[direction] < _APART).all():
             chosen.append(direction)
-            control = target.control_points.copy()
-            control[1] += _RADII[radius] * target.extent * directions[direction]
-            starts.append(Quadratic.from_control_points(control, target.breaks))
+            starts.append(_by(target, _RADII[radius] * target.extent * directions[direction]))
         if len(starts) == _STARTS:
             break
     return starts
