@@ -107,16 +107,13 @@ def nearest_mesh_to_segment(
 
 
 @register_jitable
-def meets_mesh(surfaces: SurfaceSet, margin: float, a: Vec3, b: Vec3, room: Room) -> bool:
-    """Check if the segment a..b, world, comes nearer to a mesh than ``margin``, or touches one."""
-    return meshes_met(surfaces, margin, a, b, 1, room)[0] > 0
-
-
-@register_jitable
 def meshes_met(
     surfaces: SurfaceSet, margin: float, a: Vec3, b: Vec3, most: int, room: Room
 ) -> tuple[int, int]:
-    """Number of meshes that a segment meets so, up to ``most``; and the last one, -1 for none."""
+    """Number of meshes that the segment a..b, world, meets, up to ``most``; the last one, or -1.
+
+    It meets those that it comes nearer to than ``margin``, and those that it touches.
+    """
     bounds, met, whose = surfaces.bounds, 0, -1
     wide = widened(max(margin, 0.0))
     s = next_near_segment(bounds, -1, wide, a, b)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 from numba.extending import register_jitable
@@ -13,30 +12,10 @@ from abi.compiled import FLOATS, IDS, compiled
 from abi.obstacles.vector_kernels import Vec3, vec3_at
 from abi.taut.free_space_kernels import SPACE, FreeSpace
 from abi.taut.tighten_kernels import length_of, tighten
-from abi.taut.visibility_graph_kernels import Search, edge_waypoints, short_paths
+from abi.taut.visibility_graph_kernels import Effort, edge_waypoints, short_paths
 
 _SAME = 1e-6  # part of the length: two paths that differ by less are the same one,
 _CLOSE = 2e-4  # by less than this, either may be the shorter once its corners are cut
-
-
-class Effort(NamedTuple):
-    """Limits of the search for short paths.
-
-    Attributes:
-        samples: waypoints evenly apart on each edge.
-        slack: ratio to the shortest length so far up to which a path by waypoints is tightened.
-        paths: number of paths by waypoints.
-        least_gain: part of the length that a cut corner must gain.
-        weight: of the distance to go in the search for such paths; they may be longer by that.
-        sights: lines of sight that this search may test.
-    """
-
-    samples: int
-    slack: float
-    paths: int
-    least_gain: float
-    weight: float
-    sights: int
 
 
 @register_jitable
@@ -92,8 +71,7 @@ def taut_paths(
     most = effort.slack * min(lengths)
     waypoints, labels = edge_waypoints(edges, start, goal, effort.samples, most, space)
     path = [start][:0]
-    search = Search(most, effort.paths, effort.weight, effort.sights)
-    for node in short_paths(waypoints, labels, edges, space, search):
+    for node in short_paths(waypoints, labels, edges, space, most, effort):
         path.append(waypoints[node])
         if node == 1:
             if length_of(path) <= effort.slack * min(lengths):

@@ -20,9 +20,10 @@ from abi.search.graph import Graph
 from abi.search.search import SearchResult
 from abi.taut.free_space_kernels import FreeSpace
 from abi.taut.obstacle_edges import obstacle_edges
-from abi.taut.taut_kernels import Effort, taut_paths
+from abi.taut.taut_kernels import taut_paths
 from abi.taut.theta_star_kernels import any_angle
 from abi.taut.tighten_near_meshes import tighten_near_meshes
+from abi.taut.visibility_graph_kernels import Effort
 
 _ROUNDING = 1e-9
 """Segments from start and goal may have less room: their own distance less this, [unit]."""

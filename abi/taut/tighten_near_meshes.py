@@ -35,7 +35,7 @@ def tighten_near_meshes(
 def _tightened(points: bytes, obstacles: ObstacleSet, limits: bytes) -> FloatArray:
     """The new path: the arm's plan often begins with one that the tool's plan has tightened."""
     path = tightened(flat(np.frombuffer(points)), _surroundings(obstacles, np.frombuffer(limits)))
-    return read_only(np.asarray(path).reshape(-1, 3))
+    return read_only(path)
 
 
 def clear_of(obstacles: ObstacleSet, margin: float) -> Surroundings:

@@ -19,7 +19,7 @@ from abi.obstacles.obstacle_set_kernels import distance_gradient, nearest_to_seg
 from abi.obstacles.primitive_kernels import WIDTH, in_world
 from abi.obstacles.primitive_tree_kernels import blocked
 from abi.obstacles.surface_set import NO_SURFACES, SurfaceSet, surface_at
-from abi.obstacles.surface_set_kernels import meets_mesh, nearest_mesh
+from abi.obstacles.surface_set_kernels import meshes_met, nearest_mesh
 from abi.obstacles.triangle_mesh.point_distance_kernels import gradient_of
 from abi.obstacles.triangle_mesh.surface_tables_kernels import Room, new_room, to_surface
 from abi.obstacles.vector_kernels import Vec3, axpy, distance, dot, sub, vec3_at
@@ -60,7 +60,7 @@ def is_clear(surroundings: Surroundings, kind: int, a: Vec3, b: Vec3, room: Room
     solids, margins, surfaces, limits = surroundings
     if blocked(solids, margins, kind * (len(solids) // WIDTH), a, b):
         return False
-    return not meets_mesh(surfaces, limits[kind], a, b, room)
+    return meshes_met(surfaces, limits[kind], a, b, 1, room)[0] == 0
 
 
 @register_jitable
@@ -176,7 +176,11 @@ def _cut_corners(path: list[Vec3], surroundings: Surroundings, room: Room) -> li
 
 @compiled(example=(FLOATS, NO_SURROUNDINGS), fallback=False)
 def tightened(points: FloatArray, surroundings: Surroundings) -> FloatArray:
-    """Pull a path (3 k,) taut, see :func:`abi.taut.tighten_near_meshes.tighten_near_meshes`."""
+    """Pull a path (3 k,) taut, see :func:`abi.taut.tighten_near_meshes.tighten_near_meshes`.
+
+    Returns:
+        The new path (m, 3).
+    """
     own = new_room()
     room = borrowed(own)
     path = [vec3_at(points, 3 * i) for i in range(len(points) // 3)]
@@ -193,8 +197,5 @@ def tightened(points: FloatArray, surroundings: Surroundings) -> FloatArray:
         if len(cut) == len(path) or len(cut) > _MOST_POINTS:
             break
         path = cut
-    taut = np.empty(3 * len(path))
-    for i in range(len(path)):
-        taut[3 * i], taut[3 * i + 1], taut[3 * i + 2] = path[i]
     held(own)
-    return taut
+    return np.array(path)

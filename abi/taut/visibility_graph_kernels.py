@@ -20,18 +20,22 @@ from abi.taut.free_space_kernels import FreeSpace, in_bounds, is_clear, kind_of
 _SUPPORT = 0.02  # the part of a squared length that counts as none: edges are round, in fact
 
 
-class Search(NamedTuple):
-    """Limits of a search for short paths.
+class Effort(NamedTuple):
+    """Limits of the search for short paths.
 
     Attributes:
-        most: length that the paths must be below, [unit].
-        paths: how many at most.
-        weight: of the distance to go; 1 finds the shortest first, more a short one sooner.
-        sights: lines of sight that may be tested; what was found until then counts.
+        samples: waypoints evenly apart on each edge.
+        slack: ratio to the shortest length so far up to which a path by waypoints is tightened.
+        paths: number of paths by waypoints.
+        least_gain: part of the length that a cut corner must gain.
+        weight: of the distance to go in the search for such paths; they may be longer by that.
+        sights: lines of sight that this search may test; what was found until then counts.
     """
 
-    most: float
+    samples: int
+    slack: float
     paths: int
+    least_gain: float
     weight: float
     sights: int
 
@@ -139,7 +143,8 @@ def short_paths(
     labels: list[int],
     edges: FloatArray,
     space: FreeSpace,
-    search: Search,
+    most: float,
+    effort: Effort,
 ) -> list[int]:
     """Short paths from the first waypoint to the second by waypoints that see each other.
 
@@ -153,13 +158,14 @@ def short_paths(
         labels: (n,) edges of the waypoints, from the third on; negative ones are of none.
         edges: (12 e,) both ends of each and the normals of its faces, [unit], world.
         space: free space.
-        search: what is looked for.
+        most: length that the paths must be below, [unit].
+        effort: how much is tried.
 
     Returns:
         Indices of the paths, one after the other, each from 0 to 1 (m,); empty when there is none.
     """
     solids, margins = space.solids, space.margins
-    most, count, weight, most_sights = search
+    weight = effort.weight
     cost = [math.inf] * len(waypoints)
     parent = [0] * len(waypoints)
     to_go = [distance(waypoint, waypoints[1]) for waypoint in waypoints]
@@ -168,7 +174,7 @@ def short_paths(
     guess = -1
     sights = 0
     node, cost[0] = 0 if to_go[0] < most else -1, 0.0
-    while node >= 0 and len(lasts) < count and sights < most_sights:
+    while node >= 0 and len(lasts) < effort.paths and sights < effort.sights:
         here, so_far = waypoints[node], cost[node]
         if _supports(edges, labels[node], sub(waypoints[1], here)) and is_clear(
             space, kind_of(node, 1, 1), here, waypoints[1]

@@ -22,7 +22,8 @@ from abi.taut.free_space_kernels import FreeSpace
 from abi.taut.geodesic_kernels import solid_bounds
 from abi.taut.lower_bound import Bound, lower_bound
 from abi.taut.obstacle_edges import obstacle_edges
-from abi.taut.taut_kernels import Effort, taut_paths
+from abi.taut.taut_kernels import taut_paths
+from abi.taut.visibility_graph_kernels import Effort
 from tests.abi import meshes
 from tests.abi.bezier import polyline
 from tests.abi.scene.test_scene import obstacles, points
