@@ -142,9 +142,10 @@ def next_near_segment(primitives: FloatArray, s: int, margin: float, a: Vec3, b:
     """
     s = row_below(primitives, s) if s >= 0 else first_row(primitives)
     while s >= 0:
-        if segment_apart(primitives, s, True, margin, a, b):
+        k = WIDTH * s
+        if _segment_apart(primitives, k + TREE, margin, a, b):
             s = row_after(primitives, s)
-        elif not is_leaf(primitives, s) and segment_apart(primitives, s, False, margin, a, b):
+        elif not is_leaf(primitives, s) and _segment_apart(primitives, k + BOUNDS, margin, a, b):
             s = row_below(primitives, s)
         else:
             return s
@@ -152,23 +153,11 @@ def next_near_segment(primitives: FloatArray, s: int, margin: float, a: Vec3, b:
 
 
 @register_jitable
-def segment_apart(
-    primitives: FloatArray, s: int, below: bool, margin: float, a: Vec3, b: Vec3
-) -> bool:
-    """Check whether the segment a..b is certain to be ``margin`` or farther from primitive s.
-
-    Args:
-        primitives: rows.
-        s: row.
-        below: whether from all below it, too.
-        margin: [unit].
-        a: one end, [unit], world.
-        b: the other end.
-    """
-    k = WIDTH * s + (TREE if below else BOUNDS)
+def _segment_apart(rows: FloatArray, k: int, margin: float, a: Vec3, b: Vec3) -> bool:
+    """Check whether the segment a..b is certain to be ``margin`` or farther from a box."""
     low = (min(a[0], b[0]), min(a[1], b[1]), min(a[2], b[2]))
     high = (max(a[0], b[0]), max(a[1], b[1]), max(a[2], b[2]))
-    return _apart(primitives, k, margin, low, high) or _apart_across(primitives, k, margin, a, b)
+    return _apart(rows, k, margin, low, high) or _apart_across(rows, k, margin, a, b)
 
 
 @register_jitable
@@ -227,7 +216,7 @@ def blocker(
     """
     if (
         guess >= 0
-        and not segment_apart(primitives, guess, False, margins[first + guess], a, b)
+        and not _segment_apart(primitives, WIDTH * guess + BOUNDS, margins[first + guess], a, b)
         and _blocks(primitives, guess, margins[first + guess], a, b)
     ):
         return guess

@@ -96,13 +96,6 @@ def signed_distance_beside(
 
 
 @register_jitable
-def gradient_at(tables: SurfaceTables, x: Vec3, room: Room) -> tuple[float, Vec3]:
-    """Signed distance of a point in the body frame, and its gradient, a unit vector."""
-    away, number = signed_distance_at(tables, x, room)
-    return away, gradient_of(tables, x, away, number)
-
-
-@register_jitable
 def gradient_of(tables: SurfaceTables, x: Vec3, away: float, number: int) -> Vec3:
     """Gradient of the signed distance ``away`` of a point, given the nearest triangle.
 

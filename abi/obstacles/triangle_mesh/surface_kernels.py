@@ -8,7 +8,7 @@ from abi.compiled import FLOATS, NEW_FLAGS, NEW_FLOATS, compiled
 from abi.obstacles.primitive_kernels import in_world
 from abi.obstacles.triangle_mesh.blocked_segment_kernels import is_blocked
 from abi.obstacles.triangle_mesh.distance_grid_kernels import distance_bounds
-from abi.obstacles.triangle_mesh.point_distance_kernels import gradient_at, signed_distance_at
+from abi.obstacles.triangle_mesh.point_distance_kernels import gradient_of, signed_distance_at
 from abi.obstacles.triangle_mesh.surface_segment_kernels import least_distance
 from abi.obstacles.triangle_mesh.surface_tables_kernels import (
     NO_PLACEMENT,
@@ -48,11 +48,10 @@ def signed_distance_gradients(
     room = borrowed(own)
     for i in range(len(points) // 3):
         x = to_surface(placement, vec3_at(points, 3 * i))
-        away, gradient = gradient_at(tables, x, room)
+        away, number = signed_distance_at(tables, x, room)
         distances[i] = away * placement.factor
-        gradient = in_world(placement.axes, gradient)
-        for k in range(3):
-            gradients[3 * i + k] = gradient[k]
+        gradient = in_world(placement.axes, gradient_of(tables, x, away, number))
+        gradients[3 * i], gradients[3 * i + 1], gradients[3 * i + 2] = gradient
     held(own)
 
 
