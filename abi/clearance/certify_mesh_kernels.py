@@ -25,6 +25,7 @@ from abi.clearance.separation_kernels import (
     Piece,
     Plane,
     allowance_of,
+    apart_along_axis,
     halves_of,
     least_product,
     table_of,
@@ -69,17 +70,9 @@ def _from_box(low: Vec3, high: Vec3, extent: tuple[Vec3, Vec3], middle: Vec3, ne
         need: distance to prove, [unit].
     """
     # along an axis first: that costs next to nothing
-    x0, y0, z0 = extent[0]
-    x1, y1, z1 = extent[1]
-    gx = max(x0 - high[0], low[0] - x1)
-    gy = max(y0 - high[1], low[1] - y1)
-    gz = max(z0 - high[2], low[2] - z1)
-    if max(gx, gy, gz) > need:
-        if gx >= gy and gx >= gz:
-            return (1.0 if x0 - high[0] == gx else -1.0, 0.0, 0.0)
-        if gy >= gz:
-            return (0.0, 1.0 if y0 - high[1] == gy else -1.0, 0.0)
-        return (0.0, 0.0, 1.0 if z0 - high[2] == gz else -1.0)
+    gap, way = apart_along_axis(low, high, extent)
+    if gap > need:
+        return way
     closest = (
         min(max(middle[0], low[0]), high[0]),
         min(max(middle[1], low[1]), high[1]),

@@ -24,6 +24,7 @@ from abi.clearance.separation_kernels import (
     Piece,
     Plane,
     allowance_of,
+    apart_along_axis,
     halves_of,
     least_product,
     table_of,
@@ -31,7 +32,6 @@ from abi.clearance.separation_kernels import (
 from abi.compiled import FLOATS, NEW_FLOATS, compiled
 from abi.obstacles.primitive_kernels import (
     WIDTH,
-    Core,
     axes_of,
     centre_of,
     core_of,
@@ -40,7 +40,7 @@ from abi.obstacles.primitive_kernels import (
     signed_distance_gradient,
     support,
 )
-from abi.obstacles.vector_kernels import Vec3, sub, vec3_at
+from abi.obstacles.vector_kernels import sub, vec3_at
 
 
 @register_jitable
@@ -50,25 +50,6 @@ def _scale_of(primitives: FloatArray, s: int, size: float) -> float:
     core = core_of(primitives, s)
     scale: float = max(abs(x), abs(y), abs(z)) + core.x + core.y + core.z + core.radius + size
     return scale
-
-
-@register_jitable
-def _behind_a_face(low: Vec3, high: Vec3, core: Core) -> tuple[float, Vec3]:
-    """Distance along an axis from a primitive to a box around a piece, and that direction.
-
-    A long run that passes a face obliquely is behind that face all the same.
-    """
-    gx = max(low[0], -high[0]) - core.x
-    gy = max(low[1], -high[1]) - core.y
-    gz = max(low[2], -high[2]) - core.z
-    gap = max(gx, gy, gz)
-    if gz == gap:
-        way = (0.0, 0.0, math.copysign(1.0, low[2] + high[2]))
-    elif gx == gap:
-        way = (math.copysign(1.0, low[0] + high[0]), 0.0, 0.0)
-    else:
-        way = (0.0, math.copysign(1.0, low[1] + high[1]), 0.0)
-    return gap - core.radius, way
 
 
 @compiled(example=(FLOATS, FLOATS, NEW_FLOATS, FLOATS, 1.0, 0.0, 9))
@@ -125,7 +106,9 @@ def separate_from_primitives(
             if not separated:
                 low, high = extent_of(points, 3 * piece.first, 3 * piece.last)
                 extent = max(high[0] - low[0], high[1] - low[1], high[2] - low[2])
-                level, direction = _behind_a_face(low, high, core)
+                inner, outer = (-core.x, -core.y, -core.z), (core.x, core.y, core.z)
+                gap, direction = apart_along_axis(inner, outer, (low, high))
+                level = gap - core.radius
                 separated = level > need
             if separated:
                 normal = in_world(axes, direction)

@@ -119,6 +119,24 @@ def halves_of(
 
 
 @register_jitable
+def apart_along_axis(low: Vec3, high: Vec3, extent: tuple[Vec3, Vec3]) -> tuple[float, Vec3]:
+    """Distance along an axis from a box low..high to that around a piece, and the direction.
+
+    A long run that passes a face obliquely is behind that face all the same.
+    """
+    (x0, y0, z0), (x1, y1, z1) = extent
+    gx = max(x0 - high[0], low[0] - x1)
+    gy = max(y0 - high[1], low[1] - y1)
+    gz = max(z0 - high[2], low[2] - z1)
+    gap = max(gx, gy, gz)
+    if gz == gap:
+        return gap, (0.0, 0.0, 1.0 if z0 - high[2] == gap else -1.0)
+    if gx == gap:
+        return gap, (1.0 if x0 - high[0] == gap else -1.0, 0.0, 0.0)
+    return gap, (0.0, 1.0 if y0 - high[1] == gap else -1.0, 0.0)
+
+
+@register_jitable
 def least_product(points: FloatArray, first: int, last: int, direction: Vec3) -> float:
     """Least product of a direction with the points from ``first`` up to ``last``."""
     least = math.inf
