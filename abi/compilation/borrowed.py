@@ -34,11 +34,7 @@ def held(_: object) -> None:
 
 @type_callable(borrowed)
 def _type_of_borrowed(_: Any) -> Any:
-    return _same_type
-
-
-def _same_type(value: Any) -> Any:
-    return value
+    return lambda value: value
 
 
 @lower_builtin(borrowed, types.Any)  # type: ignore[no-untyped-call, untyped-decorator]

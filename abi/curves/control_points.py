@@ -36,17 +36,12 @@ def place_control_points(
     legs = np.diff(points, axis=0)
     lengths = np.sqrt((legs**2).sum(axis=1))
     unit = legs / np.maximum(lengths, 1e-300)[:, None]
-    turns = np.sqrt((np.diff(unit, axis=0) ** 2).sum(axis=1)).tolist()
-    room = _room(points, obstacles, clearance).tolist()
+    turns = np.sqrt((np.diff(unit, axis=0) ** 2).sum(axis=1))
+    room = np.maximum(_room(points, obstacles, clearance), 0.0)
     cut = math.sqrt((degree + 1) / (24 * math.pi))
-    spacing = [
-        math.inf,
-        *(
-            _SHARE * max(gap, 0.0) / (cut * turn) if turn > 0 else math.inf
-            for gap, turn in zip(room, turns, strict=True)
-        ),
-        math.inf,
-    ]
+    at_points = np.full(len(points), math.inf)
+    np.divide(_SHARE * room, cut * turns, out=at_points[1:-1], where=turns > 0)
+    spacing = at_points.tolist()
     shares = [
         [*_doubled(first / length), *(1 - share for share in _doubled(last / length)[::-1])]
         if length > 0
