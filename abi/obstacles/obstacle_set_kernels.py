@@ -24,15 +24,15 @@ from abi.obstacles.primitive_kernels import (
     signed_distance_gradient,
 )
 from abi.obstacles.primitive_tree_kernels import (
+    TREE,
     any_nearer,
     first_row,
     next_near,
     next_near_segment,
     row_after,
     row_below,
-    tree_gap,
 )
-from abi.obstacles.vector_kernels import Vec3, add, axpy, dot, sub, vec3_at
+from abi.obstacles.vector_kernels import Vec3, add, axpy, dot, point_to_box, sub, vec3_at
 
 _STEPS = 100  # far more than it takes to find a minimum to the last bit
 _ROUNDING = 4 * 2.0**-52
@@ -98,11 +98,10 @@ def _likely_nearest(primitives: FloatArray, x: Vec3) -> int:
         one, after = row_below(primitives, s), row_after(primitives, s)
         if one == after:
             return whose
-        other = row_after(primitives, one)
-        nearer = one
-        if other != after and tree_gap(primitives, other, x) < tree_gap(primitives, one, x):
-            nearer = other
-        s = nearer
+        s, other = one, row_after(primitives, one)
+        to_one = point_to_box(x, primitives, WIDTH * one + TREE)
+        if other != after and point_to_box(x, primitives, WIDTH * other + TREE) < to_one:
+            s = other
 
 
 @register_jitable

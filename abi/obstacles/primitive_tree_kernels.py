@@ -94,17 +94,6 @@ def _apart_across(rows: FloatArray, k: int, margin: float, a: Vec3, b: Vec3) -> 
 
 
 @register_jitable
-def tree_gap(primitives: FloatArray, s: int, x: Vec3) -> float:
-    """Squared distance of a point to the box around primitive s and all below it, [unit²]."""
-    k = WIDTH * s + TREE
-    dx = max(primitives[k] - x[0], x[0] - primitives[k + 3], 0.0)
-    dy = max(primitives[k + 1] - x[1], x[1] - primitives[k + 4], 0.0)
-    dz = max(primitives[k + 2] - x[2], x[2] - primitives[k + 5], 0.0)
-    gap: float = dx * dx + dy * dy + dz * dz
-    return gap
-
-
-@register_jitable
 def is_leaf(primitives: FloatArray, s: int) -> bool:
     """Check whether nothing is below row s: then its bounds are those of its primitive."""
     k = WIDTH * s

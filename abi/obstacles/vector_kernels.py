@@ -61,3 +61,12 @@ def norm(a: Vec3) -> float:
 def distance(a: Vec3, b: Vec3) -> float:
     """Distance of two points."""
     return math.sqrt((a[0] - b[0]) ** 2 + (a[1] - b[1]) ** 2 + (a[2] - b[2]) ** 2)
+
+
+@register_jitable
+def point_to_box(x: Vec3, boxes: FloatArray, k: int) -> float:
+    """Squared distance of a point and the box whose low and high corner are at ``boxes[k:]``."""
+    a: float = max(boxes[k] - x[0], x[0] - boxes[k + 3], 0.0)
+    b: float = max(boxes[k + 1] - x[1], x[1] - boxes[k + 4], 0.0)
+    c: float = max(boxes[k + 2] - x[2], x[2] - boxes[k + 5], 0.0)
+    return a * a + b * b + c * c

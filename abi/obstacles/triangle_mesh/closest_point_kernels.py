@@ -13,11 +13,10 @@ from abi.arrays import FloatArray, IntArray
 from abi.obstacles.triangle_mesh.bvh import TriangleTree, highest_in_slab
 from abi.obstacles.triangle_mesh.triangle_kernels import (
     closest_point,
-    point_to_box,
     point_to_triangle,
     triangle_at,
 )
-from abi.obstacles.vector_kernels import Vec3, dot, norm, sub, vec3_at
+from abi.obstacles.vector_kernels import Vec3, dot, norm, point_to_box, sub, vec3_at
 
 DEPTH = 64
 """Room for the nodes that wait in a descent: one at each level of a tree, and there are fewer."""
@@ -90,7 +89,7 @@ def nearest_triangle(
             continue
         while node < inner:
             near, far = 2 * node + 1, 2 * node + 2
-            to_near, to_far = point_to_box(x, boxes, near), point_to_box(x, boxes, far)
+            to_near, to_far = point_to_box(x, boxes, 6 * near), point_to_box(x, boxes, 6 * far)
             if to_far < to_near:
                 near, far, to_near, to_far = far, near, to_far, to_near
             if to_far < limit:
@@ -99,7 +98,7 @@ def nearest_triangle(
             node = near
             if to_near >= limit:
                 break
-        if node < inner or point_to_box(x, boxes, node) >= limit:
+        if node < inner or point_to_box(x, boxes, 6 * node) >= limit:
             continue
         if _is_beyond(tree, node, x, limit):
             continue

@@ -1,4 +1,4 @@
-"""Squared distances of points and segments to a triangle and to a box.
+"""Squared distances of points and segments to a triangle.
 
 The formulas are Ericson's (Real-Time Collision Detection, 2005, sections 5.1.3, 5.1.9 and 5.1.10).
 Plain Python that numba compiles with its caller.
@@ -149,13 +149,3 @@ def between_segments(p: Vec3, d: Vec3, a: Vec3, e: Vec3) -> Vec3:
     elif ee > 0.0:
         t = clamp(er / ee)
     return sub(axpy(s, d, p), axpy(t, e, a))
-
-
-@register_jitable
-def point_to_box(x: Vec3, boxes: FloatArray, node: int) -> float:
-    """Squared distance of a point and the box of a node of a tree."""
-    k = 6 * node
-    a: float = max(boxes[k] - x[0], x[0] - boxes[k + 3], 0.0)
-    b: float = max(boxes[k + 1] - x[1], x[1] - boxes[k + 4], 0.0)
-    c: float = max(boxes[k + 2] - x[2], x[2] - boxes[k + 5], 0.0)
-    return a * a + b * b + c * c
