@@ -118,7 +118,7 @@ def next_near(primitives: FloatArray, s: int, margin: float, low: Vec3, high: Ve
     return -1
 
 
-@register_jitable
+@register_jitable(forceinline=True)  # else ``taut_paths`` takes a fifth longer
 def next_near_segment(primitives: FloatArray, s: int, margin: float, a: Vec3, b: Vec3) -> int:
     """Row after row s, -1 for the first, that may be nearer to a segment than ``margin``; or -1.
 
@@ -131,10 +131,10 @@ def next_near_segment(primitives: FloatArray, s: int, margin: float, a: Vec3, b:
     """
     s = row_below(primitives, s) if s >= 0 else first_row(primitives)
     while s >= 0:
-        k = WIDTH * s
-        if _segment_apart(primitives, k + TREE, margin, a, b):
+        tree, bounds = WIDTH * s + TREE, WIDTH * s + BOUNDS
+        if _segment_apart(primitives, tree, margin, a, b):
             s = row_after(primitives, s)
-        elif not is_leaf(primitives, s) and _segment_apart(primitives, k + BOUNDS, margin, a, b):
+        elif not is_leaf(primitives, s) and _segment_apart(primitives, bounds, margin, a, b):
             s = row_below(primitives, s)
         else:
             return s
