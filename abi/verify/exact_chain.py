@@ -27,7 +27,7 @@ _NEARLY = Fraction(1, 1 << 45)
 WIDER = 1 + Fraction(1, 1 << 30)
 """Bound of how much nearly-rotations may lengthen a vector over a whole chain."""
 
-Exact = NDArray[np.object_]  # of exact numbers, such as a matrix in 2^-200
+Exact = NDArray[Any]  # of exact numbers, such as a matrix in 2^-200
 
 _Pose = tuple[Exact, Exact]  # rotation (3, 3) and origin (3,), as fractions
 
