@@ -27,9 +27,14 @@ _NEARLY = Fraction(1, 1 << 45)
 WIDER = 1 + Fraction(1, 1 << 30)
 """Bound of how much nearly-rotations may lengthen a vector over a whole chain."""
 
-Exact = NDArray[Any]  # of exact numbers, such as a matrix in 2^-200
+Exact = NDArray[np.object_]  # of exact numbers, such as a matrix in 2^-200
 
-_Pose = tuple[Exact, Exact]  # rotation (3, 3) and origin (3,), as fractions
+
+class _Pose(NamedTuple):
+    """Rotation (3, 3) and origin (3,), as fractions."""
+
+    turn: Exact
+    origin: Exact
 
 
 class ExactFrame(NamedTuple):
@@ -78,7 +83,7 @@ class ExactChain:
         frame = ExactFrame(still, unmoved, 0, 0)
         found = []
         for joint, origin in zip(self.joints, self.origins[:-1], strict=True):
-            frame = _behind(frame, _wholes(origin[0]), _wholes(origin[1]), 1)
+            frame = _behind(frame, _wholes(origin.turn), _wholes(origin.origin), 1)
             value = self.value(joint, positions)
             if joint.kind == "prismatic":
                 frame = _behind(frame, still, _wholes(_fractions(joint.axis) * value), 1)
@@ -116,7 +121,7 @@ class ExactChain:
             slides = joint.kind == "prismatic"
             rate = factor * (self.units if slides else far)
             found[number] += rate / (self.units if self.slides[number] else 1)
-            far += _length(self.origins[k][1])
+            far += _length(self.origins[k].origin)
             if slides:
                 far += max(self._stroke(joint, number, end) for end in self.limits[number])
         return [WIDER * lever for lever in found]
@@ -151,17 +156,18 @@ def exact_chain(
     by_name = {joint.name: joint for joint in robot.joints}
     names = tuple(dict.fromkeys(j.mimic.joint if j.mimic else j.name for j in joints))
     axes, zero = _fractions(np.eye(3)), _fractions(np.zeros(3))
-    pose = np.array([in_body(axis, wxyz) for axis in axes]), _fractions(np.array(base))
+    turned = np.array([in_body(axis, wxyz) for axis in axes])
+    pose = _Pose(turned, _fractions(np.array(base)))
     origins = []
     for joint in way:
         turn, place = _matrix(joint, units)
-        pose = pose[0] @ turn, pose[0] @ place + pose[1]
+        pose = _Pose(pose.turn @ turn, pose.turn @ place + pose.origin)
         if joint.kind != "fixed":
             axis = _fractions(joint.axis)
             if abs(axis @ axis - 1) > _NEARLY:
                 raise Fault(f"the axis of {joint.name} is no direction")
             origins.append(pose)
-            pose = axes, zero
+            pose = _Pose(axes, zero)
     frames = {robot.root: -1}
     for joint in robot.joints:
         frames[joint.child] = joints.index(joint) if joint in joints else frames[joint.parent]
@@ -179,7 +185,7 @@ def _matrix(joint: Joint, units: int) -> _Pose:
     turn = origin[:3, :3]
     if (abs(turn @ turn.T - np.eye(3, dtype=object)) > _NEARLY).any():
         raise Fault(f"the origin of {joint.name} is no rotation")
-    return turn, units * origin[:3, 3]
+    return _Pose(turn, units * origin[:3, 3])
 
 
 def _behind(frame: ExactFrame, turn: Exact, origin: Exact, error: int) -> ExactFrame:
