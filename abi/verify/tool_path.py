@@ -85,6 +85,8 @@ def check_tool(
 class _Path:
     """A curve in floating point, in which places are sought that are then checked exactly."""
 
+    # a damaged curve may leave the numbers: what is found is checked exactly
+    @np.errstate(all="ignore")
     def __init__(self, curve: ExactCurve) -> None:
         breaks = [*(float(span.start) for span in curve), float(curve[-1].end)]
         bezier = np.array([span.bezier for span in curve], dtype=np.float64)
@@ -96,6 +98,7 @@ class _Path:
         self._grid: FloatArray = np.concatenate([*parts, breaks[-1:]])
         self._on_grid: FloatArray = self._places(self._grid)
 
+    @np.errstate(all="ignore")
     def next(self, tool: Vec3, behind: float, allowed: Fraction) -> float | None:
         """First parameter found, not before ``behind``, where the curve is at the tool."""
         target = np.array(tool, dtype=np.float64)
@@ -116,14 +119,14 @@ class _Path:
         return found
 
     def _nearest(self, target: FloatArray, at: float, behind: float) -> float:
-        """Improve a parameter by steps of Gauss and Newton."""
+        """Improve a parameter by steps of Gauss and Newton, as far as these are numbers."""
         last = float(self._grid[-1])
         for _ in range(_STEPS):
             slope = self._slopes(at)
-            square = float(slope @ slope)
-            if square == 0:
+            step = (target - self._places(at)) @ slope / (slope @ slope)
+            if np.isnan(step):
                 break
-            at = min(max(at + float((target - self._places(at)) @ slope) / square, behind), last)
+            at = min(max(at + float(step), behind), last)
         return at
 
 

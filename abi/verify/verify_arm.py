@@ -1,7 +1,6 @@
 """Check of the certificate of the paper's arm in exact rational numbers.
 
-The proof is that of :mod:`abi.arm.arm_certificate`. The capsules are checked as written; a test,
-not this check, shows that they contain the links as drawn.
+The proof is that of :mod:`abi.arm.arm_certificate`.
 """
 
 from __future__ import annotations
@@ -9,9 +8,10 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import partial
-from typing import Any, get_args
+from typing import Any
 
 from abi.scene.scene import Scene
+from abi.verify.arm_capsules import capsules_of
 from abi.verify.certificate import ARM, CapsuleKey, Plane, capsule_of, claimed_margin, planes_of
 from abi.verify.exact import (
     ExactCurve,
@@ -23,16 +23,15 @@ from abi.verify.exact import (
     times_length,
     vector,
 )
-from abi.verify.exact_arm import Body, ExactArm, ExactCapsule, ExactPose
+from abi.verify.exact_arm import ExactArm, ExactCapsule, ExactPose
 from abi.verify.exact_mesh import ExactMesh
 from abi.verify.exact_slide import ExactSlide, ExactTiming, anywhere, moving
 from abi.verify.fault import Fault
 from abi.verify.interval import enclose, rounded
-from abi.verify.plan_fields import finite, list_of, mapping
+from abi.verify.plan_fields import finite, mapping
 from abi.verify.sides import check_apart
 from abi.verify.tool_path import check_ends, check_tool, point_at
 
-_BODIES: tuple[Body, ...] = get_args(Body)
 _UPRIGHT = (1.0, 0.0, 0.0, 0.0)
 
 
@@ -95,7 +94,7 @@ def check_arm(
     motion = _Motion(arm, curve, _slide(scene, timing, curve))
     check_ends(curve, scene)
     check_tool(section, timing.get("duration"), arm, curve, motion.slide)
-    capsules = [_capsule(one) for one in list_of(f"{ARM}.capsules", certificate.get("capsules"))]
+    capsules = capsules_of(certificate, arm)
     planes = planes_of(ARM, certificate, partial(_key, len(capsules)))
     floor = ExactFloor(min(arm.base[2], Fraction(scene.workspace.min[2])))
     span = curve[0].start, curve[-1].end
@@ -158,7 +157,7 @@ def _slide(scene: Scene, timing: dict[str, Any], curve: ExactCurve) -> ExactSlid
     if motion.law in ("time_optimal", "jerk_limited"):
         duration = Fraction(finite("timing.duration", timing.get("duration")))
         return anywhere(start, start + force / inertia * duration**2)
-    names = ("t1", "t2", "t3", "peak_speed")
+    names = ("t1", "t2", "t3", "peak_speed")  # of three phases, slowed down or not
     t1, t2, t3, peak = (Fraction(finite(f"timing.{name}", timing.get(name))) for name in names)
     rates = Fraction(motion.acceleration), Fraction(motion.deceleration)
     if not any((t1, t2, t3)):
@@ -166,17 +165,6 @@ def _slide(scene: Scene, timing: dict[str, Any], curve: ExactCurve) -> ExactSlid
     if motion.law == "slowed" and t1 and t3:
         rates = peak / t1, peak / t3
     return moving(curve, ExactTiming(t1, t2, t3, peak, *rates), start, force / inertia)
-
-
-def _capsule(entry: object) -> ExactCapsule:
-    data = mapping(f"{ARM}.capsules", entry)
-    body, link = data.get("body"), data.get("link")
-    names = ("low", "high", "radius")
-    low, high, radius = (Fraction(finite(f"{ARM}.capsules.{one}", data.get(one))) for one in names)
-    if body not in _BODIES or not isinstance(link, str) or low > high or radius <= 0:
-        raise Fault("a capsule has no link, or no extent")
-    flags = (data.get("neighbour") is True, data.get("grips") is True)
-    return ExactCapsule(link, body, low, high, radius, *flags)
 
 
 def _key(capsules: int, entry: dict[str, Any]) -> CapsuleKey:

@@ -6,14 +6,21 @@ import copy
 import json
 import math
 from collections.abc import Callable
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from abi import Scene, plan
+from abi.arm.arm import Arm
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.triangle_mesh.repair import clean
+from abi.scene.settings import ArmSettings
+from abi.verify.arm_capsules import capsules_of
+from abi.verify.exact_arm import ExactArm
 from abi.verify.verify import Verdict, verify
 from tests.abi import meshes
 
@@ -138,6 +145,59 @@ def test_a_changed_number_is_refused(honest: Data, path: tuple[Any, ...], value:
     for key in path[:-1]:
         section = section[key]
     section[path[-1]] = value
+    assert not of_arm(data).proven
+
+
+def test_no_link_may_be_left_out(honest: Data) -> None:
+    links = {one["link"] for one in honest["arm"]["certificate"]["capsules"]}
+    assert len(links) == 7
+    for link in links:
+        data = copy.deepcopy(honest)
+        certificate = data["arm"]["certificate"]
+        certificate["capsules"] = [one for one in certificate["capsules"] if one["link"] != link]
+        certificate["planes"] = []
+        found = of_arm(data)
+        assert not found.proven
+        assert f"{link} has no capsule" in found.reason
+
+
+@pytest.mark.parametrize(
+    ("field", "value", "reason"),
+    [
+        ("radius", 1e-6, "leave a gap along the column"),
+        ("neighbour", True, "free to touch"),
+        ("grips", True, "free to touch"),
+        ("body", "slide", "has no link"),
+        ("link", "gripper", "has no link"),
+    ],
+)
+def test_no_capsule_may_be_less_than_its_link(
+    honest: Data, field: str, value: object, reason: str
+) -> None:
+    data = copy.deepcopy(honest)
+    for capsule in data["arm"]["certificate"]["capsules"]:
+        capsule[field] = value
+    found = of_arm(data)
+    assert not found.proven
+    assert reason in found.reason
+
+
+@given(st.lists(st.floats(0.05, 20.0), min_size=5, max_size=5))
+def test_capsules_of_every_arm_leave_no_gap(lengths: list[float]) -> None:
+    names = ("a1", "a2", "a3", "a4", "a5")
+    arm = Arm.from_settings(ArmSettings(**dict(zip(names, lengths, strict=True))), "cm")
+    a1, a2, a3, a4, a5 = map(Fraction, lengths)
+    exact = ExactArm((Fraction(0),) * 3, a1 + a2, a3, a4 + a5, 1)
+    written = json.loads(json.dumps(arm.proof_data()))
+    assert len(capsules_of(written, exact)) == len(arm.capsules)
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_curve_that_leaves_the_numbers_is_refused(honest: Data) -> None:
+    data = copy.deepcopy(honest)
+    data["scene"]["motion"]["curve"] = data["timing"]["curve"] = "bspline"
+    knots = data["bspline"]["knots"]
+    knots[data["bspline"]["degree"] + 1] = 5e-324
     assert not of_arm(data).proven
 
 

@@ -1,0 +1,86 @@
+"""Capsules of the paper's arm as a certificate has them.
+
+Radii are taken as written; a test, not this check, shows that the capsules contain the links as
+drawn. But no link may be missing, none may be free to touch what it must not, and along the axis of
+each part of the arm there may be no gap but a seam.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fractions import Fraction
+from operator import attrgetter
+from typing import Any
+
+from abi.verify.certificate import ARM
+from abi.verify.exact_arm import Body, ExactArm, ExactCapsule
+from abi.verify.fault import Fault
+from abi.verify.plan_fields import finite, list_of, mapping
+
+_BODIES: dict[str, Body] = {
+    "base_link": "column",
+    "turret": "column",
+    "upper_arm": "upper_arm",
+    "elbow": "forearm",
+    "forearm": "forearm",
+    "rod": "slide",
+    "gripper": "slide",
+}
+"""What each link is fixed to."""
+
+_GAP = Fraction(1, 50)
+"""Part of a length that is let pass between capsules: as drawn, joints have a seam."""
+
+
+def capsules_of(certificate: dict[str, Any], arm: ExactArm) -> list[ExactCapsule]:
+    """Capsules of a certificate, in their order.
+
+    Args:
+        certificate: as in a plan's JSON.
+        arm: whose it is.
+
+    Raises:
+        SceneError: a field has the wrong form.
+        Fault: the capsules leave out a part of the arm, or what one of them has to keep clear of.
+    """
+    field = f"{ARM}.capsules"
+    capsules = [
+        _capsule(mapping(field, one), arm) for one in list_of(field, certificate.get("capsules"))
+    ]
+    held = {one.link for one in capsules if not one.neighbour and not one.grips}
+    for link in _BODIES:
+        if link not in held:
+            raise Fault(f"{link} has no capsule")
+    parts: tuple[tuple[str, tuple[Body, ...], Fraction], ...] = (
+        ("column", ("column",), arm.height),
+        ("upper arm", ("upper_arm",), arm.upper),
+        ("forearm", ("forearm", "slide"), arm.lower),
+    )
+    for name, bodies, length in parts:
+        if not _cover([one for one in capsules if one.body in bodies], length):
+            raise Fault(f"its capsules leave a gap along the {name}")
+    return capsules
+
+
+def _capsule(data: dict[str, Any], arm: ExactArm) -> ExactCapsule:
+    link, body = data.get("link"), data.get("body")
+    names = ("low", "high", "radius")
+    low, high, radius = (Fraction(finite(f"{ARM}.capsules.{one}", data.get(one))) for one in names)
+    known = isinstance(link, str) and link in _BODIES and body == _BODIES[link]
+    if not isinstance(link, str) or not known or low > high or radius <= 0:
+        raise Fault("a capsule has no link, or no extent")
+    neighbour, grips = data.get("neighbour") is True, data.get("grips") is True
+    # the half of the upper arm at the shoulder; the fingers
+    beside = body == "upper_arm" and 2 * high <= arm.upper
+    if (neighbour and not beside) or (grips and link != "gripper"):
+        raise Fault(f"{link} is said to be free to touch what it must not")
+    return ExactCapsule(link, _BODIES[link], low, high, radius, neighbour, grips)
+
+
+def _cover(capsules: Sequence[ExactCapsule], length: Fraction) -> bool:
+    """Check if capsules cover an axis from 0 to a length, but for seams."""
+    reached, seam = Fraction(0), _GAP * length
+    for one in sorted(capsules, key=attrgetter("low")):
+        if one.low - one.radius <= reached + seam:
+            reached = max(reached, one.high + one.radius)
+    return reached >= length
