@@ -42,7 +42,7 @@ Function = Literal[
     "stand",
     "watch",
 ]
-"""Function of the page."""
+"""Functions of the page, in ``assets/page``."""
 
 _SLOTS: dict[Function, str] = {
     "clock": "clock",
@@ -53,8 +53,7 @@ _SLOTS: dict[Function, str] = {
     "seek": "moment",
     "stand": "motion",
 }
-"""What a call tells, where it takes the place of one that has not been sent yet and tells the same;
-so does one of ``show`` for the same part."""
+"""Calls of one slot replace each other while unsent; so do those of ``show`` for one part."""
 _COMMENT = re.compile(r"(//.*|/\*[^*]*\*/)?")
 
 viser_shortcuts.install()

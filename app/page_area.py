@@ -53,7 +53,7 @@ class PageArea:
 
     @classmethod
     def of(cls, text: object) -> PageArea | None:
-        """The area of a text, which a hostile page may have written; None of any other text."""
+        """The area of a text, which a hostile page may have written; None where that is none."""
         try:
             return msgspec.json.decode(str(text), type=cls, strict=False)
         except (msgspec.MsgspecError, ValueError, RecursionError):

@@ -20,7 +20,7 @@ from app.guard.reading import Job
 Chance = random.Random
 
 WORDS = ("nan", "-inf", "1e999", "-1", "0", "1e-320", "99999999999", "9" * 400, "٢", "", "${x}")
-"""What stands where a number should."""
+"""Words that stand where a number should."""
 _NUMBER = re.compile(rb"-?\d+(?:\.\d+)?")
 
 

@@ -109,7 +109,7 @@ class Arm(ShortRepr):
             least_cosine_q2=math.cos(self.limits[1, 1] - spare),
         )
 
-    def table(self, elbow: Literal["up", "down"] = "up", spare: float = 0.0) -> ArmTable:
+    def table(self, elbow: Literal["up", "down"], spare: float = 0.0) -> ArmTable:
         """The arm and its capsules in the format of the kernels; see :meth:`numbers`."""
         return ArmTable(self.numbers(elbow, spare), self.capsule_rows)
 

@@ -146,7 +146,7 @@ class Unreached(NamedTuple):
 
 
 class SightTask(NamedTuple):
-    """What a sight is of.
+    """Scene and margins that a sight is of.
 
     Attributes:
         scene: the scene.

@@ -35,11 +35,7 @@ MOST_TRIES = 200_000
 
 
 def certify_chain(
-    arm: UrdfArm,
-    positions: FloatArray,
-    surroundings: Surroundings,
-    margin: float,
-    most_tries: int = MOST_TRIES,
+    arm: UrdfArm, positions: FloatArray, surroundings: Surroundings, margin: float
 ) -> ArmCertificate | ArmRefutation:
     """Prove that an arm keeps more than ``margin`` from every obstacle, or find where not.
 
@@ -52,9 +48,8 @@ def certify_chain(
         positions: joint positions (k, n), k >= 2, [rad] or [unit].
         surroundings: what to keep clear of.
         margin: distance to prove from obstacles, at least 0, [unit].
-        most_tries: number of tries at most.
     """
-    outcome = separate_chain(*_task(arm, positions, surroundings, margin), most_tries, True)
+    outcome = separate_chain(*_task(arm, positions, surroundings, margin), MOST_TRIES, True)
     refutation, planes = _refutation(arm, surroundings, outcome), outcome[-1]
     if refutation is not None:
         return refutation

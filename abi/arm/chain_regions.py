@@ -24,7 +24,7 @@ _PLACES = 16
 _BLUR = 0.7
 """Standard deviation of what smooths the border of the reached places, in cells."""
 _LEAST = 0.05
-"""What a place next to the border has, at least, of the half that parts inside and outside."""
+"""Least part that a place next to the border has of the half that parts inside and outside."""
 _ANYHOW = -1.0
 """Distance that links keep from each other: they may touch."""
 

@@ -16,7 +16,7 @@ from abi.obstacles.triangle_mesh.surface_tables_kernels import new_room
 from abi.obstacles.vector_kernels import vec3_at
 
 _AHEAD = 8.0
-"""How far it is looked beyond what counts, in ways to the pose before: so that it is seldom."""
+"""Distance looked beyond what counts, in ways to the pose before: so that it is seldom."""
 
 
 @compiled(example=(FLOATS, FLOATS, FLOATS, NO_SURFACES, 1.0, NEW_FLOATS, NEW_IDS))

@@ -115,10 +115,8 @@ class JointCourse:
             *contacts_of(motion.time, own, arm.pairs[:, 1].tolist(), arm),
             *contacts_of(motion.time, floor, capsules, arm),
         )
-        certify, rows = (
-            partial(certify_chain, arm, positions, surroundings),
-            surroundings.solids.in_use,
-        )
+        certify = partial(certify_chain, arm, positions, surroundings)
+        rows = surroundings.solids.in_use
         return proven_clearance(motion, arm, measured, contacts, required, rows, certify)
 
 

@@ -122,7 +122,7 @@ def halves_of(
 def apart_along_axis(low: Vec3, high: Vec3, extent: tuple[Vec3, Vec3]) -> tuple[float, Vec3]:
     """Distance along an axis from a box low..high to that around a piece, and the direction.
 
-    A long run that passes a face obliquely is behind that face all the same.
+    A long piece that passes a face obliquely is behind that face all the same.
     """
     (x0, y0, z0), (x1, y1, z1) = extent
     gx = max(x0 - high[0], low[0] - x1)

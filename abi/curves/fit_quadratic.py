@@ -32,7 +32,7 @@ _HALVINGS = 6
 
 
 Accepts = Callable[[Quadratic], bool]
-"""Whether a curve that keeps the clearance meets the further conditions."""
+"""A check of the further conditions for a curve that keeps the clearance."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -20,7 +20,7 @@ from abi.obstacles.triangle_mesh.surface_tables_kernels import Room, to_surface
 from abi.obstacles.vector_kernels import Vec3, axpy, distance, sub
 
 WIDER = 1e-9
-"""How much farther meshes are looked for, [unit] and part, so that rounding leaves none out."""
+"""Distance, [unit] and part, by which meshes are looked for farther: rounding leaves none out."""
 
 
 @register_jitable

@@ -49,7 +49,7 @@ _MISSING = {
     "height": "a length, such as height: 2",
     "file": "the name of a file of triangles, such as file: bracket.stl",
 }
-"""What would do for each field without a default."""
+"""Values that would do for each field without a default."""
 
 
 def first_error(error: ValidationError, scene: type[BaseModel]) -> SceneError:

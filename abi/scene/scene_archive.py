@@ -100,10 +100,10 @@ def unpack(content: bytes, name: str) -> tuple[object, dict[str, bytes | Surface
     return _renamed(data, names), {**stored, **contents}
 
 
-def _stored_names(surfaces: Sequence[str]) -> dict[str, str]:
+def _stored_names(files: Sequence[str]) -> dict[str, str]:
     """Name of the OBJ file for each mesh file: its own, or one that is still free."""
-    names = {file: file for file in surfaces if file.lower().endswith(_STORED)}
-    for file in surfaces:
+    names = {file: file for file in files if file.lower().endswith(_STORED)}
+    for file in files:
         if file in names:
             continue
         path = PurePosixPath(file)

@@ -68,6 +68,7 @@ def search(algorithm: str, graph: Graph, weight: Weight) -> SearchResult:
 
     Raises:
         NoPath: no edges lead from start to goal.
+        ValueError: no search has that name.
     """
     costs, parents, order, relaxed = _run(algorithm, graph, weight)
     least = float(costs[graph.goal])
@@ -123,6 +124,8 @@ def _run(
     algorithm: str, graph: Graph, weight: Weight
 ) -> tuple[FloatArray, IntArray, IntArray, int]:
     """Costs and parents of the nodes (n,), the order of expansion, and the edges tried."""
+    if algorithm not in SEARCHES:
+        raise ValueError(f"algorithm is {algorithm!r}; expected one of {', '.join(SEARCHES)}")
     towards = metric(graph, weight) if algorithm == "a_star" else NO_METRIC
     kernel: Any = best_first_kernels.best_first
     if algorithm == "bellman_ford":

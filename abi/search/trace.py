@@ -34,7 +34,7 @@ class SearchTrace(ShortRepr):
         examined: (m + 1,) arcs examined before each step and in all.
         changes: of cost and parent, step by step.
         vertices: (k,) the path from start to goal; empty when there is none.
-        cost: of the path by the search's labels; inf without a path.
+        cost: of the goal by the search's labels; inf if it was not reached.
         cycle: (c,) nodes of a negative cycle; empty when none was found.
     """
 

@@ -46,7 +46,7 @@ _MOST_NEAR = 64
 """Convex obstacles of a crowd by whose edges paths go: those nearest to the path so far."""
 
 _FIRST_REACH = 1 / 64
-"""How far from the path these are first looked for, as a part of its length."""
+"""Distance from the path in which these are first looked for, as a part of its length."""
 
 _SEARCHED_NODES = 4_000
 """Nodes of a lattice, about, that the any-angle search takes; it passes over the others."""

@@ -13,7 +13,7 @@ from abi.obstacles.primitive_kernels import Core
 from abi.obstacles.vector_kernels import Vec3
 
 Aside = tuple[float, float, float, float, float, float]
-"""How far edges lead along y and z that lead along x at all, along x and z, and along x and y."""
+"""Reach of edges along y and z that lead along x at all, along x and z, and along x and y."""
 
 LONG = 1e7
 """Steps, more than any line has."""

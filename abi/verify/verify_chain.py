@@ -26,7 +26,7 @@ from abi.verify.sides import check_apart
 _REACHED = Fraction(1, 10**5)
 """Error of the tool at start and goal that is let pass, over the length of the chain."""
 _PAST = Fraction(1, 10**9)
-"""What a joint may be past its limit, [rad] or [unit]."""
+"""Distance that a joint may be past its limit, [rad] or [unit]."""
 
 
 class _Capsule(NamedTuple):

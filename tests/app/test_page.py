@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import asyncio
 import functools
+import re
 import threading
+from typing import get_args
 
+import pytest
 import viser
 from viser import _messages
 
+from abi import assets
 from app import page
 from app.server import Server
 from app.session import Session
@@ -36,6 +40,17 @@ def test_of_scripts_for_one_place_the_newest_waits(server: Server) -> None:
         assert sum(source.startswith("abi.clock") for source in waiting) == 1
         assert sum(source.startswith("abi.next") for source in waiting) == 100
     fake.close()
+
+
+@pytest.mark.parametrize("function", get_args(page.Function))
+def test_every_function_that_is_called_is_one_of_the_page(function: str) -> None:
+    found = [
+        line
+        for name in ("page.js", "files.js")
+        for line in assets.path("page", name).read_text("utf-8").splitlines()
+        if re.match(rf"  (async )?{function}\(.*{{|window\.abi\.{function} = ", line)
+    ]
+    assert len(found) == 1
 
 
 def test_nothing_is_kept_of_a_script_that_was_sent(tab: tuple[FakeTab, Session]) -> None:

@@ -27,7 +27,7 @@ TIPS = {**SHIPPED, "abi": "tool"}
 
 
 class Answers(NamedTuple):
-    """What Pinocchio says of an arm at k positions of its n joints; lengths in [m].
+    """Pinocchio's answers on an arm at k positions of its n joints; lengths in [m].
 
     Attributes:
         positions, speeds, accelerations: of the joints, (k, n).

@@ -1,4 +1,4 @@
-"""What is remembered of shapes and surfaces."""
+"""Memories of shapes and surfaces."""
 
 from __future__ import annotations
 

@@ -21,7 +21,7 @@ from abi.search.build_graph import build_graph
 from abi.search.graph import Graph
 from abi.search.heuristic import Weight
 from abi.search.heuristic_kernels import INSIDE, NO_METRIC, ON_A_FACE, Metric, to_go
-from abi.search.search import SEARCHES
+from abi.search.search import SEARCHES, search
 from abi.search.search_kernels import Ends, Problem
 from abi.tet_mesh.adjacency import NO_IDS, NO_NUMBERS, of_rows
 from abi.tet_mesh.adjacency_kernels import BCC, KUHN, Links, OpenEdges, Shape, cell, node_at
@@ -68,6 +68,11 @@ def way(request: pytest.FixtureRequest) -> Iterator[str]:
     """Run the test's searches as plain Python and compiled."""
     with kernels_as(compiled=request.param == "compiled"):
         yield request.param
+
+
+def test_a_search_that_there_is_not_is_refused() -> None:
+    with pytest.raises(ValueError, match="'astar'; expected one of a_star, dijkstra, bellman_ford"):
+        search("astar", random_graph(0), "length")
 
 
 @pytest.mark.slow
