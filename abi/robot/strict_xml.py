@@ -144,7 +144,11 @@ def parse(content: bytes, name: str) -> etree._Element:
     try:
         # the encoding that the text declares must not matter any more
         root = etree.fromstring(_DECLARATION.sub("", text).encode(), parser)
-    except (etree.XMLSyntaxError, ValueError) as error:
+    except etree.XMLSyntaxError as error:
+        line = error.lineno or 1
+        shown = "".join(text.splitlines()[line - 1 : line]).strip()[:60]
+        raise SceneError(field, shown, f"a whole XML text; it breaks in line {line}") from None
+    except ValueError as error:
         raise SceneError(field, str(error)[:90], "a whole XML text") from None
     for count, element in enumerate(root.iter()):
         values = [str(value) for value in element.attrib.values()]
