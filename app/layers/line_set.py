@@ -13,7 +13,7 @@ class LineSet:
         self._handle: viser.GlbHandle | None = None
 
     def __bool__(self) -> bool:
-        """Whether anything is drawn."""
+        """Check if anything is drawn."""
         return self._handle is not None
 
     def draw(self, data: bytes) -> None:

@@ -34,7 +34,7 @@ class MarkersLayer(Layer):
 
 
 def _are_reached(reason: Reason, plan: Plan) -> bool:
-    """Whether the points are the nodes that the start reaches, which another layer draws."""
+    """Check if the points are the nodes that the start reaches, which another layer draws."""
     if not isinstance(plan.error, NoPath) or plan.error.reached is None or plan.graph is None:
         return False
     reached = plan.graph.points[np.sort(plan.error.reached)]
