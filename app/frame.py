@@ -38,7 +38,7 @@ class Frame:
     Attributes:
         plan: the last one.
         reason: diagnosis of its error.
-        refused: error in the last input; the plan is of the scene before it.
+        refused: error in the last input, which the plan leaves out.
         coarse: whether the plan's mesh is coarser than the scene's, while the input changes.
         partial: whether the mesh is coarser, or two of the searches wait for a pause in the input.
         interactive: whether the input may still change: what takes long to draw can wait.

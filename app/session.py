@@ -226,10 +226,10 @@ class Session:
         try:
             scene = self._read()
         except AbiError as error:
-            # the last valid scene stays, to be looked at and saved
+            # the last scene stays, to be looked at and saved
             self._draw(replace(self.panels.apply_switches(self.frame), refused=error))
         else:
-            self.frame = replace(self.frame, refused=None)
+            self.frame = replace(self.frame, refused=self.panels.refused)
             if self.plans == 0 or restored or scene != self._scene:
                 self._show(self._replan(scene), interactive=True)
             else:

@@ -15,8 +15,8 @@ _HINTS = {
     "length": "Length of the curve that the arm follows.",
     "longer than the best": "Than the shortest clear path. ≤ where only a length is proven that "
     "no path goes below.",
-    "from the obstacles": "Least distance of the tool's curve from the obstacles; proven if there "
-    "is a ✓.",
+    "kept by the tool": "Least distance of the tool's curve from the obstacles; proven if there "
+    "is a ✓. Stage 6 tells that of the links.",
     "kept by the tool alone": "The tool's curve keeps it, but the whole arm is not proven clear.",
 }
 """Meaning of each number, by the end of its name."""
@@ -57,7 +57,7 @@ def headline(plan: Plan) -> str:
         else:
             colour, sign = (style.GOOD, "✓") if fit.holds else (style.BAD, "✗")
             kept = f'<span style="font-size:inherit;color:{style.readable(colour)}">'
-            numbers.append((f"{kept}{shown} {unit} {sign}</span>", "from the obstacles"))
+            numbers.append((f"{kept}{shown} {unit} {sign}</span>", "kept by the tool"))
     blocks = "".join(
         f'<div title="{_hint(name)}"><b>{value}</b><span>{name}</span></div>'
         for value, name in numbers

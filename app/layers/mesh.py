@@ -132,9 +132,11 @@ def _counts(plan: Plan, note: str) -> str:
     if plan.graph is None or plan.mesh is None or plan.free is None:
         return ""
     graph = plan.graph
+    excluded = int(plan.free.excluded.sum())
+    lie = "node lies" if excluded == 1 else "nodes lie"
     lines = [
         f"Spacing {format_setting(plan.mesh.pitch)} {plan.scene.unit}{_divides(plan)}; "
-        f"{plan.free.tetrahedra_kept:,} tetrahedra; {int(plan.free.excluded.sum()):,} nodes lie in "
+        f"{plan.free.tetrahedra_kept:,} tetrahedra; {excluded:,} {lie} in "
         f"an obstacle or too near one{_ARM_NOTE if plan.scene.arm.avoid else ''}.",
         f"{graph.removed_edges:,} edges removed{_crossing_note(len(graph.crossing))}.",
     ]
@@ -153,4 +155,5 @@ def _divides(plan: Plan) -> str:
 def _crossing_note(count: int) -> str:
     if not count:
         return ""
-    return f"; {count:,} of these join two free nodes but pass through an obstacle"
+    words = "joins two free nodes but passes" if count == 1 else "join two free nodes but pass"
+    return f"; {count:,} of these {words} through an obstacle"

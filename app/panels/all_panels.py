@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from dataclasses import replace
 
 import viser
@@ -88,6 +89,7 @@ class AllPanels:
         self.lecture = Lecture(self.layout, self.theatre, wake)
         self._inputs = (self.stages, self.obstacles, self.ends)
         self._typed = True
+        self.refused: AbiError | None = None
         self.drawn = self._drawables()
 
     def _drawables(self) -> tuple[Drawable, ...]:
@@ -137,20 +139,26 @@ class AllPanels:
     def read(self, scene: Scene) -> Scene:
         """Read the scene that the panels show; only what differs from ``scene`` is checked.
 
+        A section that is refused stays as it was: all others count, so that a drag goes on beside a
+        field that was typed wrongly. ``refused`` says why.
+
         Args:
             scene: the last valid one.
 
         Raises:
-            SceneError: names the field.
+            AbiError: it is not a section that is refused.
         """
         if typed := self._typed:
             self._typed = False  # before they are read: what is typed meanwhile counts next time
+        self.refused = None
         try:
             return self._read(scene, typed)
         except AbiError:
             self.read_all()
             raise
         finally:
+            if self.refused is not None:
+                self.read_all()
             self._pause_challenge()
 
     def _pause_challenge(self) -> None:
@@ -177,7 +185,14 @@ class AllPanels:
         inputs = self._inputs if typed else (self.obstacles, self.ends)
         sections = {name: part for panel in inputs for name, part in panel.read().items()}
         files: dict[str, bytes | Surface] = {**self.editor.surfaces, **self.stages.arm.model.files}
-        return scene.replace(files, **sections)
+        try:
+            return scene.replace(files, **sections)
+        except AbiError as error:
+            self.refused = error
+        for name, section in sections.items():
+            with contextlib.suppress(AbiError):
+                scene = scene.replace(files, **{name: section})
+        return scene
 
     def step(self, scene: Scene) -> Step:
         """Step that the history is to note of ``scene``, which is shown."""

@@ -42,7 +42,7 @@ class SearchPanel:
             1,
             1,
             0,
-            hint="In the order of the search: the first yellow, later ones blue, the latest red.",
+            hint="In the order of the search: first yellow, later blue, the latest magenta.",
         )
         widgets = {"algorithm": self.algorithm, "weight": self.weight, "taut": self.taut}
         self._fields = Fields({f"search.{name}": one for name, one in widgets.items()}, wake)

@@ -233,6 +233,10 @@ window.abi = {
   besideClicked(event) {
     if (event.target.matches?.(".mantine-Modal-inner, .mantine-Modal-overlay")) this.closeSheet();
   },
+  // A box ticked with the mouse would keep the keys to itself.
+  boxTicked({target}) {
+    if (target.matches?.("input[type=checkbox]") && !target.matches(":focus-visible")) target.blur();
+  },
   closeSheet() { document.querySelector(".mantine-Modal-body button")?.click(); },
 
   // Large letters for the last row of a hall.
@@ -375,7 +379,7 @@ window.abiListeners = new AbortController();
 for (const [name, call] of [
   ["pointerdown", "plotPressed"], ["pointerup", "plotReleased"], ["click", "plotClicked"],
   ["click", "sheetClicked"], ["click", "tabClicked"], ["dblclick", "plotReset"], ["keydown", "keyPressed"],
-  ["mousedown", "besideClicked"],
+  ["mousedown", "besideClicked"], ["click", "boxTicked"],
 ]) {
   const options = {capture: true, signal: window.abiListeners.signal};
   document.addEventListener(name, event => window.abi[call](event), options);

@@ -129,6 +129,10 @@ def test_an_end_that_is_refused_is_labelled_with_where_it_stands(
     until(lambda: label.text == "start (1, 0, 0)")
 
 
+def _stands(session: Session, place: list[float]) -> bool:
+    return session.frame.plan.scene.obstacles[0].position == pytest.approx(tuple(place))
+
+
 def test_what_is_refused_stays_so_while_a_hand_drags(tab: tuple[FakeTab, Session]) -> None:
     fake, session = tab
     gizmo, pitch = session.panels.obstacles.gizmos[0], session.panels.stages.mesh.pitch
@@ -136,9 +140,13 @@ def test_what_is_refused_stays_so_while_a_hand_drags(tab: tuple[FakeTab, Session
     until(lambda: session.frame.refused is not None)
     for step in range(5):
         frame = session.frame
-        fake.drag(gizmo, [3.0, 3.0, 2.0 + 0.1 * step])
+        place = [3.0, 3.0, 2.0 + 0.1 * step]
+        fake.drag(gizmo, place)
         until(lambda frame=frame: session.frame is not frame)  # type: ignore[misc]
         assert session.frame.refused is not None
+        # what was typed wrongly is left out, and all else is planned
+        until(partial(_stands, session, place))
+        assert session._scene.motion.speed > 0
     fake.set(session.panels.stages.motion.speed, 1.5)
     fake.set(pitch, 1.1)
     until(lambda: session.frame.refused is None and session._scene.mesh.pitch == 1.1)
