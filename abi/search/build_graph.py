@@ -23,6 +23,8 @@ _ROUNDING = 1e-9
 REACH = 1.6
 """Radius, in longest edges, within which start and goal are joined to nodes."""
 
+_NO_PLACES = read_only(np.zeros((0, 3)))
+
 
 def build_graph(
     free: FreeMesh,
@@ -94,17 +96,18 @@ def _graph(
     ids: list[int],
 ) -> Graph:
     """The graph of the free mesh, with these open directions, places of start and goal, links."""
-    none = NO_IDS, NO_IDS, NO_NUMBERS
-    tails, heads, lengths = map(np.concatenate, zip(none, *links, strict=True))
+    tails, heads, lengths = NO_IDS, NO_IDS, NO_NUMBERS
+    if links:  # in most frames there are none
+        tails, heads, lengths = map(read_only, map(np.concatenate, zip(*links, strict=True)))
     return Graph(
         mesh=free.mesh,
         excluded=free.excluded,
         open_directions=open_directions,
         weights=free.weights,
-        tails=read_only(tails),
-        heads=read_only(heads),
-        link_lengths=read_only(lengths),
-        own=read_only(np.array(own, dtype=float).reshape(-1, 3)),
+        tails=tails,
+        heads=heads,
+        link_lengths=lengths,
+        own=read_only(np.array(own).reshape(-1, 3)) if own else _NO_PLACES,
         start=ids[0],
         goal=ids[1],
         free_nodes=free.nodes + len(own),
