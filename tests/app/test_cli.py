@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import json
 import socket
+import signal
 import subprocess
 import sys
 import threading
@@ -86,7 +87,12 @@ def test_an_interrupt_ends_the_command_wherever_it_comes(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     monkeypatch.setitem(sys.modules, "app.command_line", Interrupting(within_callback))
-    assert run(monkeypatch, capsys) == (130, "", "")
+    # a shell has what it starts in the background ignore Ctrl+C
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        assert run(monkeypatch, capsys) == (130, "", "")
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 @pytest.mark.slow
