@@ -26,7 +26,7 @@ WIDE = 1500
 """Width of a page whose middle is cut out, [px]."""
 
 MARGIN = 60
-"""What is cut off above and below, [px]."""
+"""Height cut off above and below, [px]."""
 
 _SKY, _FOOT = 160, 125
 """The same of the heat map, which is small in the middle."""
