@@ -16,7 +16,7 @@ from abi.arm import capsule_kernels
 from abi.arm.any_arm import AnyArm
 from abi.arm.arm import Arm, place
 from abi.arm.arm_certificate import ArmCertificate, ArmRefutation, certify_arm
-from abi.arm.capsule_kernels import capsules_near_meshes
+from abi.arm.capsule_mesh_kernels import capsules_near_meshes
 from abi.arm.solid_rows import FLOOR
 from abi.arm.surroundings import Surroundings
 from abi.arm.trajectory import ArmMotion

@@ -47,12 +47,12 @@ def signed_distance_at(tables: SurfaceTables, x: Vec3, room: Room) -> tuple[floa
 
     The triangle is its place in the tree.
     """
-    return signed_distance_beside(tables, x, 0.0, x, math.inf, room)
+    return signed_distance_beside(tables, x, math.inf, (0.0, x, math.inf), room)
 
 
 @register_jitable
 def signed_distance_beside(
-    tables: SurfaceTables, x: Vec3, beside: float, other: Vec3, apart: float, room: Room
+    tables: SurfaceTables, x: Vec3, enough: float, given: tuple[float, Vec3, float], room: Room
 ) -> tuple[float, int]:
     """Signed distance, given that of another point; see :func:`signed_distance_at`.
 
@@ -62,12 +62,13 @@ def signed_distance_beside(
     Args:
         tables: the surface.
         x: the point.
-        beside: signed distance of the other, as it is returned; 0 where it is not known.
-        other: the other point.
-        apart: the distance of both.
+        enough: where it is not below, even if the point is inside, that bound of it is returned.
+        given: signed distance of the other, as it is returned, or 0 where it is not known; the
+            other point; the distance of both.
         room: for descents.
     """
     tree, _, grid, closed, extent, error = tables
+    beside, other, apart = given
     lower, upper = distance_bounds(grid, x)
     most = min(max(-lower, upper), abs(beside) * (1.0 + error[1]) + error[0] + apart)
     most = most * (1.0 + 1e-9) + TOUCHING * extent
@@ -79,7 +80,9 @@ def signed_distance_beside(
     if not closed:
         return max(away - doubt, 0.0), number
     inside = upper < 0.0
-    if lower <= 0.0 <= upper:
+    if lower <= 0.0 <= upper and -away - doubt >= enough:
+        inside = True
+    elif lower <= 0.0 <= upper:
         if away - doubt <= _IN_DOUBT * extent:
             inside = True
         else:

@@ -12,7 +12,6 @@ from numba.extending import register_jitable
 from abi.obstacles.triangle_mesh.distance_grid_kernels import distance_bounds
 from abi.obstacles.triangle_mesh.point_distance_kernels import (
     is_inside_surface,
-    signed_distance_at,
     signed_distance_beside,
 )
 from abi.obstacles.triangle_mesh.segment_kernels import segment_distance, towards_nearest
@@ -23,7 +22,7 @@ from abi.obstacles.triangle_mesh.surface_tables_kernels import (
     SurfaceTables,
 )
 from abi.obstacles.triangle_mesh.triangle_kernels import point_to_triangle, triangle_at
-from abi.obstacles.vector_kernels import Vec3, axpy, norm, sub
+from abi.obstacles.vector_kernels import Vec3, axpy, distance, norm, sub
 
 
 @register_jitable
@@ -89,13 +88,47 @@ def least_distance(tables: SurfaceTables, p: Vec3, q: Vec3, most: float, room: R
 
 
 @register_jitable
+def bounds_along(
+    tables: SurfaceTables, p: Vec3, q: Vec3, most: float, room: Room
+) -> tuple[float, float]:
+    """Bounds of what :func:`least_distance` finds, by the grid alone.
+
+    The lower one may be lower than it need be where it is above ``most``.
+    """
+    upper = _bound_samples(tables, p, q, most, room)
+    lower, samples = math.inf, room.samples
+    for k in range(SAMPLES):
+        lower = min(lower, samples[k] + samples[k + 1])
+    return (lower - distance(p, q) / SAMPLES) / 2, upper
+
+
+@register_jitable
+def _bound_samples(tables: SurfaceTables, p: Vec3, q: Vec3, most: float, room: Room) -> float:
+    """Bound the signed distances of the samples from below, and return the least bound from above.
+
+    Samples beside one that is far above ``most`` are bounded by that one.
+    """
+    d = sub(q, p)
+    step, upper, far = norm(d) / SAMPLES, math.inf, 0
+    for k in range(SAMPLES + 1):
+        room.known[k] = False
+        if far > 0:
+            room.samples[k], far = room.samples[k - 1] - step, far - 1
+            continue
+        lower, high = distance_bounds(tables.grid, axpy(k / SAMPLES, d, p))
+        room.samples[k], upper = lower, min(upper, high)
+        if lower - most > step > 0.0:
+            far = int(min((lower - most) / step, SAMPLES)) - 1
+    return upper
+
+
+@register_jitable
 def _least_inside(tables: SurfaceTables, p: Vec3, q: Vec3, most: float, room: Room) -> float:
     """The lower bound above; ``most`` where that is less."""
     d = sub(q, p)
     step = norm(d) / SAMPLES
     samples, known = room.samples, room.known
-    for k in range(SAMPLES + 1):
-        samples[k], known[k] = distance_bounds(tables.grid, axpy(k / SAMPLES, d, p))[0], False
+    _bound_samples(tables, p, q, most, room)
     least = most
     while True:
         first, lowest = -1, least
@@ -110,7 +143,7 @@ def _least_inside(tables: SurfaceTables, p: Vec3, q: Vec3, most: float, room: Ro
         k = 2 * first + 1 - k if known[k] else k
         enough = 2 * least + step - samples[2 * first + 1 - k]
         if not _is_above(tables, axpy(k / SAMPLES, d, p), k, enough, room):
-            _take_sample(tables, (p, d), k, step, room)
+            _take_sample(tables, (p, d), k, step, enough, room)
         if known[first] and known[first + 1]:
             least = min(least, (samples[first] + samples[first + 1] - step) / 2)
 
@@ -134,7 +167,7 @@ def _is_above(tables: SurfaceTables, x: Vec3, k: int, enough: float, room: Room)
 
 @register_jitable
 def _take_sample(
-    tables: SurfaceTables, way: tuple[Vec3, Vec3], k: int, step: float, room: Room
+    tables: SurfaceTables, way: tuple[Vec3, Vec3], k: int, step: float, enough: float, room: Room
 ) -> None:
     """Find a sample's signed distance, which bounds the others: it is 1-Lipschitz.
 
@@ -143,18 +176,19 @@ def _take_sample(
         way: first end of a segment and its second end less that.
         k: number of the sample.
         step: between samples.
+        enough: where it is not below this, a bound will do.
         room: see ``Room``; the sample and the bounds are written.
     """
     samples, known = room.samples, room.known
     p, d = way
     x = axpy(k / SAMPLES, d, p)
     other = k - 1 if k > 0 and known[k - 1] else k + 1
+    beside = (0.0, x, math.inf)
     if other <= SAMPLES and known[other]:
-        beside = samples[other]
-        here, _ = signed_distance_beside(tables, x, beside, axpy(other / SAMPLES, d, p), step, room)
-    else:
-        here, _ = signed_distance_at(tables, x, room)
-    samples[k], known[k] = here, True
-    for i in range(SAMPLES + 1):
-        if not known[i]:
-            samples[i] = max(samples[i], here - abs(i - k) * step)
+        beside = (samples[other], axpy(other / SAMPLES, d, p), step)
+    samples[k], _ = signed_distance_beside(tables, x, enough, beside, room)
+    known[k] = samples[k] < enough
+    if known[k]:
+        for i in range(SAMPLES + 1):
+            if not known[i]:
+                samples[i] = max(samples[i], samples[k] - abs(i - k) * step)

@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 
 from abi.arm.arm import Arm, place
 from abi.arm.arm_clearance import ArmClearance, arm_clearance
-from abi.arm.capsule_kernels import capsule_clearances, capsules_near_meshes
+from abi.arm.capsule_kernels import capsule_clearances
+from abi.arm.capsule_mesh_kernels import capsules_near_meshes
 from abi.arm.surroundings import arm_surroundings
 from abi.arm.trajectory import ArmMotion, follow
 from abi.arrays import FloatArray, flat, read_only
