@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 import re
+from typing import Any
 
 from abi.errors import AbiError, SceneError
+from abi.scene.scene import Scene
 from app.numbers import format_setting
 
 _DRIVES = (("wrist", "torque"), ("slide", "force"), ("gripper", "torque"))
@@ -49,6 +51,22 @@ def sentence(error: AbiError) -> str:
     if expected[:2] in ("x ", "y ", "z "):  # of a point
         return f"The {name}'s {expected[0]} must be {expected[2:]}."
     return f"The {name} must be {expected}; it is {_shown(error.value)}."
+
+
+def kept(error: AbiError, scene: Scene) -> str:
+    """Sentence on the value that ``scene`` keeps of a refused field; empty where it has none."""
+    value: Any = scene
+    for name in re.findall(r"\w+", getattr(error, "field", "")):
+        try:
+            value = value[int(name)] if name.isdigit() else getattr(value, name)
+        except (AttributeError, IndexError, TypeError):
+            return ""
+    numbers = value if isinstance(value, tuple) else (value,)
+    if not all(isinstance(number, int | float) for number in numbers) or not numbers:
+        return ""
+    texts = ", ".join(format_setting(float(number)) for number in numbers)
+    of_vector = f"({texts})" if len(numbers) > 1 else texts
+    return f"The plan keeps {of_vector}, and follows whatever else you change."
 
 
 def label(field: str) -> str:

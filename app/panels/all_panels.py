@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import viser
 
-from abi.errors import AbiError
+from abi.errors import AbiError, SceneError
 from abi.obstacles.triangle_mesh.surface import Surface
 from abi.scene.scene import Scene
 from app import style
@@ -139,14 +139,14 @@ class AllPanels:
     def read(self, scene: Scene) -> Scene:
         """Read the scene that the panels show; only what differs from ``scene`` is checked.
 
-        A section that is refused stays as it was: all others count, so that a drag goes on beside a
-        field that was typed wrongly. ``refused`` says why.
+        A section that is refused stays as it was, and so does an obstacle: all others count, so
+        that a drag goes on beside a field that was typed wrongly. ``refused`` says why.
 
         Args:
             scene: the last valid one.
 
         Raises:
-            AbiError: it is not a section that is refused.
+            AbiError: it is neither a section nor an obstacle that is refused.
         """
         if typed := self._typed:
             self._typed = False  # before they are read: what is typed meanwhile counts next time
@@ -181,15 +181,21 @@ class AllPanels:
             return requested
         if (number := self.messages.pointed_out()) is not None:
             self.obstacles.point_out(number)
-        self.editor.apply(scene)
+        try:
+            self.editor.apply(scene)
+        except SceneError as error:
+            self.refused = error
         inputs = self._inputs if typed else (self.obstacles, self.ends)
         sections = {name: part for panel in inputs for name, part in panel.read().items()}
         files: dict[str, bytes | Surface] = {**self.editor.surfaces, **self.stages.arm.model.files}
         try:
             return scene.replace(files, **sections)
         except AbiError as error:
-            self.refused = error
+            self.refused = self.refused or error
+        scene = self.obstacles.accept(scene, files)
         for name, section in sections.items():
+            if name == "obstacles":
+                continue
             with contextlib.suppress(AbiError):
                 scene = scene.replace(files, **{name: section})
         return scene

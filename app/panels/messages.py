@@ -15,7 +15,7 @@ from abi.planner.reason import Reason
 from app import style
 from app.arm_size import scene_size_note
 from app.frame import Frame
-from app.labels import LABELS, sentence
+from app.labels import LABELS, kept, sentence
 from app.layout import Layout
 from app.numbers import format_length, format_setting, format_time
 from app.overlay import button
@@ -48,7 +48,9 @@ class Messages:
         contact = ""
         self._reason = None if frame.refused is not None else frame.reason
         if frame.refused is not None:
-            content = _error("Not changed. " + sentence(frame.refused), "")
+            content = _error(
+                "Not changed. " + sentence(frame.refused), kept(frame.refused, frame.plan.scene)
+            )
         elif frame.outdated and frame.plan.mesh is None:
             content = '<div class="abi-card">Planning this scene …</div>'
         elif frame.plan.error is not None:

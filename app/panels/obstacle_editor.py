@@ -13,6 +13,7 @@ import viser
 from viser.transforms import SO3
 
 from abi.arrays import FloatArray
+from abi.errors import SceneError
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import Obstacle
 from abi.obstacles.pose import METRES, Vec3
@@ -87,7 +88,7 @@ class ObstacleEditor:
         """Apply what was typed, pressed or dragged; ``scene`` is the last valid one.
 
         Raises:
-            SceneError: a typed number is not finite.
+            SceneError: a typed number is too large, or not finite; all else was applied.
         """
         self._receive(scene)
         if (scale := self._mesh_note.resized()) is not None:
@@ -98,12 +99,20 @@ class ObstacleEditor:
             self._pressed = False
             self._change(self.buttons.value, scene)
         self._follow_choice()
+        refused: SceneError | None = None
         for name, box in self._end_boxes.items():
-            if (typed := box.typed(name)) is not None:
+            try:
+                typed = box.typed(name)
+            except SceneError as error:
+                refused = error
+                continue
+            if typed is not None:
                 self._ends.place(name, typed)
             box.show(self._ends.gizmos[name].position)
         if self._obstacles.shown:
             self._edit(self._obstacles.chosen, scene)
+        if refused is not None:
+            raise refused
 
     def write(self, scene: Scene) -> None:
         """Show ``scene``, whose gizmos are in place, instead of anything typed."""

@@ -6,7 +6,7 @@ A body is a child of its gizmo, so it moves in the browser at once; the server r
 from __future__ import annotations
 
 import threading
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -22,6 +22,7 @@ from app import page, style
 from app.frame import Frame, Switch
 from app.named_obstacles import named_obstacles
 from app.obstacle_body import Body, add_body, add_edges
+from app.panels.refused_obstacles import accepted_obstacles
 from app.panels.widgets import Wake, phase_holds
 
 _MOST_NUMBERED = 40
@@ -56,7 +57,7 @@ class Shown:
         label: its number.
         valid: its data with its pose when it was valid last.
         obstacle: of these.
-        read: its data with its pose when they were read last.
+        read: its data with its pose when they were read last, without what was refused of them.
         drawn: data that its body is of.
         body: None until the next frame gives it one.
     """
@@ -93,6 +94,7 @@ class ObstacleGizmos:
         self._added = 0
         self._visible = True
         self._embodied: Sequence[Obstacle] | None = None
+        self._accepted: Sequence[Obstacle] | None = None
         self._with_handles = -2
         self._touched = False
         self._grip: FloatArray | None = None
@@ -113,6 +115,19 @@ class ObstacleGizmos:
             one.read = _with_pose(one.data, one.gizmo)
         found = [one.obstacle if one.read == one.valid else one.read for one in self.shown]
         return {"obstacles": found}
+
+    def accept(self, scene: Scene, files: Mapping[str, bytes | Surface]) -> Scene:
+        """The scene with the obstacles as they were read; a refused one is as it was before.
+
+        It is turned and moved all the same, where that was not what was refused.
+        """
+        choices = [_choices(one) for one in self.shown]
+        scene, accepted = accepted_obstacles(scene, files, choices)
+        self._accepted = scene.obstacles if accepted else None
+        if accepted:
+            for one, choice in zip(self.shown, accepted, strict=True):
+                one.read = one.valid if choice is one.obstacle else choice
+        return scene
 
     def write(self, scene: Scene) -> None:
         """Show ``scene``; gizmos of the same shapes stay, so that little is sent."""
@@ -139,9 +154,11 @@ class ObstacleGizmos:
             for gizmo in self.gizmos:
                 gizmo.visible = visible
         self._number(frame)
-        if frame.current and frame.plan.scene.obstacles is not self._embodied:
-            self._update_bodies(frame.plan.scene.obstacles)
-            for one, obstacle in zip(self.shown, frame.plan.scene.obstacles, strict=True):
+        obstacles = frame.plan.scene.obstacles
+        accepted = obstacles is self._accepted and not frame.outdated
+        if (frame.current or accepted) and obstacles is not self._embodied:
+            self._update_bodies(obstacles)
+            for one, obstacle in zip(self.shown, obstacles, strict=True):
                 one.valid, one.obstacle = one.read, obstacle
 
     def _number(self, frame: Frame) -> None:
@@ -162,8 +179,9 @@ class ObstacleGizmos:
         """Draw the bodies anew whose obstacles have another shape or size."""
         self._embodied = obstacles
         for one, obstacle in zip(self.shown, obstacles, strict=True):
-            if one.drawn != one.data:
-                one.drawn = dict(one.data)
+            shape = {name: value for name, value in one.read.items() if name not in _POSE}
+            if one.drawn != shape:
+                one.drawn = shape
                 self._embody(one, self._new_body(one.gizmo, obstacle, _radius(obstacle)))
 
     def _new_body(
@@ -325,6 +343,14 @@ def _put(one: Shown, obstacle: Obstacle) -> None:
     one.gizmo.position, one.gizmo.wxyz = obstacle.position, obstacle.wxyz
     one.data, one.obstacle = obstacle.model_dump(mode="json", exclude=_POSE), obstacle
     one.read = one.valid = _with_pose(one.data, one.gizmo)
+
+
+def _choices(one: Shown) -> tuple[Any, ...]:
+    """An obstacle as it was read, then with its last valid shape, then as it was."""
+    if one.read == one.valid:
+        return (one.obstacle,)
+    moved = {name: one.read[name] for name in _POSE}
+    return one.read, {**one.valid, **moved}, one.obstacle
 
 
 def _with_pose(data: dict[str, Any], gizmo: viser.TransformControlsHandle) -> dict[str, Any]:

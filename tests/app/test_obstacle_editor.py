@@ -164,6 +164,65 @@ def test_a_wrong_number_is_told_of_until_it_is_mended(tab: tuple[FakeTab, Sessio
     until(lambda: "✗" not in shown["message"] and session.frame.current)
 
 
+def test_an_obstacle_that_is_refused_stays_and_all_others_follow(
+    tab: tuple[FakeTab, Session],
+) -> None:
+    fake, session = tab
+    editor, obstacles = session.panels.editor, session.panels.obstacles
+    fake.set(editor.buttons, "Add")
+    until(lambda: session.resting and len(session.frame.plan.scene.obstacles) == 2)
+    fake.set(editor.choice, editor.choice.options[0])
+    until(lambda: session.resting and obstacles.chosen == 0)
+    before = session.frame.plan.scene.obstacles
+    fake.set(editor.sizes.size, (2.0, -1.0, 2.0))
+    until(lambda: session.frame.refused is not None)
+    message = session.panels.layout.overlay.shown["message"]
+    assert "The size of obstacle 1 must be above 0; it is −1." in message
+    assert "The plan keeps 2, and follows whatever else you change." in message
+    assert session.frame.plan.scene.obstacles == before
+
+    # the other one is dragged, and then itself
+    fake.drag(obstacles.gizmos[1], [1.0, 4.0, 5.0])
+    until(lambda: _places(session)[1:] == [(1.0, 4.0, 5.0)])
+    fake.drag(obstacles.gizmos[0], [4.0, 3.0, 3.0])
+    until(lambda: _places(session)[0] == (4.0, 3.0, 3.0))
+    assert session.frame.refused is not None
+    assert _sizes(session)[0] == [2.0, 2.0, 2.0]
+
+    # others come with their bodies, and go
+    fake.set(editor.buttons, "Add")
+    until(lambda: len(_places(session)) == 3 and obstacles.shown[2].body is not None)
+    fake.set(editor.buttons, "Delete")
+    until(lambda: len(_places(session)) == 2)
+    assert session.frame.refused is not None
+
+    fake.set(editor.choice, editor.choice.options[0])
+    until(lambda: editor.sizes.size.value == (2.0, -1.0, 2.0))
+    fake.set(editor.sizes.size, (2.0, 1.0, 2.0))
+    until(lambda: session.frame.refused is None and _sizes(session)[0] == [2.0, 1.0, 2.0])
+    assert obstacles.shown[0].drawn == obstacles.shown[0].data
+
+
+def _places(session: Session) -> list[tuple[float, ...]]:
+    return [obstacle.position for obstacle in session.frame.plan.scene.obstacles]
+
+
+def _sizes(session: Session) -> list[list[float]]:
+    return [one.model_dump(mode="json")["size"] for one in session.frame.plan.scene.obstacles]
+
+
+def test_a_point_that_is_too_far_stops_no_obstacle(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    fake.set(session.panels.editor._end_boxes["goal"].handle, (6.0, 6.0, 1e9))
+    until(lambda: session.frame.refused is not None)
+    fake.drag(session.panels.obstacles.gizmos[0], [4.0, 3.0, 3.0])
+    until(lambda: _places(session) == [(4.0, 3.0, 3.0)])
+    assert session.frame.refused is not None
+    assert session.frame.plan.scene.goal == (6.0, 6.0, 6.0)
+    shown = session.panels.layout.overlay.shown
+    assert "The plan keeps (6, 6, 6)" in shown["message"]
+
+
 @pytest.mark.slow
 def test_the_arm_is_as_large_as_the_scenes_unit_says(tmp_path: Path) -> None:
     path = tmp_path / "mm.yaml"
