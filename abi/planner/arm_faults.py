@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 from abi.arm.trajectory import ArmMotion, Violation
 from abi.planner.arm_words import clearance_sentence, contact_sentence
@@ -50,13 +51,24 @@ def limits_warning(plan: Plan) -> str:
     passed = [one for one in plan.limits_passed if one.quantity != "position"]
     if plan.motion is None or not passed:
         return ""
-    # the drives' own limits before the acceleration asked for
-    worst = max(passed, key=lambda one: (one.quantity != "acceleration", one.value / one.limit))
+    worst = _worst(passed)
     others = f" {len(passed)} limits are passed in all." if len(passed) > 1 else ""
     hint = "Lower motion.joint_acceleration or motion.speed."
     if plan.scene.motion.law == "three_phase":
         hint = "motion.law: slowed keeps the joints' speeds and accelerations."
     return f"{limit_sentence(worst, plan.motion, plan.scene.unit)}{others} {hint}"
+
+
+def worst_limit(plan: Plan) -> Violation | None:
+    """The worst limit that a joint passes, one of position before all others; None for none."""
+    passed = plan.limits_passed
+    positions = [one for one in passed if one.quantity == "position"]
+    return positions[0] if positions else _worst(passed) if passed else None
+
+
+def _worst(passed: Sequence[Violation]) -> Violation:
+    """Limit that is passed the farthest: the drives' own before the acceleration asked for."""
+    return max(passed, key=lambda one: (one.quantity != "acceleration", one.value / one.limit))
 
 
 def limit_sentence(violation: Violation, motion: ArmMotion, unit: str) -> str:

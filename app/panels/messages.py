@@ -9,7 +9,6 @@ import html
 from typing import Any
 
 from abi.errors import AbiError, NoPath, StageError
-from abi.planner.arm_words import contact_sentence
 from abi.planner.plan import Plan
 from abi.planner.reason import Reason
 from app import style
@@ -19,6 +18,7 @@ from app.labels import LABELS, kept, sentence
 from app.layout import Layout
 from app.numbers import format_length, format_setting, format_time
 from app.overlay import button
+from app.panels.arm_banner import ArmBanner
 from app.panels.base_offer import BaseOffer
 from app.panels.find_base import FindBasePanel
 from app.panels.widgets import Wake, hidden_button, pressed
@@ -33,7 +33,7 @@ class Messages:
         gui = layout.client.gui
         self.accept = hidden_button(gui, "Accept", wake)
         self.point_out = hidden_button(gui, "Show it", wake)
-        self.avoid = hidden_button(gui, "Avoid", wake)
+        self.banner = ArmBanner(gui, wake)
         self._reason: Reason | None = None
         self._drawn: tuple[object, ...] = ()
 
@@ -57,14 +57,14 @@ class Messages:
             content = self._failure(frame, frame.plan.error)
         else:
             content = f'<div class="abi-card">{_progress(frame)}</div>'
-            contact = self._contact(frame.plan)
+            contact = self.banner.html(frame.plan)
         self._overlay.show("message", content)
         self._overlay.show("contact", contact)
 
     def accepted_change(self) -> dict[str, Any] | None:
         """The change of the scene whose button was pressed since the last call."""
-        if pressed(self.avoid):
-            return {"arm": {"avoid": True}}
+        if (change := self.banner.accepted_change()) is not None:
+            return change
         accepted = pressed(self.accept)
         return self._reason.change if accepted and self._reason is not None else None
 
@@ -93,19 +93,6 @@ class Messages:
         if not buttons:
             return content
         return f'{content}<div class="abi-buttons" style="margin-top:6px">{buttons}</div>'
-
-    def _contact(self, plan: Plan) -> str:
-        """Worst contact of the arm, and the button of what may help; the rest is in stage 6."""
-        contacts = () if plan.arm_clearance is None else plan.arm_clearance.contacts
-        if not contacts:
-            return ""
-        if (size := scene_size_note(plan.scene)) is not None:
-            return _error(f"{size[0]}.", size[1])
-        sentence = html.escape(contact_sentence(contacts[0], plan.scene.unit))
-        text = f"<b>{sentence} ✗</b> Only the tool's path avoids obstacles."
-        if not plan.scene.arm.avoid:
-            text += f" {button(self.avoid, 'Avoid with the whole arm')}"
-        return f'<div class="abi-card abi-error">{text}</div>'
 
 
 def _progress(frame: Frame) -> str:

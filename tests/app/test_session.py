@@ -160,7 +160,7 @@ def test_where_a_link_touches_something_a_button_avoids_that(tab: tuple[FakeTab,
     fake.drag(session.panels.obstacles.gizmos[0], [3.5, 2.0, 3.0])
     until(lambda: "into obstacle 1" in shown.get("contact", ""))
     assert not session.plan.scene.arm.avoid  # type: ignore[union-attr]
-    fake.set(session.panels.messages.avoid, True)
+    fake.set(session.panels.messages.banner.avoid, True)
     until(lambda: not shown["contact"] and session.resting)
     assert session.plan is not None
     assert session.plan.scene.arm.avoid

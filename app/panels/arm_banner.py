@@ -1,0 +1,142 @@
+"""The sentence over the scene on what the arm's motion lacks, and the buttons of what may help.
+
+Stage 6, where the same is told at length, is closed at first.
+"""
+
+from __future__ import annotations
+
+import html
+import math
+from typing import Any
+
+import viser
+
+from abi.planner.arm_faults import limit_sentence, worst_limit
+from abi.planner.arm_words import clearance_sentence, contact_sentence
+from abi.planner.plan import Plan
+from app import style
+from app.arm_size import scene_size_note
+from app.numbers import distance_to_show, format_lower_bound, format_setting
+from app.overlay import button
+from app.panels.widgets import Wake, hidden_button, pressed
+
+_RATES = ("speed", "acceleration")
+"""Quantities of a joint that a slower motion keeps within their limits."""
+
+
+class ArmBanner:
+    """The worst fault of a plan that is complete, and what changes the scene to mend it."""
+
+    def __init__(self, gui: viser.GuiApi, wake: Wake) -> None:
+        self.avoid = hidden_button(gui, "Avoid with the whole arm", wake)
+        self.follow = hidden_button(gui, "Follow the B-spline", wake)
+        self.slow = hidden_button(gui, "Slow down for the joints", wake)
+        self.nearer = hidden_button(gui, "Take a smaller link clearance", wake)
+        self._clearance = 0.0
+
+    def html(self, plan: Plan) -> str:
+        """The banner as HTML; empty for a motion that is proven clear and within its limits."""
+        if (fault := _fault(plan)) is None:
+            return ""
+        if (size := scene_size_note(plan.scene)) is not None:
+            title, numbers = size  # nothing else makes it fit
+            fault = f"{title}.", "✗"
+            return _card(fault, html.escape(numbers))
+        return _card(fault, _remark(plan), self._buttons(plan))
+
+    def accepted_change(self) -> dict[str, Any] | None:
+        """The change of the scene whose button was pressed since the last call."""
+        if pressed(self.avoid):
+            return {"arm": {"avoid": True}}
+        if pressed(self.follow):
+            return {"motion": {"curve": "auto"}}
+        if pressed(self.slow):
+            return {"motion": {"law": "slowed"}}
+        if pressed(self.nearer) and self._clearance > 0:
+            return {"arm": {"clearance": self._clearance}}
+        return None
+
+    def _buttons(self, plan: Plan) -> str:
+        """Buttons of the changes that may help."""
+        clearance, scene, unit = plan.arm_clearance, plan.scene, plan.scene.unit
+        worst = worst_limit(plan)
+        buttons = ""
+        if not _follows_clear(plan):
+            if plan.bspline is not None and plan.bspline.holds:
+                buttons += button(self.follow, "Follow the B-spline")
+        elif clearance is not None and not clearance.certified and not scene.arm.avoid:
+            buttons += button(self.avoid, "Avoid with the whole arm")
+        elif worst is not None and worst.quantity in _RATES and scene.motion.law == "three_phase":
+            buttons += button(self.slow, "Slow down for the joints")
+        self._clearance = _kept_clearance(plan)
+        if self._clearance > 0:
+            text = f"{format_setting(self._clearance)} {unit}"
+            buttons += button(self.nearer, f"Set link clearance to {text}")
+        return buttons
+
+
+def _follows_clear(plan: Plan) -> bool:
+    return plan.followed_curve is None or plan.followed_curve.holds
+
+
+def _fault(plan: Plan) -> tuple[str, str] | None:
+    """Sentence on the worst fault, and the sign before it; None for none."""
+    motion, clearance, unit = plan.motion, plan.arm_clearance, plan.scene.unit
+    if plan.error is not None or motion is None or clearance is None:
+        return None
+    if clearance.contacts:
+        return f"{contact_sentence(clearance.contacts[0], unit)}.", "✗"
+    if not _follows_clear(plan):
+        return _curve_sentence(plan), "✗"
+    if (worst := worst_limit(plan)) is not None:
+        return limit_sentence(worst, motion, unit), "✗"
+    if clearance.is_too_near:
+        return clearance_sentence(plan), "✗"
+    return None if clearance.certified else (clearance_sentence(plan), "?")
+
+
+def _curve_sentence(plan: Plan) -> str:
+    """Sentence on the curve that the arm follows, which does not keep the distance asked for."""
+    fit, unit = plan.followed_curve, plan.scene.unit
+    assert fit is not None
+    assert plan.followed is not None
+    number, near = fit.clearance.obstacle + 1, fit.clearance.nearest
+    distance = format_lower_bound(distance_to_show(fit.clearance)).removeprefix("−")
+    where = f"keeps only {distance} of the {format_setting(fit.required)} {unit} wanted from"
+    if near <= 0:
+        where = f"cuts {distance} {unit} into"
+    return (
+        f"The {style.CURVES[plan.followed][0]}, which the arm follows, {where} obstacle {number}."
+    )
+
+
+def _remark(plan: Plan) -> str:
+    """What is to be known beside the fault."""
+    touches = plan.arm_clearance is not None and plan.arm_clearance.contacts
+    if touches and _follows_clear(plan):
+        return "Only the tool's path avoids obstacles."
+    passed = len(plan.limits_passed)
+    if not touches and _follows_clear(plan) and passed > 1:
+        return f"{passed} limits are passed in all; Plots shows the joints."
+    return ""
+
+
+def _kept_clearance(plan: Plan) -> float:
+    """Distance that the links are proven to keep, rounded down, where more is asked; 0 for none."""
+    clearance = plan.arm_clearance
+    if clearance is None or clearance.contacts or clearance.certificate is None:
+        return 0.0
+    kept = min(clearance.certificate.margin, float(clearance.distances.min(initial=math.inf)))
+    if not 0 < kept < clearance.required:
+        return 0.0
+    step = 10.0 ** (math.floor(math.log10(kept)) - 1)
+    return round(math.floor(kept / step) * step, 12)
+
+
+def _card(fault: tuple[str, str], remark: str, buttons: str = "") -> str:
+    sentence, sign = fault
+    look = "abi-card abi-error" if sign == "✗" else "abi-card"
+    text = f"<b>{sign} {html.escape(sentence)}</b> {remark}".strip()
+    if buttons:
+        text += f'<div class="abi-buttons" style="margin-top:4px">{buttons}</div>'
+    return f'<div class="{look}" role="status">{text}</div>'
