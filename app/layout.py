@@ -12,6 +12,7 @@ from app.overlay import Overlay
 
 TITLE = "ABI path planning"
 PLOTS = "Plots"
+LEARN = "Learn"
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,7 +55,7 @@ class Layout:
         gui.main_panel.dock_left()
         gui.main_panel.set_width(style.LEFT_WIDTH)
         right = gui.add_panel()
-        names = ("Result", "Search", PLOTS, "Scene", "Layers", "Learn")
+        names = ("Result", "Search", PLOTS, "Scene", "Layers", LEARN)
         tabs = [right.add_tab(name) for name in names]
         right.dock_right()
         right.set_width(style.RIGHT_WIDTH)

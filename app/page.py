@@ -33,6 +33,7 @@ Function = Literal[
     "hearFiles",
     "lecture",
     "next",
+    "openTab",
     "play",
     "remember",
     "rememberLessons",

@@ -25,6 +25,7 @@ from app.panels.files import FilesPanel
 from app.panels.history import History, Step
 from app.panels.layer_switches import LayerSwitches
 from app.panels.lecture import Lecture
+from app.panels.lesson_mark import LessonMark
 from app.panels.lessons import LessonPanel
 from app.panels.messages import Messages
 from app.panels.obstacle_editor import ObstacleEditor
@@ -78,11 +79,12 @@ class AllPanels:
             self.share = SharePanel(client, self.layout.overlay, wake)
             self.exports = ExportPanel(client, wake)
             self.bug_report = BugReportButton(client, wake)
-        self.messages = Messages(self.layout, self.stages.bases, wake)
         self.history = History(client.gui, self.step(scene), wake)
         with self.layout.learn:
             self.lessons = LessonPanel(client, library, wake)
             self.figures = FiguresPanel(client.gui, wake)
+        mark = LessonMark(self.layout, self.lessons)
+        self.messages = Messages(self.layout, self.stages.bases, mark, wake)
         self.keys = Sheet(client.gui, wake, "Keys", KEYS, "Show the keys", "H")
         self.about = Sheet(client.gui, wake, "What is this?", ABOUT, "What is this?")
         self.tour = Tour(self.layout, wake)

@@ -76,6 +76,17 @@ class LessonPanel:
         return self._step is not None
 
     @property
+    def place(self) -> str:
+        """Lesson and page where the student is, as a text; empty where no lesson is chosen."""
+        if self._step is None:
+            return ""
+        lesson, number = self._lessons[self._name][0], list(self._lessons).index(self._name) + 1
+        return (
+            f"Lesson {number} of {len(self._lessons)}: {lesson.title}, "
+            f"page {self._number + 1} of {len(lesson.steps)}"
+        )
+
+    @property
     def waiting(self) -> bool:
         """Whether there is a cue to follow."""
         return self._cue is not None

@@ -21,13 +21,17 @@ from app.overlay import button
 from app.panels.arm_banner import ArmBanner
 from app.panels.base_offer import BaseOffer
 from app.panels.find_base import FindBasePanel
+from app.panels.lesson_mark import LessonMark
 from app.panels.widgets import Wake, hidden_button, pressed
 
 
 class Messages:
     """One sentence, and the buttons of the change that helps."""
 
-    def __init__(self, layout: Layout, bases: FindBasePanel, wake: Wake) -> None:
+    def __init__(
+        self, layout: Layout, bases: FindBasePanel, lesson: LessonMark, wake: Wake
+    ) -> None:
+        self._lesson = lesson
         self._base = BaseOffer(bases)
         self._overlay = layout.overlay
         gui = layout.client.gui
@@ -41,7 +45,8 @@ class Messages:
         """Write the sentence for a frame."""
         shown = frame.plan, frame.refused, frame.reason, frame.interactive, frame.demonstrates
         preview = frame.coarse, frame.partial
-        state = *shown, *preview, *self._base.state(frame)
+        told = self._lesson.html, frame.theatre is not None
+        state = *shown, *preview, *told, *self._base.state(frame)
         if state == self._drawn:
             return
         self._drawn = state
@@ -58,7 +63,7 @@ class Messages:
         else:
             content = f'<div class="abi-card">{_progress(frame)}</div>'
             contact = self.banner.html(frame.plan)
-        self._overlay.show("message", content)
+        self._overlay.show("message", self._lesson.html + content)
         self._overlay.show("contact", contact)
 
     def accepted_change(self) -> dict[str, Any] | None:
@@ -111,6 +116,10 @@ def _progress(frame: Frame) -> str:
     # of code that was not compiled the time says nothing
     took = f"took {_whole(format_time(max(plan.total_ms, 1)))} " if plan.total_ms else ""
     did = f"{preview}{name} and {_whole('B-spline')} {took}on {plan.free.nodes:,} nodes{length}."
+    if frame.lesson:  # it says itself what there is to do
+        return did
+    if frame.theatre is not None:
+        return "<b>A search, step by step.</b> Paths, curves and arm are hidden until you end it."
     invitation = _invitation(plan)
     if frame.demonstrates:
         invitation = f"A demonstration, until you touch something. {invitation}"

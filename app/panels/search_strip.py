@@ -21,6 +21,7 @@ class SearchStrip:
         self._theatre = theatre
         self._back = hidden_button(gui, "Search: back", partial(theatre.go, -1))
         self._forward = hidden_button(gui, "Search: forward", partial(theatre.go, 1))
+        self._end = hidden_button(gui, "Search: end", theatre.end)
 
     def html(self, frame: Frame) -> str:
         """The row; empty where no search is stepped through."""
@@ -43,5 +44,6 @@ class SearchStrip:
             f'{answer}<div class="abi-card abi-buttons">'
             f"{button(self._back, '◀', hint='One step back (B)')}<b>{text}</b>"
             f"{button(self._forward, '▶', hint='One step forward (N)')}"
-            f"{button(self._theatre.play, playing, hint='Play the search (P)')}</div>"
+            f"{button(self._theatre.play, playing, hint='Play the search (P)')}"
+            f"{button(self._end, 'End', hint='Shows paths, curves and arm again')}</div>"
         )

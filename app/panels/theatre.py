@@ -300,6 +300,11 @@ class TheatrePanel:
             self._inputs.append(_STEPS[event.target.value])
         self._wake(event)
 
+    def end(self, event: object) -> None:
+        """Show paths, curves and arm again."""
+        self.on.value = False
+        self._wake(event)
+
     def go(self, change: int, event: object) -> None:
         """Go some steps forward, or back."""
         self._inputs.append(change)

@@ -206,6 +206,26 @@ window.abi = {
   },
   SHEET: '.mantine-Paper-root[style*="max-height: 60%"]',
 
+  // Open a tab of the panels; a phone's sheet unfolds first, and then the tabs in it.
+  openTab(label) {
+    const leaf = fits => [...document.querySelectorAll(`${this.SHEET} :is(div, span, p)`)]
+      .find(part => part.childElementCount === 0 && fits(part.textContent));
+    const sheet = innerWidth <= this.PHONE && document.querySelector(this.SHEET);
+    const click = part => part?.click();
+    // viser listens for what could begin to drag a tab
+    const press = tab => ["pointerdown", "pointerup", "click"].forEach(name => tab?.dispatchEvent(
+      new PointerEvent(name, {bubbles: true, pointerId: 1, isPrimary: true, buttons: 1})));
+    const steps = [() => press([...document.querySelectorAll("[role=tab]")].find(tab => tab.textContent === label))];
+    if (sheet) {
+      steps.unshift(() => click(leaf(text => text.startsWith("Result · "))));
+      this.folded = true;  // it is the hand's from now on
+      if (!(sheet.querySelector(".mantine-ScrollArea-viewport")?.clientHeight > 60)) {
+        steps.unshift(() => click(leaf(text => text === this.watched?.label)));
+      }
+    }
+    steps.forEach((step, number) => setTimeout(step, 400 * number));
+  },
+
   // A tab of the panels is chosen once all have heard of the click.
   tabClicked({target}) {
     if (target.closest?.("[role=tab]")) setTimeout(() => this.tellArea());

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import re
+from html import unescape
 from pathlib import Path
 from typing import Any
 
@@ -247,6 +248,37 @@ def test_a_lesson_goes_on_where_it_was_left(tab: tuple[FakeTab, Session]) -> Non
     until(lambda: panel.progress == kept)
     fake.set(panel.back, True)
     until(lambda: panel._number == 0 and not panel.next.disabled)
+
+
+def test_a_lesson_is_told_of_over_the_scene(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    panels = session.panels
+    shown = panels.layout.overlay.shown
+    until(lambda: session.resting and len(panels.lessons.choice.options) > 1)
+    until(lambda: "Drag the orange box." in shown["message"])
+    fake.set(panels.lessons.choice, panels.lessons._titles()[2])
+    title = LESSONS["03-search"][0].title
+    pages = len(LESSONS["03-search"][0].steps)
+    place = f"<b>Lesson 3 of {len(LESSONS)}: {title}, page 1 of {pages}</b>"
+    until(lambda: unescape(shown["message"]).find(place) >= 0)
+    assert "Drag the orange" not in shown["message"]
+    until(lambda: session.frame.theatre is not None)
+    fake.set(panels.lessons.leave, True)
+    until(lambda: "Lesson 3" not in shown["message"] and "Drag the orange box." in shown["message"])
+
+
+def test_a_search_that_is_stepped_through_is_told_of_and_ended_over_the_scene(
+    tab: tuple[FakeTab, Session],
+) -> None:
+    fake, session = tab
+    panels = session.panels
+    shown = panels.layout.overlay.shown
+    fake.set(panels.theatre.on, True)
+    until(lambda: "A search, step by step." in shown["message"])
+    assert ">End</button>" in shown["lecture"]
+    fake.set(panels.lecture._search._end, True)
+    until(lambda: session.frame.theatre is None and "Drag the orange box." in shown["message"])
+    assert not panels.theatre.on.value
 
 
 def test_a_lesson_that_begins_ends_the_tour(tab: tuple[FakeTab, Session]) -> None:

@@ -14,6 +14,7 @@ from tests.browser.conftest import Tabs
 from tests.browser.page import Page
 
 LESSONS = load_lessons()
+_KEPT = "() => localStorage.getItem('abi-lessons')"
 
 
 @pytest.fixture(scope="module")
@@ -58,3 +59,23 @@ def _do(step: Step, page: Page, session: Session) -> None:
     panel = session.panels.lessons
     page.until(lambda: panel._is_passed and not panel.waiting, "the step is done")
     page.until(lambda: session.resting, "rest")
+
+
+def test_a_lesson_is_found_again_after_a_reload(tabs: Tabs, server: Server) -> None:
+    page = tabs()
+    page.click("Pause")
+    page.click("Learn")
+    panel = server.sessions[page.client].panels.lessons
+    page.until(lambda: len(panel.choice.options) > 1, "the list of lessons")
+    page.choose("lesson", panel._titles()[1])
+    page.reads("Lesson 2 of ")
+    state = server.sessions[page.client]
+    page.until(lambda: state.resting, "rest")
+    page.until(lambda: '"lesson"' in str(page.tab.evaluate(_KEPT)), "the lesson to be kept")
+    tabs.reload(page)
+    page.reads("Lesson 2 of ")
+    assert page.is_open("Result")
+    page.click("Go on")
+    page.until(lambda: page.is_open("Learn"), "the tab with the lesson")
+    page.click("Leave")
+    page.until(lambda: not server.sessions[page.client].frame.lesson, "the end of the lesson")

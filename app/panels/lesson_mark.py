@@ -1,0 +1,36 @@
+"""The line over the scene that tells of a lesson; the lesson itself is in a tab of its own."""
+
+from __future__ import annotations
+
+import html
+
+from app import page
+from app.layout import LEARN, Layout
+from app.overlay import button
+from app.panels.lessons import LessonPanel
+from app.panels.widgets import hidden_button
+
+
+class LessonMark:
+    """Lesson, page, and the buttons that lead to it and out of it."""
+
+    def __init__(self, layout: Layout, lessons: LessonPanel) -> None:
+        self._layout, self._lessons = layout, lessons
+        self._open = hidden_button(layout.client.gui, "Go on with the lesson", self._show)
+
+    @property
+    def html(self) -> str:
+        """The line as HTML; empty while no lesson is chosen."""
+        place = self._lessons.place
+        if not place:
+            return ""
+        go_on = button(self._open, "Go on", hint=f"Opens the {LEARN} tab")
+        leave = button(self._lessons.leave, "Leave", hint="Brings your own scene back")
+        return (
+            '<div class="abi-card abi-buttons" style="align-items:center">'
+            f"<b>{html.escape(place)}</b>{go_on}{leave}</div>"
+        )
+
+    def _show(self, event: object) -> None:
+        self._layout.right.expand()
+        page.call(self._layout.client, "openTab", LEARN)
