@@ -53,6 +53,7 @@ class Frame:
         playing: whether it advances by itself.
         lesson: whether one is gone through: what else there is to read waits.
         lecture: whether the page is to be read from afar.
+        stage: that a lecture shows alone, named as its folder; empty for all of them.
         label_scale: of the labels in the scene.
         rate: seconds of the motion for one of the clock, while it does.
         plots: whether the tab with the plots has been opened: until then it stays empty.
@@ -75,6 +76,7 @@ class Frame:
     playing: bool = False
     lesson: bool = False
     lecture: bool = False
+    stage: str = ""
     label_scale: float = 1.0
     rate: float = 1.0
     plots: bool = False

@@ -259,6 +259,7 @@ class AllPanels:
             shown=shown,
             lesson=self.lessons.chosen,
             lecture=self.lecture.on,
+            stage=self.lecture.stage,
             mesh_view=self.layer_switches.chosen_mesh_view(),
             visited=self.stages.search.visited(),
         )

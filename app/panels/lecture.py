@@ -75,6 +75,11 @@ class Lecture:
         return switches if self._stage is None else _SHOWN[self._stage]
 
     @property
+    def stage(self) -> str:
+        """Name of the stage that is shown alone; empty for all of them."""
+        return self._stage or ""
+
+    @property
     def shows_search(self) -> bool:
         """Whether the chosen stage is the search's, or none is chosen."""
         return self._stage in (None, "search")

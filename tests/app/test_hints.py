@@ -9,7 +9,9 @@ import pytest
 import abi
 from abi.planner.plan import Plan
 from app.layers.headline import headline
+from app.layers.stage_numbers import stage_numbers
 from app.layers.tables import _searches, _stages
+from app.panels.stage_headers import STAGES
 
 NAMED = {"search", "stage"}
 """Headings over names."""
@@ -32,3 +34,31 @@ def test_each_large_number_is_explained(plan: Plan) -> None:
     made = headline(plan)
     assert made.count("<div title=") == made.count("<span>")
     assert (made == "") == (plan.followed is None)
+
+
+def test_each_number_of_a_stage_is_explained_and_is_its_own(plan: Plan) -> None:
+    shown = [number for stage in STAGES for number in stage_numbers(plan, stage)]
+    assert all(len(hint) > 10 for _, _, hint in shown)
+    told = {stage: {name for _, name, _ in stage_numbers(plan, stage)} for stage in STAGES}
+    assert all(1 < len(names) < 4 for names in told.values() if names)
+    assert not told["mesh"] & told["graph"]
+    assert not told["quadratic"] & told["arm"]
+
+
+def test_the_numbers_of_grid_and_graph_are_the_plans(plan: Plan) -> None:
+    assert plan.free is not None
+    assert plan.graph is not None
+    (free, *_), (tetrahedra, *_), (removed, *_) = stage_numbers(plan, "mesh")
+    points = len(plan.free.mesh.points)
+    assert int(free.replace(",", "")) + int(removed.replace(",", "")) == points
+    assert int(tetrahedra.replace(",", "")) == plan.free.tetrahedra_kept
+    kept, whole = stage_numbers(plan, "graph")[0][0].replace(",", "").split(" of ")
+    assert int(whole) - int(kept) == plan.graph.removed_edges
+
+
+def test_the_ends_of_the_quadratic_are_exact() -> None:
+    made = abi.plan(abi.load_scene("paper"))
+    numbers = {name: value for value, name, _ in stage_numbers(made, "quadratic")}
+    assert numbers["off start and goal"] == "0.000 cm"
+    assert numbers["top speed"] == "4.000 cm/s"
+    assert numbers["speed up, cruise, brake"] == "0.67 + 2.19 + 0.67 s"

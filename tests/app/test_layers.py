@@ -20,12 +20,14 @@ from app.address import Address
 from app.colour_scale import scale_colours
 from app.frame import Frame
 from app.layers.arm import ArmLayer
+from app.layers.curve_numbers import blocks
 from app.layers.headline import headline
 from app.layers.markers import _are_reached
 from app.layers.mesh import MeshLayer
 from app.layers.names import NamesLayer, _apart, _lines, _nearest, _rounded, pictured
 from app.layers.plots import PlotsLayer, _joints_title
 from app.layers.search_order import SearchOrderLayer
+from app.layers.stage_numbers import stage_numbers
 from app.layers.workspace import WorkspaceLayer
 from app.lines import points_at
 from app.look import PLAIN
@@ -338,11 +340,17 @@ def test_the_numbers_are_those_of_what_is_shown(tab: tuple[FakeTab, Session]) ->
     fake.set(panels.lecture.toggle, True)
     until(lambda: session.frame.lecture)
     assert " length" in shown["numbers"]
+    seen = []
     for stage in STAGES:
         fake.set(panels.lecture._forward, True)
-        until(lambda: panels.lecture._stage == stage)  # noqa: B023
-        until(lambda: session.frame.plan.followed in session.frame.shown or not shown["numbers"])
-    assert " length" in shown["numbers"]  # of the arm's stage
+        until(lambda: session.frame.stage == stage)  # noqa: B023
+        numbers = blocks(stage_numbers(session.frame.plan, stage))
+        until(lambda: shown["numbers"] == numbers)  # noqa: B023
+        seen.append(numbers)
+    assert all(seen)
+    assert len(set(seen)) == len(STAGES)
+    fake.set(panels.lecture._forward, True)
+    until(lambda: not session.frame.stage and " length" in shown["numbers"])
     fake.set(panels.lecture.toggle, True)
     until(lambda: not session.frame.lecture)
     panels.theatre.set(on=True)
