@@ -9,6 +9,7 @@ from app.frame import Layer
 from app.layers.arm import ArmLayer
 from app.layers.arm_ghosts import ArmGhostsLayer
 from app.layers.arm_regions import ArmRegionsLayer
+from app.layers.axes import AxesLayer
 from app.layers.base_map import BaseMapLayer
 from app.layers.curves import CurvesLayer
 from app.layers.ghost import GhostLayer
@@ -34,6 +35,7 @@ LAYERS: tuple[type[Layer], ...] = (
     PlotsLayer,
     JointRatesLayer,
     WorkspaceLayer,
+    AxesLayer,
     MarkersLayer,
     MeshLayer,
     PathsLayer,

@@ -13,7 +13,7 @@ from app.panels.stage_headers import STAGES, TITLES
 from app.panels.theatre import TheatrePanel
 from app.panels.widgets import Wake, hidden_button, pressed
 
-_ALWAYS = frozenset({"workspace", "obstacles"})
+_ALWAYS = frozenset({"workspace", "axes", "obstacles"})
 _SHOWN: dict[str, frozenset[str]] = {
     "mesh": _ALWAYS | {"edges", "nodes", "excluded"},
     "graph": _ALWAYS | {"edges", "nodes"},

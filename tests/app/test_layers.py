@@ -20,6 +20,7 @@ from app.address import Address
 from app.colour_scale import scale_colours
 from app.frame import Frame
 from app.layers.arm import ArmLayer
+from app.layers.axes import AxesLayer
 from app.layers.curve_numbers import blocks
 from app.layers.headline import headline
 from app.layers.markers import _are_reached
@@ -269,6 +270,25 @@ def test_a_switch_sends_what_it_hides_and_nothing_else(
         _draw(session, frame)
         sent.clear()
     assert len(hidden) == len(set(hidden))
+
+
+def test_the_axes_lead_along_x_y_and_z_in_the_scenes_unit(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    fake.set(session.panels.files.choice, "kitchen-ur5e")
+    until(lambda: session.frame.plan.scene == load_scene("kitchen-ur5e"))
+    axes = layer(session, AxesLayer)
+    until(lambda: axes._labels[2].text == "z [m]")
+    workspace = session.frame.plan.scene.workspace
+    for axis, (arrow, label) in enumerate(zip(axes._arrows, axes._labels, strict=True)):
+        (begin, end), *barbs = np.asarray(arrow.points)
+        direction = np.eye(3)[axis]
+        np.testing.assert_allclose(begin, 0)
+        np.testing.assert_allclose(end / np.linalg.norm(end), direction)
+        assert all(np.array_equal(barb[1], end) for barb in barbs)
+        assert label.text == ("x", "y", "z [m]")[axis]
+    # beside the workspace, where no obstacle, path or end is
+    assert axes._corner.position[0] > workspace.max[0]
+    assert axes._corner.position[1] < workspace.min[1]
 
 
 def test_the_time_shown_is_the_arms(tab: tuple[FakeTab, Session]) -> None:

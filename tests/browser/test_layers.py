@@ -10,6 +10,7 @@ from tests.browser.page import Page
 
 NODES = {
     "workspace": ("/workspace",),
+    "axes": ("/axes",),
     "edges": ("/mesh/edges",),
     "nodes": ("/mesh/nodes",),
     "excluded": ("/mesh/excluded",),
