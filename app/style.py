@@ -53,6 +53,11 @@ CURVES: dict[str, tuple[str, Colour]] = {
     "bspline": ("B-spline", BSPLINE),
     "quadratic": ("quadratic", QUADRATIC),
 }
+DASHES: dict[str, tuple[float, int]] = {"dijkstra": (0.03, 3), "taut": (0.07, 6)}
+"""Lines that are dashed, by their switch: a dash's part of the workspace, and pixels in a legend.
+
+The straightened path lies among others that are bluish, too, as A*'s and the quadratic are.
+"""
 
 LEFT_WIDTH = 344
 RIGHT_WIDTH = 384
@@ -80,12 +85,18 @@ def readable(colours: tuple[Colour, Colour]) -> str:
     return f"light-dark({light},{dark})"
 
 
-def swatch(colour: Colour, dashed: bool = False) -> str:
-    """A short line of that colour, as HTML for tables."""
-    fill = css(colour)
-    if dashed:
-        fill = f"repeating-linear-gradient(90deg,{fill} 0 5px,transparent 5px 8px)"
+def filling(colour: Colour, name: str = "") -> str:
+    """CSS background of a short line of that colour, with the dashes of the line so named."""
+    if name not in DASHES:
+        return css(colour)
+    dash = DASHES[name][1]
+    stops = f"{css(colour)} 0 {dash}px,transparent {dash}px {dash + 2}px"
+    return f"repeating-linear-gradient(90deg,{stops})"
+
+
+def swatch(colour: Colour, name: str = "") -> str:
+    """A short line of that colour, and dashed as the line so named, as HTML for tables."""
     return (
         '<span style="display:inline-block;width:18px;height:4px;margin-right:6px;'
-        f'vertical-align:middle;background:{fill}"></span>'
+        f'vertical-align:middle;background:{filling(colour, name)}"></span>'
     )

@@ -6,11 +6,12 @@ from typing import ClassVar
 
 import numpy as np
 
+from abi.arrays import FloatArray
 from abi.planner.plan import Plan
 from app import style
 from app.frame import Frame, Layer, Switch
 from app.layout import Layout
-from app.lines import NO_SEGMENTS, FadingLines, dashes, segments
+from app.lines import NO_SEGMENTS, FadingLines, Segments, dashes, segments
 
 # Not along any edge of the lattices, so that coinciding paths lie beside each other everywhere.
 _OFFSET = np.array([0.53, -0.80, 0.27])
@@ -18,7 +19,10 @@ _OFFSET_FACTOR = {"a_star": 0.0, "dijkstra": 1.0, "bellman_ford": -1.0}
 
 
 class PathsLayer(Layer):
-    """One fat line an algorithm; Dijkstra's is dashed, as in the paper's Fig. 3."""
+    """One fat line an algorithm; Dijkstra's is dashed, as in the paper's Fig. 3.
+
+    So is the taut one, in long dashes.
+    """
 
     switches: ClassVar[tuple[Switch, ...]] = (
         *(Switch(name, label, colour) for name, (label, colour) in style.ALGORITHMS.items()),
@@ -43,7 +47,9 @@ class PathsLayer(Layer):
         self._all.fade(frame.outdated)
         if frame.plan.taut is not self._drawn_taut:
             self._drawn_taut = taut = frame.plan.taut
-            self._taut.points = NO_SEGMENTS if taut is None else segments(taut.points)
+            longest = max(frame.plan.scene.workspace.size)
+            points = np.zeros((0, 3)) if taut is None else taut.points
+            self._taut.points = _dashed("taut", points, longest)
         if frame.plan.searches is not self._drawn:
             self._drawn = frame.plan.searches
             self._draw_searches(frame.plan)
@@ -52,9 +58,16 @@ class PathsLayer(Layer):
         longest = max(plan.scene.workspace.size)
         results = {result.algorithm: result for result in plan.searches}
         for name, line in self._lines.items():
-            line.thickness = 4.0 if plan.path and name == plan.path.algorithm else 1.8
+            line.thickness = 3.2 if plan.path and name == plan.path.algorithm else 1.8
             if name not in results:
                 line.points = NO_SEGMENTS
                 continue
             points = results[name].points + _OFFSET_FACTOR[name] * 0.006 * longest * _OFFSET
-            line.points = dashes(points, 0.03 * longest) if name == "dijkstra" else segments(points)
+            line.points = _dashed(name, points, longest)
+
+
+def _dashed(name: str, points: FloatArray, longest: float) -> Segments:
+    """Segments of a line, dashed where the one so named is; ``longest`` is the workspace's side."""
+    if name not in style.DASHES:
+        return segments(points)
+    return dashes(points, style.DASHES[name][0] * longest) if len(points) else NO_SEGMENTS

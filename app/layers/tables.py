@@ -81,7 +81,7 @@ def _searches(plan: Plan, old: Mapping[str, tuple[str, ...]]) -> str:
     results = _results(plan)
     rows, times = [], []
     for name, (label, colour) in style.ALGORITHMS.items():
-        mark = style.swatch(colour, dashed=name == "dijkstra")
+        mark = style.swatch(colour, name)
         chosen = name == plan.scene.search.algorithm
         title = f'{mark}<span class="abi-name">{f"<b>{label}</b>" if chosen else label}</span>'
         if name not in results and name in old and plan.error is None:
@@ -127,12 +127,12 @@ def _path_rows(plan: Plan, best: tuple[float, bool]) -> list[tuple[str, ...]]:
     required = plan.scene.spline.clearance
     algorithm = plan.scene.search.algorithm if plan.path is None else plan.path.algorithm
     label, colour = style.ALGORITHMS[algorithm]
-    title = f"{style.swatch(colour, dashed=algorithm == 'dijkstra')}{label}"
+    title = f"{style.swatch(colour, algorithm)}{label}"
     rows: list[tuple[str, ...]] = [(title, *_NO_STAGE)]
     if plan.path is not None:
         clearance = _clearance(plan.path_clearance, required, proven=True)
         rows = [_stage_row(title, plan.path.length, best, clearance)]
-    title = f"{style.swatch(style.TAUT)}straightened"
+    title = f"{style.swatch(style.TAUT, 'taut')}straightened"
     if plan.taut is not None:
         clearance = _clearance(plan.taut.clearance, required, proven=True)
         rows.append(_stage_row(title, plan.taut.length, best, clearance))

@@ -42,8 +42,7 @@ class LayerSwitches:
             self.boxes = {
                 switch.name: gui.add_checkbox(switch.label, switch.on) for switch in switches
             }
-            colours = [switch.colour for switch in switches]
-            gui.add_html(_swatch_style(zip(self.boxes.values(), colours, strict=True)))
+            gui.add_html(_swatch_style(zip(self.boxes.values(), switches, strict=True)))
         self._usual = frozenset(switch.name for switch in switches if switch.on)
         self.usual.on_click(wake)
         for box in (self.dark, *self.boxes.values()):
@@ -80,12 +79,16 @@ class LayerSwitches:
         self._gui.configure_theme(dark_mode=self._dark, show_logo=False, show_share_button=False)
 
 
-def _swatch_style(colours: Iterable[tuple[viser.GuiCheckboxHandle, style.Colour | None]]) -> str:
-    """Style sheet that puts a line of its colour, if any, before each checkbox's label."""
+def _swatch_style(boxes: Iterable[tuple[viser.GuiCheckboxHandle, Switch]]) -> str:
+    """Style sheet that puts a line as in the scene, if any, before each checkbox's label."""
     rules = [
         f'label[for="{page.uuid(handle)}"]::before{{content:"";display:inline-block;width:14px;'
-        f"height:4px;margin-right:7px;vertical-align:middle;"
-        f"background:{'transparent' if colour is None else style.css(colour)}}}"
-        for handle, colour in colours
+        f"height:4px;margin-right:7px;vertical-align:middle;background:{_filling(switch)}}}"
+        for handle, switch in boxes
     ]
     return f"<style>{''.join(rules)}</style>"
+
+
+def _filling(switch: Switch) -> str:
+    colour = switch.colour
+    return "transparent" if colour is None else style.filling(colour, switch.name)

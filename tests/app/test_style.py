@@ -110,3 +110,12 @@ def test_thin_lines_of_plots_are_easily_seen_on_both_pages(colour: style.Colour)
 def test_signs_can_be_read_on_both_pages(signs: tuple[style.Colour, style.Colour]) -> None:
     for sign, ground in zip(signs, PAGES, strict=True):
         assert _contrast(sign, ground) >= 4.5
+
+
+def test_bluish_lines_that_are_seen_at_once_differ_in_more_than_their_colour() -> None:
+    assert "taut" in style.DASHES
+    assert not {"a_star", "quadratic", "bspline"} & set(style.DASHES)
+    (short, _), (long, _) = style.DASHES["dijkstra"], style.DASHES["taut"]
+    assert long > 2 * short
+    assert "gradient" in style.swatch(style.TAUT, "taut")
+    assert "gradient" not in style.swatch(style.A_STAR, "a_star")

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import abi
+from app import lines, style
 from app.session import Session
 from tests.browser import drawn
 from tests.browser.page import Page
@@ -115,8 +116,10 @@ def test_a_choice_changes_the_curve_that_the_arm_follows(page: Page, session: Se
     page.until(lambda: drawn.shows(page, session.plan), "the curves along it")
     assert session.plan is not None
     assert session.plan.taut is not None
-    taut = drawn.chain(page.points("/path/taut"))
-    np.testing.assert_allclose(taut, session.plan.taut.points, atol=drawn.SINGLE)
+    dashes = page.points("/path/taut")
+    longest = max(session.plan.scene.workspace.size)
+    expected = lines.dashes(session.plan.taut.points, style.DASHES["taut"][0] * longest)
+    np.testing.assert_allclose(dashes, expected, atol=drawn.SINGLE)
     assert drawn.same(session.plan, abi.plan(session.plan.scene))
 
 
