@@ -55,6 +55,11 @@ class FilesPanel:
             initial_value=name,
             hint="The scenes that come with the visualiser, and those you opened.",
         )
+        self.reset = gui.add_button(
+            "Reset scene",
+            color="gray",
+            hint="As it was when it was chosen or opened; Undo takes that back.",
+        )
         self.upload = gui.add_upload_button(
             "Open a scene file…",
             mime_type=".yaml,.yml,.json,.zip",
@@ -66,7 +71,6 @@ class FilesPanel:
             "Save this scene",
             hint="Downloads it as a YAML file, or as a zip if it has meshes.",
         )
-        self.reset = gui.add_button("Back to the scene as loaded", color="gray")
         self.last = Loaded(name, scene)
         self.choice.on_update(wake)
         self.save.on_click(wake)

@@ -136,3 +136,20 @@ def test_a_file_that_is_stopped_changes_nothing(
     fake.set(session.panels.stages.spline.degree, 2)
     until(lambda: session.frame.plan.scene == before.replace(spline={"degree": 2}))
     assert not _is_taken(session, kind)
+
+
+def test_a_scene_is_reset_beside_the_list_and_that_is_undone(
+    tab: tuple[FakeTab, Session],
+) -> None:
+    fake, session = tab
+    files = session.panels.files
+    fake.set(session.panels.stages.spline.degree, 2)
+    until(lambda: session.frame.plan.scene.spline.degree == 2 and session.resting)
+    changed = session.frame.plan.scene
+    fake.set(files.reset, True)
+    until(lambda: session.frame.plan.scene == load_scene("paper") and session.resting)
+    fake.set(session.panels.history.undo, True)
+    until(lambda: session.frame.plan.scene == changed)
+    assert files.choice.value == "paper"
+    # it stands right below the list, before what opens and saves
+    assert files.choice.order < files.reset.order < files.upload.order

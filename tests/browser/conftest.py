@@ -101,7 +101,7 @@ class Tabs:
             page.click("Pause")
         if session.plan is None or session.plan.scene != PAPER:
             page.click("Scene")
-            page.click("Back to the scene as loaded")
+            page.click("Reset scene")
             page.until(lambda: session.plan.scene == PAPER, "the scene as loaded")  # type: ignore[union-attr]
             page.click("Result")
         page.until(lambda: page.complaints() == [], "no complaint")
@@ -134,7 +134,7 @@ class Tabs:
 
 
 def _is_as_opened(session: Session) -> bool:
-    """Check whether all that "Back to the scene as loaded" leaves alone is as in a new tab."""
+    """Check whether all that "Reset scene" leaves alone is as in a new tab."""
     return (
         session.panels.files.choice.value == "paper"
         and session.panels.layer_switches.shown()
