@@ -9,6 +9,8 @@ from abi.robot.robot import Robot, joints_to
 from abi.scene.scene import Scene
 from app.numbers import format_setting
 
+MADE_FOR_ARMS = "kitchen-ur5e"
+"""Shipped scene for arms of about a metre."""
 _MOST = 6.0
 """Length of an arm, in sides of the workspace, from which it hardly fits."""
 
@@ -31,8 +33,8 @@ def size_note(robot: Robot, tip: str, workspace: float, unit: str) -> tuple[str,
         return None
     return title, (
         f"Its links are {format_setting(float(f'{length:.2g}'))} {unit} long in all; the "
-        f"workspace measures {format_setting(workspace)} {unit}. The scene kitchen-ur5e is made "
-        "for arms of about a metre."
+        f"workspace measures {format_setting(workspace)} {unit}. The scene {MADE_FOR_ARMS} is "
+        "made for arms of about a metre."
     )
 
 

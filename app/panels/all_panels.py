@@ -11,6 +11,7 @@ from abi.errors import AbiError, SceneError
 from abi.obstacles.triangle_mesh.surface import Surface
 from abi.scene.scene import Scene
 from app import style
+from app.arm_size import MADE_FOR_ARMS
 from app.challenge import parsed
 from app.frame import Drawable, Frame, Switch
 from app.layout import Layout
@@ -172,6 +173,8 @@ class AllPanels:
     def _read(self, scene: Scene, typed: bool) -> Scene:
         """Read what is posed and, where it was used, what is ``typed`` or chosen."""
         requested = self.files.requested(self.editor.meshes(scene))
+        if self.messages.banner.asks_for_other_scene():
+            requested = self.files.open_shipped(MADE_FOR_ARMS)
         for panel in (self.messages, self.stages.bases):
             if requested is None and (change := panel.accepted_change()) is not None:
                 requested = scene.replace(**change)

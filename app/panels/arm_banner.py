@@ -15,7 +15,7 @@ from abi.planner.arm_faults import limit_sentence, worst_limit
 from abi.planner.arm_words import clearance_sentence, contact_sentence
 from abi.planner.plan import Plan
 from app import style
-from app.arm_size import scene_size_note
+from app.arm_size import MADE_FOR_ARMS, scene_size_note
 from app.numbers import distance_to_show, format_lower_bound, format_setting
 from app.overlay import button
 from app.panels.widgets import Wake, hidden_button, pressed
@@ -32,7 +32,16 @@ class ArmBanner:
         self.follow = hidden_button(gui, "Follow the B-spline", wake)
         self.slow = hidden_button(gui, "Slow down for the joints", wake)
         self.nearer = hidden_button(gui, "Take a smaller link clearance", wake)
+        self._other = hidden_button(gui, f"Open {MADE_FOR_ARMS}", wake)
         self._clearance = 0.0
+
+    def other_scene(self) -> str:
+        """Button that opens the scene that is made for such arms, as HTML."""
+        return button(self._other, f"Open {MADE_FOR_ARMS}")
+
+    def asks_for_other_scene(self) -> bool:
+        """Check whether that button was pressed since the last call."""
+        return pressed(self._other)
 
     def html(self, plan: Plan) -> str:
         """The banner as HTML; empty for a motion that is proven clear and within its limits."""
@@ -41,7 +50,7 @@ class ArmBanner:
         if (size := scene_size_note(plan.scene)) is not None:
             title, numbers = size  # nothing else makes it fit
             fault = f"{title}.", "✗"
-            return _card(fault, html.escape(numbers))
+            return _card(fault, html.escape(numbers), self.other_scene())
         return _card(fault, _remark(plan), self._buttons(plan))
 
     def accepted_change(self) -> dict[str, Any] | None:

@@ -92,6 +92,11 @@ class FilesPanel:
         if self.choice.value != loaded.name:
             self.choice.value = loaded.name
 
+    def open_shipped(self, name: str) -> Scene:
+        """Choose a shipped scene and return it."""
+        self.show(Loaded(name, load_scene(name)))
+        return self.loaded
+
     def restore(self, name: str, scene: Scene) -> None:
         """Take the scene of that name for the one loaded; ``scene`` where none is listed."""
         if name == self.name == self.choice.value:

@@ -86,7 +86,7 @@ class Messages:
         of_arm = isinstance(error, StageError) and error.stage == "arm"
         if of_arm and (size := scene_size_note(frame.plan.scene)) is not None:
             title, numbers = size  # no other base, and no setting, makes it fit
-            return _error(f"{title}.", numbers)
+            return _with_buttons(_error(f"{title}.", numbers), self.banner.other_scene())
         hints = (explained.hint, dots, self._base.sentence(frame))
         content = _error(explained.message, " ".join(filter(None, hints)))
         buttons = ""
@@ -95,9 +95,7 @@ class Messages:
             if reason.obstacle is not None:
                 buttons += button(self.point_out, f"Show obstacle {reason.obstacle + 1}")
         buttons += self._base.buttons(frame)
-        if not buttons:
-            return content
-        return f'{content}<div class="abi-buttons" style="margin-top:6px">{buttons}</div>'
+        return _with_buttons(content, buttons)
 
 
 def _progress(frame: Frame) -> str:
@@ -165,6 +163,12 @@ def _setting(value: object) -> str:
     if isinstance(value, list | tuple):
         return f"({', '.join(map(_setting, value))})"
     return format_setting(value) if isinstance(value, float) else str(value)
+
+
+def _with_buttons(content: str, buttons: str) -> str:
+    if not buttons:
+        return content
+    return f'{content}<div class="abi-buttons" style="margin-top:6px">{buttons}</div>'
 
 
 def _error(message: str, hint: str) -> str:

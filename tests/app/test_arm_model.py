@@ -167,6 +167,16 @@ def test_an_arm_of_another_size_than_the_scene_says_so(
     assert "Find a base" not in shown["message"]
     fake.set(panel(session).model.axis, "any")
     until(lambda: "This arm is too large for the scene" in shown.get("contact", ""))
+    # one step to the scene that is made for it, and one back
+    assert "Open kitchen-ur5e</button>" in shown["contact"]
+    before = session.frame.plan.scene
+    fake.set(session.panels.messages.banner._other, True)
+    until(lambda: session.frame.plan.scene == load_scene("kitchen-ur5e") and session.resting)
+    assert session.panels.files.choice.value == "kitchen-ur5e"
+    assert session.frame.plan.is_arm_clear
+    fake.set(session.panels.history.undo, True)
+    until(lambda: session.frame.plan.scene == before and session.resting)
+    assert session.panels.files.choice.value == "paper"
 
 
 def posed(sent: dict[str, Any], row: int) -> viser.transforms.SE3:
