@@ -22,7 +22,7 @@ from typing import Self
 import numpy as np
 
 from abi.arrays import FloatArray, IntArray
-from abi.length_text import format_setting
+from abi.length_text import format_setting, with_minus
 
 UNIT = " [unit]"
 """Placeholder after every length in a sentence, until the unit is known."""
@@ -331,7 +331,7 @@ def format_length(length: float) -> str:
 def format_point(point: Sequence[float] | FloatArray) -> str:
     """Text of a point, with the placeholder of its unit."""
     x, y, z = point
-    return f"({x:g}, {y:g}, {z:g}){UNIT}"
+    return with_minus(f"({x:g}, {y:g}, {z:g})") + UNIT
 
 
 def in_unit(sentences: tuple[str, str], unit: str) -> tuple[str, str]:

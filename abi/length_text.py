@@ -9,7 +9,7 @@ import numpy as np
 
 def format_length(length: float) -> str:
     """A length in three decimals, in fewer from 100 on and in none from 1,000 on."""
-    return f"{length:,.{_decimals(length)}f}".replace("-", "−")
+    return with_minus(f"{length:,.{_decimals(length)}f}")
 
 
 def format_lower_bound(distance: float) -> str:
@@ -21,9 +21,14 @@ def format_lower_bound(distance: float) -> str:
 def format_setting(number: float, digits: int = 4) -> str:
     """A number that was chosen, or stands in a sentence, without trailing zeros."""
     if abs(number) >= 10_000:
-        return f"{number:,.0f}"
+        return with_minus(f"{number:,.0f}")
     text = np.format_float_positional(number, precision=digits, fractional=False, trim="-")
-    return text.replace("-", "−")
+    return with_minus(text)
+
+
+def with_minus(number: str) -> str:
+    """A number as Python writes it, with the sign U+2212, which is as wide as a plus."""
+    return number.replace("-", "−")
 
 
 def _decimals(length: float) -> int:

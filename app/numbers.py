@@ -9,6 +9,7 @@ from abi.clearance.curve_clearance import Clearance
 from abi.length_text import format_length as format_length
 from abi.length_text import format_lower_bound as format_lower_bound
 from abi.length_text import format_setting as format_setting
+from abi.length_text import with_minus as with_minus
 
 FASTEST_SHOWN = 1.0
 """Shorter times say more about the machine than about the search, [ms]."""

@@ -10,7 +10,7 @@ from abi.arrays import FloatArray, IntArray
 from abi.search.compare import COMPARED
 from abi.search.replay import SearchState
 from app import style
-from app.numbers import format_length
+from app.numbers import format_length, with_minus
 
 _NEAR = 0.04
 """Angle, [rad], from a node within which a click means it."""
@@ -89,7 +89,8 @@ def labels(state: SearchState, node: int) -> tuple[str, str, str]:
 def where(state: SearchState, node: int) -> str:
     """Position of a node, [unit], as text."""
     points = state.trace.arcs.points
-    return "({})".format(", ".join(f"{x:.3g}" for x in points[node % len(points)] + 0.0))
+    place = (f"{x:.3g}" for x in points[node % len(points)] + 0.0)
+    return with_minus(f"({', '.join(place)})")
 
 
 def one_way_search(name: str) -> str:

@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 
 from abi.arm.trajectory import ArmMotion, Violation
+from abi.length_text import with_minus
 from abi.planner.arm_words import clearance_sentence, contact_sentence
 from abi.planner.plan import Plan
 
@@ -88,8 +89,8 @@ def limit_sentence(violation: Violation, motion: ArmMotion, unit: str) -> str:
 def _quantity(number: float, quantity: str, unit: str) -> str:
     """A joint's value; ``unit`` is that of lengths if the joint slides, else empty."""
     if quantity == "position":
-        return f"{number:.2f} {unit}" if unit else f"{math.degrees(number):.0f}°"
-    text = f"{number:.3g}" if abs(number) < 1000 else f"{number:.0f}"
+        return with_minus(f"{number:.2f} {unit}" if unit else f"{math.degrees(number):.0f}°")
+    text = with_minus(f"{number:.3g}" if abs(number) < 1000 else f"{number:.0f}")
     if quantity == "torque":
         return f"{text} {'N' if unit else 'N·m'}"
     return f"{text} {unit or 'rad'}/s{'²' if quantity == 'acceleration' else ''}"

@@ -15,6 +15,7 @@ from pydantic import Field, ValidationError, ValidationInfo, field_validator, mo
 
 from abi import assets
 from abi.errors import SceneError
+from abi.length_text import with_minus
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import Obstacles
 from abi.obstacles.per_shape import PerShape
@@ -111,7 +112,9 @@ class Scene(Settings):
                 if name not in self.model_fields_set:  # a default, which nobody has given
                     expected = f"a point of the workspace, as the default {point} is outside"
                     raise SceneError(name, Missing(), expected)
-                raise SceneError(name, point, f"{axis} between {low:g} and {high:g} {self.unit}")
+                raise SceneError(
+                    name, point, f"{axis} between {with_minus(f'{low:g} and {high:g}')} {self.unit}"
+                )
         nodes = self.mesh.node_count(self.workspace)
         if nodes > self.mesh.max_nodes:
             coarsest = self.mesh.model_copy(update={"pitch": LARGEST}).node_count(self.workspace)

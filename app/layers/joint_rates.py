@@ -38,7 +38,7 @@ class JointRatesLayer(Layer):
     def __init__(self, layout: Layout) -> None:
         self._layout = layout
         self._drawn: object = None
-        self._made: tuple[tuple[str, ...], str] | None = None
+        self._made: tuple[object, ...] | None = None
         self._plots: dict[str, viser.GuiUplotHandle] = {}
         self._shown = TimePlots()
         with layout.plots:
@@ -59,7 +59,9 @@ class JointRatesLayer(Layer):
             for plot in self._plots.values():
                 plot.visible = False
             return
-        if self._made != (motion.joints, plan.scene.unit):
+        made = motion.joints, plan.scene.unit, rates.torques is not None
+        if self._made != made:
+            self._made = made
             self._make(motion.joints, motion.slides, plan.scene.unit)
         self._peaks.content = _peaks(plan)
         samples = plotted_samples(motion)
@@ -75,6 +77,11 @@ class JointRatesLayer(Layer):
                 self._shown.add(self._plots[name], time, *values[samples].T)
         used = [100 * share[samples] for share in _shares(plan)]
         self._shown.add(self._plots["limits"], time, *used, np.full(len(time), 100.0))
+
+    def _uses(self) -> Lines:
+        """Lines of the plot of the limits: none of torques where these are not known."""
+        has_torques = self._made is not None and self._made[-1]
+        return tuple(line for line in _USES if has_torques or line[0] != "torque")
 
     def _make(self, joints: tuple[str, ...], slides: tuple[bool, ...], unit: str) -> None:
         """Make the plots anew for joints with these names."""
@@ -95,28 +102,27 @@ class JointRatesLayer(Layer):
         }
         with self._layout.plots:
             self._plots = {
-                key: new_plot(gui, title, _USES if key == "limits" else names, 250)
+                key: new_plot(gui, title, self._uses() if key == "limits" else names, 250)
                 for key, title in titles.items()
             }
-        self._made = joints, unit
 
 
 @once_a_plan
 def _shares(plan: Plan) -> list[FloatArray]:
-    """Largest part of a joint's limit in use at each sample (m,): position to torque."""
+    """Largest part of a joint's limit in use at each sample (m,): position to torque, if known."""
     rates = plan.joint_rates
     assert plan.arm is not None
     assert plan.motion is not None
     assert rates is not None
     low, high = plan.arm.limits.T
     place = np.abs(plan.motion.positions - (low + high) / 2)
-    torques = np.zeros_like(place) if rates.torques is None else np.abs(rates.torques)
-    pairs = (
+    pairs = [
         (place, np.maximum((high - low) / 2, 1e-9)),
         (np.abs(rates.speeds), rates.speed_limits),
         (np.abs(rates.accelerations), rates.acceleration_limits),
-        (torques, rates.torque_limits),
-    )
+    ]
+    if rates.torques is not None:
+        pairs.append((np.abs(rates.torques), rates.torque_limits))
     return [(values / limits).max(axis=1) for values, limits in pairs]
 
 

@@ -20,6 +20,7 @@ from app.numbers import (
     format_length,
     format_lower_bound,
     format_setting,
+    with_minus,
 )
 
 Measure = Callable[[Frame], float | None]
@@ -162,7 +163,7 @@ def text(name: str, frame: Frame) -> str:
     if last == "peak":
         unit = f" {frame.plan.scene.unit}/s"
     if last == "gap":
-        return f"{number:.1f}"
+        return with_minus(f"{number:.1f}")
     if last in _SETTINGS:
         return format_setting(number) + unit
     is_bound = last == "clearance" or name in _LOWER_BOUNDS

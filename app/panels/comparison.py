@@ -13,7 +13,7 @@ from abi.search.lifelong_a_star import Repair, can_repair, lifelong_a_star
 from abi.search.trace import SearchTrace
 from app import style
 from app.frame import Frame
-from app.numbers import FASTEST_SHOWN, format_count, format_length
+from app.numbers import FASTEST_SHOWN, format_count, format_length, with_minus
 from app.panels.widgets import Wake, pressed
 from app.plan_before import PlanBefore
 from app.table import table
@@ -114,7 +114,7 @@ def _table(found: tuple[Comparison, ...], weight: Weight, unit: str) -> str:
         # lengths and numbers of edges do not compare
         if trace.hops >= 0 and one.weight == weight:
             cost = trace.length if weight == "length" else trace.cost
-            gap = f"{100 * (cost / least - 1):+.1f} %".replace("-", "−")
+            gap = with_minus(f"{100 * (cost / least - 1):+.1f} %")
             gap = "=" if abs(cost - least) < 1e-9 * max(least, 1) else gap
         rows.append(
             (

@@ -30,13 +30,13 @@ KEYS = """
 | Key | Action |
 |---|---|
 | Space | play or pause the arm |
-| P | play or pause the search |
-| N, B | step the search forward, back |
-| Ctrl+Z, Ctrl+Y | undo, redo |
+| P | play or pause a search that is stepped through |
+| N, B | one step of that search forward, one back |
+| Ctrl+Z, Ctrl+Y | undo, redo (on a Mac: Cmd instead of Ctrl) |
 | W A S D, Q E, arrows | move the camera |
 | Ctrl+K | list all commands |
 | L | lecture mode: large letters, folded panels |
-| Page Down, Page Up | next stage of a lecture, stage before |
+| Page Down, Page Up | in a lecture: next stage, stage before |
 | H or ? | show this sheet; Esc closes it |
 
 Drag with the left mouse button to turn the scene, with the right one to shift it; the wheel zooms.

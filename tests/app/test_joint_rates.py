@@ -23,12 +23,14 @@ def test_every_joint_has_its_line_and_torques_where_there_are_masses(
     until(lambda: bool(drawn._plots) and drawn._plots["speeds"].visible)
     assert not drawn._plots["torques"].visible
     assert "no masses of links" in drawn._peaks.content
+    assert "torque" not in _lines_of_limits(drawn)
     assert "✗" not in drawn._peaks.content
     fake.set(session.panels.stages.motion.joint_acceleration, 0.01)
     until(lambda: "✗" in drawn._peaks.content)
 
     fake.set(session.panels.files.choice, "kitchen-ur5e")
     until(lambda: "torques" in drawn._plots and drawn._plots["torques"].visible)
+    assert "torque" in _lines_of_limits(drawn)
     plan = session.plan
     assert plan is not None
     assert plan.scene == load_scene("kitchen-ur5e")
@@ -41,3 +43,9 @@ def test_every_joint_has_its_line_and_torques_where_there_are_masses(
     assert labels[1:7] == list(plan.motion.joints)
     peak = max(float(np.abs(line).max()) for line in drawn._plots["torques"].data[1:7])
     assert abs(peak - np.abs(plan.joint_rates.torques).max()) < 0.05 * peak
+
+
+def _lines_of_limits(drawn: JointRatesLayer) -> list[object]:
+    plot = drawn._plots["limits"]
+    assert len(plot.series) == len(plot.data)
+    return [series["label"] for series in plot.series if "label" in series]

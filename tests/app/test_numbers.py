@@ -12,6 +12,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from abi import load_scene, plan
+from abi.errors import UNIT, SceneError, format_point
+from abi.planner.arm_faults import limit_sentence
 from abi.scene.scene import scene_names
 from app.layers.tables import _searches, _stages
 from app.numbers import (
@@ -118,3 +120,18 @@ def test_no_line_ends_between_a_number_and_its_unit(unit: str) -> None:
     assert kept.replace("\N{NO-BREAK SPACE}", " ") == text
     places = [place for place, letter in enumerate(kept) if letter == "\N{NO-BREAK SPACE}"]
     assert places == [text.index(f"5 {unit}</b>") + 1]
+
+
+def test_every_sentence_has_the_same_minus_sign() -> None:
+    scene = load_scene("kitchen-ur5e")
+    with pytest.raises(SceneError) as outside:
+        scene.replace(goal=[-3.0, 0.0, 0.5])
+    assert "x between −0.5 and 0.5 m" in outside.value.expected
+    assert format_point((-1.5, 2.0, -0.25)) == f"(−1.5, 2, −0.25){UNIT}"
+    fast = {"speed": 1.5, "acceleration": 5.0, "deceleration": 5.0, "law": "three_phase"}
+    made = plan(scene.replace(motion=fast))
+    assert made.motion is not None
+    negative = [one for one in made.limits_passed if one.limit < 0]
+    for violation in negative:
+        assert "-" not in limit_sentence(violation, made.motion, "m").replace("three-", "")
+    assert format_setting(-12_345.0) == "−12,345"
