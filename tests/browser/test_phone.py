@@ -27,6 +27,19 @@ _TABS_BEGIN = """() => {
 _SHARES = """() => [innerHeight, window.__viserMutable.canvas.getBoundingClientRect().bottom,
   document.querySelector(".mantine-ScrollArea-viewport").getBoundingClientRect().top]"""
 
+# Whether each headline number with its name is seen whole above the sheet, clear of the buttons.
+_WHOLE_HEADLINES = """() => {
+  const box = part => document.querySelector(part)?.getBoundingClientRect();
+  const sheet = box(".mantine-ScrollArea-viewport");
+  const all = [...document.querySelectorAll("#abi-overlay .abi-numbers > div")]
+    .map(each => each.getBoundingClientRect());
+  const lecture = box("#abi-overlay [data-part=lecture]");
+  const player = box("#abi-overlay [data-part=player]");
+  return all.length === 3 && lecture.height > 0 && player.bottom <= sheet.top
+    && all.every(({top, bottom, left, right}) => top >= lecture.bottom && bottom <= player.top
+      && left >= 0 && right <= innerWidth);
+}"""
+
 
 def _are_both_seen(page: Page) -> bool:
     """Check whether the scene has half of the page, down to the sheet."""
@@ -53,6 +66,19 @@ def test_no_hint_lies_over_the_sheet(chromium: Browser, server: Server) -> None:
         page.until(lambda: hint.count() == 1, "the hint")
         page.frames(3)
         assert not hint.is_visible()
+    finally:
+        page.close()
+
+
+@pytest.mark.slow
+def test_a_lecture_shows_every_headline_whole(chromium: Browser, server: Server) -> None:
+    page = Page(chromium, server.url, 390, 844)
+    try:
+        page.settle()
+        page.tab.keyboard.press("l")
+        for height in (844, 790):
+            page.tab.set_viewport_size({"width": 390, "height": height})
+            page.until(lambda: bool(page.tab.evaluate(_WHOLE_HEADLINES)), f"them at {height}", 20)
     finally:
         page.close()
 
