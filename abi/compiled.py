@@ -12,7 +12,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
-from typing import Any, Generic, ParamSpec, TypeVar
+from typing import Any, ClassVar, Generic, ParamSpec, TypeVar
 
 import numba
 import numpy as np
@@ -51,7 +51,10 @@ class Kernel(Generic[_P, _R]):
         py_func: the function as written.
         example: arguments of the types that it is compiled for, and of no others.
         lock: held while it is compiled or loaded.
+        check_types: whether what is compiled from then on refuses other types; tests ask for it.
     """
+
+    check_types: ClassVar[bool] = False
 
     def __init__(
         self,
@@ -67,6 +70,7 @@ class Kernel(Generic[_P, _R]):
         self.__doc__ = function.__doc__
         self._options = {"nogil": True, "pipeline_class": Borrowing, **options}
         self._dispatcher: Any = None
+        self._compiled: Any = None
         self._stale: tuple[Path, str, str] | None = None
         self._run: Callable[..., Any] = self.interpret if fallback else self._compile_and_run
         KERNELS[self.name] = self
@@ -79,7 +83,7 @@ class Kernel(Generic[_P, _R]):
     @property
     def compiled(self) -> bool:
         """Whether calls run compiled."""
-        return self._run is self._dispatcher
+        return self._run is self._compiled
 
     @property
     def cached(self) -> bool:
@@ -106,7 +110,11 @@ class Kernel(Generic[_P, _R]):
                     if not dispatcher.signatures:
                         raise
                 dispatcher.disable_compile()
-            self._run = dispatcher
+            form = dispatcher
+            if not self.check_types:
+                # to check them numba reads the names of all fields of named tuples at every call
+                [form] = (made.entry_point for made in dispatcher.overloads.values())
+            self._run = self._compiled = form
 
     def interpret(self, *arguments: Any) -> Any:
         """Run the function as Python, on lists, which it reads faster than arrays."""
