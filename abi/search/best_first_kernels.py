@@ -16,7 +16,6 @@ from numba.extending import register_jitable
 
 from abi.arrays import ByteArray, FloatArray, IntArray
 from abi.compiled import compiled
-from abi.obstacles.vector_kernels import Vec3
 from abi.search.heuristic_kernels import NONE, Metric, to_go
 from abi.search.search_kernels import EXAMPLE, LITTLE, Problem
 from abi.tet_mesh.adjacency_kernels import (
@@ -39,11 +38,16 @@ WIDTH = 4 / (BUCKETS - 4)
 
 
 class _Labels(NamedTuple):
-    """Knowledge of the nodes: cost, parent, and whether that was looked at since it changed."""
+    """Knowledge of the nodes: cost, parent, and whether that was looked at since it changed.
+
+    And what is left to the goal by the heuristic, once the cost is finite: in a lattice that takes
+    as long as to look at a node's edges, and most nodes are queued more than once.
+    """
 
     cost: FloatArray
     parent: IntArray
     closed: ByteArray
+    left: FloatArray
 
 
 class _Queue(NamedTuple):
@@ -52,12 +56,15 @@ class _Queue(NamedTuple):
     Attributes:
         first: (BUCKETS,) entries, -1 where a bucket is empty.
         node_of: the entries' nodes.
+        place_of: their places in half cells, three numbers each; of rows without meaning. To find
+            them by the nodes' ids again takes longer.
         after: the entries behind them in the same bucket, or -1.
         order: nodes that were expanded, in order.
     """
 
     first: IntArray
     node_of: IntArray
+    place_of: IntArray
     after: IntArray
     order: IntArray
 
@@ -101,24 +108,29 @@ def best_first(problem: Problem) -> tuple[FloatArray, IntArray, IntArray, int]:
         examined.
     """
     start, goal, own = problem.ends
-    total = problem.adjacency.shape.nodes + own
-    entries = total + problem.adjacency.shape.most + len(problem.links.tails) + 1
+    shape = problem.adjacency.shape
+    total = shape.nodes + own
+    entries = total + shape.most + len(problem.links.tails) + 1
     cost, parent = np.full(total, np.inf), np.empty(total, np.int32)
-    labels = _Labels(cost, parent, np.zeros(total, np.uint8))
+    labels = _Labels(cost, parent, np.zeros(total, np.uint8), np.empty(total))
     first = np.full(BUCKETS, -1, np.int32)
     node_of, after = np.empty(entries, np.int32), np.empty(entries, np.int32)
+    place_of = np.empty(3 * entries, np.int32)
     order = np.empty(total + 1, np.int32)
     cost[start], parent[start] = 0.0, -1
     node_of[0], after[0], first[0] = start, -1, 0
+    if shape.kind != CSR:
+        place_of[0], place_of[1], place_of[2] = cell(shape, start)
     slack = _slack(problem)
     progress = _Progress(1, 1, 0, 0, 0, False, False)
     while True:
-        queue = _Queue(first, node_of, after, order)
+        queue = _Queue(first, node_of, place_of, after, order)
         progress = _expand(problem, slack, labels, queue, progress)
         if progress.done:
             break
         order = np.concatenate((order, np.empty_like(order)))
         node_of = np.concatenate((node_of, np.empty_like(node_of)))
+        place_of = np.concatenate((place_of, np.empty_like(place_of)))
         after = np.concatenate((after, np.empty_like(after)))
     expanded = progress.expanded
     if progress.found:
@@ -138,7 +150,7 @@ def _expand(
     adjacency, opened, links, (start, goal, _), largest, metric = problem
     shape, offsets, steps, places, indptr, indices = adjacency
     (open_directions, weights), (tails, heads, link_weights) = opened, links
-    (cost, parent, closed), (first, node_of, after, order) = labels, queue
+    (cost, parent, closed, left), (first, node_of, place_of, after, order) = labels, queue
     used, waiting, current, expanded, relaxed, found, done = progress
     most = shape.most + len(links.tails)
     # a place more, for what is written before it is known to count
@@ -164,8 +176,8 @@ def _expand(
             continue
         if found:
             # the goal's bucket may hold what leads to it at less cost
-            left = max(_estimate(adjacency, metric, node) - slack, 0.0)
-            if cost[node] + left >= cost[goal] - little:
+            least = cost[node] + max(_estimate(adjacency, metric, node) - slack, 0.0)
+            if least >= cost[goal] - little:
                 continue
         order[expanded] = node
         expanded += 1
@@ -180,7 +192,7 @@ def _expand(
                 relaxed += examined
             else:
                 relaxed += INTERIOR_DIRECTIONS if bits == ALL_INTERIOR else ones(bits)
-                place = cell(shape, node)
+                place = place_of[3 * entry], place_of[3 * entry + 1], place_of[3 * entry + 2]
                 count = _cheaper_in_lattice(
                     shape, (node, bits, place), enough, offsets, weights, cost, cheaper
                 )
@@ -195,16 +207,17 @@ def _expand(
         for e in range(0, count, 2):
             neighbour, k = cheaper[e], cheaper[e + 1]
             through = cost[node] + (weights[k] if e < of_mesh else link_weights[k])
+            reached = cost[neighbour] < np.inf
             cost[neighbour], parent[neighbour], closed[neighbour] = through, node, 0
+            there = (0, 0, 0)
+            if shape.kind != CSR and neighbour < shape.nodes:
+                there = _stepped(shape, steps, k, place) if e < of_mesh else cell(shape, neighbour)
+                place_of[3 * used], place_of[3 * used + 1], place_of[3 * used + 2] = there
             if metric.kind != NONE and neighbour < shape.nodes:
-                if shape.kind == CSR:
-                    at = row_place(places, shape.nodes, neighbour)
-                elif e < of_mesh:
-                    at = _stepped(steps, k, k < shape.cross, place)
-                else:
-                    at = cell_place(shape, neighbour)
-                left = to_go(shape, metric, at)
-                through += left - slack if left > slack else 0.0
+                if not reached:
+                    at = row_place(places, shape.nodes, neighbour) if shape.kind == CSR else there
+                    left[neighbour] = max(to_go(shape, metric, at) - slack, 0.0)
+                through += left[neighbour]
             bucket = int(through * per_cost)
             lowest = bucket if bucket < lowest else lowest
             slot = (bucket if bucket > current else current) & (BUCKETS - 1)
@@ -254,15 +267,13 @@ def _estimate(adjacency: Adjacency, metric: Metric, node: int) -> float:
 
 
 @register_jitable(forceinline=True)
-def _stepped(steps: IntArray, k: int, across: bool, place: tuple[int, int, int]) -> Vec3:
+def _stepped(
+    shape: Shape, steps: IntArray, k: int, place: tuple[int, int, int]
+) -> tuple[int, int, int]:
     """Place of the neighbour in a direction of a lattice, in half cells."""
     i, j, h = place
-    sign = 1 - 2 * (i & 1) if across else 1
-    return (
-        1.0 * (i + sign * steps[3 * k]),
-        1.0 * (j + sign * steps[3 * k + 1]),
-        1.0 * (h + sign * steps[3 * k + 2]),
-    )
+    sign = 1 - 2 * (i & 1) if k < shape.cross else 1
+    return i + sign * steps[3 * k], j + sign * steps[3 * k + 1], h + sign * steps[3 * k + 2]
 
 
 @register_jitable(forceinline=True)

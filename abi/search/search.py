@@ -21,7 +21,7 @@ from abi.search import bellman_ford_kernels, best_first_kernels
 from abi.search.graph import Graph
 from abi.search.heuristic import Weight, metric
 from abi.search.heuristic_kernels import NO_METRIC, Metric
-from abi.search.search_kernels import Ends, Problem, reconstruct_path
+from abi.search.search_kernels import Ends, Problem, measure_path
 from abi.tet_mesh.adjacency_kernels import Links, OpenEdges
 
 
@@ -75,15 +75,14 @@ def search(algorithm: str, graph: Graph, weight: Weight) -> SearchResult:
     if math.isinf(least):
         reached = np.flatnonzero(np.isfinite(costs)).astype(np.int32)
         raise NoPath(reached, graph.free_nodes, graph.mesh.pitch)
-    vertices = reconstruct_path(parents, graph.goal)
-    points = graph.places(vertices)
-    edges = points[1:] - points[:-1]
+    places, own = graph.mesh.points.reshape(-1), graph.own.reshape(-1)
+    vertices, points, lengths = measure_path(parents, graph.goal, places, own)
     return SearchResult(
         algorithm=algorithm,
         weight=weight,
         vertices=read_only(vertices),
-        points=read_only(points),
-        length=float(np.sqrt((edges * edges).sum(axis=1)).sum()),
+        points=read_only(points.reshape(-1, 3)),
+        length=float(lengths.sum()),
         hops=len(vertices) - 1,
         cost=least,
         expanded=len(order),
