@@ -29,7 +29,7 @@ class Exclusion(ShortRepr):
     The edges of excluded nodes are excluded, too.
 
     Attributes:
-        starts: (r,) first nodes of runs of excluded nodes.
+        starts: (r,) first nodes of runs of excluded nodes, ascending.
         lengths: (r,) numbers of nodes in the runs.
         cut_nodes: (m,) nodes that lose edges to free nodes; for ``delaunay`` positions in the rows
             of all edges lost.

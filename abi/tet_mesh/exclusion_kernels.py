@@ -124,36 +124,51 @@ def cut(
     cut_bits: IntArray,
     open_directions: IntArray,
 ) -> None:
-    """Clear the bits of edges that lead to excluded nodes of a lattice, and of those lost.
+    """Clear the bits of a lattice's edges from free to excluded nodes, and of those lost.
 
     Args:
         adjacency: the lattice.
-        starts, lengths: (r,) runs of excluded nodes, each in one line along z.
+        starts, lengths: (r,) runs of excluded nodes, each in one line along z, ascending.
         cut_nodes: (m,) nodes that lose edges.
         cut_bits: (m,) bits of these.
         open_directions: (n,) open directions, as bits.
     """
     shape, offsets, steps, _, _, _ = adjacency
-    directions, cross = shape.directions, shape.cross
+    directions, cross, runs = shape.directions, shape.cross, len(starts)
     nx, ny, nz = 2 * shape.nx, 2 * shape.ny, 2 * shape.nz
-    for run in range(len(starts)):
-        first, many = starts[run], lengths[run]
-        a, b, c = cell(shape, first)
-        odd = a & 1
-        other = across(shape, a, b, c)
-        end = c + 2 * (many - 1)
+    places = np.empty(4 * runs, np.int64)
+    corners, on_box = 0, False
+    for run in range(runs):
+        at, (a, b, c) = 4 * run, cell(shape, starts[run])
+        places[at], places[at + 1], places[at + 2] = a, b, c
+        places[at + 3] = across(shape, a, b, c)
+        end = c + 2 * (lengths[run] - 1)
+        on_box = on_box or not (0 < a < nx and 0 < b < ny and c > 0 and end < nz)
+        corners += 1 - (a & 1)
+    for odd in range(2):
         # what is no edge has no bit to clear, but nodes on the box have more edges
-        inside = 0 < a < nx and 0 < b < ny and c > 0 and end < nz
-        for k in range(INTERIOR_DIRECTIONS if inside else directions):
+        for k in range(directions if on_box else INTERIOR_DIRECTIONS):
             turned = -1 if k < cross and odd == 1 else 1
             i, j, h = turned * steps[3 * k], turned * steps[3 * k + 1], turned * steps[3 * k + 2]
-            if not (0 <= a + i <= nx and 0 <= b + j <= ny):
-                continue
-            low = 1 if c + h < 0 else 0
-            high = many - 1 if end + h > nz else many
             others = ~(1 << (k if k < cross else k ^ 1))
-            head = (other if k < cross else first) + offsets[odd * directions + k]
-            for n in range(head + low, head + high):
-                open_directions[n] &= others
+            offset, near = offsets[odd * directions + k], 0
+            for run in range(corners if odd == 1 else 0, runs if odd == 1 else corners):
+                at, many = 4 * run, lengths[run]
+                a, b, c = places[at], places[at + 1], places[at + 2]
+                if not (0 <= a + i <= nx and 0 <= b + j <= ny):
+                    continue
+                head = (places[at + 3] if k < cross else starts[run]) + offset
+                low = head + (1 if c + h < 0 else 0)
+                high = head + (many - 1 if c + 2 * (many - 1) + h > nz else many)
+                # most of them are excluded too, as the run beside this one, and need no bits
+                while near < runs and starts[near] + lengths[near] <= low:
+                    near += 1
+                left, right = high, high
+                if near < runs:
+                    left, right = min(starts[near], high), max(starts[near] + lengths[near], low)
+                for n in range(low, left):
+                    open_directions[n] &= others
+                for n in range(right, high):
+                    open_directions[n] &= others
     for k in range(len(cut_nodes)):
         open_directions[cut_nodes[k]] &= ~cut_bits[k]
