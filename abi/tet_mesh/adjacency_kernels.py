@@ -19,6 +19,7 @@ from abi.obstacles.vector_kernels import Vec3
 
 CSR, KUHN, BCC = 0, 1, 2
 
+_ROUNDING = 1e-9  # of a step: what is outside by no more is taken for inside
 
 Span = tuple[int, int]
 """First and last."""
@@ -192,6 +193,6 @@ def half_cells_within(
 def _span(cells: int, edges: tuple[float, float], low: float, high: float, odd: int) -> Span:
     """Those along an axis, whose first cell has these edges."""
     step = edges[1] - edges[0]
-    first = max(math.floor((low - edges[0]) / step), 0)
-    last = min(math.ceil((high - edges[0]) / step), cells)
+    first = max(math.ceil((low - edges[0]) / step - 0.5 * odd - _ROUNDING), 0)
+    last = min(math.floor((high - edges[0]) / step + 0.5 * odd + _ROUNDING), cells)
     return 2 * first + odd, 2 * last - odd

@@ -113,7 +113,7 @@ def exclusion_of_lattice(
                     cut_bits = np.concatenate((cut_bits, np.empty_like(cut_bits)))
                 while c <= c1:
                     p = in_body(axes, (x, y, places[z0 + c] - centre[2]))
-                    away = signed_distance(core, p)
+                    away, outward = signed_distance_gradient(core, p)
                     if away < margin:
                         # the primitive is convex: one run a line
                         if fresh:
@@ -124,7 +124,6 @@ def exclusion_of_lattice(
                         lengths[runs - 1] += more
                         c += 2 * more
                         continue
-                    _, outward = signed_distance_gradient(core, p)
                     if away >= limit:
                         # convex: along the line at least what its slope here says
                         slope = dot(outward, r)
