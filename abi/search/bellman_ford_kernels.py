@@ -65,6 +65,18 @@ def bellman_ford(problem: Problem) -> tuple[FloatArray, IntArray, IntArray, int]
                     row = (i & 1) * directions
                     other = across(shape, i, j, h)
                     end = directions if (bits >> INTERIOR_DIRECTIONS) & 63 else INTERIOR_DIRECTIONS
+            if bits == ALL_INTERIOR:  # as most nodes have: nothing to look at but the costs
+                begin = end
+                for k in range(INTERIOR_DIRECTIONS):
+                    neighbour = (other if k < cross else node) + offsets[row + k]
+                    through = so_far + weights[k]
+                    if through < cost[neighbour] - little:
+                        cost[neighbour] = through
+                        parent[neighbour] = node
+                        if waiting[neighbour] == 0:
+                            waiting[neighbour] = 1
+                            queue[last] = neighbour
+                            last = last + 1 if last < total else 0
             for k in range(begin, end + len(tails) if linked else end):
                 if k >= end:
                     tail, head = tails[k - end], heads[k - end]

@@ -318,6 +318,16 @@ def _cheaper_in_lattice(
     tail, bits, (i, j, h) = node
     row = (i & 1) * shape.directions
     other = across(shape, i, j, h)
+    if bits == ALL_INTERIOR:  # as most nodes have: no bits to look at
+        for k in range(shape.cross):
+            neighbour = other + offsets[row + k]
+            cheaper[count], cheaper[count + 1] = neighbour, k
+            count += 2 if enough + weights[k] < cost[neighbour] else 0
+        for k in range(shape.cross, INTERIOR_DIRECTIONS):
+            neighbour = tail + offsets[row + k]
+            cheaper[count], cheaper[count + 1] = neighbour, k
+            count += 2 if enough + weights[k] < cost[neighbour] else 0
+        return count
     for k in range(shape.cross):
         neighbour = other + offsets[row + k] if (bits >> k) & 1 else tail
         cheaper[count], cheaper[count + 1] = neighbour, k
