@@ -21,7 +21,7 @@ from abi.search import bellman_ford_kernels, best_first_kernels
 from abi.search.graph import Graph
 from abi.search.heuristic import Weight, metric
 from abi.search.heuristic_kernels import NO_METRIC, Metric
-from abi.search.search_kernels import Ends, Problem, measure_path
+from abi.search.search_kernels import Ends, Problem, places_along, reconstruct_path
 from abi.tet_mesh.adjacency_kernels import Links, OpenEdges
 
 
@@ -75,12 +75,13 @@ def search(algorithm: str, graph: Graph, weight: Weight) -> SearchResult:
     if math.isinf(least):
         reached = np.flatnonzero(np.isfinite(costs)).astype(np.int32)
         raise NoPath(reached, graph.free_nodes, graph.mesh.pitch)
+    vertices = read_only(reconstruct_path(parents, graph.goal))
     places, own = graph.mesh.points.reshape(-1), graph.own.reshape(-1)
-    vertices, points, lengths = measure_path(parents, graph.goal, places, own)
+    points, lengths = places_along(vertices, places, own)
     return SearchResult(
         algorithm=algorithm,
         weight=weight,
-        vertices=read_only(vertices),
+        vertices=vertices,
         points=read_only(points.reshape(-1, 3)),
         length=float(lengths.sum()),
         hops=len(vertices) - 1,

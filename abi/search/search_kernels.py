@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba.extending import register_jitable
 
 from abi.arrays import FloatArray, IntArray
 from abi.compiled import FLOATS, IDS, compiled
@@ -62,38 +61,6 @@ EXAMPLE = (
 @compiled(example=(IDS, 1), error_model="numpy")
 def reconstruct_path(parent: IntArray, goal: int) -> IntArray:
     """Nodes (k,) from the start, whose parent is -1, to the goal; by their parents (n,)."""
-    return _path(parent, goal)
-
-
-@compiled(example=(IDS, 1, FLOATS, FLOATS), error_model="numpy")
-def measure_path(
-    parent: IntArray, goal: int, places: FloatArray, own: FloatArray
-) -> tuple[IntArray, FloatArray, FloatArray]:
-    """That path and its measures.
-
-    Args:
-        parent: (n,) parents.
-        goal: its last node.
-        places: (3 m,) positions of the mesh's nodes, [unit], world.
-        own: (3 (n - m),) those of start and goal that are no nodes of it.
-
-    Returns:
-        Nodes (k,), their positions (3 k,) and the lengths of the edges (k - 1,), [unit], world.
-    """
-    found = _path(parent, goal)
-    points, lengths = np.empty(3 * len(found)), np.empty(len(found) - 1)
-    for k in range(len(found)):
-        at = 3 * found[k]
-        for axis in range(3):
-            beyond = at + axis - len(places)
-            points[3 * k + axis] = places[at + axis] if beyond < 0 else own[beyond]
-    for k in range(len(lengths)):
-        lengths[k] = distance(vec3_at(points, 3 * k + 3), vec3_at(points, 3 * k))
-    return found, points, lengths
-
-
-@register_jitable
-def _path(parent: IntArray, goal: int) -> IntArray:
     count = 1
     node = parent[goal]
     while node >= 0:
@@ -105,3 +72,20 @@ def _path(parent: IntArray, goal: int) -> IntArray:
         found[k] = node
         node = parent[node]
     return found
+
+
+@compiled(example=(IDS, FLOATS, FLOATS), error_model="numpy")
+def places_along(
+    path: IntArray, places: FloatArray, own: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Places (3 k,) of a path's nodes (k,), and lengths (k - 1,) of its edges, [unit], world.
+
+    By the places of the mesh's nodes (3 n,), and of start and goal that are no nodes of it.
+    """
+    points, lengths = np.empty(3 * len(path)), np.empty(len(path) - 1)
+    for k in range(3 * len(path)):
+        at = 3 * path[k // 3] + k % 3
+        points[k] = places[at] if at < len(places) else own[at - len(places)]
+    for k in range(len(lengths)):
+        lengths[k] = distance(vec3_at(points, 3 * k + 3), vec3_at(points, 3 * k))
+    return points, lengths
