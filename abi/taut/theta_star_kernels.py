@@ -102,15 +102,17 @@ def _tree(
     return _Tree(x, y, z, closed, cost, np.full(last + 1, first, np.int32))
 
 
-@register_jitable
-def _add_neighbours(
-    coarse: Shape, node: int, steps: IntArray, indptr: IntArray, indices: IntArray, near: list[int]
-) -> None:
-    """Add the neighbours of a node of the mesh to ``near``."""
+@register_jitable(forceinline=True)
+def _neighbours(
+    coarse: Shape, node: int, steps: IntArray, indptr: IntArray, indices: IntArray, near: IntArray
+) -> int:
+    """Write the neighbours of a node of the mesh to ``near``; their number."""
+    count = 0
     if coarse.kind == CSR:
         for k in range(indptr[node], indptr[node + 1]):
-            near.append(int(indices[k]))
-        return
+            near[count] = indices[k]
+            count += 1
+        return count
     a, b, c = cell(coarse, node)
     for k in range(INTERIOR_DIRECTIONS):
         sign = -1 if k < coarse.cross and a & 1 else 1
@@ -118,22 +120,26 @@ def _add_neighbours(
         j = b + sign * steps[3 * k + 1]
         h = c + sign * steps[3 * k + 2]
         if 0 <= i <= 2 * coarse.nx and 0 <= j <= 2 * coarse.ny and 0 <= h <= 2 * coarse.nz:
-            near.append(node_at(coarse, i, j, h))
+            near[count] = node_at(coarse, i, j, h)
+            count += 1
+    return count
 
 
 @register_jitable
-def _add_nodes_near(tree: _Tree, node: int, reach: float, near: list[int]) -> None:
-    """Add the nodes of the mesh that are near to start or goal to ``near``."""
+def _nodes_near(tree: _Tree, node: int, reach: float, near: IntArray) -> int:
+    """Write the nodes of the mesh that are near to start or goal to ``near``; their number."""
     x, y, z, _, _, _ = tree
-    p = (x[node], y[node], z[node])
+    p, count = (x[node], y[node], z[node]), 0
     for other in range(len(x) - 2):
         if distance(p, (x[other], y[other], z[other])) <= reach:
-            near.append(other)
+            near[count] = other
+            count += 1
+    return count
 
 
 @register_jitable
 def _visible_parent(
-    tree: _Tree, obstacles: tuple[FloatArray, FloatArray], node: int, near: list[int], most: float
+    tree: _Tree, obstacles: tuple[FloatArray, FloatArray], node: int, near: IntArray, most: float
 ) -> int:
     """The best expanded neighbour that a node sees, which sets the node's cost; or -1."""
     x, y, z, closed, cost, _ = tree
@@ -191,7 +197,7 @@ def any_angle(
     tree = _tree(adjacency, coarse, stride, excluded, ends)
     x, y, z, closed, cost, parent = tree
     (start, goal), (primitives, margins) = ends, obstacles
-    near = [0] * 0
+    near = np.empty(last + 1, np.int32)  # a list would be grown and freed for each node
     to_go = distance(start, goal)
     queue = [(to_go, to_go, first)]
     while len(queue) > 0 and closed[last] == 0:
@@ -199,28 +205,30 @@ def any_angle(
         if closed[node] == 1:
             continue
         p = (x[node], y[node], z[node])
-        near.clear()
         if node < first:
-            _add_neighbours(coarse, node, steps, indptr, indices, near)
+            count = _neighbours(coarse, node, steps, indptr, indices, near)
         else:
-            _add_nodes_near(tree, node, reach, near)
+            count = _nodes_near(tree, node, reach, near)
         if node == first or distance(p, goal) <= reach:
-            near.append(last)
+            near[count] = last
+            count += 1
         if node == last or distance(p, start) <= reach:
-            near.append(first)
+            near[count] = first
+            count += 1
         origin = int(parent[node])
         limits = (1 if origin == first else 0) + (2 if node == last else 0)
         limits *= len(primitives) // WIDTH
         if node != first and blocked(
             primitives, margins, limits, (x[origin], y[origin], z[origin]), p
         ):
-            origin = _visible_parent(tree, obstacles, node, near, most)
+            origin = _visible_parent(tree, obstacles, node, near[:count], most)
             if origin < 0:
                 continue  # until a neighbour that it sees is expanded
             parent[node] = origin
         closed[node] = 1
         so_far, p = cost[origin], (x[origin], y[origin], z[origin])
-        for other in near:
+        for k in range(count):
+            other = near[k] + 0  # as wide as the queue's
             if closed[other] == 1:
                 continue
             q = (x[other], y[other], z[other])
