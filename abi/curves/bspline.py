@@ -109,9 +109,9 @@ class BSpline(ShortRepr):
         t = clip(np.asarray(parameter, dtype=float), 0.0, 1.0)
         if order > self.degree:
             return np.zeros((*t.shape, 3))
-        points = np.empty(3 * t.size)
+        points, local = np.empty(3 * t.size), np.empty(3 * (self.degree + 1))
         spline = flat(self.knots), flat(self.control_points), self.degree
-        kernels.spline(*spline, flat(t), order, points)
+        kernels.spline(*spline, flat(t), order, local, points)
         return points.reshape(*t.shape, 3)
 
 
