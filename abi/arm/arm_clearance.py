@@ -259,10 +259,13 @@ def contacts_of(
     """
     contacts = []
     touches = measured.distance <= 0
+    if not touches.any():  # as most often of the arm itself
+        return ()
+    # no number is so low: where nothing is touched
+    numbers = np.where(touches, measured.number, np.iinfo(np.int32).min)
     for c in np.flatnonzero(touches.any(axis=0)).tolist():
-        # no number is so low: where nothing is touched
-        touched = np.where(touches[:, c], measured.number[:, c], np.iinfo(np.int32).min)
-        changes = np.flatnonzero(np.diff(touched)) + 1
+        touched = numbers[:, c]
+        changes = np.flatnonzero(touched[1:] != touched[:-1]) + 1
         for first, end in itertools.pairwise([0, *changes.tolist(), len(time)]):
             if touches[first, c]:
                 deepest = first + int(measured.distance[first:end, c].argmin())

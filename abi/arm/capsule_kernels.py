@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 from numba.extending import register_jitable
 
 from abi.arm.pose_kernels import CAPSULE, NO_NUMBERS, ArmNumbers, Pose, capsule_ends
@@ -58,7 +59,7 @@ def way(ends: FloatArray, k: int, before: int) -> float:
     return (1 + _ROUNDING) * max(distance(a, at_a), distance(b, at_b)) + _ROUNDING
 
 
-@compiled(example=(FLOATS, FLOATS, NO_OBSTACLES, 0.0, NEW_FLOATS, NEW_IDS))
+@compiled(example=(FLOATS, FLOATS, NO_OBSTACLES, 0.0, NEW_FLOATS, NEW_IDS), error_model="numpy")
 def capsule_clearances(
     ends: FloatArray,
     capsules: FloatArray,
@@ -82,8 +83,8 @@ def capsule_clearances(
     """
     moving, count = len(capsules) // CAPSULE, len(around.margins)
     rows = asked_rows(around, moving)
-    least_yet = [-math.inf] * moving  # what each capsule's clearance is not below
-    latest = [0] * moving  # what each capsule was nearest to
+    least_yet = np.full(moving, -np.inf)  # what each capsule's clearance is not below
+    latest = np.zeros(moving, np.int64)  # what each capsule was nearest to
     likely = 0  # the nearest capsule of the pose before
     for i in range(len(clearances) // moving):
         least, first = enough, likely
