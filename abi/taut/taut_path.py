@@ -222,4 +222,5 @@ def _shortest_clear(
 def polyline_length(points: FloatArray) -> float:
     """Length of the line through points (n, 3)."""
     # as a path of the graph is measured: to the last bit the same for the same points
-    return float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
+    legs = points[1:] - points[:-1]
+    return float(np.sqrt((legs * legs).sum(axis=1)).sum())
