@@ -94,6 +94,21 @@ def test_another_type_is_an_error_and_not_compiled_for(
         kernel(np.zeros((2, 2)), np.zeros(2))
 
 
+def test_a_user_s_kernel_does_the_same_and_is_not_checked(
+    kernel: Kernel[..., float], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(globals(), "helper", numba.njit(helper))
+    monkeypatch.setattr(Kernel, "check_types", False)
+    kernel.compile()
+    assert kernel.compiled
+    found = np.zeros(3)
+    assert kernel(np.array([1.0, 2.0, math.inf]), found) == 3
+    np.testing.assert_array_equal(found, [2, 4, math.inf])
+    # not by numba's look at all types, but as one that cannot be read as what is asked for
+    with pytest.raises(TypeError):
+        kernel(np.zeros(3, np.float32), found)
+
+
 def test_a_stamp_changes_with_what_is_compiled_and_with_nothing_else(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
