@@ -42,7 +42,7 @@ class _Labels(NamedTuple):
     """Knowledge of the nodes: cost, parent, and whether that was looked at since it changed.
 
     And what is left to the goal by the heuristic, once the cost is finite: in a lattice that takes
-    as long as to look at a node's edges, and most nodes are queued more than once.
+    as long as to look at its edges, and nodes are queued about twice.
     """
 
     cost: FloatArray
