@@ -37,7 +37,7 @@ class ArmPanel:
             arm.clearance,
             min=0.0,
             step=0.05,
-            hint="Distance that the links keep from the obstacles.",
+            hint="Distance that the links keep from the obstacles. 0 or more.",
         )
         self.base = gui.add_vector3(
             "base [{unit}]", arm.base, step=0.1, hint="Where the arm stands: x, y, z."
@@ -68,20 +68,20 @@ class ArmPanel:
             "pedestal, column [{unit}]",
             (arm.a1, arm.a2),
             step=0.1,
-            hint="Heights; together the shoulder's.",
+            hint="Heights; together the shoulder's. Both above 0.",
         )
         self.links = gui.add_vector3(
             "upper arm, forearm, slide [{unit}]",
             (arm.a3, arm.a4, arm.a5),
             step=0.1,
-            hint="Lengths of the links.",
+            hint="Lengths of the links. All above 0.",
         )
         self.extension = gui.add_number(
             "slide at start [{unit}]",
             arm.q5,
             min=0.0,
             step=0.1,
-            hint="How far the slide is extended at 0 s.",
+            hint="How far the slide is extended at 0 s. 0 or more.",
         )
         self.dynamics = Choice(
             gui,
@@ -97,10 +97,16 @@ class ArmPanel:
             hint="Torque of the wrist, force of the slide, torque of the gripper.",
         )
         self.masses = gui.add_vector3(
-            "their masses [kg]", arm.masses, step=0.1, hint="Of wrist, slide and gripper."
+            "their masses [kg]",
+            arm.masses,
+            step=0.1,
+            hint="Of wrist, slide and gripper. All above 0.",
         )
         self.radii = gui.add_vector3(
-            "radii of gyration [{unit}]", arm.radii, step=0.1, hint="Of wrist, slide and gripper."
+            "radii of gyration [{unit}]",
+            arm.radii,
+            step=0.1,
+            hint="Of wrist, slide and gripper. All above 0.",
         )
 
     def read(self) -> dict[str, Any]:

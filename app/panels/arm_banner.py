@@ -124,10 +124,21 @@ def _remark(plan: Plan) -> str:
     touches = plan.arm_clearance is not None and plan.arm_clearance.contacts
     if touches and _follows_clear(plan):
         return "Only the tool's path avoids obstacles."
+    if not touches and _follows_clear(plan) and _is_driven_too_far(plan):
+        return "Its drive in stage 6 is too strong for so long a motion."
     passed = len(plan.limits_passed)
     if not touches and _follows_clear(plan) and passed > 1:
         return f"{passed} limits are passed in all; Plots shows the joints."
     return ""
+
+
+def _is_driven_too_far(plan: Plan) -> bool:
+    """Check whether a joint of the paper's arm passes its limit that a constant force moves."""
+    worst, arm = worst_limit(plan), plan.scene.arm
+    if worst is None or worst.quantity != "position" or arm.model != "abi":
+        return False
+    forces = dict(zip(("q4", "q5", "q6"), arm.forces, strict=True))
+    return forces.get(worst.joint, 0.0) != 0
 
 
 def _kept_clearance(plan: Plan) -> float:

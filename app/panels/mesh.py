@@ -10,9 +10,10 @@ from abi.scene.lattices import LATTICES
 from abi.scene.scene import Scene
 from app.frame import Frame
 from app.panels.fields import Fields
-from app.panels.widgets import Choice, Wake, clamp
+from app.panels.widgets import Choice, Wake, clamp, range_hint
 
 _LABELS = {kind.label: name for name, kind in LATTICES.items()}
+_SPACING = "Distance between neighbouring nodes. Halving it gives eight times as many."
 
 
 class MeshPanel:
@@ -29,14 +30,13 @@ class MeshPanel:
             high,
             step,
             clamp(scene.mesh.pitch, low, high),
-            hint="Distance between neighbouring nodes. Halving it gives eight times as many.",
         )
         self.seed = gui.add_number(
             "seed",
             scene.mesh.seed,
             min=0,
             step=1,
-            hint="Another number gives another irregular grid.",
+            hint="Another number gives another irregular grid. A whole one, 0 or more.",
         )
         widgets = {"lattice": self.lattice, "pitch": self.pitch, "seed": self.seed}
         self._fields = Fields({f"mesh.{name}": one for name, one in widgets.items()}, wake)
@@ -47,6 +47,7 @@ class MeshPanel:
         """Show ``scene``."""
         low, high, step = _pitch_range(scene)
         self.pitch.min, self.pitch.max, self.pitch.step = low, high, step
+        self.pitch.hint = range_hint(_SPACING, low, high, scene.unit)
         self._fields.write(scene)
         self._show_seed(scene)
 

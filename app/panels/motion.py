@@ -56,19 +56,19 @@ class MotionPanel:
             "their speeds and accelerations.",
         )
         self.speed = gui.add_number(
-            "speed [{unit}/s]", 1.0, step=0.1, hint="Of the tool, once it has sped up."
+            "speed [{unit}/s]", 1.0, step=0.1, hint="Of the tool, once it has sped up. Above 0."
         )
         self.rates = gui.add_vector2(
             "speed up, brake [{unit}/s²]",
             (1.0, 1.0),
             step=0.1,
-            hint="Acceleration from rest, and deceleration to rest.",
+            hint="Acceleration from rest, and deceleration to rest. Both above 0.",
         )
         self.joint_acceleration = gui.add_number(
-            "joints [rad/s²]", 1.0, step=0.1, hint="Largest acceleration of any joint."
+            "joints [rad/s²]", 1.0, step=0.1, hint="Largest acceleration of any joint. Above 0."
         )
         self.jerk = gui.add_number(
-            "jerk [{unit}/s³]", 1.0, step=1.0, hint="Largest jerk of the tool."
+            "jerk [{unit}/s³]", 1.0, step=1.0, hint="Largest jerk of the tool. Above 0."
         )
         self._shown = ""
         widgets = {

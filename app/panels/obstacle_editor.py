@@ -24,6 +24,7 @@ from abi.scene.scene import Scene
 from app import notices
 from app.frame import Frame
 from app.labels import sentence
+from app.numbers import format_setting
 from app.panels.end_gizmos import EndGizmos
 from app.panels.free_place import Bounds, free_place
 from app.panels.length_step import length_step
@@ -38,6 +39,8 @@ _FORESEEN = "mesh.stl"
 """Name of a mesh that is only drawn yet."""
 _FIELDS = ("obstacles", "start", "goal")
 """Fields of a scene that are typed here."""
+
+_END_HINT = "The gripper's {}: x, y and z."
 
 
 class ObstacleEditor:
@@ -58,7 +61,7 @@ class ObstacleEditor:
         gui = client.gui
         self._obstacles, self._ends = obstacles, ends
         self._end_boxes = {
-            name: VectorBox(gui, name, 0.1, f"The gripper's {name}: x, y and z.", wake)
+            name: VectorBox(gui, name, 0.1, _END_HINT.format(name), wake)
             for name in ("start", "goal")
         }
         self.choice = gui.add_dropdown(
@@ -80,7 +83,7 @@ class ObstacleEditor:
         self._pressed = False
         self._added: list[Bounds] = []
         self.choice.on_update(wake)
-        self._fitted = ("", 0.0)
+        self._fitted: tuple[object, ...] = ()
         self._wake = wake
         self.buttons.on_click(self._note_press)
 
@@ -201,9 +204,11 @@ class ObstacleEditor:
     def _fit_boxes(self, scene: Scene) -> None:
         """Name the unit of the scene's lengths in the labels; their steps follow the workspace."""
         unit, step = scene.unit, length_step(scene)
-        if (unit, step) == self._fitted:
+        if (unit, step, scene.workspace) == self._fitted:
             return
-        self._fitted = unit, step
+        self._fitted = unit, step, scene.workspace
+        for name, box in self._end_boxes.items():
+            box.handle.hint = f"{_END_HINT.format(name)} {_ranges(scene)}"
         for name, box in {**self._end_boxes, "position": self._position}.items():
             box.handle.label = f"{name} [{unit}]"
             box.handle.step = step
@@ -307,6 +312,15 @@ class ObstacleEditor:
         position = position - growth * SO3(np.asarray(gizmo.wxyz)).apply(middle)
         if np.isfinite(position).all():
             gizmo.position = position
+
+
+def _ranges(scene: Scene) -> str:
+    """Ranges of the workspace's coordinates as a sentence."""
+    ranges = (
+        f"{axis} from {format_setting(low)} to {format_setting(high)}"
+        for axis, low, high in zip("xyz", scene.workspace.min, scene.workspace.max, strict=True)
+    )
+    return f"In the workspace: {', '.join(ranges)} {scene.unit}."
 
 
 def _degrees(wxyz: Any) -> Vec3 | None:

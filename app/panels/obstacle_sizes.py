@@ -16,13 +16,18 @@ class ObstacleSizes:
     """One widget for each size that a shape can have; those of other shapes are hidden."""
 
     def __init__(self, gui: viser.GuiApi, wake: Wake) -> None:
-        self.size = gui.add_vector3("size", (1.0, 1.0, 1.0), step=0.1, hint="Edge lengths.")
-        self.radius = gui.add_number("radius", 1.0, step=0.1)
+        self.size = gui.add_vector3(
+            "size", (1.0, 1.0, 1.0), step=0.1, hint="Edge lengths, all above 0."
+        )
+        self.radius = gui.add_number("radius", 1.0, step=0.1, hint="Above 0.")
         self.height = gui.add_number(
-            "height", 1.0, step=0.1, hint="Of a capsule, from the centre of one cap to the other's."
+            "height",
+            1.0,
+            step=0.1,
+            hint="Above 0. Of a capsule, from the centre of one cap to the other's.",
         )
         self.scale = gui.add_number(
-            "scale", 1.0, step=0.1, hint="Factor for the lengths in the file."
+            "scale", 1.0, step=0.1, hint="Factor for the lengths in the file. Above 0."
         )
         self.unit = gui.add_dropdown("file is in", tuple(_UNITS), hint="The unit of the file.")
         for box in (self.size, self.radius, self.height, self.scale):

@@ -41,6 +41,9 @@ KEYS = """
 
 Drag with the left mouse button to turn the scene, with the right one to shift it; the wheel zooms.
 Obstacles, start and goal can be dragged directly or by their arrows.
+
+A number box takes digits, one point and a minus, but no 1e6. What is out of its range, which it
+tells under the pointer, it leaves out.
 """
 
 

@@ -6,7 +6,9 @@ import viser
 
 from abi.scene.scene import Scene
 from app.panels.fields import Fields
-from app.panels.widgets import Wake, clamp
+from app.panels.widgets import Wake, clamp, range_hint
+
+_CLEARANCE = "Distance that path and curve keep from every obstacle."
 
 
 class SplinePanel:
@@ -19,7 +21,7 @@ class SplinePanel:
             5,
             1,
             scene.spline.degree,
-            hint="Of the curve's polynomials; the paper uses 3 and 4.",
+            hint="Of the curve's polynomials; the paper uses 3 and 4. From 2 to 5.",
         )
         high = _max_clearance(scene)
         self.clearance = gui.add_slider(
@@ -28,7 +30,6 @@ class SplinePanel:
             high,
             high / 100,
             clamp(scene.spline.clearance, 0.0, high),
-            hint="Distance that path and curve keep from every obstacle.",
         )
         widgets = {"spline.degree": self.degree, "spline.clearance": self.clearance}
         self._fields = Fields(widgets, wake)
@@ -39,6 +40,7 @@ class SplinePanel:
         """Show ``scene``."""
         high = _max_clearance(scene)
         self.clearance.max, self.clearance.step = high, high / 100
+        self.clearance.hint = range_hint(_CLEARANCE, 0.0, high, scene.unit)
         self._fields.write(scene)
 
 

@@ -10,6 +10,7 @@ import viser
 
 from abi.errors import SceneError
 from abi.obstacles.pose import Vec3
+from app.numbers import format_setting
 
 Wake = Callable[[Any], None]
 """Callback of every widget: it wakes the tab's worker."""
@@ -18,6 +19,15 @@ _Value = TypeVar("_Value")
 DIGITS = 6
 """Decimals that a box takes; by default those of its first value."""
 _SHOWN_DIGITS = 3
+
+
+def range_hint(hint: str, low: float, high: float, unit: str = "") -> str:
+    """A hint, and the range of the box that it belongs to.
+
+    A box leaves out what is typed beyond its range, and does not say so.
+    """
+    end = f"{format_setting(high)} {unit}".rstrip()
+    return f"{hint} From {format_setting(low)} to {end}."
 
 
 def pressed(button: viser.GuiButtonHandle) -> bool:

@@ -41,6 +41,8 @@ def test_an_arm_that_is_proven_clear_has_no_banner(tab: tuple[FakeTab, Session],
     [
         ("paper", _TOO_NEAR, "Links too near: 0.112 cm of the 0.5 cm wanted; the gripper"),
         ("kitchen-ur5e", _TOO_FAST, "elbow_joint passes its acceleration limit of 4 rad/s²"),
+        ("paper", {"motion": {"speed": 2.0}}, "q6 passes its limit of 360° at"),
+        ("paper", {"motion": {"speed": 2.0}}, "Its drive in stage 6 is too strong"),
         ("wall-with-window", {}, "The slide goes 0.549 cm into obstacle 2 at 2.05 s."),
     ],
 )

@@ -11,7 +11,10 @@ from abi.planner.plan import Plan
 from app.layers.headline import headline
 from app.layers.stage_numbers import stage_numbers
 from app.layers.tables import _searches, _stages
+from app.numbers import format_setting
 from app.panels.stage_headers import STAGES
+from app.session import Session
+from tests.app.fake_tab import FakeTab, until
 
 NAMED = {"search", "stage"}
 """Headings over names."""
@@ -62,3 +65,25 @@ def test_the_ends_of_the_quadratic_are_exact() -> None:
     assert numbers["off start and goal"] == "0.000 cm"
     assert numbers["top speed"] == "4.000 cm/s"
     assert numbers["speed up, cruise, brake"] == "0.67 + 2.19 + 0.67 s"
+
+
+def test_each_number_box_tells_its_range(tab: tuple[FakeTab, Session]) -> None:
+    fake, session = tab
+    fake.set(session.panels.files.choice, "kitchen-ur5e")
+    until(lambda: session.frame.plan.scene == abi.load_scene("kitchen-ur5e") and session.resting)
+    stages, editor = session.panels.stages, session.panels.editor
+    pitch = stages.mesh.pitch
+    assert pitch.hint is not None
+    assert pitch.hint.endswith(
+        f" From {format_setting(pitch.min)} to {format_setting(pitch.max)} m."
+    )
+    until(lambda: "x from −0.5 to 0.5" in (editor._end_boxes["goal"].handle.hint or ""))
+    arm, motion, sizes = stages.arm, stages.motion, editor.sizes
+    lengths = (arm.columns, arm.links, arm.masses, arm.radii)
+    rates = (motion.speed, motion.rates, motion.joint_acceleration, motion.jerk)
+    for box in (*lengths, *rates, sizes.size, sizes.radius, sizes.height, sizes.scale):
+        assert "above 0" in (box.hint or "").lower()
+    for hint in (arm.clearance.hint, arm.extension.hint, stages.mesh.seed.hint):
+        assert "0 or more" in (hint or "")
+    for slider in (pitch, stages.spline.degree, stages.spline.clearance):
+        assert re.search(r"From \S+ to \S+", slider.hint or "")
