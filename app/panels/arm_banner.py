@@ -89,7 +89,7 @@ def _follows_clear(plan: Plan) -> bool:
 
 
 def _fault(plan: Plan) -> tuple[str, str] | None:
-    """Sentence on the worst fault, and the sign before it; None for none."""
+    """Sentence on the worst fault, and the sign behind it; None for none."""
     motion, clearance, unit = plan.motion, plan.arm_clearance, plan.scene.unit
     if plan.error is not None or motion is None or clearance is None:
         return None
@@ -156,7 +156,7 @@ def _kept_clearance(plan: Plan) -> float:
 def _card(fault: tuple[str, str], remark: str, buttons: str = "") -> str:
     sentence, sign = fault
     look = "abi-card abi-error" if sign == "✗" else "abi-card"
-    text = f"<b>{sign} {html.escape(sentence)}</b> {remark}".strip()
+    text = f"<b>{html.escape(sentence)} {sign}</b> {remark}".strip()
     if buttons:
         text += f'<div class="abi-buttons" style="margin-top:4px">{buttons}</div>'
     return f'<div class="{look}" role="status">{text}</div>'

@@ -59,7 +59,7 @@ def test_what_only_the_arms_stage_told_is_over_the_scene(
 def test_a_button_takes_the_link_clearance_that_is_kept(tab: tuple[FakeTab, Session]) -> None:
     fake, session = tab
     fake.set(session.panels.stages.arm.clearance, 0.5)
-    until(lambda: "✗ Links too near" in _told(session) and session.resting)
+    until(lambda: "Links too near" in _told(session) and session.resting)
     assert "Set link clearance to 0.11 cm" in _told(session)
     fake.set(session.panels.messages.banner.nearer, True)
     until(lambda: session.frame.plan.is_arm_clear and session.resting)
