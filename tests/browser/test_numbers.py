@@ -60,8 +60,8 @@ def test_arrow_keys_move_the_pitch_step_by_step(page: Page, session: Session) ->
 
 
 def test_a_bad_speed_says_why_and_keeps_the_plan(page: Page, session: Session) -> None:
-    page.set_number(SPEED, 3.5)
-    page.until(lambda: _scene(session).motion.speed == 3.5, "the first speed")
+    page.set_number(SPEED, 2)
+    page.until(lambda: _scene(session).motion.speed == 2, "the first speed")
     page.until(lambda: drawn.shows(page, session.plan), "its picture")
     good = session.plan
     places = [_place(page, heading) for heading in ("4 · B-spline", "5 · Quadratic", "6 · Arm")]
@@ -78,14 +78,14 @@ def test_a_bad_speed_says_why_and_keeps_the_plan(page: Page, session: Session) -
     ]
     assert drawn.shows(page, good)
 
-    page.set_number(SPEED, 3.625)
+    page.set_number(SPEED, 2.125)
     page.until(lambda: page.complaints() == [], "no complaint")
-    assert _scene(session).motion.speed == 3.625
+    assert _scene(session).motion.speed == 2.125
 
 
 def test_what_is_no_number_is_ignored(page: Page, session: Session) -> None:
-    page.set_number(SPEED, 3.5)
-    page.until(lambda: _scene(session).motion.speed == 3.5, "the first speed")
+    page.set_number(SPEED, 2)
+    page.until(lambda: _scene(session).motion.speed == 2, "the first speed")
     for rate, bad in enumerate(("", "abc", "-"), start=3):
         box = page.row(SPEED).locator("input:visible")
         box.fill("")
@@ -95,7 +95,7 @@ def test_what_is_no_number_is_ignored(page: Page, session: Session) -> None:
         # What was typed later arrives later: were there an answer to the first, it would be seen.
         page.set_number(RATES, rate)
         page.until(lambda rate=rate: _scene(session).motion.acceleration == rate, "the later one")  # type: ignore[misc]
-        assert _scene(session).motion.speed == 3.5
+        assert _scene(session).motion.speed == 2
         assert page.complaints() == []
     page.set_number(RATES, 7.625, 1)
     page.until(lambda: _scene(session).motion.deceleration == 7.625, "the braking")
