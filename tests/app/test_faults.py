@@ -142,6 +142,7 @@ def test_sigterm_tells_the_tabs_and_ends_with_0() -> None:
     until(lambda: any("stage" in text for text in texts))
     process.send_signal(signal.SIGTERM)
     _, err = process.communicate(timeout=30)
+    until(lambda: any("The server has stopped" in text for text in texts))
     fake.close()
     assert process.returncode == 0
     assert "Traceback" not in err
@@ -149,7 +150,6 @@ def test_sigterm_tells_the_tabs_and_ends_with_0() -> None:
         ["tab", "opened"],
         ["tab", "closed"],
     ]
-    assert any("The server has stopped" in text for text in texts)
 
 
 class _ReadingTab(FakeTab):
