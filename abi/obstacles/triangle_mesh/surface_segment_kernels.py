@@ -24,6 +24,9 @@ from abi.obstacles.triangle_mesh.surface_tables_kernels import (
 from abi.obstacles.triangle_mesh.triangle_kernels import point_to_triangle, triangle_at
 from abi.obstacles.vector_kernels import Vec3, axpy, distance, norm, sub
 
+_FINE = 1 / 8
+"""Part of the grid's step within which its bounds are about the same."""
+
 
 @register_jitable
 def distance_along(tables: SurfaceTables, p: Vec3, q: Vec3, most: float, room: Room) -> float:
@@ -106,10 +109,11 @@ def bounds_along(
 def _bound_samples(tables: SurfaceTables, p: Vec3, q: Vec3, most: float, room: Room) -> float:
     """Bound the signed distances of the samples from below, and return the least bound from above.
 
-    Samples beside one that is far above ``most`` are bounded by that one.
+    Samples beside one that is far above ``most``, or very near to it, are bounded by that one.
     """
     d = sub(q, p)
     step, upper, far = norm(d) / SAMPLES, math.inf, 0
+    fine = _FINE * tables.grid.step
     for k in range(SAMPLES + 1):
         room.known[k] = False
         if far > 0:
@@ -117,8 +121,8 @@ def _bound_samples(tables: SurfaceTables, p: Vec3, q: Vec3, most: float, room: R
             continue
         lower, high = distance_bounds(tables.grid, axpy(k / SAMPLES, d, p))
         room.samples[k], upper = lower, min(upper, high)
-        if lower - most > step > 0.0:
-            far = int(min((lower - most) / step, SAMPLES)) - 1
+        if step > 0.0:
+            far = int(min(max((lower - most) / step - 1.0, fine / step), SAMPLES))
     return upper
 
 
