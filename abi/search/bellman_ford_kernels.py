@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
+from numba.extending import register_jitable
 
-from abi.arrays import FloatArray, IntArray
+from abi.arrays import ByteArray, FloatArray, IntArray
 from abi.compiled import compiled
 from abi.search.search_kernels import EXAMPLE, LITTLE, Problem
 from abi.tet_mesh.adjacency_kernels import (
@@ -71,12 +72,8 @@ def bellman_ford(problem: Problem) -> tuple[FloatArray, IntArray, IntArray, int]
                     neighbour = (other if k < cross else node) + offsets[row + k]
                     through = so_far + weights[k]
                     if through < cost[neighbour] - little:
-                        cost[neighbour] = through
-                        parent[neighbour] = node
-                        if waiting[neighbour] == 0:
-                            waiting[neighbour] = 1
-                            queue[last] = neighbour
-                            last = last + 1 if last < total else 0
+                        cost[neighbour], parent[neighbour] = through, node
+                        last = _queued(neighbour, waiting, queue, last)
             for k in range(begin, end + len(tails) if linked else end):
                 if k >= end:
                     tail, head = tails[k - end], heads[k - end]
@@ -94,10 +91,15 @@ def bellman_ford(problem: Problem) -> tuple[FloatArray, IntArray, IntArray, int]
                     continue
                 through = so_far + weight
                 if through < cost[neighbour] - little:
-                    cost[neighbour] = through
-                    parent[neighbour] = node
-                    if waiting[neighbour] == 0:
-                        waiting[neighbour] = 1
-                        queue[last] = neighbour
-                        last = last + 1 if last < total else 0
+                    cost[neighbour], parent[neighbour] = through, node
+                    last = _queued(neighbour, waiting, queue, last)
     return cost, parent, order[:expanded], relaxed
+
+
+@register_jitable(forceinline=True)
+def _queued(node: int, waiting: ByteArray, queue: IntArray, last: int) -> int:
+    """Put a node at the end of the ring unless it waits there; the place after the last node."""
+    if waiting[node] == 1:
+        return last
+    waiting[node], queue[last] = 1, node
+    return last + 1 if last + 1 < len(queue) else 0

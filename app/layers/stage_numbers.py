@@ -29,7 +29,7 @@ def _mesh(plan: Plan) -> list[Number]:
         (
             format_count(plan.free.tetrahedra_kept),
             "tetrahedra",
-            "With all four corners free; together they fill the free space.",
+            "What is left of the mesh: those with all four corners free.",
         ),
         (
             format_count(removed),

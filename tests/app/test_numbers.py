@@ -132,6 +132,7 @@ def test_every_sentence_has_the_same_minus_sign() -> None:
     made = plan(scene.replace(motion=fast))
     assert made.motion is not None
     negative = [one for one in made.limits_passed if one.limit < 0]
+    assert negative
     for violation in negative:
         assert "-" not in limit_sentence(violation, made.motion, "m").replace("three-", "")
     assert format_setting(-12_345.0) == "−12,345"

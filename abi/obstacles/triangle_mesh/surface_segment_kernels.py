@@ -128,7 +128,7 @@ def _bound_samples(tables: SurfaceTables, p: Vec3, q: Vec3, most: float, room: R
 
 @register_jitable
 def _least_inside(tables: SurfaceTables, p: Vec3, q: Vec3, most: float, room: Room) -> float:
-    """The lower bound above; ``most`` where that is less."""
+    """The lower bound of :func:`least_distance`; ``most`` where that is less."""
     d = sub(q, p)
     step = norm(d) / SAMPLES
     samples, known = room.samples, room.known

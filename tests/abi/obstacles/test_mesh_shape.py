@@ -20,6 +20,8 @@ from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.primitives import Box, Sphere
 from abi.obstacles.triangle_mesh.repair import clean
 from abi.obstacles.triangle_mesh.surface import Surface
+from abi.obstacles.triangle_mesh.surface_segment_kernels import bounds_along
+from abi.obstacles.triangle_mesh.surface_tables_kernels import new_room, to_surface
 from abi.scene.settings import MeshSettings, Workspace
 from abi.tet_mesh.exclusion import exclude
 from abi.tet_mesh.tet_mesh import tetrahedralise
@@ -156,6 +158,23 @@ def test_bounds_of_the_grid_hold_the_distance(name: str, seed: int) -> None:
     exact = shape.signed_distance(points)
     assert (lower <= exact).all()
     assert (exact <= upper).all()
+
+
+@settings(max_examples=20)
+@given(names, seeds)
+def test_bounds_of_the_grid_hold_the_distance_along_a_segment(name: str, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    shape, room = MeshShape.of(SURFACES[name]), new_room()
+    tables, placement = shape.placed
+    p = around(shape, rng, 10)
+    q = p + rng.normal(size=p.shape) * size(shape) * 10.0 ** rng.uniform(-3, 0, (len(p), 1))
+    q[0] = p[0]
+    exact = shape.segment_distance(p, q) / placement.factor
+    for k, most in enumerate(exact + rng.normal(size=len(p)) * tables.grid.step):
+        begin, end = (to_surface(placement, tuple(x[k].tolist())) for x in (p, q))
+        lower, upper = bounds_along(tables, begin, end, most, room)
+        assert lower <= exact[k] + 1e-8 * tables.extent
+        assert upper >= exact[k] - 1e-8 * tables.extent
 
 
 @settings(max_examples=30)
