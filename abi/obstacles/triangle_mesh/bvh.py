@@ -10,12 +10,13 @@ from numba.extending import register_jitable
 
 from abi.arrays import FloatArray, IntArray, flat, read_only
 from abi.compiled import FLOATS, IDS
-from abi.obstacles.triangle_mesh.bvh_kernels import order_of_leaves, slabs_of_nodes
+from abi.obstacles.triangle_mesh.bvh_kernels import slabs_of_nodes
+from abi.obstacles.triangle_mesh.leaf_order_kernels import order_of_leaves
 from abi.obstacles.triangle_mesh.per_surface import PerSurface
 from abi.obstacles.triangle_mesh.surface import Surface
 from abi.obstacles.vector_kernels import Vec3, axpy, dot, vec3_at
 
-_LEAF = 4  # triangles that a leaf has, about: fewer cost memory, more cost tests
+_LEAF = 4  # triangles that a leaf has, at least, in the mean: fewer cost memory, more cost tests
 
 
 class TriangleTree(NamedTuple):
@@ -74,17 +75,17 @@ def highest_in_slab(tree: TriangleTree, node: int, direction: Vec3) -> float:
 
 
 def build_tree(triangles: FloatArray) -> TriangleTree:
-    """Build the tree over triangles (m, 3, 3): halve each box at the median of its widest axis."""
+    """Build the tree over triangles (m, 3, 3); see :mod:`leaf_order_kernels` where it is cut."""
     count = len(triangles)
     depth = max(0, int(np.log2(max(count / _LEAF, 1))))
-    order = np.empty(count, dtype=np.int32)
-    order_of_leaves(flat(triangles.mean(axis=1)), depth, np.empty(count), order)
-    leaves = count * np.arange(2**depth + 1) // 2**depth
+    order, leaves = np.empty(count, dtype=np.int32), np.empty(2**depth + 1, dtype=np.int32)
+    own = np.concatenate([triangles.min(axis=1), triangles.max(axis=1)], axis=1)
+    order_of_leaves(flat(own), np.empty(count), order, leaves)
     sorted_ = triangles[order]
     low = np.minimum.reduceat(sorted_.min(axis=1), leaves[:-1])
     high = np.maximum.reduceat(sorted_.max(axis=1), leaves[:-1])
     boxes = np.concatenate([of_all_nodes(low, np.min), of_all_nodes(high, np.max)], axis=1)
-    begins, corners = read_only(leaves.astype(np.int32)), read_only(sorted_.ravel())
+    begins, corners = read_only(leaves), read_only(sorted_.ravel())
     return TriangleTree(
         read_only(boxes.ravel()),
         begins,
@@ -120,15 +121,6 @@ def _slabs(leaves: IntArray, corners: FloatArray) -> FloatArray:
     slabs = np.zeros(5 * (2 * len(leaves) - 3))
     slabs_of_nodes(leaves, corners, slabs)
     return read_only(slabs)
-
-
-def coarser(tree: TriangleTree) -> TriangleTree:
-    """The tree without its last level: leaves have twice as many triangles."""
-    count = len(tree.leaves) - 1
-    if count == 1:
-        return tree
-    boxes, slabs = tree.boxes[: -6 * count], tree.slabs[: -5 * count]
-    return TriangleTree(boxes, read_only(tree.leaves[::2].copy()), tree.corners, slabs, tree.size)
 
 
 class Dipoles(NamedTuple):

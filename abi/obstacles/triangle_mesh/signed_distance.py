@@ -11,7 +11,7 @@ import numpy as np
 
 from abi.arrays import FloatArray, read_only
 from abi.obstacles.pose import Quaternion, Vec3, rotation
-from abi.obstacles.triangle_mesh.bvh import Dipoles, TriangleTree, coarser, dipoles, moved, tree_of
+from abi.obstacles.triangle_mesh.bvh import Dipoles, TriangleTree, dipoles, moved, tree_of
 from abi.obstacles.triangle_mesh.distance_grid_kernels import DistanceGrid, grid_values
 from abi.obstacles.triangle_mesh.per_surface import PerSurface
 from abi.obstacles.triangle_mesh.rounding import error_of_distances
@@ -42,8 +42,7 @@ class BodyFrame:
         low, high = surface.vertices.min(axis=0), surface.vertices.max(axis=0)
         self.centre: FloatArray = read_only((low + high) / 2)
         self.scale = float(2.0 ** -np.round(np.log2(surface.extent)))
-        # searches for the nearest triangle are quickest with about 8 triangles in a leaf
-        tree = coarser(moved(tree_of(surface), self.centre, self.scale))
+        tree = moved(tree_of(surface), self.centre, self.scale)
         far_field = dipoles(tree)
         error = error_of_distances(tree.corners.reshape(-1, 3, 3))
         extent = surface.extent * self.scale
