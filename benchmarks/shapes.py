@@ -43,6 +43,7 @@ _EXTENT = 2.5
 _ROOM_EXTENT = 4.8
 _ROOM_WALLS = (4, 8)
 _FRAMES = 7
+_GOALS = 21
 _SAMPLE = 1_500
 _ROUNDING = 1e-5  # FCL's, of a capsule's distance
 
@@ -136,8 +137,8 @@ class _Case:
             frames.append(1e3 * (time.process_time() - begin))
             without.append(sum(ms for stage, ms in plan.ms.items() if stage in _OF_A_FRAME))
         goals, goals_without = [], []
-        for k in range(_FRAMES):
-            moved = scene.replace(goal=(5.8 - 0.05 * k, 5.7, 5.5))
+        for k in range(_GOALS):
+            moved = scene.replace(goal=(5.8 - 0.35 / _GOALS * k, 5.7, 5.5))
             begin = time.process_time()
             plan = planner(moved, chosen_only=True)
             goals.append(1e3 * (time.process_time() - begin))
