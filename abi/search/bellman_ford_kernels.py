@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numba.extending import register_jitable
 
 from abi.arrays import ByteArray, FloatArray, IntArray
+from abi.compilation.borrowed import borrowed, held
 from abi.compiled import compiled
 from abi.search.search_kernels import EXAMPLE, LITTLE, Problem
 from abi.tet_mesh.adjacency_kernels import (
@@ -17,6 +20,22 @@ from abi.tet_mesh.adjacency_kernels import (
     cell,
     ones,
 )
+
+
+class _Labels(NamedTuple):
+    """Knowledge of the nodes.
+
+    Attributes:
+        cost: (n,) from the start, so far.
+        parent: (n,) node before.
+        waiting: (n,) whether it waits for its turn.
+        order: nodes in their turns; those that had theirs stay.
+    """
+
+    cost: FloatArray
+    parent: IntArray
+    waiting: ByteArray
+    order: IntArray
 
 
 @compiled(example=EXAMPLE, error_model="numpy")
@@ -35,71 +54,78 @@ def bellman_ford(problem: Problem) -> tuple[FloatArray, IntArray, IntArray, int]
     total = nodes + ends.own
     cost, parent = np.full(total, np.inf), np.empty(total, np.int32)
     waiting = np.zeros(total, np.uint8)
-    # a ring: no node waits twice, so it never overflows
-    queue = np.empty(total + 1, np.int32)
-    order = np.empty(total, np.int32)
-    expanded, relaxed = 0, 0
+    most = shape.most + len(tails)
+    order = np.empty(total + most, np.int32)
+    # how many had their turn, and how many have or had a place in the order
+    expanded, last, relaxed = 0, 1, 0
     little = LITTLE * largest
-    cost[ends.start], parent[ends.start], queue[0] = 0.0, -1, ends.start
-    first, last = 0, 1
-    while first != last:
-        if expanded == len(order):
+    cost[ends.start], parent[ends.start], order[0] = 0.0, -1, ends.start
+    while expanded < last:
+        if last + most > len(order):
             order = np.concatenate((order, np.empty_like(order)))
-        # an array that grew in this loop would be counted in and out at each turn
-        while first != last and expanded < len(order):
-            node = queue[first]
-            first = first + 1 if first < total else 0
+        own = _Labels(cost, parent, waiting, order)
+        labels = borrowed(own)
+        while expanded < last and last + most <= len(order):
+            node = order[expanded]
             waiting[node] = 0
-            order[expanded] = node
             expanded += 1
-            so_far = cost[node]
-            begin, end, linked = 0, 0, True
-            bits, row, other = 0, 0, 0
+            so_far, linked = cost[node], True
             if node < nodes:
                 bits = open_directions[node]
                 linked = (bits >> LINKED_BIT) & 1 == 1
                 if kind == CSR:
-                    begin, end = indptr[node], indptr[node + 1]
+                    for k in range(indptr[node], indptr[node + 1]):
+                        if weights[k] < np.inf:
+                            relaxed += 1
+                            through = so_far + weights[k]
+                            last = _lower(labels, node, indices[k], through, little, last)
                 else:
-                    relaxed += INTERIOR_DIRECTIONS if bits == ALL_INTERIOR else ones(bits)
                     i, j, h = cell(shape, node)
                     row = (i & 1) * directions
                     other = across(shape, i, j, h)
-                    end = directions if (bits >> INTERIOR_DIRECTIONS) & 63 else INTERIOR_DIRECTIONS
-            if bits == ALL_INTERIOR:  # as most nodes have: nothing to look at but the costs
-                begin = end
-                for k in range(INTERIOR_DIRECTIONS):
-                    neighbour = (other if k < cross else node) + offsets[row + k]
-                    through = so_far + weights[k]
-                    if through < cost[neighbour] - little:
-                        cost[neighbour], parent[neighbour] = through, node
-                        last = _queued(neighbour, waiting, queue, last)
-            for k in range(begin, end + len(tails) if linked else end):
-                if k >= end:
-                    tail, head = tails[k - end], heads[k - end]
-                    if tail != node and head != node:
-                        continue
-                    neighbour, weight = head if tail == node else tail, link_weights[k - end]
-                    relaxed += 1
-                elif kind == CSR:
-                    neighbour, weight = indices[k], weights[k]
-                    relaxed += 1 if weight < np.inf else 0
-                elif (bits >> k) & 1:
-                    neighbour = (other if k < cross else node) + offsets[row + k]
-                    weight = weights[k]
-                else:
-                    continue
-                through = so_far + weight
-                if through < cost[neighbour] - little:
-                    cost[neighbour], parent[neighbour] = through, node
-                    last = _queued(neighbour, waiting, queue, last)
+                    if bits == ALL_INTERIOR:  # as most have: nothing to look at but the costs
+                        relaxed += INTERIOR_DIRECTIONS
+                        for k in range(INTERIOR_DIRECTIONS):
+                            neighbour = (other if k < cross else node) + offsets[row + k]
+                            through = so_far + weights[k]
+                            last = _lower(labels, node, neighbour, through, little, last)
+                    else:
+                        relaxed += ones(bits)
+                        others = (bits >> INTERIOR_DIRECTIONS) & 63
+                        for k in range(directions if others else INTERIOR_DIRECTIONS):
+                            if (bits >> k) & 1:
+                                neighbour = (other if k < cross else node) + offsets[row + k]
+                                through = so_far + weights[k]
+                                last = _lower(labels, node, neighbour, through, little, last)
+            if linked:
+                for k in range(len(tails)):
+                    tail, head = tails[k], heads[k]
+                    if tail == node or head == node:
+                        neighbour = head if tail == node else tail
+                        relaxed += 1
+                        through = so_far + link_weights[k]
+                        last = _lower(labels, node, neighbour, through, little, last)
+        held(own)
     return cost, parent, order[:expanded], relaxed
 
 
 @register_jitable(forceinline=True)
-def _queued(node: int, waiting: ByteArray, queue: IntArray, last: int) -> int:
-    """Put a node at the end of the ring unless it waits there; the place after the last node."""
-    if waiting[node] == 1:
-        return last
-    waiting[node], queue[last] = 1, node
-    return last + 1 if last + 1 < len(queue) else 0
+def _lower(
+    labels: _Labels, node: int, neighbour: int, through: float, little: float, last: int
+) -> int:
+    """Reach a neighbour by way of a node if that costs less; where the order ends then.
+
+    Args:
+        labels: written.
+        node, neighbour: the nodes.
+        through: cost of the neighbour by that way.
+        little: what its cost must fall by.
+        last: end of the order.
+    """
+    cost, parent, waiting, order = labels
+    if through < cost[neighbour] - little:
+        cost[neighbour], parent[neighbour] = through, node
+        if waiting[neighbour] == 0:
+            waiting[neighbour], order[last] = 1, neighbour
+            return last + 1
+    return last
