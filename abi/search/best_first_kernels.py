@@ -56,17 +56,15 @@ class _Queue(NamedTuple):
 
     Attributes:
         first: (BUCKETS,) entries, -1 where a bucket is empty.
-        node_of: the entries' nodes.
-        place_of: their places in half cells, packed, as to find them by the nodes' ids again takes
-            longer; of rows without meaning.
-        after: the entries behind them in the same bucket, or -1.
+        entries: two words of each, side by side in memory. The first has its node and the entry
+            behind it in the same bucket, see :func:`_entry`. The second has the node's place in
+            half cells, packed, as to find it by the id again takes longer; of rows it has no
+            meaning.
         order: nodes that were expanded, in order.
     """
 
     first: IntArray
-    node_of: IntArray
-    place_of: NDArray[np.int64]
-    after: IntArray
+    entries: NDArray[np.int64]
     order: IntArray
 
 
@@ -111,28 +109,24 @@ def best_first(problem: Problem) -> tuple[FloatArray, IntArray, IntArray, int]:
     start, goal, own = problem.ends
     shape = problem.adjacency.shape
     total = shape.nodes + own
-    entries = total + shape.most + len(problem.links.tails) + 1
+    room = total + shape.most + len(problem.links.tails) + 1
     cost, parent = np.full(total, np.inf), np.empty(total, np.int32)
     labels = _Labels(cost, parent, np.zeros(total, np.uint8), np.empty(total))
-    first = np.full(BUCKETS, -1, np.int32)
-    node_of, after = np.empty(entries, np.int32), np.empty(entries, np.int32)
-    place_of = np.empty(entries, np.int64)
+    first, entries = np.full(BUCKETS, -1, np.int32), np.empty(2 * room, np.int64)
     order = np.empty(total + 1, np.int32)
     cost[start], parent[start] = 0.0, -1
-    node_of[0], after[0], first[0] = start, -1, 0
+    entries[0], first[0] = _entry(start, -1), 0
     if shape.kind != CSR:
-        place_of[0] = _packed(cell(shape, start))
+        entries[1] = _packed(cell(shape, start))
     slack = _slack(problem)
     progress = _Progress(1, 1, 0, 0, 0, False, False)
     while True:
-        queue = _Queue(first, node_of, place_of, after, order)
+        queue = _Queue(first, entries, order)
         progress = _expand(problem, slack, labels, queue, progress)
         if progress.done:
             break
         order = np.concatenate((order, np.empty_like(order)))
-        node_of = np.concatenate((node_of, np.empty_like(node_of)))
-        place_of = np.concatenate((place_of, np.empty_like(place_of)))
-        after = np.concatenate((after, np.empty_like(after)))
+        entries = np.concatenate((entries, np.empty_like(entries)))
     expanded = progress.expanded
     if progress.found:
         order[expanded] = goal
@@ -151,13 +145,13 @@ def _expand(
     adjacency, opened, links, (start, goal, _), largest, metric = problem
     shape, offsets, steps, places, indptr, indices = adjacency
     (open_directions, weights), (tails, heads, link_weights) = opened, links
-    (cost, parent, closed, left), (first, node_of, place_of, after, order) = labels, queue
+    (cost, parent, closed, left), (first, entries, order) = labels, queue
     used, waiting, current, expanded, relaxed, found, done = progress
     most = shape.most + len(links.tails)
     # a place more, for what is written before it is known to count
     cheaper = np.empty(2 * most + 2, np.int32)
     little, per_cost = LITTLE * largest, 1 / (WIDTH * largest)
-    while used + most <= len(after) and expanded + 1 < len(order):
+    while 2 * (used + most) <= len(entries) and expanded + 1 < len(order):
         slot = current & (BUCKETS - 1)
         entry = first[slot]
         if entry < 0:
@@ -166,9 +160,9 @@ def _expand(
                 break
             current += 1
             continue
-        first[slot] = after[entry]
+        word = entries[2 * entry]
+        node, first[slot] = int(word >> 32), int(word & 0xFFFFFFFF) - 1
         waiting -= 1
-        node = node_of[entry]
         if closed[node] == 1:
             continue
         closed[node] = 1
@@ -193,7 +187,7 @@ def _expand(
                 relaxed += examined
             else:
                 relaxed += INTERIOR_DIRECTIONS if bits == ALL_INTERIOR else ones(bits)
-                place = _unpacked(place_of[entry])
+                place = _unpacked(entries[2 * entry + 1])
                 count = _cheaper_in_lattice(
                     shape, (node, bits, place), enough, offsets, weights, cost, cheaper
                 )
@@ -213,7 +207,7 @@ def _expand(
             there = (0, 0, 0)
             if shape.kind != CSR and neighbour < shape.nodes:
                 there = _stepped(shape, steps, k, place) if e < of_mesh else cell(shape, neighbour)
-                place_of[used] = _packed(there)
+                entries[2 * used + 1] = _packed(there)
             if metric.kind != NONE and neighbour < shape.nodes:
                 if not reached:
                     at = row_place(places, shape.nodes, neighbour) if shape.kind == CSR else there
@@ -222,7 +216,8 @@ def _expand(
             bucket = int(through * per_cost)
             lowest = bucket if bucket < lowest else lowest
             slot = (bucket if bucket > current else current) & (BUCKETS - 1)
-            node_of[used], after[used], first[slot] = neighbour, first[slot], used
+            entries[2 * used] = _entry(neighbour, first[slot])
+            first[slot] = used
             used += 1
             waiting += 1
         if node == start and count > 0:
@@ -265,6 +260,12 @@ def _estimate(adjacency: Adjacency, metric: Metric, node: int) -> float:
     else:
         place = cell_place(adjacency.shape, node)
     return to_go(adjacency.shape, metric, place)
+
+
+@register_jitable(forceinline=True)
+def _entry(node: int, behind: int) -> int:
+    """First word of an entry: its node in the high half, the entry behind it, or -1, plus 1."""
+    return (int(node) << 32) | (int(behind) + 1)
 
 
 @register_jitable(forceinline=True)
