@@ -66,7 +66,7 @@ def _enclose(boxes: FloatArray, box: int, others: FloatArray, other: int) -> Non
 @register_jitable
 def _middle(boxes: FloatArray, box: int, axis: int) -> float:
     """Middle of a box along an axis."""
-    return 0.5 * boxes[6 * box + axis] + 0.5 * boxes[6 * box + 3 + axis]
+    return float(0.5 * boxes[6 * box + axis] + 0.5 * boxes[6 * box + 3 + axis])
 
 
 @register_jitable
@@ -197,10 +197,8 @@ def order_of_leaves(boxes: FloatArray, keys: FloatArray, order: IntArray, leaves
             written. There are no more leaves than boxes, and at least a ``MOST``-th of them.
     """
     count, width = len(order), len(leaves) - 1
-    own = _Bins(
-        *(np.empty(3), np.empty(3), np.empty(3 * BINS, np.int64)),
-        *(np.empty(6 * 3 * BINS), np.empty(BINS), np.empty(12)),
-    )
+    counts, enclosing = np.empty(3 * BINS, np.int32), np.empty(6 * 3 * BINS)
+    own = _Bins(np.empty(3), np.empty(3), counts, enclosing, np.empty(BINS), np.empty(12))
     bins = borrowed(own)
     for i in range(count):
         order[i] = i
