@@ -18,6 +18,12 @@ HERE = Path(__file__).parent
 INK, GRID = "#888888", "#88888844"
 """Greys that show on light and on dark pages."""
 FRAME_MS = 1000 / 60
+_LEFT_OUT = (", 10 ms", ", 50 ms")
+_PLANNERS = {
+    "ours": "#e0409a",
+    "OMPL, as long as ours took": "#4f7fb5",
+    "OMPL, 200 ms": "#9fbcd9",
+}
 
 
 def plot(data: Path, folder: Path) -> None:
@@ -40,7 +46,7 @@ def _frames(rows: list[Row]) -> Figure:
             axes.plot(*zip(*points, strict=True), marker="o", label=label)
     axes.axhline(FRAME_MS, color=INK, linestyle=":", label="60 Hz")
     axes.set(xscale="log", yscale="log")
-    axes.legend(frameon=False, labelcolor=INK)
+    figure.legend(loc="outside right upper", frameon=False, labelcolor=INK)
     return figure
 
 
@@ -59,14 +65,26 @@ def _ratios(rows: list[Row]) -> Figure:
 def _quality(rows: list[Row]) -> Figure:
     """Excess over the best known length, in nine scenes of ten."""
     figure, axes = _axes("longer than the best known, nine of ten scenes [%]", "")
-    found: dict[str, float] = defaultdict(float)
+    found: dict[str, float] = {}
     for row in rows:
-        if row.get("p90") is not None:
-            found[str(row["method"])] = max(100 * (float(row["p90"]) - 1), 1e-3)
+        name = str(row["method"])
+        if row.get("p90") is not None and not name.endswith(_LEFT_OUT):
+            found[name] = max(100 * (float(row["p90"]) - 1), 1e-3)
     names = sorted(found, key=lambda name: -found[name])
-    axes.barh(names, [found[name] for name in names], color="#e0409a")
+    figure.set_figheight(1.2 + 0.22 * len(names))
+    for label, colour in _PLANNERS.items():
+        rows_of = [k for k, name in enumerate(names) if _planner(name) == label]
+        axes.barh(rows_of, [found[names[k]] for k in rows_of], color=colour, label=label)
+    axes.set_yticks(range(len(names)), names)
     axes.set_xscale("log")
+    axes.legend(frameon=False, labelcolor=INK)
     return figure
+
+
+def _planner(method: str) -> str:
+    """Whose a method is, by the time that it has."""
+    _, _, budget = method.partition(", ")
+    return {"": "ours", "equal": "OMPL, as long as ours took"}.get(budget, f"OMPL, {budget}")
 
 
 def _series(rows: list[Row], scene: str, method: str, value: str) -> list[tuple[float, float]]:
