@@ -12,7 +12,7 @@ from websockets.asyncio.server import ServerConnection
 from websockets.http11 import Request, Response
 
 from app import page
-from app.guard import responses, token
+from app.guard import request_line, responses, token
 from app.guard.host_check import is_known_host, is_own_origin, single
 from app.guard.messages import GizmoUpdate
 from app.guard.policy import Policy
@@ -109,7 +109,7 @@ class Guard:
     def note_refusal(
         self, connection: ServerConnection, status: http.HTTPStatus, asked: str
     ) -> None:
-        """Count it, and tell the log in one line."""
+        """Count it, and tell the log in one line without its query, which may have the token."""
         from app import metrics  # takes a tenth of a second to load, and the page is waiting
 
         metrics.REFUSED_REQUESTS.labels(status.value).inc()
@@ -117,7 +117,7 @@ class Guard:
             "request refused",
             extra={
                 "status": status.value,
-                "asked": asked[:80],
+                "asked": request_line.without_query(asked)[:80],
                 "address": str(connection.remote_address),
             },
         )

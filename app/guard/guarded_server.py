@@ -26,6 +26,7 @@ from websockets.http11 import Request, Response
 
 from app.guard.connection import GuardedConnection
 from app.guard.guard import Guard
+from app.guard.request_line import without_query
 from app.guard.side_door import SideDoor
 
 MAX_MESSAGE = 8_000_000
@@ -35,6 +36,7 @@ _SLOW = 60.0
 _PING_TIMEOUT = 60.0
 """Seconds without an answer after which a connection counts as cut; a loaded machine takes some."""
 _TRY_AGAIN_LATER = 1013
+_SECRET_HEADERS = frozenset({"authorization", "cookie", "set-cookie"})
 
 _log = logging.getLogger("abi.web")
 _lock = threading.Lock()
@@ -42,10 +44,15 @@ _Handler = Callable[[ServerConnection], Awaitable[None]]
 
 
 class _OneLine(logging.Filter):
-    """Faults of a connection as one line; all else about it is for the debug level."""
+    """Faults of a connection as one line; all else about it is for the debug level.
+
+    No level has the token, nor what else lets somebody in.
+    """
 
     def filter(self, record: logging.LogRecord) -> bool:
         vars(record).pop("websocket", None)
+        if isinstance(record.args, tuple):
+            record.args = _without_secrets(record.args)
         error = record.exc_info[1] if record.exc_info else None
         if error is None:
             return record.levelno >= logging.WARNING or _log.isEnabledFor(logging.DEBUG)
@@ -57,6 +64,13 @@ class _OneLine(logging.Filter):
             record.exc_info = None
         record.msg, record.args = f"{record.getMessage()} ({causes})"[:300], ()
         return _log.isEnabledFor(record.levelno)
+
+
+def _without_secrets(words: tuple[object, ...]) -> tuple[object, ...]:
+    """Arguments of a message: a header's name and value, a path or something else."""
+    if len(words) == 2 and str(words[0]).lower() in _SECRET_HEADERS:
+        return words[0], "..."
+    return tuple(without_query(word) if isinstance(word, str) else word for word in words)
 
 
 _protocol_log = logging.getLogger("abi.web.protocol")

@@ -28,3 +28,9 @@ def problem(line: bytes) -> http.HTTPStatus | None:
     if not path.startswith(b"/") or b"%00" in path:
         return http.HTTPStatus.BAD_REQUEST
     return None
+
+
+def without_query(asked: str) -> str:
+    """A request's first line or path as a log may have it: secrets stand in its query."""
+    path, mark, _ = asked.partition("?")
+    return f"{path}{mark}..." if mark else path

@@ -96,6 +96,23 @@ def test_the_link_leads_to_a_cookie_and_the_cookie_to_the_page(locked: Server) -
                 FakeTab(locked.url, extra)
 
 
+@pytest.mark.parametrize("level", ["INFO", "DEBUG"])
+def test_no_log_has_the_token(locked: Server, level: str, caplog: pytest.LogCaptureFixture) -> None:
+    caplog.set_level(level, "abi")
+    query = locked.link.partition("?")[2]
+    port = locked.viser.get_port()
+    cookie = token.cookie(TOKEN, port, False).partition(";")[0]
+    assert ask(locked, f"/?{query}")[0] == 303
+    assert ask(locked, f"/?{query}", Host="evil.example")[0] == 403
+    assert ask(locked, f"/none?{query}", Authorization=f"Bearer {TOKEN}", Cookie=cookie)[0] == 404
+    # as a proxy asks that was not told to speak HTTP/1.1
+    assert b"400" in say(locked, f"GET /?{query} HTTP/1.0\r\n\r\n".encode())
+    text = "\n".join(f"{record.getMessage()} {vars(record)}" for record in caplog.records)
+    assert "request refused" in text
+    assert ("GET /none" in text) is (level == "DEBUG")
+    assert all(secret not in text for secret in (TOKEN, query, cookie.partition("=")[2]))
+
+
 def test_a_foreign_host_or_origin_is_refused_and_the_page_s_own_is_not(server: Server) -> None:
     assert ask(server, "/", Host="evil.example")[0] == 403
     for origin in ("https://evil.example", "null", server.url.replace("http", "https", 1) + "0"):
