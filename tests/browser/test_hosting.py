@@ -41,8 +41,10 @@ def _nginx(folder: Path, port: int, replicas: Sequence[int]) -> Iterator[None]:
     assert "server abi:8080;" in text
     text = text.replace("server abi:8080;", servers)
     text = text.replace("listen 8000;", f"listen 127.0.0.1:{port};")
+    assert "/var/log/nginx/access.log" in text
     config = folder / "nginx.conf"
-    config.write_text(text.replace("http {", "http { access_log off;", 1), encoding="utf-8")
+    text = text.replace("/var/log/nginx/access.log", f"{folder}/requests")
+    config.write_text(text, encoding="utf-8")
     rules = f"daemon off; pid {folder}/pid; error_log {folder}/errors;"
     process = subprocess.Popen([program, "-p", folder, "-c", config, "-g", rules])
     try:
@@ -82,7 +84,9 @@ def _status(url: str, path: str) -> int:
     return status
 
 
-def test_nginx_shows_the_page_below_a_path(chromium: Browser, hosted: tuple[Server, str]) -> None:
+def test_nginx_shows_the_page_below_a_path(
+    chromium: Browser, hosted: tuple[Server, str], tmp_path: Path
+) -> None:
     server, url = hosted
     page = Page(chromium, f"{url}?token={TOKEN}")
     page.until(lambda: bool(server.sessions), "a session through nginx")
@@ -97,6 +101,9 @@ def test_nginx_shows_the_page_below_a_path(chromium: Browser, hosted: tuple[Serv
     assert _status(url, "/abi/") == 401
     assert _status(url, "/abi/metrics") == 404
     page.close()
+    requests = (tmp_path / "requests").read_text(encoding="utf-8")
+    assert '"GET /abi/" 303' in requests
+    assert "secret" not in requests
 
 
 class _Replica(http.server.ThreadingHTTPServer):
@@ -138,6 +145,8 @@ def _visit(port: int, path: str, cookie: str, upgrade: str = "") -> tuple[int, s
 def test_each_visitor_stays_with_one_replica_and_all_replicas_have_visitors(
     tmp_path: Path,
 ) -> None:
+    # replicas that share a name, as compose's do, would get turns from a consistent hash
+    assert "consistent;" not in SAMPLE.read_text(encoding="utf-8")
     replicas = [_Replica(), _Replica()]
     ports = [replica.server_port for replica in replicas]
     port = free_port()
