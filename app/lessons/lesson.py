@@ -208,11 +208,14 @@ def load_lessons(folder: Path | None = None) -> Lessons:
     for place in (assets.path("lessons"), folder):
         if place is None:
             continue
+        own = place is folder
         files = sorted(place.glob("*.yaml")) if place.is_dir() else []
-        if not files:
+        if own:
+            files = [file for file in files if not _is_scene(file)]
+        lessons = {file.stem: (_read(file, own), place) for file in files}
+        if not lessons:
             raise LessonError(f"--lessons: {str(place)!r} has no lesson; expected *.yaml in it.")
-        for file in files:
-            found[file.stem] = (_read(file, check_scenes=place is folder), place)
+        found |= lessons
     return found
 
 
@@ -252,6 +255,15 @@ def check_layers(name: str, lesson: Lesson, layers: Collection[str]) -> None:
 def _settings(step: Step) -> list[Setting]:
     parts = (step.set, step.reveal, step.task.shown_by if step.task else None)
     return [part for part in parts if part is not None]
+
+
+def _is_scene(file: Path) -> bool:
+    """Check whether a file is no lesson but a scene beside them: only that has a version."""
+    try:
+        data = parse(file)
+    except SceneError:  # told where the file is read
+        return False
+    return isinstance(data, dict) and "version" in data
 
 
 def _read(file: Path, check_scenes: bool) -> Lesson:

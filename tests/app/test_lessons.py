@@ -151,17 +151,15 @@ steps:
 
 
 def folder_with(tmp_path: Path, content: str) -> Path:
-    (tmp_path / "mine.yaml").write_text("version: 1\n", encoding="utf-8")
     lessons = tmp_path / "lessons"
     lessons.mkdir()
     (lessons / "mine.yaml").write_text("version: 1\n", encoding="utf-8")
     (lessons / "own.yaml").write_text(content, encoding="utf-8")
-    (lessons / "mine.yaml").rename(lessons / "mine.yml")
     return lessons
 
 
 def test_a_teacher_adds_a_folder(tmp_path: Path) -> None:
-    lessons = load_lessons(folder_with(tmp_path, GOOD.replace("mine.yaml", "mine.yml")))
+    lessons = load_lessons(folder_with(tmp_path, GOOD))
     assert len(lessons) == len(LESSONS) + 1
     assert lessons["own"][0].title == "Mine"
 
@@ -183,13 +181,8 @@ def test_a_teacher_adds_a_folder(tmp_path: Path) -> None:
 def test_a_wrong_lesson_is_named_in_one_sentence(
     old: str, new: str, named: str, tmp_path: Path
 ) -> None:
-    content = (
-        GOOD.replace(old, new)
-        if "scene" in old
-        else GOOD.replace(old, new).replace("mine.yaml", "mine.yml")
-    )
     with pytest.raises(LessonError) as caught:
-        load_lessons(folder_with(tmp_path, content))
+        load_lessons(folder_with(tmp_path, GOOD.replace(old, new)))
     assert named in caught.value.message
     assert "own.yaml" in caught.value.message
     assert "\n" not in caught.value.message
@@ -202,6 +195,9 @@ def test_a_layer_that_does_not_exist_is_named_at_the_start(tmp_path: Path) -> No
 
 
 def test_an_empty_folder_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(LessonError, match="has no lesson"):
+        load_lessons(tmp_path)
+    (tmp_path / "scene.yaml").write_text("version: 1\n", encoding="utf-8")
     with pytest.raises(LessonError, match="has no lesson"):
         load_lessons(tmp_path)
 
