@@ -48,7 +48,7 @@ _TOLD = 10
 _BOX, _VALUES = "degree", (2, 3, 5)
 """A number of the scene, and what it is set to: never what a new tab begins with."""
 _CHARTS = """() => {
-  const charts = Object.values(window.__viserTestpoints.uplots).map(({chart}) => chart);
+  const charts = Object.values(window.__viserTestpoints.uplots ?? {}).map(({chart}) => chart);
   return charts.length > 0 && charts.every(({scales, data}) =>
     scales.x.max > scales.x.min && data[0].length > 1
     && data.slice(1).some(line => line.some(Number.isFinite)));
