@@ -4,6 +4,7 @@ if (window.abi) window.abi.motion = null;  // of the server before
 window.abi = {
   KEY: "abi-tab",
   LESSONS: "abi-lessons",
+  TEACH: "abi-teach",
 
   // Set a widget as a hand would.
   send(uuid, value) {
@@ -12,22 +13,26 @@ window.abi = {
 
   // Answer with what the tab remembers and what its address asks for. A link's state is taken out
   // of the address: from then on the tab remembers it, and a reload keeps what was changed since.
+  // So is the teacher's secret, which a projector would show to the class.
   report(uuid) {
     const url = new URL(location.href), link = url.searchParams.get("state");
+    const query = Object.fromEntries(url.searchParams);
+    delete query.state;
     let state = null, lessons = null;
     try {
       state = sessionStorage.getItem(this.KEY);
       lessons = localStorage.getItem(this.LESSONS);
+      query.teach ??= sessionStorage.getItem(this.TEACH) ?? "";
+      sessionStorage.setItem(this.TEACH, query.teach);
+      url.searchParams.delete("teach");
     } catch {}
-    if (link !== null) {
-      url.searchParams.delete("state");
-      history.replaceState(history.state, "", url);
-      this.remember(link);
-    }
+    url.searchParams.delete("state");
+    if (url.href !== location.href) history.replaceState(history.state, "", url);
+    if (link !== null) this.remember(link);
     this.send(uuid, JSON.stringify({
       state: link ?? state ?? "",
       lessons: lessons ?? "",
-      query: Object.fromEntries(url.searchParams),
+      query,
       dark: matchMedia("(prefers-color-scheme: dark)").matches,
     }));
   },
@@ -76,6 +81,7 @@ window.abi = {
   // Put a link to the page with this state on the clipboard; where that is forbidden, show it.
   async copyLink(text) {
     const url = new URL(location.href);
+    url.searchParams.delete("teach");
     url.searchParams.set("state", text);
     try { await navigator.clipboard.writeText(url.href); }
     catch { prompt("Copy this link:", url.href); }
