@@ -40,8 +40,9 @@ class Classroom:
         poll: the question asked last; None before the first.
     """
 
-    def __init__(self) -> None:
-        self.secret = secrets.token_urlsafe(16)
+    def __init__(self, secret: str | None = None) -> None:
+        """Begin without tabs; without a secret, one is made."""
+        self.secret = secret or secrets.token_urlsafe(16)
         self.plans = SharedPlans()
         self._lock = threading.Lock()
         self._wakes: dict[int, Callable[[], None]] = {}

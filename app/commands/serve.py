@@ -9,6 +9,7 @@ import webbrowser
 from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING, Any
+from urllib.parse import urlencode
 
 import click
 
@@ -60,6 +61,11 @@ _PERIOD = 1.0
     "--classroom", is_flag=True, help="Tabs follow the teacher's link and answer its questions."
 )
 @click.option(
+    "--teach",
+    envvar="ABI_TEACH",
+    help="Secret of the teacher's link, for --classroom.  [default: a new one]",
+)
+@click.option(
     "--log-level",
     default="info",
     show_default=True,
@@ -109,6 +115,7 @@ def serve(
     plain: bool,
     lessons: Path | None,
     classroom: bool,
+    teach: str | None,
     log_level: str,
     workers: int,
     joins: int | None,
@@ -128,11 +135,7 @@ def serve(
     remove_abandoned()
     policy = _policy(host, **visitors)
     helpers = _workers(workers, classroom)
-    room = None
-    if classroom:
-        from app.classroom import Classroom
-
-        room = Classroom()
+    room = _room(teach, policy.token) if classroom else None
     announce = functools.partial(_announce, open_tab, room)
     address = Address(host, port, helpers.seats, helpers.porter)
     if joins is not None:
@@ -173,6 +176,16 @@ def _workers(count: int, classroom: bool) -> Workers:
     return Workers(count - 1)
 
 
+def _room(secret: str | None, token: str | None) -> Classroom:
+    """The class that all tabs join; its teacher knows the secret."""
+    from app.classroom import Classroom
+
+    _check_secret("--teach", secret)
+    if secret is not None and secret == token:
+        raise click.UsageError("--teach must differ from --token, which all visitors know.")
+    return Classroom(secret)
+
+
 def _arguments(scene: str, **options: Any) -> list[str]:
     """Arguments of ``abi serve`` for another process of the same server."""
     looks = {True: ["--dark"], False: ["--light"], None: []}
@@ -196,15 +209,19 @@ def _policy(
 ) -> Policy:
     if token is not None and no_token:
         raise click.UsageError("--token and --no-token exclude each other.")
-    if token is not None and not (0 < len(token) <= 200 and token.isprintable()):
-        raise click.UsageError("--token must have 1 to 200 characters that can be printed.")
+    _check_secret("--token", token)
     return policy_for(host, token, not no_token, origin, embed_in, max_tabs)
+
+
+def _check_secret(option: str, text: str | None) -> None:
+    if text is not None and not (0 < len(text) <= 200 and text.isprintable()):
+        raise click.UsageError(f"{option} must have 1 to 200 characters that can be printed.")
 
 
 def _announce(open_tab: bool, room: Classroom | None, link: str) -> None:
     click.echo(f"The ABI visualiser is at {link} (Ctrl+C ends it)")
     if room is not None:
-        link += f"{'&' if '?' in link else '?'}teach={room.secret}"
+        link += f"{'&' if '?' in link else '/?'}{urlencode({'teach': room.secret})}"
         click.echo(f"The teacher's link, for you alone: {link}")
     if open_tab:
         webbrowser.open(link)

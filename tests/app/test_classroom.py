@@ -136,6 +136,12 @@ def test_a_student_takes_the_teachers_plan_and_undo_brings_back_the_own_work(
     until(lambda: classroom.tabs == 0)
 
 
+def test_a_teachers_secret_can_outlast_the_server() -> None:
+    assert Classroom("mine").is_teacher("mine")
+    assert not Classroom("mine").is_teacher("")
+    assert not Classroom().is_teacher(Classroom().secret)
+
+
 def test_a_question_needs_two_answers_and_counts_its_own() -> None:
     classroom = Classroom()
     woken: list[int] = []

@@ -69,3 +69,17 @@ def test_jupyter_starts_the_visualiser_and_keeps_the_token_to_itself() -> None:
 def test_two_ways_to_say_the_token_exclude_each_other() -> None:
     with pytest.raises(click.UsageError, match="exclude each other"):
         serve.main(["--token", "a", "--no-token", "--no-open"], standalone_mode=False)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (["--teach", "a", "--token", "a"], "must differ from --token"),
+        (["--teach", ""], "--teach must have 1 to 200 characters"),
+    ],
+)
+def test_a_teachers_secret_that_would_be_none_is_refused(
+    arguments: list[str], sentence: str
+) -> None:
+    with pytest.raises(click.UsageError, match=sentence):
+        serve.main(["--classroom", "--no-open", *arguments], standalone_mode=False)
