@@ -14,7 +14,7 @@ from fractions import Fraction
 from abi.verify.exact import ExactCurve, dot, sub
 from abi.verify.interval import Interval, enclose, rounded
 
-_PARTS = 16  # of each polynomial
+_PARTS = 64  # of each polynomial; with 16, one right proof of forty was refused
 
 
 @dataclass(frozen=True)

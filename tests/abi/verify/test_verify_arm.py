@@ -14,7 +14,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from abi import Scene, plan
+from abi import Scene, load_scene, plan
 from abi.arm.arm import Arm
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.triangle_mesh.repair import clean
@@ -63,6 +63,17 @@ def test_a_certificate_is_accepted_with_and_without_a_moving_slide(honest: Data)
         assert "keep" in found.reason
     pushed["scene"]["arm"]["forces"][1] = 3.0
     assert not of_arm(pushed).proven
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("size", [[1.9, 1.9, 1.9], [1.7, 1.6, 1.8]])
+def test_a_right_proof_is_accepted_where_the_curve_turns_and_the_slide_moves(
+    size: list[float],
+) -> None:
+    """There the check knows the time least well, and so where the slide is."""
+    box = {"shape": "box", "size": size, "position": [3, 3, 3]}
+    found = of_arm(plan(load_scene("paper").replace(obstacles=[box])).to_dict())
+    assert found.proven, found.reason
 
 
 def backwards(rows: list[list[float]]) -> None:
