@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ipaddress
+import re
 import secrets
 import socket
 from dataclasses import dataclass
@@ -10,6 +11,8 @@ from urllib.parse import urlsplit
 
 MAX_TABS = 60
 _NAMES = ("localhost",)
+_HOST = re.compile(r"[\w.-]+|[0-9a-f:.]+")
+"""A name, or an address of IPv6 without its brackets."""
 
 
 @dataclass(frozen=True)
@@ -90,10 +93,11 @@ def _origin(option: str, text: str) -> str:
         port = parts.port
     except ValueError:
         parts, port = urlsplit(""), None
-    if parts.scheme not in ("http", "https") or not parts.hostname or not text.isascii():
+    host = parts.hostname or ""
+    if parts.scheme not in ("http", "https") or not _HOST.fullmatch(host) or not text.isascii():
         from abi.errors import AbiError  # the method takes a second to load
 
         raise AbiError(f"{option} is {text!r}; expected a URL such as https://abi.example.org.")
-    name = f"[{parts.hostname}]" if ":" in parts.hostname else parts.hostname
+    name = f"[{host}]" if ":" in host else host
     default = port in (None, 443 if parts.scheme == "https" else 80)
     return f"{parts.scheme}://{name}" + ("" if default else f":{port}")

@@ -103,7 +103,20 @@ def test_no_two_tokens_are_equal() -> None:
     assert all(token is not None and len(token) >= 32 for token in tokens)
 
 
-@pytest.mark.parametrize("text", ["abi.example.org", "ftp://a.b", "https://", "https://[x", "*"])
+@pytest.mark.parametrize(
+    "text",
+    [
+        *("abi.example.org", "ftp://a.b", "https://", "https://[x", "*"),
+        *("https://a.b,https://c.d", "https://a.b;", "https://*.a.b"),
+    ],
+)
 def test_what_is_no_origin_is_named(text: str) -> None:
     with pytest.raises(AbiError, match=r"--origin is .*https://abi\.example\.org"):
         policy_for("127.0.0.1", origins=(text,))
+
+
+@pytest.mark.parametrize(
+    "text", ["https://a-b.c_d.org", "http://192.168.1.7:8000", "http://[::1]:8"]
+)
+def test_an_origin_may_be_a_name_or_an_address(text: str) -> None:
+    assert policy_for("127.0.0.1", origins=(text,)).origins == {text}
