@@ -263,7 +263,7 @@ def _is_scene(file: Path) -> bool:
         data = parse(file)
     except SceneError:  # told where the file is read
         return False
-    return isinstance(data, dict) and "version" in data
+    return isinstance(data, dict) and "version" in data and "steps" not in data
 
 
 def _read(file: Path, check_scenes: bool) -> Lesson:

@@ -176,6 +176,7 @@ def test_a_teacher_adds_a_folder(tmp_path: Path) -> None:
         ("set: {scene: mine.yaml}", "set: {search: {algorithm: magic}}", "a_star"),
         ("text: Why?", "txt: Why?", "steps.0.question.text"),
         ("title: Mine", "title: [", "own.yaml"),
+        ("title: Mine", "title: Mine\nversion: 1", "version"),
     ],
 )
 def test_a_wrong_lesson_is_named_in_one_sentence(
