@@ -11,7 +11,8 @@ from abi.curves.curve import ArcLength, Curve
 from abi.curves.timed_profile import PathProfile
 from abi.obstacles.pose import METRES
 
-_SAMPLES = 801
+_SAMPLES, _NEAR = 801, 65
+"""Times along the whole motion, and between those beside the worst."""
 
 
 def largest_tilt(curve: Curve, arc: ArcLength, profile: PathProfile, unit: str) -> float:
@@ -26,10 +27,18 @@ def largest_tilt(curve: Curve, arc: ArcLength, profile: PathProfile, unit: str) 
         profile: the motion along it.
         unit: of lengths.
     """
-    times = np.linspace(0.0, profile.duration, _SAMPLES)
+    even = np.linspace(0.0, profile.duration, _SAMPLES)
+    # a tight bend may pass between two of these, but not between the Gauss points of the curve
+    bends = np.interp(arc.passed, profile(even), even)
     # just before the acceleration jumps, too
-    times = np.concatenate([times, profile.jumps, np.nextafter(profile.jumps, 0.0)])
-    return float(tilts(Trajectory(curve, arc, profile)(times, 2), unit).max())
+    jumps = np.concatenate([profile.jumps, np.nextafter(profile.jumps, 0.0)])
+    times = np.unique(np.concatenate([even, bends, jumps]))
+    trajectory = Trajectory(curve, arc, profile)
+    found = tilts(trajectory(times, 2), unit)
+    worst = int(found.argmax())
+    before, after = times[max(worst - 1, 0)], times[min(worst + 1, len(times) - 1)]
+    near = np.linspace(before, after, _NEAR)
+    return float(max(found[worst], tilts(trajectory(near, 2), unit).max()))
 
 
 def tilts(accelerations: FloatArray, unit: str) -> FloatArray:

@@ -102,12 +102,14 @@ def test_the_level_is_across_what_the_cup_feels(x: float, y: float, z: float) ->
 
 
 @pytest.mark.parametrize("law", LAWS)
-def test_no_moment_tilts_a_liquid_more_than_the_largest_tilt(law: str) -> None:
-    plan = planned("paper", law)
+@pytest.mark.parametrize("scene", ["paper", "thin-plate", "two-boxes"])
+def test_no_moment_tilts_a_liquid_more_than_the_largest_tilt(scene: str, law: str) -> None:
+    plan = planned(scene, law)
     assert plan.profile is not None
     assert plan.liquid_tilt is not None
     trajectory = Trajectory(*followed(plan), plan.profile)
-    dense = tilts(trajectory(np.linspace(0, plan.profile.duration, 7919), 2), "cm")
+    # the bend at the corner of thin-plate lasts a few thousandths of the motion
+    dense = tilts(trajectory(np.linspace(0, plan.profile.duration, 79_999), 2), "cm")
 
     assert dense.max() <= plan.liquid_tilt * (1 + 1e-3)
     assert plan.liquid_tilt <= dense.max() * 1.02
