@@ -1,7 +1,8 @@
-"""Array types of the package, read-only arrays, and short texts of what holds them."""
+"""Array types of the package, read-only arrays, and the bases of what holds them."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import fields, is_dataclass
 from typing import Any, TypeVar
 
@@ -25,6 +26,15 @@ def read_only(array: _Array) -> _Array:
     return array
 
 
+def lock(values: Iterable[object]) -> None:
+    """Lock arrays against writing, also those in tuples; other objects have locked their own."""
+    for value in values:
+        if isinstance(value, np.ndarray):
+            read_only(value)
+        elif isinstance(value, tuple):
+            lock(value)
+
+
 def flat(array: NDArray[np.float64]) -> FloatArray:
     """Return the numbers of ``array`` flat and read-only, as kernels take them."""
     return read_only(np.ascontiguousarray(array, dtype=np.float64).reshape(-1))
@@ -35,7 +45,16 @@ def clip(values: FloatArray, low: float, high: float) -> FloatArray:
     return np.asarray(np.minimum(np.maximum(values, low), high))
 
 
-class ShortRepr:
+class ReadOnlyCopies:
+    """Base of dataclasses with arrays: those of copies are read-only, too, as kernels need them."""
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Fill a copy; ``pickle`` and ``copy.deepcopy`` make arrays that can be written."""
+        lock(state.values())
+        self.__dict__.update(state)
+
+
+class ShortRepr(ReadOnlyCopies):
     """Base of dataclasses with arrays: ``repr`` is one line, with the shapes of arrays."""
 
     def __repr__(self) -> str:

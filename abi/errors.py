@@ -17,11 +17,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 
-from abi.arrays import FloatArray, IntArray
+from abi.arrays import FloatArray, IntArray, lock, read_only
 from abi.length_text import format_setting, with_minus
 
 UNIT = " [unit]"
@@ -40,6 +40,10 @@ class AbiError(Exception):
         super().__init__(message)
         self.message = message
         self.hint = hint
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Copy by attributes: the arguments of a kind of error are not those of an exception."""
+        return _of_kind, (type(self), self.args, vars(self))
 
 
 class SceneError(AbiError):
@@ -141,7 +145,7 @@ class NoPath(StageError):
             "Move an obstacle out of the way, lower the clearance, or put nodes nearer than "
             f"{format_length(pitch)} to each other if there is a gap.",
         )
-        self.reached = np.asarray(reached)
+        self.reached = read_only(np.array(reached))
         self.total = total
 
 
@@ -315,6 +319,16 @@ class NotFollowed(StageError):
         self.first = first
         self.last = last
         self.shortfall = shortfall
+
+
+def _of_kind(
+    kind: type[AbiError], arguments: tuple[object, ...], attributes: dict[str, object]
+) -> AbiError:
+    """A copy of an error; see :meth:`AbiError.__reduce__`."""
+    copy = kind.__new__(kind, *arguments)
+    lock(attributes.values())
+    copy.__dict__.update(attributes)
+    return copy
 
 
 def short(value: object) -> str:

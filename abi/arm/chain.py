@@ -11,7 +11,7 @@ import scipy
 
 from abi.arm.chain_kernels import POSE, ChainTable, chain_poses
 from abi.arm.follow_path_kernels import Drift, follow_path
-from abi.arrays import FloatArray, ShortRepr, flat, read_only
+from abi.arrays import FloatArray, ReadOnlyCopies, ShortRepr, flat, read_only
 from abi.obstacles.pose import UNTURNED, Quaternion, Vec3, rotation
 from abi.robot.robot import Joint, Robot, joints_to
 
@@ -21,7 +21,7 @@ PULL = 3.0
 
 
 @dataclass(frozen=True, eq=False)
-class Carried:
+class Carried(ReadOnlyCopies):
     """A link that a chain carries.
 
     Attributes:

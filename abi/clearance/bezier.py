@@ -9,7 +9,7 @@ from typing import Protocol
 
 import numpy as np
 
-from abi.arrays import FloatArray, read_only
+from abi.arrays import FloatArray, ReadOnlyCopies, read_only
 
 
 class PolynomialCurve(Protocol):
@@ -20,7 +20,7 @@ class PolynomialCurve(Protocol):
 
 
 @dataclass(frozen=True, eq=False)
-class Bezier:
+class Bezier(ReadOnlyCopies):
     """A curve of s polynomials, each by its Bézier points, which hold it in their convex hull.
 
     Attributes:

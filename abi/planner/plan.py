@@ -15,6 +15,7 @@ from abi.arm.arm_clearance import ArmClearance, is_clear
 from abi.arm.joint_rates import JointRates, joint_rates, passed_limits
 from abi.arm.liquid import largest_tilt
 from abi.arm.trajectory import ArmMotion, Violation
+from abi.arrays import ReadOnlyCopies
 from abi.curves.bspline import BSpline
 from abi.curves.curve import ArcLength
 from abi.curves.fit import Fit
@@ -32,7 +33,7 @@ from abi.tet_mesh.tet_mesh import TetMesh
 
 
 @dataclass(frozen=True, eq=False)
-class Plan:
+class Plan(ReadOnlyCopies):
     """Results of the stages for a scene; a stage that was not reached is None.
 
     Lengths are in the scene's [unit], points in the world frame. Arrays are read-only.
@@ -94,6 +95,10 @@ class Plan:
             f"<Plan: {self.followed} of {self.followed_arc.length:.4g} {self.scene.unit} "
             f"in {self.profile.duration:.3g} s, whole arm {clear} clear>"
         )
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What ``pickle`` and ``copy`` keep; a view of a dict is not among what they can."""
+        return {**vars(self), "ms": dict(self.ms)}
 
     @property
     def followed_curve(self) -> Fit[BSpline] | Fit[Quadratic] | None:

@@ -10,9 +10,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
-from abi.arrays import ByteArray, FloatArray, IntArray, ShortRepr
+from abi.arrays import ByteArray, FloatArray, IntArray, ReadOnlyCopies, ShortRepr
 from abi.errors import SceneError
 from abi.obstacles.pose import Vec3
 
@@ -23,7 +23,7 @@ JointKind = Literal["revolute", "continuous", "prismatic", "fixed"]
 
 
 @dataclass(frozen=True, eq=False)
-class Shape:
+class Shape(ReadOnlyCopies):
     """A solid of a link.
 
     Attributes:
@@ -79,7 +79,7 @@ class Mimic(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Joint:
+class Joint(ReadOnlyCopies):
     """A joint between two links.
 
     Attributes:
@@ -134,6 +134,10 @@ class Robot(ShortRepr):
 
     def __hash__(self) -> int:
         return hash((self.archive, self.root))
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What ``pickle`` and ``copy`` keep; a view of a dict is not among what they can."""
+        return {**vars(self), "links": dict(self.links)}
 
 
 def joints_to(robot: Robot, tip: str) -> tuple[Joint, ...]:

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from abi.arrays import FloatArray, read_only
+from abi.arrays import FloatArray, ReadOnlyCopies, read_only
 from abi.search.best_first_kernels import estimates
 from abi.search.graph import Graph
 from abi.search.heap_kernels import ArcRows
@@ -16,7 +16,7 @@ from abi.search.search_kernels import LITTLE
 
 
 @dataclass(frozen=True, eq=False)
-class Arcs:
+class Arcs(ReadOnlyCopies):
     """The edges of a graph as two arcs each, with estimates of the remaining cost to the goal.
 
     Attributes:

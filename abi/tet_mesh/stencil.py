@@ -12,14 +12,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from abi.arrays import FloatArray, IntArray, read_only
+from abi.arrays import FloatArray, IntArray, ReadOnlyCopies, read_only
 from abi.obstacles.pose import Vec3
 from abi.tet_mesh.lattice import REGULAR
 from abi.tet_mesh.regular_lattice import Cells, Step
 
 
 @dataclass(frozen=True, eq=False)
-class Stencil:
+class Stencil(ReadOnlyCopies):
     """The d directions of a lattice in a box.
 
     Attributes:

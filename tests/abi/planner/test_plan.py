@@ -1,9 +1,11 @@
 from __future__ import annotations
 
+import copy
 import functools
 import json
 import math
-from collections.abc import Callable
+import pickle
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -651,3 +653,35 @@ def _without_times(data: Any) -> Any:
     if isinstance(data, dict):
         return {key: _without_times(value) for key, value in data.items() if not key.endswith("ms")}
     return [_without_times(item) for item in data] if isinstance(data, list) else data
+
+
+def arrays_of(value: object) -> Iterator[FloatArray]:
+    """Every array that an object holds, however deep."""
+    if isinstance(value, np.ndarray):
+        yield value
+    elif isinstance(value, tuple | list):
+        for one in value:
+            yield from arrays_of(one)
+    elif isinstance(value, Mapping):
+        yield from arrays_of(list(value.values()))
+    elif type(value).__module__.startswith("abi."):
+        private = getattr(value, "__pydantic_private__", None)
+        yield from arrays_of([*vars(value).values(), private])
+
+
+def sent(result: Plan) -> Plan:
+    """The plan, sent through pickle."""
+    received: Plan = pickle.loads(pickle.dumps(result))
+    return received
+
+
+@pytest.mark.parametrize("send", [sent, copy.deepcopy])
+@pytest.mark.parametrize("name", ["paper", "arm-in-the-way", "no-way", "sculpture", "kitchen-ur5e"])
+def test_a_plan_that_is_sent_or_copied_is_the_same(name: str, send: Callable[[Plan], Plan]) -> None:
+    result = plan(load_scene(name).replace(arm={"elbow": "down"}))
+    again = send(result)
+
+    assert again.to_dict(full=True) == result.to_dict(full=True)
+    assert (again.scene, hash(again.scene)) == (result.scene, hash(result.scene))
+    assert plan(again.scene).lengths == result.lengths
+    assert not any(array.flags.writeable for array in arrays_of(again))
