@@ -4,8 +4,10 @@ import functools
 import math
 from typing import Annotated, Literal, Self
 
+import numpy as np
 from pydantic import (
     BaseModel,
+    BeforeValidator,
     ConfigDict,
     Field,
     PrivateAttr,
@@ -23,7 +25,15 @@ from abi.scene.lattices import LATTICES, Lattice
 
 Elbow = Literal["up", "down"]
 Algorithm = Literal["a_star", "dijkstra", "bellman_ford"]
-Count = Annotated[int, Strict()]
+
+
+def _plain(value: object) -> object:
+    """A count or a truth value of numpy as Python's own, as strict fields want it."""
+    return value.item() if isinstance(value, np.integer | np.bool_) else value
+
+
+Count = Annotated[int, Strict(), BeforeValidator(_plain)]
+Flag = Annotated[bool, Strict(), BeforeValidator(_plain)]
 Number = Annotated[float, Strict(), Field(allow_inf_nan=False, ge=-1e6, le=1e6)]
 Rate = Annotated[float, Strict(), Field(allow_inf_nan=False, ge=1e-6, le=1e6)]
 Rates = tuple[Rate, Rate, Rate]
@@ -116,7 +126,7 @@ class SearchSettings(Settings):
 
     algorithm: Algorithm = "a_star"
     weight: Literal["length", "hops"] = "length"
-    taut: Annotated[bool, Strict()] = True
+    taut: Flag = True
 
 
 class SplineSettings(Settings):
@@ -177,7 +187,7 @@ class ArmSettings(Settings):
     a4: Length = 3.0
     a5: Length = 2.5
     elbow: Literal["up", "down", "auto"] = "up"
-    avoid: Annotated[bool, Strict()] = True
+    avoid: Flag = True
     clearance: Annotated[Number, Field(ge=0)] = 0.0
     q5: Annotated[Number, Field(ge=0)] = 0.0
     forces: Vec3 = (0.0, 0.0, 0.0)

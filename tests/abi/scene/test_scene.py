@@ -8,6 +8,7 @@ import re
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -377,3 +378,15 @@ def test_a_budget_below_one_cell_is_blamed_itself(pitch: float) -> None:
 
     assert caught.value.field == "mesh.max_nodes"
     assert "at least 9" in caught.value.message
+
+
+def test_counts_and_truth_values_of_numpy_are_taken_as_plain_ones() -> None:
+    scene = Scene(version=1)
+    changes: dict[str, Any] = {"spline": {"degree": np.int64(3)}, "mesh": {"seed": np.uint8(7)}}
+    changed = scene.replace(**changes, search={"taut": np.bool_(False)})
+
+    assert changed == scene.replace(spline={"degree": 3}, mesh={"seed": 7}, search={"taut": False})
+    assert [type(value) for value in (changed.spline.degree, changed.search.taut)] == [int, bool]
+    for wrong in (np.float64(3), True, np.bool_(True)):
+        with pytest.raises(SceneError, match=r"spline\.degree is .*; expected a whole number"):
+            scene.replace(spline={"degree": wrong})
