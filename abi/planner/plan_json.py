@@ -33,8 +33,11 @@ from abi.taut.lower_bound import Bound
 from abi.taut.taut_path import TautPath
 from abi.tet_mesh.exclusion import FreeMesh
 
-SAMPLES = 200
-"""Largest number of samples of the arm's motion, unless the JSON is full."""
+SAMPLES = 201
+"""Largest number of samples of the arm's motion, unless the JSON is full.
+
+Every second of the planner's 401: they stay evenly spaced, as differences need them.
+"""
 
 Section = dict[str, Any] | None
 Times = Mapping[str, float]

@@ -136,7 +136,8 @@ def test_every_shipped_scene_plans_as_it_says(name: str) -> None:
     assert all(set(search) == SEARCH for search in data["searches"])
     assert data["arm"]["reachable"]
     assert data["arm"]["joints"] == ["q1", "q2", "q3", "q4", "q5", "q6"]
-    assert len(data["arm"]["time"]) <= 200
+    assert len(data["arm"]["time"]) <= 201
+    assert np.ptp(np.diff(data["arm"]["time"])) < 1e-12
 
 
 def _shipped(name: str, **changes: Any) -> Callable[[], Scene]:
@@ -685,3 +686,29 @@ def test_a_plan_that_is_sent_or_copied_is_the_same(name: str, send: Callable[[Pl
     assert (again.scene, hash(again.scene)) == (result.scene, hash(result.scene))
     assert plan(again.scene).lengths == result.lengths
     assert not any(array.flags.writeable for array in arrays_of(again))
+
+
+def distances(timing: dict[str, Any], length: float, time: FloatArray) -> FloatArray:
+    """Distance travelled at each time, as docs/scene-and-plan.md says."""
+    v, t1, t2, t3 = (timing[name] for name in ("peak_speed", "t1", "t2", "t3"))
+    last = length - v * (timing["duration"] - time) ** 2 / (2 * t3)
+    cruise = np.where(time <= t1 + t2, v * (time - t1 / 2), last)
+    return np.asarray(np.where(time <= t1, v * time**2 / (2 * t1), cruise))
+
+
+@pytest.mark.parametrize("law", ["three_phase", "slowed"])
+@pytest.mark.parametrize("name", ["paper", "thin-plate", "kitchen-ur5e"])
+def test_the_tool_follows_from_the_json_alone(name: str, law: str) -> None:
+    data = json.loads(json.dumps(plan(load_scene(name).replace(motion={"law": law})).to_dict()))
+    spline, arm = data["bspline"], data["arm"]
+    assert data["timing"]["curve"] == "bspline"
+    curve = BSpline(spline["knots"], np.array(spline["control_points"]), spline["degree"])
+    grid = np.linspace(0, 1, 200_001)
+    steps = np.linalg.norm(np.diff(curve(grid), axis=0), axis=1)
+    travelled = np.concatenate([[0], np.cumsum(steps)])
+    assert travelled[-1] == pytest.approx(spline["length"], rel=1e-8)
+
+    asked = distances(data["timing"], spline["length"], np.array(arm["time"]))
+    found = curve(np.interp(asked, travelled, grid))
+    size = np.ptp(found, axis=0).max()
+    assert np.abs(found - arm["tool"]).max() < 1e-7 * size
