@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterable, Sequence
 
 import numpy as np
 
@@ -13,6 +13,8 @@ from abi.robot.strict_xml import Element
 
 _KINDS: tuple[JointKind, ...] = ("revolute", "continuous", "prismatic", "fixed")
 _TURN = 2 * math.pi
+_NAMED = 4
+"""Joints that a note names, at most."""
 
 
 def read_joint(element: Element) -> Joint:
@@ -53,6 +55,25 @@ def read_joint(element: Element) -> Joint:
         speed=speed,
         effort=effort,
         mimic=_mimic(element),
+    )
+
+
+def unlimited(elements: Iterable[Element]) -> tuple[str, ...]:
+    """A sentence on joints that stand still because no limit says how far they go, if any."""
+    names = [
+        element.text("name")
+        for element in elements
+        if element.text("type") in ("revolute", "prismatic")
+        and element.child("mimic") is None
+        and (limit := element.child("limit")) is not None
+        and not (limit.text("lower") or limit.text("upper"))
+    ]
+    if not names:
+        return ()
+    more = f" and {len(names) - _NAMED} more" if len(names) > _NAMED else ""
+    return (
+        "Joints that stand still, as their <limit> has no lower and upper: "
+        f"{', '.join(names[:_NAMED])}{more}.",
     )
 
 

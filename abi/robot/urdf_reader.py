@@ -10,7 +10,7 @@ from types import MappingProxyType
 
 from abi.robot.robot import Link, Robot
 from abi.robot.strict_xml import Element, parse
-from abi.robot.urdf_joints import in_order, read_joint
+from abi.robot.urdf_joints import in_order, read_joint, unlimited
 from abi.robot.urdf_links import Meshes, add_colours, add_visuals, read_link
 
 MAX_LINKS = 150
@@ -38,7 +38,7 @@ def read_urdf(content: bytes, name: str, meshes: Meshes) -> Robot:
         raise root.refuse("links", len(links), f"1 to {MAX_LINKS}")
     joints = [read_joint(element.called()) for element in root.all("joint")]
     ordered, base = in_order(root, links, joints)
-    notes = add_visuals(root, links, meshes)
+    notes = (*add_visuals(root, links, meshes), *unlimited(root.all("joint")))
     add_colours(root, links)
     title = root.text("name", "robot")
     return Robot(title, base, MappingProxyType(links), ordered, notes)
