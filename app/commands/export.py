@@ -7,6 +7,7 @@ from pathlib import Path
 import click
 
 from app.commands.exit_code import INCOMPLETE
+from app.commands.given_scene import given_scene
 
 
 @click.command(short_help="Write SCENE's motion, curves, obstacles or arm to a file.")
@@ -22,6 +23,8 @@ from app.commands.exit_code import INCOMPLETE
 def export(scene: str, path: Path, format_name: str | None) -> None:
     """Plan SCENE and write its motion, curves, obstacles or arm to a file.
 
+    SCENE is a file, the name of a shipped scene, or - for YAML or JSON from standard input.
+
     Formats: csv, json (the whole plan), ros and ros-json (JointTrajectory), spline (knots and
     control points), moveit (the obstacles), mcap (for Foxglove), urscript (where the arm is a
     UR), urdf (the arm), urdf-zip (the same with its meshes), html (one page that plays stages,
@@ -36,13 +39,12 @@ def export(scene: str, path: Path, format_name: str | None) -> None:
     from abi.errors import ExportError
     from abi.export import formats
     from abi.planner.planner import plan as plan_scene
-    from abi.scene.scene import load_scene
 
     name = format_name or formats.format_of(path)
     if name not in formats.FORMATS:
         known = ", ".join(formats.FORMATS)
         raise click.ClickException(f"--format is {name!r}; expected one of {known}.")
-    plan = plan_scene(load_scene(scene))
+    plan = plan_scene(given_scene(scene))
     try:
         formats.export(plan, path, name)
     except ExportError as error:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from app.commands.exit_code import INCOMPLETE
+from app.commands.given_scene import STANDARD, given_scene
 from app.commands.output import print_text, write_text
 
 if TYPE_CHECKING:
@@ -24,16 +25,18 @@ if TYPE_CHECKING:
 def plan(scene: str, out: Path | None, full: bool, all_searches: bool, list_scenes: bool) -> None:
     """Plan SCENE and print the plan as JSON.
 
+    SCENE is a file, the name of a shipped scene, or - for YAML or JSON from standard input.
+
     Exit code 0: a complete plan; 3: the scene has none, and the JSON says why; 2: bad input.
     """
     from abi.planner.diagnosis import explain
     from abi.planner.planner import plan as plan_scene
-    from abi.scene.scene import load_scene, scene_names
+    from abi.scene.scene import scene_names
 
     if list_scenes:
         print_text("\n".join(scene_names()))
         return
-    result = plan_scene(load_scene(scene))
+    result = plan_scene(given_scene(scene))
     data = result.to_dict(full)
     if all_searches and result.graph is not None:
         data["searches"] = _all_searches(result, data["searches"] or [])
@@ -41,7 +44,7 @@ def plan(scene: str, out: Path | None, full: bool, all_searches: bool, list_scen
     if data["error"] is not None:
         data["error"]["reason"] = None if reason is None else reason.to_dict()
     text = json.dumps(data, indent=1, allow_nan=False)
-    if out is None:
+    if out is None or str(out) == STANDARD:
         print_text(text)
     else:
         write_text(out, text)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
 import click
 import msgspec
 
 from app.commands.exit_code import INCOMPLETE
+from app.commands.given_scene import STANDARD
 from app.commands.output import cause, print_text
 
 
@@ -20,6 +22,8 @@ from app.commands.output import cause, print_text
 )
 def verify(plan: Path, meshes: Path | None) -> None:
     """Check every certificate in the file PLAN, a plan's JSON, again in exact arithmetic.
+
+    PLAN may be - for standard input.
 
     Exit code 0: every curve is proven; 3: one is not, and its line says why; 2: bad input.
     """
@@ -38,7 +42,8 @@ def verify(plan: Path, meshes: Path | None) -> None:
 def _read(path: Path) -> object:
     name = repr(str(path))
     try:
-        return msgspec.json.decode(path.read_bytes())
+        given = sys.stdin.buffer.read() if str(path) == STANDARD else path.read_bytes()
+        return msgspec.json.decode(given)
     except OSError as error:
         raise click.ClickException(
             f"{name} cannot be read ({cause(error, 'not readable')})."

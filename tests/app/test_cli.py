@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import io
 import json
 import signal
 import socket
@@ -48,6 +49,28 @@ def test_plan_prints_a_complete_plan(
 
     assert (code, err) == (0, "")
     assert json.loads(out)["error"] is None
+
+
+def test_a_scene_goes_through_pipes(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def given(text: str, *args: str) -> tuple[int, str, str]:
+        stream = io.TextIOWrapper(io.BytesIO(text.encode()))
+        monkeypatch.setattr(sys, "stdin", stream)
+        return run(monkeypatch, capsys, *args)
+
+    scene = load_scene("two-boxes").replace(quadratic={"mode": "clear"})
+    code, out, _ = given(json.dumps(scene.to_dict()), "plan", "-", "--out", "-")
+    assert code == 0
+    assert json.loads(out)["scene"] == scene.to_dict()
+    code, lines, _ = given(out, "verify", "-")
+    assert (code, lines.count(": proven: ")) == (0, 3)
+
+    code, out, _ = given("version: 1\nunit: mm\nmesh: {pitch: 2}\n", "plan", "-")
+    assert json.loads(out)["scene"]["unit"] == "mm"
+    code, _, err = given("version: [", "plan", "-")
+    assert (code, err.count("\n")) == (2, 1)
+    assert "stdin.yaml" in err
 
 
 @pytest.mark.slow
