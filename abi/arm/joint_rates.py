@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -13,11 +13,15 @@ from abi.arm.inverse_dynamics import has_masses, joint_torques
 from abi.arm.motion_law import ROUNDING, second_derivatives
 from abi.arm.trajectory import ArmMotion, Quantity, Violation
 from abi.arm.urdf_arm import UrdfArm
-from abi.arrays import FloatArray, read_only
+from abi.arrays import FloatArray, ShortRepr, read_only
 
 
-class JointRates(NamedTuple):
+@dataclass(frozen=True, eq=False, repr=False)
+class JointRates(ShortRepr):
     """Speeds, accelerations and torques of the n joints at the m samples of a motion.
+
+    They are differences of the samples: of a bend that the tool passes in less than two of them
+    they show only part of the acceleration.
 
     Attributes:
         speeds: shape (m, n), [rad/s] or [unit/s].

@@ -21,7 +21,7 @@ def test_every_result_prints_as_one_line(name: str) -> None:
     assert plan.arm_clearance is not None
     results = [getattr(plan, field.name) for field in dataclasses.fields(plan)]
     results += [*plan.searches, plan.bspline.clearance, plan.bspline.clearance.certificate]
-    results += [plan.arm_clearance.certificate, ObstacleSet(scene.obstacles)]
+    results += [plan.arm_clearance.certificate, ObstacleSet(scene.obstacles), plan.joint_rates]
     for result in results:
         if dataclasses.is_dataclass(result):
             assert "\n" not in repr(result)
