@@ -33,11 +33,8 @@ from abi.taut.lower_bound import Bound
 from abi.taut.taut_path import TautPath
 from abi.tet_mesh.exclusion import FreeMesh
 
-SAMPLES = 201
-"""Largest number of samples of the arm's motion, unless the JSON is full.
-
-Every second of the planner's 401: they stay evenly spaced, as differences need them.
-"""
+SAMPLES = 200
+"""Largest number of samples of the arm's motion, unless the JSON is full."""
 
 Section = dict[str, Any] | None
 Times = Mapping[str, float]
@@ -211,7 +208,7 @@ def arm(
     if model is None or motion is None or clearance is None or rates is None:
         return None
     last = len(motion.time) - 1
-    keep = np.linspace(0, last, last + 1 if full else min(last + 1, SAMPLES)).round().astype(int)
+    keep = np.arange(0, last + 1, 1 if full else _stride(last))  # evenly: users take differences
     has_obstacles = clearance.obstacle >= 0
     clearances = links_clearance(clearance, motion, model, obstacles, keep)
     nearest = {"link": clearance.link, "obstacle": clearance.obstacle, "time": clearance.time}
@@ -252,6 +249,11 @@ def arm(
             for link, radius, ends in model.placed(motion.positions[keep])
         ]
     return section
+
+
+def _stride(last: int) -> int:
+    """Least stride that meets the last sample and leaves at most ``SAMPLES``."""
+    return next(k for k in range(1, last + 2) if last % k == 0 and last // k < SAMPLES)
 
 
 def error(stage_error: StageError | None) -> Section:
