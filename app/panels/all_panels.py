@@ -85,7 +85,7 @@ class AllPanels:
             self.lessons = LessonPanel(client, library, wake)
             self.figures = FiguresPanel(client.gui, wake)
         mark = LessonMark(self.layout, self.lessons)
-        self.messages = Messages(self.layout, self.stages.bases, mark, wake)
+        self.messages = Messages(self.layout, self.stages.bases, mark, self.share, wake)
         self.keys = Sheet(client.gui, wake, "Keys", KEYS, "Show the keys", "H")
         self.about = Sheet(client.gui, wake, "What is this?", ABOUT, "What is this?")
         self.tour = Tour(self.layout, wake)
@@ -165,7 +165,8 @@ class AllPanels:
             self._pause_challenge()
 
     def _pause_challenge(self) -> None:
-        """Put the challenge aside while another scene is shown than its own."""
+        """End the challenge, or put it aside while another scene is shown than its own."""
+        self.share.end_if_requested()
         challenge, told = self.share.challenge, self.lessons.chosen or self.figures.number > 0
         other = challenge is not None and challenge.scene != self.files.name
         self.share.paused = told or other

@@ -22,6 +22,7 @@ from app.panels.arm_banner import ArmBanner
 from app.panels.base_offer import BaseOffer
 from app.panels.find_base import FindBasePanel
 from app.panels.lesson_mark import LessonMark
+from app.panels.share import SharePanel
 from app.panels.widgets import Wake, hidden_button, pressed
 
 
@@ -29,9 +30,14 @@ class Messages:
     """One sentence, and the buttons of the change that helps."""
 
     def __init__(
-        self, layout: Layout, bases: FindBasePanel, lesson: LessonMark, wake: Wake
+        self,
+        layout: Layout,
+        bases: FindBasePanel,
+        lesson: LessonMark,
+        share: SharePanel,
+        wake: Wake,
     ) -> None:
-        self._lesson = lesson
+        self._lesson, self._share = lesson, share
         self._base = BaseOffer(bases)
         self._overlay = layout.overlay
         gui = layout.client.gui
@@ -45,7 +51,8 @@ class Messages:
         """Write the sentence for a frame."""
         shown = frame.plan, frame.refused, frame.reason, frame.interactive, frame.demonstrates
         preview = frame.coarse, frame.partial
-        told = self._lesson.html, frame.theatre is not None
+        still = self._share.keeps_task
+        told = self._lesson.html, frame.theatre is not None, still
         state = *shown, *preview, *told, *self._base.state(frame)
         if state == self._drawn:
             return
@@ -61,7 +68,7 @@ class Messages:
         elif frame.plan.error is not None:
             content = self._failure(frame, frame.plan.error)
         else:
-            content = f'<div class="abi-card">{_progress(frame)}</div>'
+            content = f'<div class="abi-card">{_progress(frame, still)}</div>'
             contact = self.banner.html(frame.plan)
         self._overlay.show("message", self._lesson.html + content)
         self._overlay.show("contact", contact)
@@ -98,8 +105,8 @@ class Messages:
         return _with_buttons(content, buttons)
 
 
-def _progress(frame: Frame) -> str:
-    """Task, and what the last plan did, in numbers."""
+def _progress(frame: Frame, still: bool = False) -> str:
+    """Task, and what the last plan did, in numbers; ``still`` where nothing is to be dragged."""
     plan = frame.plan
     if plan.free is None or plan.path is None:
         return ""
@@ -118,6 +125,8 @@ def _progress(frame: Frame) -> str:
         return did
     if frame.theatre is not None:
         return "<b>A search, step by step.</b> Paths, curves and arm are hidden until you end it."
+    if still:  # what there is to do stands below, and it is not to drag
+        return did
     invitation = _invitation(plan)
     if frame.demonstrates:
         invitation = f"A demonstration, until you touch something. {invitation}"

@@ -53,6 +53,11 @@ class SharePanel:
         self.paused = False
 
     @property
+    def keeps_task(self) -> bool:
+        """True while a challenge is shown in which start, goal and obstacles have to stay."""
+        return self.challenge is not None and not self.paused and self.challenge.task != ""
+
+    @property
     def kept(self) -> str:
         """The challenge as a text to keep; empty for none."""
         return "" if self.challenge is None else self.challenge.model_dump_json()
@@ -71,11 +76,14 @@ class SharePanel:
         if pressed(self.picture):
             self._take_picture(file_stem(state().name))
 
+    def end_if_requested(self) -> None:
+        """End the challenge if its button was pressed since the last call."""
+        if pressed(self._end):
+            self.challenge = None
+
     def draw(self, frame: Frame) -> None:
         """Show the challenge, and whether it is met."""
         text = ""
-        if pressed(self._end):
-            self.challenge = None
         if self.challenge is not None and not self.paused:
             resting = not (frame.interactive or frame.partial)
             met = resting and self.challenge.is_met(frame)

@@ -191,6 +191,25 @@ def test_a_challenge_waits_while_another_scene_is_shown_and_can_be_ended(
     assert panels.share.kept == ""
 
 
+@pytest.mark.parametrize("goal", list(GOALS))
+def test_nobody_is_invited_to_drag_what_a_challenge_keeps(
+    tab: tuple[FakeTab, Session], goal: str
+) -> None:
+    fake, session = tab
+    until(lambda: session.resting)
+    panels, shown = session.panels, session.panels.layout.overlay.shown
+    until(lambda: "Drag the orange box." in shown["message"])
+    challenge = challenge_of(goal, session.frame)
+    assert challenge is not None
+    panels.restore(replace(session._state(), challenge=challenge.model_dump_json()))
+    fake.set(panels.stages.spline.degree, 3)
+    until(lambda: bool(shown.get("challenge")))
+    until(lambda: ("Drag" in shown["message"]) == (challenge.task == ""))
+    assert "B-spline" in shown["message"]  # what was done is told all the same
+    fake.set(panels.share._end, True)
+    until(lambda: "Drag the orange box." in shown["message"])
+
+
 def test_curves_over_time_are_derivatives_and_distances() -> None:
     result = plan(PAPER)
     motion = result.motion
