@@ -14,8 +14,9 @@ import viser
 from abi.planner.arm_faults import limit_sentence, worst_limit
 from abi.planner.arm_words import clearance_sentence, contact_sentence
 from abi.planner.plan import Plan
+from abi.scene.scene import Scene
 from app import style
-from app.arm_size import MADE_FOR_ARMS, scene_size_note
+from app.arm_size import MADE_FOR_ARMS, fitting_lengths, scene_size_note
 from app.numbers import distance_to_show, format_lower_bound, format_setting
 from app.overlay import button
 from app.panels.widgets import Wake, hidden_button, pressed
@@ -33,10 +34,15 @@ class ArmBanner:
         self.slow = hidden_button(gui, "Slow down for the joints", wake)
         self.nearer = hidden_button(gui, "Take a smaller link clearance", wake)
         self._other = hidden_button(gui, f"Open {MADE_FOR_ARMS}", wake)
+        self.fit = hidden_button(gui, "Fit the arm to the scene", wake)
         self._clearance = 0.0
+        self._lengths: dict[str, float] = {}
 
-    def other_scene(self) -> str:
-        """Button that opens the scene that is made for such arms, as HTML."""
+    def other_size(self, scene: Scene) -> str:
+        """Button that opens the scene made for such arms, or fits the paper's arm, as HTML."""
+        if scene.arm.model == "abi":
+            self._lengths = fitting_lengths(scene)
+            return button(self.fit, "Fit the arm to the scene")
         return button(self._other, f"Open {MADE_FOR_ARMS}")
 
     def asks_for_other_scene(self) -> bool:
@@ -50,7 +56,7 @@ class ArmBanner:
         if (size := scene_size_note(plan.scene)) is not None:
             title, numbers = size  # nothing else makes it fit
             fault = f"{title}.", "✗"
-            return _card(fault, html.escape(numbers), self.other_scene())
+            return _card(fault, html.escape(numbers), self.other_size(plan.scene))
         return _card(fault, _remark(plan), self._buttons(plan))
 
     def accepted_change(self) -> dict[str, Any] | None:
@@ -61,6 +67,8 @@ class ArmBanner:
             return {"motion": {"curve": "auto"}}
         if pressed(self.slow):
             return {"motion": {"law": "slowed"}}
+        if pressed(self.fit) and self._lengths:
+            return {"arm": self._lengths}
         if pressed(self.nearer) and self._clearance > 0:
             return {"arm": {"clearance": self._clearance}}
         return None

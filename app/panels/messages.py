@@ -93,7 +93,9 @@ class Messages:
         of_arm = isinstance(error, StageError) and error.stage == "arm"
         if of_arm and (size := scene_size_note(frame.plan.scene)) is not None:
             title, numbers = size  # no other base, and no setting, makes it fit
-            return _with_buttons(_error(f"{title}.", numbers), self.banner.other_scene())
+            return _with_buttons(
+                _error(f"{title}.", numbers), self.banner.other_size(frame.plan.scene)
+            )
         hints = (explained.hint, dots, self._base.sentence(frame))
         content = _error(explained.message, " ".join(filter(None, hints)))
         buttons = ""

@@ -20,6 +20,7 @@ from abi.obstacles.pose import rotation
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.robot.robot_files import SHIPPED, load_robot, robot_from_archive
 from abi.scene.scene import Scene, load_scene
+from abi.scene.settings import ArmSettings
 from app.layers.arm import ArmLayer
 from app.layers.arm_ghosts import ArmGhostsLayer, _poses_of
 from app.layers.arm_nodes import JointNode
@@ -141,6 +142,34 @@ def test_a_scene_that_is_opened_tells_what_is_left_out_of_its_arm(
         assert [sentence for _, sentence in told] == [
             "Drawn by collision shapes, as visuals cannot be read: a."
         ]
+
+
+def test_the_papers_arm_in_a_scene_of_another_size_says_so_and_is_fitted(
+    tab: tuple[FakeTab, Session],
+) -> None:
+    fake, session = tab
+    kitchen = load_scene("kitchen-ur5e")
+    fake.set(session.panels.files.choice, "kitchen-ur5e")
+    until(lambda: session.plan.scene == kitchen and session.resting)  # type: ignore[union-attr]
+    shown = session.panels.layout.overlay.shown
+    model = panel(session).model.model
+    fake.set(model, model.options[0])
+    until(lambda: session.frame.plan.scene.arm.model == "abi" and session.resting)
+
+    def told() -> str:
+        return shown["message"] + shown.get("contact", "")
+
+    until(lambda: "This arm is too large for the scene" in told())
+    assert "Find a base" not in told()
+    usual = ArmSettings()
+    fake.set(session.panels.messages.banner.fit, True)
+    until(lambda: session.frame.plan.scene.arm.a1 < usual.a1 and session.resting)
+    until(lambda: "too large" not in told())
+    # as in the paper, whose workspace is six times as large as this, in its unit
+    fitted = session.frame.plan.scene.arm
+    for name in ("a1", "a2", "a3", "a4", "a5"):
+        assert getattr(fitted, name) == pytest.approx(getattr(usual, name) / 6, rel=1e-2)
+    assert (fitted.base, fitted.clearance) == (kitchen.arm.base, kitchen.arm.clearance)
 
 
 def test_an_arm_of_another_size_than_the_scene_says_so(
