@@ -7,9 +7,9 @@ from collections.abc import Iterable
 import viser
 
 
-def notify_refusal(client: viser.ClientHandle, title: str, reason: str) -> None:
+def notify_refusal(client: viser.ClientHandle, title: str, reason: str) -> viser.NotificationHandle:
     """Notify the user of what was not done, and why."""
-    client.add_notification(title, reason, color="red", auto_close_seconds=12)
+    return client.add_notification(title, reason, color="red", auto_close_seconds=12)
 
 
 def notify_refused_file(client: viser.ClientHandle, title: str, reason: str) -> None:

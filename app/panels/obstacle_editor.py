@@ -77,6 +77,7 @@ class ObstacleEditor:
         self.surfaces: dict[str, Surface] = {}
         self._noted: tuple[Scene, int] | None = None
         self._refused = ""
+        self._notice: viser.NotificationHandle | None = None
         self._shown: dict[str, Any] = {}
         self._turned: list[float] | None = None
         self._listed = -1
@@ -182,13 +183,18 @@ class ObstacleEditor:
     def draw(self, frame: Frame) -> None:
         """Describe the chosen mesh, and notify once of an error in what was typed here.
 
-        The heading that names the error may be out of sight.
+        The heading that names the error may be out of sight. The notice goes with the error: on the
+        way to 0.5 a box holds 0 for a moment.
         """
         error = frame.refused
         if str(error or "") != self._refused:
             self._refused = str(error or "")
+            if self._notice is not None:
+                self._notice.remove()
+                self._notice = None
             if error is not None and getattr(error, "field", "").startswith(_FIELDS):
-                notices.notify_refusal(self._client, "Not changed", sentence(error))
+                title = "Not changed"
+                self._notice = notices.notify_refusal(self._client, title, sentence(error))
         self._fit_boxes(frame.plan.scene)
         self._added.clear()
         self._obstacles.show_edges(self._mesh_note.edges)

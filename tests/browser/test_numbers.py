@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import abi
+from abi.obstacles.primitives import Box
 from app import lines, style
 from app.session import Session
 from tests.browser import drawn
@@ -21,6 +22,12 @@ PITCH = "spacing [cm]"
 def _scene(session: Session) -> abi.Scene:
     assert session.plan is not None
     return session.plan.scene
+
+
+def _size(session: Session) -> float:
+    (box,) = _scene(session).obstacles
+    assert isinstance(box, Box)
+    return float(box.size[0])
 
 
 def _heading_of_the_mesh(session: Session) -> str:
@@ -57,6 +64,20 @@ def test_arrow_keys_move_the_pitch_step_by_step(page: Page, session: Session) ->
         thumb.press(key)
         _pitch_is(page, session, pitch)
     assert page.row(PITCH).locator("input:visible").input_value() == "1.21"
+
+
+def test_a_notice_of_a_number_half_typed_goes_when_it_is_typed(
+    page: Page, session: Session
+) -> None:
+    page.click("Scene")
+    box = page.row("size [cm]").locator("input:visible").first
+    notice = page.tab.locator(".mantine-Notification-root", has_text="Not changed")
+    box.fill("0")
+    notice.wait_for()
+    box.fill("0.5")
+    page.until(lambda: _size(session) == 0.5, "the size")
+    notice.wait_for(state="detached")
+    assert page.complaints() == []
 
 
 def test_a_bad_speed_says_why_and_keeps_the_plan(page: Page, session: Session) -> None:
