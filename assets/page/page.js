@@ -552,10 +552,12 @@ body:has(#abi-overlay.abi-lecture) .mantine-Modal-body { font-size: clamp(16px, 
   > .mantine-ScrollArea-viewport { padding-inline-end: 9px; }
 .mantine-ScrollArea-scrollbar[data-orientation=vertical] { width: 9px !important; padding: 1px; }
 .mantine-Notification-description { color: var(--mantine-color-dimmed) !important; }
-.mantine-Notifications-root { top: 92px !important; }
+.mantine-Notifications-root {
+  top: 92px !important; bottom: auto; max-height: calc(100vh - 92px - 60px); overflow-y: auto; scrollbar-width: thin;
+}
 body:has(#abi-overlay :is([data-part=class] > *, [data-part=tour] > *, [data-part=challenge] > *, .abi-error))
   .mantine-Notifications-root {
-  top: 45vh !important;  /* not over a question, the tour, a challenge, or why there is no path */
+  top: 45vh !important; max-height: calc(55vh - 60px);  /* not over a question, the tour, a challenge, or why there is no path */
 }
 .abi-now {
   position: absolute; top: 0; bottom: 0; left: 0; width: 1px; background: #868e96;

@@ -197,6 +197,31 @@ def test_what_is_no_mesh_is_refused_and_one_in_millimetres_is_asked_about(
     page.until(lambda: session.plan.scene.obstacles[0].unit == "mm", "the unit")  # type: ignore[union-attr]
 
 
+def test_notices_of_many_refused_files_stay_in_the_window(page: Page) -> None:
+    page.click("Scene")
+    titles = page.tab.locator(".mantine-Notification-title", has_text="is not added")
+    for number in range(6):
+        page.upload(ADD, f"cut off {number}.stl", meshes.stl(meshes.box((2, 2, 2)))[:-10])
+        page.until(lambda: titles.count() == number + 1, "one notice more")  # noqa: B023
+    root = page.tab.locator(".mantine-Notifications-root", has_text="is not added")
+    size = page.tab.viewport_size
+    assert size is not None
+    box = root.bounding_box()
+    assert box is not None
+    assert box["y"] + box["height"] <= size["height"]
+    # each of them is reached and closed there, and the page stays where it is
+    closes = root.locator(".mantine-Notification-root", has_text="is not added").get_by_role(
+        "button"
+    )
+    while closes.count():
+        left = closes.count()
+        closes.last.click()
+        page.until(lambda: closes.count() < left, "one notice less")  # noqa: B023
+        assert (
+            page.tab.evaluate("document.scrollingElement.scrollTop + document.body.scrollTop") == 0
+        )
+
+
 def test_several_files_are_added_apart_and_saved_with_the_scene(
     page: Page, session: Session
 ) -> None:
