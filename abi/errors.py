@@ -286,10 +286,13 @@ class ArmNotClear(StageError):
         text = " ".join(fault._sentences[0] for fault in faults)
         if not first.has_elbow:
             first = max((*faults, *others), key=lambda fault: order.index(fault.where))
-            tried = f"{len(faults)} first poses were tried" if len(faults) > 1 else ""
+            tried = ""
+            if len(faults) > 1 or others:
+                poses = "one pose" if len(faults) == 1 else f"{len(faults)} poses"
+                tried = f"The arm was tried from {poses} at the start"
             if others:
-                beside = ", and" if tried else "One first pose was tried, and"
-                tried += f"{beside} {len(others)} other ways to hold the arm"
+                ways = "one other way" if len(others) == 1 else f"{len(others)} other ways"
+                tried += f", and held in {ways}"
             text = " ".join(filter(None, (f"{tried}." if tried else "", first._sentences[0], note)))
         return cls(first.branch, first.where, first.link, first.obstacle, text, first.has_elbow)
 

@@ -123,7 +123,7 @@ class UrdfModel:
         return bool((obstacle_distances(self.arm, task.obstacles, pose[None])[0] > 0).all())
 
     def _sight(self, pair: PosePair, task: SightTask) -> ChainSight:
-        branch = f"From first pose {pair.first + 1}"
+        branch = f"From pose {pair.first + 1} at the start"
         if pair.home is not None:
             branch += f" drawn to pose {pair.home + 1} at the goal"
         clearance = task.scene.arm.clearance
