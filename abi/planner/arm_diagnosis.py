@@ -73,10 +73,11 @@ def _remedies(
     if scene.arm.clearance > 0:
         text = f"Links that may be as near as 0, not {format_length(scene.arm.clearance)},"
         remedies.append((text, {"arm": {"clearance": 0.0}}))
+    has_other_side = error.has_elbow and scene.arm.elbow != "auto"
+    elbow = {"elbow": "auto"} if has_other_side else {}
     for base in _bases(scene, plan):
-        remedies.append(
-            (f"The base at {format_point(base)}", {"arm": {"base": base, "elbow": "auto"}})
-        )
+        change = {"arm": {"base": base, **elbow}}
+        remedies.append((f"The base at {format_point(base)}", change))
     if error.where in ("path", "curve"):
         for fine in what_if.finer_pitches():
             remedies.append((f"A node spacing of {format_length(fine)}", {"mesh": {"pitch": fine}}))

@@ -381,6 +381,21 @@ def test_a_start_at_the_clearance_itself_is_told_the_clearance_that_is_held() ->
     assert told
 
 
+@pytest.mark.parametrize("model", ["abi", "urdf"])
+def test_a_base_that_helps_an_arm_changes_no_elbow_that_it_has_not(model: str) -> None:
+    arm: dict[str, Any] = {"urdf": "panda"}
+    if model == "abi":
+        lengths = {"a1": 0.167, "a2": 0.333, "a3": 1.0, "a4": 0.5, "a5": 0.417}
+        arm = {"model": "abi", "axis": None, "elbow": "auto", **lengths}
+    scene = load_scene("kitchen-ur5e").replace(arm=arm)
+    made, found = reason_of(scene)
+    assert made.error is not None
+    assert made.error.stage == "arm"
+    assert found.change is not None
+    assert list(found.change["arm"]) == ["base"]
+    assert plan(scene.replace(**found.change)).error is None
+
+
 @pytest.mark.parametrize("name", ["paper", "forest"])
 def test_a_plan_needs_no_reason(name: str) -> None:
     scene = load_scene(name)
