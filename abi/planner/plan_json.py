@@ -208,7 +208,8 @@ def arm(
     if model is None or motion is None or clearance is None or rates is None:
         return None
     last = len(motion.time) - 1
-    keep = np.arange(0, last + 1, 1 if full else _stride(last))  # evenly: users take differences
+    step = 1 if full else _stride(last)
+    keep = np.arange(0, last + 1, step).astype(int)  # evenly: users take differences
     has_obstacles = clearance.obstacle >= 0
     clearances = links_clearance(clearance, motion, model, obstacles, keep)
     nearest = {"link": clearance.link, "obstacle": clearance.obstacle, "time": clearance.time}
