@@ -173,16 +173,18 @@ class AllPanels:
 
     def _read(self, scene: Scene, typed: bool) -> Scene:
         """Read what is posed and, where it was used, what is ``typed`` or chosen."""
+        shown = self.step(scene)
         requested = self.files.requested(self.editor.meshes(scene))
         if self.messages.banner.asks_for_other_scene():
             requested = self.files.open_shipped(MADE_FOR_ARMS)
         for panel in (self.messages, self.stages.bases):
             if requested is None and (change := panel.accepted_change()) is not None:
                 requested = scene.replace(**change)
-        if requested is None and (step := self.history.requested(self.step(scene))) is not None:
+        if requested is None and (step := self.history.requested(shown)) is not None:
             self.show(step)
             return step.scene
         if requested is not None:
+            self.history.note(shown)  # it may not have been left alone for a moment
             self._write(requested)
             return requested
         if (number := self.messages.pointed_out()) is not None:

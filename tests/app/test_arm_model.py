@@ -195,6 +195,7 @@ def test_an_arm_of_another_size_than_the_scene_says_so(
     assert "kitchen-ur5e" in shown["message"]
     assert "Find a base" not in shown["message"]
     fake.set(panel(session).model.axis, "any")
+    until(lambda: session.frame.plan.scene.arm.axis is None)
     until(lambda: "This arm is too large for the scene" in shown.get("contact", ""))
     # one step to the scene that is made for it, and one back
     assert "Open kitchen-ur5e</button>" in shown["contact"]

@@ -139,3 +139,21 @@ def test_a_scene_whose_choice_was_undone_can_be_chosen_again(tab: tuple[FakeTab,
     until(lambda: session.frame.plan.scene != paper)
     fake.set(files.reset, True)
     until(lambda: session.frame.plan.scene == paper)
+
+
+@pytest.mark.slow
+def test_what_was_changed_just_before_another_scene_was_opened_is_not_lost(
+    tab: tuple[FakeTab, Session],
+) -> None:
+    fake, session = tab
+    panels, paper = session.panels, load_scene("paper")
+    until(lambda: session.resting)
+    for degree in (2, 3):
+        fake.set(panels.stages.spline.degree, degree)
+        until(lambda degree=degree: session._scene.spline.degree == degree)  # type: ignore[misc]
+        fake.set(panels.files.choice, "two-boxes")  # not yet at rest
+        until(lambda: session.frame.plan.scene == load_scene("two-boxes"))
+        fake.set(panels.history.undo, True)
+        changed = paper.replace(spline={"degree": degree})
+        until(lambda changed=changed: session.frame.plan.scene == changed)  # type: ignore[misc]
+        assert (panels.files.choice.value, panels.files.loaded) == ("paper", paper)
