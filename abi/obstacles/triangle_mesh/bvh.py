@@ -75,7 +75,7 @@ def highest_in_slab(tree: TriangleTree, node: int, direction: Vec3) -> float:
 
 
 def build_tree(triangles: FloatArray) -> TriangleTree:
-    """Build the tree over triangles (m, 3, 3); see :mod:`leaf_order_kernels` where it is cut."""
+    """Build the tree over triangles (m, 3, 3), cut where it is cheapest to search."""
     count = len(triangles)
     depth = max(0, int(np.log2(max(count / _LEAF, 1))))
     order, leaves = np.empty(count, dtype=np.int32), np.empty(2**depth + 1, dtype=np.int32)
