@@ -2,25 +2,22 @@
 
 ``@compiled(example=…)`` turns a function into a kernel and registers it; calls run the compiled
 form as soon as there is one. :mod:`abi.compiling` compiles all kernels in the background of the
-first plan. Helpers that kernels share are decorated with numba's ``register_jitable``.
+first plan. Helpers that kernels share are decorated with :func:`abi.compilation.jitable.jitable`.
 """
 
 from __future__ import annotations
 
 import threading
 from collections.abc import Callable
-from contextlib import suppress
 from functools import partial
-from pathlib import Path
-from typing import Any, ClassVar, Generic, ParamSpec, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, ParamSpec, TypeVar
 
-import numba
 import numpy as np
-from numba.core import caching
 
 from abi.arrays import read_only
-from abi.compilation.borrowed import Borrowing
-from abi.compilation.kernel_stamp import fields_of, stamp
+
+if TYPE_CHECKING:
+    from abi.compilation.dispatcher import Dispatcher
 
 _P = ParamSpec("_P")
 _R = TypeVar("_R")
@@ -68,10 +65,9 @@ class Kernel(Generic[_P, _R]):
         self.example = example
         self.lock = threading.Lock()
         self.__doc__ = function.__doc__
-        self._options = {"nogil": True, "pipeline_class": Borrowing, **options}
-        self._dispatcher: Any = None
+        self._options = options
+        self._dispatcher: Dispatcher | None = None
         self._compiled: Any = None
-        self._stale: tuple[Path, str, str] | None = None
         self._run: Callable[..., Any] = self.interpret if fallback else self._compile_and_run
         KERNELS[self.name] = self
 
@@ -86,34 +82,28 @@ class Kernel(Generic[_P, _R]):
         return self._run is self._compiled
 
     @property
+    def dispatcher(self) -> Dispatcher:
+        """Numba's part of it, made when it is first asked for."""
+        if self._dispatcher is None:
+            from abi.compilation.dispatcher import Dispatcher
+
+            self._dispatcher = Dispatcher(self.py_func, self.example, self._options)
+        return self._dispatcher
+
+    @property
     def cached(self) -> bool:
         """Whether an earlier run cached the compiled form; False if numba does not say."""
-        dispatcher = self._numba_dispatcher()
-        try:
-            key = dispatcher._cache._index_key(self._signature(), dispatcher.targetctx.codegen())
-            return key in dispatcher._cache._cache_file._load_index()
-        except (AttributeError, OSError):
-            return False
+        return self.dispatcher.cached
 
     def compile(self) -> None:
         """Compile the function, or load its cached form; calls run compiled from then on."""
+        from abi.compilation.dispatcher import is_off
+
         with self.lock:
-            if self.compiled or numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
+            if self.compiled or is_off():
                 return
-            dispatcher = self._numba_dispatcher()
-            if not dispatcher.signatures:
-                if not self.cached:
-                    _forget(self._stale)
-                try:
-                    dispatcher.compile(self._signature())
-                except OSError:  # it is compiled, and cannot be kept: the disk is full
-                    if not dispatcher.signatures:
-                        raise
-                dispatcher.disable_compile()
-            form = dispatcher
-            if not self.check_types:
-                # to check them numba reads the names of all fields of named tuples at every call
-                [form] = (made.entry_point for made in dispatcher.overloads.values())
+            self.dispatcher.compile()
+            form = self.dispatcher.of_numba if self.check_types else self.dispatcher.unchecked
             self._run = self._compiled = form
 
     def interpret(self, *arguments: Any) -> Any:
@@ -129,34 +119,6 @@ class Kernel(Generic[_P, _R]):
     def _compile_and_run(self, *arguments: Any) -> Any:
         self.compile()
         return self._run(*arguments) if self.compiled else self.interpret(*arguments)
-
-    def _signature(self) -> tuple[Any, ...]:
-        return tuple(map(numba.typeof, self.example))
-
-    def _numba_dispatcher(self) -> Any:
-        """numba's dispatcher, with a cache stamped with all that the function depends on."""
-        if self._dispatcher is None:
-            try:
-                dispatcher = numba.njit(cache=True, **self._options)(self.py_func)
-            except RuntimeError:  # there is no folder that can be written
-                dispatcher = numba.njit(**self._options)(self.py_func)
-            cache: Any = getattr(dispatcher, "_cache", None)
-            if hasattr(cache, "_cache_file") and hasattr(cache, "_impl"):
-                # a numba without these private names keeps its own stamp
-                options = repr(sorted(self._options.items())) + fields_of(self.example)
-                current = stamp(self.py_func, options)
-                line = f"-{self.py_func.__code__.co_firstlineno}."
-                name, version = cache._impl.filename_base.split(line, 1)
-                # in the name, since an index of other sources may name classes that are gone
-                cache._cache_file = caching.IndexDataCacheFile(  # type: ignore[no-untyped-call]
-                    cache_path=cache._cache_path,
-                    filename_base=f"{name}-{current[:16]}.{version}",
-                    source_stamp=current,
-                )
-                folder = Path(cache._cache_path)
-                self._stale = (folder, f"{name}-*.{version}*.nb?", current[:16])
-            self._dispatcher = dispatcher
-        return self._dispatcher
 
 
 KERNELS: dict[str, Kernel[..., Any]] = {}
@@ -175,17 +137,6 @@ def compiled(
         options: further options of ``numba.njit``.
     """
     return partial(Kernel, example=example, fallback=fallback, options=options)
-
-
-def _forget(stale: tuple[Path, str, str] | None) -> None:
-    """Remove what was kept of other sources: the folder, a pattern, and what to leave."""
-    if stale is None:
-        return
-    folder, pattern, current = stale
-    for file in folder.glob(pattern):
-        if current not in file.name:
-            with suppress(OSError):
-                file.unlink()
 
 
 def _plain(value: Any) -> Any:

@@ -20,8 +20,6 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-import numba
-
 from abi.compiled import KERNELS, Kernel
 from abi.errors import AbiError
 
@@ -29,7 +27,9 @@ _log = logging.getLogger(__name__)
 
 _PACKAGE = Path(__file__).resolve().parent
 
-_PROCESSORS: int = numba.config.NUMBA_DEFAULT_NUM_THREADS  # type: ignore[attr-defined]
+_PROCESSORS = (
+    len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+)
 """Number of processors that this process may use."""
 
 _GRACE = 0.2
@@ -86,8 +86,7 @@ class _Compilation:
     def _work(self) -> None:
         self.wanted.wait(_GRACE)
         try:
-            off = numba.config.DISABLE_JIT  # type: ignore[attr-defined]
-            kernels = [] if off else all_kernels()
+            kernels = [] if self._ending or _is_off() else all_kernels()
             missing = [kernel for kernel in kernels if not self._load(kernel)]
             if not missing:
                 return
@@ -216,6 +215,13 @@ def wait_for_loading() -> None:
     if _compilation._thread is not None:
         _compilation.wanted.set()
         _compilation.loaded.wait()
+
+
+def _is_off() -> bool:
+    """Import numba, which takes a moment, and ask whether it was told to compile nothing."""
+    from abi.compilation.dispatcher import is_off
+
+    return is_off()
 
 
 def compile_named() -> None:

@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 
+import abi
 from app.address import Address
 from app.look import PLAIN
 from app.server import Server, start
@@ -117,6 +118,7 @@ def main() -> None:
     """Measure and print."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--nodes", type=int, nargs="+", default=[200, 20_000, 200_000])
+    abi.compile()  # what it takes is no tab's
     for nodes in parser.parse_args().nodes:
         print(json.dumps(measure(nodes)), flush=True)
 

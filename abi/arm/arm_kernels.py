@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import math
 
-from numba.extending import register_jitable
-
 from abi.arrays import FloatArray
+from abi.compilation.jitable import jitable
 from abi.compiled import FLOATS, NEW_FLOATS, compiled
 
 
-@register_jitable
+@jitable
 def _distance_to_axis(points: FloatArray, tangents: FloatArray, i: int) -> float:
     """Distance from the z axis to the cubic that joins points i and i + 1 as directed."""
     k = 3 * i
@@ -40,7 +39,7 @@ def _distance_to_axis(points: FloatArray, tangents: FloatArray, i: int) -> float
     return math.sqrt(least)
 
 
-@register_jitable
+@jitable
 def _fill(q1: FloatArray, first: int, last: int, before: int) -> None:
     """Write the angles of points on the axis, evenly between those of its neighbours.
 
@@ -55,7 +54,7 @@ def _fill(q1: FloatArray, first: int, last: int, before: int) -> None:
         q1[j] = (1 - share) * q1[max(before, 0)] + share * q1[last]
 
 
-@register_jitable
+@jitable
 def _head(tangents: FloatArray, across: FloatArray, q1: FloatArray, turned: bool) -> None:
     """Turn points on the axis to where the path goes there, up to half turns.
 

@@ -8,11 +8,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba.extending import register_jitable
 
 from abi.arm.pose_kernels import CAPSULE, NO_NUMBERS, ArmNumbers, Pose, capsule_ends
 from abi.arm.surroundings_kernels import NO_OBSTACLES, Obstacles, asked_rows, box_gap
 from abi.arrays import FloatArray, IntArray
+from abi.compilation.jitable import jitable
 from abi.compiled import FLOATS, NEW_FLOATS, NEW_IDS, compiled
 from abi.obstacles.obstacle_set_kernels import distance_to_segment
 from abi.obstacles.vector_kernels import distance, vec3_at
@@ -51,7 +51,7 @@ def place_capsules(
             ends[k + 3], ends[k + 4], ends[k + 5] = b
 
 
-@register_jitable(forceinline=True)
+@jitable(forceinline=True)
 def way(ends: FloatArray, k: int, before: int) -> float:
     """Largest distance of a segment's points from where they were; both by their rows."""
     a, b = vec3_at(ends, 6 * k), vec3_at(ends, 6 * k + 3)

@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba.extending import register_jitable
 
 from abi.arm.pose_kernels import CAPSULE
 from abi.arrays import BoolArray, FloatArray, IntArray
 from abi.compilation.borrowed import borrowed, held
+from abi.compilation.jitable import jitable
 from abi.compiled import FLOATS, NEW_FLOATS, NEW_IDS, compiled
 from abi.obstacles.surface_set import NO_SURFACES, SurfaceSet, surface_at
 from abi.obstacles.surface_set_kernels import (
@@ -88,7 +88,7 @@ def capsules_near_meshes(
     held(own)
 
 
-@register_jitable
+@jitable
 def _least_beforehand(
     ends: FloatArray, capsules: FloatArray, surfaces: SurfaceSet, clearances: FloatArray
 ) -> float:
@@ -106,7 +106,7 @@ def _least_beforehand(
     return least
 
 
-@register_jitable
+@jitable
 def _poses_within(in_one: BoolArray, nearest: IntArray, k: int, stride: int) -> int:
     """Number of poses, from row k on, at which a capsule is in the same mesh and nothing else."""
     end = k
@@ -115,14 +115,14 @@ def _poses_within(in_one: BoolArray, nearest: IntArray, k: int, stride: int) -> 
     return (end - k) // stride
 
 
-@register_jitable
+@jitable
 def _on_surface(placement: Placement, ends: FloatArray, k: int) -> tuple[Vec3, Vec3]:
     """Both ends of a capsule, by its row, in a mesh's body frame."""
     a, b = vec3_at(ends, 6 * k), vec3_at(ends, 6 * k + 3)
     return to_surface(placement, a), to_surface(placement, b)
 
 
-@register_jitable
+@jitable
 def _deepest(
     ends: FloatArray,
     poses: tuple[int, int, int],

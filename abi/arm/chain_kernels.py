@@ -10,9 +10,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba.extending import register_jitable
 
 from abi.arrays import BoolArray, FloatArray, IntArray
+from abi.compilation.jitable import jitable
 from abi.compiled import FLAGS, FLOATS, IDS, NEW_FLOATS, compiled
 
 POSE = 12
@@ -51,7 +51,7 @@ TABLE = ChainTable(FLOATS, FLOATS, FLAGS, IDS, FLOATS, FLOATS, FLOATS, FLOATS, T
 """Example of a chain."""
 
 
-@register_jitable
+@jitable
 def _append(poses: FloatArray, at: int, before: int, origins: FloatArray, joint: int) -> None:
     """Pose ``at`` = pose ``before`` times an origin; with ``before`` < 0 the origin itself."""
     to, a, b = POSE * at, POSE * before, POSE * joint
@@ -70,7 +70,7 @@ def _append(poses: FloatArray, at: int, before: int, origins: FloatArray, joint:
         )
 
 
-@register_jitable
+@jitable
 def _turn(poses: FloatArray, at: int, axis: tuple[float, float, float], angle: float) -> None:
     """Turn pose ``at`` about an axis of its own (Rodrigues' formula)."""
     s, c = math.sin(angle), math.cos(angle)
@@ -88,7 +88,7 @@ def _turn(poses: FloatArray, at: int, axis: tuple[float, float, float], angle: f
             poses[k + column] = a * r[0][column] + b * r[1][column] + d * r[2][column]
 
 
-@register_jitable
+@jitable
 def place_chain(chain: ChainTable, q: FloatArray, first: int, poses: FloatArray) -> None:
     """Write the poses behind each joint and of the tip, flat (12 (m + 1),).
 
@@ -113,7 +113,7 @@ def place_chain(chain: ChainTable, q: FloatArray, first: int, poses: FloatArray)
     _append(poses, count, count - 1, chain.origins, count)
 
 
-@register_jitable
+@jitable
 def fill_jacobian(
     chain: ChainTable, poses: FloatArray, rows: int, count: int, jacobian: FloatArray
 ) -> None:

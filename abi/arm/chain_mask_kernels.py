@@ -8,7 +8,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba.extending import register_jitable
 
 from abi.arm.chain_kernels import POSE, TABLE, ChainTable
 from abi.arm.mask_kernels import touched_row
@@ -16,13 +15,14 @@ from abi.arm.separate_chain_kernels import BODIES, Bodies, place_bodies
 from abi.arm.surroundings_kernels import NO_OBSTACLES, Obstacles, asked_rows
 from abi.arrays import BoolArray, FloatArray, IntArray
 from abi.compilation.borrowed import borrowed, held
+from abi.compilation.jitable import jitable
 from abi.compiled import FLAGS, FLOATS, NEW_FLAGS, compiled
 from abi.obstacles.triangle_mesh.closest_point_kernels import DEPTH
 from abi.obstacles.triangle_mesh.triangle_kernels import between_segments
 from abi.obstacles.vector_kernels import dot, sub, vec3_at
 
 
-@register_jitable
+@jitable
 def _touches_itself(bodies: Bodies, ends: FloatArray, slack: float) -> bool:
     """Check whether two capsules that are to keep apart are nearer than ``slack``."""
     for pair in range(len(bodies.pairs) // 2):
@@ -36,7 +36,7 @@ def _touches_itself(bodies: Bodies, ends: FloatArray, slack: float) -> bool:
     return False
 
 
-@register_jitable
+@jitable
 def touches_row(
     bodies: Bodies, ends: FloatArray, around: Obstacles, s: int, waiting: IntArray
 ) -> bool:

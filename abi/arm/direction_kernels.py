@@ -7,9 +7,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from numba.extending import register_jitable
-
 from abi.arm.surroundings_kernels import Obstacles
+from abi.compilation.jitable import jitable
 from abi.obstacles.primitive_kernels import axes_of, centre_of, core_of, in_body, support
 from abi.obstacles.vector_kernels import Vec3, dot
 
@@ -34,7 +33,7 @@ NO_DIRECTION = Direction((0.0, 0.0, 1.0), 0.0, -1)
 """Example for the compiler."""
 
 
-@register_jitable(forceinline=True)
+@jitable(forceinline=True)
 def is_separated(around: Obstacles, s: int, latest: list[Direction]) -> bool:
     """Check whether one of the latest directions keeps the part of a mesh in row s from a capsule.
 
@@ -44,7 +43,7 @@ def is_separated(around: Obstacles, s: int, latest: list[Direction]) -> bool:
     return separated
 
 
-@register_jitable
+@jitable
 def _is_beyond(around: Obstacles, s: int, latest: list[Direction]) -> bool:
     """Check whether row s is beyond one of the directions."""
     mesh = around.meshes[s]
@@ -59,7 +58,7 @@ def _is_beyond(around: Obstacles, s: int, latest: list[Direction]) -> bool:
     return False
 
 
-@register_jitable
+@jitable
 def keep_direction(latest: list[Direction], way: Vec3, level: float, mesh: int) -> None:
     """Add a direction, see :class:`Direction`, to the latest, of which the oldest go."""
     if len(latest) == _LATEST:

@@ -6,16 +6,16 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba.extending import register_jitable
 
 from abi.arm.chain_kernels import POSE, TABLE, ChainTable, fill_jacobian, place_chain
 from abi.arrays import FloatArray
+from abi.compilation.jitable import jitable
 from abi.compiled import FLOATS, NEW_FLOATS, compiled
 
 _SMALL = 1e-12
 
 
-@register_jitable
+@jitable
 def _error(
     chain: ChainTable, poses: FloatArray, targets: FloatArray, sample: int, error: FloatArray
 ) -> float:
@@ -41,7 +41,7 @@ def _error(
     return max(size, angle)
 
 
-@register_jitable
+@jitable
 def _solve(matrix: FloatArray, right: FloatArray, rows: int) -> None:
     """Replace ``right`` by the solution of a positive definite system (Cholesky), in place."""
     for i in range(rows):
@@ -84,7 +84,7 @@ class Room(NamedTuple):
     matrix: FloatArray
 
 
-@register_jitable
+@jitable
 def room_of(chain: ChainTable, count: int) -> Room:
     """Room for a chain with n coordinates."""
     return Room(
@@ -98,7 +98,7 @@ def room_of(chain: ChainTable, count: int) -> Room:
     )
 
 
-@register_jitable
+@jitable
 def _step(chain: ChainTable, q: FloatArray, room: Room, damping: float) -> None:
     """Write the damped least-squares step with what of the drift the task leaves free.
 
@@ -138,7 +138,7 @@ def _step(chain: ChainTable, q: FloatArray, room: Room, damping: float) -> None:
             break
 
 
-@register_jitable
+@jitable
 def _move(chain: ChainTable, q: FloatArray, step: FloatArray, longest: float) -> None:
     """Add the step, made shorter where a joint would move more than ``longest``, within limits."""
     most = _SMALL
@@ -166,7 +166,7 @@ NO_DRIFT = Drift(FLOATS, 0.0)
 """Example for the compiler."""
 
 
-@register_jitable
+@jitable
 def reach_point(
     chain: ChainTable,
     q: FloatArray,

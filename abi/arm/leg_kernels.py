@@ -16,7 +16,6 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba.extending import register_jitable
 
 from abi.arm.direction_kernels import NO_DIRECTION
 from abi.arm.mask_kernels import touched_row
@@ -42,6 +41,7 @@ from abi.arm.surroundings_kernels import NO_OBSTACLES, Obstacles, add_pairs_with
 from abi.arrays import BoolArray, FloatArray, IntArray
 from abi.clearance.separation_kernels import NO_PLANE, REFUTED
 from abi.compilation.borrowed import borrowed, held
+from abi.compilation.jitable import jitable
 from abi.compiled import FLOATS, NEW_FLAGS, compiled
 from abi.obstacles.triangle_mesh.closest_point_kernels import DEPTH
 from abi.obstacles.vector_kernels import Vec3, axpy, distance, sub, vec3_at
@@ -88,13 +88,13 @@ NO_LEGS = ArmLegs(NO_ARM, NO_OBSTACLES, 1.0, 0.0, MOST_TRIES)
 """Example for the compiler."""
 
 
-@register_jitable
+@jitable
 def new_touched() -> Touched:
     """Nothing touched yet."""
     return Touched(np.full(1, -1, np.int32), np.empty(DEPTH, np.int32))
 
 
-@register_jitable
+@jitable
 def _touches_again(legs: ArmLegs, touched: Touched, first: Vec3, last: Vec3) -> bool:
     """Check if the capsule that touched an obstacle last touches it at places of a leg."""
     (arm, capsules), around, forearm, _, _ = legs
@@ -122,7 +122,7 @@ def _touches_again(legs: ArmLegs, touched: Touched, first: Vec3, last: Vec3) -> 
     return False
 
 
-@register_jitable
+@jitable
 def arm_is_clear(legs: ArmLegs, touched: Touched, first: Vec3, last: Vec3) -> bool:
     """Check whether it is proven that the arm keeps clear from one place of the tool to another.
 

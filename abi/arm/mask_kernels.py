@@ -8,7 +8,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba.extending import register_jitable
 
 from abi.arm.pose_kernels import (
     CAPSULE,
@@ -29,6 +28,7 @@ from abi.arm.pose_kernels import (
 from abi.arm.surroundings_kernels import NO_OBSTACLES, Obstacles, asked_rows, box_gap
 from abi.arrays import BoolArray, FloatArray, IntArray
 from abi.compilation.borrowed import borrowed, held
+from abi.compilation.jitable import jitable
 from abi.compiled import FLAGS, FLOATS, NEW_FLAGS, compiled
 from abi.obstacles.primitive_kernels import (
     BOUNDS,
@@ -66,7 +66,7 @@ def reached_places(
         )
 
 
-@register_jitable(forceinline=True)
+@jitable(forceinline=True)
 def is_near(primitives: FloatArray, s: int, a: Vec3, b: Vec3, need: float) -> bool:
     """Check whether a..b is nearer than ``need`` to row s."""
     if box_gap(primitives, s, a, b) >= need:
@@ -76,7 +76,7 @@ def is_near(primitives: FloatArray, s: int, a: Vec3, b: Vec3, need: float) -> bo
     return segment_within(core_of(primitives, s), need, p, in_body(axes, sub(b, a)))
 
 
-@register_jitable
+@jitable
 def touched_row(
     around: Obstacles, s: int, a: Vec3, b: Vec3, need: float, guess: int, waiting: IntArray
 ) -> int:
@@ -118,7 +118,7 @@ def touched_row(
     return -1
 
 
-@register_jitable(forceinline=True)
+@jitable(forceinline=True)
 def is_far(primitives: FloatArray, s: int, a: Vec3, b: Vec3, most: float) -> bool:
     """Check if a..b is farther than ``most`` from the bounds of row s, or the ball around them."""
     if box_gap(primitives, s, a, b) >= most:
@@ -134,7 +134,7 @@ def is_far(primitives: FloatArray, s: int, a: Vec3, b: Vec3, most: float) -> boo
     return dot(gap, gap) >= reach * reach
 
 
-@register_jitable(forceinline=True)
+@jitable(forceinline=True)
 def is_beside(around: Obstacles, s: int, arm: ArmNumbers, tool: Vec3, widest: float) -> bool:
     """Check whether row s is too far from the upright plane of the arm to be touched."""
     k = WIDTH * s + BOUNDS
@@ -150,7 +150,7 @@ def is_beside(around: Obstacles, s: int, arm: ArmNumbers, tool: Vec3, widest: fl
     return beside
 
 
-@register_jitable(forceinline=True)
+@jitable(forceinline=True)
 def outline(table: ArmTable) -> tuple[int, float, float, float]:
     """Width of the capsules that move.
 

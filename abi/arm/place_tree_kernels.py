@@ -12,7 +12,6 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba.extending import register_jitable
 
 from abi.arm.mask_kernels import is_far, is_near, outline, touched_row
 from abi.arm.pose_kernels import (
@@ -30,6 +29,7 @@ from abi.arm.pose_kernels import (
 from abi.arm.surroundings_kernels import NO_OBSTACLES, Obstacles
 from abi.arrays import BoolArray, IntArray
 from abi.compilation.borrowed import borrowed, held
+from abi.compilation.jitable import jitable
 from abi.compiled import FLAGS, NEW_FLAGS, compiled
 from abi.obstacles.triangle_mesh.closest_point_kernels import DEPTH
 from abi.obstacles.vector_kernels import Vec3, vec3_at
@@ -72,7 +72,7 @@ class _Near(NamedTuple):
     rows: tuple[int, int]
 
 
-@register_jitable
+@jitable
 def _widths_of(table: ArmTable, forearm: float) -> _Widths:
     """Reaches of the capsules.
 
@@ -95,7 +95,7 @@ def _widths_of(table: ArmTable, forearm: float) -> _Widths:
     return _Widths(forearm, upper, fore, most)
 
 
-@register_jitable(forceinline=True)
+@jitable(forceinline=True)
 def _clear_of(
     around: Obstacles,
     root: int,
@@ -121,7 +121,7 @@ def _clear_of(
     return row < 0, guess if row < 0 else row
 
 
-@register_jitable
+@jitable
 def _near_ball(
     table: ArmTable,
     obstacle: tuple[Obstacles, int],

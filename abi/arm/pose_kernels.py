@@ -26,9 +26,8 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from numba.extending import register_jitable
-
 from abi.arrays import FloatArray
+from abi.compilation.jitable import jitable
 from abi.compiled import FLOATS
 from abi.obstacles.vector_kernels import Vec3, axpy, sub
 
@@ -117,7 +116,7 @@ NO_RATES = Rates(math.inf, math.inf, 0.0, 0.0)
 """Where nothing is bounded."""
 
 
-@register_jitable(forceinline=True)
+@jitable(forceinline=True)
 def reaches(arm: ArmNumbers, tool: Vec3, forearm: float) -> bool:
     """Check if the tool can be there, off the axis, with the elbow bent and q3 within its limit."""
     x, y, z = tool[0] - arm.x, tool[1] - arm.y, tool[2] - arm.shoulder
@@ -130,14 +129,14 @@ def reaches(arm: ArmNumbers, tool: Vec3, forearm: float) -> bool:
     return bent
 
 
-@register_jitable(forceinline=True)
+@jitable(forceinline=True)
 def shoulder_holds(arm: ArmNumbers, pose: Pose) -> bool:
     """Check whether q2 is within its limit."""
     holds: bool = pose.elbow[2] - arm.shoulder >= arm.upper * arm.least_cosine_q2
     return holds
 
 
-@register_jitable(forceinline=True)
+@jitable(forceinline=True)
 def pose_of(arm: ArmNumbers, tool: Vec3, forearm: float) -> Pose:
     """The arm with its tool at a place that it reaches."""
     x, y, z = tool[0] - arm.x, tool[1] - arm.y, tool[2] - arm.shoulder
@@ -152,7 +151,7 @@ def pose_of(arm: ArmNumbers, tool: Vec3, forearm: float) -> Pose:
     return Pose((arm.x, arm.y, arm.shoulder), elbow, tool, forearm, out, across, reach)
 
 
-@register_jitable(forceinline=True)
+@jitable(forceinline=True)
 def rates_near(arm: ArmNumbers, pose: Pose, tool: float, slide: float) -> Rates:
     """Rates within distances of the tool and of the slide from a pose, [unit]; inf where unbounded.
 
@@ -179,7 +178,7 @@ def rates_near(arm: ArmNumbers, pose: Pose, tool: float, slide: float) -> Rates:
     return Rates(rate, 1 / sine, short, long)
 
 
-@register_jitable(forceinline=True)
+@jitable(forceinline=True)
 def bend_near(arm: ArmNumbers, pose: Pose, rates: Rates, tool: float) -> float:
     """Bound of the elbow's second derivative while the tool runs straight near a pose, [1/unit].
 
@@ -196,7 +195,7 @@ def bend_near(arm: ArmNumbers, pose: Pose, rates: Rates, tool: float) -> float:
     return bend
 
 
-@register_jitable(forceinline=True)
+@jitable(forceinline=True)
 def limits_hold_near(arm: ArmNumbers, pose: Pose, rates: Rates, tool: float, slide: float) -> bool:
     """Check whether q2 and q3 keep their limits within distances of tool and slide from a pose."""
     near, long = pose.reach - tool, rates.longest
@@ -207,7 +206,7 @@ def limits_hold_near(arm: ArmNumbers, pose: Pose, rates: Rates, tool: float, sli
     return hold
 
 
-@register_jitable(forceinline=True)
+@jitable(forceinline=True)
 def capsule_ends(arm: ArmNumbers, pose: Pose, capsules: FloatArray, c: int) -> tuple[Vec3, Vec3]:
     """Both ends of capsule c's segment, [unit], world."""
     body, low, high = capsules[CAPSULE * c], capsules[CAPSULE * c + 1], capsules[CAPSULE * c + 2]
@@ -222,7 +221,7 @@ def capsule_ends(arm: ArmNumbers, pose: Pose, capsules: FloatArray, c: int) -> t
     return axpy(a, way, pose.elbow), axpy(b, way, pose.elbow)
 
 
-@register_jitable(forceinline=True)
+@jitable(forceinline=True)
 def capsule_share(arm: ArmNumbers, forearm: float, capsules: FloatArray, c: int) -> float:
     """Largest part that points of capsule c's segment have in where the elbow is."""
     body, low, high = capsules[CAPSULE * c], capsules[CAPSULE * c + 1], capsules[CAPSULE * c + 2]
@@ -236,7 +235,7 @@ def capsule_share(arm: ArmNumbers, forearm: float, capsules: FloatArray, c: int)
     return share
 
 
-@register_jitable(forceinline=True)
+@jitable(forceinline=True)
 def capsule_rates(
     arm: ArmNumbers, rates: Rates, capsules: FloatArray, c: int
 ) -> tuple[float, float]:

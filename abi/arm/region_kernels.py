@@ -8,7 +8,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba.extending import register_jitable
 
 from abi.arm.mask_kernels import is_beside, is_far, outline
 from abi.arm.pose_kernels import (
@@ -23,6 +22,7 @@ from abi.arm.pose_kernels import (
 )
 from abi.arm.surroundings_kernels import NO_OBSTACLES, Obstacles, asked_rows, box_gap
 from abi.arrays import BoolArray, FloatArray
+from abi.compilation.jitable import jitable
 from abi.compiled import FLAGS, FLOATS, NEW_FLOATS, compiled
 from abi.obstacles.obstacle_set_kernels import distance_to_segment
 from abi.obstacles.vector_kernels import Vec3, axpy, sub, vec3_at
@@ -109,7 +109,7 @@ def arm_gaps(
                     gaps[i] = _gap(around, s, a, b, capsules[CAPSULE * c + 3], gaps[i])
 
 
-@register_jitable
+@jitable
 def _gap(around: Obstacles, s: int, a: Vec3, b: Vec3, radius: float, best: float) -> float:
     """The lesser of ``best`` and the distance of a capsule to row s, or to what is inside it."""
     if box_gap(around.primitives, s, a, b) - radius >= best:
@@ -129,7 +129,7 @@ def _gap(around: Obstacles, s: int, a: Vec3, b: Vec3, radius: float, best: float
     return best
 
 
-@register_jitable
+@jitable
 def _crossing(points: FloatArray, values: FloatArray, i: int, j: int) -> Vec3:
     """Crossing of 0 between the values of two neighbours."""
     share = values[i] / (values[i] - values[j])

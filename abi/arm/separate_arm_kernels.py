@@ -10,7 +10,6 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba.extending import register_jitable
 
 from abi.arm.direction_kernels import NO_DIRECTION
 from abi.arm.pose_kernels import (
@@ -43,6 +42,7 @@ from abi.clearance.separation_kernels import (
     halves_of,
     table_of,
 )
+from abi.compilation.jitable import jitable
 from abi.compiled import FLOATS, NEW_FLOATS, compiled
 from abi.obstacles.vector_kernels import Vec3, distance, dot, vec3_at
 
@@ -69,7 +69,7 @@ NO_SLIDE = Slide(FLOATS, FLOATS, FLOATS)
 """Example for the compiler."""
 
 
-@register_jitable(forceinline=True)
+@jitable(forceinline=True)
 def _slide_within(slide: Slide, start: float, end: float) -> tuple[float, float]:
     """Bounds of q5 from one parameter to another."""
     first = int(np.searchsorted(slide.parameters, start, side="right")) - 1
@@ -97,7 +97,7 @@ class Stance(NamedTuple):
     bend: float
 
 
-@register_jitable(forceinline=True)
+@jitable(forceinline=True)
 def stance_near(arm: ArmNumbers, pose: Pose, ways: tuple[float, float]) -> tuple[Stance, bool]:
     """Stance near a pose, and whether its rates are finite and the arm keeps its limits there."""
     rates = rates_near(arm, pose, ways[0], ways[1])
@@ -106,7 +106,7 @@ def stance_near(arm: ArmNumbers, pose: Pose, ways: tuple[float, float]) -> tuple
     return Stance(pose, rates, ways, pose, pose, math.inf), bounded
 
 
-@register_jitable(forceinline=True)
+@jitable(forceinline=True)
 def capsule_of(near: tuple[ArmTable, Stance], c: int) -> Moving:
     """Capsule c of an arm near a pose."""
     (arm, capsules), stance = near
@@ -118,7 +118,7 @@ def capsule_of(near: tuple[ArmTable, Stance], c: int) -> Moving:
     return Moving(c, a, b, capsules[CAPSULE * c + 3], way, bow)
 
 
-@register_jitable(forceinline=True)
+@jitable(forceinline=True)
 def level_at_ends(near: tuple[ArmTable, Stance], capsule: Moving, way: Vec3) -> float:
     """Least product of a direction and a capsule's segment at both ends of a piece, [unit]."""
     (arm, capsules), stance = near
@@ -127,13 +127,13 @@ def level_at_ends(near: tuple[ArmTable, Stance], capsule: Moving, way: Vec3) -> 
     return min(min(dot(way, a), dot(way, b)), min(dot(way, c), dot(way, d)))
 
 
-@register_jitable(forceinline=True)
+@jitable(forceinline=True)
 def allowance_of(around: Obstacles, rates: Rates) -> float:
     """Room for rounding, [unit]."""
     return ALLOWANCE * around.size * (1.0 if math.isinf(rates.slide) else 1 + rates.slide)
 
 
-@register_jitable(forceinline=True)
+@jitable(forceinline=True)
 def _farthest(points: FloatArray, piece: Piece, middle: Vec3) -> float:
     """Distance of a piece from its middle, at most."""
     farthest = 0.0

@@ -11,7 +11,6 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba.extending import register_jitable
 
 from abi.arm.chain_kernels import POSE, TABLE, ChainTable, place_chain
 from abi.arm.direction_kernels import NO_DIRECTION
@@ -28,6 +27,7 @@ from abi.clearance.separation_kernels import (
     Plane,
     table_of,
 )
+from abi.compilation.jitable import jitable
 from abi.compiled import FLOATS, IDS, compiled
 from abi.obstacles.triangle_mesh.triangle_kernels import between_segments
 from abi.obstacles.vector_kernels import Vec3, dot, sub, vec3_at
@@ -88,7 +88,7 @@ class _Pose(NamedTuple):
     end: FloatArray
 
 
-@register_jitable
+@jitable
 def _joints_at(knots: FloatArray, at: float, joints: FloatArray) -> None:
     """Write the coordinates at a place between two knots."""
     count = len(joints)
@@ -99,7 +99,7 @@ def _joints_at(knots: FloatArray, at: float, joints: FloatArray) -> None:
         joints[j] = a + share * (b - a)
 
 
-@register_jitable
+@jitable
 def _ways_of(
     knots: FloatArray, stretch: _Stretch, joints: FloatArray, end: FloatArray, ways: FloatArray
 ) -> None:
@@ -116,7 +116,7 @@ def _ways_of(
             ways[j] = max(ways[j], abs(knots[knot * count + j] - joints[j]))
 
 
-@register_jitable
+@jitable
 def place_bodies(
     chain: ChainTable,
     bodies: Bodies,
@@ -145,7 +145,7 @@ def place_bodies(
                 )
 
 
-@register_jitable
+@jitable
 def _go_to_middle(
     chain: ChainTable, bodies: Bodies, knots: FloatArray, stretch: _Stretch, pose: _Pose
 ) -> float:
@@ -160,7 +160,7 @@ def _go_to_middle(
     return at
 
 
-@register_jitable
+@jitable
 def _apart(
     ends: FloatArray, bodies: Bodies, pair: int, ways: FloatArray, allowance: float
 ) -> tuple[int, float, Vec3, float]:
@@ -197,7 +197,7 @@ def _apart(
     return UNDECIDED, away - radii, way, moves
 
 
-@register_jitable(forceinline=True)
+@jitable(forceinline=True)
 def _capsule_of(near: tuple[Bodies, FloatArray, FloatArray], c: int) -> Moving:
     """Capsule c near a pose, given the ends of all there and the ways of the coordinates."""
     bodies, ends, ways = near
@@ -208,7 +208,7 @@ def _capsule_of(near: tuple[Bodies, FloatArray, FloatArray], c: int) -> Moving:
     return Moving(c, first, last, bodies.radii[c], moves * _WIDER, math.inf)
 
 
-@register_jitable(forceinline=True)
+@jitable(forceinline=True)
 def _level_at_ends(
     near: tuple[Bodies, FloatArray, FloatArray], capsule: Moving, way: Vec3
 ) -> float:
@@ -216,7 +216,7 @@ def _level_at_ends(
     return -math.inf
 
 
-@register_jitable
+@jitable
 def _add_pairs(
     bodies: Bodies, around: Obstacles, pose: _Pose, certify: bool, pairs: list[int]
 ) -> None:

@@ -9,11 +9,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import NamedTuple, TypeVar
 
-from numba.extending import register_jitable
-
 from abi.arm.direction_kernels import Direction, is_separated, keep_direction
 from abi.arm.surroundings_kernels import Obstacles, between_boxes, is_solid, judged, open_box
 from abi.clearance.separation_kernels import CERTIFIED, REFUTED, UNDECIDED, Plane
+from abi.compilation.jitable import jitable
 from abi.obstacles.primitive_kernels import axes_of, centre_of, core_of, in_body, in_world, support
 from abi.obstacles.vector_kernels import Vec3, dot, sub
 
@@ -79,7 +78,7 @@ class Lists(NamedTuple):
     latest: list[Direction]
 
 
-@register_jitable(forceinline=True)
+@jitable(forceinline=True)
 def _level(
     allowance: float,
     capsule: Moving,
@@ -94,7 +93,7 @@ def _level(
     return level - capsule.radius - allowance
 
 
-@register_jitable(forceinline=True)
+@jitable(forceinline=True)
 def _separated(
     around: Obstacles,
     s: int,
@@ -130,7 +129,7 @@ def _separated(
     return outcome, gap - radius, there
 
 
-@register_jitable(forceinline=True)
+@jitable(forceinline=True)
 def separate_pairs(
     around: Obstacles,
     span: Span,

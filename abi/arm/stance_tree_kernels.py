@@ -9,7 +9,6 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba.extending import register_jitable
 
 from abi.arm.chain_kernels import POSE, TABLE, ChainTable
 from abi.arm.chain_mask_kernels import touches_row
@@ -17,6 +16,7 @@ from abi.arm.separate_chain_kernels import BODIES, Bodies, place_bodies
 from abi.arm.surroundings_kernels import NO_OBSTACLES, Obstacles, box_gap
 from abi.arrays import BoolArray, FloatArray, IntArray
 from abi.compilation.borrowed import borrowed, held
+from abi.compilation.jitable import jitable
 from abi.compiled import FLAGS, FLOATS, IDS, NEW_FLAGS, NEW_FLOATS, compiled
 from abi.obstacles.triangle_mesh.closest_point_kernels import DEPTH
 from abi.obstacles.vector_kernels import vec3_at
@@ -80,7 +80,7 @@ def bound_stances(
     held(own)
 
 
-@register_jitable
+@jitable
 def _comes_near(bodies: Bodies, boxes: FloatArray, at: int, around: Obstacles, s: int) -> bool:
     """Check if the capsule of some box, of those from ``at`` on, may be too near to row s."""
     for c in range(len(bodies.frames)):

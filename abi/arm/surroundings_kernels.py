@@ -8,10 +8,9 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from numba.extending import register_jitable
-
 from abi.arrays import BoolArray, FloatArray, IntArray
 from abi.clearance.separation_kernels import CERTIFIED, REFUTED, UNDECIDED
+from abi.compilation.jitable import jitable
 from abi.compiled import FLAGS, FLOATS, IDS
 from abi.obstacles.primitive_kernels import (
     BOUNDS,
@@ -55,7 +54,7 @@ NO_OBSTACLES = Obstacles(FLOATS, IDS, IDS, FLOATS, FLAGS, IDS, 0.0, 1.0)
 """Example for the compiler."""
 
 
-@register_jitable(forceinline=True)
+@jitable(forceinline=True)
 def box_gap(primitives: FloatArray, s: int, a: Vec3, b: Vec3) -> float:
     """Largest gap along an axis of the world between a segment and primitive s."""
     k = WIDTH * s + BOUNDS
@@ -67,7 +66,7 @@ def box_gap(primitives: FloatArray, s: int, a: Vec3, b: Vec3) -> float:
     return gap
 
 
-@register_jitable(forceinline=True)
+@jitable(forceinline=True)
 def between_boxes(primitives: FloatArray, s: int, a: Vec3, b: Vec3) -> tuple[float, Vec3]:
     """The same gap, and its way."""
     k, best = WIDTH * s + BOUNDS, box_gap(primitives, s, a, b)
@@ -84,7 +83,7 @@ def between_boxes(primitives: FloatArray, s: int, a: Vec3, b: Vec3) -> tuple[flo
     return best, (0.0, 0.0, -1.0)
 
 
-@register_jitable
+@jitable
 def judged(core: Core, p: Vec3, d: Vec3, near: float, far: float) -> tuple[int, float, Vec3]:
     """Check if the segment from p to p + d, body frame, is separated by more than ``far``.
 
@@ -132,7 +131,7 @@ def judged(core: Core, p: Vec3, d: Vec3, near: float, far: float) -> tuple[int, 
     return UNDECIDED, best, way
 
 
-@register_jitable(forceinline=True)
+@jitable(forceinline=True)
 def is_solid(around: Obstacles, pair: int) -> bool:
     """Check whether the obstacle of a pair is solid, not a box around others."""
     count = len(around.margins)
@@ -140,7 +139,7 @@ def is_solid(around: Obstacles, pair: int) -> bool:
     return s == count - 1 or around.inside[2 * s + 1] == 0
 
 
-@register_jitable(forceinline=True)
+@jitable(forceinline=True)
 def open_box(
     around: Obstacles, pair: int, moves: float, segment: tuple[Vec3, Vec3], work: list[int]
 ) -> bool:
@@ -151,7 +150,7 @@ def open_box(
     return not is_solid(around, pair) and _opened(around, pair, moves, segment, work)
 
 
-@register_jitable
+@jitable
 def _opened(
     around: Obstacles, pair: int, moves: float, segment: tuple[Vec3, Vec3], work: list[int]
 ) -> bool:
@@ -178,7 +177,7 @@ def _opened(
     return True
 
 
-@register_jitable
+@jitable
 def asked_rows(around: Obstacles, moving: int) -> list[int]:
     """Rows, of which the last may be the floor's, that some of so many capsules keep clear of."""
     count = len(around.margins)
@@ -192,7 +191,7 @@ def asked_rows(around: Obstacles, moving: int) -> list[int]:
     return rows
 
 
-@register_jitable(forceinline=True)
+@jitable(forceinline=True)
 def add_pairs_within(
     around: Obstacles, c: int, segment: tuple[Vec3, Vec3], far: float, pairs: list[int]
 ) -> None:

@@ -6,13 +6,12 @@ successive numbers.
 
 from __future__ import annotations
 
-from numba.extending import register_jitable
-
 from abi.arrays import FloatArray
+from abi.compilation.jitable import jitable
 from abi.obstacles.vector_kernels import Vec3, vec3_at
 
 # inlined: calls for each piece of a curve, in which lists and arrays would be counted in and out
-_inlined = register_jitable(forceinline=True)
+_inlined = jitable(forceinline=True)
 
 Numbers = FloatArray | list[float]
 

@@ -9,8 +9,6 @@ from __future__ import annotations
 
 import math
 
-from numba.extending import register_jitable
-
 from abi.arrays import FloatArray
 from abi.clearance.bezier_kernels import extent_of
 from abi.clearance.separation_kernels import (
@@ -30,6 +28,7 @@ from abi.clearance.separation_kernels import (
     least_product,
     table_of,
 )
+from abi.compilation.jitable import jitable
 from abi.compiled import NEW_FLOATS, compiled
 from abi.obstacles.triangle_mesh.bvh import NO_TREE, TriangleTree, box_of, highest
 from abi.obstacles.triangle_mesh.triangle_kernels import closest_point, triangle_at
@@ -38,7 +37,7 @@ from abi.obstacles.vector_kernels import Vec3, dot, norm, sub, vec3_at
 _KEPT = 4  # directions of a piece that are tried again on the next node
 
 
-@register_jitable
+@jitable
 def _away_from(p: Vec3, closest: Vec3) -> tuple[float, Vec3]:
     """Distance of a point from the closest one of a convex set, and the way from it; zero on it."""
     offset = sub(p, closest)
@@ -48,7 +47,7 @@ def _away_from(p: Vec3, closest: Vec3) -> tuple[float, Vec3]:
     return distance, (offset[0] / distance, offset[1] / distance, offset[2] / distance)
 
 
-@register_jitable
+@jitable
 def _support(direction: Vec3, tree: TriangleTree, node: int) -> float:
     """Support of a box of the tree, or of a triangle, along a direction."""
     nodes = 2 * len(tree.leaves) - 3
@@ -59,7 +58,7 @@ def _support(direction: Vec3, tree: TriangleTree, node: int) -> float:
     return max(dot(direction, a), dot(direction, b), dot(direction, c))
 
 
-@register_jitable
+@jitable
 def _from_box(low: Vec3, high: Vec3, extent: tuple[Vec3, Vec3], middle: Vec3, need: float) -> Vec3:
     """Direction in which a box may be separated from a piece.
 
@@ -81,7 +80,7 @@ def _from_box(low: Vec3, high: Vec3, extent: tuple[Vec3, Vec3], middle: Vec3, ne
     return _away_from(middle, closest)[1]
 
 
-@register_jitable
+@jitable
 def _separated_again(
     planes: list[Plane], first: int, tree: TriangleTree, node: int, need: float
 ) -> bool:
@@ -92,7 +91,7 @@ def _separated_again(
     return False
 
 
-@register_jitable
+@jitable
 def _open(tree: TriangleTree, node: int, work: list[int]) -> None:
     """Add the contents of a box of the tree: two boxes or some triangles."""
     inner = len(tree.leaves) - 2

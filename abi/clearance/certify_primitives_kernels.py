@@ -9,8 +9,6 @@ from __future__ import annotations
 
 import math
 
-from numba.extending import register_jitable
-
 from abi.arrays import FloatArray
 from abi.clearance.bezier_kernels import extent_of
 from abi.clearance.separation_kernels import (
@@ -29,6 +27,7 @@ from abi.clearance.separation_kernels import (
     least_product,
     table_of,
 )
+from abi.compilation.jitable import jitable
 from abi.compiled import FLOATS, NEW_FLOATS, compiled
 from abi.obstacles.primitive_kernels import (
     WIDTH,
@@ -43,7 +42,7 @@ from abi.obstacles.primitive_kernels import (
 from abi.obstacles.vector_kernels import sub, vec3_at
 
 
-@register_jitable
+@jitable
 def _scale_of(primitives: FloatArray, s: int, size: float) -> float:
     """Largest coordinate of primitive s and of the curve together, [unit]."""
     x, y, z = centre_of(primitives, s)

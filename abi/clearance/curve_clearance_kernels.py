@@ -9,8 +9,6 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from numba.extending import register_jitable
-
 from abi.arrays import FloatArray
 from abi.clearance.bezier_kernels import divide, extent_of
 from abi.clearance.mesh_clearance_kernels import (
@@ -22,6 +20,7 @@ from abi.clearance.mesh_clearance_kernels import (
     middles_near_meshes,
 )
 from abi.compilation.borrowed import borrowed, held
+from abi.compilation.jitable import jitable
 from abi.compiled import FLOATS, compiled
 from abi.obstacles.obstacle_set_kernels import distance_gradient, nearest_primitive
 from abi.obstacles.primitive_kernels import WIDTH
@@ -54,7 +53,7 @@ class _Around(NamedTuple):
     room: Room
 
 
-@register_jitable(forceinline=True)
+@jitable(forceinline=True)
 def _bound(
     primitives: FloatArray, enough: float, points: list[float], piece: int, width: int, x: Vec3
 ) -> tuple[float, int, float]:
@@ -79,7 +78,7 @@ def _bound(
     return best, whose, bound
 
 
-@register_jitable
+@jitable
 def _cut(control: FloatArray, breaks: FloatArray, parts: int) -> tuple[list[float], list[float]]:
     """Points of the polynomials, each cut into ``parts`` equal parts; parameters between those."""
     spans = len(breaks) - 1
@@ -100,7 +99,7 @@ def _cut(control: FloatArray, breaks: FloatArray, parts: int) -> tuple[list[floa
     return points, places
 
 
-@register_jitable
+@jitable
 def _first_pieces(
     around: _Around, points: list[float], places: list[float], required: float
 ) -> tuple[Pieces, Nearest]:
@@ -121,7 +120,7 @@ def _first_pieces(
     return Pieces(points, joints[:count], joints[1:]), nearest
 
 
-@register_jitable
+@jitable
 def _nearer(nearest: Nearest, found: Nearest, primitives: FloatArray) -> Nearest:
     """The nearer of two samples, of which ``found`` is near to a mesh."""
     if found.distance < nearest.distance:
@@ -129,7 +128,7 @@ def _nearer(nearest: Nearest, found: Nearest, primitives: FloatArray) -> Nearest
     return nearest
 
 
-@register_jitable
+@jitable
 def _sample_middles(
     around: _Around, pieces: Pieces, demand: tuple[float, float, float], nearest: Nearest
 ) -> tuple[list[Sample], list[float], Nearest]:
@@ -158,7 +157,7 @@ def _sample_middles(
     return middles, bounds, nearest
 
 
-@register_jitable
+@jitable
 def _undecided(
     pieces: Pieces,
     middles: list[Sample],
@@ -194,7 +193,7 @@ def _undecided(
     return undecided
 
 
-@register_jitable
+@jitable
 def _halves(pieces: Pieces, middles: list[Sample], chosen: list[int]) -> Pieces:
     """Both halves of the chosen pieces."""
     points, firsts, lasts = pieces

@@ -25,9 +25,8 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from numba.extending import register_jitable
-
 from abi.clearance.bezier_kernels import divide
+from abi.compilation.jitable import jitable
 from abi.obstacles.surface_set import SurfaceSet
 from abi.obstacles.surface_set_kernels import most_to_mesh, nearest_mesh, widened
 from abi.obstacles.triangle_mesh.surface_tables_kernels import Room
@@ -74,14 +73,14 @@ class Pieces(NamedTuple):
     lasts: list[Sample]
 
 
-@register_jitable
+@jitable
 def joint_at(points: list[float], joint: int, pieces: int) -> Vec3:
     """First point of a piece of a curve; of the number after the last, where the curve ends."""
     size = len(points) // pieces
     return vec3_at(points, len(points) - 3 if joint == pieces else joint * size)
 
 
-@register_jitable
+@jitable
 def _chord(points: list[float], start: int, size: int) -> tuple[float, float]:
     """Length of the chord of a piece, and how far a control point of it is from it at most."""
     a = vec3_at(points, start)
@@ -93,7 +92,7 @@ def _chord(points: list[float], start: int, size: int) -> tuple[float, float]:
     return norm(along), off
 
 
-@register_jitable
+@jitable
 def _least_between(d: float, e: float, chord: tuple[float, float]) -> float:
     """Lower bound of the signed distance of a piece, from such bounds at its ends.
 
@@ -110,14 +109,14 @@ def _least_between(d: float, e: float, chord: tuple[float, float]) -> float:
     return math.sqrt(max((d - h) * (d + h), 0.0)) - off
 
 
-@register_jitable
+@jitable
 def _sought(enough: float, chord: tuple[float, float]) -> float:
     """Distance at both ends of a piece with which none of its points is nearer than ``enough``."""
     length, off = chord
     return math.sqrt(max(enough, 0.0) ** 2 + length * length / 4) + off
 
 
-@register_jitable
+@jitable
 def joints_near_meshes(
     surfaces: SurfaceSet,
     points: list[float],
@@ -158,7 +157,7 @@ def joints_near_meshes(
     return least
 
 
-@register_jitable
+@jitable
 def middles_near_meshes(
     surfaces: SurfaceSet,
     pieces: Pieces,

@@ -11,10 +11,10 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba.extending import register_jitable
 
 from abi.arrays import FloatArray
 from abi.clearance.bezier_kernels import divide
+from abi.compilation.jitable import jitable
 from abi.obstacles.vector_kernels import Vec3, dot, vec3_at
 
 CERTIFIED, REFUTED, UNDECIDED = 0, 1, 2
@@ -71,7 +71,7 @@ Outcome = tuple[int, float, int, float, FloatArray]
 (k, 7)."""
 
 
-@register_jitable
+@jitable
 def table_of(planes: list[Plane]) -> FloatArray:
     """The planes as rows (k, 7), without the first, which means nothing."""
     table = np.empty((len(planes) - 1, 7))
@@ -83,13 +83,13 @@ def table_of(planes: list[Plane]) -> FloatArray:
     return table
 
 
-@register_jitable
+@jitable
 def allowance_of(scale: float, degree: int, halvings: int, margin: float) -> float:
     """Rounding error of a separation, [unit]: see ``abi.clearance.certificate``."""
     return _UNIT * ((256 + 16 * degree + 12 * degree * halvings) * scale + 64 * abs(margin))
 
 
-@register_jitable
+@jitable
 def halves_of(
     points: FloatArray, piece: Piece, breaks: FloatArray, width: int
 ) -> tuple[float, Piece, Piece]:
@@ -118,7 +118,7 @@ def halves_of(
     return at, ahead, Piece(middle, last, halvings, at, piece.end)
 
 
-@register_jitable
+@jitable
 def apart_along_axis(low: Vec3, high: Vec3, extent: tuple[Vec3, Vec3]) -> tuple[float, Vec3]:
     """Distance along an axis from a box low..high to that around a piece, and the direction.
 
@@ -136,7 +136,7 @@ def apart_along_axis(low: Vec3, high: Vec3, extent: tuple[Vec3, Vec3]) -> tuple[
     return gap, (0.0, 1.0 if y0 - high[1] == gap else -1.0, 0.0)
 
 
-@register_jitable
+@jitable
 def least_product(points: FloatArray, first: int, last: int, direction: Vec3) -> float:
     """Least product of a direction with the points from ``first`` up to ``last``."""
     least = math.inf

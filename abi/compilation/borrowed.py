@@ -3,18 +3,14 @@
 Numba counts the references to each array of a tuple at every call that it does not inline, and
 counts atomically. Where tables of a dozen arrays go through millions of small functions that takes
 most of the time. Whoever calls a kernel holds its arguments until it returns, so meanwhile nothing
-needs to be counted.
+needs to be counted. :mod:`abi.compilation.borrowing` tells numba so.
 """
 
 from __future__ import annotations
 
-from typing import Any, TypeVar
+from typing import TypeVar
 
-from numba.core import ir, types
-from numba.core.compiler import CompilerBase, DefaultPassBuilder
-from numba.core.compiler_machinery import FunctionPass, register_pass
-from numba.core.untyped_passes import IRProcessing
-from numba.extending import lower_builtin, register_jitable, type_callable
+from abi.compilation.jitable import jitable
 
 _T = TypeVar("_T")
 
@@ -27,70 +23,6 @@ def borrowed(value: _T) -> _T:
     return value
 
 
-@register_jitable
+@jitable
 def held(_: object) -> None:
     """Keep a value alive up to here: numba frees a variable after the last line that names it."""
-
-
-@type_callable(borrowed)
-def _type_of_borrowed(_: Any) -> Any:
-    return lambda value: value
-
-
-@lower_builtin(borrowed, types.Any)  # type: ignore[no-untyped-call, untyped-decorator]
-def _lower_borrowed(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-    return _without_owner(context, builder, signature.args[0], arguments[0])
-
-
-def _without_owner(context: Any, builder: Any, kind: Any, value: Any) -> Any:
-    """The value with no owner at any of its arrays; to nothing numba counts no references."""
-    if isinstance(kind, types.Array):
-        array = context.make_array(kind)(context, builder, value)
-        array.meminfo, array.parent = array.meminfo.type(None), array.parent.type(None)
-        return array._getvalue()
-    if isinstance(kind, types.BaseTuple):
-        for k, field in enumerate(kind.types):  # type: ignore[attr-defined]
-            inner = builder.extract_value(value, k)
-            value = builder.insert_value(value, _without_owner(context, builder, field, inner), k)
-    return value
-
-
-@register_pass(mutates_CFG=False, analysis_only=False)  # type: ignore[no-untyped-call]
-class _BorrowArguments(FunctionPass):
-    """Puts ``x = borrowed(x)`` for each argument x at the beginning of a function."""
-
-    _name = "borrow_arguments"
-
-    def __init__(self) -> None:
-        super().__init__()  # type: ignore[no-untyped-call]
-
-    def run_pass(self, state: Any) -> bool:
-        first = state.func_ir.blocks[min(state.func_ir.blocks)]
-        body = []
-        for line in first.body:
-            body.append(line)
-            if isinstance(line, ir.Assign) and isinstance(line.value, ir.Arg):
-                body += _borrow(line.target, first.scope, line.loc)
-        first.body = body
-        return True
-
-
-def _borrow(argument: Any, scope: Any, where: Any) -> list[Any]:
-    """The lines that do it for one."""
-    assign: Any = ir.Assign
-    name, function, call = "borrowed", scope.redefine("$borrowed", where), ir.Expr.call
-    return [
-        assign(ir.Global(name, borrowed, where), function, where),  # type: ignore[no-untyped-call]
-        assign(call(function, [argument], (), where), argument, where),  # type: ignore[no-untyped-call]
-    ]
-
-
-class Borrowing(CompilerBase):
-    """Numba's compiler of a kernel, which borrows its arguments."""
-
-    def define_pipelines(self) -> list[Any]:
-        """Numba's own passes and that one."""
-        passes = DefaultPassBuilder.define_nopython_pipeline(self.state)  # type: ignore[no-untyped-call]
-        passes.add_pass_after(_BorrowArguments, IRProcessing)
-        passes.finalize()
-        return [passes]

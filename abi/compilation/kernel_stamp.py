@@ -12,6 +12,8 @@ from collections.abc import Callable, Iterator
 from types import CodeType, FunctionType
 from typing import Any
 
+from abi.compilation.jitable import options_of
+
 _CONSTANTS = (bool, int, float, str, tuple, type(None))
 
 
@@ -34,6 +36,7 @@ def stamp(function: Callable[..., Any], options: str = "") -> str:
             continue
         seen.add(name)
         digest.update(name.encode())
+        digest.update(repr(sorted(options_of(current).items())).encode())
         for code in _codes(current.__code__):
             constants = [value for value in code.co_consts if not isinstance(value, CodeType)]
             if constants and constants[0] == current.__doc__:

@@ -5,16 +5,16 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba.extending import register_jitable
 
 from abi.arrays import FloatArray
+from abi.compilation.jitable import jitable
 from abi.compiled import FLOATS, NEW_FLOATS, compiled
 
 _MOST_HALVINGS = 40
 _MOST_STEPS = 60
 
 
-@register_jitable
+@jitable
 def _speed(derivative: FloatArray, first: int, width: int, v: float, work: list[float]) -> float:
     """Length of the Bézier curve's point at v, whose points begin at ``derivative[first]``."""
     for i in range(3 * width):
@@ -25,7 +25,7 @@ def _speed(derivative: FloatArray, first: int, width: int, v: float, work: list[
     return math.sqrt(work[0] * work[0] + work[1] * work[1] + work[2] * work[2])
 
 
-@register_jitable
+@jitable
 def _speeds(
     derivative: FloatArray,
     span: int,
@@ -53,7 +53,7 @@ def _speeds(
         speeds[i] = half * extent * _speed(derivative, 3 * width * span, width, v, work)
 
 
-@register_jitable
+@jitable
 def _weighted_sum(weights: FloatArray, first: int, speeds: list[float]) -> float:
     """Sum of the speeds, with the weights from ``first`` on."""
     total = 0.0
@@ -62,7 +62,7 @@ def _weighted_sum(weights: FloatArray, first: int, speeds: list[float]) -> float
     return total
 
 
-@register_jitable
+@jitable
 def _halved(
     breaks: FloatArray,
     derivative: FloatArray,
@@ -157,7 +157,7 @@ def measured_pieces(
     return edges, travelled, series, places, lengths
 
 
-@register_jitable
+@jitable
 def _piece_at(edges: FloatArray, value: float) -> int:
     """Number of the piece between ``edges`` that a value is on, the later where two meet."""
     low, high = 0, len(edges) - 2
@@ -170,7 +170,7 @@ def _piece_at(edges: FloatArray, value: float) -> int:
     return low
 
 
-@register_jitable
+@jitable
 def _factors(terms: int) -> tuple[list[float], list[float]]:
     """Factors of Clenshaw's recurrence at each term of a Legendre series."""
     first, second = [0.0] * terms, [0.0] * terms
@@ -179,7 +179,7 @@ def _factors(terms: int) -> tuple[list[float], list[float]]:
     return first, second
 
 
-@register_jitable
+@jitable
 def _derive(series: FloatArray, start: int, terms: int, derived: list[float]) -> None:
     """Write the coefficients of a series' derivative: P'_n = (2 n - 1) P_n-1 + P'_n-2."""
     for n in range(terms - 1, 0, -1):
@@ -215,7 +215,7 @@ def arc_lengths(
             distances[i] = min(max(travelled[k] + value, 0.0), travelled[last])
 
 
-@register_jitable
+@jitable
 def _significant(series: FloatArray, start: int, terms: int, negligible: float) -> int:
     """Number of a series' terms without the last that are too small to matter."""
     while terms > 2 and abs(series[start + terms - 1]) <= negligible:
@@ -223,7 +223,7 @@ def _significant(series: FloatArray, start: int, terms: int, negligible: float) 
     return terms
 
 
-@register_jitable
+@jitable
 def _steepest(derived: list[float], count: int) -> float:
     """Bound of a series' slope on [-1, 1], where abs(P'_n) <= n (n + 1) / 2."""
     bound = 0.0

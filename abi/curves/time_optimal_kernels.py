@@ -15,15 +15,15 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba.extending import register_jitable
 
 from abi.arrays import FloatArray
+from abi.compilation.jitable import jitable
 from abi.compiled import FLOATS, NEW_FLOATS, compiled
 
 _FLAT = 1e-12
 
 
-@register_jitable
+@jitable
 def _row(
     rates: tuple[FloatArray, FloatArray], i: int, k: int, count: int, step: float
 ) -> tuple[float, float]:
@@ -36,7 +36,7 @@ def _row(
     return first[j] + 2 * step * second[j], second[j]
 
 
-@register_jitable
+@jitable
 def _feasible(
     rates: tuple[FloatArray, FloatArray],
     i: int,

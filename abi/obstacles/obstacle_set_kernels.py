@@ -8,9 +8,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba.extending import register_jitable
 
 from abi.arrays import BoolArray, FloatArray, IntArray
+from abi.compilation.jitable import jitable
 from abi.compiled import FLOATS, IDS, NEW_FLAGS, NEW_FLOATS, NEW_IDS, compiled
 from abi.obstacles.primitive_kernels import (
     WIDTH,
@@ -38,7 +38,7 @@ _STEPS = 100  # far more than it takes to find a minimum to the last bit
 _ROUNDING = 4 * 2.0**-52
 
 
-@register_jitable
+@jitable
 def _least_distance(core: Core, best: float, p: Vec3, d: Vec3) -> float:
     """Least signed distance along the segment from p to p + d, body frame; ``best`` if above.
 
@@ -78,7 +78,7 @@ def _least_distance(core: Core, best: float, p: Vec3, d: Vec3) -> float:
     return best
 
 
-@register_jitable
+@jitable
 def distance_to_segment(primitives: FloatArray, s: int, best: float, a: Vec3, b: Vec3) -> float:
     """Least signed distance from the segment a..b, world, to primitive s; ``best`` if above."""
     axes = axes_of(primitives, s)
@@ -86,7 +86,7 @@ def distance_to_segment(primitives: FloatArray, s: int, best: float, a: Vec3, b:
     return _least_distance(core_of(primitives, s), best, p, in_body(axes, sub(b, a)))
 
 
-@register_jitable
+@jitable
 def _likely_nearest(primitives: FloatArray, x: Vec3) -> int:
     """A primitive not far from a point: down the tree, each time to the nearer side."""
     s = first_row(primitives)
@@ -104,7 +104,7 @@ def _likely_nearest(primitives: FloatArray, x: Vec3) -> int:
             s = other
 
 
-@register_jitable
+@jitable
 def nearest_to_segment(
     primitives: FloatArray, enough: float, a: Vec3, b: Vec3
 ) -> tuple[float, int]:
@@ -129,7 +129,7 @@ def nearest_to_segment(
     return best, whose
 
 
-@register_jitable
+@jitable
 def nearest_primitive(primitives: FloatArray, enough: float, x: Vec3) -> tuple[float, int]:
     """Least signed distance of a point and whose it is; ``enough`` and -1 if it is not below.
 
@@ -150,7 +150,7 @@ def nearest_primitive(primitives: FloatArray, enough: float, x: Vec3) -> tuple[f
     return best, whose
 
 
-@register_jitable(forceinline=True)
+@jitable(forceinline=True)
 def distance_gradient(primitives: FloatArray, s: int, x: Vec3) -> tuple[float, Vec3]:
     """Signed distance of a point to primitive s, and a unit subgradient of it, world."""
     axes = axes_of(primitives, s)

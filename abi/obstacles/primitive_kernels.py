@@ -15,9 +15,8 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from numba.extending import register_jitable
-
 from abi.arrays import FloatArray
+from abi.compilation.jitable import jitable
 from abi.obstacles.vector_kernels import Vec3, axpy, dot, sub, vec3_at
 
 WIDTH = 32
@@ -47,7 +46,7 @@ class Core(NamedTuple):
     is_cylinder: float
 
 
-@register_jitable
+@jitable
 def core_of(primitives: FloatArray, s: int) -> Core:
     """Core of primitive s."""
     k = WIDTH * s + CORE
@@ -55,7 +54,7 @@ def core_of(primitives: FloatArray, s: int) -> Core:
     return Core(x, y, z, primitives[k + 3], primitives[k + 4])
 
 
-@register_jitable
+@jitable
 def axes_of(primitives: FloatArray, s: int) -> Axes:
     """Axes of primitive s."""
     k = WIDTH * s + 3
@@ -66,14 +65,14 @@ def axes_of(primitives: FloatArray, s: int) -> Axes:
     )
 
 
-@register_jitable
+@jitable
 def centre_of(primitives: FloatArray, s: int) -> Vec3:
     """Centre of primitive s, [unit], world."""
     k = WIDTH * s
     return primitives[k], primitives[k + 1], primitives[k + 2]
 
 
-@register_jitable
+@jitable
 def in_body(axes: Axes, p: Vec3) -> Vec3:
     """A direction of the world in the body's axes."""
     return (
@@ -83,7 +82,7 @@ def in_body(axes: Axes, p: Vec3) -> Vec3:
     )
 
 
-@register_jitable
+@jitable
 def in_world(axes: Axes, p: Vec3) -> Vec3:
     """A direction of the body's axes in the world."""
     return (
@@ -93,7 +92,7 @@ def in_world(axes: Axes, p: Vec3) -> Vec3:
     )
 
 
-@register_jitable
+@jitable
 def signed_distance(core: Core, p: Vec3) -> float:
     """Signed distance of a body point."""
     a, b, c = abs(p[0]) - core.x, abs(p[1]) - core.y, abs(p[2]) - core.z
@@ -107,14 +106,14 @@ def signed_distance(core: Core, p: Vec3) -> float:
     return most - core.radius
 
 
-@register_jitable
+@jitable
 def distance_to(primitives: FloatArray, s: int, x: Vec3) -> float:
     """Signed distance of a point to primitive s, [unit], world."""
     p = in_body(axes_of(primitives, s), sub(x, centre_of(primitives, s)))
     return signed_distance(core_of(primitives, s), p)
 
 
-@register_jitable
+@jitable
 def signed_distance_gradient(core: Core, p: Vec3) -> tuple[float, Vec3]:
     """Signed distance of a body point, and a unit subgradient of it."""
     x, y, z = p
@@ -144,7 +143,7 @@ def signed_distance_gradient(core: Core, p: Vec3) -> tuple[float, Vec3]:
     return c - core.radius, (0.0, 0.0, top)
 
 
-@register_jitable(forceinline=True)
+@jitable(forceinline=True)
 def support(core: Core, direction: Vec3) -> float:
     """Greatest product of a body direction with a primitive."""
     x, y, z = abs(direction[0]), abs(direction[1]), abs(direction[2])
@@ -154,7 +153,7 @@ def support(core: Core, direction: Vec3) -> float:
     return x * core.x + y * core.y + z * core.z + core.radius
 
 
-@register_jitable
+@jitable
 def segment_within(core: Core, margin: float, p: Vec3, d: Vec3) -> bool:
     """Check whether the segment from p to p + d, in the body's axes, comes nearer than ``margin``.
 

@@ -12,9 +12,8 @@ from __future__ import annotations
 
 import math
 
-from numba.extending import register_jitable
-
 from abi.arrays import FloatArray
+from abi.compilation.jitable import jitable
 from abi.compiled import NEW_FLOATS, compiled
 from abi.obstacles.primitive_kernels import (
     BOUNDS,
@@ -36,25 +35,25 @@ _CHAIN = 8  # so few primitives have no branches
 _ROUNDING = 1e-13
 
 
-@register_jitable
+@jitable
 def first_row(primitives: FloatArray) -> int:
     """Row with which a walk through the tree begins; -1 without primitives."""
     return int(primitives[_ROOT]) if len(primitives) > 0 else -1
 
 
-@register_jitable
+@jitable
 def row_below(primitives: FloatArray, s: int) -> int:
     """Row that follows row s; -1 at the end."""
     return int(primitives[WIDTH * s + _NEXT])
 
 
-@register_jitable
+@jitable
 def row_after(primitives: FloatArray, s: int) -> int:
     """Row that follows all those below row s; -1 at the end."""
     return int(primitives[WIDTH * s + _AFTER])
 
 
-@register_jitable
+@jitable
 def _apart(rows: FloatArray, k: int, margin: float, low: Vec3, high: Vec3) -> bool:
     """Check whether the box at ``rows[k:]`` is ``margin`` or farther from another along an axis."""
     result: bool = (
@@ -68,7 +67,7 @@ def _apart(rows: FloatArray, k: int, margin: float, low: Vec3, high: Vec3) -> bo
     return result
 
 
-@register_jitable
+@jitable
 def _apart_across(rows: FloatArray, k: int, margin: float, a: Vec3, b: Vec3) -> bool:
     """Check whether the box at ``rows[k:]``, widened, is beside a segment, across one of the axes.
 
@@ -93,7 +92,7 @@ def _apart_across(rows: FloatArray, k: int, margin: float, a: Vec3, b: Vec3) -> 
     return result
 
 
-@register_jitable
+@jitable
 def is_leaf(primitives: FloatArray, s: int) -> bool:
     """Check whether nothing is below row s: then its bounds are those of its primitive."""
     k = WIDTH * s
@@ -101,7 +100,7 @@ def is_leaf(primitives: FloatArray, s: int) -> bool:
     return leaf
 
 
-@register_jitable
+@jitable
 def next_near(primitives: FloatArray, s: int, margin: float, low: Vec3, high: Vec3) -> int:
     """Row after row s, -1 for the first, whose bounds are nearer to a box than ``margin``; or -1.
 
@@ -118,7 +117,7 @@ def next_near(primitives: FloatArray, s: int, margin: float, low: Vec3, high: Ve
     return -1
 
 
-@register_jitable(forceinline=True)  # else ``taut_paths`` takes a fifth longer
+@jitable(forceinline=True)  # else ``taut_paths`` takes a fifth longer
 def next_near_segment(primitives: FloatArray, s: int, margin: float, a: Vec3, b: Vec3) -> int:
     """Row after row s, -1 for the first, that may be nearer to a segment than ``margin``; or -1.
 
@@ -141,7 +140,7 @@ def next_near_segment(primitives: FloatArray, s: int, margin: float, a: Vec3, b:
     return -1
 
 
-@register_jitable
+@jitable
 def _segment_apart(rows: FloatArray, k: int, margin: float, a: Vec3, b: Vec3) -> bool:
     """Check whether the segment a..b is certain to be ``margin`` or farther from a box."""
     low = (min(a[0], b[0]), min(a[1], b[1]), min(a[2], b[2]))
@@ -149,7 +148,7 @@ def _segment_apart(rows: FloatArray, k: int, margin: float, a: Vec3, b: Vec3) ->
     return _apart(rows, k, margin, low, high) or _apart_across(rows, k, margin, a, b)
 
 
-@register_jitable
+@jitable
 def any_within(primitives: FloatArray, margin: float, p: Vec3) -> bool:
     """Check whether any primitive is nearer to a point of the world than ``margin``."""
     s = next_near(primitives, -1, margin, p, p)
@@ -160,7 +159,7 @@ def any_within(primitives: FloatArray, margin: float, p: Vec3) -> bool:
     return False
 
 
-@register_jitable
+@jitable
 def _blocks(primitives: FloatArray, s: int, margin: float, a: Vec3, b: Vec3) -> bool:
     """Check whether the segment a..b comes nearer to primitive s than ``margin``."""
     axes = axes_of(primitives, s)
@@ -168,7 +167,7 @@ def _blocks(primitives: FloatArray, s: int, margin: float, a: Vec3, b: Vec3) -> 
     return segment_within(core_of(primitives, s), margin, p, in_body(axes, sub(b, a)))
 
 
-@register_jitable
+@jitable
 def any_nearer(primitives: FloatArray, margin: float, a: Vec3, b: Vec3) -> bool:
     """Check whether the segment a..b comes nearer to any primitive than ``margin``."""
     s = next_near_segment(primitives, -1, margin, a, b)
@@ -179,7 +178,7 @@ def any_nearer(primitives: FloatArray, margin: float, a: Vec3, b: Vec3) -> bool:
     return False
 
 
-@register_jitable
+@jitable
 def blocked(primitives: FloatArray, margins: FloatArray, first: int, a: Vec3, b: Vec3) -> bool:
     """Check whether the segment a..b comes nearer to a primitive than that one's margin.
 
@@ -193,7 +192,7 @@ def blocked(primitives: FloatArray, margins: FloatArray, first: int, a: Vec3, b:
     return blocker(primitives, margins, first, -1, a, b) >= 0
 
 
-@register_jitable
+@jitable
 def blocker(
     primitives: FloatArray, margins: FloatArray, first: int, guess: int, a: Vec3, b: Vec3
 ) -> int:
@@ -259,7 +258,7 @@ def link(primitives: FloatArray) -> None:
         pending.append((first + 1, middle, after_first))
 
 
-@register_jitable
+@jitable
 def _largest_first(primitives: FloatArray, order: list[int], first: int, last: int) -> int:
     """Put the largest of the primitives ``order[first:last]`` first, and return it."""
     at, most = first, -math.inf
@@ -273,7 +272,7 @@ def _largest_first(primitives: FloatArray, order: list[int], first: int, last: i
     return order[first]
 
 
-@register_jitable
+@jitable
 def _part(primitives: FloatArray, order: list[int], first: int, last: int) -> int:
     """Part ``order[first:last]`` in two by place; where the second begins, or ``last``."""
     if last - first == 1:

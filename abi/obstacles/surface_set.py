@@ -11,10 +11,10 @@ from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba.extending import register_jitable
 from numpy.typing import NDArray
 
 from abi.arrays import FloatArray, IntArray, read_only
+from abi.compilation.jitable import jitable
 from abi.compiled import FLOATS, IDS
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.per_shape import PerShape
@@ -64,7 +64,7 @@ NO_SURFACES = SurfaceSet(*(FLOATS, IDS, *7 * (FLOATS,), IDS, FLOATS, IDS[:0], FL
 """The empty set: for scenes without meshes, and as an example to compile with."""
 
 
-@register_jitable
+@jitable
 def surface_at(surfaces: SurfaceSet, mesh: int) -> tuple[SurfaceTables, Placement]:
     """One mesh of the set, and its pose."""
     boxes, leaves, corners, slabs, centres, radii, normals, areas, values = surfaces[:9]

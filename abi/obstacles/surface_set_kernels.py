@@ -8,8 +8,7 @@ from __future__ import annotations
 
 import math
 
-from numba.extending import register_jitable
-
+from abi.compilation.jitable import jitable
 from abi.obstacles.primitive_tree_kernels import next_near, next_near_segment
 from abi.obstacles.surface_set import SurfaceSet, surface_at
 from abi.obstacles.triangle_mesh.blocked_segment_kernels import is_blocked
@@ -23,13 +22,13 @@ WIDER = 1e-9
 """Distance, [unit] and part, by which meshes are looked for farther: rounding leaves none out."""
 
 
-@register_jitable
+@jitable
 def widened(limit: float) -> float:
     """Distance to a mesh's bounding box up to which the mesh may be nearer than a limit, [unit]."""
     return limit + WIDER * (1.0 + abs(limit))
 
 
-@register_jitable
+@jitable
 def nearest_mesh(
     surfaces: SurfaceSet, enough: float, sought: float, x: Vec3, room: Room
 ) -> tuple[float, int, int, float]:
@@ -59,7 +58,7 @@ def nearest_mesh(
     return best, whose, triangle, least
 
 
-@register_jitable
+@jitable
 def most_to_mesh(surfaces: SurfaceSet, most: float, x: Vec3) -> float:
     """Upper bound of a point's signed distance to the nearest mesh; ``most`` if that is less."""
     bounds = surfaces.bounds
@@ -72,7 +71,7 @@ def most_to_mesh(surfaces: SurfaceSet, most: float, x: Vec3) -> float:
     return most
 
 
-@register_jitable
+@jitable
 def nearest_mesh_to_segment(
     surfaces: SurfaceSet, enough: float, a: Vec3, b: Vec3, room: Room
 ) -> tuple[float, int]:
@@ -106,7 +105,7 @@ def nearest_mesh_to_segment(
     return best, whose
 
 
-@register_jitable
+@jitable
 def meshes_met(
     surfaces: SurfaceSet, margin: float, a: Vec3, b: Vec3, most: int, room: Room
 ) -> tuple[int, int]:

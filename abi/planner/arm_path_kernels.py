@@ -11,11 +11,11 @@ from collections.abc import Callable
 from typing import NamedTuple, TypeVar
 
 import numpy as np
-from numba.extending import register_jitable
 
 from abi.arm.leg_kernels import NO_LEGS, ArmLegs, Touched, arm_is_clear, new_touched
 from abi.arrays import FloatArray
 from abi.compilation.borrowed import borrowed, held
+from abi.compilation.jitable import jitable
 from abi.compiled import FLOATS, compiled
 from abi.obstacles.triangle_mesh.surface_tables_kernels import Room, new_room
 from abi.obstacles.vector_kernels import Vec3, axpy, dot, sub, vec3_at
@@ -47,7 +47,7 @@ class _Around(NamedTuple):
     touched: Touched
 
 
-@register_jitable
+@jitable
 def _clear(around: _Around, points: tuple[Vec3, ...]) -> bool:
     """Check whether tool and arm are clear on the legs between points."""
     tool, room, arm, touched = around
@@ -58,7 +58,7 @@ def _clear(around: _Around, points: tuple[Vec3, ...]) -> bool:
     return True
 
 
-@register_jitable
+@jitable
 def _shortcuts(path: list[Vec3], around: _Legs, clear: Clear[_Legs]) -> list[Vec3]:
     """From each vertex straight to the farthest in sight, found by doubling, then halving."""
     kept, i, last = [path[0]], 0, len(path) - 1
@@ -81,7 +81,7 @@ def _shortcuts(path: list[Vec3], around: _Legs, clear: Clear[_Legs]) -> list[Vec
     return kept
 
 
-@register_jitable
+@jitable
 def _moved(path: list[Vec3], around: _Legs, clear: Clear[_Legs]) -> list[Vec3]:
     """Vertices dropped, or moved towards the chord of their neighbours."""
     kept = [path[0]]
@@ -103,7 +103,7 @@ def _moved(path: list[Vec3], around: _Legs, clear: Clear[_Legs]) -> list[Vec3]:
     return kept
 
 
-@register_jitable
+@jitable
 def _cut_corners(path: list[Vec3], around: _Legs, clear: Clear[_Legs]) -> list[Vec3]:
     """Bends cut where that is clear."""
     kept = [path[0]]
@@ -124,7 +124,7 @@ def _cut_corners(path: list[Vec3], around: _Legs, clear: Clear[_Legs]) -> list[V
     return kept
 
 
-@register_jitable
+@jitable
 def pull(path: list[Vec3], around: _Legs, clear: Clear[_Legs]) -> list[Vec3]:
     """Drop the vertices that a path can do without, move others, and cut corners.
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba.extending import register_jitable
 
 from abi.arrays import ByteArray, FloatArray, IntArray
 from abi.compilation.borrowed import borrowed, held
+from abi.compilation.jitable import jitable
 from abi.compiled import compiled
 from abi.search.search_kernels import EXAMPLE, LITTLE, Problem
 from abi.tet_mesh.adjacency_kernels import (
@@ -109,7 +109,7 @@ def bellman_ford(problem: Problem) -> tuple[FloatArray, IntArray, IntArray, int]
     return cost, parent, order[:expanded], relaxed
 
 
-@register_jitable(forceinline=True)
+@jitable(forceinline=True)
 def _lower(
     labels: _Labels, node: int, neighbour: int, through: float, little: float, last: int
 ) -> int:

@@ -12,10 +12,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba.extending import register_jitable
 from numpy.typing import NDArray
 
 from abi.arrays import ByteArray, FloatArray, IntArray
+from abi.compilation.jitable import jitable
 from abi.compiled import compiled
 from abi.search.heuristic_kernels import NONE, Metric, to_go
 from abi.search.search_kernels import EXAMPLE, LITTLE, Problem
@@ -134,7 +134,7 @@ def best_first(problem: Problem) -> tuple[FloatArray, IntArray, IntArray, int]:
     return cost, parent, order[:expanded], progress.relaxed
 
 
-@register_jitable
+@jitable
 def _expand(
     problem: Problem, slack: float, labels: _Labels, queue: _Queue, progress: _Progress
 ) -> _Progress:
@@ -236,7 +236,7 @@ def estimates(problem: Problem) -> FloatArray:
     return found
 
 
-@register_jitable
+@jitable
 def _slack(problem: Problem) -> float:
     """By how much links to the goal may be shorter than the heuristic says."""
     adjacency, _, links, ends, _, metric = problem
@@ -250,7 +250,7 @@ def _slack(problem: Problem) -> float:
     return slack
 
 
-@register_jitable
+@jitable
 def _estimate(adjacency: Adjacency, metric: Metric, node: int) -> float:
     """The heuristic of a node; 0 where there is none, and of start and goal beside the mesh."""
     if metric.kind == NONE or node >= adjacency.shape.nodes:
@@ -262,13 +262,13 @@ def _estimate(adjacency: Adjacency, metric: Metric, node: int) -> float:
     return to_go(adjacency.shape, metric, place)
 
 
-@register_jitable(forceinline=True)
+@jitable(forceinline=True)
 def _entry(node: int, behind: int) -> int:
     """First word of an entry: its node in the high half, the entry behind it, or -1, plus 1."""
     return (int(node) << 32) | (int(behind) + 1)
 
 
-@register_jitable(forceinline=True)
+@jitable(forceinline=True)
 def _packed(place: tuple[int, int, int]) -> int:
     """A place in one number, which is written in less time than three."""
     i, j, h = place
@@ -276,13 +276,13 @@ def _packed(place: tuple[int, int, int]) -> int:
     return (int(i) << 42) | (int(j) << 21) | int(h)
 
 
-@register_jitable(forceinline=True)
+@jitable(forceinline=True)
 def _unpacked(place: int) -> tuple[int, int, int]:
     """The place in that number."""
     return place >> 42, (place >> 21) & 0x1FFFFF, place & 0x1FFFFF
 
 
-@register_jitable(forceinline=True)
+@jitable(forceinline=True)
 def _stepped(
     shape: Shape, steps: IntArray, k: int, place: tuple[int, int, int]
 ) -> tuple[int, int, int]:
@@ -292,7 +292,7 @@ def _stepped(
     return i + sign * steps[3 * k], j + sign * steps[3 * k + 1], h + sign * steps[3 * k + 2]
 
 
-@register_jitable(forceinline=True)
+@jitable(forceinline=True)
 def _cheaper_in_row(
     row: tuple[int, int],
     enough: float,
@@ -310,7 +310,7 @@ def _cheaper_in_row(
     return count, examined
 
 
-@register_jitable(forceinline=True)
+@jitable(forceinline=True)
 def _cheaper_in_lattice(
     shape: Shape,
     node: tuple[int, int, tuple[int, int, int]],

@@ -8,8 +8,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from numba.extending import register_jitable
-
+from abi.compilation.jitable import jitable
 from abi.obstacles.vector_kernels import Vec3
 from abi.tet_mesh.adjacency_kernels import CSR, KUHN, Shape
 
@@ -53,7 +52,7 @@ NO_METRIC = Metric(NONE, Norm(_ZERO, _ZERO, 0.0, 0.0), _ZERO)
 """That of Dijkstra's algorithm."""
 
 
-@register_jitable(forceinline=True)
+@jitable(forceinline=True)
 def to_go(shape: Shape, metric: Metric, place: Vec3) -> float:
     """A bound from below of the cost from a place to the goal; the place as the goal is given.
 
@@ -84,7 +83,7 @@ def to_go(shape: Shape, metric: Metric, place: Vec3) -> float:
     )
 
 
-@register_jitable
+@jitable
 def _by_centres(norm: Norm, x: float, y: float, z: float) -> float:
     """Least cost of a step of x, y, z >= 0 cells along the axes and by way of centres.
 
@@ -100,7 +99,7 @@ def _by_centres(norm: Norm, x: float, y: float, z: float) -> float:
     return min(few, many)
 
 
-@register_jitable
+@jitable
 def _with_diagonals(norm: Norm, x: float, y: float, z: float) -> float:
     """Least cost of a step of x, y, z >= 0 cells along the axes and all diagonals of the cells.
 

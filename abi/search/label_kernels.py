@@ -8,9 +8,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba.extending import register_jitable
 
 from abi.arrays import ByteArray, FloatArray, IntArray
+from abi.compilation.jitable import jitable
 from abi.compiled import IDS, compiled
 from abi.search.heap_kernels import NO_ARCS, ArcRows
 
@@ -30,7 +30,7 @@ class Labels(NamedTuple):
     parents: IntArray
 
 
-@register_jitable
+@jitable
 def recorded(ends: list[int], nodes: list[int], costs: list[float], parents: list[int]) -> Labels:
     """The labels that were recorded one by one."""
     return Labels(
@@ -81,7 +81,7 @@ def relax_in_order(
     return recorded(ends, node_of, cost_of, parent_of)
 
 
-@register_jitable
+@jitable
 def parent_cycle(parent: IntArray, seen: ByteArray) -> IntArray:
     """Nodes of a cycle of parents (c,), each before the one that it is the parent of; or none.
 

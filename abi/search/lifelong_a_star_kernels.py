@@ -9,9 +9,9 @@ import heapq
 from typing import NamedTuple
 
 import numpy as np
-from numba.extending import register_jitable
 
 from abi.arrays import BoolArray, FloatArray, IntArray
+from abi.compilation.jitable import jitable
 from abi.compiled import FLOATS, compiled
 from abi.search.heap_kernels import NO_ARCS, ArcRows
 from abi.search.search_kernels import LITTLE
@@ -33,14 +33,14 @@ class _Labels(NamedTuple):
     parent: IntArray
 
 
-@register_jitable
+@jitable
 def _key(labels: _Labels, estimates: FloatArray, node: int) -> Key:
     """Place of a node in the queue: f, then g, by the lesser of its two costs."""
     least = min(labels.cost[node], labels.ahead[node])
     return least + estimates[node], least, node
 
 
-@register_jitable
+@jitable
 def _look_ahead(arcs: ArcRows, labels: _Labels, node: int) -> int:
     """Find the best that the neighbours of a node say; the number of arcs looked at."""
     least, parent = np.inf, -1
@@ -52,7 +52,7 @@ def _look_ahead(arcs: ArcRows, labels: _Labels, node: int) -> int:
     return int(arcs.indptr[node + 1] - arcs.indptr[node])
 
 
-@register_jitable
+@jitable
 def _settle(
     arcs: ArcRows, labels: _Labels, estimates: FloatArray, ends: tuple[int, int], queue: list[Key]
 ) -> tuple[list[int], int]:
@@ -113,7 +113,7 @@ def _settle(
     return order, examined
 
 
-@register_jitable
+@jitable
 def _changed(before: ArcRows, now: ArcRows, node: int) -> bool:
     """Check whether a node has other arcs than before."""
     a, b = before.indptr[node], now.indptr[node]

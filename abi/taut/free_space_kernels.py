@@ -7,9 +7,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from numba.extending import register_jitable
-
 from abi.arrays import FloatArray
+from abi.compilation.jitable import jitable
 from abi.compiled import FLOATS
 from abi.obstacles.primitive_kernels import WIDTH
 from abi.obstacles.primitive_tree_kernels import blocked
@@ -37,13 +36,13 @@ SPACE = FreeSpace(FLOATS, FLOATS, (0.0, 0.0, 0.0), (1.0, 1.0, 1.0))
 """Example of free space."""
 
 
-@register_jitable
+@jitable
 def kind_of(i: int, j: int, last: int) -> int:
     """Number of the margin that counts from point i to point j of a path that ends at ``last``."""
     return (1 if i == 0 else 0) + (2 if j == last else 0)
 
 
-@register_jitable(inline="always")  # else the arrays are counted in and out: 4 % of ``pull``
+@jitable(inline="always")  # else the arrays are counted in and out: 4 % of ``pull``
 def is_clear(space: FreeSpace, kind: int, a: Vec3, b: Vec3) -> bool:
     """Check whether the segment a..b keeps its margins from all solids.
 
@@ -57,7 +56,7 @@ def is_clear(space: FreeSpace, kind: int, a: Vec3, b: Vec3) -> bool:
     return not blocked(space.solids, space.margins, kind * count, a, b)
 
 
-@register_jitable
+@jitable
 def in_bounds(space: FreeSpace, p: Vec3) -> bool:
     """Check whether a point lies in the box."""
     low, high = space.low, space.high

@@ -8,8 +8,7 @@ from __future__ import annotations
 
 import math
 
-from numba.extending import register_jitable
-
+from abi.compilation.jitable import jitable
 from abi.obstacles.vector_kernels import Vec3, distance, dot, sub
 
 LengthBound = tuple[float, bool]
@@ -27,7 +26,7 @@ _QUARTER = math.pi / 2
 _ROUNDING = 1e-9  # by which an angle or a share may miss its range
 
 
-@register_jitable
+@jitable
 def around_box(half: Vec3, radius: float, start: Vec3, goal: Vec3) -> LengthBound:
     """Shortest path around a box of half sizes ``half``, widened by ``radius`` >= 0.
 
@@ -57,7 +56,7 @@ def around_box(half: Vec3, radius: float, start: Vec3, goal: Vec3) -> LengthBoun
     return max(min(best, corners), distance(start, goal)), best <= corners
 
 
-@register_jitable
+@jitable
 def _corner_bound(radius: float, a: Vec3, b: Vec3) -> float:
     """Lower bound of paths that touch the rounded corner at 0; inf where a shortest does not.
 
@@ -88,7 +87,7 @@ def _corner_bound(radius: float, a: Vec3, b: Vec3) -> float:
     return bound
 
 
-@register_jitable
+@jitable
 def _least_product(slope: Vec3) -> float:
     """Least value of slope . y over the unit vectors y >= 0."""
     least = min(slope[0], min(slope[1], slope[2]))
@@ -98,7 +97,7 @@ def _least_product(slope: Vec3) -> float:
     return -math.sqrt(x * x + y * y + z * z)
 
 
-@register_jitable
+@jitable
 def _tangent(half: Vec3, radius: float, point: Vec3, faces: Faces) -> Tangent:
     """Tangent from a point beyond one face to the round edge, towards another."""
     near_face, far_face = faces
@@ -111,7 +110,7 @@ def _tangent(half: Vec3, radius: float, point: Vec3, faces: Faces) -> Tangent:
     return length, min(max(_QUARTER - angle, 0.0), _QUARTER)
 
 
-@register_jitable
+@jitable
 def _over_edge(
     half: Vec3, radius: float, start: Vec3, goal: Vec3, faces: Faces, tangent: Tangent
 ) -> float:
@@ -132,7 +131,7 @@ def _over_edge(
     return math.hypot(across, rise)
 
 
-@register_jitable
+@jitable
 def _over_more_faces(
     half: Vec3, radius: float, start: Vec3, goal: Vec3, faces: Faces, tangent: Tangent
 ) -> float:
@@ -191,7 +190,7 @@ def _over_more_faces(
     return best
 
 
-@register_jitable
+@jitable
 def _passes(origin: complex, end: complex, gates: list[Gate], count: int) -> bool:
     """Check if the straight line crosses the gates forwards, in order and between their ends."""
     line = end - origin

@@ -13,9 +13,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba.extending import register_jitable
 
 from abi.arrays import BoolArray, FloatArray
+from abi.compilation.jitable import jitable
 from abi.compiled import FLOATS, compiled
 from abi.obstacles.primitive_kernels import (
     WIDTH,
@@ -34,7 +34,7 @@ _SAMPLES = 65  # of the straight line and of a bar's axis, for balls that bound
 _PRISMS = 4  # square prisms inscribed in a cylinder, at even angles
 
 
-@register_jitable
+@jitable
 def around_ball(radius: float, start: Vec3, goal: Vec3) -> float:
     """Length of the shortest path around a ball at the origin: two tangents and an arc.
 
@@ -54,7 +54,7 @@ def around_ball(radius: float, start: Vec3, goal: Vec3) -> float:
     return math.sqrt(a * a - radius**2) + math.sqrt(b * b - radius**2) + radius * arc
 
 
-@register_jitable
+@jitable
 def around_bar(radius: float, half: float, start: Vec3, goal: Vec3) -> LengthBound:
     """Shortest path around a bar along z: round in section, its ends beyond |z| = ``half``.
 
@@ -83,7 +83,7 @@ def around_bar(radius: float, half: float, start: Vec3, goal: Vec3) -> LengthBou
     return min(best, ends), best <= ends
 
 
-@register_jitable
+@jitable
 def _plane_bound(height: float, sign: float, start: Vec3, goal: Vec3) -> float:
     """Length of the shortest path to goal by the plane z = sign height, on its side away from 0."""
     a, b = max(height - sign * start[2], 0.0), max(height - sign * goal[2], 0.0)
@@ -92,7 +92,7 @@ def _plane_bound(height: float, sign: float, start: Vec3, goal: Vec3) -> float:
     return distance((start[0], start[1], 0.0), (goal[0], goal[1], a + b))
 
 
-@register_jitable
+@jitable
 def _ball_bound(core: Core, clearance: float, start: Vec3, goal: Vec3) -> float:
     """Lower bound by the largest ball in the widened solid around a point of the straight line."""
     radius, centre = -math.inf, start
@@ -105,7 +105,7 @@ def _ball_bound(core: Core, clearance: float, start: Vec3, goal: Vec3) -> float:
     return around_ball(radius, sub(start, centre), sub(goal, centre))
 
 
-@register_jitable
+@jitable
 def _axis_balls_bound(radius: float, half: float, start: Vec3, goal: Vec3) -> float:
     """Lower bound by balls around points of the z axis up to ``half``."""
     bound = 0.0
@@ -115,7 +115,7 @@ def _axis_balls_bound(radius: float, half: float, start: Vec3, goal: Vec3) -> fl
     return bound
 
 
-@register_jitable
+@jitable
 def _prisms_bound(radius: float, half: float, clearance: float, start: Vec3, goal: Vec3) -> float:
     """Lower bound by square prisms within a cylinder."""
     side = radius / math.sqrt(2)
@@ -130,7 +130,7 @@ def _prisms_bound(radius: float, half: float, clearance: float, start: Vec3, goa
     return bound
 
 
-@register_jitable
+@jitable
 def _solid_bound(core: Core, clearance: float, start: Vec3, goal: Vec3) -> LengthBound:
     """Lower bound around a solid that blocks the line, see ``abi.obstacles.primitive_kernels``."""
     if min(signed_distance(core, start), signed_distance(core, goal)) < clearance:

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba.extending import register_jitable
 
 from abi.arrays import FloatArray, IntArray
+from abi.compilation.jitable import jitable
 from abi.compiled import FLOATS, IDS, compiled
 from abi.obstacles.vector_kernels import Vec3, vec3_at
 from abi.taut.free_space_kernels import SPACE, FreeSpace
@@ -18,7 +18,7 @@ _SAME = 1e-6  # part of the length: two paths that differ by less are the same o
 _CLOSE = 2e-4  # by less than this, either may be the shorter once its corners are cut
 
 
-@register_jitable
+@jitable
 def _shortest(lengths: list[float]) -> list[int]:
     """Index of the shortest path, before it that of the second if it is nearly as short."""
     best, second = 0, -1
@@ -34,7 +34,7 @@ def _shortest(lengths: list[float]) -> list[int]:
     return [second, best] if second >= 0 else [best]
 
 
-@register_jitable
+@jitable
 def _add(path: list[Vec3], points: list[Vec3], ends: list[int], lengths: list[float]) -> None:
     """Append a path to packed paths."""
     points.extend(path)

@@ -13,9 +13,9 @@ import heapq
 from typing import NamedTuple
 
 import numpy as np
-from numba.extending import register_jitable
 
 from abi.arrays import BoolArray, ByteArray, FloatArray, IntArray
+from abi.compilation.jitable import jitable
 from abi.compiled import FLAGS, FLOATS, compiled
 from abi.obstacles.primitive_kernels import WIDTH
 from abi.obstacles.primitive_tree_kernels import blocked
@@ -54,7 +54,7 @@ class _Tree(NamedTuple):
     parent: IntArray
 
 
-@register_jitable
+@jitable
 def _coarse(shape: Shape, stride: int) -> Shape:
     """The mesh that is searched."""
     kind, nx, ny, nz, _, _, directions, cross, most = shape
@@ -66,7 +66,7 @@ def _coarse(shape: Shape, stride: int) -> Shape:
     return Shape(kind, nx, ny, nz, corners, nodes, directions, cross, most)
 
 
-@register_jitable
+@jitable
 def _fine(shape: Shape, coarse: Shape, stride: int, node: int) -> tuple[int, int, int]:
     """Place of a node of the coarse lattice in half cells of the fine one."""
     a, b, c = cell(coarse, node)
@@ -77,7 +77,7 @@ def _fine(shape: Shape, coarse: Shape, stride: int, node: int) -> tuple[int, int
     )
 
 
-@register_jitable
+@jitable
 def _tree(
     adjacency: Adjacency, coarse: Shape, stride: int, excluded: BoolArray, ends: tuple[Vec3, Vec3]
 ) -> _Tree:
@@ -102,7 +102,7 @@ def _tree(
     return _Tree(x, y, z, closed, cost, np.full(last + 1, first, np.int32))
 
 
-@register_jitable(forceinline=True)
+@jitable(forceinline=True)
 def _neighbours(
     coarse: Shape, node: int, steps: IntArray, indptr: IntArray, indices: IntArray, near: IntArray
 ) -> int:
@@ -125,7 +125,7 @@ def _neighbours(
     return count
 
 
-@register_jitable
+@jitable
 def _nodes_near(tree: _Tree, node: int, reach: float, near: IntArray) -> int:
     """Write the nodes of the mesh that are near to start or goal to ``near``; their number."""
     x, y, z, _, _, _ = tree
@@ -137,7 +137,7 @@ def _nodes_near(tree: _Tree, node: int, reach: float, near: IntArray) -> int:
     return count
 
 
-@register_jitable
+@jitable
 def _visible_parent(
     tree: _Tree, obstacles: tuple[FloatArray, FloatArray], node: int, near: IntArray, most: float
 ) -> int:

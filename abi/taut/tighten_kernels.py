@@ -8,8 +8,7 @@ from __future__ import annotations
 
 import math
 
-from numba.extending import register_jitable
-
+from abi.compilation.jitable import jitable
 from abi.obstacles.primitive_kernels import (
     WIDTH,
     axes_of,
@@ -38,7 +37,7 @@ _QUICK_SETTLED = 3e-4  # the same, and how many sweeps, for a first look
 _QUICK_SWEEPS = 3
 
 
-@register_jitable
+@jitable
 def _touched(space: FreeSpace, kind: int, reach: float, a: Vec3, b: Vec3) -> Vec3:
     """Unit normal, in the world, of the solid that the segment a..b touches first from a.
 
@@ -69,13 +68,13 @@ def _touched(space: FreeSpace, kind: int, reach: float, a: Vec3, b: Vec3) -> Vec
     return normal
 
 
-@register_jitable
+@jitable
 def _divided(a: Vec3, t: float) -> Vec3:
     """a / t."""
     return (a[0] / t, a[1] / t, a[2] / t)
 
 
-@register_jitable
+@jitable
 def _fits(path: list[Vec3], i: int, p: Vec3, space: FreeSpace) -> bool:
     """Check whether point i can be p: both its legs are clear."""
     last = len(path) - 1
@@ -84,7 +83,7 @@ def _fits(path: list[Vec3], i: int, p: Vec3, space: FreeSpace) -> bool:
     )
 
 
-@register_jitable
+@jitable
 def _straighten(path: list[Vec3], i: int, space: FreeSpace) -> None:
     """Move point i towards the chord of its neighbours as far as its legs stay clear."""
     a, here, b = path[i - 1], path[i], path[i + 1]
@@ -105,7 +104,7 @@ def _straighten(path: list[Vec3], i: int, space: FreeSpace) -> None:
         path[i] = axpy(low, to_chord, here)
 
 
-@register_jitable
+@jitable
 def _slide_direction(a: Vec3, b: Vec3, m: Vec3, n: Vec3) -> Vec3:
     """Direction in which a point stays in two planes; of the pull within it where there is one.
 
@@ -128,7 +127,7 @@ def _slide_direction(a: Vec3, b: Vec3, m: Vec3, n: Vec3) -> Vec3:
     return _divided(direction, size) if size >= 1e-9 else (0.0, 0.0, 0.0)
 
 
-@register_jitable
+@jitable
 def _slide(path: list[Vec3], i: int, space: FreeSpace, reach: float) -> None:
     """Move point i along the surfaces that its legs touch to where the legs are shortest.
 
@@ -162,7 +161,7 @@ def _slide(path: list[Vec3], i: int, space: FreeSpace, reach: float) -> None:
         step /= 4
 
 
-@register_jitable
+@jitable
 def _settle(path: list[Vec3], space: FreeSpace, sweeps: int, settled: float) -> None:
     """Drop, straighten and slide the points in turn until the path gets no shorter."""
     length = length_of(path)
@@ -181,7 +180,7 @@ def _settle(path: list[Vec3], space: FreeSpace, sweeps: int, settled: float) -> 
             break
 
 
-@register_jitable
+@jitable
 def _widest_cut(
     space: FreeSpace, corner: Vec3, a: Vec3, b: Vec3, least: float, most: float
 ) -> float:
@@ -208,7 +207,7 @@ def _widest_cut(
     return low
 
 
-@register_jitable
+@jitable
 def _cut_corners(path: list[Vec3], space: FreeSpace, least_gain: float) -> bool:
     """Cut each corner at one distance on both legs where that gains enough; whether any was."""
     any_cut = False
@@ -234,7 +233,7 @@ def _cut_corners(path: list[Vec3], space: FreeSpace, least_gain: float) -> bool:
     return any_cut
 
 
-@register_jitable
+@jitable
 def _shortcut(path: list[Vec3], space: FreeSpace) -> list[Vec3]:
     """The shortest path from first to last by points of the path that see each other."""
     last = len(path) - 1
@@ -258,7 +257,7 @@ def _shortcut(path: list[Vec3], space: FreeSpace) -> list[Vec3]:
     return [path[i] for i in kept[::-1]]
 
 
-@register_jitable
+@jitable
 def length_of(path: list[Vec3]) -> float:
     """Length of a path."""
     length = 0.0
@@ -267,7 +266,7 @@ def length_of(path: list[Vec3]) -> float:
     return length
 
 
-@register_jitable
+@jitable
 def tighten(path: list[Vec3], space: FreeSpace, least_gain: float) -> list[Vec3]:
     """Pull a path taut: never longer, and every new segment clear.
 

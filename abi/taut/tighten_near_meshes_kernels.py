@@ -10,10 +10,10 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba.extending import register_jitable
 
 from abi.arrays import FloatArray
 from abi.compilation.borrowed import borrowed, held
+from abi.compilation.jitable import jitable
 from abi.compiled import FLOATS, compiled
 from abi.obstacles.obstacle_set_kernels import distance_gradient, nearest_to_segment
 from abi.obstacles.primitive_kernels import WIDTH, in_world
@@ -54,7 +54,7 @@ NO_SURROUNDINGS = Surroundings(FLOATS, FLOATS, NO_SURFACES, FLOATS)
 """Example for the compiler."""
 
 
-@register_jitable
+@jitable
 def is_clear(surroundings: Surroundings, kind: int, a: Vec3, b: Vec3, room: Room) -> bool:
     """Check whether the segment a..b keeps the distance of its kind from all obstacles."""
     solids, margins, surfaces, limits = surroundings
@@ -63,7 +63,7 @@ def is_clear(surroundings: Surroundings, kind: int, a: Vec3, b: Vec3, room: Room
     return meshes_met(surfaces, limits[kind], a, b, 1, room)[0] == 0
 
 
-@register_jitable
+@jitable
 def _outward(surroundings: Surroundings, x: Vec3, room: Room) -> Vec3:
     """Gradient of the distance to the nearest obstacle, a unit vector; 0 without obstacles."""
     solids, _, surfaces, _ = surroundings
@@ -79,7 +79,7 @@ def _outward(surroundings: Surroundings, x: Vec3, room: Room) -> Vec3:
     return in_world(placement.axes, gradient_of(tables, p, away / placement.factor, triangle))
 
 
-@register_jitable
+@jitable
 def _shortcut(path: list[Vec3], surroundings: Surroundings, room: Room) -> list[Vec3]:
     """A short path from first to last by vertices of the path that see each other.
 
@@ -105,7 +105,7 @@ def _shortcut(path: list[Vec3], surroundings: Surroundings, room: Room) -> list[
     return kept
 
 
-@register_jitable
+@jitable
 def _leg_is_clear(
     path: list[Vec3], i: int, trial: Vec3, first: bool, surroundings: Surroundings, room: Room
 ) -> bool:
@@ -116,7 +116,7 @@ def _leg_is_clear(
     return is_clear(surroundings, kind_of(i, i + 1, last), trial, path[i + 1], room)
 
 
-@register_jitable
+@jitable
 def _move(path: list[Vec3], i: int, surroundings: Surroundings, room: Room) -> None:
     """Move a vertex to where its legs are shortest, of the places tried.
 
@@ -148,7 +148,7 @@ def _move(path: list[Vec3], i: int, surroundings: Surroundings, room: Room) -> N
                 break
 
 
-@register_jitable
+@jitable
 def _cut_corners(path: list[Vec3], surroundings: Surroundings, room: Room) -> list[Vec3]:
     """Replace each corner that can be cut by two vertices."""
     cut = [path[0]]

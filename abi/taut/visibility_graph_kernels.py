@@ -9,9 +9,8 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from numba.extending import register_jitable
-
 from abi.arrays import FloatArray
+from abi.compilation.jitable import jitable
 from abi.obstacles.primitive_kernels import WIDTH
 from abi.obstacles.primitive_tree_kernels import any_within, blocker
 from abi.obstacles.vector_kernels import Vec3, axpy, distance, dot, sub, vec3_at
@@ -40,7 +39,7 @@ class Effort(NamedTuple):
     sights: int
 
 
-@register_jitable
+@jitable
 def _best_share(p: Vec3, edge: Vec3, a: Vec3, b: Vec3) -> float:
     """Part of an edge from p at which the path from a by the edge to b is shortest."""
     squared_length = dot(edge, edge)
@@ -54,7 +53,7 @@ def _best_share(p: Vec3, edge: Vec3, a: Vec3, b: Vec3) -> float:
     return min(max((foot_a * off_b + foot_b * off_a) / (off_a + off_b), 0.0), 1.0)
 
 
-@register_jitable
+@jitable
 def edge_waypoints(
     edges: FloatArray, start: Vec3, goal: Vec3, samples: int, most: float, space: FreeSpace
 ) -> tuple[list[Vec3], list[int]]:
@@ -97,7 +96,7 @@ def edge_waypoints(
     return waypoints, labels
 
 
-@register_jitable
+@jitable
 def _same_labels(parent: list[int], labels: list[int], node: int, other: int) -> bool:
     """Check whether the paths to two waypoints go by the same labels, repeats counted once."""
     while True:
@@ -112,7 +111,7 @@ def _same_labels(parent: list[int], labels: list[int], node: int, other: int) ->
             return node == other
 
 
-@register_jitable
+@jitable
 def _reconstruct_paths(parent: list[int], lasts: list[int]) -> list[int]:
     """The paths from 0 to 1 whose last waypoints are ``lasts``, one after the other."""
     nodes = [0] * 0
@@ -124,7 +123,7 @@ def _reconstruct_paths(parent: list[int], lasts: list[int]) -> list[int]:
     return nodes
 
 
-@register_jitable
+@jitable
 def _supports(edges: FloatArray, label: int, d: Vec3) -> bool:
     """Check whether a line in direction d can touch an edge without entering its solid.
 
@@ -137,7 +136,7 @@ def _supports(edges: FloatArray, label: int, d: Vec3) -> bool:
     return result
 
 
-@register_jitable
+@jitable
 def short_paths(
     waypoints: list[Vec3],
     labels: list[int],

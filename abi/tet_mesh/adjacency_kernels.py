@@ -11,9 +11,8 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from numba.extending import register_jitable
-
 from abi.arrays import FloatArray, IntArray
+from abi.compilation.jitable import jitable
 from abi.compiled import FLOATS, IDS
 from abi.obstacles.vector_kernels import Vec3
 
@@ -113,7 +112,7 @@ ALL_INTERIOR = (1 << INTERIOR_DIRECTIONS) - 1
 """The bits of these directions."""
 
 
-@register_jitable
+@jitable
 def cell(shape: Shape, node: int) -> tuple[int, int, int]:
     """Place of a lattice node in half cells."""
     side = 0 if node < shape.corners else 1
@@ -125,27 +124,27 @@ def cell(shape: Shape, node: int) -> tuple[int, int, int]:
     return 2 * i + side, 2 * (line - i * column) + side, 2 * (node - line * layer) + side
 
 
-@register_jitable
+@jitable
 def cell_place(shape: Shape, node: int) -> Vec3:
     """Place of a lattice node in half cells, as numbers that need not be whole."""
     a, b, c = cell(shape, node)
     return 1.0 * a, 1.0 * b, 1.0 * c
 
 
-@register_jitable(forceinline=True)
+@jitable(forceinline=True)
 def row_place(places: FloatArray, nodes: int, node: int) -> Vec3:
     """Place of a node of rows, [unit], world."""
     return places[node], places[nodes + node], places[2 * nodes + node]
 
 
-@register_jitable
+@jitable
 def y_and_z_origins(shape: Shape) -> tuple[int, int]:
     """Starts of the half cells along y and z in a lattice's ``places``."""
     y0 = 2 * shape.nx + 1
     return y0, y0 + 2 * shape.ny + 1
 
 
-@register_jitable
+@jitable
 def node_at(shape: Shape, a: int, b: int, c: int) -> int:
     """Node of a lattice at a place in half cells, all three even, or all three odd."""
     column, layer = shape.ny, shape.nz
@@ -154,7 +153,7 @@ def node_at(shape: Shape, a: int, b: int, c: int) -> int:
     return shape.corners + ((a // 2) * column + b // 2) * layer + c // 2
 
 
-@register_jitable
+@jitable
 def across(shape: Shape, a: int, b: int, c: int) -> int:
     """In ``bcc`` the centre of the cube whose low corner is at a place; that corner of a centre.
 
@@ -166,7 +165,7 @@ def across(shape: Shape, a: int, b: int, c: int) -> int:
     return side * shape.corners + ((a >> 1) * column + (b >> 1)) * layer + (c >> 1)
 
 
-@register_jitable
+@jitable
 def ones(bits: int) -> int:
     """Number of directions among the bits of a node."""
     bits &= (1 << LINKED_BIT) - 1
@@ -176,7 +175,7 @@ def ones(bits: int) -> int:
     return ((bits * 0x01010101) >> 24) & 63
 
 
-@register_jitable
+@jitable
 def half_cells_within(
     shape: Shape, places: FloatArray, low: Vec3, high: Vec3, odd: int
 ) -> tuple[Span, Span, Span]:
@@ -189,7 +188,7 @@ def half_cells_within(
     )
 
 
-@register_jitable
+@jitable
 def _span(cells: int, edges: tuple[float, float], low: float, high: float, odd: int) -> Span:
     """Those along an axis, whose first cell has these edges."""
     step = edges[1] - edges[0]

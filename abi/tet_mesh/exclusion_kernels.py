@@ -7,9 +7,9 @@ Compiled by numba; each kernel runs uncompiled too. A primitive is a row of numb
 from __future__ import annotations
 
 import numpy as np
-from numba.extending import register_jitable
 
 from abi.arrays import BoolArray, FloatArray, IntArray
+from abi.compilation.jitable import jitable
 from abi.compiled import FLOATS, IDS, NEW_FLAGS, NEW_IDS, compiled
 from abi.obstacles.primitive_kernels import (
     axes_of,
@@ -64,7 +64,7 @@ def exclusion(
     return exclusion_of_lattice(adjacency, open_directions, body, reach, windows)
 
 
-@register_jitable
+@jitable
 def _exclusion_of_rows(adjacency: Adjacency, body: Body, reach: float) -> Found:
     """The same for a mesh of rows, of which every node is looked at."""
     shape, _, _, places, indptr, indices = adjacency

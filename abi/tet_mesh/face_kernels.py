@@ -7,8 +7,7 @@ no thickness, so nothing lies above its sides.
 
 from __future__ import annotations
 
-from numba.extending import register_jitable
-
+from abi.compilation.jitable import jitable
 from abi.obstacles.primitive_kernels import Core
 from abi.obstacles.vector_kernels import Vec3
 
@@ -19,7 +18,7 @@ LONG = 1e7
 """Steps, more than any line has."""
 
 
-@register_jitable
+@jitable
 def _stay(p: float, r: float, limit: float) -> float:
     """For how many steps r, from p, a number stays within -limit..limit; -1 if it is not there."""
     if not -limit <= p <= limit:
@@ -28,7 +27,7 @@ def _stay(p: float, r: float, limit: float) -> float:
     return ahead / abs(r) if ahead < LONG * abs(r) else LONG
 
 
-@register_jitable
+@jitable
 def stretch_in(core: Core, margin: float, p: Vec3, r: Vec3) -> float:
     """For how many steps r, from p, a line stays in what is over, and under, the faces of a box.
 
@@ -46,7 +45,7 @@ def stretch_in(core: Core, margin: float, p: Vec3, r: Vec3) -> float:
     return min(_stay(p[0], r[0], x), min(_stay(p[1], r[1], y), _stay(p[2], r[2], z)))
 
 
-@register_jitable
+@jitable
 def stretch_along(core: Core, margin: float, reach: float, aside: Aside, p: Vec3, r: Vec3) -> float:
     """For how many steps r, from p, a line stays over a face of a box, away from its sides.
 
@@ -71,7 +70,7 @@ def stretch_along(core: Core, margin: float, reach: float, aside: Aside, p: Vec3
     return min(many, (abs(u) - thick) / abs(v)) if u * v < 0 else many
 
 
-@register_jitable
+@jitable
 def beside(core: Core, margin: float, p: Vec3, q: Vec3) -> bool:
     """Check if p and q are beyond the same face of a box by the margin, and all between them is."""
     over = margin + core.radius

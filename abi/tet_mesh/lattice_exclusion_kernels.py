@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba.extending import register_jitable
 
 from abi.arrays import FloatArray, IntArray
+from abi.compilation.jitable import jitable
 from abi.obstacles.primitive_kernels import (
     Axes,
     Core,
@@ -68,7 +68,7 @@ class _Node(NamedTuple):
     outward: Vec3
 
 
-@register_jitable
+@jitable
 def exclusion_of_lattice(
     adjacency: Adjacency,
     open_directions: IntArray,
@@ -146,14 +146,14 @@ def exclusion_of_lattice(
     return starts[:runs], lengths[:runs], cut_nodes[:count], cut_bits[:count]
 
 
-@register_jitable
+@jitable
 def _lines(window: tuple[Span, Span, Span]) -> int:
     """Number of lines along z in a window."""
     (a0, a1), (b0, b1), _ = window
     return max((a1 - a0) // 2 + 1, 0) * max((b1 - b0) // 2 + 1, 0)
 
 
-@register_jitable
+@jitable
 def _edges_in_body(adjacency: Adjacency, axes: Axes) -> FloatArray:
     """Edges in the directions of a lattice (3 d,), in the body's axes, [unit].
 
@@ -169,7 +169,7 @@ def _edges_in_body(adjacency: Adjacency, axes: Axes) -> FloatArray:
     return edges
 
 
-@register_jitable
+@jitable
 def _reach_aside(edges: FloatArray, reach: float) -> Aside:
     """Length along a face of edges that lead towards it; of nodes on the box any edge may."""
     pad = _ROUNDING * reach
@@ -185,7 +185,7 @@ def _reach_aside(edges: FloatArray, reach: float) -> Aside:
     return (xy + pad, xz + pad, yx + pad, yz + pad, zx + pad, zy + pad)
 
 
-@register_jitable
+@jitable
 def _nodes_inside(body: Body, p: Vec3, away: float, r: Vec3, step: float) -> int:
     """Number of nodes after an excluded one along z that are certain to be excluded, too."""
     many = (body.margin - away) / step
@@ -194,7 +194,7 @@ def _nodes_inside(body: Body, p: Vec3, away: float, r: Vec3, step: float) -> int
     return max(int(many - _ROUNDING), 0)
 
 
-@register_jitable(forceinline=True)
+@jitable(forceinline=True)
 def _cut_edges(
     adjacency: Adjacency,
     body: Body,

@@ -10,10 +10,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba.extending import register_jitable
 
 from abi.arrays import FloatArray, IntArray
 from abi.compilation.borrowed import borrowed, held
+from abi.compilation.jitable import jitable
 from abi.compiled import IDS, compiled
 from abi.obstacles.primitive_kernels import in_body
 from abi.obstacles.triangle_mesh.blocked_segment_kernels import limit_of
@@ -99,7 +99,7 @@ def exclusion_near_mesh(
     return starts, lengths, cut_nodes, cut_bits
 
 
-@register_jitable
+@jitable
 def _edges_of_lattice(
     adjacency: Adjacency,
     open_directions: IntArray,
@@ -186,7 +186,7 @@ def _edges_of_lattice(
     return cut_nodes[:count].copy(), cut_bits[:count].copy()
 
 
-@register_jitable
+@jitable
 def _end_of_stretch(shape: Shape, near: IntArray, first: int) -> int:
     """End in ``near`` of the stretch of near nodes that begins at a place and is in one line."""
     a, b, _ = cell(shape, near[first])
@@ -199,7 +199,7 @@ def _end_of_stretch(shape: Shape, near: IntArray, first: int) -> int:
     return end
 
 
-@register_jitable
+@jitable
 def _edges_of_rows(
     adjacency: Adjacency,
     surface: PlacedSurface,
@@ -241,7 +241,7 @@ def _edges_of_rows(
     return gone[:count].copy(), np.zeros(count, np.int32)
 
 
-@register_jitable
+@jitable
 def _is_lost(
     surface: PlacedSurface,
     p: Vec3,

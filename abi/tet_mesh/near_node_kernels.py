@@ -11,9 +11,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba.extending import register_jitable
 
 from abi.arrays import FloatArray, IntArray
+from abi.compilation.jitable import jitable
 from abi.obstacles.triangle_mesh.blocked_segment_kernels import limit_of
 from abi.obstacles.triangle_mesh.closest_point_kernels import nearest_triangle
 from abi.obstacles.triangle_mesh.distance_grid_kernels import distance_bounds, steepest
@@ -76,7 +76,7 @@ class PlacedSurface(NamedTuple):
     room: Room
 
 
-@register_jitable
+@jitable
 def _bound(surface: PlacedSurface, x: Vec3, last: Vec3, hint: int) -> tuple[float, int]:
     """Lower bound of the signed distance of a node that is not excluded; else ``EXCLUDED``.
 
@@ -112,7 +112,7 @@ def _bound(surface: PlacedSurface, x: Vec3, last: Vec3, hint: int) -> tuple[floa
     return limits.margin, hint
 
 
-@register_jitable
+@jitable
 def near_nodes_of_lattice(
     adjacency: Adjacency,
     surface: PlacedSurface,
@@ -183,7 +183,7 @@ def near_nodes_of_lattice(
     return starts[:runs].copy(), lengths[:runs].copy(), near[:count]
 
 
-@register_jitable
+@jitable
 def near_nodes_of_rows(
     adjacency: Adjacency,
     surface: PlacedSurface,
@@ -218,7 +218,7 @@ def near_nodes_of_rows(
     return excluded[:runs].copy(), np.ones(runs, np.int32), near[:count]
 
 
-@register_jitable
+@jitable
 def _reached(surface: PlacedSurface) -> tuple[Vec3, Vec3]:
     """Low and high corner of what is nearer to the surface's box than the reach, [unit], world."""
     tables, placement, limits, _ = surface
@@ -238,7 +238,7 @@ def _reached(surface: PlacedSurface) -> tuple[Vec3, Vec3]:
     return (x - dx, y - dy, z - dz), (x + dx, y + dy, z + dz)
 
 
-@register_jitable
+@jitable
 def _nodes_of(window: Window) -> int:
     """Number of nodes of a lattice in a window."""
     (a0, a1), (b0, b1), (c0, c1) = window

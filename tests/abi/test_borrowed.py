@@ -11,11 +11,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
-from numba.extending import register_jitable
 
 from abi import compiling
 from abi.arrays import FloatArray
 from abi.compilation.borrowed import borrowed, held
+from abi.compilation.jitable import jitable
 from abi.compiled import FLOATS, KERNELS, NEW_FLOATS, Kernel, compiled
 
 
@@ -24,7 +24,7 @@ class Tables(NamedTuple):
     inner: tuple[FloatArray, int]
 
 
-@register_jitable
+@jitable
 def weight(tables: Tables, i: int) -> float:
     share: float = tables.values[i % len(tables.values)] * tables.inner[0][i % 2]
     return share if i % 3 else -share

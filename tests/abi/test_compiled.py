@@ -19,6 +19,7 @@ import pytest
 
 import abi
 from abi import compiling, load_scene, plan
+from abi.compilation import jitable
 from abi.compilation.kernel_stamp import fields_of, stamp
 from abi.compiled import FLOATS, KERNELS, NEW_FLOATS, Kernel, compiled
 from tests.kernel_forms import kernels_as
@@ -32,7 +33,7 @@ def test_every_kernel_is_compiled_for_one_signature() -> None:
         for name in ("paper", "forest", "sculpture", "thin-plate", "wall-with-window"):
             for mode in ("least_squares", "pieces"):
                 assert plan(load_scene(name).replace(quadratic={"mode": mode})).motion
-    assert {kernel.name: len(kernel._dispatcher.signatures) for kernel in kernels} == {
+    assert {kernel.name: len(kernel.dispatcher.of_numba.signatures) for kernel in kernels} == {
         kernel.name: 1 for kernel in kernels
     }
 
@@ -125,6 +126,12 @@ def test_a_stamp_changes_with_what_is_compiled_and_with_nothing_else(
     assert stamp(doubled) != before
 
 
+def test_a_stamp_changes_with_how_a_helper_is_compiled(monkeypatch: pytest.MonkeyPatch) -> None:
+    before = stamp(doubled)
+    monkeypatch.setitem(jitable._OPTIONS, helper, {"forceinline": True})
+    assert stamp(doubled) != before
+
+
 class Range(NamedTuple):
     low: float
     high: float
@@ -168,6 +175,18 @@ def run(code: str, *arguments: str, **environment: str) -> str:
     )
     assert out.stderr == ""
     return out.stdout
+
+
+@pytest.mark.slow
+def test_numba_is_imported_for_kernels_alone() -> None:
+    code = """
+import sys, abi, app.server, app.session
+from abi.tet_mesh import exclusion_kernels
+print("numba" in sys.modules, end=" ")
+exclusion_kernels.mark.compile()
+print("numba" in sys.modules)
+"""
+    assert run(code).split() == ["False", "True"]
 
 
 @pytest.mark.slow

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import math
 
-from numba.extending import register_jitable
-
+from abi.compilation.jitable import jitable
 from abi.obstacles.triangle_mesh.distance_grid_kernels import distance_bounds, steepest
 from abi.obstacles.triangle_mesh.point_distance_kernels import is_inside_near
 from abi.obstacles.triangle_mesh.segment_kernels import near_triangle
@@ -17,13 +16,13 @@ _PARALLEL = 1e-8
 """Part of a segment's length: error of its distance to a nearly parallel edge."""
 
 
-@register_jitable
+@jitable
 def limit_of(tables: SurfaceTables, margin: float, length: float) -> float:
     """Distance at which a segment of some length counts as nearer than a margin, by rounding."""
     return max(margin, TOUCHING * tables.extent) + _PARALLEL * length
 
 
-@register_jitable
+@jitable
 def is_blocked(tables: SurfaceTables, p: Vec3, q: Vec3, margin: float, room: Room) -> bool:
     """Check if a segment of the body frame comes nearer to a surface than a margin, or touches it.
 

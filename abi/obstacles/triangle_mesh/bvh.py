@@ -6,9 +6,9 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from numba.extending import register_jitable
 
 from abi.arrays import FloatArray, IntArray, flat, read_only
+from abi.compilation.jitable import jitable
 from abi.compiled import FLOATS, IDS
 from abi.obstacles.triangle_mesh.bvh_kernels import slabs_of_nodes
 from abi.obstacles.triangle_mesh.leaf_order_kernels import order_of_leaves
@@ -44,13 +44,13 @@ NO_TREE = TriangleTree(FLOATS, IDS, FLOATS, FLOATS, 1.0)
 """Example of a tree to compile kernels with."""
 
 
-@register_jitable(forceinline=True)
+@jitable(forceinline=True)
 def box_of(tree: TriangleTree, node: int) -> tuple[Vec3, Vec3]:
     """Lowest and highest corner of a node's box."""
     return vec3_at(tree.boxes, 6 * node), vec3_at(tree.boxes, 6 * node + 3)
 
 
-@register_jitable(forceinline=True)
+@jitable(forceinline=True)
 def highest(direction: Vec3, low: Vec3, high: Vec3) -> float:
     """Largest product of a direction with the points of a box."""
     x, y, z = direction
@@ -60,7 +60,7 @@ def highest(direction: Vec3, low: Vec3, high: Vec3) -> float:
     return top
 
 
-@register_jitable(forceinline=True)
+@jitable(forceinline=True)
 def highest_in_slab(tree: TriangleTree, node: int, direction: Vec3) -> float:
     """Upper bound, up to rounding, of a direction's product with the points of a node.
 

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import math
 
-from numba.extending import register_jitable
-
 from abi.arrays import FloatArray, IntArray
+from abi.compilation.jitable import jitable
 from abi.compiled import FLOATS, IDS, NEW_FLOATS, compiled
 from abi.obstacles.triangle_mesh.triangle_kernels import triangle_at
 from abi.obstacles.vector_kernels import Vec3, add, cross, dot, norm, sub, vec3_at
 
 
-@register_jitable
+@jitable
 def _normal_of(corners: FloatArray, first: int, last: int) -> Vec3:
     """Unit vector along the sum of triangles' normals, each as long as the area; 0 if that is."""
     total = (0.0, 0.0, 0.0)

@@ -7,9 +7,8 @@ from __future__ import annotations
 
 import math
 
-from numba.extending import register_jitable
-
 from abi.arrays import FloatArray, IntArray
+from abi.compilation.jitable import jitable
 from abi.obstacles.triangle_mesh.bvh import TriangleTree, highest_in_slab
 from abi.obstacles.triangle_mesh.triangle_kernels import (
     closest_point,
@@ -22,7 +21,7 @@ DEPTH = 64
 """Room for the nodes that wait in a descent: one at each level of a tree, and there are fewer."""
 
 
-@register_jitable
+@jitable
 def _plane_of(tree: TriangleTree, x: Vec3, number: int, away: float) -> tuple[Vec3, float, float]:
     """The plane through the point of a triangle nearest to x, across the way from it to x.
 
@@ -34,7 +33,7 @@ def _plane_of(tree: TriangleTree, x: Vec3, number: int, away: float) -> tuple[Ve
     return normal, level, 1e-12 * (tree.size + away) * away
 
 
-@register_jitable(forceinline=True)
+@jitable(forceinline=True)
 def _is_beyond(tree: TriangleTree, node: int, x: Vec3, limit: float) -> bool:
     """Check whether the slab of a node is farther from x than a squared distance."""
     k = 5 * node
@@ -45,7 +44,7 @@ def _is_beyond(tree: TriangleTree, node: int, x: Vec3, limit: float) -> bool:
     return beyond
 
 
-@register_jitable
+@jitable
 def nearest_triangle(
     tree: TriangleTree,
     x: Vec3,

@@ -6,10 +6,10 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba.extending import register_jitable
 
 from abi.arrays import FloatArray, IntArray
 from abi.compilation.borrowed import borrowed, held
+from abi.compilation.jitable import jitable
 from abi.compiled import FLOATS, compiled
 from abi.obstacles.triangle_mesh.bvh import NO_DIPOLES, NO_TREE, Dipoles, TriangleTree
 from abi.obstacles.triangle_mesh.closest_point_kernels import DEPTH, nearest_triangle
@@ -58,7 +58,7 @@ NO_GRID = DistanceGrid(
 """In an example: a grid."""
 
 
-@register_jitable
+@jitable
 def distance_bounds(grid: DistanceGrid, x: Vec3) -> tuple[float, float]:
     """Lower and upper bound of the signed distance at a point, from the eight nodes around it."""
     values, (nx, ny, nz), low, step, (inner, outer), slack = grid
@@ -88,7 +88,7 @@ def distance_bounds(grid: DistanceGrid, x: Vec3) -> tuple[float, float]:
     return lower - slack, upper + slack
 
 
-@register_jitable
+@jitable
 def steepest(grid: DistanceGrid, x: Vec3) -> Vec3:
     """About the direction in which the signed distance grows fastest at a point, a unit vector.
 
@@ -110,7 +110,7 @@ def steepest(grid: DistanceGrid, x: Vec3) -> Vec3:
     return (u / size, v / size, w / size) if size > 0.0 else (0.0, 0.0, 0.0)
 
 
-@register_jitable
+@jitable
 def _before(values: FloatArray, place: tuple[int, int, int], strides: tuple[int, int, int]) -> Vec3:
     """Values at the nodes before a node along x, y and z; inf where there are none."""
     i, j, k = place
@@ -122,7 +122,7 @@ def _before(values: FloatArray, place: tuple[int, int, int], strides: tuple[int,
     )
 
 
-@register_jitable
+@jitable
 def _foreseen(before: Vec3, step: float, slack: float) -> tuple[float, float]:
     """Upper bound of a node's distance, and by how much it may be found too large."""
     least, most = 0.0, math.inf
@@ -133,7 +133,7 @@ def _foreseen(before: Vec3, step: float, slack: float) -> tuple[float, float]:
     return most * (1.0 + 1e-9), slack + least * _SHORT / (1.0 + _SHORT)
 
 
-@register_jitable
+@jitable
 def _side(
     tree: TriangleTree, x: Vec3, free: float, before: Vec3, step: float, waiting: IntArray
 ) -> int:
@@ -156,7 +156,7 @@ def _side(
     return -1
 
 
-@register_jitable
+@jitable
 def side_of(grid: DistanceGrid, tree: TriangleTree, x: Vec3, waiting: IntArray) -> int:
     """Check whether a point near a closed surface is inside (1), outside (0), or unknown (-1).
 

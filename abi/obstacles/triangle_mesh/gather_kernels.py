@@ -10,9 +10,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba.extending import register_jitable
 
 from abi.arrays import FloatArray, IntArray
+from abi.compilation.jitable import jitable
 from abi.obstacles.triangle_mesh.bvh import TriangleTree, box_of
 from abi.obstacles.triangle_mesh.segment_kernels import inverse_of, stretch_in
 from abi.obstacles.triangle_mesh.triangle_kernels import (
@@ -44,14 +44,14 @@ class Gathered(NamedTuple):
     beside: FloatArray
 
 
-@register_jitable
+@jitable
 def no_triangles() -> Gathered:
     """Room for triangles."""
     rows = np.empty((4, _MOST)), np.empty((6, _MOST))
     return Gathered(np.empty(_MOST, np.int32), *rows, np.empty(_MOST))
 
 
-@register_jitable
+@jitable
 def gather(
     tree: TriangleTree,
     segment: tuple[Vec3, Vec3],
@@ -109,7 +109,7 @@ def gather(
     return count
 
 
-@register_jitable
+@jitable
 def comes_near_gathered(
     tree: TriangleTree,
     gathered: Gathered,
@@ -140,7 +140,7 @@ def comes_near_gathered(
     return False
 
 
-@register_jitable
+@jitable
 def _fill_beside(gathered: Gathered, count: int, p: Vec3, q: Vec3) -> None:
     """Distances of the segment from p to q to planes and boxes, whichever is larger, or less.
 
@@ -159,7 +159,7 @@ def _fill_beside(gathered: Gathered, count: int, p: Vec3, q: Vec3) -> None:
         beside[k] = max(min(at_p, at_q), -max(at_p, at_q), across, aside, above)
 
 
-@register_jitable
+@jitable
 def _plane_of(triangle: Triangle) -> tuple[Vec3, float]:
     """Unit normal of a triangle, and the plane's product with it; 0 of one that is thin."""
     a, b, c = triangle
@@ -174,7 +174,7 @@ def _plane_of(triangle: Triangle) -> tuple[Vec3, float]:
     return n, dot(n, a)
 
 
-@register_jitable
+@jitable
 def _box_around(triangle: Triangle) -> tuple[Vec3, Vec3]:
     """Lowest and highest corner of the box around a triangle."""
     a, b, c = triangle

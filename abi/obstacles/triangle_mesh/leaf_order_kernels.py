@@ -12,10 +12,10 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba.extending import register_jitable
 
 from abi.arrays import FloatArray, IntArray
 from abi.compilation.borrowed import borrowed, held
+from abi.compilation.jitable import jitable
 from abi.compiled import FLOATS, NEW_FLOATS, NEW_IDS, compiled
 from abi.obstacles.vector_kernels import sub, vec3_at
 
@@ -48,14 +48,14 @@ class _Bins(NamedTuple):
     around: FloatArray
 
 
-@register_jitable
+@jitable
 def _empty(boxes: FloatArray, box: int) -> None:
     """Let a box enclose nothing."""
     for k in range(box, box + 3):
         boxes[k], boxes[k + 3] = math.inf, -math.inf
 
 
-@register_jitable
+@jitable
 def _enclose(boxes: FloatArray, box: int, others: FloatArray, other: int) -> None:
     """Let a box enclose another one, too."""
     for k in range(3):
@@ -63,26 +63,26 @@ def _enclose(boxes: FloatArray, box: int, others: FloatArray, other: int) -> Non
         boxes[box + 3 + k] = max(boxes[box + 3 + k], others[other + 3 + k])
 
 
-@register_jitable
+@jitable
 def _middle(boxes: FloatArray, box: int, axis: int) -> float:
     """Middle of a box along an axis."""
     return float(0.5 * boxes[6 * box + axis] + 0.5 * boxes[6 * box + 3 + axis])
 
 
-@register_jitable
+@jitable
 def _half_surface(boxes: FloatArray, box: int) -> float:
     """Half of a box's surface."""
     x, y, z = sub(vec3_at(boxes, box + 3), vec3_at(boxes, box))
     return x * y + y * z + z * x
 
 
-@register_jitable
+@jitable
 def _bin_of(bins: _Bins, axis: int, middle: float) -> int:
     """Number of the bin along an axis."""
     return min(int((middle - bins.lows[axis]) / bins.spans[axis] * BINS), BINS - 1)
 
 
-@register_jitable
+@jitable
 def _fill(boxes: FloatArray, order: IntArray, first: int, last: int, bins: _Bins) -> None:
     """Put the boxes ``order[first:last]`` into bins."""
     around = bins.around
@@ -105,7 +105,7 @@ def _fill(boxes: FloatArray, order: IntArray, first: int, last: int, bins: _Bins
                 _enclose(bins.boxes, 6 * b, boxes, 6 * order[i])
 
 
-@register_jitable
+@jitable
 def _cheapest_along(bins: _Bins, axis: int, count: int, least: int) -> tuple[float, int]:
     """What the cheapest cut along an axis costs, and the bin behind it; inf where there is none.
 
@@ -136,7 +136,7 @@ def _cheapest_along(bins: _Bins, axis: int, count: int, least: int) -> tuple[flo
     return best, cut
 
 
-@register_jitable
+@jitable
 def _part(
     boxes: FloatArray, order: IntArray, first: int, last: int, bins: _Bins, axis: int, cut: int
 ) -> int:
@@ -149,7 +149,7 @@ def _part(
     return middle
 
 
-@register_jitable
+@jitable
 def _halve(
     boxes: FloatArray, order: IntArray, first: int, last: int, axis: int, keys: FloatArray
 ) -> int:

@@ -7,8 +7,7 @@ from __future__ import annotations
 
 import math
 
-from numba.extending import register_jitable
-
+from abi.compilation.jitable import jitable
 from abi.obstacles.triangle_mesh.closest_point_kernels import nearest_triangle
 from abi.obstacles.triangle_mesh.distance_grid_kernels import distance_bounds, side_of
 from abi.obstacles.triangle_mesh.segment_kernels import comes_near
@@ -25,14 +24,14 @@ _IN_DOUBT = 1e-14
 """Part of the surface's size: nearer points may be on either side, by rounding."""
 
 
-@register_jitable
+@jitable
 def is_inside_near(tables: SurfaceTables, x: Vec3, room: Room) -> bool:
     """Check whether a point of the body frame, near a closed surface, is inside."""
     side = side_of(tables.grid, tables.tree, x, room.waiting)
     return side == 1 if side >= 0 else is_inside(tables.tree, tables.dipoles, x, room.stack)
 
 
-@register_jitable
+@jitable
 def is_inside_surface(tables: SurfaceTables, x: Vec3, room: Room) -> bool:
     """Check whether a point of the body frame is inside a closed surface."""
     lower, upper = distance_bounds(tables.grid, x)
@@ -41,7 +40,7 @@ def is_inside_surface(tables: SurfaceTables, x: Vec3, room: Room) -> bool:
     return is_inside_near(tables, x, room)
 
 
-@register_jitable
+@jitable
 def signed_distance_at(tables: SurfaceTables, x: Vec3, room: Room) -> tuple[float, int]:
     """Signed distance of a point in the body frame, or less by rounding; and the nearest triangle.
 
@@ -50,7 +49,7 @@ def signed_distance_at(tables: SurfaceTables, x: Vec3, room: Room) -> tuple[floa
     return signed_distance_beside(tables, x, math.inf, (0.0, x, math.inf), room)
 
 
-@register_jitable
+@jitable
 def signed_distance_beside(
     tables: SurfaceTables, x: Vec3, enough: float, given: tuple[float, Vec3, float], room: Room
 ) -> tuple[float, int]:
@@ -98,7 +97,7 @@ def signed_distance_beside(
     return (-away if inside else away) - doubt, number
 
 
-@register_jitable
+@jitable
 def gradient_of(tables: SurfaceTables, x: Vec3, away: float, number: int) -> Vec3:
     """Gradient of the signed distance ``away`` of a point, given the nearest triangle.
 

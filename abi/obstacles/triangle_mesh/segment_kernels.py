@@ -8,9 +8,8 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from numba.extending import register_jitable
-
 from abi.arrays import FloatArray, IntArray
+from abi.compilation.jitable import jitable
 from abi.obstacles.triangle_mesh.bvh import TriangleTree, box_of, highest, highest_in_slab
 from abi.obstacles.triangle_mesh.closest_point_kernels import nearest_triangle
 from abi.obstacles.triangle_mesh.triangle_kernels import (
@@ -46,7 +45,7 @@ class Way(NamedTuple):
     doubt: float
 
 
-@register_jitable
+@jitable
 def inverse_of(d: Vec3) -> Vec3:
     """1 over each component; a component that is 0 counts as next to nothing."""
     x, y, z = d
@@ -58,7 +57,7 @@ def inverse_of(d: Vec3) -> Vec3:
     )
 
 
-@register_jitable(forceinline=True)
+@jitable(forceinline=True)
 def stretch_in(p: Vec3, inverse: Vec3, low: Vec3, high: Vec3, limit: float) -> float:
     """Part of a segment in a box that is widened by a limit; below 0 where it passes by.
 
@@ -79,7 +78,7 @@ def stretch_in(p: Vec3, inverse: Vec3, low: Vec3, high: Vec3, limit: float) -> f
     return last - first
 
 
-@register_jitable
+@jitable
 def comes_near(
     tree: TriangleTree, p: Vec3, q: Vec3, limit: float, normal: Vec3, waiting: IntArray
 ) -> bool:
@@ -91,7 +90,7 @@ def comes_near(
     return near_triangle(tree, p, q, limit, normal, waiting) >= 0
 
 
-@register_jitable
+@jitable
 def near_triangle(
     tree: TriangleTree, p: Vec3, q: Vec3, limit: float, normal: Vec3, waiting: IntArray
 ) -> int:
@@ -139,7 +138,7 @@ def near_triangle(
     return -1
 
 
-@register_jitable
+@jitable
 def _way_from(triangle: Triangle, p: Vec3, d: Vec3, t: float) -> tuple[float, Vec3]:
     """Place on the segment p + t d nearest to a triangle, about, and the way to it: a unit vector.
 
@@ -156,14 +155,14 @@ def _way_from(triangle: Triangle, p: Vec3, d: Vec3, t: float) -> tuple[float, Ve
     return t, way
 
 
-@register_jitable
+@jitable
 def _way(tree: TriangleTree, p: Vec3, d: Vec3, normal: Vec3) -> Way:
     """The segment from p to p + d on its way through a tree."""
     doubt = 1e-12 * (tree.size + norm(d))
     return Way(p, inverse_of(d), normal, d, 1.0 / max(dot(d, d), 1e-300), doubt)
 
 
-@register_jitable
+@jitable
 def _next_leaf(
     tree: TriangleTree, way: Way, limit: float, level: float, waiting: IntArray, count: int
 ) -> tuple[int, int]:
@@ -196,7 +195,7 @@ def _next_leaf(
     return node, count
 
 
-@register_jitable(forceinline=True)
+@jitable(forceinline=True)
 def _stretch_near(tree: TriangleTree, node: int, way: Way, limit: float, level: float) -> float:
     """Part of a segment that may be near to the box of a node; below 0 where none is.
 
@@ -219,7 +218,7 @@ def _stretch_near(tree: TriangleTree, node: int, way: Way, limit: float, level: 
     return stretch
 
 
-@register_jitable
+@jitable
 def towards_nearest(
     tree: TriangleTree,
     segment: tuple[Vec3, Vec3],
@@ -265,7 +264,7 @@ def towards_nearest(
     return best, normal
 
 
-@register_jitable
+@jitable
 def segment_distance(
     tree: TriangleTree, p: Vec3, q: Vec3, most: float, normal: Vec3, waiting: IntArray
 ) -> float:

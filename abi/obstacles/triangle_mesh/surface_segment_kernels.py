@@ -7,8 +7,7 @@ from __future__ import annotations
 
 import math
 
-from numba.extending import register_jitable
-
+from abi.compilation.jitable import jitable
 from abi.obstacles.triangle_mesh.distance_grid_kernels import distance_bounds
 from abi.obstacles.triangle_mesh.point_distance_kernels import (
     is_inside_surface,
@@ -28,7 +27,7 @@ _FINE = 1 / 8
 """Part of the grid's step within which its bounds are about the same."""
 
 
-@register_jitable
+@jitable
 def distance_along(tables: SurfaceTables, p: Vec3, q: Vec3, most: float, room: Room) -> float:
     """Distance of a segment of the body frame to the surface; ``most`` where that is less.
 
@@ -69,7 +68,7 @@ def distance_along(tables: SurfaceTables, p: Vec3, q: Vec3, most: float, room: R
     return segment_distance(tree, x, y, best, normal, room.waiting)
 
 
-@register_jitable
+@jitable
 def least_distance(tables: SurfaceTables, p: Vec3, q: Vec3, most: float, room: Room) -> float:
     """Least signed distance along a segment of the body frame; ``most`` where that is less.
 
@@ -90,7 +89,7 @@ def least_distance(tables: SurfaceTables, p: Vec3, q: Vec3, most: float, room: R
     return deepest if most < 0.0 else _least_inside(tables, p, q, most, room)
 
 
-@register_jitable
+@jitable
 def bounds_along(
     tables: SurfaceTables, p: Vec3, q: Vec3, most: float, room: Room
 ) -> tuple[float, float]:
@@ -105,7 +104,7 @@ def bounds_along(
     return (lower - distance(p, q) / SAMPLES) / 2, upper
 
 
-@register_jitable
+@jitable
 def _bound_samples(tables: SurfaceTables, p: Vec3, q: Vec3, most: float, room: Room) -> float:
     """Bound the signed distances of the samples from below, and return the least bound from above.
 
@@ -126,7 +125,7 @@ def _bound_samples(tables: SurfaceTables, p: Vec3, q: Vec3, most: float, room: R
     return upper
 
 
-@register_jitable
+@jitable
 def _least_inside(tables: SurfaceTables, p: Vec3, q: Vec3, most: float, room: Room) -> float:
     """The lower bound of :func:`least_distance`; ``most`` where that is less."""
     d = sub(q, p)
@@ -152,7 +151,7 @@ def _least_inside(tables: SurfaceTables, p: Vec3, q: Vec3, most: float, room: Ro
             least = min(least, (samples[first] + samples[first + 1] - step) / 2)
 
 
-@register_jitable
+@jitable
 def _is_above(tables: SurfaceTables, x: Vec3, k: int, enough: float, room: Room) -> bool:
     """Check if a triangle shows that a sample's signed distance is large enough, and raise it then.
 
@@ -169,7 +168,7 @@ def _is_above(tables: SurfaceTables, x: Vec3, k: int, enough: float, room: Room)
     return True
 
 
-@register_jitable
+@jitable
 def _take_sample(
     tables: SurfaceTables, way: tuple[Vec3, Vec3], k: int, step: float, enough: float, room: Room
 ) -> None:

@@ -9,9 +9,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba.extending import register_jitable
 
 from abi.arrays import BoolArray, FloatArray, IntArray
+from abi.compilation.jitable import jitable
 from abi.obstacles.primitive_kernels import Axes, in_body
 from abi.obstacles.triangle_mesh.bvh import NO_DIPOLES, NO_TREE, Dipoles, TriangleTree
 from abi.obstacles.triangle_mesh.closest_point_kernels import DEPTH
@@ -90,7 +90,7 @@ NO_PLACEMENT = Placement((0.0, 0.0, 0.0), ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.
 """In an example: a placement."""
 
 
-@register_jitable
+@jitable
 def new_room() -> Room:
     """Room for descents."""
     waiting, stack = np.empty(DEPTH, np.int32), np.empty(128, np.int32)
@@ -99,7 +99,7 @@ def new_room() -> Room:
     return Room(waiting, np.empty(DEPTH), stack, latest, nearest, samples, known)
 
 
-@register_jitable
+@jitable
 def to_surface(placement: Placement, p: Vec3) -> Vec3:
     """A point of the world in the body frame."""
     x, y, z = in_body(placement.axes, sub(p, placement.origin))

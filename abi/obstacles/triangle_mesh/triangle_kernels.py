@@ -8,9 +8,8 @@ from __future__ import annotations
 
 import math
 
-from numba.extending import register_jitable
-
 from abi.arrays import FloatArray
+from abi.compilation.jitable import jitable
 from abi.obstacles.vector_kernels import Vec3, axpy, cross, dot, sub, vec3_at
 
 THIN = 3e-8
@@ -19,27 +18,27 @@ THIN = 3e-8
 Triangle = tuple[Vec3, Vec3, Vec3]
 
 
-@register_jitable
+@jitable
 def triangle_at(corners: FloatArray, number: int) -> Triangle:
     """A triangle of a tree."""
     k = 9 * number
     return vec3_at(corners, k), vec3_at(corners, k + 3), vec3_at(corners, k + 6)
 
 
-@register_jitable
+@jitable
 def clamp(t: float) -> float:
     """The number in [0, 1] nearest to t."""
     return min(max(t, 0.0), 1.0)
 
 
-@register_jitable
+@jitable
 def on_side(x: Vec3, a: Vec3, e: Vec3) -> float:
     """Parameter of the point a + t e, t in [0, 1], nearest to x."""
     ee = dot(e, e)
     return clamp(dot(e, sub(x, a)) / ee) if ee > 0.0 else 0.0
 
 
-@register_jitable
+@jitable
 def point_to_triangle(x: Vec3, triangle: Triangle, most: float) -> float:
     """Squared distance of a point and a triangle; ``most`` where it is not below that.
 
@@ -69,7 +68,7 @@ def point_to_triangle(x: Vec3, triangle: Triangle, most: float) -> float:
     return most
 
 
-@register_jitable
+@jitable
 def closest_point(x: Vec3, triangle: Triangle) -> Vec3:
     """The point of a triangle nearest to x."""
     a, b, c = triangle
@@ -88,7 +87,7 @@ def closest_point(x: Vec3, triangle: Triangle) -> Vec3:
     return closest
 
 
-@register_jitable
+@jitable
 def over_triangle(x: Vec3, a: Vec3, b: Vec3, c: Vec3, n: Vec3) -> bool:
     """Check whether the projection of x along the normal n lies in the triangle."""
     return (
@@ -98,7 +97,7 @@ def over_triangle(x: Vec3, a: Vec3, b: Vec3, c: Vec3, n: Vec3) -> bool:
     )
 
 
-@register_jitable
+@jitable
 def segment_to_triangle(p: Vec3, q: Vec3, triangle: Triangle) -> float:
     """Squared distance of the segment from p to q and a triangle, which may be degenerate.
 
@@ -124,7 +123,7 @@ def segment_to_triangle(p: Vec3, q: Vec3, triangle: Triangle) -> float:
     return best
 
 
-@register_jitable
+@jitable
 def between_segments(p: Vec3, d: Vec3, a: Vec3, e: Vec3) -> Vec3:
     """Way to the segment p + s d, s in [0, 1], from a + t e, t in [0, 1], where it is shortest."""
     r = sub(p, a)

@@ -10,9 +10,8 @@ from __future__ import annotations
 
 import math
 
-from numba.extending import register_jitable
-
 from abi.arrays import IntArray
+from abi.compilation.jitable import jitable
 from abi.obstacles.triangle_mesh.bvh import (
     Dipoles,
     TriangleTree,
@@ -37,7 +36,7 @@ _DOUBLINGS = 3
 """Retries with a wider opening before all triangles are taken one by one."""
 
 
-@register_jitable
+@jitable
 def _half_solid_angle(a: Vec3, b: Vec3, c: Vec3) -> float:
     """Half the solid angle of a triangle seen from the origin; positive seen from behind."""
     la, lb, lc = math.sqrt(dot(a, a)), math.sqrt(dot(b, b)), math.sqrt(dot(c, c))
@@ -45,7 +44,7 @@ def _half_solid_angle(a: Vec3, b: Vec3, c: Vec3) -> float:
     return math.atan2(dot(a, cross(b, c)), below)
 
 
-@register_jitable
+@jitable
 def winding_number(
     x: Vec3,
     tree: TriangleTree,
@@ -90,7 +89,7 @@ def winding_number(
     return halves / (2 * math.pi) + far_field / (4 * math.pi), strain / (4 * math.pi)
 
 
-@register_jitable
+@jitable
 def is_inside(tree: TriangleTree, dipoles: Dipoles, x: Vec3, stack: IntArray) -> bool:
     """Check whether a closed surface winds around x; in doubt it does.
 
