@@ -36,7 +36,7 @@ def test_the_port_opens_before_the_method_is_loaded() -> None:
 
 def test_a_tab_and_its_first_plan_load_no_library_that_they_do_not_need() -> None:
     loaded = _loaded("import app.session, abi; assert abi.plan(abi.load_scene('paper')).bspline")
-    assert "numba" in loaded
+    assert "pydantic" in loaded
     assert [name for name in _NEVER if name in loaded] == []
 
 
@@ -72,7 +72,7 @@ work.planned.set()
 import time
 while not gc.isenabled():
     time.sleep(0.01)
-assert gc.get_freeze_count() > 50_000
+assert gc.get_freeze_count() > 10_000
 """
     for then in ("pass", "raise OSError"):
         _loaded(code.format(then=then))
