@@ -21,7 +21,7 @@ from abi.arm.wrist_drives import wrist_positions
 from abi.arrays import FloatArray, flat, read_only
 from abi.curves import speed_profile
 from abi.curves.curve import ArcLength, Curve
-from abi.curves.timed_profile import PathProfile
+from abi.curves.timed_profile import PathProfile, TimedProfile
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.scene.scene import Scene
 from abi.scene.settings import ArmSettings
@@ -73,13 +73,16 @@ class AbiCourse:
     def is_refuted(self, profile: PathProfile, surroundings: Surroundings, required: float) -> bool:
         """Check whether a few poses show that the arm is not clear.
 
-        If q5 slides, a proof is tried instead, since q5 at a pose would have to be computed first.
+        If q5 slides, a proof is tried instead, since q5 at a pose would have to be computed first;
+        and nothing where only the duration bounds q5.
         """
         slide = slide_bounds(self.curve, self.arc, profile, self.settings)
         elbow = self.settings.branches[0]
         table = self.arm.table(elbow)
         low, high = float(slide.low.min()), float(slide.high.max())
         if low < high:
+            if isinstance(profile, TimedProfile):
+                return False
             tries = _TRIES_TO_REFUTE
             found = certify_arm(self.curve, slide, self.arm, elbow, surroundings, required, tries)
             return isinstance(found, ArmRefutation) and found.decided

@@ -1,4 +1,4 @@
-"""Distances of a URDF arm's capsules to all obstacles, over poses one after the other."""
+"""Distances of a URDF arm's capsules to all obstacles and to each other, over many poses."""
 
 from __future__ import annotations
 
@@ -7,13 +7,14 @@ import math
 from abi.arm.capsule_kernels import way
 from abi.arrays import FloatArray, IntArray
 from abi.compilation.borrowed import borrowed, held
-from abi.compiled import FLOATS, NEW_FLOATS, NEW_IDS, compiled
+from abi.compiled import FLOATS, IDS, NEW_FLOATS, NEW_IDS, compiled
 from abi.obstacles.obstacle_set_kernels import distance_to_segment, nearest_to_segment
 from abi.obstacles.primitive_kernels import WIDTH
 from abi.obstacles.surface_set import NO_SURFACES, SurfaceSet
 from abi.obstacles.surface_set_kernels import most_to_mesh, nearest_mesh_to_segment, widened
 from abi.obstacles.triangle_mesh.surface_tables_kernels import new_room
-from abi.obstacles.vector_kernels import vec3_at
+from abi.obstacles.triangle_mesh.triangle_kernels import between_segments
+from abi.obstacles.vector_kernels import norm, sub, vec3_at
 
 _AHEAD = 8.0
 """Distance looked beyond what counts, in ways to the pose before: so that it is seldom."""
@@ -83,3 +84,25 @@ def link_distances(
                 if distances[k] < least:
                     least, likely = distances[k], c
     held(own)
+
+
+@compiled(example=(FLOATS, FLOATS, IDS, NEW_FLOATS))
+def pair_distances(
+    ends: FloatArray, radii: FloatArray, pairs: IntArray, distances: FloatArray
+) -> None:
+    """Signed distance between the capsules of each pair.
+
+    Args:
+        ends: of each pose both ends of the capsules, flat (6 n c,), [unit].
+        radii: of the capsules (c,), [unit].
+        pairs: numbers of the capsules, flat (2 p,).
+        distances: (n p,), [unit]; written.
+    """
+    count, moving = len(pairs) // 2, len(radii)
+    for i in range(len(distances)):
+        k = 2 * (i % count)
+        first, second = pairs[k], pairs[k + 1]
+        row, other = 6 * (i // count * moving + first), 6 * (i // count * moving + second)
+        p, q = vec3_at(ends, row), vec3_at(ends, other)
+        d, e = sub(vec3_at(ends, row + 3), p), sub(vec3_at(ends, other + 3), q)
+        distances[i] = norm(between_segments(p, d, q, e)) - radii[first] - radii[second]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from operator import itemgetter
 from typing import Any, Literal
 
@@ -162,24 +162,9 @@ class UrdfArm(ShortRepr):
         """At most ``most`` different joint positions (n,) with the tip at ``point`` (3,).
 
         Poses in the middle of the joints' limits come first. If none reaches the point, the result
-        is one that comes near it. Equal calls give equal poses.
+        is one that comes near it. Equal calls give equal poses, and the latest are remembered.
         """
-        random = np.random.default_rng(0)
-        low, high = self.chain.usual_range().T
-        target = point[None] * self.metres
-        starts = [(low + high) / 2, *random.uniform(low, high, (_STARTS, len(low)))]
-        solved = [self.chain.follow(start, target) for start in starts]
-        found = [(pose[0], float(error[0])) for pose, error in solved]
-        reached = [pose for pose, error in found if error <= REACHED]
-        if not reached:
-            return (read_only(min(found, key=itemgetter(1))[0] * self.scales),)
-        middle, half = (low + high) / 2, np.maximum((high - low) / 2, 1e-9)
-        reached.sort(key=lambda pose: float(np.abs((pose - middle) / half).max()))
-        kept: list[FloatArray] = []
-        for pose in reached:
-            if all(np.abs(pose - other).max() > _ALIKE for other in kept):
-                kept.append(pose)
-        return tuple(read_only(pose * self.scales) for pose in kept[:most])
+        return _first_poses(self, tuple(point.tolist()))[:most]
 
     def follow(
         self, start: FloatArray, points: FloatArray, home: FloatArray | None = None
@@ -201,6 +186,27 @@ class UrdfArm(ShortRepr):
             None if home is None else home / self.scales,
         )
         return positions * self.scales, errors * self.reach
+
+
+@lru_cache(maxsize=16)
+def _first_poses(arm: UrdfArm, point: Vec3) -> tuple[FloatArray, ...]:
+    """All of :meth:`UrdfArm.first_poses`, kept: they take a tenth of a plan to find."""
+    random = np.random.default_rng(0)
+    low, high = arm.chain.usual_range().T
+    target = np.array(point)[None] * arm.metres
+    starts = [(low + high) / 2, *random.uniform(low, high, (_STARTS, len(low)))]
+    solved = [arm.chain.follow(start, target) for start in starts]
+    found = [(pose[0], float(error[0])) for pose, error in solved]
+    reached = [pose for pose, error in found if error <= REACHED]
+    if not reached:
+        return (read_only(min(found, key=itemgetter(1))[0] * arm.scales),)
+    middle, half = (low + high) / 2, np.maximum((high - low) / 2, 1e-9)
+    reached.sort(key=lambda pose: float(np.abs((pose - middle) / half).max()))
+    kept: list[FloatArray] = []
+    for pose in reached:
+        if all(np.abs(pose - other).max() > _ALIKE for other in kept):
+            kept.append(pose)
+    return tuple(read_only(pose * arm.scales) for pose in kept)
 
 
 def urdf_arm(

@@ -48,7 +48,6 @@ class UrdfModel:
         self.arm = urdf_arm(
             settings.robot, settings.tool, settings.base, axis, unit, settings.base_wxyz
         )
-        self._poses: dict[Vec3, tuple[FloatArray, ...]] = {}
         self._at: tuple[TetMesh, Vec3, Vec3] | None = None
         self._stances: dict[PosePair, Stances] = {}
         self._rows = RowTable()
@@ -103,13 +102,10 @@ class UrdfModel:
         elif at[2] != self._at[2]:
             self._stances = {pair: one for pair, one in self._stances.items() if pair.home is None}
         self._at = at
-        self._poses = {point: found for point, found in self._poses.items() if point in at[1:]}
 
     def _poses_at(self, point: Vec3) -> tuple[FloatArray, ...]:
         """All poses found with the tool at a point."""
-        if point not in self._poses:
-            self._poses[point] = self.arm.first_poses(np.array(point), _ALL)
-        return self._poses[point]
+        return self.arm.first_poses(np.array(point), _ALL)
 
     def _clear(self, poses: Sequence[FloatArray], task: SightTask) -> dict[int, FloatArray]:
         """Those that are clear, by their numbers."""
@@ -120,7 +116,8 @@ class UrdfModel:
         still, margin = np.stack([pose, pose]), task.scene.arm.clearance + task.slack
         if chain_refutation(self.arm, still, task.surroundings, margin) is not None:
             return False
-        return bool((obstacle_distances(self.arm, task.obstacles, pose[None])[0] > 0).all())
+        ends = self.arm.place(pose[None])
+        return bool((obstacle_distances(self.arm, task.obstacles, ends)[0] > 0).all())
 
     def _sight(self, pair: PosePair, task: SightTask) -> ChainSight:
         branch = f"From pose {pair.first + 1} at the start"

@@ -13,7 +13,7 @@ import numpy as np
 import scipy
 
 from abi.arm.arm_clearance import ArmClearance, Measured, contacts_of, proven_clearance
-from abi.arm.chain_certificate import certify_chain
+from abi.arm.chain_certificate import certify_chain, chain_refutation
 from abi.arm.chain_distances import floor_distances, obstacle_distances, own_distances
 from abi.arm.separate_arm_kernels import Slide
 from abi.arm.solid_rows import FLOOR
@@ -27,6 +27,8 @@ from abi.obstacles.obstacle_set import ObstacleSet
 
 _FEW, _GRID = 41, 1201
 """Points along the curve at which first poses are compared, and the chosen one is followed."""
+_EVERY, _TRIES_TO_REFUTE = 3, 5_000
+"""Step between the points at which that is refuted, and the tests that this may take."""
 _ENOUGH = 0.03
 """Clearance, over the arm's reach, beyond which the shorter motion counts."""
 
@@ -98,17 +100,20 @@ class JointCourse:
         )
 
     def is_refuted(self, profile: PathProfile, surroundings: Surroundings, required: float) -> bool:
-        """Check if a quick test shows that the arm is not clear: False, it takes the motion."""
-        return False
+        """Check whether some of the poses on the course show that the arm is not clear."""
+        poses = self.positions[::_EVERY]
+        fault = chain_refutation(self.arm, poses, surroundings, required, _TRIES_TO_REFUTE)
+        return fault is not None and fault.decided
 
     def clearance(
         self, motion: ArmMotion, obstacles: ObstacleSet, surroundings: Surroundings, required: float
     ) -> ArmClearance:
         """Clearance of the whole arm in that motion, measured and proven."""
         arm, positions = self.arm, motion.positions
-        measured = Measured(*obstacle_distances(arm, obstacles, positions))
-        own = _against(OWN - arm.pairs[:, 0], own_distances(arm, positions))
-        floor = _against(FLOOR, floor_distances(arm, surroundings.floor, positions))
+        ends = arm.place(positions)
+        measured = Measured(*obstacle_distances(arm, obstacles, ends))
+        own = _against(OWN - arm.pairs[:, 0], own_distances(arm, ends))
+        floor = _against(FLOOR, floor_distances(arm, surroundings.floor, ends))
         capsules = range(len(arm.capsules))
         contacts = (
             *contacts_of(motion.time, measured, capsules, arm),
@@ -146,10 +151,11 @@ def joint_course(
     reach = arm.chain.table.reach / arm.metres
     for pose in best:
         positions, missed = arm.follow(pose, few)
+        ends = arm.place(positions)
         gaps = (
-            obstacle_distances(arm, obstacles, positions, _ENOUGH * reach)[0],
-            own_distances(arm, positions),
-            floor_distances(arm, floor, positions),
+            obstacle_distances(arm, obstacles, ends, _ENOUGH * reach)[0],
+            own_distances(arm, ends),
+            floor_distances(arm, floor, ends),
         )
         gap = min(float(gap.min(initial=np.inf)) for gap in gaps)
         travel = float(np.abs(np.diff(positions / arm.scales, axis=0)).sum())

@@ -280,9 +280,8 @@ def _are_refuted(
 
     Only then need the motion along it not be sampled and measured, which takes longer.
     """
-    return scene.motion.law == "three_phase" and all(
-        course.is_refuted(profile, surroundings, scene.arm.clearance) for course, profile in paths
-    )
+    required = scene.arm.clearance
+    return all(course.is_refuted(profile, surroundings, required) for course, profile in paths)
 
 
 def _wait_for_compiler(scene: Scene) -> None:

@@ -18,7 +18,6 @@ from abi.robot.robot import Shape
 from app.layers.arm_nodes import ArmNodes
 from app.layers.link_body import link_glbs
 from app.layers.link_colours import muted
-from app.layers.urdf_poses import first_poses
 
 _COLOURS: ByteArray = np.array([[(226, 230, 234)], [(96, 108, 122)]], np.uint8)
 """Of every other link without a colour of its own, so that one sees where they meet."""
@@ -40,7 +39,7 @@ class UrdfArmNodes(ArmNodes):
     def rest_pose(self, plan: Plan) -> FloatArray:
         """The first pose found with the tool on the start."""
         assert isinstance(plan.arm, UrdfArm)
-        return first_poses(plan.arm, plan.scene.start)[0]
+        return plan.arm.first_poses(np.array(plan.scene.start))[0]
 
     def values(self, positions: FloatArray) -> FloatArray:
         """Positions (k, m) of the chain's joints, those that mimic another among them."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -36,15 +35,10 @@ class OtherPoses(NamedTuple):
     missed: FloatArray
 
 
-@functools.lru_cache(16)
-def first_poses(arm: UrdfArm, point: Vec3) -> tuple[FloatArray, ...]:
-    """First poses (n,) at a point, [unit], kept: they take longer to find than a plan."""
-    return arm.first_poses(np.array(point, dtype=float))
-
-
 def poses_at(arm: UrdfArm, point: Vec3) -> tuple[FloatArray, ...]:
     """Those that put the tool at the point; none where it is out of reach."""
-    place, poses = np.array(point, dtype=float), first_poses(arm, point)
+    place = np.array(point, dtype=float)
+    poses = arm.first_poses(place)
     missed = np.linalg.norm(arm.tool(np.stack(poses)) - place, axis=1)
     return tuple(
         pose for pose, by in zip(poses, missed.tolist(), strict=True) if by <= 1e-3 * arm.reach

@@ -111,7 +111,7 @@ def test_nothing_comes_nearer_than_what_is_proven(name: str, seed: int) -> None:
     obstacles = some_obstacles(one, random)
     surroundings = chain_surroundings(one, obstacles, -1e3)
     positions = joint_path(one, random, 0.05)
-    dense = between(positions)
+    dense = one.place(between(positions))
     gaps, numbers = obstacle_distances(one, obstacles, dense)
     measured = float(gaps.min())
     margin = max(float(random.uniform(0, 1.2)) * measured, 0.0)
@@ -141,7 +141,7 @@ def test_nothing_comes_nearer_than_what_is_proven(name: str, seed: int) -> None:
     if found.obstacle >= 0 and not obstacles.obstacles[found.obstacle].convex:
         return  # of a mesh the rectangles around triangles count
     if found.decided:
-        place = at(positions, found.parameter)[None]
+        place = one.place(at(positions, found.parameter)[None])
         distances = {
             "own": own_distances(one, place),
             "floor": floor_distances(one, surroundings.floor, place),

@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from abi.arm.chain_distances import obstacle_distances
+from abi.arm.chain_capsules import segment_distances
+from abi.arm.chain_distances import obstacle_distances, own_distances
 from abi.arm.urdf_arm import UrdfArm, urdf_arm
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import Obstacle, ObstacleSet
@@ -54,9 +55,8 @@ def test_the_least_of_each_pose_and_what_touches_are_those_of_all_one_by_one(
     ends[1] = ends[0] + random.choice([0.02, 0.3, 1.0]) * (ends[1] - ends[0])
     positions = ends[0] + np.linspace(0, 1, 50)[:, None] * (ends[1] - ends[0])
     enough = random.choice([0.05, np.inf])
-    distance, number = obstacle_distances(one, obstacles, positions, enough)
-
     placed = one.place(positions)
+    distance, number = obstacle_distances(one, obstacles, placed, enough)
     lengths = np.linalg.norm(placed[:, :, 1] - placed[:, :, 0], axis=2)
     p, q = placed[:, :, 0].reshape(-1, 3), placed[:, :, 1].reshape(-1, 3)
     of_each = [segment_distance(shape, p, q).reshape(distance.shape) for shape in obstacles]
@@ -78,6 +78,17 @@ def test_the_least_of_each_pose_and_what_touches_are_those_of_all_one_by_one(
 
 def test_without_obstacles_nothing_is_near() -> None:
     one = some_arm("ur5e")
-    distance, number = obstacle_distances(one, ObstacleSet(), np.zeros((2, len(one.limits))))
+    distance, number = obstacle_distances(one, ObstacleSet(), one.place(one.limits.T))
     assert np.isinf(distance).all()
     assert (number == -1).all()
+
+
+@settings(max_examples=30, deadline=None)
+@given(st.sampled_from(list(SHIPPED)), seeds)
+def test_links_are_as_far_from_each_other_as_their_segments(name: str, seed: int) -> None:
+    one, random = some_arm(name), np.random.default_rng(seed)
+    low, high = one.limits.T
+    ends = one.place(random.uniform(low, high, (7, len(low))))
+    first, second = (ends[:, one.pairs[:, side]].reshape(-1, 2, 3) for side in (0, 1))
+    apart = segment_distances(first, second).reshape(7, -1) - one.radii[one.pairs].sum(axis=1)
+    assert own_distances(one, ends) == pytest.approx(apart, abs=1e-9 / one.metres)

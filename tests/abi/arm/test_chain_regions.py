@@ -48,7 +48,8 @@ def test_the_shadow_is_where_a_link_is_in_an_obstacle(scene: Scene, arm: UrdfArm
     triangles = chain_shadow(arm, stances, surroundings)
     assert solid(triangles).is_watertight
     places = np.flatnonzero(stances.reached)[::4]
-    gaps = obstacle_distances(arm, obstacles, stances.positions[places])[0].min(axis=1)
+    ends = arm.place(stances.positions[places])
+    gaps = obstacle_distances(arm, obstacles, ends)[0].min(axis=1)
     clear_cut = np.abs(gaps) > 1e-6
     found = is_inside(triangles, stances.mesh.points[places])
     assert 0.1 < found.mean() < 0.9
