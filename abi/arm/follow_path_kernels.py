@@ -113,7 +113,7 @@ def _step(chain: ChainTable, q: FloatArray, room: Room, damping: float) -> None:
             right[i] = error[i]
             for j in range(count):
                 right[i] -= jacobian[count * i + j] * drift[j]
-            for k in range(rows):
+            for k in range(i + 1):  # of the other half, which is the same, nothing is read
                 total = 0.0
                 for j in range(count):
                     total += jacobian[count * i + j] * jacobian[count * k + j]
@@ -199,7 +199,7 @@ def reach_point(
         lacks = _error(chain, room.poses, targets, sample, room.error)
         predicts = attempt == 0 and pull >= 0
         if lacks < 1e-11 and not predicts:
-            break
+            return lacks
         error = room.error
         way = math.sqrt(error[0] ** 2 + error[1] ** 2 + error[2] ** 2)
         for j in range(count):
