@@ -15,6 +15,7 @@ import numpy as np
 from numba.extending import register_jitable
 
 from abi.arrays import BoolArray, ByteArray, FloatArray, IntArray
+from abi.compilation.dispatcher import declare_helpers
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import Obstacle, Obstacles
 from abi.obstacles.packing import pack
@@ -30,6 +31,8 @@ from abi.obstacles.primitive_kernels import (
 from abi.obstacles.vector_kernels import sub
 from abi.tet_mesh import adjacency
 from abi.tet_mesh.tet_mesh import TetMesh
+
+declare_helpers()
 
 Rows: TypeAlias = tuple[IntArray, IntArray, FloatArray]
 """indptr (n + 1,), heads and lengths of compressed rows."""

@@ -38,7 +38,7 @@ class Dispatcher:
     def __init__(
         self, function: Callable[..., Any], example: tuple[Any, ...], options: dict[str, Any]
     ) -> None:
-        _declare_helpers()
+        declare_helpers()
         options = {"nogil": True, "pipeline_class": Borrowing, **options}
         self._signature = tuple(map(numba.typeof, example))
         self._stale: tuple[Path, str, str] | None = None
@@ -105,8 +105,8 @@ class Dispatcher:
                     file.unlink()
 
 
-def _declare_helpers() -> None:
-    """Tell numba of the functions that kernels call."""
+def declare_helpers() -> None:
+    """Tell numba of the functions that kernels call; needed before one is compiled by other means."""
     with _declaring:
         while UNDECLARED:
             function = UNDECLARED[0]

@@ -9,6 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from abi.arrays import FloatArray
+from abi.compilation.dispatcher import declare_helpers
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.triangle_mesh import winding_kernels
 from abi.obstacles.triangle_mesh.bvh import Dipoles, TriangleTree, build_tree, dipoles
@@ -38,6 +39,7 @@ OPEN = {
     "half-blob": (BLOB[0], BLOB[1][: len(BLOB[1]) // 2]),
     "triangle": (np.eye(3), np.array([[0, 1, 2]], dtype=np.int32)),
 }
+declare_helpers()
 _number: Any = numba.njit(winding_kernels.winding_number)
 _is_inside: Any = numba.njit(winding_kernels.is_inside)
 names = st.sampled_from(sorted({**CLOSED, **OPEN}))
