@@ -106,7 +106,7 @@ class Dispatcher:
 
 
 def declare_helpers() -> None:
-    """Tell numba of the functions that kernels call; needed before one is compiled by other means."""
+    """Tell numba of the functions that kernels call; for who compiles one without a kernel, too."""
     with _declaring:
         while UNDECLARED:
             function = UNDECLARED[0]
