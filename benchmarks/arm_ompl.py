@@ -21,11 +21,14 @@ from ompl import base, geometric, util
 from abi.arm.arm import Arm
 from abi.arm.link_capsules import COLUMN, UPPER_ARM
 from abi.arrays import FloatArray
+from abi.compilation.dispatcher import declare_helpers
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.packing import pack
 from abi.obstacles.primitive_tree_kernels import blocked
 from abi.obstacles.primitives import Capsule
 from abi.scene.scene import Scene
+
+declare_helpers()
 
 STEP = 0.2
 """Way of the arm's farthest point between two poses that are tried, [unit]."""

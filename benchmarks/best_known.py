@@ -11,6 +11,7 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 
 from abi.arrays import BoolArray, FloatArray, IntArray, read_only
+from abi.compilation.dispatcher import declare_helpers
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.packing import pack
 from abi.obstacles.primitive_tree_kernels import blocked
@@ -19,6 +20,8 @@ from abi.obstacles.vector_kernels import vec3_at
 from abi.scene.scene import Scene
 from abi.taut.free_space_kernels import FreeSpace
 from abi.taut.tighten_kernels import tighten
+
+declare_helpers()
 
 SAMPLES = 21  # points on each edge
 SEQUENCES = 40  # that are refined

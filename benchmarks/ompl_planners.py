@@ -12,10 +12,13 @@ import numpy as np
 from ompl import base, geometric, util
 
 from abi.arrays import FloatArray
+from abi.compilation.dispatcher import declare_helpers
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.packing import pack
 from abi.obstacles.primitive_tree_kernels import blocked
 from abi.scene.scene import Scene
+
+declare_helpers()
 
 SIMPLIFYING = 0.3  # part of the budget that is left for simplification
 
