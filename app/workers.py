@@ -30,6 +30,8 @@ _PATIENCE = 10.0
 """Seconds in which a process ends that was told to."""
 _START = 60.0
 """Seconds in which processes begin to listen that are not hindered."""
+_LONGEST = 60.0
+"""Longest time until a process is started again, [s]."""
 _PERIOD = 0.05
 _METRICS = "PROMETHEUS_MULTIPROC_DIR"
 """Variable of prometheus-client: where processes keep figures that are counted together."""
@@ -52,7 +54,7 @@ class Workers:
         self._count = count
         self._processes: dict[subprocess.Popen[bytes], socket.socket] = {}
         self._lock = threading.Lock()
-        self._ending = False
+        self._ending = threading.Event()
         self.seats: Seats | None = None
         self.porter: Porter | None = None
         self._folder: ScratchFolder | None = None
@@ -95,7 +97,7 @@ class Workers:
     def stop(self) -> None:
         """End them, and tell their tabs."""
         with self._lock:
-            self._ending = True
+            self._ending.set()
             processes = dict(self._processes)
         for process, channel in processes.items():
             # one that has just begun may not hear the signal, and finds its input at the end
@@ -114,12 +116,17 @@ class Workers:
     def _keep(
         self, place: int, arguments: Sequence[str], environment: dict[str, str], meet: Meet
     ) -> None:
-        """Keep the process at a place running until the end: a thread."""
+        """Keep the process at a place running until the end: a thread.
+
+        One that soon ends is started again after longer and longer: it would take a core for good.
+        """
         command = [sys.executable, "-P", "-m", "app", "serve", "--joins", str(place), *arguments]
         assert self.seats is not None
-        while True:
+        pause = 0.0
+        while not self._ending.wait(pause):
+            begin = time.monotonic()
             with self._lock:
-                if self._ending:
+                if self._ending.is_set():
                     return
                 # its input brings it tabs, and ends when this process is gone
                 channel, other = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
@@ -131,14 +138,16 @@ class Workers:
             meet(channel)
             code = process.wait()
             with self._lock:
-                if self._ending:
+                if self._ending.is_set():
                     return
                 del self._processes[process]
             self.seats.vacate(place)
             from prometheus_client import multiprocess
 
             multiprocess.mark_process_dead(process.pid)  # type: ignore[no-untyped-call]
-            _log.warning("worker ended", extra={"code": code})
+            lived = time.monotonic() - begin
+            pause = 0.0 if lived > _START else min(2 * pause + 1, _LONGEST)
+            _log.warning("worker ended", extra={"code": code, "again_in": pause})
             if code == 0:
                 return
 

@@ -4,18 +4,21 @@ from __future__ import annotations
 
 import os
 import signal
+import subprocess
 import sys
 import time
 import urllib.error
 import urllib.request
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from typing import Any
 
 import click
 import pytest
 from websockets.exceptions import InvalidStatus
 
 from app.commands.serve import serve
+from app.workers import Workers
 from benchmarks.spread import serving_processes
 from benchmarks.tabs import ServerProcess
 from tests.app.fake_tab import FakeTab, until
@@ -86,6 +89,29 @@ def _find_all_places_wherever_they_land(server: ServerProcess, tabs: list[FakeTa
     tabs.pop().close()
     until(lambda: _figure(server.url, "abi_tabs") == 6)
     tabs.append(FakeTab(server.url))
+
+
+@needs_linux
+def test_a_worker_that_cannot_start_is_left_alone_for_longer_and_longer(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    begun: list[float] = []
+    start = subprocess.Popen
+
+    def fail(command: list[str], **options: Any) -> subprocess.Popen[bytes]:
+        begun.append(time.monotonic())
+        return start([sys.executable, "-c", "raise SystemExit(3)"], **options)
+
+    monkeypatch.setattr("app.workers.subprocess.Popen", fail)
+    workers = Workers(1)
+    try:
+        workers.start([], None, lambda channel: channel.close())
+        until(lambda: len(begun) == 3)
+    finally:
+        workers.stop()
+    first, second, third = begun
+    assert second - first >= 1
+    assert third - second >= 3
 
 
 @needs_linux
