@@ -46,6 +46,13 @@ class AbiError(Exception):
         return _of_kind, (type(self), self.args, vars(self))
 
 
+class Missing:
+    """Stands in an error for a value that was not given."""
+
+    def __repr__(self) -> str:
+        return "missing"
+
+
 class SceneError(AbiError):
     """Error for a wrong field of a scene.
 

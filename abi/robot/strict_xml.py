@@ -10,7 +10,7 @@ import scipy
 from lxml import etree
 
 from abi.arrays import FloatArray, read_only
-from abi.errors import SceneError
+from abi.errors import Missing, SceneError
 from abi.obstacles.pose import Vec3
 
 MAX_BYTES, MAX_ELEMENTS = 2_000_000, 20_000
@@ -19,6 +19,7 @@ _NUMBER = re.compile(r"[+-]?(\d{1,30}(\.\d{0,30})?|\.\d{1,30})([eE][+-]?\d{1,3})
 _NAME = re.compile(r"[\w.+-][\w .:+-]{0,98}", re.ASCII)
 _MARKUP = re.compile(r"<!(DOCTYPE|ENTITY|ELEMENT|ATTLIST|NOTATION)")
 _ZERO: Vec3 = (0.0, 0.0, 0.0)
+_LENGTHS = ("xyz", "size", "radius", "length")
 _DECLARATION = re.compile(r"\A\s*<\?xml[^>]{0,200}\?>")
 
 
@@ -59,7 +60,7 @@ class Element:
         """First child with a tag; SceneError if there is none."""
         found = self.child(tag)
         if found is None:
-            raise self.refuse(tag, None, f"one <{tag}>")
+            raise self.refuse(tag, Missing(), f"one <{tag}>")
         return found
 
     def text(self, attribute: str, default: str = "") -> str:
@@ -98,7 +99,9 @@ class Element:
     def _number(self, attribute: str, text: str, low: float, high: float) -> float:
         word = text.strip()
         if len(word) > 40 or not _NUMBER.fullmatch(word) or not low <= float(word) <= high:
-            raise self.refuse(attribute, text, f"a number from {low:g} to {high:g}")
+            in_metres = attribute in _LENGTHS and self.xml.tag != "axis"
+            unit = " m" if in_metres else ""
+            raise self.refuse(attribute, text, f"a number from {low:g} to {high:g}{unit}")
         return float(word)
 
 

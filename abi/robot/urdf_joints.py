@@ -8,6 +8,7 @@ from collections.abc import Collection, Iterable, Sequence
 import numpy as np
 
 from abi.arrays import read_only
+from abi.errors import Missing
 from abi.robot.robot import Joint, JointKind, Mimic
 from abi.robot.strict_xml import Element
 
@@ -31,7 +32,7 @@ def read_joint(element: Element) -> Joint:
     if not np.linalg.norm(axis) > 1e-6:
         raise element.refuse("axis", tuple(axis.tolist()), "a direction")
     if kind in ("revolute", "prismatic") and limit is None:
-        raise element.refuse("limit", None, "<limit> with lower and upper")
+        raise element.refuse("limit", Missing(), "<limit> with lower and upper")
     low, high = (-_TURN, _TURN) if kind == "continuous" else (0.0, 0.0)
     speed = effort = math.inf
     if limit is not None and kind != "fixed":

@@ -13,7 +13,7 @@ import numpy as np
 from lxml import etree
 
 from abi.arrays import ByteArray, FloatArray, IntArray, read_only
-from abi.errors import SceneError
+from abi.errors import Missing, SceneError
 from abi.obstacles.pose import Vec3
 from abi.robot.robot import Link, Shape
 from abi.robot.strict_xml import Element
@@ -146,7 +146,7 @@ def _shape(element: Element, meshes: Meshes) -> Shape:
         if math.prod(size) < 0:
             faces = faces[:, ::-1]
     if kind == "box" and not all(size):
-        raise part.refuse("size", None, "three numbers above 0")
+        raise part.refuse("size", Missing(), "three numbers above 0")
     return Shape(
         str(kind),  # type: ignore[arg-type]
         size,

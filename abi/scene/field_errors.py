@@ -9,7 +9,7 @@ from typing import Any
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
-from abi.errors import SceneError
+from abi.errors import Missing, SceneError
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.primitives import PRIMITIVES
 
@@ -80,13 +80,6 @@ def first_error(error: ValidationError, scene: type[BaseModel]) -> SceneError:
         Missing() if missing else detail["input"],
         _expectation(detail, location, scene),
     )
-
-
-class Missing:
-    """Stands in an error for a value that was not given."""
-
-    def __repr__(self) -> str:
-        return "missing"
 
 
 def _expectation(detail: ErrorDetails, location: list[int | str], scene: type[BaseModel]) -> str:

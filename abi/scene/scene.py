@@ -14,7 +14,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import Field, ValidationError, ValidationInfo, field_validator, model_validator
 
 from abi import assets
-from abi.errors import SceneError
+from abi.errors import Missing, SceneError
 from abi.length_text import with_minus
 from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import Obstacles
@@ -24,7 +24,7 @@ from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.obstacles.triangle_mesh.surface import Surface
 from abi.robot.robot_files import SHIPPED
 from abi.scene import scene_archive
-from abi.scene.field_errors import Missing, first_error
+from abi.scene.field_errors import first_error
 from abi.scene.scene_changes import changed_value, without_stale_meshes
 from abi.scene.scene_file import ENDINGS, parse, read_file, write
 from abi.scene.settings import (
