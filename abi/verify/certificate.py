@@ -112,3 +112,10 @@ def capsule_of(entry: dict[str, Any], capsules: int) -> int:
     if type(capsule) is not int or not 0 <= capsule < capsules:
         raise Fault("a direction belongs to no capsule")
     return capsule
+
+
+def words_of(margin: Fraction | None, unit: str) -> str:
+    """What it means for an arm to keep a margin, [unit]; None if there is no obstacle."""
+    if margin is None:
+        return "there is no obstacle"
+    return f"its links keep {float(margin):.9g} {unit}" if margin else "its links touch no obstacle"

@@ -12,7 +12,15 @@ from typing import Any
 
 from abi.scene.scene import Scene
 from abi.verify.arm_capsules import capsules_of
-from abi.verify.certificate import ARM, CapsuleKey, Plane, capsule_of, claimed_margin, planes_of
+from abi.verify.certificate import (
+    ARM,
+    CapsuleKey,
+    Plane,
+    capsule_of,
+    claimed_margin,
+    planes_of,
+    words_of,
+)
 from abi.verify.exact import (
     ExactCurve,
     ExactFloor,
@@ -110,8 +118,7 @@ def check_arm(
         if isinstance(obstacle, ExactMesh) and obstacle.inside(arm.base):
             raise Fault("the base is inside a mesh")
     count = sum(map(len, planes.values()))
-    distance = "" if margin is None else f"{float(margin):.9g} {scene.unit}"
-    kept = f"its links keep {distance}" if distance else "there is no obstacle"
+    kept = words_of(margin, scene.unit)
     return f"{kept}, and clear of the floor and each other, by {count} directions"
 
 

@@ -15,7 +15,15 @@ from typing import Any, NamedTuple
 
 from abi.obstacles.pose import METRES
 from abi.scene.scene import Scene
-from abi.verify.certificate import ARM, CapsuleKey, Plane, capsule_of, claimed_margin, planes_of
+from abi.verify.certificate import (
+    ARM,
+    CapsuleKey,
+    Plane,
+    capsule_of,
+    claimed_margin,
+    planes_of,
+    words_of,
+)
 from abi.verify.exact import ExactFloor, ExactSolid, Vec3, dot, sub, times_length, vector
 from abi.verify.exact_chain import ExactChain, ExactFrame, exact_chain
 from abi.verify.exact_mesh import ExactMesh
@@ -124,8 +132,7 @@ def check_chain(
         check_apart(label, planes.get((j, -1 - i), []), apart, span, None)
     _check_outside(motion, capsules, obstacles)
     count = sum(map(len, planes.values()))
-    distance = "" if margin is None else f"{float(margin):.9g} {scene.unit}"
-    kept = f"its links keep {distance}" if distance else "there is no obstacle"
+    kept = words_of(margin, scene.unit)
     return (
         f"{kept}, and clear of the floor and each other ({len(pairs)} pairs), by {count} directions"
     )
