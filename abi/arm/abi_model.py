@@ -56,13 +56,19 @@ class AbiCourse:
         """Factor from [rad/s²] to the unit of each joint, (3,)."""
         return np.ones(MOVED)
 
-    def at(self, distances: FloatArray) -> FloatArray:
-        """Positions of q1 to q3 at distances (k,) in their order, (k, 3), [rad]."""
+    @property
+    def is_timed(self) -> bool:
+        """Whether q5 slides."""
+        return self.settings.forces[1] != 0
+
+    def at(self, distances: FloatArray, times: FloatArray | None = None) -> FloatArray:
+        """Positions of q1 to q3 at distances and times (k,) in order, (k, 3), [rad]."""
+        times = np.zeros(len(distances)) if times is None else times
         parameters = self.arc.parameter(distances)
         tangents = self.curve(parameters, 1)
         lengths = np.linalg.norm(tangents, axis=1)
         tangents = tangents / np.where(lengths > 0, lengths, 1)[:, None]
-        q5, points = np.full(len(distances), self.settings.q5), self.curve(parameters)
+        q5, points = wrist_positions(self.settings, times)[:, 1], self.curve(parameters)
         found = solve(self.arm, points, q5, self.settings.branches[0], tangents)
         return np.stack([found.q1, found.q2, found.q3], axis=1)
 

@@ -44,8 +44,15 @@ class Course(Protocol):
     def scales(self) -> FloatArray:
         """Factor from [rad/s²] or [m/s²] to the unit of each joint, (n,)."""
 
-    def at(self, distances: FloatArray) -> FloatArray:
-        """Positions of these joints at distances (k,) along the curve, (k, n)."""
+    @property
+    def is_timed(self) -> bool:
+        """Whether these joints depend on the time, too, as another one moves meanwhile."""
+
+    def at(self, distances: FloatArray, times: FloatArray | None = None) -> FloatArray:
+        """Positions of these joints at distances along the curve and times (k,) in order, (k, n).
+
+        Without times they are those at the start.
+        """
 
     def motion(self, profile: PathProfile, samples: int) -> ArmMotion:
         """The motion by a profile, at uniform times."""

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -23,6 +25,8 @@ _GRID = 3201
 """Points along the curve at which the joints are asked."""
 ROUNDING = 1.001
 """Factor by which differences of samples may be too large, or too small."""
+_ROUNDS, _SETTLED = 5, 1e-6
+"""Times that a motion is slowed down, as q5 then slides farther, and the excess that is none."""
 
 
 class JointLimits(NamedTuple):
@@ -36,7 +40,7 @@ def motion_law(path: Course, settings: MotionSettings) -> PathProfile:
     """Motion from rest to rest along a curve.
 
     All laws but the paper's three phases limit the speeds and accelerations of the joints that the
-    inverse kinematics moves; for the paper's arm these are q1 to q3, with q5 as at the start.
+    inverse kinematics moves; for the paper's arm these are q1 to q3, while q5 slides.
 
     Args:
         path: joints along the curve.
@@ -47,17 +51,27 @@ def motion_law(path: Course, settings: MotionSettings) -> PathProfile:
     if settings.law == "three_phase":
         return three_phase(length, *rates)
     limits = JointLimits(path.speeds, settings.joint_acceleration * path.scales)
+    slowed: Callable[[float], PathProfile]
     if settings.law == "time_optimal":
-        profile = _time_optimal(path, limits)
-        return profile.stretched(_excess(profile, path, limits))
-    if settings.law == "jerk_limited":
+        slowed = _time_optimal(path, limits).stretched
+    elif settings.law == "jerk_limited":
         gentle = min(settings.acceleration, settings.deceleration)
-        profile = jerk_limited(length, settings.speed, gentle, settings.jerk)
-        return profile.stretched(_excess(profile, path, limits))
-    factor = _excess(three_phase(length, *rates), path, limits)
+        slowed = jerk_limited(length, settings.speed, gentle, settings.jerk).stretched
+    else:
+        slowed = partial(_slowed, length, rates)
+    factor = 1.0
+    for _ in range(_ROUNDS if path.is_timed else 1):
+        excess = _excess(slowed(factor), path, limits)
+        factor *= excess
+        if excess <= 1 + _SETTLED:
+            break
+    return slowed(factor)
+
+
+def _slowed(length: float, rates: tuple[float, float, float], factor: float) -> PathProfile:
+    """Three phases that take ``factor`` times as long."""
     # a triangle's peak scales by itself: its speed is not reached
-    speed, faster, slower = rates[0] / factor, rates[1] / factor**2, rates[2] / factor**2
-    return three_phase(length, speed, faster, slower)
+    return three_phase(length, rates[0] / factor, rates[1] / factor**2, rates[2] / factor**2)
 
 
 def second_derivatives(positions: FloatArray, step: float) -> FloatArray:
@@ -72,7 +86,7 @@ def _excess(profile: PathProfile, path: Course, limits: JointLimits) -> float:
     The speeds and accelerations are differences of many samples.
     """
     times = np.linspace(0.0, profile.duration, 2 * _GRID)
-    positions = path.at(profile(times))
+    positions = path.at(profile(times), times)
     step = float(times[1])
     faster = float((np.abs(np.diff(positions, axis=0)) / step / limits.speeds).max())
     rates = np.abs(second_derivatives(positions, step))

@@ -66,7 +66,12 @@ class JointCourse:
         distances = np.linspace(0.0, self.arc.length, len(self.positions))
         return scipy.interpolate.CubicSpline(distances, self.positions)
 
-    def at(self, distances: FloatArray) -> FloatArray:
+    @property
+    def is_timed(self) -> bool:
+        """Whether the joints depend on the time, too: False."""
+        return False
+
+    def at(self, distances: FloatArray, times: FloatArray | None = None) -> FloatArray:
         """Joint positions at distances (k,), (k, n), within the limits."""
         limits = self.arm.limits
         return np.asarray(np.clip(self._spline(distances), limits[:, 0], limits[:, 1]))

@@ -43,7 +43,7 @@ def peaks(plan: Plan, samples: int = 3001) -> tuple[float, float]:
     assert isinstance(plan.arm, Arm)
     times = np.linspace(0, plan.profile.duration, samples)
     path = AbiCourse(*followed(plan), plan.arm, plan.scene.arm)
-    positions = path.at(plan.profile(times))
+    positions = path.at(plan.profile(times), times)
     speed = np.abs(np.diff(positions, axis=0)).max() / times[1]
     return float(speed), float(np.abs(second_derivatives(positions, times[1])).max())
 
@@ -65,6 +65,16 @@ def test_joint_limits_hold(scene: str, law: str, limit: float) -> None:
     if law == "time_optimal":
         # the fastest motion meets a limit
         assert max(speed / JOINT_SPEED, acceleration / limit) > 0.9
+
+
+@pytest.mark.parametrize("force", [0.05, 0.5, 2.0])
+@pytest.mark.parametrize("law", LAWS[1:])
+def test_joint_limits_hold_while_q5_slides(law: str, force: float) -> None:
+    motion = {"law": law, "joint_acceleration": 2.0}
+    plan = PLANNER(load_scene("paper").replace(motion=motion, arm={"forces": (0.5, force, 0.6)}))
+    speed, acceleration = peaks(plan)
+    assert speed <= JOINT_SPEED * (1 + 1e-6)
+    assert acceleration <= 2.0 * (1 + 1e-6)
 
 
 @pytest.mark.parametrize("scene", ["paper", "two-boxes"])
