@@ -59,20 +59,6 @@ class TimedProfile(ShortRepr):
         slower = read_only(self.coefficients * powers)
         return TimedProfile(self.law, self.length, read_only(self.breaks * factor), slower)
 
-    def time_at(self, distance: ArrayLike) -> FloatArray:
-        """Time at which a distance has been travelled, by bisection, [s].
-
-        Args:
-            distance: [unit], a number or any shape; clamped to the length.
-        """
-        asked = np.asarray(distance, dtype=float)
-        low, high = np.zeros_like(asked), np.full_like(asked, self.duration)
-        for _ in range(60):
-            middle = (low + high) / 2
-            before = self(middle) < asked
-            low, high = np.where(before, middle, low), np.where(before, high, middle)
-        return np.asarray((low + high) / 2)
-
     def __call__(self, time: ArrayLike, order: int = 0) -> FloatArray:
         """Distance travelled, or its derivative by time.
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 from abi.arrays import ShortRepr
 from abi.obstacles.pose import Vec3
@@ -81,24 +80,3 @@ class BaseMap(ShortRepr):
         """Number of places for each reason against a certified plan, the most frequent first."""
         counts = Counter(trial.fault for trial in self.trials if trial.length is None)
         return dict(counts.most_common())
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain data: the region, the best base, and all trials."""
-        best = self.best
-        return {
-            "low": list(self.low),
-            "high": list(self.high),
-            "best": None if best is None else list(best.base),
-            "length": None if best is None else best.length,
-            "faults": dict(self.faults),
-            "fault": self.fault or None,
-            "trials": [
-                {
-                    "base": list(trial.base),
-                    "cell": list(trial.cell),
-                    "length": trial.length,
-                    "fault": trial.fault or None,
-                }
-                for trial in self.trials
-            ],
-        }
