@@ -68,7 +68,6 @@ class Refutation:
     """A point of a curve that prevents a certificate.
 
     Attributes:
-        margin: the distance to prove, [unit].
         parameter: where on the curve.
         obstacle: index of the obstacle that is too near there.
         distance: signed distance to it, [unit].
@@ -76,7 +75,6 @@ class Refutation:
             is so close to the margin that halving did not decide.
     """
 
-    margin: float
     parameter: float
     obstacle: int
     distance: float
@@ -107,7 +105,7 @@ def certify(
         numbers = obstacles.primitive_numbers
         status, at, which, distance, planes = _separate(pieces, obstacles.packed, margin)
         if status != CERTIFIED:
-            return Refutation(margin, at, int(numbers[which]), distance, status == REFUTED)
+            return Refutation(at, int(numbers[which]), distance, status == REFUTED)
         planes[:, 2] = numbers[planes[:, 2].astype(int)]
         tables.append(planes)
     near = np.ones(len(obstacles.meshes), dtype=np.bool_)
@@ -168,7 +166,7 @@ def _against_mesh(
     """Planes that separate the curve from all triangles of one mesh."""
     first = float(curve.breaks[0])
     if margin < 0:
-        return Refutation(margin, first, index, math.nan, False)
+        return Refutation(first, index, math.nan, False)
     tree = tree_of(mesh.surface)
     axes, position, factor = rotation(mesh.wxyz), np.array(mesh.position), mesh.factor
     points = _buffer(curve)
@@ -184,13 +182,13 @@ def _against_mesh(
         10 * _MOST_TRIES + 64 * len(curve.points),
     )
     if status != CERTIFIED:
-        return Refutation(margin, at, index, distance * factor, status == REFUTED)
+        return Refutation(at, index, distance * factor, status == REFUTED)
     start = curve.points[0, :1]
     # bounds first: far from a large mesh the nearest triangle takes long to find
     if mesh.closed and mesh.distance_bounds(start)[0][0] <= 0:
         at_start = float(mesh.signed_distance(start)[0])
         if at_start <= 0:
-            return Refutation(margin, first, index, at_start, True)
+            return Refutation(first, index, at_start, True)
     planes[:, 2] = index
     planes[:, 3:6] = planes[:, 3:6] @ axes.T
     return planes
