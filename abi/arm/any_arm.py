@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, Literal, NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol
 
 from abi.arrays import FloatArray
 from abi.obstacles.pose import Quaternion
@@ -45,10 +45,6 @@ class AnyArm(Protocol):
     @property
     def wxyz(self) -> Quaternion:
         """Orientation of the base, as a quaternion."""
-
-    @property
-    def unit(self) -> Literal["m", "cm", "mm"]:
-        """Unit of the scene's lengths."""
 
     @property
     def metres(self) -> float:

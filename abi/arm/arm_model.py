@@ -29,10 +29,6 @@ class Course(Protocol):
     """Joint positions of an arm along a curve, on one of its branches."""
 
     @property
-    def curve(self) -> Curve:
-        """Path of the tool."""
-
-    @property
     def arc(self) -> ArcLength:
         """Arc length of the curve."""
 

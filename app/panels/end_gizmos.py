@@ -30,7 +30,6 @@ class EndGizmos:
     """
 
     def __init__(self, client: viser.ClientHandle, scene: Scene, wake: Wake) -> None:
-        self._scene = client.scene
         size = max(scene.workspace.size)
         self.gizmos: dict[str, viser.TransformControlsHandle] = {}
         self._labels: dict[str, viser.LabelHandle] = {}

@@ -84,7 +84,6 @@ class TheatrePanel:
         self._advanced, self._position, self._written = time.monotonic(), 0.0, 0
         self._searches = TheatreSearches()
         self._answer: tuple[int, str] = (-1, "")
-        self._refused: object = None
         self._last: Theatre | None = None
         self._seen: tuple[object, ...] = ()
         for widget in (self.on, self.algorithm, self.weight, self.edges, self.step):
