@@ -5,13 +5,10 @@ from __future__ import annotations
 import html
 import math
 
-from abi.curves.bspline import BSpline
-from abi.curves.fit import Fit
-from abi.curves.quadratic import Quadratic
 from abi.curves.timed_profile import TimedProfile
 from abi.planner.arm_faults import CONTACTS, limit_sentence, limits_warning
 from abi.planner.arm_words import clearance_sentence, contact_sentence
-from abi.planner.plan import Plan
+from abi.planner.plan import AnyFit, Plan
 from app import style
 from app.numbers import (
     distance_to_show,
@@ -41,7 +38,7 @@ def notes(plan: Plan) -> dict[str, str]:
     }
 
 
-def _clearance(plan: Plan, fit: Fit[BSpline] | Fit[Quadratic] | None) -> str:
+def _clearance(plan: Plan, fit: AnyFit | None) -> str:
     """Sentence on a curve that comes nearer to an obstacle than asked; empty for one that holds."""
     if fit is None or fit.holds or math.isinf(fit.clearance.distance):
         return ""

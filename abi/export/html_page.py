@@ -131,7 +131,7 @@ def _arm_step(plan: Plan, followed: str, duration: float) -> dict[str, Any]:
 
 def _kept(plan: Plan, name: str) -> str:
     """Check if a curve keeps the clearance, and by whom that is kept where the arm does not."""
-    fit = plan.bspline if name == "bspline" else plan.quadratic
+    fit, _ = plan.curves[name]
     if fit is None or not fit.holds:
         return "✗ nearer to an obstacle than asked"
     if plan.followed == name and not plan.is_arm_clear:

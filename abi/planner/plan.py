@@ -31,6 +31,8 @@ from abi.taut.taut_path import TautPath
 from abi.tet_mesh.exclusion import FreeMesh
 from abi.tet_mesh.tet_mesh import TetMesh
 
+AnyFit = Fit[BSpline] | Fit[Quadratic]
+
 
 @dataclass(frozen=True, eq=False)
 class Plan(ReadOnlyCopies):
@@ -81,7 +83,7 @@ class Plan(ReadOnlyCopies):
     arm: AnyArm | None = None
     motion: ArmMotion | None = None
     arm_clearance: ArmClearance | None = None
-    tool_only: Fit[BSpline] | Fit[Quadratic] | None = None
+    tool_only: AnyFit | None = None
     error: StageError | None = None
     ms: Mapping[str, float] = field(default_factory=dict)
     total_ms: float = 0.0
@@ -101,15 +103,20 @@ class Plan(ReadOnlyCopies):
         return {**vars(self), "ms": dict(self.ms)}
 
     @property
-    def followed_curve(self) -> Fit[BSpline] | Fit[Quadratic] | None:
+    def curves(self) -> dict[str, tuple[AnyFit | None, ArcLength | None]]:
+        """Curves of stages 4 and 5 by name, each with its arc length."""
+        quadratic = self.quadratic, self.quadratic_arc
+        return {"bspline": (self.bspline, self.bspline_arc), "quadratic": quadratic}
+
+    @property
+    def followed_curve(self) -> AnyFit | None:
         """The curve that the arm executes."""
-        return {"bspline": self.bspline, "quadratic": self.quadratic}.get(self.followed or "")
+        return self.curves[self.followed][0] if self.followed else None
 
     @property
     def followed_arc(self) -> ArcLength | None:
         """Arc length of the curve that the arm executes."""
-        arcs = {"bspline": self.bspline_arc, "quadratic": self.quadratic_arc}
-        return arcs.get(self.followed or "")
+        return self.curves[self.followed][1] if self.followed else None
 
     @property
     def is_arm_clear(self) -> bool:
@@ -163,8 +170,7 @@ class Plan(ReadOnlyCopies):
     @property
     def kept_lengths(self) -> dict[str, float]:
         """Lengths of the paths and curves proven to keep the clearance, by stage, [unit]."""
-        fits = {"bspline": self.bspline, "quadratic": self.quadratic}
-        lacking = {name for name, fit in fits.items() if fit is None or not fit.holds}
+        lacking = {name for name, (fit, _) in self.curves.items() if fit is None or not fit.holds}
         kept = {name: length for name, length in self.lengths.items() if name not in lacking}
         return {name: length for name, length in kept.items() if length is not None}
 

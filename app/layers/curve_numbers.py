@@ -41,11 +41,7 @@ def excess(plan: Plan, length: float) -> Number:
 
 def curve_numbers(plan: Plan, curve: str) -> list[Number]:
     """Length, gap and distance kept of a curve, ``bspline`` or ``quadratic``; none without it."""
-    fit, arc = (
-        (plan.quadratic, plan.quadratic_arc)
-        if curve == "quadratic"
-        else (plan.bspline, plan.bspline_arc)
-    )
+    fit, arc = plan.curves[curve]
     if fit is None or arc is None:
         return []
     unit, followed = plan.scene.unit, curve == plan.followed

@@ -6,7 +6,6 @@ from typing import ClassVar
 
 import numpy as np
 
-from abi.curves.curve import Curve
 from abi.planner.plan import Plan
 from app import style
 from app.frame import Frame, Layer, Switch
@@ -21,7 +20,7 @@ SAMPLES = 160
 @once_a_plan
 def _line(plan: Plan, name: str) -> Segments:
     """The curve of that name as segments."""
-    fit = plan.bspline if name == "bspline" else plan.quadratic
+    fit, _ = plan.curves[name]
     assert fit is not None
     return segments(fit.curve(parameters(fit.curve.interval, SAMPLES)))
 
@@ -57,12 +56,8 @@ class CurvesLayer(Layer):
         self._control.show("control" in frame.shown)
 
     def _draw_curves(self, plan: Plan) -> None:
-        curves: dict[str, Curve | None] = {
-            "bspline": None if plan.bspline is None else plan.bspline.curve,
-            "quadratic": None if plan.quadratic is None else plan.quadratic.curve,
-        }
-        for name, curve in curves.items():
-            line = self._lines[name]
+        for name, (fit, _) in plan.curves.items():
+            line, curve = self._lines[name], None if fit is None else fit.curve
             line.thickness = 7.0 if name == plan.followed else 4.0
             if self._drawn.get(name, self) is curve:
                 continue

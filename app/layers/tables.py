@@ -144,10 +144,7 @@ def _path_rows(plan: Plan, best: tuple[float, bool]) -> list[tuple[str, ...]]:
 def _curve_rows(plan: Plan, best: tuple[float, bool]) -> list[tuple[str, ...]]:
     """Rows of B-spline and quadratic."""
     rows: list[tuple[str, ...]] = []
-    for name, fit, arc in (
-        ("bspline", plan.bspline, plan.bspline_arc),
-        ("quadratic", plan.quadratic, plan.quadratic_arc),
-    ):
+    for name, (fit, arc) in plan.curves.items():
         label, colour = style.CURVES[name]
         title = f"{style.swatch(colour)}{label}"
         if fit is None or arc is None:

@@ -83,10 +83,7 @@ def _results(plan: Plan) -> dict[str, str]:
         results["graph"] = f"{plan.graph.edge_count:,} edges"
     if plan.path is not None:
         results["search"] = _search_result(plan)
-    for stage, fit, arc in (
-        ("bspline", plan.bspline, plan.bspline_arc),
-        ("quadratic", plan.quadratic, plan.quadratic_arc),
-    ):
+    for stage, (fit, arc) in plan.curves.items():
         if fit is None or arc is None:
             continue
         if fit.holds or math.isinf(fit.clearance.distance):

@@ -32,7 +32,7 @@ def planned(scene: str, law: str, **motion: float) -> Plan:
 
 def followed(plan: Plan) -> tuple[Curve, ArcLength]:
     assert plan.followed_curve is not None
-    arc = plan.bspline_arc if plan.followed == "bspline" else plan.quadratic_arc
+    arc = plan.followed_arc
     assert arc is not None
     return plan.followed_curve.curve, arc
 

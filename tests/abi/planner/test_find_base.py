@@ -34,7 +34,7 @@ def _planned(scene: abi.Scene, trial: BaseTrial) -> float | None:
     certified = plan.arm_clearance.certified and plan.followed_curve.holds
     if not (certified and plan.motion.within_limits):
         return None
-    arc = plan.bspline_arc if plan.followed == "bspline" else plan.quadratic_arc
+    arc = plan.followed_arc
     assert arc is not None
     return arc.length
 
