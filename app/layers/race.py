@@ -14,6 +14,7 @@ from app.box import box_edges
 from app.camera import View, aspect
 from app.colour_scale import scale_colours
 from app.frame import Frame, Layer
+from app.layers.points import Points
 from app.layers.theatre import few, order_colours
 from app.layout import Layout
 from app.lines import add_line, segments
@@ -120,14 +121,7 @@ class RaceLayer(Layer):
         colours = np.concatenate([visited, waiting])
         nodes = np.concatenate([closed, front])
         size = 0.24 * float((np.prod(scene.workspace.size) / n) ** (1 / 3))
-        self._scene.add_point_cloud(
-            f"/race/{place}/nodes",
-            points[nodes % n].astype(np.float32),
-            colours,
-            point_size=size,
-            point_shape="circle",
-            precision="float32",
-        )
+        Points(self._scene, f"/race/{place}/nodes").draw(points[nodes % n], colours, size)
         path = add_line(self._scene, f"/race/{place}/path", style.MARK, 5.0)
         path.points = segments(points[state.trace.vertices]) if state.done else path.points
         self._labels[place].text = _label(name, state, scene.unit)
