@@ -32,9 +32,7 @@ from abi.planner.arm_exclusion import ArmExclusionCache
 from abi.planner.arm_path import ArmGraphPath, fit_clear, pull_clear, search_clear
 from abi.scene.scene import Scene
 from abi.search.build_graph import build_graph
-from abi.search.graph import Graph
-from abi.search.heuristic import Weight
-from abi.search.search import SEARCHES, SearchResult
+from abi.search.search import search
 from abi.taut.taut_path import TautPath
 from abi.tet_mesh.exclusion import FreeMesh
 
@@ -161,12 +159,12 @@ class ArmAware:
                 raise _not_clear(task, sight, which, link, obstacle, unreached)
         exclude = self._exclude.setdefault(memory, ArmExclusionCache())
         free = exclude(task.free, sight, task.obstacles)
-        search = partial(_search, scene.search.algorithm, scene.search.weight)
+        find = partial(search, scene.search.algorithm, weight=scene.search.weight)
         try:
             graph = build_graph(
                 free, task.obstacles, task.margin, scene.start, scene.goal, scene.spline.clearance
             )
-            found = search_clear(graph, sight, search)
+            found = search_clear(graph, sight, find)
         except NoPath:
             raise _not_clear(task, sight, "path") from None
         if found is None:
@@ -180,7 +178,7 @@ def _finish(task: ArmTask, branch: _Branch, names: list[str]) -> dict[str, Any]:
     clearance, chosen = scene.spline.clearance, scene.search
     graph, path = branch.found.graph, branch.found.path
     others = (name for name in names if name != chosen.algorithm)
-    searches = {name: _search(name, chosen.weight, graph) for name in others}
+    searches = {name: search(name, graph, chosen.weight) for name in others}
     searches[chosen.algorithm] = path
     results: dict[str, Any] = {
         "free": branch.free,
@@ -259,10 +257,6 @@ def _not_clear(
     if unreached is None:
         return ArmNotClear(sight.branch, where, link, obstacle, has_elbow=has_elbow)
     return ArmNotClear(sight.branch, where, has_elbow=has_elbow, why=unreached.words)
-
-
-def _search(algorithm: str, weight: Weight, graph: Graph) -> SearchResult:
-    return SEARCHES[algorithm](graph, weight)
 
 
 def _cost(branch: _Branch) -> float:
