@@ -199,15 +199,12 @@ def _finish(task: ArmTask, branch: _Branch, names: list[str]) -> dict[str, Any]:
     if fault is not None:
         quadratic = replace(quadratic, note=_note(fault, task.model.arm))
     results["quadratic"] = quadratic
-    results["quadratic_arc"] = quadratic_arc = arc_length(quadratic.curve)
+    results["quadratic_arc"] = arc_length(quadratic.curve)
     followed = scene.motion.curve
     if followed == "auto":
         followed = "quadratic" if quadratic.holds and fault is None else "bspline"
     results["followed"] = followed
-    by_quadratic = followed == "quadratic"
-    curve: Curve = quadratic.curve if by_quadratic else bspline.curve
-    results |= _motion(task, sight, curve, quadratic_arc if by_quadratic else arc)
-    return results
+    return results | _motion(task, sight, results[followed].curve, results[f"{followed}_arc"])
 
 
 def _fitted(task: ArmTask, branch: _Branch, path_clearance: float) -> dict[str, Any]:

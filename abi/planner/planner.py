@@ -22,7 +22,7 @@ from abi.arm.surroundings import Surroundings
 from abi.arm.trajectory import ArmMotion
 from abi.curves import fit_bspline, fit_quadratic
 from abi.curves.bspline import BSpline
-from abi.curves.curve import Curve, arc_length
+from abi.curves.curve import arc_length
 from abi.curves.fit import Fit
 from abi.curves.quadratic import Quadratic
 from abi.curves.timed_profile import PathProfile
@@ -184,11 +184,9 @@ class Planner:
         results["quadratic"] = quadratic = self._quadratic(
             bspline, bspline_arc, obstacles, clearance, scene.quadratic.mode
         )
-        results["quadratic_arc"] = quadratic_arc = self._quadratic_arc(quadratic.curve)
+        results["quadratic_arc"] = self._quadratic_arc(quadratic.curve)
         results["followed"] = followed = _followed(scene, bspline, quadratic)
-        is_bspline = followed == "bspline"
-        curve: Curve = bspline.curve if is_bspline else quadratic.curve
-        arc = bspline_arc if is_bspline else quadratic_arc
+        curve, arc = results[followed].curve, results[f"{followed}_arc"]
 
         surroundings = self._surroundings(model.surroundings, obstacles, workspace.min[2])
         courses = self._courses(model.courses, curve, arc, scene.arm, obstacles, surroundings)
