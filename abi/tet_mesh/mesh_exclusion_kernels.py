@@ -41,6 +41,7 @@ from abi.tet_mesh.adjacency_kernels import (
     row_place,
     y_and_z_origins,
 )
+from abi.tet_mesh.lattice_exclusion_kernels import Found
 from abi.tet_mesh.near_node_kernels import (
     EXCLUDED,
     FAR,
@@ -58,8 +59,6 @@ _LONGEST_PAUSE = 15
 
 _OPEN, _TOO_MANY = -2, -1
 _ROUNDING = 4.0  # room for that of a plane that is kept
-
-Found = tuple[IntArray, IntArray, IntArray, IntArray]
 
 
 @compiled(example=(NO_ADJACENCY, IDS, NO_TABLES, NO_PLACEMENT, 0.0, 1.0), error_model="numpy")
