@@ -17,7 +17,7 @@ from abi.compilation.jitable import jitable
 from abi.obstacles.triangle_mesh.blocked_segment_kernels import limit_of
 from abi.obstacles.triangle_mesh.closest_point_kernels import nearest_triangle
 from abi.obstacles.triangle_mesh.distance_grid_kernels import distance_bounds, steepest
-from abi.obstacles.triangle_mesh.segment_kernels import comes_near
+from abi.obstacles.triangle_mesh.segment_kernels import near_triangle
 from abi.obstacles.triangle_mesh.surface_tables_kernels import (
     Placement,
     Room,
@@ -103,8 +103,9 @@ def _bound(surface: PlacedSurface, x: Vec3, last: Vec3, hint: int) -> tuple[floa
     if apart < _OVERLAPPING * limits.margin:
         return limits.margin, hint
     touching = limit_of(tables, 0.0, 0.0)
-    if apart < limits.reach and not comes_near(
-        tree, last, x, touching, steepest(tables.grid, x), room.waiting
+    if (
+        apart < limits.reach
+        and near_triangle(tree, last, x, touching, steepest(tables.grid, x), room.waiting) < 0
     ):
         return limits.margin, hint
     if is_inside(tree, tables.dipoles, x, room.stack):

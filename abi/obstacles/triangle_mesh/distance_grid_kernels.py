@@ -13,7 +13,7 @@ from abi.compilation.jitable import jitable
 from abi.compiled import FLOATS, compiled
 from abi.obstacles.triangle_mesh.bvh import NO_DIPOLES, NO_TREE, Dipoles, TriangleTree
 from abi.obstacles.triangle_mesh.closest_point_kernels import DEPTH, nearest_triangle
-from abi.obstacles.triangle_mesh.segment_kernels import comes_near
+from abi.obstacles.triangle_mesh.segment_kernels import near_triangle
 from abi.obstacles.triangle_mesh.winding_kernels import is_inside
 from abi.obstacles.vector_kernels import Vec3
 
@@ -149,8 +149,9 @@ def _side(
     nodes = (x[0] - step, x[1], x[2]), (x[0], x[1] - step, x[2]), (x[0], x[1], x[2] - step)
     for k in range(3):
         value = before[k]
-        if value < math.inf and not comes_near(
-            tree, nodes[k], x, touching, (0.0, 0.0, 0.0), waiting
+        if (
+            value < math.inf
+            and near_triangle(tree, nodes[k], x, touching, (0.0, 0.0, 0.0), waiting) < 0
         ):
             return 1 if value < 0.0 else 0
     return -1
@@ -171,7 +172,10 @@ def side_of(grid: DistanceGrid, tree: TriangleTree, x: Vec3, waiting: IntArray) 
         p, q, r = i + corner // 4, j + corner // 2 % 2, k + corner % 2
         value = values[(p * ny + q) * nz + r]
         node = (low[0] + p * step, low[1] + q * step, low[2] + r * step)
-        if abs(value) > slack and not comes_near(tree, node, x, touching, (0.0, 0.0, 0.0), waiting):
+        if (
+            abs(value) > slack
+            and near_triangle(tree, node, x, touching, (0.0, 0.0, 0.0), waiting) < 0
+        ):
             return 1 if value < 0.0 else 0
     return -1
 

@@ -10,7 +10,7 @@ import math
 from abi.compilation.jitable import jitable
 from abi.obstacles.triangle_mesh.closest_point_kernels import nearest_triangle
 from abi.obstacles.triangle_mesh.distance_grid_kernels import distance_bounds, side_of
-from abi.obstacles.triangle_mesh.segment_kernels import comes_near
+from abi.obstacles.triangle_mesh.segment_kernels import near_triangle
 from abi.obstacles.triangle_mesh.surface_tables_kernels import TOUCHING, Room, SurfaceTables
 from abi.obstacles.triangle_mesh.triangle_kernels import closest_point, triangle_at
 from abi.obstacles.triangle_mesh.winding_kernels import is_inside
@@ -89,7 +89,7 @@ def signed_distance_beside(
             touching = _BETWEEN * (grid.step + tree.size)
             if free > 0.0 and (
                 free + away - doubt > apart * (1.0 + 1e-9)
-                or not comes_near(tree, other, x, touching, (0.0, 0.0, 0.0), room.waiting)
+                or near_triangle(tree, other, x, touching, (0.0, 0.0, 0.0), room.waiting) < 0
             ):
                 inside = beside < 0.0
             else:

@@ -79,18 +79,6 @@ def stretch_in(p: Vec3, inverse: Vec3, low: Vec3, high: Vec3, limit: float) -> f
 
 
 @jitable
-def comes_near(
-    tree: TriangleTree, p: Vec3, q: Vec3, limit: float, normal: Vec3, waiting: IntArray
-) -> bool:
-    """Check whether the segment from p to q comes as near to some triangle as a limit.
-
-    Args:
-        tree, p, q, limit, normal, waiting: see :func:`near_triangle`.
-    """
-    return near_triangle(tree, p, q, limit, normal, waiting) >= 0
-
-
-@jitable
 def near_triangle(
     tree: TriangleTree, p: Vec3, q: Vec3, limit: float, normal: Vec3, waiting: IntArray
 ) -> int:
@@ -270,7 +258,7 @@ def segment_distance(
 ) -> float:
     """Distance of the segment from p to q to the nearest triangle; ``most`` where that is less.
 
-    What is passed over is what :func:`comes_near` passes over, of the nearest distance so far.
+    What is passed over is what :func:`near_triangle` passes over, of the nearest distance so far.
 
     Args:
         tree: over the triangles.
