@@ -143,22 +143,14 @@ class Viewpoint:
         self._camera.up_direction = np.array([0.0, 0.0, 1.0])
         self._place()
 
-    def now(self) -> View | None:
-        """The page's camera; None where it reports none."""
-        return View.of_camera(self._camera)
-
-    def restore(self, view: View) -> None:
-        """Put the camera where it was."""
-        view.show(self._camera)
-
     def mirror(self, scene: Scene, view: View | None) -> None:
         """Look at another tab's ``scene`` as that tab does; a camera in its place is left alone."""
         shown = self._scene.workspace, self._scene.arm.base
         if shown != (scene.workspace, scene.arm.base):
             self.show(scene)
         self._scene = scene
-        if view is not None and view != self.now():
-            self.restore(view)
+        if view is not None and view != View.of_camera(self._camera):
+            view.show(self._camera)
 
     def fit(self, area: PageArea | None) -> None:
         """Follow the picture's shape and what covers it, unless the user moved the camera."""

@@ -193,7 +193,7 @@ class TabView:
         self.viewpoint.show(state.scene)
         if state.view is not None:
             self._to_face = False
-            self.viewpoint.restore(state.view)
+            state.view.show(self._client.camera)
         self.playback.restore(state.time, state.playing)
         self.panels.history.begin(self.panels.step(state.scene))
         if state.before is not None:
@@ -227,7 +227,7 @@ class TabView:
             camera = setting.camera
             view = View.of([camera.position, camera.target, (0.0, 0.0, 1.0)])
             if view is not None:
-                self.viewpoint.restore(view)
+                view.show(self._client.camera)
         if setting.time is not None or setting.play is not None:
             self.playback.restore(setting.time or 0.0, bool(setting.play))
 
@@ -247,7 +247,7 @@ class TabView:
         self.panels.go_back(state)
         self.look_at(state.scene, state.view is None)
         if state.view is not None:
-            self.viewpoint.restore(state.view)
+            state.view.show(self._client.camera)
         self.playback.restore(state.time, state.playing)
         return state.scene
 
@@ -257,7 +257,7 @@ class TabView:
         return TabState(
             name=self.panels.files.name,
             scene=scene,
-            view=self.viewpoint.now(),
+            view=View.of_camera(self._client.camera),
             time=0.0 if playing else time,
             playing=playing,
             shown=self.panels.layer_switches.shown(),
