@@ -6,16 +6,14 @@ import re
 from collections.abc import Mapping
 from pathlib import PurePosixPath
 
-from abi.arrays import ByteArray, FloatArray, IntArray
 from abi.errors import SceneError
 from abi.obstacles.triangle_mesh import mesh_reader, stl, trimesh_formats
+from abi.obstacles.triangle_mesh.parts import Parts
 
 MAX_TRIANGLES = 500_000
 """Largest number of triangles of all shapes of a robot; a shape used twice counts twice."""
 _PLAIN = ".plain.stl"
 """Added to the name of a file that has been turned into an STL."""
-Mesh = tuple[FloatArray, IntArray, ByteArray]
-"""Vertices (n, 3), faces (m, 3) and colours of these, (m, 3) or (0, 3)."""
 _LARGEST_UNIT = 1e4
 _UNIT = re.compile(rb"""<unit\b[^>]{0,200}?\bmeter\s*=\s*["']\s*([0-9.eE+-]{1,40})\s*["']""")
 
@@ -30,11 +28,11 @@ class MeshLookup:
 
     def __init__(self, files: Mapping[str, bytes], folder: PurePosixPath) -> None:
         self._files, self._folder = files, folder
-        self._read: dict[str, Mesh] = {}
+        self._read: dict[str, Parts] = {}
         self._taken: set[str] = set()
         self._triangles = 0
 
-    def __call__(self, name: str) -> Mesh:
+    def __call__(self, name: str) -> Parts:
         """Vertices, faces and colours of the mesh that a URDF calls ``name``.
 
         Raises:
@@ -84,7 +82,7 @@ def is_plain(path: str) -> bool:
     return PurePosixPath(path).suffix.lower() not in trimesh_formats.SUFFIXES
 
 
-def _mesh(content: bytes, name: str) -> Mesh:
+def _mesh(content: bytes, name: str) -> Parts:
     suffix = PurePosixPath(name).suffix.lower()
     if suffix not in mesh_reader.SUFFIXES:
         expected = f"a mesh that ends in {', '.join(mesh_reader.SUFFIXES)}"

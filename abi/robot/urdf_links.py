@@ -12,9 +12,9 @@ from dataclasses import replace
 import numpy as np
 from lxml import etree
 
-from abi.arrays import ByteArray, FloatArray, IntArray, read_only
+from abi.arrays import ByteArray, FloatArray, read_only
 from abi.errors import Missing, SceneError
-from abi.obstacles.pose import Vec3
+from abi.obstacles.triangle_mesh.parts import NO_COLOURS, Parts
 from abi.robot.robot import Link, Shape
 from abi.robot.strict_xml import Element
 from abi.robot.urdf_meshes import file_name
@@ -24,13 +24,8 @@ MAX_SHAPES = 50
 _NAMED = 5
 """Links that a sentence names, at most."""
 
-Meshes = Callable[[str], tuple[FloatArray, IntArray, ByteArray]]
+Meshes = Callable[[str], Parts]
 """Vertices, faces and their colours of the mesh file of that name."""
-
-_NO_COLOURS: ByteArray = read_only(np.empty((0, 3), dtype=np.uint8))
-"""Colours of a visual without any."""
-
-_ZERO: Vec3 = (0.0, 0.0, 0.0)
 
 
 def read_link(element: Element, meshes: Meshes) -> Link:
@@ -126,13 +121,13 @@ def _tensor(inertial: Element) -> FloatArray:
 def _shape(element: Element, meshes: Meshes) -> Shape:
     geometry = element.needed("geometry")
     pose = element.origin()
-    vertices, faces, colours = np.empty((0, 3)), np.empty((0, 3), dtype=np.int32), _NO_COLOURS
+    vertices, faces, colours = np.empty((0, 3)), np.empty((0, 3), dtype=np.int32), NO_COLOURS
     part = next((Element(x, element.file, element.title) for x in geometry.xml), None)
     kind = None if part is None else part.xml.tag
     if part is None or kind not in ("box", "sphere", "cylinder", "mesh"):
         raise element.refuse("geometry", kind, "box, sphere, cylinder or mesh")
     if kind == "box":
-        size = part.vector("size", _ZERO, 1e-9, 100)
+        size = part.vector("size", (0.0, 0.0, 0.0), 1e-9, 100)
     elif kind == "sphere":
         size = (part.number("radius", None, 1e-9, 100), 0.0, 0.0)
     elif kind == "cylinder":
@@ -176,9 +171,9 @@ def _colour_of(visual: etree._Element, named: Mapping[str, ByteArray]) -> ByteAr
     """
     material = visual.find("material")
     if material is None:
-        return _NO_COLOURS
+        return NO_COLOURS
     own = _colour(material)
-    return own if len(own) else named.get(str(material.get("name", "")), _NO_COLOURS)
+    return own if len(own) else named.get(str(material.get("name", "")), NO_COLOURS)
 
 
 def _colour(material: etree._Element) -> ByteArray:
@@ -187,7 +182,7 @@ def _colour(material: etree._Element) -> ByteArray:
     try:
         numbers = np.array([float(word) for word in words[:3]])
     except ValueError:
-        return _NO_COLOURS
+        return NO_COLOURS
     if len(words) not in (3, 4) or not ((numbers >= 0) & (numbers <= 1)).all():
-        return _NO_COLOURS
+        return NO_COLOURS
     return read_only(np.rint(255 * numbers).astype(np.uint8)[None])
