@@ -14,7 +14,7 @@ from abi.planner.plan import Plan
 from app import style
 from app.frame import Frame
 from app.lessons.lesson import Condition
-from app.lessons.measures import text, value
+from app.lessons.measures import MEASURES, text
 from app.once_a_plan import once_a_plan
 
 _SHORTER = 0.97
@@ -72,7 +72,7 @@ _SHOWN = {"curve.length", "arm.clearance"}
 
 
 def _shorter(frame: Frame) -> Challenge | None:
-    length, best = value("curve.length", frame), value("optimum.length", frame)
+    length, best = MEASURES["curve.length"](frame), MEASURES["optimum.length"](frame)
     if length is None or best is None or length < (1 + _LEAST_GAP) * best:
         return None
     most = float(f"{max(_SHORTER * length, (length + best) / 2):.4g}")
@@ -87,7 +87,7 @@ def _quadratic(frame: Frame) -> Challenge | None:
 
 
 def _arm(frame: Frame) -> Challenge | None:
-    scene, distance = frame.plan.scene, value("arm.clearance", frame)
+    scene, distance = frame.plan.scene, MEASURES["arm.clearance"](frame)
     if distance is None or not abs(distance) < 1e6:
         return None
     least = float(f"{distance + _FARTHER * max(scene.workspace.size):.3g}")

@@ -17,7 +17,7 @@ from abi.scene.scene import Scene, load_scene, scene_names
 from abi.scene.scene_file import parse
 from abi.search.compare import COMPARED
 from app.frame import Frame
-from app.lessons.measures import MEASURES, names_in, value
+from app.lessons.measures import MEASURES, names_in
 
 
 class _Part(BaseModel):
@@ -50,7 +50,7 @@ class Condition(_Part):
 
     def holds(self, frame: Frame) -> bool:
         """Check whether it holds now; a measure that there is not holds in nothing."""
-        number = value(self.measure, frame)
+        number = MEASURES[self.measure](frame)
         return number is not None and (
             (self.at_least is None or number >= self.at_least - 1e-9)
             and (self.at_most is None or number <= self.at_most + 1e-9)

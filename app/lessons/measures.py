@@ -146,14 +146,9 @@ _SETTINGS = {"wanted", "speed", "a", "b"}
 _LOWER_BOUNDS = {"optimum.length"}
 
 
-def value(name: str, frame: Frame) -> float | None:
-    """A measure of the frame; None where there is none."""
-    return MEASURES[name](frame)
-
-
 def text(name: str, frame: Frame) -> str:
     """A measure as it is read, lengths with their unit; lower bounds are rounded down."""
-    number = value(name, frame)
+    number = MEASURES[name](frame)
     if number is None or not math.isfinite(number):
         return "–"
     last = name.rsplit(".", 1)[-1]

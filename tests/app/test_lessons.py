@@ -25,7 +25,7 @@ from app.lessons.lesson import (
     load_lessons,
     scene_of,
 )
-from app.lessons.measures import MEASURES, filled, text, value
+from app.lessons.measures import MEASURES, filled, text
 from app.panels.theatre import EDGES
 from app.session import Session
 from app.tab_view import SHOWN, SWITCHES
@@ -110,7 +110,7 @@ def uses_search(step: Step) -> bool:
 def test_every_measure_is_a_number_or_missing(scene: str) -> None:
     frame = Frame(Planner(compile=False)(load_scene(scene)))
     for name in MEASURES:
-        assert value(name, frame) is None or isinstance(float(value(name, frame)), float)  # type: ignore[arg-type]
+        assert MEASURES[name](frame) is None or isinstance(float(MEASURES[name](frame)), float)  # type: ignore[arg-type]
         assert text(name, frame)
 
 
@@ -118,7 +118,7 @@ def test_a_measure_has_no_more_digits_than_it_means_and_a_bound_stays_one() -> N
     frame = Frame(Planner(compile=False)(load_scene("paper")))
     assert text("motion.a", frame) == "6"
     assert text("clearance.wanted", frame) == "0.2 cm"
-    bound = value("optimum.length", frame)
+    bound = MEASURES["optimum.length"](frame)
     assert bound is not None
     assert float(text("optimum.length", frame).removesuffix(" cm")) <= bound
 

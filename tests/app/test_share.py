@@ -15,7 +15,7 @@ from abi.scene.scene import Scene
 from app.challenge import GOALS, Challenge, challenge_of, parsed
 from app.frame import Frame
 from app.layers.motion_curves import acceleration, links_clearance, tool_clearance
-from app.lessons.measures import value
+from app.lessons.measures import MEASURES
 from app.panels.share import png
 from app.session import Session
 from app.tab_state import TabState
@@ -67,7 +67,7 @@ def test_a_challenge_for_the_arm_asks_for_as_much_in_any_unit() -> None:
         frame = frame_of(scene)
         challenge = challenge_of("keep the arm farther away", frame)
         assert challenge is not None
-        asked, now = challenge.until[0].at_least, value("arm.clearance", frame)
+        asked, now = challenge.until[0].at_least, MEASURES["arm.clearance"](frame)
         assert asked is not None
         assert now is not None
         gains.append((asked - now) / size)
@@ -79,7 +79,7 @@ def test_a_shorter_curve_than_the_best_possible_is_not_asked_for() -> None:
     near = frame_of(
         PAPER.replace(obstacles=[{**box.model_dump(mode="json"), "position": [3.5, 3, 3]}])
     )
-    length, best = value("curve.length", near), value("optimum.length", near)
+    length, best = MEASURES["curve.length"](near), MEASURES["optimum.length"](near)
     assert length is not None
     assert best is not None
     assert 0.97 * length < best  # there are no 3 % to gain
@@ -106,8 +106,8 @@ def test_an_obstacle_taken_away_meets_no_challenge_of_the_curve(goal: str) -> No
 def test_a_challenge_is_not_met_through_a_wall() -> None:
     wall = frame_of(load_scene("wall-with-window"))
     assert wall.plan.error is None
-    assert value("plan.complete", wall) == 0
-    assert value("plan.tool_complete", wall) == 1
+    assert MEASURES["plan.complete"](wall) == 0
+    assert MEASURES["plan.tool_complete"](wall) == 1
     for goal in ("find a plan", "keep the quadratic clear", "make it shorter"):
         challenge = challenge_of(goal, frame_of(PAPER))
         assert challenge is not None
