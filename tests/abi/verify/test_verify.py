@@ -64,7 +64,9 @@ def test_every_certificate_of_a_plan_is_accepted(name: str) -> None:
             continue
         margin = section["certificate"]["margin"]
         assert section["clearance"] == margin
-        assert margin is None or f"{margin:.9g} {scene.unit}" in one.reason
+        touching = one.curve == "arm" and margin == 0
+        kept = "touch no obstacle" if touching else f"{margin or 0:.9g} {scene.unit}"
+        assert margin is None or kept in one.reason
         if one.curve == "arm":
             assert section["certified"]
             continue
