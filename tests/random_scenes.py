@@ -11,6 +11,7 @@ import trimesh
 from abi.obstacles.triangle_mesh.mesh_source import MeshSource
 from abi.obstacles.triangle_mesh.repair import clean
 from abi.obstacles.triangle_mesh.surface import Surface
+from abi.scene.lattices import LATTICES
 from abi.scene.scene import Scene
 from abi.sweep.random_boxes import random_boxes
 
@@ -32,7 +33,7 @@ def random_scene(seed: int) -> Scene:
         "obstacles": _wall(random) * (seed % 5 == 1)
         + [_obstacle(random, reach, SHAPES[: 5 if seed % 4 == 0 else 4]) for _ in range(count)],
         "mesh": {
-            "lattice": str(random.choice(["bcc", "kuhn", "delaunay"])),
+            "lattice": str(random.choice(list(LATTICES))),
             "pitch": float(random.uniform(0.45, 1.5)),
             "seed": seed,
         },

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
 from abi.obstacles.obstacle_set import Obstacles, ObstacleSet
 from abi.obstacles.primitives import Box, Sphere
+from abi.scene.lattices import LATTICES, Lattice
 from abi.scene.settings import MeshSettings, Workspace
 from abi.search.build_graph import build_graph
 from abi.search.graph import Graph
@@ -15,8 +16,10 @@ from abi.tet_mesh.exclusion import exclude
 from abi.tet_mesh.tet_mesh import tetrahedralise
 from tests.random_geometry import random_obstacles
 
-Lattice = Literal["bcc", "kuhn", "delaunay"]
-LATTICES: tuple[Lattice, ...] = ("bcc", "kuhn", "delaunay")
+
+def lattice_of(seed: int) -> Lattice:
+    """Each lattice in turn."""
+    return list(LATTICES)[seed % len(LATTICES)]
 
 
 def random_graph(seed: int) -> Graph:
@@ -24,7 +27,7 @@ def random_graph(seed: int) -> Graph:
     rng = np.random.default_rng(seed)
     obstacles = random_obstacles(rng, int(rng.integers(0, 6)), 4.0, 2.4)
     workspace = Workspace(max=(4, 3.3, 4.7))
-    settings = MeshSettings(lattice=LATTICES[seed % 3], pitch=rng.uniform(0.7, 1.5), seed=seed)
+    settings = MeshSettings(lattice=lattice_of(seed), pitch=rng.uniform(0.7, 1.5), seed=seed)
     points = rng.uniform(0, 1, (200, 3)) * workspace.size
     points = points[ObstacleSet(obstacles).nearest(points)[0] > 0.05]
     corners = ((0, 0, 0), workspace.max)

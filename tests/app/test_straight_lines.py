@@ -7,10 +7,10 @@ import pytest
 
 from abi.arrays import FloatArray, IntArray
 from abi.scene.settings import MeshSettings, Workspace
+from abi.tet_mesh.lattice import REGULAR
 from abi.tet_mesh.tet_mesh import TetMesh, tetrahedralise
 from app.straight_lines import straight_lines
 
-_LATTICES = ("bcc", "kuhn")
 _BOX = Workspace(min=(-1.0, 0.0, 2.0), max=(2.0, 2.2, 3.7))
 _NODE = 20
 
@@ -37,7 +37,7 @@ def _is_drawn(lines: FloatArray, point: FloatArray) -> bool:
     return bool(((away < 1e-6) & (part > 0) & (part < 1)).any())
 
 
-@pytest.mark.parametrize("lattice", _LATTICES)
+@pytest.mark.parametrize("lattice", REGULAR)
 @pytest.mark.parametrize("share", [0.02, 0.5, 0.9, 1.0])
 def test_lines_draw_the_edges(lattice: str, share: float) -> None:
     mesh, random = _mesh(lattice), np.random.default_rng(int(100 * share))
@@ -53,7 +53,7 @@ def test_lines_draw_the_edges(lattice: str, share: float) -> None:
     assert all(_is_drawn(lines, middle) for middle in points[edges].mean(axis=1))
 
 
-@pytest.mark.parametrize("lattice", _LATTICES)
+@pytest.mark.parametrize("lattice", REGULAR)
 def test_edges_to_a_point_that_is_on_a_node_are_drawn(lattice: str) -> None:
     mesh = _mesh(lattice)
     beside = mesh.edges[(mesh.edges == _NODE).any(axis=1)].sum(axis=1) - _NODE
@@ -64,7 +64,7 @@ def test_edges_to_a_point_that_is_on_a_node_are_drawn(lattice: str) -> None:
     assert all(_is_drawn(lines, middle) for middle in points[edges].mean(axis=1))
 
 
-@pytest.mark.parametrize("lattice", _LATTICES)
+@pytest.mark.parametrize("lattice", REGULAR)
 def test_lines_of_a_whole_lattice_go_from_side_to_side(lattice: str) -> None:
     mesh = _mesh(lattice)
     lines = _lines(mesh, mesh.points, mesh.edges)

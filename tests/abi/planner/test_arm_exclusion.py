@@ -8,7 +8,7 @@ import pytest
 from abi.arrays import BoolArray, FloatArray, read_only
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.planner.arm_exclusion import ArmExclusionCache
-from abi.scene.lattices import Lattice
+from abi.scene.lattices import LATTICES, Lattice
 from abi.scene.settings import MeshSettings, Workspace
 from abi.tet_mesh.exclusion import Exclusion, FreeMesh, apply
 from abi.tet_mesh.node_tree import NodeTree
@@ -37,7 +37,7 @@ class _Reach:
         raise AssertionError("there is no obstacle")
 
 
-@pytest.mark.parametrize("lattice", ["bcc", "kuhn", "delaunay"])
+@pytest.mark.parametrize("lattice", LATTICES)
 @pytest.mark.parametrize("share", [0.0, 0.1, 0.5, 0.9, 1.0])
 def test_runs_of_excluded_nodes_leave_what_single_nodes_leave(
     lattice: Lattice, share: float

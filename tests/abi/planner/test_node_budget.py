@@ -5,6 +5,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from abi.planner.node_budget import FRAME_MS, LEAST_NODES, NodeBudget
+from abi.scene.lattices import LATTICES
 from abi.scene.scene import Scene, load_scene
 
 
@@ -20,7 +21,7 @@ def nodes(scene: Scene) -> int:
 @settings(max_examples=60)
 @given(
     pitch=st.floats(0.07, 3),
-    lattice=st.sampled_from(["bcc", "kuhn", "delaunay"]),
+    lattice=st.sampled_from(list(LATTICES)),
     limit=st.integers(LEAST_NODES, 1_000_000),
 )
 def test_a_mesh_that_is_too_fine_is_made_just_coarse_enough(

@@ -20,6 +20,8 @@ from abi.arm.arm import place as place_capsules
 from abi.arrays import FloatArray
 from abi.errors import StageError
 from abi.obstacles.obstacle_set import ObstacleSet
+from abi.scene.lattices import LATTICES
+from abi.tet_mesh.lattice import REGULAR
 from tests.abi.scene.test_scene import obstacles, points
 from tests.abi.shape_distances import segment_distance
 from tests.random_scenes import scattered, slalom
@@ -309,7 +311,7 @@ def test_the_json_counts_the_nodes_and_edges_that_are_left(variant: str) -> None
     assert mesh["lattice"] == scene.mesh.lattice
     lengths = np.linalg.norm(np.diff(places[edges], axis=1), axis=2)
     cells = np.divide(scene.workspace.size, scene.mesh.cells(scene.workspace))
-    shortest = cells.min() if mesh["lattice"] == "delaunay" else lengths.min()
+    shortest = lengths.min() if mesh["lattice"] in REGULAR else cells.min()
     assert mesh["pitch"] == pytest.approx(shortest)
     assert mesh["nodes"] == len(places)
     assert mesh["excluded"] == np.flatnonzero(gone).tolist()
@@ -604,7 +606,7 @@ def test_out_of_reach_is_said_with_times_and_the_arm_still_has_a_pose() -> None:
     start=points,
     goal=points,
     bodies=st.lists(obstacles, max_size=5),
-    lattice=st.sampled_from(["bcc", "kuhn", "delaunay"]),
+    lattice=st.sampled_from(list(LATTICES)),
     pitch=st.floats(0.7, 3.0),
     degree=st.integers(2, 5),
     clearance=st.floats(0, 0.5),

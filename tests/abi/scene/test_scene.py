@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 
 from abi.errors import SceneError
 from abi.scene import scene_file
+from abi.scene.lattices import LATTICES
 from abi.scene.scene import Scene, load_scene, scene_names
 from abi.scene.scene_file import dump, parse_bytes
 from abi.scene.settings import MeshSettings, Workspace
@@ -48,7 +49,7 @@ scenes = st.fixed_dictionaries(
         "unit": st.sampled_from(["m", "cm", "mm"]),
         "obstacles": st.lists(obstacles, max_size=4),
         "mesh": st.fixed_dictionaries(
-            {"lattice": st.sampled_from(["bcc", "kuhn", "delaunay"]), "pitch": st.floats(0.2, 3)}
+            {"lattice": st.sampled_from(list(LATTICES)), "pitch": st.floats(0.2, 3)}
         ),
         "spline": st.fixed_dictionaries({"degree": st.integers(2, 5), "clearance": numbers}),
         "arm": st.fixed_dictionaries({"elbow": st.sampled_from(["up", "down"]), "a3": lengths}),
@@ -297,7 +298,7 @@ def test_replace_checks_again() -> None:
         scene.replace(spline={"degree": 1})
 
 
-@pytest.mark.parametrize("lattice", ["bcc", "kuhn", "delaunay"])
+@pytest.mark.parametrize("lattice", LATTICES)
 @settings(max_examples=40)
 @given(
     size=st.tuples(st.floats(0.1, 50), st.floats(0.1, 50), st.floats(0.1, 50)),
@@ -329,7 +330,7 @@ def test_a_pitch_over_the_budget_is_refused_with_one_that_fits() -> None:
     Scene.from_dict({"version": 1, "mesh": {"pitch": finest}})
 
 
-@pytest.mark.parametrize("lattice", ["bcc", "kuhn", "delaunay"])
+@pytest.mark.parametrize("lattice", LATTICES)
 @settings(max_examples=60)
 @given(
     low=st.floats(-1e6, 0),

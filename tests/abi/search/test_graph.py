@@ -1,6 +1,6 @@
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,15 +14,15 @@ from abi.errors import PointBlocked, StageError
 from abi.obstacles.obstacle_set import NO_OBSTACLES, Obstacles, ObstacleSet
 from abi.obstacles.pose import Vec3
 from abi.obstacles.primitives import Box, Sphere
+from abi.scene.lattices import LATTICES, Lattice
 from abi.scene.settings import MeshSettings, Workspace
 from abi.search.build_graph import build_graph
 from abi.search.graph import Graph
 from abi.tet_mesh.exclusion import FreeMesh, exclude
 from abi.tet_mesh.tet_mesh import tetrahedralise
+from tests.abi.graphs import lattice_of
 from tests.random_geometry import random_obstacles
 
-Lattice = Literal["bcc", "kuhn", "delaunay"]
-LATTICES: tuple[Lattice, ...] = ("bcc", "kuhn", "delaunay")
 SIDE = 3.0
 SAMPLES = 40
 
@@ -60,7 +60,7 @@ def test_no_edge_comes_nearer_than_the_margin(seed: int) -> None:
     obstacles = random_obstacles(rng, int(rng.integers(1, 8)), SIDE, 1.5)
     clearance = float(rng.choice([0.0, 0.05, 0.2]))
     margin = clearance + float(rng.choice([0.0, 0.05]))
-    free = free_mesh(obstacles, margin, LATTICES[seed % 3])
+    free = free_mesh(obstacles, margin, lattice_of(seed))
     start, goal = (free_point(rng, obstacles, clearance) for _ in range(2))
     graph = build_graph(free, ObstacleSet(obstacles), margin, start, goal, clearance)
 
@@ -80,7 +80,7 @@ def test_only_edges_that_come_too_near_are_removed(seed: int) -> None:
     rng = np.random.default_rng(seed)
     obstacles = random_obstacles(rng, 5, SIDE, 1.5)
     margin = 0.1
-    free = free_mesh(obstacles, margin, LATTICES[seed % 3])
+    free = free_mesh(obstacles, margin, lattice_of(seed))
     start, goal = (free_point(rng, obstacles, margin) for _ in range(2))
     graph = build_graph(free, ObstacleSet(obstacles), margin, start, goal, margin)
 
@@ -126,7 +126,7 @@ POINT = st.tuples(UNIT, UNIT, UNIT)
 
 
 @settings(max_examples=60)
-@given(POINT, POINT, st.sampled_from(LATTICES))
+@given(POINT, POINT, st.sampled_from(list(LATTICES)))
 def test_start_and_goal_can_be_anywhere_in_the_box(a: Vec3, b: Vec3, lattice: Lattice) -> None:
     start, goal = np.array(a) * SIDE, np.array(b) * SIDE
     free = free_mesh(lattice=lattice, pitch=1.0)
@@ -147,7 +147,7 @@ def test_start_and_goal_can_be_anywhere_in_the_box(a: Vec3, b: Vec3, lattice: La
 def test_rows_hold_each_edge_twice_with_its_length(seed: int) -> None:
     rng = np.random.default_rng(seed)
     obstacles = random_obstacles(rng, 3, SIDE, 1.5)
-    free = free_mesh(obstacles, 0.05, LATTICES[seed % 3])
+    free = free_mesh(obstacles, 0.05, lattice_of(seed))
     start, goal = (free_point(rng, obstacles, 0.05) for _ in range(2))
     graph = build_graph(free, ObstacleSet(obstacles), 0.05, start, goal, 0.05)
 
@@ -172,7 +172,7 @@ def test_rows_hold_each_edge_twice_with_its_length(seed: int) -> None:
 def test_a_point_is_joined_to_all_near_nodes_it_sees(seed: int) -> None:
     rng = np.random.default_rng(seed)
     obstacles = random_obstacles(rng, 6, SIDE, 1.5)
-    free = free_mesh(obstacles, 0.05, LATTICES[seed % 3])
+    free = free_mesh(obstacles, 0.05, lattice_of(seed))
     start, goal = (free_point(rng, obstacles, 0.05) for _ in range(2))
     graph = build_graph(free, ObstacleSet(obstacles), 0.05, start, goal, 0.05)
     for node, point in ((graph.start, start), (graph.goal, goal)):

@@ -15,6 +15,7 @@ from abi.arrays import FloatArray, read_only
 from abi.errors import NoPath
 from abi.obstacles.obstacle_set import NO_OBSTACLES
 from abi.obstacles.primitives import Box
+from abi.scene.lattices import LATTICES, Lattice
 from abi.scene.settings import MeshSettings, Workspace
 from abi.search import bellman_ford_kernels, best_first_kernels, heuristic
 from abi.search.build_graph import build_graph
@@ -26,8 +27,9 @@ from abi.search.search_kernels import Ends, Problem
 from abi.tet_mesh.adjacency import NO_IDS, NO_NUMBERS, of_rows
 from abi.tet_mesh.adjacency_kernels import BCC, KUHN, Links, OpenEdges, Shape, cell, node_at
 from abi.tet_mesh.exclusion import exclude
+from abi.tet_mesh.lattice import REGULAR
 from abi.tet_mesh.tet_mesh import tetrahedralise
-from tests.abi.graphs import LATTICES, Lattice, graph_of, random_graph, walled
+from tests.abi.graphs import graph_of, random_graph, walled
 from tests.kernel_forms import compiled, kernels_as, plain
 
 WEIGHTS: tuple[Weight, ...] = ("length", "hops")
@@ -248,12 +250,12 @@ def test_a_node_is_found_at_its_place_however_many_there_are(seed: int) -> None:
 
 
 @pytest.mark.parametrize("cells", [(7, 6, 8), (3, 9, 5), (1, 4, 6), (2, 1, 9)])
-@pytest.mark.parametrize("lattice", ["bcc", "kuhn"])
+@pytest.mark.parametrize("lattice", REGULAR)
 def test_with_nothing_in_the_way_the_heuristic_is_almost_the_cost(
     lattice: Lattice, cells: tuple[int, int, int]
 ) -> None:
     nx, ny, nz = cells
-    side = 2 / np.sqrt(3) if lattice == "bcc" else 1.0
+    side = LATTICES[lattice].cube
     workspace = Workspace(max=(side * nx, side * 0.9 * ny, side * 1.1 * nz))
     settings = MeshSettings(lattice=lattice, pitch=1.0)
     for goal in ((0.0, 0.0, 0.0), workspace.max, (side * (nx // 2), 0.0, 0.0)):

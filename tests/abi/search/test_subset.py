@@ -12,6 +12,7 @@ from abi.obstacles.obstacle_set import Obstacles
 from abi.obstacles.primitives import Box, Sphere
 from abi.planner.plan import Plan
 from abi.planner.planner import plan
+from abi.scene.lattices import LATTICES
 from abi.scene.scene import load_scene
 from abi.search.subset import VIEWS, fits, subset
 
@@ -58,7 +59,7 @@ def test_what_is_shown_is_in_the_graph_and_keeps_the_budget(view: str, budget: i
     assert not rows(part.points) & rows(points[gone])
 
 
-@pytest.mark.parametrize("lattice", ["bcc", "kuhn", "delaunay"])
+@pytest.mark.parametrize("lattice", LATTICES)
 def test_a_mesh_that_fits_is_shown_whole(lattice: str) -> None:
     made = planned(1.0, lattice)
     assert made.free is not None

@@ -16,6 +16,7 @@ from abi.obstacles.primitives import Box
 from abi.obstacles.triangle_mesh.repair import clean
 from abi.obstacles.triangle_mesh.surface import Surface
 from abi.planner.planner import plan
+from abi.scene.lattices import LATTICES
 from abi.scene.scene import Scene, load_scene
 from abi.search.build_graph import build_graph
 from abi.search.graph import Graph
@@ -28,6 +29,7 @@ from abi.taut.taut_path import TautPath, taut
 from abi.taut.theta_star_kernels import any_angle
 from abi.tet_mesh import tet_mesh as mesh
 from abi.tet_mesh.exclusion import exclude
+from abi.tet_mesh.lattice import REGULAR
 from tests.abi.scene.test_scene import obstacles, points
 from tests.abi.shape_distances import segment_distance
 from tests.kernel_forms import kernels_as
@@ -83,7 +85,7 @@ def keeps(found: TautPath, path: SearchResult, solids: Obstacles, margin: float)
     start=points,
     goal=points,
     pitch=st.floats(0.6, 2),
-    lattice=st.sampled_from(["bcc", "kuhn", "delaunay"]),
+    lattice=st.sampled_from(list(LATTICES)),
     clearance=st.sampled_from([0.0, 0.1, 0.3]),
     slack=st.sampled_from([0.0, 0.006, 0.1]),
 )
@@ -279,7 +281,7 @@ def test_the_path_for_any_angle_hides_no_way_nearly_as_short(
     assert whole <= without * (1 + 1e-5)
 
 
-@pytest.mark.parametrize("lattice", ["bcc", "kuhn", "delaunay"])
+@pytest.mark.parametrize("lattice", LATTICES)
 def test_how_many_nodes_are_searched_for_any_angle_is_bounded(
     lattice: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -300,7 +302,7 @@ def test_how_many_nodes_are_searched_for_any_angle_is_bounded(
         assert found.length < path.length
 
     # every second node along each axis; where that has no meaning all of them, or none
-    assert strides == ([1] if lattice == "delaunay" else [2, 2])
+    assert strides == ([2, 2] if lattice in REGULAR else [1])
 
 
 def test_a_mesh_is_passed_as_the_box_that_it_is() -> None:

@@ -14,6 +14,7 @@ from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.packing import pack
 from abi.obstacles.primitives import Primitive
+from abi.scene.lattices import LATTICES
 from abi.scene.scene import Scene
 from abi.search.build_graph import REACH
 from abi.taut import theta_star_kernels as kernels
@@ -21,6 +22,7 @@ from abi.taut.taut_path import _margins
 from abi.tet_mesh import tet_mesh as mesh
 from abi.tet_mesh.adjacency_kernels import BCC, KUHN, Shape
 from abi.tet_mesh.exclusion import exclude
+from abi.tet_mesh.lattice import REGULAR
 from abi.tet_mesh.tet_mesh import TetMesh
 from tests.abi.scene.test_scene import obstacles, points
 from tests.abi.shape_distances import segment_distance
@@ -71,7 +73,7 @@ def length(path: FloatArray) -> float:
     start=points,
     goal=points,
     pitch=st.floats(0.4, 1.5),
-    lattice=st.sampled_from(["bcc", "kuhn", "delaunay"]),
+    lattice=st.sampled_from(list(LATTICES)),
     stride=st.integers(1, 4),
 )
 def test_it_goes_by_free_nodes_that_see_each_other(
@@ -101,7 +103,7 @@ def test_it_goes_by_free_nodes_that_see_each_other(
         assert not len(shorter) or length(shorter) < bound
 
 
-@pytest.mark.parametrize("lattice", ["bcc", "kuhn"])
+@pytest.mark.parametrize("lattice", REGULAR)
 @pytest.mark.parametrize("stride", [2, 3, 4])
 def test_every_few_nodes_are_a_coarser_lattice(lattice: str, stride: int) -> None:
     scene = scene_of([CUBE], pitch=0.5, lattice=lattice)
@@ -121,7 +123,7 @@ def test_every_few_nodes_are_a_coarser_lattice(lattice: str, stride: int) -> Non
 
 @pytest.mark.slow
 @pytest.mark.parametrize("ends", [([0, 0, 0], [6, 6, 6]), ([6, 0, 0], [0, 6, 6])])
-@pytest.mark.parametrize("lattice", ["bcc", "kuhn", "delaunay"])
+@pytest.mark.parametrize("lattice", LATTICES)
 def test_on_finer_meshes_it_nears_the_optimum(
     lattice: str, ends: tuple[list[float], list[float]]
 ) -> None:
@@ -159,7 +161,7 @@ def test_behind_a_wall_there_is_none() -> None:
     start=points,
     goal=points,
     pitch=st.floats(0.6, 1.5),
-    lattice=st.sampled_from(["bcc", "kuhn", "delaunay"]),
+    lattice=st.sampled_from(list(LATTICES)),
     stride=st.integers(1, 3),
 )
 def test_compiled_and_plain_find_the_same(

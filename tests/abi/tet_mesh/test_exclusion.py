@@ -1,6 +1,6 @@
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,6 +15,7 @@ from abi.obstacles.mesh_shape import MeshShape
 from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.primitives import Box, Capsule, Cylinder, Sphere
 from abi.obstacles.triangle_mesh.repair import clean
+from abi.scene.lattices import LATTICES, Lattice
 from abi.scene.settings import MeshSettings, Workspace
 from abi.search.build_graph import _graph, build_graph
 from abi.search.graph import Graph
@@ -22,13 +23,12 @@ from abi.search.heuristic import Weight
 from abi.search.search import SEARCHES
 from abi.tet_mesh import tet_mesh as mesh
 from abi.tet_mesh.exclusion import exclude
+from abi.tet_mesh.lattice import REGULAR
 from abi.tet_mesh.tet_mesh import TetMesh
 from tests.abi.meshes import sphere
 from tests.abi.scene.test_scene import obstacles
 from tests.kernel_forms import kernels_as
 
-Lattice = Literal["bcc", "kuhn", "delaunay"]
-LATTICES: tuple[Lattice, ...] = ("bcc", "kuhn", "delaunay")
 TIE = 1e-9
 KINDS: dict[str, Any] = {
     "box": Box,
@@ -57,7 +57,8 @@ def cases(draw: st.DrawFn) -> tuple[TetMesh, ObstacleSet, float, float, Any, Any
     """A mesh of cells that are no cubes, obstacles, margin, clearance, start and goal."""
     low = draw(st.sampled_from([0.0, -3.0, 1e3]))
     workspace = Workspace(min=(low, 0.0, 0.0), max=(low + draw(SIDE), draw(SIDE), draw(SIDE)))
-    settings_ = MeshSettings(lattice=draw(st.sampled_from(LATTICES)), pitch=draw(st.floats(0.6, 3)))
+    lattice, pitch = draw(st.sampled_from(list(LATTICES))), draw(st.floats(0.6, 3))
+    settings_ = MeshSettings(lattice=lattice, pitch=pitch)
     assume(settings_.node_count(workspace) < 500)
     made = mesh.tetrahedralise(workspace, settings_)
     bodies = []
@@ -147,7 +148,7 @@ def test_the_graph_is_what_its_definition_says(case: Any, compiled: bool) -> Non
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("lattice", LATTICES[:2])
+@pytest.mark.parametrize("lattice", REGULAR)
 @pytest.mark.parametrize("turned", [False, True])
 @pytest.mark.parametrize("seed", range(3))
 def test_what_is_passed_over_in_a_fine_lattice_is_clear(
@@ -236,7 +237,7 @@ def test_a_ball_of_triangles_takes_what_lies_between_the_balls_around_it(lattice
 
 def test_an_edge_is_shut_at_both_its_ends() -> None:
     rng = np.random.default_rng(5)
-    for lattice in LATTICES[:2]:
+    for lattice in REGULAR:
         settings_ = MeshSettings(lattice=lattice, pitch=0.5)
         made = mesh.tetrahedralise(Workspace(max=(3, 2.6, 3.2)), settings_)
         assert made.stencil is not None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,6 +14,7 @@ from abi.obstacles.obstacle_set import ObstacleSet
 from abi.obstacles.pose import rotation
 from abi.obstacles.triangle_mesh.repair import clean
 from abi.obstacles.triangle_mesh.surface import Surface
+from abi.scene.lattices import LATTICES, Lattice
 from abi.scene.settings import MeshSettings, Workspace
 from abi.search.build_graph import _graph
 from abi.tet_mesh import tet_mesh
@@ -35,12 +36,12 @@ CASES = {
 @settings(max_examples=12)
 @given(
     st.sampled_from(sorted(CASES)),
-    st.sampled_from(["bcc", "kuhn", "delaunay"]),
+    st.sampled_from(list(LATTICES)),
     st.sampled_from([0.0, 0.006, 0.1, 0.3]),
     st.integers(0, 2**32 - 1),
 )
 def test_an_edge_is_open_where_samples_of_it_are_clear(
-    name: str, lattice: Literal["bcc", "kuhn", "delaunay"], margin: float, seed: int
+    name: str, lattice: Lattice, margin: float, seed: int
 ) -> None:
     rng = np.random.default_rng(seed)
     pose: dict[str, Any] = {

@@ -1,7 +1,6 @@
 from __future__ import annotations
 
 import math
-from typing import Literal
 
 import numpy as np
 import pytest
@@ -11,14 +10,14 @@ from scipy.spatial import cKDTree
 
 from abi.obstacles.obstacle_set import NO_OBSTACLES, ObstacleSet
 from abi.obstacles.primitives import Sphere
+from abi.scene.lattices import LATTICES, Lattice
 from abi.scene.settings import MeshSettings, Workspace
 from abi.tet_mesh.delaunay import volumes
 from abi.tet_mesh.exclusion import exclude, within
+from abi.tet_mesh.lattice import REGULAR
 from abi.tet_mesh.tet_mesh import TetMesh, edges_of, tetrahedralise
 from tests.random_geometry import random_obstacles
 
-Lattice = Literal["bcc", "kuhn", "delaunay"]
-LATTICES: tuple[Lattice, ...] = ("bcc", "kuhn", "delaunay")
 FACES = ((0, 1, 2), (0, 1, 3), (0, 2, 3), (1, 2, 3))
 
 
@@ -32,7 +31,7 @@ def boxes(draw: st.DrawFn) -> Workspace:
 @st.composite
 def meshes(draw: st.DrawFn) -> tuple[Workspace, TetMesh]:
     workspace = draw(boxes())
-    lattice = draw(st.sampled_from(LATTICES))
+    lattice = draw(st.sampled_from(list(LATTICES)))
     pitch = draw(st.floats(0.9, 5))
     seed = draw(st.integers(0, 2**32 - 1))
     return workspace, tetrahedralise(
@@ -68,13 +67,13 @@ def test_edges_belong_to_tetrahedra_and_have_their_lengths(
     tail, head = mesh.edges.T
     lengths = np.linalg.norm(mesh.points[head] - mesh.points[tail], axis=1)
     assert np.allclose(mesh.lengths, lengths, rtol=1e-9, atol=0)
-    if mesh.lattice != "delaunay":
+    if mesh.lattice in REGULAR:
         assert mesh.pitch == mesh.lengths.min()
 
 
 @pytest.mark.slow
 @settings(max_examples=100)
-@given(boxes(), st.sampled_from(LATTICES), st.floats(0.3, 5), st.integers(0, 99))
+@given(boxes(), st.sampled_from(list(LATTICES)), st.floats(0.3, 5), st.integers(0, 99))
 def test_nodes_are_as_many_as_counted_and_reach_the_corners(
     workspace: Workspace, lattice: Lattice, pitch: float, seed: int
 ) -> None:
@@ -87,9 +86,9 @@ def test_nodes_are_as_many_as_counted_and_reach_the_corners(
     assert cKDTree(mesh.points).query(corners.reshape(-1, 3))[0].max() == 0
 
 
-@pytest.mark.parametrize("lattice", ["bcc", "kuhn"])
+@pytest.mark.parametrize("lattice", REGULAR)
 def test_pitch_is_what_was_asked_where_the_box_allows_it(lattice: Lattice) -> None:
-    cube = 2 / math.sqrt(3) if lattice == "bcc" else 1.0
+    cube = LATTICES[lattice].cube
     workspace = Workspace(min=(-1, 0, 2), max=(-1 + 3 * cube, 2 * cube, 2 + 4 * cube))
     mesh = tetrahedralise(workspace, MeshSettings(lattice=lattice, pitch=1.0))
     assert mesh.cells == (3, 2, 4)
@@ -147,7 +146,7 @@ def test_delaunay_keeps_each_node_in_its_cell_and_on_its_face() -> None:
     assert (mesh.points != grid.points).any(axis=0).all()
 
 
-@pytest.mark.parametrize("lattice", ["bcc", "kuhn"])
+@pytest.mark.parametrize("lattice", REGULAR)
 def test_a_large_mesh_makes_no_table_until_asked(lattice: Lattice) -> None:
     mesh = tetrahedralise(Workspace(), MeshSettings(lattice=lattice, pitch=0.3))
     free = exclude(mesh, ObstacleSet((Sphere(position=(3, 3, 3), radius=1.0),)), 0.1)
