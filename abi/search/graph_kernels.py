@@ -13,7 +13,6 @@ from abi.compiled import FLAGS, FLOATS, compiled
 from abi.obstacles.primitive_tree_kernels import blocked
 from abi.obstacles.vector_kernels import Vec3, distance
 from abi.tet_mesh.adjacency_kernels import (
-    BCC,
     CSR,
     NO_ADJACENCY,
     Adjacency,
@@ -54,7 +53,7 @@ def visible_nodes(
     found = 0
     nodes = np.empty(128, np.int32)
     distances = np.empty(128, np.float64)
-    for odd in range(2 if shape.kind == BCC else 1):
+    for odd in range(2 if shape.cross else 1):
         (a0, a1), (b0, b1), (c0, c1) = (0, 2 * shape.nodes - 2), (0, 0), (0, 0)
         if not rows:
             (a0, a1), (b0, b1), (c0, c1) = half_cells_within(shape, places, low, high, odd)

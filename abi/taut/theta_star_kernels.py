@@ -21,7 +21,6 @@ from abi.obstacles.primitive_kernels import WIDTH
 from abi.obstacles.primitive_tree_kernels import blocked
 from abi.obstacles.vector_kernels import Vec3, distance
 from abi.tet_mesh.adjacency_kernels import (
-    BCC,
     CSR,
     INTERIOR_DIRECTIONS,
     NO_ADJACENCY,
@@ -62,7 +61,7 @@ def _coarse(shape: Shape, stride: int) -> Shape:
         return shape
     nx, ny, nz = nx // stride, ny // stride, nz // stride
     corners = (nx + 1) * (ny + 1) * (nz + 1)
-    nodes = corners + (nx * ny * nz if kind == BCC else 0)
+    nodes = corners + (nx * ny * nz if cross else 0)
     return Shape(kind, nx, ny, nz, corners, nodes, directions, cross, most)
 
 

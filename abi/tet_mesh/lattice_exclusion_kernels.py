@@ -18,7 +18,6 @@ from abi.obstacles.primitive_kernels import (
 )
 from abi.obstacles.vector_kernels import Vec3, dot, sub
 from abi.tet_mesh.adjacency_kernels import (
-    BCC,
     INTERIOR_DIRECTIONS,
     Adjacency,
     Span,
@@ -92,7 +91,7 @@ def exclusion_of_lattice(
     edges = _edges_in_body(adjacency, axes)
     far = reach + _ROUNDING * reach
     tight, loose = _reach_aside(edges, reach), (far, far, far, far, far, far)
-    kinds = 2 if shape.kind == BCC else 1
+    kinds = 2 if shape.cross else 1
     lines = _lines(windows[0]) + (_lines(windows[1]) if kinds == 2 else 0)
     starts, lengths = np.empty(2 * lines, np.int32), np.empty(2 * lines, np.int32)
     most = 2 * directions * (shape.nz + 1)

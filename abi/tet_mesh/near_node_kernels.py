@@ -28,7 +28,6 @@ from abi.obstacles.triangle_mesh.triangle_kernels import point_to_triangle, tria
 from abi.obstacles.triangle_mesh.winding_kernels import is_inside
 from abi.obstacles.vector_kernels import Vec3, norm, sub
 from abi.tet_mesh.adjacency_kernels import (
-    BCC,
     Adjacency,
     Span,
     half_cells_within,
@@ -135,7 +134,7 @@ def near_nodes_of_lattice(
     tables, placement, limits, _ = surface
     y0, z0 = y_and_z_origins(shape)
     low, high = _reached(surface)
-    kinds = 2 if shape.kind == BCC else 1
+    kinds = 2 if shape.cross else 1
     step = (places[z0 + 2] - places[z0]) / placement.factor
     windows = (
         half_cells_within(shape, places, low, high, 0),
