@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from abi.planner.plan import Plan
-from abi.search.search import SearchResult
+from abi.search.search import SEARCHES, SearchResult
 from app.frame import Frame
 from app.numbers import (
     distance_to_show,
@@ -97,7 +97,7 @@ MEASURES: Mapping[str, Measure] = MappingProxyType(
         "path.clearance": lambda f: None if f.plan.path is None else f.plan.path_clearance,
         **{
             f"{name}.{attribute}": partial(_searched, name, attribute)
-            for name in ("a_star", "dijkstra", "bellman_ford")
+            for name in SEARCHES
             for attribute in ("length", "hops", "expanded", "relaxed")
         },
         "taut.length": partial(_number, "plan.taut.length"),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 
+from abi.search.search import SEARCHES
 from app import page
 from app.frame import Frame
 from app.layout import Layout
@@ -17,7 +18,7 @@ _ALWAYS = frozenset({"workspace", "axes", "obstacles"})
 _SHOWN: dict[str, frozenset[str]] = {
     "mesh": _ALWAYS | {"edges", "nodes", "excluded"},
     "graph": _ALWAYS | {"edges", "nodes"},
-    "search": _ALWAYS | {"a_star", "dijkstra", "bellman_ford", "taut", "names"},
+    "search": _ALWAYS | {*SEARCHES, "taut", "names"},
     "bspline": _ALWAYS | {"a_star", "taut", "bspline", "control", "names"},
     "quadratic": _ALWAYS | {"bspline", "quadratic", "names"},
     "arm": _ALWAYS | {"bspline", "quadratic", "arm", "trace", "names"},

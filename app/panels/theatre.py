@@ -15,6 +15,7 @@ from abi.arrays import FloatArray, IntArray
 from abi.errors import StageError
 from abi.search.compare import COMPARED
 from abi.search.replay import replay
+from abi.search.search import SEARCHES
 from abi.search.trace import SearchTrace
 from app import notices, style
 from app.frame import Frame
@@ -33,9 +34,11 @@ _INTRO = style.paragraph(
 )
 EDGES = {"none": "", "one": "negative", "one, with a cycle": "cycle"}
 _STEPS = {"to start": None, "◀ 1": -1, "1 ▶": 1}
-_COVERING = frozenset(
-    {"a_star", "dijkstra", "bellman_ford", "taut", "bspline", "control", "quadratic", "ghost"}
-) | {"names", "excluded", "arm", "trace", "tool_only", "other_elbow", "end_poses", "bases"}
+_COVERING = (
+    frozenset(SEARCHES)
+    | {"taut", "bspline", "control", "quadratic", "ghost", "names", "excluded", "arm", "trace"}
+    | {"tool_only", "other_elbow", "end_poses", "bases"}
+)
 """Layers that would cover the search, or give away what it finds."""
 
 
