@@ -97,7 +97,8 @@ def opened(server: Server, patience: float = WAIT) -> tuple[FakeTab, Session]:
     until(lambda: bool(set(server.sessions) - known))
     (number,) = set(server.sessions) - known
     session = server.sessions[number]
-    until(lambda: session.plan is not None, patience)
+    until(lambda: session.plan is not None or session._fault is not None, patience)
+    assert session._fault is None, session._fault
     return fake, session
 
 
