@@ -19,7 +19,7 @@ from abi.planner.diagnosis import explain
 from abi.planner.nearest_free_point import nearest_free_point, rounded
 from abi.planner.plan import Plan
 from abi.planner.reason import Reason
-from abi.planner.what_if import MOST_NODES, WhatIf, rounded_down
+from abi.planner.what_if import _STAGES, MOST_NODES, WhatIf, rounded_down
 from abi.scene.settings import MeshSettings, Workspace
 from abi.tet_mesh import tet_mesh as mesh
 from tests.abi.scene.test_scene import obstacles, points
@@ -29,11 +29,8 @@ def is_within(box: Workspace, point: Any) -> bool:
     return bool(np.all(np.array(box.min) <= point) and np.all(point <= np.array(box.max)))
 
 
-STAGES = ["mesh", "graph", "search", "bspline", "quadratic", "timing", "arm"]
-
-
 def passes(made: Plan, stage: str) -> bool:
-    return made.error is None or STAGES.index(made.error.stage) > STAGES.index(stage)
+    return made.error is None or _STAGES.index(made.error.stage) > _STAGES.index(stage)
 
 
 def never() -> bool:
